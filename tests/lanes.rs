@@ -12,7 +12,7 @@ use hardpoint::model::{Axis, Drive, PointId, SteeringAxis};
 use hardpoint::number::{Jet, Vector3, Width};
 use hardpoint::solve::Solver;
 use hardpoint::study::Study;
-use hardpoint::sweep::{BLOCK, Block, Evaluator, Gradients, Stations, AngleTarget};
+use hardpoint::sweep::{AngleTarget, BLOCK, Block, Evaluator, Gradients, Stations};
 use std::ops::ControlFlow;
 use std::path::Path;
 use support::random::Random;

@@ -8,7 +8,7 @@
 
 mod axle;
 
-use self::axle::{AxleFunction, AxleEvaluator};
+use self::axle::{AxleEvaluator, AxleFunction};
 use crate::characteristics::{Quantity, with_unit};
 use crate::evaluate::{Evaluated, GradientEvaluator};
 use crate::mechanism::DesignFault;

@@ -118,7 +118,10 @@ pub fn import(table: &PointTable, options: &ImportOptions<'_>) -> Result<Importe
 }
 
 /// The hardpoint each point of the file means.
-fn meanings(table: &PointTable, options: &ImportOptions<'_>) -> Result<Vec<Option<&'static str>>, String> {
+fn meanings(
+    table: &PointTable,
+    options: &ImportOptions<'_>,
+) -> Result<Vec<Option<&'static str>>, String> {
     let same = |a: &str, b: &str| a.trim().to_lowercase() == b.trim().to_lowercase();
     for (hardpoint, name) in options.names {
         if options.topology.hardpoint(hardpoint).is_none() {

@@ -163,7 +163,11 @@ pub fn axle_motion(
     curves: &AxleCurves,
 ) -> Vec<(String, Vec<Option<f64>>)> {
     let of_stations = StationColumns { plan, axle };
-    let mut columns: Vec<_> = of_stations.names().into_iter().map(|n| (n, Vec::new())).collect();
+    let mut columns: Vec<_> = of_stations
+        .names()
+        .into_iter()
+        .map(|n| (n, Vec::new()))
+        .collect();
     for (number, station) in curves.stations.iter().enumerate() {
         for ((_, column), value) in columns.iter_mut().zip(of_stations.values(number, station)) {
             column.push(value);

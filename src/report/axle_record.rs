@@ -5,7 +5,7 @@ use super::places::Places;
 use super::record::{DesignRecord, FORM, OutputRecord, Record, TargetRecord, readable_unit};
 use super::scene::Scene;
 use crate::axle::{
-    Axle, AxleColumn, AxleCurves, AxlePlan, Coordinate, AxleMotion, Motion, axle_frames,
+    Axle, AxleColumn, AxleCurves, AxleMotion, AxlePlan, Coordinate, Motion, axle_frames,
 };
 use crate::curves::Frame;
 use crate::curves::thinned::evenly;

@@ -10,7 +10,7 @@ use super::message::{
 use super::overview::rack_slider;
 use super::study_file::Opened;
 use crate::axle::{
-    Axle, AxleCurves, AxlePlan, Coordinate, AxleMotion, Quantity, WheelMotion, axle_curves,
+    Axle, AxleCurves, AxleMotion, AxlePlan, Coordinate, Quantity, WheelMotion, axle_curves,
 };
 use crate::characteristics::with_unit;
 use crate::curves::{Frame, frames};

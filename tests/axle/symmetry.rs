@@ -3,7 +3,7 @@
 use super::{axle, reference::read};
 use hardpoint::analyse::{Load, Support};
 use hardpoint::axle::{
-    AxlePlan, AxleQuantity as A, AxleSolver, AxleMotion, Placement, Quantity, WheelMotion,
+    AxleMotion, AxlePlan, AxleQuantity as A, AxleSolver, Placement, Quantity, WheelMotion,
     WheelQuantity as W, axle_curves,
 };
 use hardpoint::characteristics::Characteristic;

@@ -5,7 +5,7 @@ mod hostile;
 mod round_trips;
 mod schema;
 
-use hardpoint::exchange::{Imported, ImportOptions, import, read_points};
+use hardpoint::exchange::{ImportOptions, Imported, import, read_points};
 use hardpoint::model::{FrameConvention, LengthUnit, Side, Topology};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

@@ -5,7 +5,7 @@
 
 use super::formulas::{loads, roll, steering};
 use super::reading::WheelParts;
-use super::state::State;
+use super::state::AxleState;
 use super::unit::Unit;
 use crate::characteristics::{Characteristic, Slot, Unit as CornerUnit};
 use crate::model::Side;
@@ -135,7 +135,7 @@ macro_rules! catalogue {
             }
 
             /// The value at one wheel; each formula a function of its own.
-            pub fn evaluate<T: Scalar, W: WheelParts<T>>(self, state: &State<T, W>, side: Side) -> T {
+            pub fn evaluate<T: Scalar, W: WheelParts<T>>(self, state: &AxleState<T, W>, side: Side) -> T {
                 match self {
                     $(WheelQuantity::$wheel => called((state, side), |(state, side)| $wfunction(state, side)),)*
                 }
@@ -158,7 +158,7 @@ macro_rules! catalogue {
             }
 
             /// The value; each formula a function of its own.
-            pub fn evaluate<T: Scalar, W: WheelParts<T>>(self, state: &State<T, W>) -> T {
+            pub fn evaluate<T: Scalar, W: WheelParts<T>>(self, state: &AxleState<T, W>) -> T {
                 match self {
                     $(AxleQuantity::$axle => called(state, $function),)*
                 }
@@ -323,7 +323,7 @@ impl Quantity {
     }
 
     /// The value.
-    pub fn evaluate<T: Scalar, W: WheelParts<T>>(self, state: &State<T, W>) -> T {
+    pub fn evaluate<T: Scalar, W: WheelParts<T>>(self, state: &AxleState<T, W>) -> T {
         match self {
             Quantity::Corner(side, c) => {
                 let inputs = state.readings[side as usize].inputs(state.setup.constants);
@@ -378,7 +378,7 @@ impl Quantity {
     }
 
     /// The value in a state, or why there is none.
-    pub fn value(self, state: &State<f64>) -> Result<f64, Void> {
+    pub fn value(self, state: &AxleState<f64>) -> Result<f64, Void> {
         let is_void = |void: &Void| match void {
             Void::StraightAhead => steering::is_straight_ahead(state),
             Void::ParallelNormals => roll::normals_are_parallel(state),

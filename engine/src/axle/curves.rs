@@ -2,7 +2,7 @@
 
 use super::solver::{AxleFailure, AxleSolver, Placed, Placement, Read, Sought, WheelRead, both};
 use super::{
-    Axle, AxleCertifier, AxleColumn, AxleProof, AxleQuantity, AxleMotion, Of, Quantity, Void,
+    Axle, AxleCertifier, AxleColumn, AxleMotion, AxleProof, AxleQuantity, Of, Quantity, Void,
     WheelMotion,
 };
 use crate::curves::{Loads, Status};

@@ -8,7 +8,7 @@
 use super::at_load::LOAD_TERMS;
 use super::reading::{Parts, Reading, Snapshot, WheelParts, add_gradient, along, inputs_on_tape};
 use super::setup::Setup;
-use super::state::{Hold, Motion, State};
+use super::state::{AxleState, Hold, Motion};
 use super::taylor::{Line, Taylor};
 use super::{Axle, Quantity, Void};
 use crate::analyse::{Balance, Certifier, Limits, Support};
@@ -545,7 +545,7 @@ pub(super) enum Sought {
 
 /// The derivative of what is sought by the mean travel.
 fn heaving<const N: usize>(
-    state: &State<'_, f64>,
+    state: &AxleState<'_, f64>,
     linearised: &[Vec<Linearised<'_, N>>; 2],
     sought: &Sought,
 ) -> f64 {
@@ -575,7 +575,7 @@ pub struct WheelRead {
 /// What is read in a position.
 pub struct Read<'a> {
     /// The state.
-    pub state: State<'a, f64>,
+    pub state: AxleState<'a, f64>,
     /// The larger condition number of the two wheels.
     pub condition: f64,
     /// Of each wheel, a rod of a rocker that is at toggle or beyond.
@@ -1022,9 +1022,9 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         &self,
         readings: [Reading<T>; 2],
         placed: &Placed,
-    ) -> State<'a, T> {
+    ) -> AxleState<'a, T> {
         let like = readings[0].like();
-        State {
+        AxleState {
             readings,
             ground: Ground::rolled(placed.roll).map(|c| like.lit(c)),
             roll: like.lit(placed.roll),

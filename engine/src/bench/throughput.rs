@@ -13,7 +13,7 @@ use crate::model::{Axis, Frame, Suspension};
 use crate::number::{Jet, Vector3, Width};
 use crate::solve::Solver;
 use crate::study::{Drive, Motion, Study};
-use crate::sweep::{BLOCK, Block, Evaluator, Gradients, Stations, AngleTarget, uniform};
+use crate::sweep::{AngleTarget, BLOCK, Block, Evaluator, Gradients, Stations, uniform};
 use rayon::ThreadPoolBuilder;
 use std::hint::black_box;
 use std::ops::ControlFlow;

@@ -36,7 +36,7 @@ pub enum Static {
 
 /// A suspension at rest with its parts adjusted.
 #[derive(Clone, Debug)]
-pub struct State {
+pub struct AdjustedSuspension {
     /// How much each adjustment is.
     pub amounts: Vec<f64>,
     /// The parts put together.
@@ -58,9 +58,9 @@ pub struct SetUp {
     /// What is left of each wanted value by steps of shims that nothing adjusted after them can make up for.
     pub by_steps: Vec<f64>,
     /// As drawn, at the ride height that is wanted.
-    pub drawn: State,
+    pub drawn: AdjustedSuspension,
     /// After each adjustment, in the order of the study.
-    pub steps: Vec<State>,
+    pub steps: Vec<AdjustedSuspension>,
 }
 
 /// Why a set-up has no answer.
@@ -138,7 +138,7 @@ impl SetUp {
     }
 
     /// With everything adjusted.
-    pub fn last(&self) -> &State {
+    pub fn last(&self) -> &AdjustedSuspension {
         self.steps.last().unwrap_or(&self.drawn)
     }
 
@@ -227,7 +227,7 @@ impl<'a> Problem<'a> {
         }
     }
 
-    fn state(&self, amounts: &[f64]) -> Result<State, NoSetUp> {
+    fn state(&self, amounts: &[f64]) -> Result<AdjustedSuspension, NoSetUp> {
         let mechanism = &self.assembler.suspension().mechanism;
         let mut parts = self.assembler.drawn().clone();
         for (direction, amount) in self.directions.iter().zip(amounts) {
@@ -241,7 +241,7 @@ impl<'a> Problem<'a> {
         let values = found.curves.stations[0].values.iter();
         let values = values.map(|v| v.unwrap_or(f64::NAN));
         let columns = found.curves.columns.len();
-        Ok(State {
+        Ok(AdjustedSuspension {
             amounts: amounts.to_vec(),
             values: values.chain([built.height]).collect(),
             by: (0..directions.len())
@@ -255,14 +255,18 @@ impl<'a> Problem<'a> {
     }
 
     /// The state in which the wanted values are met as well as they can be by some of the adjustments.
-    fn settle(&self, mut state: State, free: &[usize]) -> Result<State, NoSetUp> {
+    fn settle(
+        &self,
+        mut state: AdjustedSuspension,
+        free: &[usize],
+    ) -> Result<AdjustedSuspension, NoSetUp> {
         let targets: Vec<usize> = (0..self.statics.len())
             .filter(|i| self.wanted[*i].is_some())
             .collect();
         if targets.is_empty() || free.is_empty() {
             return Ok(state);
         }
-        let missed = |state: &State| {
+        let missed = |state: &AdjustedSuspension| {
             let miss = |i: &usize| {
                 let wanted = self.wanted[*i].unwrap_or(f64::NAN);
                 (state.values[*i] - wanted) * self.weights[*i]

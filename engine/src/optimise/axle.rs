@@ -5,7 +5,7 @@
 //! hardpoints of its own they are moved as the mirror images of the left ones are.
 
 use super::moves::{Way, moved_design, ways};
-use super::{Evaluation, Infeasible};
+use super::{Infeasible, Linearisation};
 use crate::axle::{Axle, AxleSolver, Hold, Placement, Quantity};
 use crate::mechanism::DesignFault;
 use crate::number::Vector3;
@@ -111,7 +111,7 @@ pub(super) struct Moved<'m> {
 /// Residuals and their derivatives.
 pub(super) trait AxleRows: Send {
     /// Writes the rows of all targets of the axle.
-    fn evaluate(&mut self, moved: &Moved<'_>, into: &mut Evaluation) -> Result<(), Infeasible>;
+    fn evaluate(&mut self, moved: &Moved<'_>, into: &mut Linearisation) -> Result<(), Infeasible>;
 }
 
 /// The rows of a layout.
@@ -146,7 +146,7 @@ struct Rows<'a, const N: usize> {
 }
 
 impl<const N: usize> AxleRows for Rows<'_, N> {
-    fn evaluate(&mut self, moved: &Moved<'_>, into: &mut Evaluation) -> Result<(), Infeasible> {
+    fn evaluate(&mut self, moved: &Moved<'_>, into: &mut Linearisation) -> Result<(), Infeasible> {
         let Rows {
             layout,
             solver,

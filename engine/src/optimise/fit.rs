@@ -3,7 +3,7 @@
 use super::constrained::KEPT;
 use super::fit_record::{evaluations, execute};
 use super::{
-    ActiveBound, Bounds, Evaluation, Held, Infeasible, LeastSquares, LevenbergMarquardt, Options,
+    ActiveBound, Bounds, Held, Infeasible, LeastSquares, LevenbergMarquardt, Linearisation, Options,
 };
 use nalgebra::DVector;
 use std::fmt;
@@ -44,7 +44,7 @@ pub struct Iteration {
 
 impl Iteration {
     /// The start, or an iteration that has not got anywhere: its end has this evaluation.
-    pub(super) fn at(end: &Evaluation) -> Self {
+    pub(super) fn at(end: &Linearisation) -> Self {
         Iteration {
             iteration: 0,
             cost: end.cost(),
@@ -125,7 +125,7 @@ pub struct Fit {
     /// The variables, within their bounds.
     pub x: DVector<f64>,
     /// Residuals and Jacobian there.
-    pub evaluation: Evaluation,
+    pub evaluation: Linearisation,
     /// Which variables are at a bound.
     pub holds: Vec<ActiveBound>,
     /// Why it ended.

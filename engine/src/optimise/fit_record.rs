@@ -7,16 +7,16 @@ use nalgebra::DVector;
 use std::sync::atomic::Ordering;
 
 /// What argmin keeps of a run: the variables and the cost.
-pub type State = IterState<DVector<f64>, (), (), (), (), f64>;
+pub type ArgminState = IterState<DVector<f64>, (), (), (), (), f64>;
 
 /// Runs a solver from the point of the box nearest to `start`; an error says why there are no residuals even
 /// there.
-pub(super) fn execute<P, S: Solver<P, State>>(
+pub(super) fn execute<P, S: Solver<P, ArgminState>>(
     problem: P,
     solver: S,
     bounds: &Bounds,
     start: &DVector<f64>,
-) -> Result<(S, State), Infeasible> {
+) -> Result<(S, ArgminState), Infeasible> {
     let result = Executor::new(problem, solver)
         .configure(|state| state.param(bounds.nearest(start)))
         // The process has one handler for Ctrl-C, and it is not argmin's.
@@ -92,7 +92,7 @@ impl<'a> FitRecord<'a> {
     }
 
     /// Whether the run goes on: argmin asks after every iteration.
-    pub(super) fn status(&mut self, state: &State) -> TerminationStatus {
+    pub(super) fn status(&mut self, state: &ArgminState) -> TerminationStatus {
         if self.termination.is_none() {
             let interrupted = self.control.interrupt;
             if interrupted.is_some_and(|flag| flag.load(Ordering::Relaxed)) {

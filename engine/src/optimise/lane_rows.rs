@@ -1,7 +1,7 @@
 //! Residuals of targets and rows of constraints in SIMD lanes: the stations of one design side by side, or the builds of a
 //! robust tuning.
 
-use super::Evaluation;
+use super::Linearisation;
 use super::lane_builds::LaneBuilds;
 use super::lane_parts::{LanePart, Moving};
 use super::layout::{TargetLayout, TargetSample};
@@ -34,7 +34,7 @@ struct Leg<'a> {
 
 /// The rows of constraints, and the values of their parts by station.
 pub(super) struct Checked<'r> {
-    pub rows: &'r mut Evaluation,
+    pub rows: &'r mut Linearisation,
     pub values: &'r mut [Vec<f64>],
 }
 
@@ -116,7 +116,7 @@ impl<'a> LaneRows<'a> {
         number: usize,
         layout: &TargetLayout,
         design: &[Vector3<f64>],
-        into: &mut Evaluation,
+        into: &mut Linearisation,
         mut checked: Option<Checked<'_>>,
     ) -> bool {
         let LaneRows {
@@ -161,7 +161,7 @@ impl<'a> LaneRows<'a> {
         &mut self,
         layout: &TargetLayout,
         builds: &mut LaneBuilds,
-        into: &mut Evaluation,
+        into: &mut Linearisation,
     ) {
         for group in builds.groups() {
             for (leg, lanes) in layout.legs.iter().zip(&mut self.legs) {
@@ -194,7 +194,7 @@ fn write(
     row: usize,
     value: f64,
     slope: impl Fn(usize) -> f64,
-    into: &mut Evaluation,
+    into: &mut Linearisation,
 ) {
     let deviation = sample.wanted.deviation(value);
     into.residuals[row] = deviation * sample.scale;

@@ -1,6 +1,6 @@
 //! What is looked at where: targets and constraints laid out over the stations of the motions.
 
-use super::Evaluation;
+use super::Linearisation;
 use super::axle::AxleLayout;
 use super::trade::Aim;
 use crate::characteristics::{Measure, Slots};
@@ -34,7 +34,7 @@ pub(super) struct Check {
 
 impl Check {
     /// Writes the rows of the limits, from the value of the part and its derivatives by the variables.
-    pub(super) fn write(&self, of: &Part, found: f64, slopes: &[f64], rows: &mut Evaluation) {
+    pub(super) fn write(&self, of: &Part, found: f64, slopes: &[f64], rows: &mut Linearisation) {
         let limits = [
             (self.lower, of.lower, -1.0),
             (self.upper, of.upper, 1.0),

@@ -38,10 +38,10 @@
 //! Maratos effect, as in J. Nocedal, S. Wright, Numerical optimization, 2nd ed., section 18.3). What
 //! is accepted in the end has descended.
 
-use super::fit_record::{FitRecord, State, of};
+use super::fit_record::{ArgminState, FitRecord, of};
 use super::local_model::LocalModel;
 use super::{
-    Bounds, Control, Evaluation, Fit, Infeasible, Iteration, LeastSquares, Options, Termination,
+    Bounds, Control, Fit, Infeasible, Iteration, LeastSquares, Linearisation, Options, Termination,
 };
 use argmin::core::{Error, KV, Problem, Solver, TerminationStatus};
 use nalgebra::DVector;
@@ -66,10 +66,10 @@ pub struct LevenbergMarquardt<'a> {
     /// mu of (2).
     damping_factor: f64,
     /// At the variables of the state.
-    current: Evaluation,
+    current: Linearisation,
     model: LocalModel<'a>,
     trial_x: DVector<f64>,
-    trial: Evaluation,
+    trial: Linearisation,
     /// The residuals the model promises at the trial, what those found there exceed them by, the
     /// model (3) of that, and where it leads.
     promised: DVector<f64>,
@@ -90,10 +90,10 @@ impl<'a> LevenbergMarquardt<'a> {
         LevenbergMarquardt {
             record: FitRecord::new(bounds, options, control, start),
             damping_factor: 0.0,
-            current: Evaluation::new(0, n),
+            current: Linearisation::new(0, n),
             model: LocalModel::new(bounds, 0),
             trial_x: DVector::zeros(n),
-            trial: Evaluation::new(0, n),
+            trial: Linearisation::new(0, n),
             promised: DVector::zeros(0),
             excess: DVector::zeros(0),
             correction: LocalModel::new(bounds, 0),
@@ -102,7 +102,7 @@ impl<'a> LevenbergMarquardt<'a> {
     }
 
     /// What the run came to.
-    pub(super) fn into_fit(self, state: State) -> Fit {
+    pub(super) fn into_fit(self, state: ArgminState) -> Fit {
         let x = state.param.expect("the state was given its start");
         let holds = self.record.bounds.holds(&x);
         let (termination, history) = self.record.finished();
@@ -118,7 +118,7 @@ impl<'a> LevenbergMarquardt<'a> {
 
     /// Prepares the model at the current point and tests whether that is a minimum.
     fn rebuild_model(&mut self, x: &DVector<f64>) {
-        let Evaluation {
+        let Linearisation {
             residuals,
             jacobian,
         } = &self.current;
@@ -184,7 +184,7 @@ impl<'a> LevenbergMarquardt<'a> {
     }
 }
 
-impl<P: LeastSquares> Solver<P, State> for LevenbergMarquardt<'_> {
+impl<P: LeastSquares> Solver<P, ArgminState> for LevenbergMarquardt<'_> {
     fn name(&self) -> &str {
         "bounded Levenberg-Marquardt"
     }
@@ -192,13 +192,13 @@ impl<P: LeastSquares> Solver<P, State> for LevenbergMarquardt<'_> {
     fn init(
         &mut self,
         problem: &mut Problem<P>,
-        state: State,
-    ) -> Result<(State, Option<KV>), Error> {
+        state: ArgminState,
+    ) -> Result<(ArgminState, Option<KV>), Error> {
         let problem = of(problem);
         let (m, n) = (problem.residuals(), problem.variables());
         assert_eq!(n, self.record.bounds.variables(), "one range per variable");
-        self.current = Evaluation::new(m, n);
-        self.trial = Evaluation::new(m, n);
+        self.current = Linearisation::new(m, n);
+        self.trial = Linearisation::new(m, n);
         self.model = LocalModel::new(self.record.bounds, m);
         self.correction = LocalModel::new(self.record.bounds, m);
         self.promised = DVector::zeros(m);
@@ -218,8 +218,8 @@ impl<P: LeastSquares> Solver<P, State> for LevenbergMarquardt<'_> {
     fn next_iter(
         &mut self,
         problem: &mut Problem<P>,
-        mut state: State,
-    ) -> Result<(State, Option<KV>), Error> {
+        mut state: ArgminState,
+    ) -> Result<(ArgminState, Option<KV>), Error> {
         let problem = of(problem);
         let mut x = state.take_param().expect("the state was given its start");
         let cost = self.current.cost();
@@ -301,7 +301,7 @@ impl<P: LeastSquares> Solver<P, State> for LevenbergMarquardt<'_> {
         Ok((state.param(x).cost(self.current.cost()), None))
     }
 
-    fn terminate(&mut self, state: &State) -> TerminationStatus {
+    fn terminate(&mut self, state: &ArgminState) -> TerminationStatus {
         self.record.status(state)
     }
 }

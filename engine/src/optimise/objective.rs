@@ -22,7 +22,7 @@ use super::lane_builds::LaneBuilds;
 use super::lane_rows::{Checked, LaneRows};
 use super::layout::{Extremes, Leg, TargetLayout};
 use super::moves::{Way, moved_design, ways};
-use super::{Evaluation, Infeasible, LeastSquares};
+use super::{Infeasible, LeastSquares, Linearisation};
 use crate::build::Alignment;
 use crate::characteristics::{Constants, Measure, WheelReading};
 use crate::derive::{DesignSeries, Linearised, MotionPoint};
@@ -77,8 +77,8 @@ struct Visit<'v, 'a> {
     solver: &'v mut Solver<'a>,
     values: &'v mut PartValues,
     /// Where the residuals go, from a row on, and the rows of the constraints.
-    into: Option<(&'v mut Evaluation, usize)>,
-    rows: Option<&'v mut Evaluation>,
+    into: Option<(&'v mut Linearisation, usize)>,
+    rows: Option<&'v mut Linearisation>,
 }
 
 /// Reads values and gradients at stations, whatever rates are read there.
@@ -404,8 +404,8 @@ impl<'a> Objective<'a> {
     /// Whether the design at `x` is evaluated in lanes.
     pub fn is_in_lanes(&mut self, x: &DVector<f64>) -> bool {
         self.move_to(x);
-        let mut into = Evaluation::new(self.layout.residuals(), x.len());
-        let mut rows = Evaluation::new(self.layout.labels.len(), x.len());
+        let mut into = Linearisation::new(self.layout.residuals(), x.len());
+        let mut rows = Linearisation::new(self.layout.labels.len(), x.len());
         matches!(self.evaluate_in_lanes(&mut into, Some(&mut rows)), Ok(true))
     }
 
@@ -437,8 +437,8 @@ impl<'a> Objective<'a> {
     fn evaluate_all(
         &mut self,
         x: &DVector<f64>,
-        into: &mut Evaluation,
-        mut rows: Option<&mut Evaluation>,
+        into: &mut Linearisation,
+        mut rows: Option<&mut Linearisation>,
     ) -> Result<(), Infeasible> {
         self.move_to(x);
         let Some(mut builds) = self.builds.take() else {
@@ -469,8 +469,8 @@ impl<'a> Objective<'a> {
     /// The same of one wheel, in lanes: whether they tell all that is wanted, and the design was accepted.
     fn evaluate_in_lanes(
         &mut self,
-        into: &mut Evaluation,
-        rows: Option<&mut Evaluation>,
+        into: &mut Linearisation,
+        rows: Option<&mut Linearisation>,
     ) -> Result<bool, Infeasible> {
         let rows = rows.filter(|_| !self.layout.labels.is_empty());
         let tell_all = |lanes: &mut LaneRows| rows.is_none() || lanes.has_parts();
@@ -487,8 +487,8 @@ impl<'a> Objective<'a> {
     fn evaluate_legs(
         &mut self,
         lanes: &mut LaneRows<'a>,
-        into: &mut Evaluation,
-        mut rows: Option<&mut Evaluation>,
+        into: &mut Linearisation,
+        mut rows: Option<&mut Linearisation>,
     ) -> Result<bool, Infeasible> {
         let mut is_prepared = false;
         for (number, leg) in self.layout.legs.iter().enumerate() {
@@ -518,7 +518,7 @@ impl<'a> Objective<'a> {
     fn evaluate_builds(
         &mut self,
         builds: &mut Builds<'a>,
-        into: &mut Evaluation,
+        into: &mut Linearisation,
     ) -> Result<(), Infeasible> {
         let alignment = builds.redraw(&self.moved)?;
         let mut lanes = self.lane_builds.take().filter(|_| self.lanes.is_some());
@@ -543,7 +543,7 @@ impl<'a> Objective<'a> {
         numbers: impl Iterator<Item = usize>,
         builds: &mut Builds<'a>,
         alignment: Option<&Alignment>,
-        into: &mut Evaluation,
+        into: &mut Linearisation,
     ) -> Result<(), Infeasible> {
         let variables = self.variables.len();
         for number in numbers {
@@ -564,8 +564,8 @@ impl<'a> Objective<'a> {
     /// on, and the rows of the constraints into `rows`.
     fn evaluate_moved(
         &mut self,
-        mut into: Option<(&mut Evaluation, usize)>,
-        mut rows: Option<&mut Evaluation>,
+        mut into: Option<(&mut Linearisation, usize)>,
+        mut rows: Option<&mut Linearisation>,
     ) -> Result<(), Infeasible> {
         self.prepare()?;
         for leg in &self.layout.legs {
@@ -591,7 +591,7 @@ impl<'a> Objective<'a> {
     }
 
     /// Lists where a leg's extremes are to be sought, from the values at its stations.
-    fn list_searches(&mut self, leg: &Leg, rows: &Evaluation) {
+    fn list_searches(&mut self, leg: &Leg, rows: &Linearisation) {
         let (parts, values) = (&self.layout.parts, &self.values);
         extremes::searches(leg, parts, values, rows, &mut self.searches);
     }
@@ -619,7 +619,7 @@ impl<'a> Objective<'a> {
     }
 
     /// Seeks the extremes of a leg between its stations, where searches say that there are. Each takes the place of its station in the rows.
-    fn find_extremes(&mut self, leg: &Leg, rows: &mut Evaluation) -> Result<(), Infeasible> {
+    fn find_extremes(&mut self, leg: &Leg, rows: &mut Linearisation) -> Result<(), Infeasible> {
         let Objective {
             layout,
             constants,
@@ -683,7 +683,7 @@ impl LeastSquares for Objective<'_> {
         self.layout.residuals()
     }
 
-    fn evaluate(&mut self, x: &DVector<f64>, into: &mut Evaluation) -> Result<(), Infeasible> {
+    fn evaluate(&mut self, x: &DVector<f64>, into: &mut Linearisation) -> Result<(), Infeasible> {
         self.evaluate_all(x, into, None)
     }
 }

@@ -15,7 +15,7 @@
 //! in 95 of 100 fits is t sqrt(C_jj) on either side, t being Student's quantile for N - k.
 
 use super::identifiability::right_singular_vectors;
-use super::{ActiveBound, Bounds, Evaluation};
+use super::{ActiveBound, Bounds, Linearisation};
 use nalgebra::{DMatrix, DVector};
 
 /// What is known of the coordinates.
@@ -46,7 +46,7 @@ impl StandardErrors {
     /// Of a fit; `weights` are the square roots of w, by residual. `None` where there are no more residuals
     /// than free variables.
     pub fn of(
-        at: &Evaluation,
+        at: &Linearisation,
         holds: &[ActiveBound],
         bounds: &Bounds,
         weights: &[f64],
@@ -200,7 +200,7 @@ mod tests {
                     .r()
                     .solve_upper_triangular(&(qr.q().transpose() * &errors))
                     .unwrap();
-                let at = Evaluation {
+                let at = Linearisation {
                     residuals: &weighed * &x - &errors,
                     jacobian: weighed.clone(),
                 };
@@ -223,7 +223,7 @@ mod tests {
         let mut jacobian = DMatrix::from_fn(20, 3, |_, _| noise.next());
         let twin = jacobian.column(0).into_owned();
         jacobian.set_column(1, &twin);
-        let at = Evaluation {
+        let at = Linearisation {
             residuals: DVector::from_fn(20, |_, _| 0.1 * noise.next()),
             jacobian,
         };

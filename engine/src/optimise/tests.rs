@@ -35,7 +35,7 @@ fn sum_of_squares(fit: &Fit) -> f64 {
 /// The largest violation of the Kuhn-Tucker conditions, as the cosine of the angle between the
 /// residuals and a column.
 fn violation(fit: &Fit) -> f64 {
-    let Evaluation {
+    let Linearisation {
         residuals,
         jacobian,
     } = &fit.evaluation;

@@ -10,7 +10,7 @@ use super::right_wheel::{self, right_wheel};
 use super::suspension::{above_zero, positive};
 use super::value::{Number, Text, Values};
 use crate::axle::{
-    Axle, AxlePlan, BumpStop, Coordinate, AxleMotion, ForceCurve, Law, Need, Quantity, Setup,
+    Axle, AxleMotion, AxlePlan, BumpStop, Coordinate, ForceCurve, Law, Need, Quantity, Setup,
     SpringLaw, WheelMotion,
 };
 use crate::characteristics::Constants;

@@ -8,7 +8,7 @@ use super::names::choose;
 use super::resolve::Context;
 use super::value::{Numbers, Text, Values};
 use super::{About, Motion, Site, Subject, Target};
-use crate::axle::{Axle, AxlePlan, Coordinate, AxleMotion, Placement, Quantity};
+use crate::axle::{Axle, AxleMotion, AxlePlan, Coordinate, Placement, Quantity};
 use crate::characteristics::with_unit;
 use crate::model::Side;
 use std::ops::Range as Span;

@@ -12,7 +12,7 @@ use super::suspension::above_zero;
 use super::targets::{WrittenCurve, targets};
 use super::value::{Text, Whole};
 use super::{
-    Drive, Motion, Move, Optimise, Scatter, Setup, Target, Tolerance, Turn, Variable, FrontGoal,
+    Drive, FrontGoal, Motion, Move, Optimise, Scatter, Setup, Target, Tolerance, Turn, Variable,
 };
 use crate::model::{Axis, Suspension};
 use toml::Spanned;

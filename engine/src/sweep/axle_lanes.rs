@@ -3,7 +3,7 @@
 use super::axle::AxleStations;
 use super::evaluate::{Block, Pairs, SIDE_BY_SIDE, SolvesInLanes};
 use super::lanes::{NotInLanes, gather};
-use crate::axle::{Axle, Hold, LaneWheel, Placement, Quantity, Setup, State};
+use crate::axle::{Axle, AxleState, Hold, LaneWheel, Placement, Quantity, Setup};
 use crate::characteristics::{LaneInputs, LaneReader, LaneWheels, Slots};
 use crate::model::Side;
 use crate::number::{SimdReal, SimdTask, Vector3, Width};
@@ -120,7 +120,7 @@ impl<'a> AxleLanes<'a> {
 
 impl SolvesInLanes for AxleLanes<'_> {
     fn evaluate(&mut self, designs: Pairs<'_>, block: &mut Block, fallback: &mut Vec<usize>) {
-        self.width.run(Evaluation {
+        self.width.run(AxleBlockTask {
             solver: self,
             designs,
             block,
@@ -129,19 +129,19 @@ impl SolvesInLanes for AxleLanes<'_> {
     }
 }
 
-struct Evaluation<'s, 'a> {
+struct AxleBlockTask<'s, 'a> {
     solver: &'s AxleLanes<'a>,
     designs: Pairs<'s>,
     block: &'s mut Block,
     fallback: &'s mut Vec<usize>,
 }
 
-impl SimdTask for Evaluation<'_, '_> {
+impl SimdTask for AxleBlockTask<'_, '_> {
     type Output = ();
 
     #[inline(always)]
     fn run<B: SimdReal>(self, like: B) {
-        let Evaluation {
+        let AxleBlockTask {
             solver,
             designs: [designs, rights],
             block,
@@ -245,7 +245,7 @@ impl<B: SimdReal> VisitPair<B> for Reading<'_, '_, B> {
         let inputs = &mut *self.right_inputs;
         let right_known = readers[1].read(right_wheels, right, -rack, *rates, inputs);
         self.accepted = self.accepted & left_known & right_known;
-        let state = State {
+        let state = AxleState {
             readings: [
                 LaneWheel::of(self.left_inputs),
                 LaneWheel::of(self.right_inputs),

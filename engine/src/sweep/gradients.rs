@@ -297,7 +297,11 @@ impl<'a> Gradients<'a> {
 
     /// Forms the sums of weighted squared deviations of designs, as many as fit into the lanes at most;
     /// `wanted` angle by angle and station by station. Which designs were accepted is known from then on.
-    pub fn deviations(&mut self, designs: &[Vector3<f64>], wanted: &[AngleTarget]) -> Deviations<'_> {
+    pub fn deviations(
+        &mut self,
+        designs: &[Vector3<f64>],
+        wanted: &[AngleTarget],
+    ) -> Deviations<'_> {
         let all = self.reader.quantities().len() * self.stations.count();
         assert_eq!(wanted.len(), all, "one for each angle and station");
         self.found.gradient.fill(0.0);
@@ -307,7 +311,7 @@ impl<'a> Gradients<'a> {
 
     fn evaluate(&mut self, designs: &[Vector3<f64>], tracked: Option<&[f64]>, task: Task<'_>) {
         let width = self.width;
-        width.run(Evaluation {
+        width.run(GradientTask {
             gradients: self,
             designs,
             tracked,
@@ -334,7 +338,7 @@ enum Task<'t> {
     Deviations(&'t [AngleTarget]),
 }
 
-struct Evaluation<'s, 'a, 't> {
+struct GradientTask<'s, 'a, 't> {
     gradients: &'s mut Gradients<'a>,
     /// One in each lane; or a single one, in all of them.
     designs: &'s [Vector3<f64>],
@@ -343,7 +347,7 @@ struct Evaluation<'s, 'a, 't> {
     task: Task<'t>,
 }
 
-impl SimdTask for Evaluation<'_, '_, '_> {
+impl SimdTask for GradientTask<'_, '_, '_> {
     type Output = ();
 
     #[inline(always)]

@@ -78,7 +78,7 @@ impl<'a> LaneSolver<'a> {
 
 impl SolvesInLanes for LaneSolver<'_> {
     fn evaluate(&mut self, [designs, _]: Pairs<'_>, block: &mut Block, fallback: &mut Vec<usize>) {
-        self.width.run(Evaluation {
+        self.width.run(BlockTask {
             solver: self,
             designs,
             block,
@@ -87,19 +87,19 @@ impl SolvesInLanes for LaneSolver<'_> {
     }
 }
 
-struct Evaluation<'s, 'a> {
+struct BlockTask<'s, 'a> {
     solver: &'s mut LaneSolver<'a>,
     designs: &'s [Vector3<f64>],
     block: &'s mut Block,
     fallback: &'s mut Vec<usize>,
 }
 
-impl SimdTask for Evaluation<'_, '_> {
+impl SimdTask for BlockTask<'_, '_> {
     type Output = ();
 
     #[inline(always)]
     fn run<B: SimdReal>(self, like: B) {
-        let Evaluation {
+        let BlockTask {
             solver,
             designs,
             block,

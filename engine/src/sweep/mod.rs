@@ -31,7 +31,7 @@ pub(crate) use axle::AxleStations;
 pub use effects::{Effect, Effects};
 pub use evaluate::{BLOCK, Block, Evaluator, FailedStation, StationFailure};
 pub use front::{Candidate, Front};
-pub use gradients::{Deviations, Gradients, Jacobians, AngleTarget};
+pub use gradients::{AngleTarget, Deviations, Gradients, Jacobians};
 pub use in_order::in_order;
 pub use lanes::NotInLanes;
 pub(crate) use lanes::scatter;

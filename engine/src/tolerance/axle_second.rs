@@ -12,7 +12,7 @@
 
 use super::Problem;
 use super::expansion::combined;
-use crate::axle::{AxleSolver, Hold, Parts, Quantity, Reading, Snapshot, State};
+use crate::axle::{AxleSolver, AxleState, Hold, Parts, Quantity, Reading, Snapshot};
 use crate::build::{Built, NoSetUp, Rest};
 use crate::derive::{MotionPoint, pose_series};
 use crate::linear::lu::Lu6;
@@ -161,7 +161,7 @@ impl<'p> DrawnPositions<'p> {
         position: &DrawnPosition,
         designs: &[Vec<Vector3<Series>>],
         closures: &[Closure<Series>],
-    ) -> State<'_, Series> {
+    ) -> AxleState<'_, Series> {
         let zero = Jet([0.0; 3]);
         let (mut apart, mut turn) = (zero, zero);
         let mut state = self.state(position, designs, closures, apart, turn);
@@ -186,7 +186,7 @@ impl<'p> DrawnPositions<'p> {
         closures: &[Closure<Series>],
         apart: Series,
         turn: Series,
-    ) -> State<'_, Series> {
+    ) -> AxleState<'_, Series> {
         let axle = &self.stations.axle;
         let reading = |side: Side| {
             let number = side as usize;
@@ -205,7 +205,7 @@ impl<'p> DrawnPositions<'p> {
         let [sine, cosine] = [sine, cosine].map(Series::constant);
         // To second order.
         let upright = Series::constant(1.0) - turn * turn * Series::constant(0.5);
-        State {
+        AxleState {
             readings: [reading(Side::Left), reading(Side::Right)],
             ground: Ground {
                 sine: sine * upright + cosine * turn,

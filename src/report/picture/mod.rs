@@ -1,11 +1,11 @@
 //! Curves as pictures for documents, on a background of their own, the same bytes every time: SVG, and PNG
 //! at twice its size, which is the SVG drawn by `resvg` with its text as outlines.
 
+mod drawn_target;
 mod lettering;
 mod panel;
 mod raster;
 mod scale;
-mod drawn_target;
 
 use super::curve_table::CurveTable;
 use super::figure::brief;
@@ -13,9 +13,9 @@ use super::record::{OutputRecord, Record};
 use super::run::Run;
 use crate::curves::Status;
 use crate::model::Rod;
+use drawn_target::DrawnTarget;
 use lettering::Lettering;
 use panel::{Line, Look, Panel, SIZE};
-use drawn_target::DrawnTarget;
 
 /// A file with a picture.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,8 +1,8 @@
 //! One plot as SVG: curves over the motion, what was wanted of them, and gaps where nothing was solved.
 
+use super::drawn_target::DrawnTarget;
 use super::lettering::{Anchor, Lettering, Words};
 use super::scale::Scale;
-use super::drawn_target::DrawnTarget;
 use crate::report::figure::power_of_ten;
 use std::fmt::Write;
 

@@ -1,8 +1,8 @@
 //! The loop: one accepted step for each iteration of argmin.
 
 use super::super::active_set::Held;
-use super::super::fit_record::{FitRecord, State, evaluations, execute, of};
-use super::super::{Bounds, Control, Evaluation, Infeasible, Iteration, Options, Termination};
+use super::super::fit_record::{ArgminState, FitRecord, evaluations, execute, of};
+use super::super::{Bounds, Control, Infeasible, Iteration, Linearisation, Options, Termination};
 use super::filter::Filter;
 use super::model::{ConvexModel, Proposal};
 use super::{Assessment, Constrained};
@@ -107,7 +107,7 @@ struct SequentialConvex<'a> {
 }
 
 impl SequentialConvex<'_> {
-    fn into_fit(mut self, state: State) -> ConstrainedFit {
+    fn into_fit(mut self, state: ArgminState) -> ConstrainedFit {
         let x = state.param.expect("the state was given its start");
         // Multipliers of the end itself, not of the step that led there.
         self.model.solve(WHOLE, false);
@@ -128,7 +128,7 @@ impl SequentialConvex<'_> {
     }
 
     /// The residuals a run is told by: those held to a level, where there are any.
-    fn reported(&self) -> &Evaluation {
+    fn reported(&self) -> &Linearisation {
         self.current.levels.first().unwrap_or(&self.current.goal)
     }
 
@@ -167,7 +167,7 @@ impl SequentialConvex<'_> {
     }
 }
 
-impl<P: Constrained> Solver<P, State> for SequentialConvex<'_> {
+impl<P: Constrained> Solver<P, ArgminState> for SequentialConvex<'_> {
     fn name(&self) -> &str {
         "sequential convex programs"
     }
@@ -175,8 +175,8 @@ impl<P: Constrained> Solver<P, State> for SequentialConvex<'_> {
     fn init(
         &mut self,
         problem: &mut Problem<P>,
-        state: State,
-    ) -> Result<(State, Option<KV>), Error> {
+        state: ArgminState,
+    ) -> Result<(ArgminState, Option<KV>), Error> {
         let problem = of(problem);
         assert_eq!(problem.shape().variables, self.record.bounds.variables());
         let x = state.param.as_ref().expect("the state was given its start");
@@ -192,8 +192,8 @@ impl<P: Constrained> Solver<P, State> for SequentialConvex<'_> {
     fn next_iter(
         &mut self,
         problem: &mut Problem<P>,
-        mut state: State,
-    ) -> Result<(State, Option<KV>), Error> {
+        mut state: ArgminState,
+    ) -> Result<(ArgminState, Option<KV>), Error> {
         let problem = of(problem);
         let mut x = state.take_param().expect("the state was given its start");
         let from = self.pair(&self.current);
@@ -294,7 +294,7 @@ impl<P: Constrained> Solver<P, State> for SequentialConvex<'_> {
         Ok((state.param(x).cost(cost), None))
     }
 
-    fn terminate(&mut self, state: &State) -> TerminationStatus {
+    fn terminate(&mut self, state: &ArgminState) -> TerminationStatus {
         self.record.status(state)
     }
 }

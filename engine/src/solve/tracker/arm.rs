@@ -15,7 +15,7 @@ use crate::number::SimdReal;
 use crate::number::Vector3;
 use crate::solve::closed_form::Roles;
 use crate::solve::closed_form::{Adjoint, Members};
-use crate::solve::closed_form::{Carrier, ClosedForm, State};
+use crate::solve::closed_form::{ArmState, Carrier, ClosedForm};
 
 /// How designs of a mechanism with a closed form are solved.
 #[derive(Clone, Debug)]
@@ -39,7 +39,7 @@ pub(crate) struct ArmDesign<'d, B> {
 impl<B: SimdReal> ArmDesign<'_, B> {
     /// Slope of the half tangent by the travel.
     #[inline(always)]
-    fn slope(&self, state: &State<B>, tangent: B) -> B {
+    fn slope(&self, state: &ArmState<B>, tangent: B) -> B {
         let velocity = self.form.velocity(state, tangent);
         let half = tangent.lit(0.5);
         // The tangent of half an angle by the angle is (1 + tangent^2)/2.
@@ -51,7 +51,7 @@ impl<B: SimdReal> ArmDesign<'_, B> {
 pub(crate) struct ArmPose<'f, B> {
     roles: &'f Roles,
     design: &'f ArmDesign<'f, B>,
-    state: State<B>,
+    state: ArmState<B>,
     tangent: B,
     drive: Drive,
 }
@@ -265,7 +265,7 @@ impl ByArm {
         &self,
         design: &ArmDesign<'_, B>,
         drive: Drive,
-        (state, tangent): (&State<B>, B),
+        (state, tangent): (&ArmState<B>, B),
         before: &Option<BranchGuard<B>>,
         inverse_step: Option<B>,
         accepted: &mut Acceptance<B>,
@@ -300,7 +300,7 @@ pub(super) struct ArmCorner<'w, 'd, B, V> {
     /// The tangent by the drive, by which corrections go.
     slope: B,
     /// Of the last correction: the state it came to, its step, and how far from the travel wanted it was before and after.
-    state: State<B>,
+    state: ArmState<B>,
     step: B,
     missed: [B; 2],
 }
@@ -404,7 +404,7 @@ impl<B: SimdReal> BranchGuard<B> {
     /// At zero drive: of the design's own slope, which beside a fold is far from that of the base design, where the
     /// other way from the fold is near.
     #[inline(always)]
-    fn start(state: &State<B>, tangent: B, rate: B) -> Self {
+    fn start(state: &ArmState<B>, tangent: B, rate: B) -> Self {
         let [a, b, c] = state.squares();
         BranchGuard {
             tangent,
@@ -415,13 +415,13 @@ impl<B: SimdReal> BranchGuard<B> {
 
     /// At the place after this one, a step of the drive further on.
     #[inline(always)]
-    fn next(&self, state: &State<B>, tangent: B, inverse_step: B) -> Self {
+    fn next(&self, state: &ArmState<B>, tangent: B, inverse_step: B) -> Self {
         BranchGuard::start(state, tangent, (tangent - self.tangent) * inverse_step)
     }
 
     /// Accepts lanes where the closed form is well conditioned. Rejects NaN.
     #[inline(always)]
-    fn check(state: &State<B>, tangent: B, accepted: &mut Acceptance<B>) {
+    fn check(state: &ArmState<B>, tangent: B, accepted: &mut Acceptance<B>) {
         accepted.require(state.is_well_conditioned(), Rejection::IllConditioned);
         let is_near = tangent.abs().less(tangent.lit(FARTHEST));
         accepted.require(is_near, Rejection::TurnedFar);
@@ -455,7 +455,7 @@ pub(super) struct ArmWheel<'w, 'd, B> {
     on_knuckle: WheelOnKnuckle<B>,
     tolerance: f64,
     /// The last state looked at.
-    state: State<B>,
+    state: ArmState<B>,
     /// Of the last linearisation: how far it was from the travel wanted, and the tangent by the travel.
     missed: B,
     by_travel: B,

@@ -14,7 +14,7 @@ use crate::evaluate::{Evaluated, GradientEvaluator};
 use crate::mechanism::DesignFault;
 use crate::model::{Axis, Drive, PointId, Suspension};
 use crate::number::{Vector3, Width};
-use crate::optimise::{Way, moved_design, ways};
+use crate::optimise::{PointRate, moved_design, point_rates};
 use crate::plan::{Output, Plan};
 use crate::study::{Designs, Formulation, Study, SweepVariable, Variable, nearest};
 use crate::sweep::{BLOCK, Block, Evaluator, StationFailure, Stations};
@@ -303,7 +303,7 @@ impl DesignFunction {
             of_axle: None,
             designs: Vec::new(),
             offsets: DVector::zeros(self.variables.len()),
-            ways: Vec::new(),
+            point_rates: Vec::new(),
         }
     }
 
@@ -330,7 +330,7 @@ pub struct Evaluation<'f> {
     of_axle: Option<OfAxle<'f>>,
     designs: Vec<Vector3<f64>>,
     offsets: DVector<f64>,
-    ways: Vec<Way>,
+    point_rates: Vec<PointRate>,
 }
 
 /// What finds values, and room for them.
@@ -339,13 +339,13 @@ type Values<'f> = (Evaluator<'f>, Block);
 /// What finds values with derivatives, and room for them.
 type Gradients<'f> = (GradientEvaluator<'f>, Evaluated);
 
-/// Of an axle: whether derivatives are found, what finds them, and design and ways of a right wheel with hardpoints of
+/// Of an axle: whether derivatives are found, what finds them, and design and rates of a right wheel with hardpoints of
 /// its own.
 struct OfAxle<'f> {
     differentiates: bool,
     evaluator: Box<dyn AxleEvaluator + 'f>,
     right: Vec<Vector3<f64>>,
-    right_ways: Vec<Way>,
+    right_rates: Vec<PointRate>,
 }
 
 impl<'f> Evaluation<'f> {
@@ -462,7 +462,7 @@ impl<'f> Evaluation<'f> {
                 differentiates,
                 evaluator: evaluator.expect("the function was made with one"),
                 right: Vec::new(),
-                right_ways: Vec::new(),
+                right_rates: Vec::new(),
             }
         });
         for (number, status) in status.iter_mut().enumerate() {
@@ -472,16 +472,16 @@ impl<'f> Evaluation<'f> {
             let OfAxle {
                 evaluator,
                 right,
-                right_ways,
+                right_rates,
                 ..
             } = &mut of_axle;
-            let left = (&self.designs[..], &self.ways[..]);
+            let left = (&self.designs[..], &self.point_rates[..]);
             let mut sides = [left; 2];
             if let Some(own) = &axle.both.axle.right {
                 f.right_design(own, &self.offsets, &self.designs, right);
                 let (frame, offsets) = (&f.suspension.frame, &self.offsets);
-                ways(&own.design, frame, &f.variables, offsets, right_ways);
-                sides[1] = (right, right_ways);
+                point_rates(&own.design, frame, &f.variables, offsets, right_rates);
+                sides[1] = (right, right_rates);
             }
             let values = &mut values[number * row..(number + 1) * row];
             let at = number * row * width..(number + 1) * row * width;
@@ -508,7 +508,13 @@ impl<'f> Evaluation<'f> {
         let f = self.function;
         let Suspension { design, frame, .. } = &*f.suspension;
         f.offsets(x, &mut self.offsets);
-        ways(design, frame, &f.variables, &self.offsets, &mut self.ways);
+        point_rates(
+            design,
+            frame,
+            &f.variables,
+            &self.offsets,
+            &mut self.point_rates,
+        );
     }
 
     /// Copies what was found of a design by its place, derivatives by the variables in place of those by points.
@@ -534,8 +540,8 @@ impl<'f> Evaluation<'f> {
                 values[place] = value;
                 row.fill(0.0);
                 let gradient = found.gradient(number, k, *station);
-                for way in &self.ways {
-                    row[way.column] += gradient[way.point].dot(way.by) * output.factor;
+                for rate in &self.point_rates {
+                    row[rate.column] += gradient[rate.point].dot(rate.by) * output.factor;
                 }
             }
         }

@@ -69,7 +69,7 @@ impl Choices {
             output.say_remarks(front_remarks(optimise, front))?;
         }
         if let Some(table) = summary.prices_table() {
-            output.lead_on(
+            output.text_only(
                 "\nwhat moving further buys: moves in ranges, misfits in tolerances, gain by a tenth of a range\n\n",
             )?;
             output.table("prices", &table)?;

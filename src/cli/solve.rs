@@ -43,8 +43,8 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     output.table("outputs", &ranges)?;
     output.table_for_programs("not_solved", || not_solved);
     let mut complete = solved.is_complete();
-    let doubts = solved.doubts().map_err(fault)?.into_iter();
-    output.say_doubts(doubts.chain(solved.remarks()), complete)?;
+    let remarks = solved.plausibility().map_err(fault)?.into_iter();
+    output.say_plausibility(remarks.chain(solved.remarks()), complete)?;
     for failure in solved.failures() {
         output.say_failure(&format!("\nnot solved: {failure}\n"))?;
     }

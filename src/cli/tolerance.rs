@@ -68,12 +68,12 @@ pub(super) fn run(arguments: &ToleranceArguments) -> Result<Exit, Stop> {
     output.say(&format!("{}: {}\n\n", study.name, summary.headline()))?;
     output.table("values", &summary.values_table())?;
     if summary.bands.is_empty() {
-        output.lead_on("\nshares of the builds' variance in the drawn position: of first order, and what that leaves\n\n")?;
+        output.text_only("\nshares of the builds' variance in the drawn position: of first order, and what that leaves\n\n")?;
         output.table("shares", &summary.shares_table(&contributors))?;
     } else {
-        output.lead_on("\n")?;
+        output.text_only("\n")?;
         output.table("bands", &summary.bands_table())?;
-        output.lead_on("\nwhat to hold tighter, what may be looser\n\n")?;
+        output.text_only("\nwhat to hold tighter, what may be looser\n\n")?;
         output.table("ranking", &summary.ranking_table())?;
     }
     output.say_remarks(summary.failures())?;

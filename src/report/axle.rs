@@ -458,20 +458,20 @@ fn right_wheel(axle: &Axle) -> String {
 }
 
 /// What is possible but seldom meant in a study of an axle, a line each.
-pub fn axle_doubts(axle: &Axle, curves: &AxleCurves, turns_against: bool) -> Vec<String> {
-    let mut doubts = Vec::new();
+pub fn axle_plausibility(axle: &Axle, curves: &AxleCurves, turns_against: bool) -> Vec<String> {
+    let mut remarks = Vec::new();
     if turns_against {
         let c_factor = axle.setup.c_factor.unwrap_or(0.0) * axle.left.frame.sign(Axis::Y);
-        doubts.push(format!(
+        remarks.push(format!(
             "doubtful: with c_factor = {c_factor} the wheels turn against the steering wheel; behind the \
              wheel centres a rack moves to the right in a left turn"
         ));
     }
     if let Some((load, _)) = curves.least_wheel_load().filter(|(load, _)| *load < 0.0) {
-        doubts.push(format!(
+        remarks.push(format!(
             "warning: a wheel load falls to {} N: there the wheel would lift off the ground",
             shortest(load.round())
         ));
     }
-    doubts
+    remarks
 }

@@ -17,7 +17,7 @@ use crate::curves::{Frame, frames};
 use crate::mechanism::DesignFault;
 use crate::model::{Axis, LengthUnit, PointId, Side, Suspension};
 use crate::plan::Plan;
-use crate::report::{OutputRecord, axle_doubts, axle_failures, doubts};
+use crate::report::{OutputRecord, axle_failures, axle_plausibility, plausibility};
 use crate::solve::StationOrder;
 use crate::study::{AxleStudy, Study, missing};
 use std::time::Instant;
@@ -180,8 +180,8 @@ pub(super) fn solved(
     let (groups, shown) = grouped(&places, main, &request.at);
     let rack = groups.iter().position(|group| *group == shown);
     let fault = |fault: DesignFault| fault.describe(&left.mechanism);
-    let mut said = doubts(left).map_err(fault)?;
-    said.extend(axle_doubts(axle, &found, false));
+    let mut said = plausibility(left).map_err(fault)?;
+    said.extend(axle_plausibility(axle, &found, false));
     let frame = |axle: &Axle, side| frame(axle, &plan, &request.at, side, study);
     Ok(SolvedAnswer {
         columns: columns(&found),

@@ -43,7 +43,7 @@ pub(super) struct Run<'a, const N: usize> {
     /// Of the solver.
     pub(super) work: Work,
     /// Of reading.
-    tally: WorkCounter,
+    work_counter: WorkCounter,
 }
 
 /// What is found at one station.
@@ -101,7 +101,7 @@ impl<'a, const N: usize> Run<'a, N> {
             sensitivities: Vec::new(),
             left_to_continuation: BTreeMap::new(),
             work: Work::default(),
-            tally: WorkCounter::default(),
+            work_counter: WorkCounter::default(),
         }
     }
 
@@ -116,7 +116,7 @@ impl<'a, const N: usize> Run<'a, N> {
             columns: self.columns,
             stations: self.stations,
             sensitivities: self.sensitivities,
-            work: self.work + self.tally.work(),
+            work: self.work + self.work_counter.work(),
             left_to_continuation: self.left_to_continuation.into_iter().collect(),
         })
     }
@@ -278,7 +278,7 @@ impl<'a, const N: usize> Run<'a, N> {
                 continue;
             }
             let counts = matches!(output.quantity, Quantity::Characteristic(_));
-            self.tally
+            self.work_counter
                 .note(|w| w.characteristic_evaluations += u64::from(counts));
             let series = view.value(at, output.quantity);
             let mut orders = [0.0; 3];
@@ -330,7 +330,7 @@ impl<'a, const N: usize> Run<'a, N> {
         let mut index = 0;
         for (columns, output) in self.columns_by_output() {
             let counts = matches!(output.quantity, Quantity::Characteristic(_));
-            self.tally
+            self.work_counter
                 .note(|w| w.characteristic_gradients += u64::from(counts));
             match self.is_stuck(columns) {
                 true => found.fill([Vector3::new(f64::NAN, f64::NAN, f64::NAN); 3]),

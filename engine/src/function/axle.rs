@@ -1,7 +1,7 @@
 //! Curves of an axle as a function of the design: designs one at a time, both wheels of each.
 //!
 //! A variable moves the same points of both wheels, each in the frame of its side, so that a derivative is the sum of
-//! both wheels' gradients along the variable's way; a right wheel with hardpoints of its own is moved as the left one
+//! both wheels' gradients along the variable's rates; a right wheel with hardpoints of its own is moved as the left one
 //! is.
 
 use super::DesignStatus;
@@ -9,7 +9,7 @@ use crate::axle::{AxleColumn, AxleSolver, Placement, Quantity};
 use crate::mechanism::DesignFault;
 use crate::model::{Axis, Side};
 use crate::number::Vector3;
-use crate::optimise::Way;
+use crate::optimise::PointRate;
 use crate::study::AxleStudy;
 
 /// Where an axle is looked at, and what is read there.
@@ -21,7 +21,7 @@ pub(super) struct AxleFunction {
 }
 
 /// Points of one side, and how the variables move them.
-pub(super) type Moved<'m> = (&'m [Vector3<f64>], &'m [Way]);
+pub(super) type Moved<'m> = (&'m [Vector3<f64>], &'m [PointRate]);
 
 /// Evaluates designs.
 pub(super) trait AxleEvaluator {
@@ -131,9 +131,9 @@ impl<const N: usize> AxleEvaluator for OneByOne<'_, N> {
                 let (place, factor) = places[number];
                 let row = &mut jacobian[place * width..(place + 1) * width];
                 row.fill(0.0);
-                for ((_, ways), gradient) in sides.iter().zip(gradients) {
-                    for way in *ways {
-                        row[way.column] += gradient[way.point].dot(way.by) * factor;
+                for ((_, point_rates), gradient) in sides.iter().zip(gradients) {
+                    for rate in *point_rates {
+                        row[rate.column] += gradient[rate.point].dot(rate.by) * factor;
                     }
                 }
             };

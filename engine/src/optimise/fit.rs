@@ -127,7 +127,7 @@ pub struct Fit {
     /// Residuals and Jacobian there.
     pub evaluation: Linearisation,
     /// Which variables are at a bound.
-    pub holds: Vec<ActiveBound>,
+    pub active_bounds: Vec<ActiveBound>,
     /// Why it ended.
     pub termination: Termination,
     /// The start and every iteration after it.

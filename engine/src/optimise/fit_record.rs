@@ -82,8 +82,10 @@ impl<'a> FitRecord<'a> {
     /// Records an iteration that ended at `x`, for the history and for who watches; argmin's own log would be for its
     /// observers, of which there are none.
     pub(super) fn add(&mut self, x: &DVector<f64>, mut iteration: Iteration) {
-        let holds = self.bounds.holds(x);
-        let held = holds.iter().filter(|hold| **hold != ActiveBound::Free);
+        let active_bounds = self.bounds.active_bounds(x);
+        let held = active_bounds
+            .iter()
+            .filter(|hold| **hold != ActiveBound::Free);
         iteration.held = held.count();
         if let Some(watch) = self.control.watch {
             watch(self.start, &iteration);

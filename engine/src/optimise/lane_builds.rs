@@ -4,7 +4,7 @@
 //! of builds settles about them. Builds that do not settle here are left to go one by one.
 
 use super::builds::Builds;
-use super::moves::Way;
+use super::moves::PointRate;
 use crate::build::{Alignment, Parts};
 use crate::number::{Jet, MOST_LANES, SimdReal, SimdTask, Vector3, Width};
 
@@ -20,7 +20,7 @@ pub(super) struct LaneBuilds {
     /// The built designs, one after another.
     designs: Vec<Vector3<f64>>,
     /// `[group][variable][point][axis][lane]`
-    ways: Vec<f64>,
+    point_rates: Vec<f64>,
     variables: usize,
     accepted: Vec<bool>,
 }
@@ -45,7 +45,7 @@ impl LaneBuilds {
             draws: by_source,
             stride,
             designs: vec![Vector3::default(); draws.len() * points],
-            ways: vec![0.0; groups * variables * points * 3 * at_once],
+            point_rates: vec![0.0; groups * variables * points * 3 * at_once],
             variables,
             accepted: vec![false; draws.len()],
         }
@@ -64,9 +64,9 @@ impl LaneBuilds {
     }
 
     /// How every coordinate of the designs of a group moves with each variable, `[variable][point][axis][lane]`.
-    pub(super) fn ways(&self, group: &std::ops::Range<usize>) -> &[f64] {
+    pub(super) fn point_rates(&self, group: &std::ops::Range<usize>) -> &[f64] {
         let length = self.variables * self.points * 3 * self.at_once;
-        &self.ways[group.start / self.at_once * length..][..length]
+        &self.point_rates[group.start / self.at_once * length..][..length]
     }
 
     /// Whether a build is accepted; if not, it is to be put together one by one.
@@ -79,23 +79,23 @@ impl LaneBuilds {
         self.accepted[build] = false;
     }
 
-    /// Puts the builds of a drawing together; `drawn` are the ways of the drawing.
+    /// Puts the builds of a drawing together; `drawn` are the rates of the drawing.
     pub(super) fn assemble(
         &mut self,
         builds: &Builds<'_>,
         alignment: Option<&Alignment>,
-        drawn: &[Way],
+        drawn: &[PointRate],
     ) {
         let (mechanism, parts) = (builds.mechanism(), builds.assembler().drawn());
         let along: Vec<Parts<Jet<f64, 2>>> = (0..self.variables)
             .map(|column| {
                 let constant = |p: &Vector3<f64>| p.map(Jet::constant);
                 let mut moved: Vec<_> = parts.drawn.iter().map(constant).collect();
-                for way in drawn.iter().filter(|way| way.column == column) {
-                    let point = &mut moved[way.point];
-                    point.x.0[1] += way.by.x;
-                    point.y.0[1] += way.by.y;
-                    point.z.0[1] += way.by.z;
+                for rate in drawn.iter().filter(|rate| rate.column == column) {
+                    let point = &mut moved[rate.point];
+                    point.x.0[1] += rate.by.x;
+                    point.y.0[1] += rate.by.y;
+                    point.z.0[1] += rate.by.z;
                 }
                 Parts::of_drawing(mechanism, &moved)
             })
@@ -174,7 +174,7 @@ impl SimdTask for Assembling<'_, '_> {
                 accepted = accepted & lifted;
                 for point in &moving {
                     for rate in [point.x.0[1], point.y.0[1], point.z.0[1]] {
-                        rate.store(&mut lanes.ways[place..]);
+                        rate.store(&mut lanes.point_rates[place..]);
                         place += B::LANES;
                     }
                 }

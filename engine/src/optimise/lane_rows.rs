@@ -5,7 +5,7 @@ use super::Linearisation;
 use super::lane_builds::LaneBuilds;
 use super::lane_parts::{LanePart, Moving};
 use super::layout::{TargetLayout, TargetSample};
-use super::moves::Way;
+use super::moves::PointRate;
 use crate::characteristics::Quantity;
 use crate::model::Suspension;
 use crate::number::{Vector3, Width};
@@ -93,16 +93,16 @@ impl<'a> LaneRows<'a> {
     }
 
     /// Takes over how a design of so many points moves with so many variables.
-    pub(super) fn begin(&mut self, points: usize, ways: &[Way], variables: usize) {
+    pub(super) fn begin(&mut self, points: usize, point_rates: &[PointRate], variables: usize) {
         let one = 3 * points;
         self.slopes.resize(variables, 0.0);
         self.along.clear();
         self.along.resize(variables * one, 0.0);
-        for way in ways {
-            let first = way.column * one + 3 * way.point;
+        for rate in point_rates {
+            let first = rate.column * one + 3 * rate.point;
             for (sum, by) in self.along[first..first + 3]
                 .iter_mut()
-                .zip(way.by.to_array())
+                .zip(rate.by.to_array())
             {
                 *sum += by;
             }
@@ -168,16 +168,20 @@ impl<'a> LaneRows<'a> {
                 let Some(Leg { gradients, .. }) = lanes else {
                     continue;
                 };
-                gradients.slopes(builds.designs(&group), builds.ways(&group), |found| {
-                    for sample in &leg.targets[found.station()] {
-                        for (lane, build) in group.clone().enumerate() {
-                            let row = build * layout.rows + sample.row;
-                            let value = found.value(lane, sample.measure);
-                            let slope = |column| found.slope(lane, sample.measure, column);
-                            write(sample, row, value, slope, into);
+                gradients.slopes(
+                    builds.designs(&group),
+                    builds.point_rates(&group),
+                    |found| {
+                        for sample in &leg.targets[found.station()] {
+                            for (lane, build) in group.clone().enumerate() {
+                                let row = build * layout.rows + sample.row;
+                                let value = found.value(lane, sample.measure);
+                                let slope = |column| found.slope(lane, sample.measure, column);
+                                write(sample, row, value, slope, into);
+                            }
                         }
-                    }
-                });
+                    },
+                );
                 for (lane, build) in group.clone().enumerate() {
                     if !gradients.is_accepted(lane) {
                         builds.reject(build);

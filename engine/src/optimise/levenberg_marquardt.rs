@@ -104,10 +104,10 @@ impl<'a> LevenbergMarquardt<'a> {
     /// What the run came to.
     pub(super) fn into_fit(self, state: ArgminState) -> Fit {
         let x = state.param.expect("the state was given its start");
-        let holds = self.record.bounds.holds(&x);
+        let active_bounds = self.record.bounds.active_bounds(&x);
         let (termination, history) = self.record.finished();
         Fit {
-            holds,
+            active_bounds,
             x,
             evaluation: self.current,
             termination,

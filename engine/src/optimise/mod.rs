@@ -58,7 +58,7 @@ pub use fit_record::ArgminState;
 pub use identifiability::{Direction, Identifiability};
 pub use layout::{Deviation, RowLabel, TargetLayout};
 pub use levenberg_marquardt::LevenbergMarquardt;
-pub use moves::{Way, moved_design, ways};
+pub use moves::{PointRate, moved_design, point_rates};
 pub use multistart::{Multistart, Start, multistart, starting_point};
 pub use objective::Objective;
 pub use options::Options;

@@ -21,7 +21,7 @@ use super::extremes::{self, SEARCHES, Search};
 use super::lane_builds::LaneBuilds;
 use super::lane_rows::{Checked, LaneRows};
 use super::layout::{Extremes, Leg, TargetLayout};
-use super::moves::{Way, moved_design, ways};
+use super::moves::{PointRate, moved_design, point_rates};
 use super::{Infeasible, LeastSquares, Linearisation};
 use crate::build::Alignment;
 use crate::characteristics::{Constants, Measure, WheelReading};
@@ -42,7 +42,7 @@ pub struct Objective<'a> {
     constants: Constants,
     design: &'a [Vector3<f64>],
     moved: Vec<Vector3<f64>>,
-    ways: Vec<Way>,
+    point_rates: Vec<PointRate>,
     /// In lanes, where that can be: the residuals of a design that the lanes accept, and of such builds.
     lanes: Option<LaneRows<'a>>,
     /// Of a robust tuning, whose residuals are those of builds.
@@ -71,7 +71,7 @@ struct Visit<'v, 'a> {
     leg: &'v Leg,
     layout: &'v TargetLayout,
     constants: Constants,
-    ways: &'v [Way],
+    point_rates: &'v [PointRate],
     toggles: &'v Toggles,
     moving: Option<&'v AlongVariables>,
     solver: &'v mut Solver<'a>,
@@ -139,7 +139,7 @@ impl<const N: usize> ReadStations for Reader<N> {
             leg,
             layout,
             constants,
-            ways,
+            point_rates,
             toggles,
             moving,
             solver,
@@ -165,7 +165,7 @@ impl<const N: usize> ReadStations for Reader<N> {
                 linearised: &linearised,
                 solver,
                 motion: place,
-                ways,
+                point_rates,
                 moving,
             };
             let slopes = &mut self.slopes;
@@ -216,7 +216,7 @@ struct Reading<'r, 'a, const N: usize> {
     linearised: &'r Linearised<'a, N>,
     solver: &'r Solver<'a>,
     motion: &'r MotionPoint<f64>,
-    ways: &'r [Way],
+    point_rates: &'r [PointRate],
     /// Where the measure is a force.
     moving: Option<&'r AlongVariables>,
 }
@@ -254,8 +254,8 @@ impl<const N: usize> Slopes<N> {
             }
         }
         self.by_variable.fill(0.0);
-        for way in of.ways {
-            self.by_variable[way.column] += self.gradient[way.point].dot(way.by);
+        for rate in of.point_rates {
+            self.by_variable[rate.column] += self.gradient[rate.point].dot(rate.by);
         }
     }
 }
@@ -352,7 +352,7 @@ impl<'a> Objective<'a> {
             constants: Constants::of(suspension),
             design,
             moved: design.clone(),
-            ways: Vec::new(),
+            point_rates: Vec::new(),
             lanes: LaneRows::new(suspension, layout, true, Width::widest()),
             builds: None,
             lane_builds: None,
@@ -422,14 +422,18 @@ impl<'a> Objective<'a> {
     fn move_to(&mut self, x: &DVector<f64>) {
         let (frame, variables) = (&self.frame, self.variables);
         moved_design(self.design, frame, variables, x, &mut self.moved);
-        ways(self.design, frame, variables, x, &mut self.ways);
+        point_rates(self.design, frame, variables, x, &mut self.point_rates);
         if let Some((follower, leader)) = self.follower {
             let from = self.design[follower.0] - self.design[leader.0];
             self.moved[follower.0] = self.moved[leader.0] + from;
-            let follows = self.ways.iter().filter(|way| way.point == leader.0);
+            let follows = self
+                .point_rates
+                .iter()
+                .filter(|rate| rate.point == leader.0);
             let point = follower.0;
-            let ways: Vec<Way> = follows.map(|way| Way { point, ..*way }).collect();
-            self.ways.extend(ways);
+            let point_rates: Vec<PointRate> =
+                follows.map(|rate| PointRate { point, ..*rate }).collect();
+            self.point_rates.extend(point_rates);
         }
     }
 
@@ -452,7 +456,7 @@ impl<'a> Objective<'a> {
                 variables: self.variables,
                 x,
                 design: &self.moved,
-                ways: &self.ways,
+                point_rates: &self.point_rates,
             };
             return axle.evaluate(&moved, into);
         };
@@ -477,7 +481,7 @@ impl<'a> Objective<'a> {
         let Some(mut lanes) = self.lanes.take_if(tell_all) else {
             return Ok(false);
         };
-        lanes.begin(self.moved.len(), &self.ways, self.variables.len());
+        lanes.begin(self.moved.len(), &self.point_rates, self.variables.len());
         let found = self.evaluate_legs(&mut lanes, into, rows);
         self.lanes = Some(lanes);
         found
@@ -523,7 +527,7 @@ impl<'a> Objective<'a> {
         let alignment = builds.redraw(&self.moved)?;
         let mut lanes = self.lane_builds.take().filter(|_| self.lanes.is_some());
         if let (Some(lanes), Some(rows)) = (&mut lanes, &mut self.lanes) {
-            lanes.assemble(builds, alignment.as_ref(), &self.ways);
+            lanes.assemble(builds, alignment.as_ref(), &self.point_rates);
             rows.of_builds(self.layout, lanes, into);
         }
         let in_lanes = |number| {
@@ -547,14 +551,14 @@ impl<'a> Objective<'a> {
     ) -> Result<(), Infeasible> {
         let variables = self.variables.len();
         for number in numbers {
-            let (drawn, built) = (&self.ways, &mut self.built);
+            let (drawn, built) = (&self.point_rates, &mut self.built);
             builds.build(number, alignment, drawn, variables, built)?;
             // The build takes the place of the drawing, and the drawing is put back.
             std::mem::swap(&mut self.moved, &mut self.built);
-            std::mem::swap(&mut self.ways, &mut builds.ways);
+            std::mem::swap(&mut self.point_rates, &mut builds.point_rates);
             let found = self.evaluate_moved(Some((into, number * self.layout.rows)), None);
             std::mem::swap(&mut self.moved, &mut self.built);
-            std::mem::swap(&mut self.ways, &mut builds.ways);
+            std::mem::swap(&mut self.point_rates, &mut builds.point_rates);
             found.map_err(|reason| Infeasible::Refused(format!("build {number}: {reason}")))?;
         }
         Ok(())
@@ -574,7 +578,7 @@ impl<'a> Objective<'a> {
                 leg,
                 layout: self.layout,
                 constants: self.constants,
-                ways: &self.ways,
+                point_rates: &self.point_rates,
                 toggles: &self.toggles,
                 moving: self.moving.as_ref(),
                 solver: &mut self.solver,
@@ -603,7 +607,7 @@ impl<'a> Objective<'a> {
         prepared.map_err(refused(mechanism))?;
         self.reader.prepare(mechanism, &self.moved);
         if let Some(moving) = &mut self.moving {
-            moving.prepare(&self.solver, &self.moved, &self.ways);
+            moving.prepare(&self.solver, &self.moved, &self.point_rates);
         }
         if let Some(sloped) = &mut self.sloped {
             sloped.series.prepare(mechanism, &self.moved);
@@ -623,7 +627,7 @@ impl<'a> Objective<'a> {
         let Objective {
             layout,
             constants,
-            ways,
+            point_rates,
             solver,
             sloped: Some(reader),
             searches,
@@ -659,7 +663,7 @@ impl<'a> Objective<'a> {
                         linearised: &linearised,
                         solver,
                         motion: place,
-                        ways,
+                        point_rates,
                         moving: moving.as_ref(),
                     });
                     rows.residuals[search.row] = value;

@@ -47,12 +47,12 @@ impl StandardErrors {
     /// than free variables.
     pub fn of(
         at: &Linearisation,
-        holds: &[ActiveBound],
+        active_bounds: &[ActiveBound],
         bounds: &Bounds,
         weights: &[f64],
     ) -> Option<Self> {
-        let free: Vec<usize> = (0..holds.len())
-            .filter(|j| holds[*j] == ActiveBound::Free)
+        let free: Vec<usize> = (0..active_bounds.len())
+            .filter(|j| active_bounds[*j] == ActiveBound::Free)
             .collect();
         let rows = at.residuals.len();
         if rows <= free.len() {
@@ -65,7 +65,7 @@ impl StandardErrors {
             .zip(weights)
             .map(|(r, w)| (r / w) * (r / w));
         let scatter = (squares.sum::<f64>() / freedoms as f64).sqrt();
-        let mut errors = vec![None; holds.len()];
+        let mut errors = vec![None; active_bounds.len()];
         if free.is_empty() {
             return Some(StandardErrors {
                 scatter,

@@ -331,7 +331,7 @@ impl<'a> Tuner<'a> {
         if is_known && let Some(first) = found.history.first_mut() {
             first.evaluations = 0;
         }
-        fit.holds = self.bounds.holds(&x);
+        fit.active_bounds = self.bounds.active_bounds(&x);
         fit.x = x;
         fit.evaluation = targets;
         fit.termination = ended;
@@ -374,7 +374,7 @@ impl<'a> Tuner<'a> {
     fn as_fit(&self, fit: ConstrainedFit, at_minimum: bool) -> Fit {
         let is_minimum = at_minimum && fit.termination.at_minimum();
         Fit {
-            holds: self.bounds.holds(&fit.x),
+            active_bounds: self.bounds.active_bounds(&fit.x),
             x: fit.x,
             evaluation: fit.at.goal,
             termination: fit.termination,
@@ -436,7 +436,7 @@ impl<'a> Tuner<'a> {
         }
         let of = self.layout.targets_of_rows();
         let weights: Vec<f64> = of.iter().map(|target| self.layout.share(*target)).collect();
-        StandardErrors::of(&fit.evaluation, &fit.holds, &self.bounds, &weights)
+        StandardErrors::of(&fit.evaluation, &fit.active_bounds, &self.bounds, &weights)
     }
 
     /// How each constraint is kept.

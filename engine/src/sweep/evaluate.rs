@@ -291,8 +291,8 @@ impl<'a> Evaluator<'a> {
         quantities: &'a [Quantity],
         solver: Solver<'a>,
     ) -> Self {
-        let depth = quantities.iter().map(|q| q.rate_order()).max().unwrap_or(0);
-        let one_by_one: Box<dyn SolvesOneByOne + 'a> = match depth {
+        let rate_order = quantities.iter().map(|q| q.rate_order()).max().unwrap_or(0);
+        let one_by_one: Box<dyn SolvesOneByOne + 'a> = match rate_order {
             0 => Box::new(OneByOne::<1>::new(suspension, stations, quantities, solver)),
             _ => Box::new(OneByOne::<2>::new(suspension, stations, quantities, solver)),
         };

@@ -25,7 +25,7 @@ mod rows;
 mod samples;
 mod sequence;
 mod stations;
-mod tally;
+mod statistics;
 
 pub(crate) use axle::AxleStations;
 pub use effects::{Effect, Effects};
@@ -45,4 +45,4 @@ pub use samples::Samples;
 pub use sequence::{latin_hypercube, sobol, uniform};
 pub use stations::Stations;
 pub(crate) use stations::place_of;
-pub use tally::{FailureCount, OutputRange, SweepStatistics};
+pub use statistics::{FailureCount, OutputRange, SweepStatistics};

@@ -122,15 +122,15 @@ pub(super) fn by_direction_along<T: Real>(
     let along = moving(inputs, rate.spin_axis, rate.steering_direction);
     let [x, y, z] = Matrix3::identity(along.turn.x).columns;
     of_angle!(c, Angle => Vector3::new(
-        slope_apart::<Angle, _>(&along, x),
-        slope_apart::<Angle, _>(&along, y),
-        slope_apart::<Angle, _>(&along, z),
+        slope_outlined::<Angle, _>(&along, x),
+        slope_outlined::<Angle, _>(&along, y),
+        slope_outlined::<Angle, _>(&along, z),
     ))
 }
 
 /// How an angle changes with the direction it reads, in a function of its own.
 #[inline(always)]
-fn slope_apart<F: Formula, T: Real>(inputs: &Inputs<T>, direction: Vector3<T>) -> T {
+fn slope_outlined<F: Formula, T: Real>(inputs: &Inputs<T>, direction: Vector3<T>) -> T {
     outlined!(
         [F: Formula, T: Real] inputs.turn.x;
         _angle: PhantomData<F> = PhantomData::<F>, inputs: &'p Inputs<T> = inputs, direction: Vector3<T> = direction

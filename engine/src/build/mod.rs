@@ -21,11 +21,11 @@
 mod alignment;
 mod assembler;
 mod derivatives;
-mod lift;
 mod parts;
 mod rest;
 mod set_up;
 mod settle;
+mod settle_series;
 
 pub(crate) use alignment::Alignment;
 pub use assembler::{Assembler, Reject};

@@ -20,8 +20,8 @@
 
 use super::alignment::{Alignment, ROUNDING};
 use super::assembler::{Assembler, Linearised};
-use super::lift::Lifting;
 use super::parts::Parts;
+use super::settle_series::SettlingSeries;
 use crate::mechanism::{Closure, Pose, Turn};
 use crate::number::{Jet, Matrix3, Outlined, Real, SimdReal, Vector3};
 
@@ -200,7 +200,7 @@ impl Assembler {
     /// The built designs of such builds as series, from parts as series with the values they have come to have. Says which
     /// lanes are accepted.
     #[inline(always)]
-    pub(crate) fn lift_in_lanes<B: SimdReal>(
+    pub(crate) fn series_in_lanes<B: SimdReal>(
         &self,
         alignment: Option<&Alignment>,
         built: &InLanes<B>,
@@ -208,7 +208,7 @@ impl Assembler {
         carrier: &mut Vec<Vector3<Jet<B, 2>>>,
         into: &mut [Vector3<Jet<B, 2>>],
     ) -> B::Mask {
-        built.pose.origin.x.outlined(Lifting {
+        built.pose.origin.x.outlined(SettlingSeries {
             assembler: self,
             alignment,
             parts,

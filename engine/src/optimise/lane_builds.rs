@@ -164,14 +164,14 @@ impl SimdTask for Assembling<'_, '_> {
                 for (number, length) in by.lengths.iter().enumerate() {
                     series.lengths[number] = Jet([parts.lengths[number], like.lit(length.0[1])]);
                 }
-                let lifted = assembler.lift_in_lanes(
+                let settled = assembler.series_in_lanes(
                     alignment,
                     &group,
                     &mut series,
                     &mut series_carrier,
                     &mut moving,
                 );
-                accepted = accepted & lifted;
+                accepted = accepted & settled;
                 for point in &moving {
                     for rate in [point.x.0[1], point.y.0[1], point.z.0[1]] {
                         rate.store(&mut lanes.point_rates[place..]);

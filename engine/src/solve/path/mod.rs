@@ -41,7 +41,7 @@ pub struct Solver<'m> {
     tracked: TrackedPoses,
     /// For the predictor of the step-by-step path; made when first needed.
     design_series: Option<DesignSeries<3>>,
-    lifted_is_current: bool,
+    series_is_current: bool,
     size: f64,
     /// The largest coordinate, at least the size: what positions are rounded at.
     coordinate_scale: f64,
@@ -67,7 +67,7 @@ impl<'m> Solver<'m> {
             tracker: Some(PoseTracker::new(mechanism, design)),
             tracked: TrackedPoses::default(),
             design_series: None,
-            lifted_is_current: false,
+            series_is_current: false,
             size: 1.0,
             coordinate_scale: 1.0,
             work: WorkCounter::default(),
@@ -86,7 +86,7 @@ impl<'m> Solver<'m> {
         }
         self.size = self.mechanism.size(design);
         self.coordinate_scale = self.mechanism.coordinate_scale(design);
-        self.lifted_is_current = false;
+        self.series_is_current = false;
         // Products of up to eight lengths must neither overflow nor underflow, and coordinates must
         // leave six digits of the size. Written so that NaN, from an overflow, is refused.
         if !(self.coordinate_scale * DEGENERATE < self.size && SIZES.contains(&self.size)) {
@@ -265,7 +265,7 @@ impl<'m> Solver<'m> {
 
     /// The path on which `moving` moves and the rest is held as at `held`.
     pub(crate) fn curve(&mut self, moving: Moving, held: MotionPoint<f64>) -> Curve<'_> {
-        self.lift();
+        self.prepare_series();
         Curve {
             mechanism: self.mechanism,
             design: &self.design,
@@ -279,14 +279,14 @@ impl<'m> Solver<'m> {
         }
     }
 
-    /// Brings the lifted design up to date.
-    fn lift(&mut self) {
-        if !self.lifted_is_current {
+    /// Brings the series of the design up to date.
+    fn prepare_series(&mut self) {
+        if !self.series_is_current {
             match &mut self.design_series {
                 Some(design_series) => design_series.prepare(self.mechanism, &self.design),
                 None => self.design_series = Some(DesignSeries::new(self.mechanism, &self.design)),
             }
-            self.lifted_is_current = true;
+            self.series_is_current = true;
         }
     }
 

@@ -22,7 +22,7 @@ const COARSE: f64 = 1e-12;
 type Series<B> = Jet<B, 2>;
 
 /// Mends the derivative of a settled pose and writes the built design as a series.
-pub(super) struct Lifting<'s, B> {
+pub(super) struct SettlingSeries<'s, B> {
     pub(super) assembler: &'s Assembler,
     pub(super) alignment: Option<&'s Alignment>,
     /// The parts as series; where they are aligned, they come to have the derivatives of the adjustments.
@@ -33,13 +33,13 @@ pub(super) struct Lifting<'s, B> {
     pub(super) into: &'s mut [Vector3<Series<B>>],
 }
 
-impl<B: SimdReal> Outlined for Lifting<'_, B> {
+impl<B: SimdReal> Outlined for SettlingSeries<'_, B> {
     /// The lanes in which it has settled.
     type Output = B::Mask;
 
     #[inline(always)]
     fn work(self) -> B::Mask {
-        let Lifting {
+        let SettlingSeries {
             assembler,
             alignment,
             parts,

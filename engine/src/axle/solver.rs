@@ -384,7 +384,7 @@ impl<'a, const N: usize> Corner<'a, N> {
     }
 
     /// The wheel in a pose, with the rack in the middle.
-    fn standing(&self, pose: Pose<f64>) -> Configuration<'_, f64> {
+    fn configuration(&self, pose: Pose<f64>) -> Configuration<'_, f64> {
         Configuration::new(self.mechanism, self.solver.design(), pose, 0.0)
     }
 
@@ -896,7 +896,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
 
     fn contact(&self, side: Side, pose: &Pose<f64>, ground: Ground<f64>) -> Vector3<f64> {
         let corner = &self.corners[side as usize];
-        let at = corner.standing(*pose);
+        let at = corner.configuration(*pose);
         at.point(corner.mechanism.wheel_centre)
             + ground.contact_lever(at.spin_axis(), self.radius())
     }
@@ -1186,7 +1186,9 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
     /// The spin axis of a wheel in the design position, in the frame of its side.
     pub fn spin_axis(&self, side: Side) -> Vector3<f64> {
         let corner = &self.corners[side as usize];
-        corner.standing(corner.solver.design_pose()).spin_axis()
+        corner
+            .configuration(corner.solver.design_pose())
+            .spin_axis()
     }
 
     /// The designs of both wheels, each in the frame of its side.

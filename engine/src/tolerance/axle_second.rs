@@ -144,7 +144,7 @@ impl<'p> DrawnPositions<'p> {
             let Some(position) = position else {
                 continue;
             };
-            let state = self.standing(position, &designs, &closures);
+            let state = self.on_ground(position, &designs, &closures);
             for (output, quantity) in self.stations.quantities.iter().enumerate() {
                 if position.has_value[output] && quantity.rate_order() == 0 {
                     let value = quantity.evaluate(&state).derivative(2);
@@ -156,7 +156,7 @@ impl<'p> DrawnPositions<'p> {
     }
 
     /// The axle in a position as series, on the ground to every order.
-    fn standing(
+    fn on_ground(
         &self,
         position: &DrawnPosition,
         designs: &[Vec<Vector3<Series>>],
@@ -199,7 +199,7 @@ impl<'p> DrawnPositions<'p> {
             let driver = Driver::Travel(travel);
             let pose = pose_series(mechanism, design, closure, factors, pose, driver, rack);
             let at = Configuration::new(mechanism, design, pose, rack);
-            Reading::standing(&Snapshot::of(&at, &self.parts))
+            Reading::without_rates(&Snapshot::of(&at, &self.parts))
         };
         let (sine, cosine) = position.roll.sin_cos();
         let [sine, cosine] = [sine, cosine].map(Series::constant);

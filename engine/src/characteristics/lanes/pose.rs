@@ -133,7 +133,7 @@ impl<B: SimdReal, P: LanePose<B>> Posed<B> for PoseInLanes<'_, '_, '_, B, P> {
     fn spin_axis(&mut self) -> Moving<Vector3<B>> {
         let now = self.at.vector(&self.wheels.spin_axis);
         self.accepted = self.accepted & now.z.abs().less(now.z.lit(STEEPEST_SPIN_AXIS));
-        let mut axis = Moving::standing(now);
+        let mut axis = Moving::without_rate(now);
         if let Some(rates) = self.rates {
             axis.rate = Some(rates.vector(now));
         }
@@ -144,7 +144,7 @@ impl<B: SimdReal, P: LanePose<B>> Posed<B> for PoseInLanes<'_, '_, '_, B, P> {
     fn point(&mut self, id: PointId) -> Moving<Vector3<B>> {
         if let Some(place) = self.reader.place[id.0] {
             let now = self.at.point(&self.wheels.carried[place]);
-            let mut point = Moving::standing(now);
+            let mut point = Moving::without_rate(now);
             if let Some(rates) = self.rates {
                 point.rate = Some(rates.point(self.at, now));
             }
@@ -160,7 +160,7 @@ impl<B: SimdReal, P: LanePose<B>> Posed<B> for PoseInLanes<'_, '_, '_, B, P> {
                     rate: Some(point.rate),
                 }
             }
-            None => Moving::standing(at.point(id)),
+            None => Moving::without_rate(at.point(id)),
         }
     }
 
@@ -168,7 +168,7 @@ impl<B: SimdReal, P: LanePose<B>> Posed<B> for PoseInLanes<'_, '_, '_, B, P> {
     fn steering_axis(&mut self) -> Option<[Moving<Vector3<B>>; 2]> {
         let (point, along, is_known) = self.at.steering_axis();
         self.accepted = self.accepted & is_known;
-        let mut axis = [Moving::standing(point), Moving::standing(along)];
+        let mut axis = [Moving::without_rate(point), Moving::without_rate(along)];
         if let Some(rates) = self.rates {
             let (point, along) = self.at.steering_axis_rates(rates);
             (axis[0].rate, axis[1].rate) = (Some(point), Some(along));

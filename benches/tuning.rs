@@ -62,7 +62,7 @@ fn constraints_that_exclude_one_another(bencher: Bencher) {
     bencher.bench_local(|| tuned(&study));
 }
 
-/// A front of 50 points between wishes that cannot both be had.
+/// A front of 50 points between goals that cannot both be had.
 #[divan::bench]
 fn a_front(bencher: Bencher) {
     let study = strut(&[

@@ -5,8 +5,8 @@ use crate::curves::{Curves, curves};
 use crate::plan::Plan;
 use crate::report::{
     AxleSummary, FailureRange, Record, SolveSummary, Summary, axle_curves_csv, axle_failures,
-    axle_remarks, axle_sensitivities_csv, both_doubts, curves_csv, doubts, remarks,
-    sensitivities_csv,
+    axle_remarks, axle_sensitivities_csv, both_wheels_plausibility, curves_csv, plausibility,
+    remarks, sensitivities_csv,
 };
 use crate::study::{AxleStudy, Study};
 
@@ -125,13 +125,12 @@ impl<'s> Solved<'s> {
     }
 
     /// What is doubtful of the design, a line each.
-    pub fn doubts(&self) -> Result<Vec<String>, String> {
+    pub fn plausibility(&self) -> Result<Vec<String>, String> {
         let wheel = &self.study.suspension;
         match &self.found {
-            Found::Wheel(..) => doubts(wheel).map_err(|f| f.describe(&wheel.mechanism)),
-            Found::Axle(both, plan, curves) => {
-                both_doubts(&both.axle, plan, curves).map_err(|f| both.axle.describe_fault(f))
-            }
+            Found::Wheel(..) => plausibility(wheel).map_err(|f| f.describe(&wheel.mechanism)),
+            Found::Axle(both, plan, curves) => both_wheels_plausibility(&both.axle, plan, curves)
+                .map_err(|f| both.axle.describe_fault(f)),
         }
     }
 

@@ -13,7 +13,7 @@ use std::ops::ControlFlow;
 use std::path::Path;
 use support::quadratics::Quadratics;
 use support::random::Random;
-use support::{Case, march_to, motion, vector};
+use support::{Case, motion, order_to, vector};
 
 /// Travels at which the reference knows that no assembly exists on any branch.
 #[test]
@@ -82,14 +82,14 @@ fn every_state_of_the_reference_is_among_them() {
     }
 }
 
-/// The pose that a march finds is one of them.
+/// The pose that visiting stations finds is one of them.
 #[test]
 fn the_connected_pose_is_one_of_them() {
     let case = Case::read("nominal");
     let mut solver = case.solver();
     let mut pose = None;
     solver
-        .for_each_pose(Drive::Travel, &march_to(0.08), 0.02, |_, _, found| {
+        .for_each_pose(Drive::Travel, &order_to(0.08), 0.02, |_, _, found| {
             pose = found.ok().copied();
             ControlFlow::Continue(())
         })

@@ -9,7 +9,7 @@ use hardpoint::model::Drive;
 use hardpoint::number::Vector3;
 use hardpoint::solve::{Solver, StationOrder};
 use std::ops::ControlFlow;
-use support::{Case, march_to, motion, vector};
+use support::{Case, motion, order_to, vector};
 
 /// The proved bound holds for every point of the reference, and is close to rounding for an ordinary
 /// design.
@@ -28,7 +28,7 @@ fn check(name: &str, sharpness: f64) -> (usize, usize) {
             continue;
         }
         solver
-            .for_each_pose(drive, &march_to(value), rack, |solver, _, pose| {
+            .for_each_pose(drive, &order_to(value), rack, |solver, _, pose| {
                 let pose = pose.unwrap();
                 let point = MotionPoint { drive, value, rack };
                 let certificate = match certifier.pose(pose, &point) {
@@ -86,7 +86,7 @@ fn beside_folds_and_toggles_the_proof_holds_or_is_refused() {
     assert!(proved > 0);
 }
 
-/// Marches to the ends and certifies every station as one branch with the design position.
+/// Visits the stations to the ends and certifies every station as one branch with the design position.
 fn certified(
     solver: &mut Solver,
     certifier: &Certifier,
@@ -148,7 +148,7 @@ fn a_wrong_pose_is_not_proved() {
     let mut pose = None;
     let mut solver = solver;
     solver
-        .for_each_pose(Drive::Travel, &march_to(0.05), 0.0, |_, _, found| {
+        .for_each_pose(Drive::Travel, &order_to(0.05), 0.0, |_, _, found| {
             pose = found.ok().copied();
             ControlFlow::Continue(())
         })

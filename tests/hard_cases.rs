@@ -18,7 +18,7 @@ use serde_json::Value;
 use std::ops::ControlFlow;
 use std::path::Path;
 use support::random::Random;
-use support::{AXES, Case, march_to, motion, number, sensitivity_errors, vector};
+use support::{AXES, Case, motion, number, order_to, sensitivity_errors, vector};
 
 /// Whether a state lies on the path from the design position with this drive: the reference lists the
 /// other assemblies of the same drive value as well.
@@ -35,12 +35,12 @@ fn is_connected(case: &Case, state: &Value) -> bool {
     !label.starts_with("beyond") && !other_mode && !toggle_beyond
 }
 
-/// The failure of a march to one station, or nothing if it has a pose.
+/// The failure of a visit to one station, or nothing if it has a pose.
 fn failure(case: &Case, state: &Value) -> Option<Failure> {
     let (drive, value, rack, _) = motion(state);
     let mut failure = None;
     case.solver()
-        .for_each_pose(drive, &march_to(value), rack, |_, _, pose| {
+        .for_each_pose(drive, &order_to(value), rack, |_, _, pose| {
             failure = pose.err();
             ControlFlow::Continue(())
         })
@@ -72,7 +72,7 @@ fn check_case(name: &str, case: &Case) -> usize {
         }
         let (drive, value, rack, sign) = motion(state);
         solver
-            .for_each_pose(drive, &march_to(value), rack, |solver, _, pose| {
+            .for_each_pose(drive, &order_to(value), rack, |solver, _, pose| {
                 let pose = pose.unwrap_or_else(|f| panic!("{name} {:?}: {f}", state["drive"]));
                 let point = MotionPoint { drive, value, rack };
                 let k = solver.conditioning(pose, &point).number;

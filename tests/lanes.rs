@@ -12,7 +12,7 @@ use hardpoint::model::{Axis, Drive, PointId, SteeringAxis};
 use hardpoint::number::{Jet, Vector3, Width};
 use hardpoint::solve::Solver;
 use hardpoint::study::Study;
-use hardpoint::sweep::{BLOCK, Block, Evaluator, Gradients, Stations, Wanted};
+use hardpoint::sweep::{AngleTarget, BLOCK, Block, Evaluator, Gradients, Stations};
 use std::ops::ControlFlow;
 use std::path::Path;
 use support::random::Random;
@@ -574,8 +574,8 @@ fn a_degenerate_design_leaves_its_lane_as_it_was() {
                 Evaluator::with_width(suspension, &stations, &quantities, Some(width))
                     .unwrap_or_else(|_| panic!("the sample cannot be solved"));
             let mut block = Block::new(quantities.len(), stations.count());
-            let left = evaluator.evaluate(&[&without[..], &sound].concat(), &mut block);
-            assert_eq!(left, 1, "{name}, {}", width.name());
+            let fallback = evaluator.evaluate(&[&without[..], &sound].concat(), &mut block);
+            assert_eq!(fallback, 1, "{name}, {}", width.name());
         }
     }
 }
@@ -677,10 +677,10 @@ fn one_design_alone_has_the_bits_it_has_among_others() {
         let designs = scatter.block();
         let designs = &designs[..16 * points];
         let (mut among, mut alone) = (Evaluated::default(), Evaluated::default());
-        let left = evaluator.evaluate(designs, &mut among);
-        let mut left_alone = 0;
+        let fallback = evaluator.evaluate(designs, &mut among);
+        let mut fallback_alone = 0;
         for (number, design) in designs.chunks_exact(points).enumerate() {
-            left_alone += evaluator.evaluate(design, &mut alone);
+            fallback_alone += evaluator.evaluate(design, &mut alone);
             assert_eq!(among.fault(number), alone.fault(0), "{name}");
             for (k, quantity) in quantities.iter().enumerate() {
                 for station in 0..stations.count() {
@@ -695,8 +695,8 @@ fn one_design_alone_has_the_bits_it_has_among_others() {
                 }
             }
         }
-        assert_eq!(left, left_alone, "{name}");
-        alone_in_lanes += 16 - left_alone;
+        assert_eq!(fallback, fallback_alone, "{name}");
+        alone_in_lanes += 16 - fallback_alone;
     }
     assert!(alone_in_lanes > 40, "{alone_in_lanes}");
 }
@@ -718,8 +718,8 @@ fn gradients_in_lanes_are_those_of_the_closure_equations() {
         let stations = Stations::of(&study.motion, &suspension.frame, &[]);
         let angles = differentiable(&study);
         let angles = &angles[..];
-        let wanted: Vec<Wanted> = (0..angles.len() * stations.count())
-            .map(|k| Wanted {
+        let wanted: Vec<AngleTarget> = (0..angles.len() * stations.count())
+            .map(|k| AngleTarget {
                 value: 0.01 * k as f64 - 0.02,
                 weight: (k % 3) as f64,
             })
@@ -753,9 +753,9 @@ fn gradients_in_lanes_are_those_of_the_closure_equations() {
         let mut narrow = in_lanes(Width::Scalar);
         for (number, design) in designs.chunks_exact(points).enumerate() {
             let alone = collected(&mut narrow, design, angles.len(), stations.count(), points);
-            assert_eq!(narrow.is_right(0), lanes.is_right(number));
+            assert_eq!(narrow.is_accepted(0), lanes.is_accepted(number));
             let sum = sums(&mut narrow, design);
-            if narrow.is_right(0) {
+            if narrow.is_accepted(0) {
                 assert_eq!(alone[0], jacobians[number]);
                 assert_eq!(sum[0], deviations[number]);
             }
@@ -763,7 +763,7 @@ fn gradients_in_lanes_are_those_of_the_closure_equations() {
 
         let mut right = 0;
         for (number, design) in designs.chunks_exact(points).enumerate() {
-            if !lanes.is_right(number) {
+            if !lanes.is_accepted(number) {
                 continue;
             }
             right += 1;
@@ -780,7 +780,7 @@ fn gradients_in_lanes_are_those_of_the_closure_equations() {
                 let largest = largest.fold(scale / size, f64::max);
                 let missed = (found - value).abs() / scale;
                 assert!(missed < 1e-12, "{name}: {quantity:?} {found} {value}");
-                let Wanted { value: v, weight } = wanted[k];
+                let AngleTarget { value: v, weight } = wanted[k];
                 sum += weight * (value - v) * (value - v);
                 for (point, wanted) in gradient.iter().enumerate() {
                     let found = by_point[point];

@@ -8,7 +8,7 @@ use hardpoint::model::Axis;
 use hardpoint::number::Jet;
 use serde_json::Value;
 use std::ops::ControlFlow;
-use support::{ANGLES, AXES, Case, Worst, march_to, motion, number, sensitivity_errors, vector};
+use support::{ANGLES, AXES, Case, Worst, motion, number, order_to, sensitivity_errors, vector};
 
 /// Everything the reference gives of a state, as (name, quantity, values of order 0, 1, 2).
 fn expected(case: &Case, state: &Value, sign: f64) -> Vec<(String, Quantity, [f64; 3])> {
@@ -58,7 +58,7 @@ fn check(name: &str) -> Errors {
         let (drive, value, rack, sign) = motion(state);
         let mut visited = 0;
         solver
-            .for_each_pose(drive, &march_to(value), rack, |solver, _, pose| {
+            .for_each_pose(drive, &order_to(value), rack, |solver, _, pose| {
                 visited += 1;
                 let pose = pose.unwrap_or_else(|f| panic!("{name} {:?}: {f}", state["drive"]));
                 let point = MotionPoint { drive, value, rack };

@@ -332,7 +332,7 @@ fn examine(number: u64, tally: &mut Tally) {
     let reach = trial.mechanism.coordinate_scale(&trial.design);
     let station_order = StationOrder::through(&trial.values);
     let mut found: Vec<Option<Result<Pose<f64>, Failure>>> = vec![None; trial.values.len()];
-    let marched = solver.for_each_pose(
+    let visited = solver.for_each_pose(
         trial.drive,
         &station_order,
         trial.rack,
@@ -343,7 +343,7 @@ fn examine(number: u64, tally: &mut Tally) {
     );
     let suspension = trial.suspension();
     let certified = curves(&suspension, &trial.plan(&suspension));
-    if let Err(fault) = marched {
+    if let Err(fault) = visited {
         assert!(matches!(fault, DesignFault::Singular), "{number} {fault:?}");
         assert_eq!(certified, Err(fault), "{number}");
         tally.refused += 1;

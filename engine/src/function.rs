@@ -8,13 +8,13 @@
 
 mod axle;
 
-use self::axle::{AxleCourse, AxleEvaluator};
+use self::axle::{AxleEvaluator, AxleFunction};
 use crate::characteristics::{Quantity, with_unit};
 use crate::evaluate::{Evaluated, GradientEvaluator};
 use crate::mechanism::DesignFault;
 use crate::model::{Axis, Drive, PointId, Suspension};
 use crate::number::{Vector3, Width};
-use crate::optimise::{Way, moved_design, ways};
+use crate::optimise::{PointRate, moved_design, point_rates};
 use crate::plan::{Output, Plan};
 use crate::study::{Designs, Formulation, Study, SweepVariable, Variable, nearest};
 use crate::sweep::{BLOCK, Block, Evaluator, StationFailure, Stations};
@@ -172,7 +172,7 @@ pub struct DesignFunction {
     /// The points that any variable moves.
     moved: Vec<PointId>,
     /// For an axle: its outputs and stations; `outputs`, `quantities` and `stations` above are then unused.
-    axle: Option<Arc<AxleCourse>>,
+    axle: Option<Arc<AxleFunction>>,
 }
 
 /// Whether a design could be evaluated.
@@ -204,7 +204,7 @@ impl DesignFunction {
             return Err(FunctionError::Formulation);
         }
         let axle = study.axle.as_ref();
-        let axle = axle.map(|both| Arc::new(AxleCourse::of(both)));
+        let axle = axle.map(|both| Arc::new(AxleFunction::of(both)));
         let plan = Plan::of(study);
         let outputs: Vec<Output> = plan
             .outputs
@@ -231,19 +231,19 @@ impl DesignFunction {
             moved,
             axle,
         };
-        let sound = match &function.axle {
-            Some(course) => {
-                let sound = course.evaluator(true).map(drop);
-                sound.map_err(|fault| course.both.axle.describe_fault(fault))
+        let solved = match &function.axle {
+            Some(axle) => {
+                let solved = axle.evaluator(true).map(drop);
+                solved.map_err(|fault| axle.both.axle.describe_fault(fault))
             }
             None => {
-                let sound = function.values().map(drop);
-                let sound = sound.and_then(|()| function.gradients().map(drop));
-                sound.map_err(|fault| fault.describe(&function.suspension.mechanism))
+                let solved = function.values().map(drop);
+                let solved = solved.and_then(|()| function.gradients().map(drop));
+                solved.map_err(|fault| fault.describe(&function.suspension.mechanism))
             }
         };
         // From here on workspaces can be made.
-        sound.map_err(FunctionError::Design)?;
+        solved.map_err(FunctionError::Design)?;
         Ok(function)
     }
 
@@ -254,8 +254,8 @@ impl DesignFunction {
 
     /// Names of the outputs with their units, as columns have them.
     pub fn outputs(&self) -> Vec<String> {
-        if let Some(course) = &self.axle {
-            return course.outputs();
+        if let Some(axle) = &self.axle {
+            return axle.outputs();
         }
         let name = |o: &Output| with_unit(&o.name, &o.unit);
         self.outputs.iter().map(name).collect()
@@ -264,8 +264,8 @@ impl DesignFunction {
     /// Drive value and rack displacement of each station in the units and axes of the results. For an axle the drive
     /// value is that of the first number that moves.
     pub fn motion(&self) -> Vec<[f64; 2]> {
-        if let Some(course) = &self.axle {
-            return course.motion();
+        if let Some(axle) = &self.axle {
+            return axle.motion();
         }
         let sign = self.suspension.frame.sign(Axis::Y);
         let printed = |v: f64| match self.stations.drive {
@@ -283,13 +283,13 @@ impl DesignFunction {
 
     /// Number of stations.
     pub fn stations(&self) -> usize {
-        let of_axle = self.axle.as_ref().map(|course| course.placements.len());
+        let of_axle = self.axle.as_ref().map(|axle| axle.placements.len());
         of_axle.unwrap_or(self.of_motion.len())
     }
 
     /// Numbers of an evaluation of one design: outputs times stations.
     pub fn len(&self) -> usize {
-        let of_axle = self.axle.as_ref().map(|course| course.columns.len());
+        let of_axle = self.axle.as_ref().map(|axle| axle.columns.len());
         of_axle.unwrap_or(self.outputs.len()) * self.stations()
     }
 
@@ -308,7 +308,7 @@ impl DesignFunction {
             of_axle: None,
             designs: Vec::new(),
             offsets: DVector::zeros(self.variables.len()),
-            ways: Vec::new(),
+            point_rates: Vec::new(),
         }
     }
 
@@ -335,7 +335,7 @@ pub struct Evaluation<'f> {
     of_axle: Option<OfAxle<'f>>,
     designs: Vec<Vector3<f64>>,
     offsets: DVector<f64>,
-    ways: Vec<Way>,
+    point_rates: Vec<PointRate>,
 }
 
 /// The evaluator of values, and the block it fills.
@@ -344,13 +344,13 @@ type Values<'f> = (Evaluator<'f>, Block);
 /// The evaluator of values with derivatives, and room for what it finds.
 type Gradients<'f> = (GradientEvaluator<'f>, Evaluated);
 
-/// Evaluator of an axle. `differentiates` says whether it forms derivatives; `right` and `right_ways` are the design
+/// Evaluator of an axle. `differentiates` says whether it forms derivatives; `right` and `right_rates` are the design
 /// and point rates of a right wheel that has its own hardpoints.
 struct OfAxle<'f> {
     differentiates: bool,
     evaluator: Box<dyn AxleEvaluator + 'f>,
     right: Vec<Vector3<f64>>,
-    right_ways: Vec<Way>,
+    right_rates: Vec<PointRate>,
 }
 
 impl<'f> Evaluation<'f> {
@@ -365,8 +365,8 @@ impl<'f> Evaluation<'f> {
         let count = status.len();
         assert_eq!(x.len(), count * width, "a row of variables for each design");
         assert_eq!(values.len(), count * f.len(), "room for each design");
-        if let Some(course) = &f.axle {
-            return self.evaluate_axles(course, x, values, None, status);
+        if let Some(axle) = &f.axle {
+            return self.evaluate_axles(axle, x, values, None, status);
         }
         let mut first = 0;
         while first < count {
@@ -421,8 +421,8 @@ impl<'f> Evaluation<'f> {
             values.len() * width,
             "room for each derivative"
         );
-        if let Some(course) = &f.axle {
-            return self.evaluate_axles(course, x, values, Some(jacobian), status);
+        if let Some(axle) = &f.axle {
+            return self.evaluate_axles(axle, x, values, Some(jacobian), status);
         }
         let make = || f.gradients().expect("the function was made with one");
         let (mut evaluator, mut found) = self.gradients.take().unwrap_or_else(make);
@@ -449,7 +449,7 @@ impl<'f> Evaluation<'f> {
     /// Evaluates designs of an axle, with derivatives if there is a `jacobian` to write them to.
     fn evaluate_axles(
         &mut self,
-        course: &'f AxleCourse,
+        axle: &'f AxleFunction,
         x: &[f64],
         values: &mut [f64],
         mut jacobian: Option<&mut [f64]>,
@@ -461,13 +461,13 @@ impl<'f> Evaluation<'f> {
         let known = self.of_axle.take();
         let known = known.filter(|known| known.differentiates == differentiates);
         let mut of_axle = known.unwrap_or_else(|| {
-            let evaluator = course.evaluator(differentiates);
+            let evaluator = axle.evaluator(differentiates);
             let evaluator = evaluator.map_err(|(_, fault)| fault);
             OfAxle {
                 differentiates,
                 evaluator: evaluator.expect("the function was made with one"),
                 right: Vec::new(),
-                right_ways: Vec::new(),
+                right_rates: Vec::new(),
             }
         });
         for (number, status) in status.iter_mut().enumerate() {
@@ -477,16 +477,16 @@ impl<'f> Evaluation<'f> {
             let OfAxle {
                 evaluator,
                 right,
-                right_ways,
+                right_rates,
                 ..
             } = &mut of_axle;
-            let left = (&self.designs[..], &self.ways[..]);
+            let left = (&self.designs[..], &self.point_rates[..]);
             let mut sides = [left; 2];
-            if let Some(own) = &course.both.axle.right {
+            if let Some(own) = &axle.both.axle.right {
                 f.right_design(own, &self.offsets, &self.designs, right);
                 let (frame, offsets) = (&f.suspension.frame, &self.offsets);
-                ways(&own.design, frame, &f.variables, offsets, right_ways);
-                sides[1] = (right, right_ways);
+                point_rates(&own.design, frame, &f.variables, offsets, right_rates);
+                sides[1] = (right, right_rates);
             }
             let values = &mut values[number * row..(number + 1) * row];
             let at = number * row * width..(number + 1) * row * width;
@@ -513,7 +513,13 @@ impl<'f> Evaluation<'f> {
         let f = self.function;
         let Suspension { design, frame, .. } = &*f.suspension;
         f.offsets(x, &mut self.offsets);
-        ways(design, frame, &f.variables, &self.offsets, &mut self.ways);
+        point_rates(
+            design,
+            frame,
+            &f.variables,
+            &self.offsets,
+            &mut self.point_rates,
+        );
     }
 
     /// Copies the values of design `number`, and its derivatives by the variables, which are formed from those by
@@ -540,8 +546,8 @@ impl<'f> Evaluation<'f> {
                 values[place] = value;
                 row.fill(0.0);
                 let gradient = found.gradient(number, k, *station);
-                for way in &self.ways {
-                    row[way.column] += gradient[way.point].dot(way.by) * output.factor;
+                for rate in &self.point_rates {
+                    row[rate.column] += gradient[rate.point].dot(rate.by) * output.factor;
                 }
             }
         }

@@ -12,7 +12,7 @@ use crate::curves::{Curves, curves};
 use crate::mechanism::DesignFault;
 use crate::model::Suspension;
 use crate::plan::Plan;
-use crate::report::{Cell, SolveSummary, Summary, Table, variable_doubts};
+use crate::report::{Cell, SolveSummary, Summary, Table, variable_plausibility};
 use crate::solve::StationOrder;
 use crate::solved::Solved;
 use crate::study::{Designs, Drive, Formulation, Study, Sweep, Tolerance};
@@ -27,8 +27,8 @@ pub(super) fn run(arguments: &StudyArguments) -> Result<Exit, Stop> {
     let alone = motion_alone(&study);
     let solved = Solved::of(&alone).map_err(fault)?;
     let of_motions = NamedCurves::all(&alone).map_err(fault)?;
-    let mut said = solved.doubts().map_err(fault)?;
-    said.extend(variable_doubts(&study));
+    let mut said = solved.plausibility().map_err(fault)?;
+    said.extend(variable_plausibility(&study));
     said.extend(solved.remarks());
 
     let mut out = Printer::new(arguments.format);

@@ -59,7 +59,7 @@ impl Choices {
         summary: &TuningSummary,
     ) -> Result<bool, Stop> {
         if let Some(front) = &self.front {
-            let names = optimise.front.iter().map(|wish| wish.name.as_str());
+            let names = optimise.front.iter().map(|goal| goal.name.as_str());
             output.say(&format!(
                 "\nfront of {}, misfits in tolerances: {} designs, none of them better in all\n\n",
                 names.collect::<Vec<_>>().join(" and "),
@@ -69,7 +69,7 @@ impl Choices {
             output.say_remarks(front_remarks(optimise, front))?;
         }
         if let Some(table) = summary.prices_table() {
-            output.lead_on(
+            output.text_only(
                 "\nwhat moving further buys: moves in ranges, misfits in tolerances, gain by a tenth of a range\n\n",
             )?;
             output.table("prices", &table)?;

@@ -3,7 +3,7 @@
 use super::exit::{Exit, Stop};
 use super::export::save;
 use super::terminal::note;
-use crate::exchange::{Wishes, import, read_points, unit_of};
+use crate::exchange::{ImportOptions, import, read_points, unit_of};
 use crate::model::{FrameConvention, LengthUnit, Side, Topology};
 use clap::Args;
 use std::collections::BTreeMap;
@@ -73,14 +73,14 @@ pub(super) fn run(arguments: &ImportArguments) -> Result<Exit, Stop> {
         None => BTreeMap::new(),
     };
     let table = read_points(&arguments.file, arguments.sheet.as_deref()).map_err(refused)?;
-    let wishes = Wishes {
+    let options = ImportOptions {
         topology: arguments.topology,
         unit: arguments.unit,
         frame: arguments.frame,
         side: arguments.side,
         names: &names,
     };
-    let imported = import(&table, &wishes).map_err(refused)?;
+    let imported = import(&table, &options).map_err(refused)?;
     let notes: String = imported
         .notes
         .iter()

@@ -27,15 +27,15 @@ pub(super) fn run(
     super::axle::refuse(study, path, "limits --builds", why)?;
     let tolerance = scatter(study, path)?;
     let problem = problem(study, tolerance, path)?;
-    let drawn = Reach::of(study, &study.suspension);
+    let drawn = LimitRanges::of(study, &study.suspension);
     let drawn = drawn.map_err(|fault| design_fault(study, path, &fault))?;
     let line = progress::line(count.get(), "builds");
     let least = pool(None, count.get())?.install(|| {
         let builds = (0..count.get()).into_par_iter().map(|number| {
             let built = problem.built(number).ok();
-            let reach = built.and_then(|built| Reach::of(study, &built).ok());
+            let ranges = built.and_then(|built| LimitRanges::of(study, &built).ok());
             line.inc(1);
-            Least::of(number, reach)
+            Least::of(number, ranges)
         });
         builds.reduce(Least::default, Least::and)
     });
@@ -77,7 +77,7 @@ pub(super) fn run(
 }
 
 /// How far one mechanism goes.
-struct Reach {
+struct LimitRanges {
     /// What goes how far, where the rest stands, and from where to where.
     rows: Vec<(String, String, [f64; 2])>,
     /// What is left from the motion of the study to the nearer end; negative beyond it. None where the study is driven
@@ -85,7 +85,7 @@ struct Reach {
     margin: Option<f64>,
 }
 
-impl Reach {
+impl LimitRanges {
     fn of(study: &Study, suspension: &Suspension) -> Result<Self, DesignFault> {
         let mut solver = Solver::new(&suspension.mechanism, &suspension.design)?;
         let limits = solver.limits()?;
@@ -114,7 +114,7 @@ impl Reach {
             values.map(|value| range.margin(*value))
         });
         let margin = margins.fold(f64::INFINITY, f64::min);
-        Ok(Reach {
+        Ok(LimitRanges {
             margin: (study.motion.drive != Drive::PaperTheta).then_some(margin),
             rows,
         })
@@ -124,7 +124,7 @@ impl Reach {
 /// What some builds reach at least: of equals, the first build.
 #[derive(Default)]
 struct Least {
-    /// By row of [`Reach`]: the greatest lower and the least upper end, each with its build.
+    /// By row of [`LimitRanges`]: the greatest lower and the least upper end, each with its build.
     rows: Vec<[(f64, u64); 2]>,
     margin: Option<(f64, u64)>,
     /// How many builds cannot be put together or cannot move, and the first.
@@ -134,18 +134,18 @@ struct Least {
 }
 
 impl Least {
-    fn of(build: u64, reach: Option<Reach>) -> Self {
-        let Some(reach) = reach else {
+    fn of(build: u64, ranges: Option<LimitRanges>) -> Self {
+        let Some(ranges) = ranges else {
             return Least {
                 rejected: (1, Some(build)),
                 ..Least::default()
             };
         };
-        let rows = reach.rows.iter();
-        let is_short = reach.margin.is_some_and(|margin| margin < 0.0);
+        let rows = ranges.rows.iter();
+        let is_short = ranges.margin.is_some_and(|margin| margin < 0.0);
         Least {
             rows: rows.map(|(.., ends)| ends.map(|e| (e, build))).collect(),
-            margin: reach.margin.map(|margin| (margin, build)),
+            margin: ranges.margin.map(|margin| (margin, build)),
             rejected: (0, None),
             short: (u64::from(is_short), is_short.then_some(build)),
         }
@@ -180,7 +180,7 @@ impl Least {
 }
 
 /// How far each quantity goes as drawn, and in the build that goes least far.
-fn table(drawn: &Reach, least: &Least) -> Table {
+fn table(drawn: &LimitRanges, least: &Least) -> Table {
     let mut table = Table::new([
         "quantity",
         "at",

@@ -5,10 +5,11 @@ use super::choices::Choices;
 use super::exit::{Exit, Stop};
 use super::output::{Output, design_fault, pool};
 use super::progress;
-use super::report::Wanted;
+use super::report::ReportOptions;
 use crate::optimise::{Control, Tuning, tune};
 use crate::report::{
-    FrontRecord, PriceRecord, Record, TuningSummary, YieldRecord, history_csv, variable_doubts,
+    FrontRecord, PriceRecord, Record, TuningSummary, YieldRecord, history_csv,
+    variable_plausibility,
 };
 use crate::solved::Solved;
 use crate::study::{Optimise, Study, StudyErrors};
@@ -26,15 +27,15 @@ fn say_outcome(output: &Output, study: &Study, summary: &TuningSummary) -> Resul
     output.table_for_programs("misfit", || summary.misfit_table());
     if summary.has_design() {
         output.table("targets", &summary.targets_table())?;
-        output.lead_on("\n  rms and worst in tolerances\n")?;
+        output.text_only("\n  rms and worst in tolerances\n")?;
         for (_, column, by) in summary.missed() {
             output.say(&format!("  missed: {column}, by up to {by}\n"))?;
         }
-        output.lead_on("\n")?;
+        output.text_only("\n")?;
         output.table("variables", &summary.variables_table())?;
     }
     if let Some(table) = summary.constraints_table().filter(|_| summary.has_design()) {
-        output.lead_on("\n")?;
+        output.text_only("\n")?;
         output.table("constraints", &table)?;
     }
     output.say_remarks(summary.remarks())
@@ -67,7 +68,7 @@ fn say_openings(
             "\n  nor by {more} more such moves, in summary.json\n"
         ))?;
     }
-    output.lead_on("\n")?;
+    output.text_only("\n")?;
     match summary.starts_in_words().filter(|_| output.is_text()) {
         Some(words) => output.say(&format!("{words}\n"))?,
         None => output.table("starts", &summary.starts_table())?,
@@ -91,7 +92,7 @@ pub(super) fn run(arguments: &OptimiseArguments) -> Result<Exit, Stop> {
     let fault = |why| Stop::in_file(path, why);
     let before = Solved::with_targets(&study).map_err(fault)?;
     let output = Output::open(arguments, &study, "optimise")?;
-    let wanted = Wanted::open(arguments)?;
+    let report = ReportOptions::open(arguments)?;
     let of_wheel = |why| design_fault(&study, path, &why);
     let tuning = pool.install(|| tune_with_progress(&study, optimise));
     let tuning = tuning.map_err(of_wheel)?;
@@ -141,7 +142,7 @@ pub(super) fn run(arguments: &OptimiseArguments) -> Result<Exit, Stop> {
         output.record("report.json", &record)?;
         files.push("report.json");
     }
-    files.extend(wanted.show(output.directory())?);
+    files.extend(report.show(output.directory())?);
 
     say_outcome(&output, &study, &summary)?;
     let has_front = choices.say(&output, optimise, &summary)?;
@@ -150,11 +151,15 @@ pub(super) fn run(arguments: &OptimiseArguments) -> Result<Exit, Stop> {
         output.table("yields", &yields.table())?;
     }
     let is_complete = after.as_ref().is_some_and(Solved::is_complete);
-    let doubts = after.as_ref().map(Solved::doubts);
-    let doubts = doubts.transpose().map_err(fault)?.into_iter().flatten();
-    let doubts = doubts.chain(variable_doubts(&study));
+    let plausibility = after.as_ref().map(Solved::plausibility);
+    let plausibility = plausibility
+        .transpose()
+        .map_err(fault)?
+        .into_iter()
+        .flatten();
+    let plausibility = plausibility.chain(variable_plausibility(&study));
     let remarks = after.as_ref().map(Solved::remarks).into_iter().flatten();
-    output.say_doubts(doubts.chain(remarks), after.is_none() || is_complete)?;
+    output.say_plausibility(plausibility.chain(remarks), after.is_none() || is_complete)?;
     for failure in after.iter().flat_map(Solved::failures) {
         output.say_failure(&format!("\nnot solved: {failure}\n"))?;
     }

@@ -284,8 +284,8 @@ impl Output {
         Ok(())
     }
 
-    /// Prints what leads on to a table: to a reader, as a program knows its tables by their names.
-    pub(super) fn lead_on(&self, text: &str) -> Result<(), Stop> {
+    /// Prints text between tables: to a reader, as a program knows its tables by their names.
+    pub(super) fn text_only(&self, text: &str) -> Result<(), Stop> {
         match self.is_text() {
             true => self.say(text),
             false => Ok(()),
@@ -312,7 +312,7 @@ impl Output {
 
     /// Says remarks. Where something that was asked for could not be had, the warnings among them say what: also where
     /// quiet was asked for.
-    pub(super) fn say_doubts(
+    pub(super) fn say_plausibility(
         &self,
         remarks: impl IntoIterator<Item = String>,
         is_complete: bool,

@@ -34,13 +34,13 @@ pub(super) fn run(arguments: &ReportArguments) -> Result<Exit, Stop> {
 }
 
 /// What a run is asked to show besides its results.
-pub(super) struct Wanted {
+pub(super) struct ReportOptions {
     page: bool,
     plots: Option<PathBuf>,
     force: bool,
 }
 
-impl Wanted {
+impl ReportOptions {
     /// Finds out whether it can be written, before anything is computed.
     pub(super) fn open(arguments: &RunArguments) -> Result<Self, Stop> {
         let plots = arguments.plots.as_deref();
@@ -54,7 +54,7 @@ impl Wanted {
             let made = std::fs::create_dir_all(plots).and_then(|()| temporary(plots));
             made.map_err(|e| Stop::wrong_input(unwritten(plots)(e)))?;
         }
-        Ok(Wanted {
+        Ok(ReportOptions {
             page: arguments.report,
             plots: arguments.plots.clone(),
             force: arguments.force,

@@ -66,9 +66,9 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
 
     let topology = study.suspension.mechanism.topology.name;
     output.say(&format!("{}: {topology}\n", study.name))?;
-    output.lead_on("\nwhat each adjustment does\n\n")?;
+    output.text_only("\nwhat each adjustment does\n\n")?;
     output.table("effects", &summary.effects_table())?;
-    output.lead_on("\nset up, in this order\n\n")?;
+    output.text_only("\nset up, in this order\n\n")?;
     output.table("steps", &summary.steps_table())?;
     for (column, miss) in summary.missed() {
         let left = format!("{column} is missed by {}", crate::report::brief(miss));

@@ -4,7 +4,7 @@ use super::RunArguments;
 use super::exit::{Exit, Stop};
 use super::motions::NamedCurves;
 use super::output::Output;
-use super::report::Wanted;
+use super::report::ReportOptions;
 use crate::report::curves_csv;
 use crate::solved::Solved;
 use crate::study::Study;
@@ -15,7 +15,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     let fault = |why| Stop::in_file(path, why);
     let solved = Solved::of(&study).map_err(fault)?;
     let output = Output::open(arguments, &study, "solve")?;
-    let wanted = Wanted::open(arguments)?;
+    let report = ReportOptions::open(arguments)?;
 
     let length = study.suspension.length_unit;
     let summary = solved.summary().map_err(fault)?;
@@ -35,7 +35,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
         output.record("report.json", &record.map_err(fault)?)?;
         files.push("report.json");
     }
-    files.extend(wanted.show(output.directory())?);
+    files.extend(report.show(output.directory())?);
 
     output.say(&format!("{}\n\n", summary.headline()))?;
     let [ranges, stations, not_solved] = summary.tables().expect("of a solve");
@@ -43,8 +43,8 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     output.table("outputs", &ranges)?;
     output.table_for_programs("not_solved", || not_solved);
     let mut complete = solved.is_complete();
-    let doubts = solved.doubts().map_err(fault)?.into_iter();
-    output.say_doubts(doubts.chain(solved.remarks()), complete)?;
+    let remarks = solved.plausibility().map_err(fault)?.into_iter();
+    output.say_plausibility(remarks.chain(solved.remarks()), complete)?;
     for failure in solved.failures() {
         output.say_failure(&format!("\nnot solved: {failure}\n"))?;
     }

@@ -166,14 +166,14 @@ fn draw(
     output: &Output,
     study: &Study,
     plan: &SweepPlan,
-    tally: &SweepStatistics,
+    statistics: &SweepStatistics,
     path: &Path,
 ) -> Result<(), Stop> {
     // Of an axle the page shows no drawing.
-    if output.directory().is_none() || tally.designs == 0 || study.axle.is_some() {
+    if output.directory().is_none() || statistics.designs == 0 || study.axle.is_some() {
         return Ok(());
     }
-    let summary = SweepSummary::of(&plan.record, tally);
+    let summary = SweepSummary::of(&plan.record, statistics);
     let drawn = DrawnDesigns::of(study, plan, &summary);
     output.record(
         "drawn.json",
@@ -354,7 +354,7 @@ pub(super) fn finish(
     let failures = summary.failures_table();
     if !(output.is_text() && failures.is_empty()) {
         output.table("not_solved", &failures)?;
-        output.lead_on("\n")?;
+        output.text_only("\n")?;
     }
     output.table("outputs", &summary.outputs_table())?;
     output.say_remarks(summary.of_which())?;
@@ -362,7 +362,7 @@ pub(super) fn finish(
     output.say_remarks(summary.notes())?;
     let best = summary.best_table();
     if !best.is_empty() {
-        output.lead_on("\nBest by misfit, in tolerances:\n\n")?;
+        output.text_only("\nBest by misfit, in tolerances:\n\n")?;
     }
     if !(output.is_text() && best.is_empty()) {
         output.table("best", &best)?;

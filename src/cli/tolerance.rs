@@ -4,7 +4,7 @@ use super::ToleranceArguments;
 use super::exit::{Exit, Stop};
 use super::output::{Output, design_fault, pool};
 use super::progress;
-use super::report::Wanted;
+use super::report::ReportOptions;
 use super::terminal;
 use crate::build::NoSetUp;
 use crate::mechanism::DesignFault;
@@ -41,7 +41,7 @@ pub(super) fn run(arguments: &ToleranceArguments) -> Result<Exit, Stop> {
     let problem = problem(&study, tolerance, path)?;
     let drawn = problem.drawn().map_err(fault)?;
     let output = Output::open(arguments, &study, "tolerance")?;
-    let wanted = Wanted::open(arguments)?;
+    let report = ReportOptions::open(arguments)?;
     let expansion = pool
         .install(|| Expansion::of(&problem))
         .map_err(|reason| not_aligned(&study, path, reason))?;
@@ -63,17 +63,17 @@ pub(super) fn run(arguments: &ToleranceArguments) -> Result<Exit, Stop> {
     if output.directory().is_some() {
         files.extend(fans(&output, path, &problem, &builds)?);
     }
-    files.extend(wanted.show(output.directory())?);
+    files.extend(report.show(output.directory())?);
 
     output.say(&format!("{}: {}\n\n", study.name, summary.headline()))?;
     output.table("values", &summary.values_table())?;
     if summary.bands.is_empty() {
-        output.lead_on("\nshares of the builds' variance in the drawn position: of first order, and what that leaves\n\n")?;
+        output.text_only("\nshares of the builds' variance in the drawn position: of first order, and what that leaves\n\n")?;
         output.table("shares", &summary.shares_table(&contributors))?;
     } else {
-        output.lead_on("\n")?;
+        output.text_only("\n")?;
         output.table("bands", &summary.bands_table())?;
-        output.lead_on("\nwhat to hold tighter, what may be looser\n\n")?;
+        output.text_only("\nwhat to hold tighter, what may be looser\n\n")?;
         output.table("ranking", &summary.ranking_table())?;
     }
     output.say_remarks(summary.failures())?;

@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 
 /// What the user has said about a file.
 #[derive(Clone, Copy)]
-pub struct Wishes<'a> {
+pub struct ImportOptions<'a> {
     /// The kind of suspension.
     pub topology: &'static Topology,
     /// The unit of length.
@@ -61,9 +61,9 @@ pub struct Imported {
 }
 
 /// Finds the wheel in a file's points.
-pub fn import(table: &PointTable, wishes: &Wishes<'_>) -> Result<Imported, String> {
+pub fn import(table: &PointTable, options: &ImportOptions<'_>) -> Result<Imported, String> {
     let mut notes = table.notes.clone();
-    let meanings = meanings(table, wishes)?;
+    let meanings = meanings(table, options)?;
     let is_of = |side: Side| {
         let mut known = table
             .points
@@ -73,9 +73,9 @@ pub fn import(table: &PointTable, wishes: &Wishes<'_>) -> Result<Imported, Strin
         known.any(|(point, _)| point.side == Some(side) || point.mirrored)
     };
     let marked = Side::ALL.into_iter().find(|side| is_of(*side));
-    let wheel = wishes.side.or(marked);
+    let wheel = options.side.or(marked);
     let mut hardpoints = Vec::new();
-    for known in wishes.topology.all_hardpoints() {
+    for known in options.topology.all_hardpoints() {
         let candidates = table.points.iter().zip(&meanings);
         let candidates = candidates.filter(|(_, meaning)| **meaning == Some(known.name));
         let candidates: Vec<&NamedPoint> = candidates.map(|(point, _)| point).collect();
@@ -83,12 +83,12 @@ pub fn import(table: &PointTable, wishes: &Wishes<'_>) -> Result<Imported, Strin
             hardpoints.push(found);
         }
     }
-    drop_incomplete(wishes.topology, &mut hardpoints, &mut notes);
+    drop_incomplete(options.topology, &mut hardpoints, &mut notes);
     let left_over = left_over(table, &meanings, &hardpoints);
-    missing(wishes.topology, &hardpoints, &left_over)?;
+    missing(options.topology, &hardpoints, &left_over)?;
     say_guessed(&hardpoints, &mut notes);
 
-    if let Some(other) = rather(wishes.topology, &left_over, table) {
+    if let Some(other) = rather(options.topology, &left_over, table) {
         notes.push(format!(
             "doubtful: with what is left over the points make a {}; --topology {} would use them",
             other.name.replace('_', " "),
@@ -96,13 +96,13 @@ pub fn import(table: &PointTable, wishes: &Wishes<'_>) -> Result<Imported, Strin
         ));
     }
 
-    let unit = unit(table, wishes, &hardpoints, &mut notes)?;
-    let (frame, side) = orientation(table, wishes, wheel, &hardpoints, &mut notes)?;
+    let unit = unit(table, options, &hardpoints, &mut notes)?;
+    let (frame, side) = orientation(table, options, wheel, &hardpoints, &mut notes)?;
     if !left_over.is_empty() {
         notes.push(format!("left over: {}", left_over.join(", ")));
     }
     let mut imported = Imported {
-        topology: wishes.topology,
+        topology: options.topology,
         hardpoints,
         side,
         frame,
@@ -118,13 +118,16 @@ pub fn import(table: &PointTable, wishes: &Wishes<'_>) -> Result<Imported, Strin
 }
 
 /// The hardpoint each point of the file means.
-fn meanings(table: &PointTable, wishes: &Wishes<'_>) -> Result<Vec<Option<&'static str>>, String> {
+fn meanings(
+    table: &PointTable,
+    options: &ImportOptions<'_>,
+) -> Result<Vec<Option<&'static str>>, String> {
     let same = |a: &str, b: &str| a.trim().to_lowercase() == b.trim().to_lowercase();
-    for (hardpoint, name) in wishes.names {
-        if wishes.topology.hardpoint(hardpoint).is_none() {
+    for (hardpoint, name) in options.names {
+        if options.topology.hardpoint(hardpoint).is_none() {
             return Err(format!(
                 "--map: {} has no hardpoint {hardpoint:?}",
-                wishes.topology.name
+                options.topology.name
             ));
         }
         if !table.points.iter().any(|point| same(&point.name, name)) {
@@ -134,14 +137,14 @@ fn meanings(table: &PointTable, wishes: &Wishes<'_>) -> Result<Vec<Option<&'stat
         }
     }
     let meaning = |point: &NamedPoint| {
-        let mapped = wishes
+        let mapped = options
             .names
             .iter()
             .find(|(_, name)| same(name, &point.name));
         match mapped {
-            Some((hardpoint, _)) => wishes.topology.hardpoint(hardpoint).map(|h| h.name),
-            None => names::hardpoint(&point.name, wishes.topology)
-                .filter(|hardpoint| !wishes.names.contains_key(*hardpoint)),
+            Some((hardpoint, _)) => options.topology.hardpoint(hardpoint).map(|h| h.name),
+            None => names::hardpoint(&point.name, options.topology)
+                .filter(|hardpoint| !options.names.contains_key(*hardpoint)),
         }
     };
     Ok(table.points.iter().map(meaning).collect())
@@ -317,7 +320,7 @@ const USUAL_SIZE: [f64; 2] = [0.15, 3.0];
 
 fn unit(
     table: &PointTable,
-    wishes: &Wishes<'_>,
+    options: &ImportOptions<'_>,
     hardpoints: &[Hardpoint],
     notes: &mut Vec<String>,
 ) -> Result<LengthUnit, String> {
@@ -335,7 +338,7 @@ fn unit(
     let [least, most] = USUAL_SIZE;
     let fits = |unit: &LengthUnit| (least..=most).contains(&(size / unit.per_metre()));
     let fitting = LengthUnit::ALL.into_iter().find(fits);
-    let said = match (wishes.unit, table.unit) {
+    let said = match (options.unit, table.unit) {
         (Some(unit), written) => {
             if written.is_some_and(|written| written != unit) {
                 notes.push(format!(
@@ -375,15 +378,15 @@ fn unit(
 
 fn orientation(
     table: &PointTable,
-    wishes: &Wishes<'_>,
+    options: &ImportOptions<'_>,
     wheel: Option<Side>,
     hardpoints: &[Hardpoint],
     notes: &mut Vec<String>,
 ) -> Result<(FrameConvention, Side), String> {
     let points: Vec<_> = hardpoints.iter().map(|h| (h.name, h.position)).collect();
-    let directions = Directions::of(wishes.topology, &points);
+    let directions = Directions::of(options.topology, &points);
     let shown = directions.describe();
-    if let (Some(frame), Some(side)) = (wishes.frame, wishes.side) {
+    if let (Some(frame), Some(side)) = (options.frame, options.side) {
         let meant = Frame::new(frame, side);
         if !directions.allow_side(meant) {
             return Err(format!(
@@ -401,7 +404,7 @@ fn orientation(
         }
         return Ok((frame, side));
     }
-    let frame = wishes.frame.or(table.frame);
+    let frame = options.frame.or(table.frame);
     let allowed = directions.allowed().into_iter();
     let fitting = |frame: Option<FrameConvention>| {
         let fits = move |(convention, side): &(FrameConvention, Side)| {
@@ -411,10 +414,10 @@ fn orientation(
         allowed.clone().find(fits)
     };
     // What a file says of its axes gives way to what they show, what the user says does not.
-    let found = fitting(frame).or_else(|| fitting(wishes.frame));
+    let found = fitting(frame).or_else(|| fitting(options.frame));
     let Some((convention, side)) = found else {
         let asked = [
-            wishes.frame.map(FrameConvention::name),
+            options.frame.map(FrameConvention::name),
             wheel.map(Side::name),
         ];
         let asked: Vec<&str> = asked.into_iter().flatten().collect();
@@ -429,7 +432,7 @@ fn orientation(
             suggestion(&directions)
         ));
     };
-    let said = wishes.frame == Some(convention) || table.frame == Some(convention);
+    let said = options.frame == Some(convention) || table.frame == Some(convention);
     if !said || wheel != Some(side) {
         notes.push(format!(
             "axes: {}, {} wheel, since {shown} (--frame and --side say others)",

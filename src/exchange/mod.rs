@@ -22,7 +22,7 @@ mod workbook;
 mod yaml;
 
 pub use export::{Written, csv, into_subsystem, page_of_csv, point_rows, subsystem};
-pub use import::{Hardpoint, Imported, Wishes, import};
+pub use import::{Hardpoint, ImportOptions, Imported, import};
 pub use points::{NamedPoint, PointTable, unit_of};
 pub use rounding::{Loss, Rounded, rounded};
 pub use source::read as read_points;

@@ -18,7 +18,7 @@
 //! misfits of all are computed, not estimated.
 
 use crate::number::Vector3;
-use crate::optimise::{Evaluation, TargetLayout, evaluated};
+use crate::optimise::{Linearisation, TargetLayout, evaluated};
 use crate::study::{Optimise, Study, Variable};
 use nalgebra::{DMatrix, DVector};
 
@@ -177,7 +177,7 @@ impl<'a> Problem<'a> {
     }
 
     /// Residuals and derivatives of a design.
-    fn evaluated(&self, design: &[Vector3<f64>]) -> Result<Evaluation, String> {
+    fn evaluated(&self, design: &[Vector3<f64>]) -> Result<Linearisation, String> {
         let mut suspension = self.study.suspension.clone();
         suspension.design = design.to_vec();
         let here = vec![0.0; self.variables.len()];
@@ -199,7 +199,7 @@ fn neighbours(at: f64) -> (f64, f64) {
 /// The steps of all coordinates by nearest plane, taken in an order from its last to its first.
 fn nearest_plane(
     problem: &Problem<'_>,
-    at_design: &Evaluation,
+    at_design: &Linearisation,
     grid: &Grid,
     order: &[usize],
 ) -> Vec<f64> {

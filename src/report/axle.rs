@@ -14,12 +14,12 @@ use crate::model::{Axis, Rod, Side};
 use serde::{Deserialize, Serialize};
 
 /// Names and values of the columns that say where a station is.
-pub(super) struct Place<'a> {
+pub(super) struct StationColumns<'a> {
     pub plan: &'a AxlePlan,
     pub axle: &'a Axle,
 }
 
-impl Place<'_> {
+impl StationColumns<'_> {
     fn names(&self) -> Vec<String> {
         let unit = self.axle.left.length_unit.symbol();
         let course = &self.plan.course;
@@ -162,10 +162,14 @@ pub fn axle_motion(
     plan: &AxlePlan,
     curves: &AxleCurves,
 ) -> Vec<(String, Vec<Option<f64>>)> {
-    let place = Place { plan, axle };
-    let mut columns: Vec<_> = place.names().into_iter().map(|n| (n, Vec::new())).collect();
+    let of_stations = StationColumns { plan, axle };
+    let mut columns: Vec<_> = of_stations
+        .names()
+        .into_iter()
+        .map(|n| (n, Vec::new()))
+        .collect();
     for (number, station) in curves.stations.iter().enumerate() {
-        for ((_, column), value) in columns.iter_mut().zip(place.values(number, station)) {
+        for ((_, column), value) in columns.iter_mut().zip(of_stations.values(number, station)) {
             column.push(value);
         }
     }
@@ -174,22 +178,22 @@ pub fn axle_motion(
 
 /// `curves.csv` of an axle: a row for each station, `status` last.
 pub fn axle_curves_csv(axle: &Axle, plan: &AxlePlan, curves: &AxleCurves) -> Vec<u8> {
-    let place = Place { plan, axle };
+    let of_stations = StationColumns { plan, axle };
     csv_of(|writer| {
-        let mut header = place.names();
+        let mut header = of_stations.names();
         header.extend(curves.columns.iter().map(|c| c.name.clone()));
-        header.extend(place.proof_names());
+        header.extend(of_stations.proof_names());
         header.push("status".to_owned());
         writer.write_record(&header)?;
         for (number, station) in curves.stations.iter().enumerate() {
-            let mut record: Vec<_> = place
+            let mut record: Vec<_> = of_stations
                 .values(number, station)
                 .into_iter()
                 .map(optional)
                 .collect();
             let values = (0..curves.columns.len()).map(|k| station.value(k));
             record.extend(values.map(optional));
-            record.extend(place.proof_values(station).into_iter().map(optional));
+            record.extend(of_stations.proof_values(station).into_iter().map(optional));
             record.push(station.status.to_owned());
             writer.write_record(&record)?;
         }
@@ -199,16 +203,16 @@ pub fn axle_curves_csv(axle: &Axle, plan: &AxlePlan, curves: &AxleCurves) -> Vec
 
 /// `sensitivities.csv` of an axle.
 pub fn axle_sensitivities_csv(axle: &Axle, plan: &AxlePlan, curves: &AxleCurves) -> Vec<u8> {
-    let place = Place { plan, axle };
+    let of_stations = StationColumns { plan, axle };
     let length = axle.left.length_unit.symbol();
     csv_of(|writer| {
-        let mut header = place.names();
+        let mut header = of_stations.names();
         header.extend(["output", "side", "hardpoint", "axis", "value", "unit"].map(str::to_owned));
         writer.write_record(&header)?;
         for s in &curves.sensitivities {
             let station = &curves.stations[s.station];
             let column = &curves.columns[s.column];
-            let values = place.values(s.station, station);
+            let values = of_stations.values(s.station, station);
             let mut record: Vec<_> = values.into_iter().map(optional).collect();
             let unit = match column.unit.is_empty() {
                 true => format!("per_{length}"),
@@ -286,7 +290,7 @@ impl AxleSummary {
             outputs: outputs.collect(),
             completeness: Completeness::of_axle(curves),
             failed,
-            certificate: certificate(&Place { plan, axle }, curves),
+            certificate: certificate(&StationColumns { plan, axle }, curves),
         }
     }
 
@@ -323,11 +327,11 @@ impl AxleSummary {
 
 /// What has to be said of an axle's curves, a line each: of their accuracy, and of what has no value.
 pub fn axle_remarks(axle: &Axle, plan: &AxlePlan, curves: &AxleCurves) -> Vec<String> {
-    let place = Place { plan, axle };
+    let of_stations = StationColumns { plan, axle };
     let unit = axle.left.length_unit.symbol();
-    let proved = certificate(&place, curves).map(|c| c.remark(curves.stations.len(), unit));
-    let lacking = unsupported(&place, curves).into_iter();
-    let lacking = lacking.chain(toggled(&place, curves));
+    let proved = certificate(&of_stations, curves).map(|c| c.remark(curves.stations.len(), unit));
+    let lacking = unsupported(&of_stations, curves).into_iter();
+    let lacking = lacking.chain(toggled(&of_stations, curves));
     let empty = Completeness::of_axle(curves);
     proved
         .into_iter()
@@ -338,7 +342,7 @@ pub fn axle_remarks(axle: &Axle, plan: &AxlePlan, curves: &AxleCurves) -> Vec<St
 
 /// Stations of an axle without a position, each by itself.
 pub fn axle_failures(axle: &Axle, plan: &AxlePlan, curves: &AxleCurves) -> Vec<FailureRange> {
-    let place = Place { plan, axle };
+    let of_stations = StationColumns { plan, axle };
     let stations = curves.stations.iter().enumerate();
     let failed = stations.filter_map(|(number, station)| {
         let failure = station.placed.as_ref().err()?;
@@ -347,27 +351,27 @@ pub fn axle_failures(axle: &Axle, plan: &AxlePlan, curves: &AxleCurves) -> Vec<F
             last: number,
             status: station.status.to_owned(),
             reason: failure.describe(axle.left.length_unit),
-            place: place.words(number, station),
+            place: of_stations.words(number, station),
         })
     });
     failed.collect()
 }
 
 /// Where nothing carries the loads.
-fn unsupported(place: &Place<'_>, curves: &AxleCurves) -> Option<String> {
+fn unsupported(of_stations: &StationColumns<'_>, curves: &AxleCurves) -> Option<String> {
     let stations = curves.stations.iter().enumerate();
     let mut lacking = stations.filter(|(_, s)| s.values.contains(&Err(Void::Unsupported)));
     let (number, first) = lacking.next()?;
     Some(format!(
         "warning: loads not carried at {}, the first at {}: {}",
         stations_in_words(1 + lacking.count()),
-        place.words(number, first),
+        of_stations.words(number, first),
         Void::Unsupported.reason(),
     ))
 }
 
 /// Where a rod of a rocker comes to a toggle, a sentence for each rod.
-fn toggled(place: &Place<'_>, curves: &AxleCurves) -> Vec<String> {
+fn toggled(of_stations: &StationColumns<'_>, curves: &AxleCurves) -> Vec<String> {
     let mut said = Vec::new();
     for side in [Side::Left, Side::Right] {
         for rod in [Rod::Pushrod, Rod::Pullrod, Rod::DropLink] {
@@ -389,7 +393,7 @@ fn toggled(place: &Place<'_>, curves: &AxleCurves) -> Vec<String> {
                      there it turns {} no further, and what moves with that has no values",
                     side.name(),
                     stations_in_words(stuck.len()),
-                    place.words(*number, station),
+                    of_stations.words(*number, station),
                     rod.turns()
                 )
             }));
@@ -400,10 +404,10 @@ fn toggled(place: &Place<'_>, curves: &AxleCurves) -> Vec<String> {
 
 /// What was proved of some curves, where that was asked for: of the worse wheel.
 pub(super) fn certificate(
-    place: &Place<'_>,
+    of_stations: &StationColumns<'_>,
     curves: &AxleCurves,
 ) -> Option<CertificateSummary<String>> {
-    if !place.plan.certify {
+    if !of_stations.plan.certify {
         return None;
     }
     let stations = || curves.stations.iter().enumerate();
@@ -425,7 +429,7 @@ pub(super) fn certificate(
     };
     let unproved = stations().filter(unproved).count();
     let summary = CertificateSummary::of_proofs(proofs, unproved, curves.stations.len());
-    Some(summary.at(|(number, station)| place.words(number, station)))
+    Some(summary.at(|(number, station)| of_stations.words(number, station)))
 }
 
 /// What of the right wheel is not the mirror image.
@@ -454,20 +458,20 @@ fn right_wheel(axle: &Axle) -> String {
 }
 
 /// What is possible but seldom meant in a study of an axle, a line each.
-pub fn axle_doubts(axle: &Axle, curves: &AxleCurves, turns_against: bool) -> Vec<String> {
-    let mut doubts = Vec::new();
+pub fn axle_plausibility(axle: &Axle, curves: &AxleCurves, turns_against: bool) -> Vec<String> {
+    let mut remarks = Vec::new();
     if turns_against {
         let c_factor = axle.setup.c_factor.unwrap_or(0.0) * axle.left.frame.sign(Axis::Y);
-        doubts.push(format!(
+        remarks.push(format!(
             "doubtful: with c_factor = {c_factor} the wheels turn against the steering wheel; behind the \
              wheel centres a rack moves to the right in a left turn"
         ));
     }
     if let Some((load, _)) = curves.least_wheel_load().filter(|(load, _)| *load < 0.0) {
-        doubts.push(format!(
+        remarks.push(format!(
             "warning: a wheel load falls to {} N: there the wheel would lift off the ground",
             shortest(load.round())
         ));
     }
-    doubts
+    remarks
 }

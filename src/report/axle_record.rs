@@ -1,11 +1,11 @@
 //! `report.json` of an axle: what its page needs beyond the other files of a run.
 
-use super::axle::{Place, axle_failures, certificate};
+use super::axle::{StationColumns, axle_failures, certificate};
 use super::places::Places;
 use super::record::{DesignRecord, FORM, OutputRecord, Record, TargetRecord, readable_unit};
 use super::scene::Scene;
 use crate::axle::{
-    Axle, AxleColumn, AxleCurves, AxlePlan, Coordinate, Course, Motion, axle_frames,
+    Axle, AxleColumn, AxleCurves, AxleMotion, AxlePlan, Coordinate, Motion, axle_frames,
 };
 use crate::curves::Frame;
 use crate::curves::thinned::evenly;
@@ -37,7 +37,7 @@ impl Record {
                 label: (*label).to_owned(),
                 curves: (*file).to_owned(),
                 stations: curves.stations.len(),
-                remarks: certificate(&Place { plan, axle }, curves)
+                remarks: certificate(&StationColumns { plan, axle }, curves)
                     .map(|c| c.remark(curves.stations.len(), length.symbol()))
                     .into_iter()
                     .collect(),
@@ -75,7 +75,7 @@ impl Record {
 /// Frames over the first of what moves, for places of the second, the rest where it is nearest to zero.
 fn frames(
     axle: &Axle,
-    course: &Course,
+    course: &AxleMotion,
     moving: &[Coordinate],
 ) -> Result<Vec<Frame>, (Side, DesignFault)> {
     let mut course = course.clone();
@@ -108,7 +108,7 @@ fn frames(
     let placements: Vec<_> = frames.iter().flat_map(|f| f.0.placements()).collect();
     let drawn = axle_frames(axle, &placements)?;
     let frames = frames.into_iter().zip(drawn);
-    let frame = |((_, drive, second), drawn): ((Course, f64, f64), _)| Frame {
+    let frame = |((_, drive, second), drawn): ((AxleMotion, f64, f64), _)| Frame {
         drive: moving[0].written(drive, axle),
         rack: moving.get(1).map_or(0.0, |c| c.written(second, axle)),
         pose: Result::map_err(drawn, |failure: crate::axle::AxleFailure| {

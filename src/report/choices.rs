@@ -17,13 +17,13 @@ fn column(variable: &Variable, unit: &str) -> String {
     format!("{}_{unit}", variable.label())
 }
 
-/// `front.csv`: a row for each point of the front: the misfit of each wish in tolerances, what each weighs, the
+/// `front.csv`: a row for each point of the front: the misfit of each goal in tolerances, what each weighs, the
 /// offsets of the variables, and whether the front is broken behind it.
 pub fn front_csv(study: &Study, optimise: &Optimise, front: &Front) -> Vec<u8> {
     let unit = study.suspension.length_unit.symbol();
     csv_of(|writer| {
         let mut header = vec!["point".to_owned()];
-        let names = || optimise.front.iter().map(|wish| &wish.name);
+        let names = || optimise.front.iter().map(|goal| &goal.name);
         header.extend(names().map(|name| format!("misfit_{name}")));
         header.extend(names().map(|name| format!("weight_{name}")));
         header.extend(optimise.variables.iter().map(|v| column(v, unit)));
@@ -49,7 +49,7 @@ pub fn front_table(optimise: &Optimise, front: &Front) -> Table {
     let names: Vec<&str> = optimise
         .front
         .iter()
-        .map(|wish| wish.name.as_str())
+        .map(|goal| goal.name.as_str())
         .collect();
     let mut header = vec!["point".to_owned()];
     header.extend(names.iter().map(|name| (*name).to_owned()));
@@ -77,7 +77,7 @@ pub fn front_remarks(optimise: &Optimise, front: &Front) -> Vec<String> {
     let names: Vec<&str> = optimise
         .front
         .iter()
-        .map(|wish| wish.name.as_str())
+        .map(|goal| goal.name.as_str())
         .collect();
     let mut remarks = Vec::new();
     match front.choices.len() {
@@ -133,8 +133,9 @@ fn some_of(count: usize) -> Vec<usize> {
 /// A front as the page has it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FrontRecord {
-    /// The wishes.
-    pub wishes: Vec<String>,
+    /// The goals.
+    #[serde(rename = "wishes")]
+    pub goals: Vec<String>,
     /// The variables, as columns name them.
     pub variables: Vec<String>,
     /// The points.
@@ -148,9 +149,9 @@ pub struct FrontRecord {
 /// A point of a front.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FrontPoint {
-    /// Misfit of each wish, in tolerances.
+    /// Misfit of each goal, in tolerances.
     pub misfits: Vec<f64>,
-    /// Weight of each wish.
+    /// Weight of each goal.
     pub weights: Vec<f64>,
     /// Offset of each variable, in the study's axes.
     pub offsets: Vec<f64>,
@@ -179,10 +180,10 @@ impl FrontRecord {
             }
         };
         FrontRecord {
-            wishes: optimise
+            goals: optimise
                 .front
                 .iter()
-                .map(|wish| wish.name.clone())
+                .map(|goal| goal.name.clone())
                 .collect(),
             variables: optimise.variables.iter().map(|v| column(v, unit)).collect(),
             points: front.choices.iter().map(point).collect(),

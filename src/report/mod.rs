@@ -37,7 +37,7 @@ mod yields;
 pub use crate::curves::Influence;
 pub use accuracy::remarks;
 pub use axle::{
-    AxleSummary, axle_curves_csv, axle_doubts, axle_failures, axle_motion, axle_remarks,
+    AxleSummary, axle_curves_csv, axle_failures, axle_motion, axle_plausibility, axle_remarks,
     axle_sensitivities_csv,
 };
 pub use axle_record::SolvedAxle;
@@ -53,7 +53,9 @@ pub use finished::{FinishedRun, NotARun};
 pub use page::{comparison_page, page, sweep_page};
 pub use picture::{Picture, pictures};
 pub use places::{Clearance, Places, Rim, Shape};
-pub use plausibility::{both_doubts, doubts, study_doubts, variable_doubts};
+pub use plausibility::{
+    both_wheels_plausibility, plausibility, study_doubts, variable_plausibility,
+};
 pub(crate) use record::wanted_between;
 pub use record::{BandCurve, DesignRecord, DrawnDesign, OutputRecord, Record, TargetRecord};
 pub use run::{Run, Summary};

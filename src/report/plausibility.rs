@@ -1,7 +1,7 @@
 //! Doubts about a suspension: points that may be swapped, a sign or a unit that may be wrong. A suspension may well be
 //! so, if seldom, so that doubts are only reported.
 
-use super::axle_doubts;
+use super::axle_plausibility;
 use crate::axle::{Axle, AxleCurves, AxlePlan, axle_curves};
 use crate::characteristics::{Characteristic, Constants, WheelReading};
 use crate::derive::{DesignSeries, MotionPoint};
@@ -24,35 +24,35 @@ const CG_HEIGHT: [f64; 2] = [0.01, 5.0];
 const OFF_TRACK: f64 = 0.1;
 
 /// Doubts about a suspension in its design position, a line each.
-pub fn doubts(suspension: &Suspension) -> Result<Vec<String>, DesignFault> {
-    let mut doubts = Doubts {
+pub fn plausibility(suspension: &Suspension) -> Result<Vec<String>, DesignFault> {
+    let mut remarks = PlausibilityRemarks {
         suspension,
         found: Vec::new(),
     };
-    doubts.rods();
-    doubts.front_and_rear();
-    doubts.steering_axis();
-    doubts.figures();
-    doubts.angles()?;
-    Ok(doubts.found)
+    remarks.rods();
+    remarks.front_and_rear();
+    remarks.steering_axis();
+    remarks.figures();
+    remarks.angles()?;
+    Ok(remarks.found)
 }
 
 /// Doubts about an axle, a line each: about its curves, and about both wheels in the design position. About a right
 /// wheel with hardpoints of its own only those are listed that do not hold for the left one, too.
-pub fn both_doubts(
+pub fn both_wheels_plausibility(
     axle: &Axle,
     plan: &AxlePlan,
     curves: &AxleCurves,
 ) -> Result<Vec<String>, (Side, DesignFault)> {
-    let mut found = doubts(&axle.left).map_err(|fault| (Side::Left, fault))?;
+    let mut found = plausibility(&axle.left).map_err(|fault| (Side::Left, fault))?;
     if let Some(own) = &axle.right {
-        let of_right = doubts(own).map_err(|fault| (Side::Right, fault))?;
+        let of_right = plausibility(own).map_err(|fault| (Side::Right, fault))?;
         let new: Vec<_> = of_right.iter().filter(|d| !found.contains(d)).collect();
         let named = |doubt: &&String| doubt.replacen("doubtful: ", "doubtful: right wheel: ", 1);
         found.extend(new.iter().map(named).collect::<Vec<_>>());
         found.extend(across(&axle.left, own));
     }
-    found.extend(axle_doubts(axle, curves, axle.turns_against(plan)));
+    found.extend(axle_plausibility(axle, curves, axle.turns_against(plan)));
     Ok(found)
 }
 
@@ -82,40 +82,40 @@ fn across(left: &Suspension, right: &Suspension) -> Option<String> {
 /// Doubts about a study, a line each: about its wheel, or its axle over the motion, and about its variables.
 pub fn study_doubts(study: &Study) -> Result<Vec<String>, (Side, DesignFault)> {
     let mut found = match &study.axle {
-        None => doubts(&study.suspension).map_err(|fault| (Side::Left, fault))?,
+        None => plausibility(&study.suspension).map_err(|fault| (Side::Left, fault))?,
         Some(AxleStudy { axle, plan }) => {
             let plan = plan.values_alone();
-            both_doubts(axle, &plan, &axle_curves(axle, &plan)?)?
+            both_wheels_plausibility(axle, &plan, &axle_curves(axle, &plan)?)?
         }
     };
-    found.extend(variable_doubts(study));
+    found.extend(variable_plausibility(study));
     Ok(found)
 }
 
 /// Doubts about the variables of a study, a line each: coordinates given where offsets are expected, and the other way
 /// round.
-pub fn variable_doubts(study: &Study) -> Vec<String> {
-    let mut doubts = Doubts {
+pub fn variable_plausibility(study: &Study) -> Vec<String> {
+    let mut remarks = PlausibilityRemarks {
         suspension: &study.suspension,
         found: Vec::new(),
     };
     if let Some(Designs::Sampled(sampled)) = study.sweep.as_ref().map(|sweep| &sweep.designs) {
         for variable in &sampled.variables {
-            doubts.range(&variable.moves, variable.absolute, variable.range);
+            remarks.range(&variable.moves, variable.absolute, variable.range);
         }
     }
     for variable in study.optimise.iter().flat_map(|o| &o.variables) {
-        doubts.range(&variable.moves, false, variable.range);
+        remarks.range(&variable.moves, false, variable.range);
     }
-    doubts.found
+    remarks.found
 }
 
-struct Doubts<'a> {
+struct PlausibilityRemarks<'a> {
     suspension: &'a Suspension,
     found: Vec<String>,
 }
 
-impl<'a> Doubts<'a> {
+impl<'a> PlausibilityRemarks<'a> {
     fn say(&mut self, doubt: String) {
         self.found.push(format!("doubtful: {doubt}"));
     }

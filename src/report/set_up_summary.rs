@@ -11,7 +11,7 @@ use serde::Serialize;
 pub struct SetUpSummary {
     /// Name of the study.
     pub study: String,
-    /// Whether every wish is met, but for whole steps of shims.
+    /// Whether every wanted value is met, but for whole steps of shims.
     pub met: bool,
     /// Static values.
     pub statics: Vec<StaticRecord>,
@@ -139,7 +139,7 @@ impl SetUpSummary {
         table
     }
 
-    /// Wishes that are missed by more than rounding, each with by how much.
+    /// Wanted values that are missed by more than rounding, each with by how much.
     pub fn missed(&self) -> impl Iterator<Item = (&str, f64)> {
         let missed = self
             .statics

@@ -1,6 +1,6 @@
 //! The results of scatter, in tables and files.
 
-use super::axle::Place;
+use super::axle::StationColumns;
 use super::files::csv_of_rows;
 use super::table::{Cell, Column, Table};
 use super::{brief, optional, shortest};
@@ -487,7 +487,7 @@ pub(super) fn in_words(band: &Band) -> String {
 fn places(problem: &Problem) -> Vec<String> {
     let both = problem.study.axle.as_ref();
     both.map_or_else(Vec::new, |AxleStudy { axle, plan }| {
-        Place { plan, axle }.given_names()
+        StationColumns { plan, axle }.given_names()
     })
 }
 
@@ -529,8 +529,8 @@ fn values(
                 travel: of_axle.is_none().then_some(travel + 0.0),
                 rack: of_axle.is_none().then_some(rack * sign + 0.0),
                 place: of_axle.map_or_else(Vec::new, |AxleStudy { axle, plan }| {
-                    let place = Place { plan, axle };
-                    place.given_anywhere(&problem.placements()[station])
+                    let of_stations = StationColumns { plan, axle };
+                    of_stations.given_anywhere(&problem.placements()[station])
                 }),
                 builds: spread.count,
                 drawn: scaled(drawn[cell]),

@@ -162,7 +162,7 @@ impl TuningSummary {
                 tuned: best.and_then(|b| coordinate(&b.design)),
                 offset: best.map(|b| b.offsets[k] + 0.0),
                 range: v.range,
-                at_bound: fit.and_then(|fit| match fit.holds[k] {
+                at_bound: fit.and_then(|fit| match fit.active_bounds[k] {
                     ActiveBound::Free => None,
                     ActiveBound::Lower => Some("lower".to_owned()),
                     ActiveBound::Upper => Some("upper".to_owned()),

@@ -48,7 +48,7 @@ pub struct Claim<'a> {
 #[derive(Debug)]
 pub struct RunDirectory {
     path: PathBuf,
-    state: Mutex<State>,
+    state: Mutex<RunState>,
     command: String,
     digest: String,
     force: bool,
@@ -59,7 +59,7 @@ pub struct RunDirectory {
 }
 
 #[derive(Debug)]
-struct State {
+struct RunState {
     manifest: Manifest,
     /// The runs whose results this one replaces.
     replaced: Vec<RunRecord>,
@@ -123,7 +123,7 @@ impl RunDirectory {
         }
         let directory = RunDirectory {
             path: path.to_owned(),
-            state: Mutex::new(State {
+            state: Mutex::new(RunState {
                 replaced,
                 manifest,
                 written: BTreeSet::new(),
@@ -199,7 +199,7 @@ impl RunDirectory {
         self.store(&state)
     }
 
-    fn state(&self) -> MutexGuard<'_, State> {
+    fn state(&self) -> MutexGuard<'_, RunState> {
         // A thread that panicked has left nothing half done here.
         self.state.lock().unwrap_or_else(|e| e.into_inner())
     }
@@ -213,7 +213,7 @@ impl RunDirectory {
         manifest.author(name).is_some_and(|run| self.is_own(run))
     }
 
-    fn store(&self, state: &State) -> Result<(), WriteError> {
+    fn store(&self, state: &RunState) -> Result<(), WriteError> {
         self.put(manifest::NAME, state.manifest.text().as_bytes())
     }
 
@@ -313,7 +313,7 @@ impl RunDirectory {
     /// Ends the run: what earlier runs have left that this one replaces, and did not write again, goes.
     pub fn finish(&self) -> Result<(), WriteError> {
         let mut state = self.state();
-        let State {
+        let RunState {
             manifest,
             replaced,
             written,

@@ -7,7 +7,7 @@ use crate::characteristics::Characteristic;
 use crate::curves::{Curves, Frame, curves, frames};
 use crate::model::Suspension;
 use crate::plan::Plan;
-use crate::report::{FailureRange, OutputRecord, doubts, remarks};
+use crate::report::{FailureRange, OutputRecord, plausibility, remarks};
 use crate::solve::StationOrder;
 use crate::solved::Solved;
 use crate::study::{Drive, Study};
@@ -70,7 +70,7 @@ pub(super) fn solved(opened: &Opened, request: &SolveRequest) -> Result<SolvedAn
         let mut frames = frames(suspension, &place).ok()?;
         frames.pop()
     };
-    let mut said = doubts(suspension).map_err(fault)?;
+    let mut said = plausibility(suspension).map_err(fault)?;
     said.extend(remarks(&study, &found));
     if plan.stations() < all {
         let drawn = plan.stations();

@@ -10,20 +10,20 @@ use super::message::{
 use super::overview::rack_slider;
 use super::study_file::Opened;
 use crate::axle::{
-    Axle, AxleCurves, AxlePlan, Coordinate, Course, Quantity, WheelMotion, axle_curves,
+    Axle, AxleCurves, AxleMotion, AxlePlan, Coordinate, Quantity, WheelMotion, axle_curves,
 };
 use crate::characteristics::with_unit;
 use crate::curves::{Frame, frames};
 use crate::mechanism::DesignFault;
 use crate::model::{Axis, LengthUnit, PointId, Side, Suspension};
 use crate::plan::Plan;
-use crate::report::{OutputRecord, axle_doubts, axle_failures, doubts};
+use crate::report::{OutputRecord, axle_failures, axle_plausibility, plausibility};
 use crate::solve::StationOrder;
 use crate::study::{AxleStudy, Study, missing};
 use std::time::Instant;
 
 /// The numbers a course has, each with a value where it is held at nothing.
-fn coordinates(course: &Course) -> Vec<Coordinate> {
+fn coordinates(course: &AxleMotion) -> Vec<Coordinate> {
     let mut found = match course.wheels {
         WheelMotion::Heave(_) => vec![Coordinate::Heave],
         WheelMotion::Roll { .. } => vec![Coordinate::Roll, Coordinate::Heave],
@@ -34,14 +34,14 @@ fn coordinates(course: &Course) -> Vec<Coordinate> {
 }
 
 /// The number that curves are drawn over: the first that moves.
-pub(super) fn main(course: &Course) -> Coordinate {
+pub(super) fn main(course: &AxleMotion) -> Coordinate {
     let all = coordinates(course);
     let moves = |c: &&Coordinate| course.clone().along(**c).is_some_and(|v| v.len() > 1);
     *all.iter().find(moves).unwrap_or(&all[0])
 }
 
 /// Values of a number over a course, as they are printed.
-fn values(course: &Course, coordinate: Coordinate, axle: &Axle) -> Vec<f64> {
+fn values(course: &AxleMotion, coordinate: Coordinate, axle: &Axle) -> Vec<f64> {
     let mut course = course.clone();
     let values = course.along(coordinate).into_iter().flatten();
     values
@@ -180,8 +180,8 @@ pub(super) fn solved(
     let (groups, shown) = grouped(&places, main, &request.at);
     let rack = groups.iter().position(|group| *group == shown);
     let fault = |fault: DesignFault| fault.describe(&left.mechanism);
-    let mut said = doubts(left).map_err(fault)?;
-    said.extend(axle_doubts(axle, &found, false));
+    let mut said = plausibility(left).map_err(fault)?;
+    said.extend(axle_plausibility(axle, &found, false));
     let frame = |axle: &Axle, side| frame(axle, &plan, &request.at, side, study);
     Ok(SolvedAnswer {
         columns: columns(&found),

@@ -98,11 +98,11 @@ fn accept(listener: &TcpListener, workshop: &Arc<Workshop>) {
         if open.load(Ordering::SeqCst) >= MOST_CONNECTIONS {
             continue;
         }
-        let place = Place::taken(&open);
+        let slot = ConnectionSlot::taken(&open);
         let workshop = workshop.clone();
         // Where there is no thread to be had, the connection is closed.
         let _ = std::thread::Builder::new().spawn(move || {
-            let _place = place;
+            let _slot = slot;
             serve(stream, &workshop);
         });
     }
@@ -115,16 +115,16 @@ fn serve(stream: TcpStream, workshop: &Workshop) {
 }
 
 /// One of the connections; given back however its thread ends.
-struct Place(Arc<AtomicUsize>);
+struct ConnectionSlot(Arc<AtomicUsize>);
 
-impl Place {
+impl ConnectionSlot {
     fn taken(open: &Arc<AtomicUsize>) -> Self {
         open.fetch_add(1, Ordering::SeqCst);
-        Place(open.clone())
+        ConnectionSlot(open.clone())
     }
 }
 
-impl Drop for Place {
+impl Drop for ConnectionSlot {
     fn drop(&mut self) {
         self.0.fetch_sub(1, Ordering::SeqCst);
     }

@@ -2,7 +2,7 @@
 
 use super::axle;
 use hardpoint::axle::{
-    AxleQuantity as A, AxleSolver, Motion, Placement, Quantity, State, WheelQuantity as W,
+    AxleQuantity as A, AxleSolver, AxleState, Motion, Placement, Quantity, WheelQuantity as W,
 };
 use hardpoint::characteristics::Characteristic as C;
 use hardpoint::model::Side::{Left, Right};
@@ -99,7 +99,7 @@ fn quantities() -> Vec<(String, Quantity, f64)> {
 }
 
 /// By which factor a quotient is worse known than what it is made of.
-fn condition(name: &str, state: &State<f64>) -> f64 {
+fn condition(name: &str, state: &AxleState<f64>) -> f64 {
     let value = |q| Quantity::Axle(q).evaluate(state);
     let jacking = [Left, Right].map(|s| Quantity::Wheel(s, W::JackingCoefficient).evaluate(state));
     match name {

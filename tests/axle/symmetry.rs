@@ -3,7 +3,7 @@
 use super::{axle, reference::read};
 use hardpoint::analyse::{Load, Support};
 use hardpoint::axle::{
-    AxlePlan, AxleQuantity as A, AxleSolver, Course, Placement, Quantity, WheelMotion,
+    AxleMotion, AxlePlan, AxleQuantity as A, AxleSolver, Placement, Quantity, WheelMotion,
     WheelQuantity as W, axle_curves,
 };
 use hardpoint::characteristics::Characteristic;
@@ -101,7 +101,7 @@ fn an_axle_in_heave_is_two_corners() {
         let mut both = axle(&case);
         both.left = study.suspension.clone();
         both.setup.constants = hardpoint::characteristics::Constants::of(&both.left);
-        let course = Course {
+        let course = AxleMotion {
             wheels: WheelMotion::Heave(study.motion.values.clone()),
             racks: vec![0.0],
             shows_rack: false,

@@ -3,7 +3,7 @@
 use hardpoint::axle::{AxleQuantity, AxleSolver, Placement, Quantity};
 use hardpoint::characteristics::Characteristic;
 use hardpoint::optimise::{
-    Control, Evaluation, LeastSquares, Objective, TargetLayout, moved_design,
+    Control, LeastSquares, Linearisation, Objective, TargetLayout, moved_design,
 };
 use hardpoint::study::Study;
 use nalgebra::DVector;
@@ -39,10 +39,10 @@ pub(super) fn layout(study: &Study) -> TargetLayout {
     TargetLayout::of(optimise, &study.motion, suspension)
 }
 
-pub(super) fn evaluate(study: &Study, layout: &TargetLayout, x: &DVector<f64>) -> Evaluation {
+pub(super) fn evaluate(study: &Study, layout: &TargetLayout, x: &DVector<f64>) -> Linearisation {
     let variables = &study.optimise.as_ref().unwrap().variables;
     let mut objective = Objective::new(&study.suspension, variables, layout).unwrap();
-    let mut found = Evaluation::new(layout.residuals(), x.len());
+    let mut found = Linearisation::new(layout.residuals(), x.len());
     LeastSquares::evaluate(&mut objective, x, &mut found).unwrap();
     found
 }

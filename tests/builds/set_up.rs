@@ -14,7 +14,7 @@ fn value(found: &SetUp, of: Static) -> f64 {
     found.last().values[place]
 }
 
-/// As many adjustments as wishes: all are met to rounding, and the spring has its drawn length.
+/// As many adjustments as wanted values: all are met to rounding, and the spring has its drawn length.
 #[test]
 fn wishes_are_met_exactly_where_there_are_as_many_adjustments() {
     let found = solved(
@@ -71,7 +71,7 @@ fn effects_are_slopes_of_the_static_values() {
     }
 }
 
-/// Shims are whole, a thread makes up for them where it can, and a wish that nothing moves is no set-up.
+/// Shims are whole, a thread makes up for them where it can, and a wanted value that nothing moves is no set-up.
 #[test]
 fn shims_come_whole_and_what_cannot_be_met_is_named() {
     let stepped = solved("double_wishbone_tolerance", &[]);
@@ -91,7 +91,7 @@ fn shims_come_whole_and_what_cannot_be_met_is_named() {
     let misses = alone.misses();
     assert!(misses[0].unwrap().abs() > 1.0 && misses[1].unwrap().abs() < 0.2);
 
-    // More adjustments than wishes: met, by the smallest of them.
+    // More adjustments than wanted values: met, by the smallest of them.
     let more = solved("macpherson_tolerance", &["setup.want={toe=0.3}"]);
     assert!(more.is_met());
     let by = &more.drawn.by;

@@ -5,7 +5,7 @@ mod hostile;
 mod round_trips;
 mod schema;
 
-use hardpoint::exchange::{Imported, Wishes, import, read_points};
+use hardpoint::exchange::{ImportOptions, Imported, import, read_points};
 use hardpoint::model::{FrameConvention, LengthUnit, Side, Topology};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -22,14 +22,14 @@ struct Said {
 
 fn imported(path: &Path, topology: &str, said: &Said) -> Result<Imported, String> {
     let table = read_points(path, said.sheet)?;
-    let wishes = Wishes {
+    let options = ImportOptions {
         topology: Topology::named(topology).unwrap(),
         unit: said.unit,
         frame: said.frame,
         side: said.side,
         names: &said.names,
     };
-    import(&table, &wishes)
+    import(&table, &options)
 }
 
 /// A file in a directory of its own.

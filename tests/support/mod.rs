@@ -145,8 +145,8 @@ pub fn motion(state: &Value) -> (Drive, f64, f64, f64) {
     }
 }
 
-/// A march with one station, and stations on the way to it so that the steps are ordinary ones.
-pub fn march_to(value: f64) -> StationOrder {
+/// The order of one station, and stations on the way to it so that the steps are ordinary ones.
+pub fn order_to(value: f64) -> StationOrder {
     StationOrder::through(&[value])
 }
 

@@ -21,7 +21,7 @@ use hardpoint::solve::Solver;
 use hardpoint::study::Study;
 use std::ops::ControlFlow;
 use std::path::Path;
-use support::march_to;
+use support::order_to;
 
 /// The suspension of a topology's own template, or of the sample study of this name.
 fn template(name: &str) -> Suspension {
@@ -47,7 +47,7 @@ fn at<R>(
     let mut read = Some(read);
     solver.for_each_pose(
         point.drive,
-        &march_to(point.value),
+        &order_to(point.value),
         point.rack,
         |solver, _, pose| {
             found = Some(pose.map(|pose| (read.take().unwrap())(solver, pose)));

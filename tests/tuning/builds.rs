@@ -3,7 +3,7 @@
 use super::edited;
 use hardpoint::build::Assembler;
 use hardpoint::number::Width;
-use hardpoint::optimise::{Evaluation, LeastSquares, Objective, TargetLayout};
+use hardpoint::optimise::{LeastSquares, Linearisation, Objective, TargetLayout};
 use hardpoint::study::{Optimise, Study};
 use nalgebra::DVector;
 
@@ -21,7 +21,7 @@ const TRAVEL: &str = "motion.travel={ from = -20.0, to = 20.0, steps = 3 }";
 fn with_problem<R>(
     study: &Study,
     width: Option<Width>,
-    f: impl FnOnce(&mut dyn FnMut(&DVector<f64>) -> Evaluation) -> R,
+    f: impl FnOnce(&mut dyn FnMut(&DVector<f64>) -> Linearisation) -> R,
 ) -> R {
     let optimise = study.optimise.as_ref().unwrap();
     let suspension = &study.suspension;
@@ -34,9 +34,9 @@ fn with_problem<R>(
         Objective::of_builds(suspension, assembled, variables, &layout, scatter, width).unwrap();
     let count = layout.residuals();
     f(&mut |x| {
-        let mut at = Evaluation::new(count, x.len());
+        let mut at = Linearisation::new(count, x.len());
         LeastSquares::evaluate(&mut problem, x, &mut at).unwrap();
-        // Most builds are plain sailing.
+        // Most builds are accepted in lanes.
         let (in_lanes, name) = (
             problem.builds_in_lanes(),
             suspension.mechanism.topology.name,
@@ -206,7 +206,7 @@ fn what_is_found_in_lanes_is_what_is_found_one_by_one() {
 }
 
 /// The residuals of a study's drawing.
-fn drawing_at(study: &Study, width: Option<Width>, x: &DVector<f64>) -> Evaluation {
+fn drawing_at(study: &Study, width: Option<Width>, x: &DVector<f64>) -> Linearisation {
     let plain = Optimise {
         scatter: None,
         ..study.optimise.clone().unwrap()
@@ -216,15 +216,15 @@ fn drawing_at(study: &Study, width: Option<Width>, x: &DVector<f64>) -> Evaluati
     let problem = Objective::new(suspension, &plain.variables, &layout).unwrap();
     let mut problem = problem.with_width(suspension, width);
     assert_eq!(problem.is_in_lanes(x), width.is_some());
-    let mut at = Evaluation::new(layout.residuals(), x.len());
+    let mut at = Linearisation::new(layout.residuals(), x.len());
     LeastSquares::evaluate(&mut problem, x, &mut at).unwrap();
     at
 }
 
 /// What every width finds is what is found one by one, and all widths find the same bits.
-fn assert_same_at_every_width(what: &str, find: impl Fn(Option<Width>) -> Evaluation) {
+fn assert_same_at_every_width(what: &str, find: impl Fn(Option<Width>) -> Linearisation) {
     let expected = find(None);
-    let mut first: Option<Evaluation> = None;
+    let mut first: Option<Linearisation> = None;
     for width in Width::ALL.into_iter().filter(|w| w.is_available()) {
         let found = find(Some(width));
         for row in 0..expected.residuals.len() {

@@ -5,7 +5,7 @@
 
 use super::formulas::{loads, roll, steering};
 use super::reading::WheelParts;
-use super::state::State;
+use super::state::AxleState;
 use super::unit::Unit;
 use crate::characteristics::{Characteristic, Slot, Unit as CornerUnit};
 use crate::model::Side;
@@ -140,7 +140,7 @@ macro_rules! catalogue {
             }
 
             /// The value at one wheel; each formula a function of its own.
-            pub fn evaluate<T: Scalar, W: WheelParts<T>>(self, state: &State<T, W>, side: Side) -> T {
+            pub fn evaluate<T: Scalar, W: WheelParts<T>>(self, state: &AxleState<T, W>, side: Side) -> T {
                 match self {
                     $(WheelQuantity::$wheel => called((state, side), |(state, side)| $wfunction(state, side)),)*
                 }
@@ -155,7 +155,7 @@ macro_rules! catalogue {
 
             /// The value in lanes; NaN where it is not for lanes.
             #[inline(always)]
-            pub fn evaluate_in_lanes<B: SimdReal, W: WheelParts<B>>(self, state: &State<B, W>, side: Side) -> B {
+            pub fn evaluate_in_lanes<B: SimdReal, W: WheelParts<B>>(self, state: &AxleState<B, W>, side: Side) -> B {
                 match self {
                     $(WheelQuantity::$wheel => catalogue!(@value $wlanes, $wfunction, state, side),)*
                 }
@@ -178,7 +178,7 @@ macro_rules! catalogue {
             }
 
             /// The value; each formula a function of its own.
-            pub fn evaluate<T: Scalar, W: WheelParts<T>>(self, state: &State<T, W>) -> T {
+            pub fn evaluate<T: Scalar, W: WheelParts<T>>(self, state: &AxleState<T, W>) -> T {
                 match self {
                     $(AxleQuantity::$axle => called(state, $function),)*
                 }
@@ -193,7 +193,7 @@ macro_rules! catalogue {
 
             /// The value in lanes; NaN where it is not for lanes.
             #[inline(always)]
-            pub fn evaluate_in_lanes<B: SimdReal, W: WheelParts<B>>(self, state: &State<B, W>) -> B {
+            pub fn evaluate_in_lanes<B: SimdReal, W: WheelParts<B>>(self, state: &AxleState<B, W>) -> B {
                 match self {
                     $(AxleQuantity::$axle => catalogue!(@value $lanes, $function, state),)*
                 }
@@ -358,7 +358,7 @@ impl Quantity {
     }
 
     /// The value.
-    pub fn evaluate<T: Scalar, W: WheelParts<T>>(self, state: &State<T, W>) -> T {
+    pub fn evaluate<T: Scalar, W: WheelParts<T>>(self, state: &AxleState<T, W>) -> T {
         match self {
             Quantity::Corner(side, c) => {
                 let inputs = state.readings[side as usize].inputs(state.setup.constants);
@@ -413,7 +413,7 @@ impl Quantity {
     }
 
     /// The value in a state, or why there is none.
-    pub fn value(self, state: &State<f64>) -> Result<f64, Void> {
+    pub fn value(self, state: &AxleState<f64>) -> Result<f64, Void> {
         let is_void = |void: &Void| match void {
             Void::StraightAhead => steering::is_straight_ahead(state),
             Void::ParallelNormals => roll::normals_are_parallel(state),

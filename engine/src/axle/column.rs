@@ -1,7 +1,7 @@
 //! Columns of an axle's curves: names that say what a number is and in what unit.
 
 use super::reading::WheelParts;
-use super::state::{Motion, State};
+use super::state::{AxleState, Motion};
 use super::taylor::Taylor;
 use super::{Axle, AxlePlan, Quantity, Read, Void, WheelMotion};
 use crate::characteristics::with_unit;
@@ -106,7 +106,7 @@ impl AxleColumn {
         place: &Taylor<f64>,
         motion: Motion,
         side: Side,
-        state: &State<'_, f64>,
+        state: &AxleState<'_, f64>,
     ) -> f64 {
         let by = |powers: [usize; 2]| {
             let [travel, rack] = powers;
@@ -125,7 +125,7 @@ impl AxleColumn {
     }
 
     /// A component of an angular velocity, or its derivative.
-    fn of_turn(&self, axis: Axis, motion: Motion, side: Side, state: &State<'_, f64>) -> f64 {
+    fn of_turn(&self, axis: Axis, motion: Motion, side: Side, state: &AxleState<'_, f64>) -> f64 {
         if self.order == 1 {
             let wheel = &state.readings[side as usize];
             let by = [wheel.by_travel(), wheel.by_rack()].map(|[_, turn]| turn[axis]);

@@ -1,6 +1,6 @@
 //! The numbers that give the position of an axle, and how a study writes them.
 
-use super::{Axle, Course, Placement, WheelMotion};
+use super::{Axle, AxleMotion, Placement, WheelMotion};
 use crate::model::{Axis, LengthUnit};
 
 /// One of the numbers that a motion of an axle is made of.
@@ -51,7 +51,7 @@ impl Coordinate {
         }
     }
 
-    /// Converts a value as the study writes it (degrees, lengths along the study's axes) to one of a [`Course`]. The
+    /// Converts a value as the study writes it (degrees, lengths along the study's axes) to one of a [`AxleMotion`]. The
     /// angle of the steering wheel becomes the displacement of the rack that it makes.
     pub fn in_course(self, written: f64, axle: &Axle) -> f64 {
         match self {
@@ -94,7 +94,7 @@ impl Placement {
     }
 }
 
-impl Course {
+impl AxleMotion {
     /// The numbers that move, at least one. Curves are over the first.
     pub fn moving(&self) -> Vec<Coordinate> {
         let mut course = self.clone();

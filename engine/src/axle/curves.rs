@@ -2,7 +2,7 @@
 
 use super::solver::{AxleFailure, AxleSolver, Placed, Placement, Read, Sought, WheelRead, both};
 use super::{
-    Axle, AxleCertifier, AxleColumn, AxleProof, AxleQuantity, Course, Of, Quantity, Void,
+    Axle, AxleCertifier, AxleColumn, AxleMotion, AxleProof, AxleQuantity, Of, Quantity, Void,
     WheelMotion,
 };
 use crate::curves::{Loads, Status};
@@ -15,7 +15,7 @@ use crate::study::Load;
 #[derive(Clone, Debug, PartialEq)]
 pub struct AxlePlan {
     /// The stations.
-    pub course: Course,
+    pub course: AxleMotion,
     /// Quantities, in the order asked.
     pub quantities: Vec<Quantity>,
     /// Highest derivative along the motions that is reported, 2 at most.
@@ -34,7 +34,7 @@ pub struct AxlePlan {
 
 impl AxlePlan {
     /// Quantities over a course, and nothing else.
-    pub fn of(course: Course, quantities: Vec<Quantity>) -> AxlePlan {
+    pub fn of(course: AxleMotion, quantities: Vec<Quantity>) -> AxlePlan {
         AxlePlan {
             course,
             quantities,
@@ -77,7 +77,7 @@ impl AxlePlan {
             },
         };
         AxlePlan {
-            course: Course {
+            course: AxleMotion {
                 wheels,
                 racks: vec![0.0],
                 steering_wheel: None,
@@ -294,7 +294,7 @@ impl Curves {
     fn position<'a, const N: usize>(
         &mut self,
         solver: &mut AxleSolver<'a, N>,
-        course: &Course,
+        course: &AxleMotion,
         placement: &Placement,
     ) -> Result<(Placed, Read<'a>), AxleFailure> {
         let Placement::Travels {

@@ -5,7 +5,7 @@ use super::reading::{
     ALWAYS, BAR_ANGLE, CENTRE, DESIGN_CENTRE, DESIGN_SPIN_AXIS, ROCKER_ANGLE, SPIN_AXIS, SPRING,
     SPRING_LENGTH, STEERING_DIRECTION, STEERING_POINT, STRUT_UPPER, WheelParts,
 };
-use super::state::{Hold, State};
+use super::state::{AxleState, Hold};
 use super::{Quantity, Void};
 use crate::characteristics::{Characteristic, Constants, Inputs, LaneInputs, Slots};
 use crate::model::Side;
@@ -138,7 +138,7 @@ impl Quantity {
 
     /// The value in lanes; NaN where it has none, as [`Quantity::value`] has it.
     #[inline(always)]
-    pub fn value_in_lanes<B: SimdReal>(self, state: &State<B, LaneWheel<B>>) -> B {
+    pub fn value_in_lanes<B: SimdReal>(self, state: &AxleState<B, LaneWheel<B>>) -> B {
         let like = state.like();
         let value = match self {
             Quantity::Corner(side, characteristic) => outlined!(
@@ -157,7 +157,7 @@ impl Quantity {
 
 struct OfAxle<'s, 'i, B> {
     quantity: Quantity,
-    state: &'s State<'s, B, LaneWheel<'i, B>>,
+    state: &'s AxleState<'s, B, LaneWheel<'i, B>>,
 }
 
 impl<B: SimdReal> Outlined for OfAxle<'_, '_, B> {

@@ -6,11 +6,11 @@
 //! roll are positive to the left and about +x.
 
 mod at_load;
+mod axle_motion;
 mod catalogue;
 mod certificate;
 mod column;
 mod coordinate;
-mod course;
 mod curves;
 mod formulas;
 mod frames;
@@ -25,11 +25,11 @@ mod taylor;
 mod unit;
 
 pub use crate::mechanism::Ground;
+pub use axle_motion::{AxleMotion, WheelMotion};
 pub use catalogue::{AxleQuantity, Info, Need, Quantity, Void, WheelQuantity};
 pub use certificate::{AxleCertifier, AxleProof};
 pub use column::{AxleColumn, Of};
 pub use coordinate::Coordinate;
-pub use course::{Course, WheelMotion};
 pub use curves::{AxleCurves, AxlePlan, AxleSensitivity, AxleStation, axle_curves};
 pub use frames::axle_frames;
 pub use lanes::LaneWheel;
@@ -38,7 +38,7 @@ pub use reading::{Moving, Parts, Reading, Snapshot, WheelParts};
 pub use setup::Setup;
 pub use solver::{AxleFailure, AxleSolver, Placed, Placement, Read, WheelRead};
 pub use spring::{BumpStop, ForceCurve, Law, SpringLaw};
-pub use state::{Hold, Motion, State, WheelState};
+pub use state::{AxleState, Hold, Motion, WheelState};
 pub use taylor::{Line, Taylor};
 pub use unit::Unit;
 

@@ -119,7 +119,7 @@ impl<const N: usize> Snapshot<N> {
 
     /// Reads a configuration.
     pub fn of(at: &Configuration<Jet<f64, N>>, parts: &Parts) -> Self {
-        let inputs = Inputs::standing(at, Constants::default(), parts.slots);
+        let inputs = Inputs::without_rates(at, Constants::default(), parts.slots);
         let mut values = [Jet::constant(f64::NAN); PARTS];
         let mut set = |first: usize, v: Vector3<Jet<f64, N>>| {
             values[first..first + 3].copy_from_slice(&v.to_array());
@@ -191,7 +191,7 @@ impl Reading<f64> {
 impl<const N: usize> Reading<Jet<f64, N>> {
     /// A wheel whose numbers are series in another variable than its motion. Its derivatives by travel and rack are
     /// unknown.
-    pub fn standing(read: &Snapshot<N>) -> Self {
+    pub fn without_rates(read: &Snapshot<N>) -> Self {
         let part = |part: usize| match part {
             DESIGN.. => Taylor::constant(read.0[part]),
             _ => Taylor::through(&[&[read.0[part]]]),

@@ -8,7 +8,7 @@
 use super::at_load::LOAD_TERMS;
 use super::reading::{Parts, Reading, Snapshot, WheelParts, add_gradient, along, inputs_on_tape};
 use super::setup::Setup;
-use super::state::{Hold, Motion, State};
+use super::state::{AxleState, Hold, Motion};
 use super::taylor::{Line, Taylor};
 use super::{Axle, Quantity, Void};
 use crate::analyse::{Balance, Certifier, Limits, Support};
@@ -387,7 +387,7 @@ impl<'a, const N: usize> Corner<'a, N> {
     }
 
     /// The wheel in a pose, with the rack in the middle.
-    fn standing(&self, pose: Pose<f64>) -> Configuration<'_, f64> {
+    fn configuration(&self, pose: Pose<f64>) -> Configuration<'_, f64> {
         Configuration::new(self.mechanism, self.solver.design(), pose, 0.0)
     }
 
@@ -548,7 +548,7 @@ pub(super) enum Sought {
 
 /// The derivative of a sought number by the mean travel.
 fn heaving<const N: usize>(
-    state: &State<'_, f64>,
+    state: &AxleState<'_, f64>,
     linearised: &[Vec<Linearised<'_, N>>; 2],
     sought: &Sought,
 ) -> f64 {
@@ -578,7 +578,7 @@ pub struct WheelRead {
 /// An axle as it was read in a position.
 pub struct Read<'a> {
     /// The state.
-    pub state: State<'a, f64>,
+    pub state: AxleState<'a, f64>,
     /// The larger condition number of the two wheels.
     pub condition: f64,
     /// For each wheel: the rod that is at or beyond a toggle, if any.
@@ -902,7 +902,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
 
     fn contact(&self, side: Side, pose: &Pose<f64>, ground: Ground<f64>) -> Vector3<f64> {
         let corner = &self.corners[side as usize];
-        let at = corner.standing(*pose);
+        let at = corner.configuration(*pose);
         at.point(corner.mechanism.wheel_centre)
             + ground.contact_lever(at.spin_axis(), self.radius())
     }
@@ -1028,9 +1028,9 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         &self,
         readings: [Reading<T>; 2],
         placed: &Placed,
-    ) -> State<'a, T> {
+    ) -> AxleState<'a, T> {
         let like = readings[0].like();
-        State {
+        AxleState {
             readings,
             ground: Ground::rolled(placed.roll).map(|c| like.lit(c)),
             roll: like.lit(placed.roll),
@@ -1193,7 +1193,9 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
     /// The spin axis of a wheel in the design position, in the frame of its side.
     pub fn spin_axis(&self, side: Side) -> Vector3<f64> {
         let corner = &self.corners[side as usize];
-        corner.standing(corner.solver.design_pose()).spin_axis()
+        corner
+            .configuration(corner.solver.design_pose())
+            .spin_axis()
     }
 
     /// The designs of both wheels, each in the frame of its side.

@@ -1,8 +1,8 @@
 //! An axle in one position, with all inputs of formulas.
 //!
-//! A [`State`] holds both wheels as functions of their travels and racks. Along a [`Motion`] all of it moves
+//! A [`AxleState`] holds both wheels as functions of their travels and racks. Along a [`Motion`] all of it moves
 //! at rates that are formulas of the state itself, so that derivatives along motions, of any order, come
-//! from [`State::moving`]: the same state over series. With C' the velocity of the carrier's point at the
+//! from [`AxleState::moving`]: the same state over series. With C' the velocity of the carrier's point at the
 //! contact point by the wheel's own travel, C,r that by the rack, h = n.C and f = h_l - h_r = 0 on a plane,
 //!
 //! ```text
@@ -61,7 +61,7 @@ pub struct WheelState<'s, T, W = Reading<T>> {
 
 /// An axle in one position.
 #[derive(Clone, Copy, Debug)]
-pub struct State<'a, T, W = Reading<T>> {
+pub struct AxleState<'a, T, W = Reading<T>> {
     /// Left and right wheel, each in its own frame.
     pub readings: [W; 2],
     /// Sine and cosine of the roll angle: the ground in the left wheel's frame.
@@ -74,7 +74,7 @@ pub struct State<'a, T, W = Reading<T>> {
     pub setup: &'a Setup,
 }
 
-impl State<'_, f64> {
+impl AxleState<'_, f64> {
     /// Whether both wheels stand on one plane.
     pub fn is_on_plane(&self) -> bool {
         self.hold != Hold::TravelsOnPads
@@ -156,7 +156,7 @@ impl<T: Real, W: WheelParts<T>> WheelState<'_, T, W> {
     }
 }
 
-impl<'a, T: Real, W: WheelParts<T>> State<'a, T, W> {
+impl<'a, T: Real, W: WheelParts<T>> AxleState<'a, T, W> {
     /// Left and right wheel.
     #[inline(always)]
     pub fn wheels(&self) -> [WheelState<'_, T, W>; 2] {
@@ -192,7 +192,7 @@ impl<'a, T: Real, W: WheelParts<T>> State<'a, T, W> {
     /// The same wheels with the body level, each on a level pad at its travel.
     #[inline(always)]
     pub fn on_pads(&self) -> Self {
-        State {
+        AxleState {
             ground: Ground::level(self.like()),
             roll: self.like().zero(),
             hold: Hold::TravelsOnPads,
@@ -277,15 +277,15 @@ impl<'a, T: Real, W: WheelParts<T>> State<'a, T, W> {
 
     /// The state along a motion, as series.
     #[inline(always)]
-    pub fn moving(&self, motion: Motion) -> State<'a, Jet<T, 2>, Moving<'_, W, T>> {
+    pub fn moving(&self, motion: Motion) -> AxleState<'a, Jet<T, 2>, Moving<'_, W, T>> {
         // Out of line, since most formulas take derivatives along some motion.
         let Rates { travel, rack, roll } = outlined!(
             [T: Real, W: WheelParts<T>] self.like();
-            state: &'p State<'p, T, W> = self, motion: Motion = motion => Rates<T> { state.rates(motion) }
+            state: &'p AxleState<'p, T, W> = self, motion: Motion = motion => Rates<T> { state.rates(motion) }
         );
         let [left, right] = &self.readings;
         let Ground { sine, cosine } = self.ground;
-        State {
+        AxleState {
             readings: [
                 left.moving(travel[0], rack),
                 right.moving(travel[1], rack.map(|rack| -rack)),
@@ -301,7 +301,7 @@ impl<'a, T: Real, W: WheelParts<T>> State<'a, T, W> {
     }
 }
 
-impl<T: Real> State<'_, T> {
+impl<T: Real> AxleState<'_, T> {
     /// The state with travels or roll angle corrected to first order, so that the wheels stand on one ground. For
     /// numbers that carry gradients this adds the gradient of travels or roll angle, which follow from the design. The
     /// arguments are the plain values of F and track.
@@ -312,7 +312,7 @@ impl<T: Real> State<'_, T> {
             Hold::MeanTravel => {
                 let difference = -(self.mismatch() * like.lit(1.0 / rise));
                 let [left, right] = &self.readings;
-                State {
+                AxleState {
                     readings: [left.shifted(difference), right.shifted(-difference)],
                     ..*self
                 }
@@ -320,7 +320,7 @@ impl<T: Real> State<'_, T> {
             Hold::TravelsOnPlane => {
                 let turn = -(self.mismatch() * like.lit(1.0 / track));
                 let Ground { sine, cosine } = self.ground;
-                State {
+                AxleState {
                     ground: Ground {
                         sine: sine + cosine * turn,
                         cosine: cosine - sine * turn,

@@ -13,7 +13,7 @@ use crate::model::{Axis, Frame, Suspension};
 use crate::number::{Jet, Vector3, Width};
 use crate::solve::Solver;
 use crate::study::{Drive, Motion, Study};
-use crate::sweep::{BLOCK, Block, Evaluator, Gradients, Stations, Wanted, uniform};
+use crate::sweep::{AngleTarget, BLOCK, Block, Evaluator, Gradients, Stations, uniform};
 use rayon::ThreadPoolBuilder;
 use std::hint::black_box;
 use std::ops::ControlFlow;
@@ -372,8 +372,8 @@ impl<'a> Sweep<'a> {
     }
 
     /// A wanted value for each angle and station.
-    fn wanted(&self, angles: usize) -> Vec<Wanted> {
-        let wanted = Wanted {
+    fn wanted(&self, angles: usize) -> Vec<AngleTarget> {
+        let wanted = AngleTarget {
             value: 0.01,
             weight: 1.0,
         };
@@ -385,7 +385,7 @@ impl<'a> Sweep<'a> {
     fn gradients_in_lanes(
         &self,
         quantities: &[Quantity],
-        wanted: Option<Vec<Wanted>>,
+        wanted: Option<Vec<AngleTarget>>,
         width: Width,
     ) -> Option<Job<'a>> {
         let Sweep {

@@ -43,7 +43,7 @@ pub(crate) struct Alignment {
 }
 
 impl Alignment {
-    /// Toe and camber of the drawing by the adjustments of the set-up; toe alone where there is one. Wishes of the set-up
+    /// Toe and camber of the drawing by the adjustments of the set-up; toe alone where there is one. Wanted values of the set-up
     /// that are neither are not held.
     pub(crate) fn of(adjust: &[Adjustment], assembler: &Assembler) -> Result<Self, NoSetUp> {
         let suspension = assembler.suspension();
@@ -64,7 +64,7 @@ impl Alignment {
         let built = assembler.build(assembler.drawn(), Rest::Height(0.0))?;
         let by = alignment.by(assembler, &built);
         alignment.inverse = inverse(&by).ok_or(NoSetUp::Unsettled)?;
-        // A wish that no adjustment moves cannot be held.
+        // A wanted value that no adjustment moves cannot be held.
         let held_all =
             (&by * &alignment.inverse - DMatrix::identity(held.len(), held.len())).amax();
         match held_all < 1e-6 {

@@ -382,7 +382,7 @@ impl Assembler {
     }
 
     /// The pose over another kind of number, its derivatives mended in as many corrections as they have orders.
-    pub(crate) fn lifted<T: Real>(
+    pub(crate) fn pose_series<T: Real>(
         &self,
         parts: &Parts<T>,
         height: T,

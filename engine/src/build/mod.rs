@@ -21,15 +21,15 @@
 mod alignment;
 mod assembler;
 mod derivatives;
-mod lift;
 mod parts;
 mod rest;
 mod set_up;
 mod settle;
+mod settle_series;
 
 pub(crate) use alignment::Alignment;
 pub use assembler::{Assembler, Reject};
 pub use derivatives::{BuiltCurves, built_curves};
 pub use parts::{BuildParameter, Member, Parts};
 pub use rest::{Built, Direction, Rest};
-pub use set_up::{NoSetUp, SetUp, State, Static};
+pub use set_up::{AdjustedSuspension, NoSetUp, SetUp, Static};

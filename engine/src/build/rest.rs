@@ -116,17 +116,17 @@ impl Assembler {
             let mechanism = &self.suspension().mechanism;
             parts.change(mechanism, *parameter, number(0.0, *share));
         }
-        self.lifted_design(built, &parts, number(built.height, rise), orders)
+        self.placed_series(built, &parts, number(built.height, rise), orders)
     }
 
-    fn lifted_design<T: Real>(
+    fn placed_series<T: Real>(
         &self,
         built: &Built,
         parts: &Parts<T>,
         height: T,
         orders: usize,
     ) -> Vec<Vector3<T>> {
-        let pose = self.lifted(parts, height, &built.at, orders);
+        let pose = self.pose_series(parts, height, &built.at, orders);
         let mut design = parts.points.clone();
         self.place(parts, &pose, &mut design);
         design
@@ -141,7 +141,7 @@ impl Assembler {
         orders: usize,
     ) -> Vec<Vector3<T>> {
         let height = parts.points[0].x.lit(built.height);
-        self.lifted_design(built, parts, height, orders)
+        self.placed_series(built, parts, height, orders)
     }
 
     /// How every point of the built design moves as the parts change along a direction, and how much the height

@@ -1,7 +1,7 @@
 //! Setting a suspension up: adjustments that give wanted static values.
 //!
 //! With a the adjustments and w(a) what is wanted at rest, Gauss and Newton's step is da = -W^+ (w - wanted), W the
-//! exact derivative and W^+ its pseudo-inverse: Newton's method where there are as many adjustments as wishes, the
+//! exact derivative and W^+ its pseudo-inverse: Newton's method where there are as many adjustments as wanted values, the
 //! smallest adjustment where there are more, the least squares where there are fewer. A tenth of a degree counts as
 //! much as a length unit of a millimetre. Shims come in steps: in the order of the study each is rounded to whole
 //! ones, and what is adjusted after it makes up for that.
@@ -22,7 +22,7 @@ const MOST_STEPS: usize = 40;
 const FARTHEST: f64 = 0.1;
 /// What counts as met: rounding, in degrees or length units.
 const MET: f64 = 1e-9;
-/// Singular values of W below this part of the largest are directions that no wish feels.
+/// Singular values of W below this part of the largest are directions that no wanted value feels.
 const FLAT: f64 = 1e-8;
 
 /// A quantity of the resting position: of the catalogue, or the height of the wheel centre above its drawn one.
@@ -36,7 +36,7 @@ pub enum Static {
 
 /// A suspension at rest with its parts adjusted.
 #[derive(Clone, Debug)]
-pub struct State {
+pub struct AdjustedSuspension {
     /// Amount of each adjustment.
     pub amounts: Vec<f64>,
     /// The parts put together.
@@ -53,14 +53,14 @@ pub struct SetUp {
     /// The static values: camber, toe, caster and bump steer if they exist, further ones that are wanted, and the ride
     /// height.
     pub statics: Vec<Static>,
-    /// For each static value, the wanted one as it is printed; `None` if there is no wish.
+    /// For each static value, the wanted one as it is printed; `None` if none is.
     pub wanted: Vec<Option<f64>>,
-    /// What is left of each wish by steps of shims that nothing adjusted after them can make up for.
+    /// What is left of each wanted value by steps of shims that nothing adjusted after them can make up for.
     pub by_steps: Vec<f64>,
     /// The state of the drawing, at the wanted ride height.
-    pub drawn: State,
+    pub drawn: AdjustedSuspension,
     /// After each adjustment, in the order of the study.
-    pub steps: Vec<State>,
+    pub steps: Vec<AdjustedSuspension>,
 }
 
 /// Why a set-up has no answer.
@@ -138,11 +138,11 @@ impl SetUp {
     }
 
     /// The state after all adjustments.
-    pub fn last(&self) -> &State {
+    pub fn last(&self) -> &AdjustedSuspension {
         self.steps.last().unwrap_or(&self.drawn)
     }
 
-    /// What is left of each wish: by how much its value misses what is wanted.
+    /// What is left of each wanted value: by how much its value misses what is wanted.
     pub fn misses(&self) -> Vec<Option<f64>> {
         let values = self.last().values.iter().zip(&self.wanted);
         values
@@ -150,7 +150,7 @@ impl SetUp {
             .collect()
     }
 
-    /// Whether every wish is met, but for whole steps of shims.
+    /// Whether every wanted value is met, but for whole steps of shims.
     pub fn is_met(&self) -> bool {
         let misses = self.misses();
         let mut misses = misses.iter().zip(&self.by_steps);
@@ -227,7 +227,7 @@ impl<'a> Problem<'a> {
         }
     }
 
-    fn state(&self, amounts: &[f64]) -> Result<State, NoSetUp> {
+    fn state(&self, amounts: &[f64]) -> Result<AdjustedSuspension, NoSetUp> {
         let mechanism = &self.assembler.suspension().mechanism;
         let mut parts = self.assembler.drawn().clone();
         for (direction, amount) in self.directions.iter().zip(amounts) {
@@ -241,7 +241,7 @@ impl<'a> Problem<'a> {
         let values = found.curves.stations[0].values.iter();
         let values = values.map(|v| v.unwrap_or(f64::NAN));
         let columns = found.curves.columns.len();
-        Ok(State {
+        Ok(AdjustedSuspension {
             amounts: amounts.to_vec(),
             values: values.chain([built.height]).collect(),
             by: (0..directions.len())
@@ -254,28 +254,32 @@ impl<'a> Problem<'a> {
         })
     }
 
-    /// The state in which the wishes are met as well as they can be by some of the adjustments.
-    fn settle(&self, mut state: State, free: &[usize]) -> Result<State, NoSetUp> {
-        let wishes: Vec<usize> = (0..self.statics.len())
+    /// The state in which the wanted values are met as well as they can be by some of the adjustments.
+    fn settle(
+        &self,
+        mut state: AdjustedSuspension,
+        free: &[usize],
+    ) -> Result<AdjustedSuspension, NoSetUp> {
+        let targets: Vec<usize> = (0..self.statics.len())
             .filter(|i| self.wanted[*i].is_some())
             .collect();
-        if wishes.is_empty() || free.is_empty() {
+        if targets.is_empty() || free.is_empty() {
             return Ok(state);
         }
-        let missed = |state: &State| {
+        let missed = |state: &AdjustedSuspension| {
             let miss = |i: &usize| {
                 let wanted = self.wanted[*i].unwrap_or(f64::NAN);
                 (state.values[*i] - wanted) * self.weights[*i]
             };
-            DVector::from_iterator(wishes.len(), wishes.iter().map(miss))
+            DVector::from_iterator(targets.len(), targets.iter().map(miss))
         };
         for _ in 0..MOST_STEPS {
             let misses = missed(&state);
             if misses.iter().any(|m| m.is_nan()) {
                 return Err(NoSetUp::Unsettled);
             }
-            let by = DMatrix::from_fn(wishes.len(), free.len(), |i, k| {
-                state.by[free[k]][wishes[i]] * self.weights[wishes[i]]
+            let by = DMatrix::from_fn(targets.len(), free.len(), |i, k| {
+                state.by[free[k]][targets[i]] * self.weights[targets[i]]
             });
             let decomposed = by.svd(true, true);
             let flat = FLAT * decomposed.singular_values.max();
@@ -292,7 +296,7 @@ impl<'a> Problem<'a> {
                 for (k, adjustment) in free.iter().enumerate() {
                     amounts[*adjustment] -= share * step[k];
                 }
-                // Where the parts do not go together, or the wishes are missed by more, half the step.
+                // Where the parts do not go together, or the wanted values are missed by more, half the step.
                 if let Ok(next) = self.state(&amounts)
                     && missed(&next).norm() <= misses.norm()
                 {

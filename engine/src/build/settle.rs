@@ -20,8 +20,8 @@
 
 use super::alignment::{Alignment, ROUNDING};
 use super::assembler::{Assembler, Linearised};
-use super::lift::Lifting;
 use super::parts::Parts;
+use super::settle_series::SettlingSeries;
 use crate::mechanism::{Closure, Pose, Turn};
 use crate::number::{Jet, Matrix3, Outlined, Real, SimdReal, Vector3};
 
@@ -75,7 +75,7 @@ impl<B: SimdReal> Outlined for Settling<'_, B> {
         // The correction before that one.
         let mut earlier = before + before;
         let mut settled = one.less(like.zero());
-        let mut lost = settled;
+        let mut rejected = settled;
         let mut round = 0;
         loop {
             let (mut next, correction) =
@@ -83,7 +83,7 @@ impl<B: SimdReal> Outlined for Settling<'_, B> {
             let [x, y, z, a, b, c] = correction;
             let turned = Vector3::new(a, b, c).norm() * size;
             let mut moved = larger(Vector3::new(x, y, z).norm(), turned);
-            let open = !(settled | lost);
+            let open = !(settled | rejected);
             if let (Some(alignment), Some(wanted)) = (alignment, &wanted) {
                 alignment.correct(
                     mechanism,
@@ -107,11 +107,11 @@ impl<B: SimdReal> Outlined for Settling<'_, B> {
             if alignment.is_some() {
                 contracts = contracts | (twice + twice).less(earlier);
             }
-            // So that NaN is lost.
-            lost = lost | (open & !ends & !contracts);
+            // So that NaN is rejected.
+            rejected = rejected | (open & !ends & !contracts);
             settled = settled | ends;
             round += 1;
-            if round == MOST_ROUNDS || B::all(settled | lost) {
+            if round == MOST_ROUNDS || B::all(settled | rejected) {
                 return (pose, settled);
             }
             (before, earlier) = (moved, before);
@@ -140,20 +140,20 @@ impl<B: SimdReal> Outlined for Placing<'_, B> {
         assembler.place(self.parts, self.pose, into);
         let like = into[0].x;
         let least = like.lit(LEAST_LEVERAGE);
-        let mut right = like.everywhere();
+        let mut accepted = like.everywhere();
         for (length, drawn) in self.parts.lengths.iter().zip(&assembler.drawn().lengths) {
             // What is no rod has none.
             if *drawn > 0.0 {
-                right = right & like.zero().less(*length);
+                accepted = accepted & like.zero().less(*length);
             }
         }
         for rocker in &assembler.suspension().mechanism.rockers {
             let [first, second, inner, outer] =
                 [rocker.first, rocker.second, rocker.inner, rocker.outer].map(|id| into[id.0]);
             let turn = Turn::of([first, second, inner, outer, outer]);
-            right = right & least.less(turn.leverage_squared);
+            accepted = accepted & least.less(turn.leverage_squared);
         }
-        right
+        accepted
     }
 }
 
@@ -161,8 +161,8 @@ impl<B: SimdReal> Outlined for Placing<'_, B> {
 #[derive(Clone, Copy)]
 pub(crate) struct InLanes<B: SimdReal> {
     pose: Pose<B>,
-    /// The lanes that are right; the others are left to be put together one by one.
-    pub(crate) right: B::Mask,
+    /// The accepted lanes; the others are left to be put together one by one.
+    pub(crate) accepted: B::Mask,
 }
 
 impl Assembler {
@@ -185,7 +185,7 @@ impl Assembler {
             from: self.home(),
             carrier,
         });
-        let right = like.outlined(Placing {
+        let accepted = like.outlined(Placing {
             assembler: self,
             parts,
             pose: &pose,
@@ -193,14 +193,14 @@ impl Assembler {
         });
         InLanes {
             pose,
-            right: settled & right,
+            accepted: settled & accepted,
         }
     }
 
     /// The built designs of such builds as series, from parts as series with the values they have come to have. Says which
-    /// lanes are right.
+    /// lanes are accepted.
     #[inline(always)]
-    pub(crate) fn lift_in_lanes<B: SimdReal>(
+    pub(crate) fn series_in_lanes<B: SimdReal>(
         &self,
         alignment: Option<&Alignment>,
         built: &InLanes<B>,
@@ -208,7 +208,7 @@ impl Assembler {
         carrier: &mut Vec<Vector3<Jet<B, 2>>>,
         into: &mut [Vector3<Jet<B, 2>>],
     ) -> B::Mask {
-        built.pose.origin.x.outlined(Lifting {
+        built.pose.origin.x.outlined(SettlingSeries {
             assembler: self,
             alignment,
             parts,

@@ -123,15 +123,15 @@ pub(super) fn by_direction_along<T: Real>(
     let along = moving(inputs, rate.spin_axis, rate.steering_direction);
     let [x, y, z] = Matrix3::identity(along.turn.x).columns;
     of_angle!(c, Angle => Vector3::new(
-        slope_apart::<Angle, _>(&along, x),
-        slope_apart::<Angle, _>(&along, y),
-        slope_apart::<Angle, _>(&along, z),
+        slope_outlined::<Angle, _>(&along, x),
+        slope_outlined::<Angle, _>(&along, y),
+        slope_outlined::<Angle, _>(&along, z),
     ))
 }
 
 /// The rate of an angle while the direction it reads changes at this rate. Out of line.
 #[inline(always)]
-fn slope_apart<F: Formula, T: Real>(inputs: &Inputs<T>, direction: Vector3<T>) -> T {
+fn slope_outlined<F: Formula, T: Real>(inputs: &Inputs<T>, direction: Vector3<T>) -> T {
     outlined!(
         [F: Formula, T: Real] inputs.turn.x;
         _angle: PhantomData<F> = PhantomData::<F>, inputs: &'p Inputs<T> = inputs, direction: Vector3<T> = direction

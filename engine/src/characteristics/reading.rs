@@ -21,7 +21,7 @@ pub(super) struct Moving<V> {
 
 impl<V> Moving<V> {
     #[inline(always)]
-    pub(super) fn standing(now: V) -> Self {
+    pub(super) fn without_rate(now: V) -> Self {
         Moving { now, rate: None }
     }
 
@@ -49,7 +49,7 @@ impl<T: Real> Moving<Vector3<T>> {
 
     #[inline(always)]
     fn norm(self) -> Moving<T> {
-        let mut length = Moving::standing(self.now.norm());
+        let mut length = Moving::without_rate(self.now.norm());
         if let Some(rate) = self.rate {
             length.rate = Some(self.now.dot(rate) / length.now);
         }
@@ -155,7 +155,7 @@ impl<T: Real> Inputs<T> {
     /// Reads these slots off a configuration without its rates. The rates, and everything that is not among the slots,
     /// are NaN.
     #[inline]
-    pub fn standing(at: &Configuration<T>, constants: Constants, slots: Slots) -> Self {
+    pub fn without_rates(at: &Configuration<T>, constants: Constants, slots: Slots) -> Self {
         let nothing = at.rack.lit(f64::NAN);
         Inputs::of_configuration(at, nothing, constants, slots)
     }
@@ -178,23 +178,23 @@ impl<T: Real> Inputs<T> {
 impl<T: Real> Posed<T> for &Configuration<'_, T> {
     #[inline(always)]
     fn spin_axis(&mut self) -> Moving<Vector3<T>> {
-        Moving::standing(Configuration::spin_axis(self))
+        Moving::without_rate(Configuration::spin_axis(self))
     }
 
     #[inline(always)]
     fn point(&mut self, id: PointId) -> Moving<Vector3<T>> {
-        Moving::standing(Configuration::point(self, id))
+        Moving::without_rate(Configuration::point(self, id))
     }
 
     #[inline(always)]
     fn steering_axis(&mut self) -> Option<[Moving<Vector3<T>>; 2]> {
         let (point, along) = Configuration::steering_axis(self)?;
-        Some([Moving::standing(point), Moving::standing(along)])
+        Some([Moving::without_rate(point), Moving::without_rate(along)])
     }
 
     #[inline(always)]
     fn rocker_angle(&mut self, id: RockerId) -> Moving<T> {
-        Moving::standing(Configuration::rocker_angle(self, id))
+        Moving::without_rate(Configuration::rocker_angle(self, id))
     }
 }
 
@@ -225,7 +225,7 @@ impl Asked {
 
 impl Posed<f64> for Asked {
     fn spin_axis(&mut self) -> Moving<Vector3<f64>> {
-        Moving::standing(Vector3::new(f64::NAN, f64::NAN, f64::NAN))
+        Moving::without_rate(Vector3::new(f64::NAN, f64::NAN, f64::NAN))
     }
 
     fn point(&mut self, id: PointId) -> Moving<Vector3<f64>> {
@@ -240,7 +240,7 @@ impl Posed<f64> for Asked {
 
     fn rocker_angle(&mut self, id: RockerId) -> Moving<f64> {
         self.rocker_angles.push(id);
-        Moving::standing(f64::NAN)
+        Moving::without_rate(f64::NAN)
     }
 }
 

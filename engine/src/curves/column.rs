@@ -66,7 +66,7 @@ impl Column {
 
     fn new(of: usize, output: &Output, order: usize, plan: &Plan, length: LengthUnit) -> Column {
         // The angular velocity is a first derivative already.
-        let depth = match output.quantity {
+        let rate_order = match output.quantity {
             Quantity::AngularVelocity(_) => 1,
             _ => 0,
         };
@@ -75,7 +75,7 @@ impl Column {
             (None, Drive::Travel) => (length.symbol(), 1.0),
             (None, Drive::ArmAngle | Drive::PaperTheta) => ("deg", 1.0_f64.to_radians()),
         };
-        let unit = per(&output.unit, by, order + depth);
+        let unit = per(&output.unit, by, order + rate_order);
         let by_time = plan.time.is_some();
         let stem = match (output.quantity, order) {
             (Quantity::AngularVelocity(axis), 0) => format!("knuckle_omega_{}", axis.name()),
@@ -96,7 +96,7 @@ impl Column {
             },
             order,
             of: Some(of),
-            factor: output.factor * factor.powi((order + depth) as i32),
+            factor: output.factor * factor.powi((order + rate_order) as i32),
         }
     }
 }

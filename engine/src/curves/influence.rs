@@ -38,14 +38,14 @@ pub fn influences(suspension: &Suspension, plan: &Plan) -> Result<Vec<Influence>
     if outputs.is_empty() {
         return Ok(Vec::new());
     }
-    let depth = outputs.iter().map(|o| o.quantity.rate_order()).max();
+    let rate_order = outputs.iter().map(|o| o.quantity.rate_order()).max();
     let points = 0..suspension.mechanism.points.len();
     let found = curves(
         suspension,
         &Plan {
             racks: plan.racks[..1].to_vec(),
             time: None,
-            coefficients: depth.unwrap_or(0) + 1,
+            coefficients: rate_order.unwrap_or(0) + 1,
             sensitivities: points.map(PointId).collect(),
             outputs,
             certify: false,

@@ -1,4 +1,4 @@
-//! Running a plan: march, read, differentiate.
+//! Running a plan: visit the stations, read, differentiate.
 
 use super::drive_law::DriveLaw;
 use super::loads::Loads;
@@ -43,7 +43,7 @@ pub(super) struct Run<'a, const N: usize> {
     /// Work counted by the solver.
     pub(super) work: Work,
     /// Work counted while reading characteristics.
-    tally: WorkCounter,
+    work_counter: WorkCounter,
 }
 
 /// What was computed at one station before it is stored in `stations`.
@@ -101,7 +101,7 @@ impl<'a, const N: usize> Run<'a, N> {
             sensitivities: Vec::new(),
             left_to_continuation: BTreeMap::new(),
             work: Work::default(),
-            tally: WorkCounter::default(),
+            work_counter: WorkCounter::default(),
         }
     }
 
@@ -110,13 +110,13 @@ impl<'a, const N: usize> Run<'a, N> {
             Formulation::KnucklePose => self.by_knuckle_pose()?,
             Formulation::PointCoordinates => self.by_point_coordinates()?,
         }
-        // The march goes outward; results are in the order of the motion.
+        // Stations are visited outward; results are in the order of the motion.
         self.sensitivities.sort_by_key(|s| s.station);
         Ok(Curves {
             columns: self.columns,
             stations: self.stations,
             sensitivities: self.sensitivities,
-            work: self.work + self.tally.work(),
+            work: self.work + self.work_counter.work(),
             left_to_continuation: self.left_to_continuation.into_iter().collect(),
         })
     }
@@ -278,7 +278,7 @@ impl<'a, const N: usize> Run<'a, N> {
                 continue;
             }
             let counts = matches!(output.quantity, Quantity::Characteristic(_));
-            self.tally
+            self.work_counter
                 .note(|w| w.characteristic_evaluations += u64::from(counts));
             let series = view.value(at, output.quantity);
             let mut orders = [0.0; 3];
@@ -330,7 +330,7 @@ impl<'a, const N: usize> Run<'a, N> {
         let mut index = 0;
         for (columns, output) in self.columns_by_output() {
             let counts = matches!(output.quantity, Quantity::Characteristic(_));
-            self.tally
+            self.work_counter
                 .note(|w| w.characteristic_gradients += u64::from(counts));
             match self.is_stuck(columns) {
                 true => found.fill([Vector3::new(f64::NAN, f64::NAN, f64::NAN); 3]),

@@ -1,4 +1,4 @@
-//! A design lifted to power series, to be evaluated pose by pose.
+//! A design as power series, to be evaluated pose by pose.
 
 use super::rates::{angular_velocity, pose_series};
 use super::sensitivity::Linearised;
@@ -82,7 +82,7 @@ pub struct DesignSeries<const N: usize> {
 }
 
 impl<const N: usize> DesignSeries<N> {
-    /// Lifts a design.
+    /// The series of a design.
     pub fn new(mechanism: &Mechanism, design: &[Vector3<f64>]) -> Self {
         let design: Vec<_> = design.iter().map(|p| p.map(Jet::constant)).collect();
         let closure = Closure::new(mechanism, &design);

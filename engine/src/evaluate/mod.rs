@@ -204,7 +204,7 @@ impl<'a> GradientEvaluator<'a> {
                 if self
                     .lanes
                     .as_ref()
-                    .is_some_and(|l| l.gradients.is_right(number))
+                    .is_some_and(|l| l.gradients.is_accepted(number))
                 {
                     into.solved_of(place).fill(true);
                     continue;

@@ -1,7 +1,7 @@
 //! Curves of an axle as a function of the design: designs one at a time, both wheels of each.
 //!
 //! A variable moves the same points of both wheels, each in the frame of its side, so that a derivative is the sum of
-//! both wheels' gradients along the variable's way; a right wheel with hardpoints of its own is moved as the left one
+//! both wheels' gradients along the variable's rates; a right wheel with hardpoints of its own is moved as the left one
 //! is.
 
 use super::DesignStatus;
@@ -9,19 +9,19 @@ use crate::axle::{AxleColumn, AxleSolver, Placement, Quantity};
 use crate::mechanism::DesignFault;
 use crate::model::{Axis, Side};
 use crate::number::Vector3;
-use crate::optimise::Way;
+use crate::optimise::PointRate;
 use crate::study::AxleStudy;
 
 /// The positions of an axle, and the columns that are read in them.
 #[derive(Clone, Debug)]
-pub(super) struct AxleCourse {
+pub(super) struct AxleFunction {
     pub both: AxleStudy,
     pub columns: Vec<AxleColumn>,
     pub placements: Vec<Placement>,
 }
 
 /// Points of one side, and how the variables move them.
-pub(super) type Moved<'m> = (&'m [Vector3<f64>], &'m [Way]);
+pub(super) type Moved<'m> = (&'m [Vector3<f64>], &'m [PointRate]);
 
 /// Evaluates designs.
 pub(super) trait AxleEvaluator {
@@ -35,10 +35,10 @@ pub(super) trait AxleEvaluator {
     ) -> DesignStatus;
 }
 
-impl AxleCourse {
+impl AxleFunction {
     pub(super) fn of(both: &AxleStudy) -> Self {
         let plan = both.plan.quantities_alone();
-        AxleCourse {
+        AxleFunction {
             columns: plan.columns(&both.axle),
             placements: plan.course.placements(),
             both: AxleStudy {
@@ -77,15 +77,15 @@ impl AxleCourse {
 }
 
 struct OneByOne<'a, const N: usize> {
-    course: &'a AxleCourse,
+    function: &'a AxleFunction,
     solver: AxleSolver<'a, N>,
 }
 
 impl<'a, const N: usize> OneByOne<'a, N> {
-    fn new(course: &'a AxleCourse) -> Result<Box<Self>, (Side, DesignFault)> {
-        let AxleStudy { axle, plan } = &course.both;
+    fn new(function: &'a AxleFunction) -> Result<Box<Self>, (Side, DesignFault)> {
+        let AxleStudy { axle, plan } = &function.both;
         let solver = AxleSolver::new(axle, &plan.quantities, false)?;
-        Ok(Box::new(OneByOne { course, solver }))
+        Ok(Box::new(OneByOne { function, solver }))
     }
 }
 
@@ -96,7 +96,7 @@ impl<const N: usize> AxleEvaluator for OneByOne<'_, N> {
         values: &mut [f64],
         mut jacobian: Option<&mut [f64]>,
     ) -> DesignStatus {
-        let OneByOne { course, solver } = self;
+        let OneByOne { function, solver } = self;
         values.fill(f64::NAN);
         if let Some(jacobian) = &mut jacobian {
             jacobian.fill(f64::NAN);
@@ -104,9 +104,9 @@ impl<const N: usize> AxleEvaluator for OneByOne<'_, N> {
         if solver.prepare(sides.map(|(design, _)| design)).is_err() {
             return DesignStatus::Faulty;
         }
-        let (quantities, stations) = (&course.both.plan.quantities, course.placements.len());
+        let (quantities, stations) = (&function.both.plan.quantities, function.placements.len());
         let mut status = DesignStatus::Ok;
-        let placed = solver.place_all(&course.placements);
+        let placed = solver.place_all(&function.placements);
         for (station, placed) in placed.into_iter().enumerate() {
             let read = placed.and_then(|placed| Ok((solver.read(&placed)?, placed)));
             let Ok((read, placed)) = read else {
@@ -116,7 +116,7 @@ impl<const N: usize> AxleEvaluator for OneByOne<'_, N> {
             // What has no value by its definition has no derivative either.
             let mut there: Vec<Quantity> = Vec::new();
             let mut places = Vec::new();
-            for (k, (quantity, column)) in quantities.iter().zip(&course.columns).enumerate() {
+            for (k, (quantity, column)) in quantities.iter().zip(&function.columns).enumerate() {
                 if let Ok(value) = read.value(*quantity) {
                     values[k * stations + station] = value * column.factor;
                     there.push(*quantity);
@@ -131,9 +131,9 @@ impl<const N: usize> AxleEvaluator for OneByOne<'_, N> {
                 let (place, factor) = places[number];
                 let row = &mut jacobian[place * width..(place + 1) * width];
                 row.fill(0.0);
-                for ((_, ways), gradient) in sides.iter().zip(gradients) {
-                    for way in *ways {
-                        row[way.column] += gradient[way.point].dot(way.by) * factor;
+                for ((_, point_rates), gradient) in sides.iter().zip(gradients) {
+                    for rate in *point_rates {
+                        row[rate.column] += gradient[rate.point].dot(rate.by) * factor;
                     }
                 }
             };

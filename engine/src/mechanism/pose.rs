@@ -265,13 +265,13 @@ impl<'a, T: Real> Configuration<'a, T> {
                 gradient,
                 sink,
             }),
-            false => self.push_point_apart(id, gradient, sink),
+            false => self.push_point_outlined(id, gradient, sink),
         }
     }
 
     /// Out of line and with a dynamic sink, so that it is compiled once.
     #[inline(never)]
-    fn push_point_apart(&self, id: PointId, gradient: Vector3<T>, mut sink: &mut dyn Sink<T>) {
+    fn push_point_outlined(&self, id: PointId, gradient: Vector3<T>, mut sink: &mut dyn Sink<T>) {
         self.push_point_here(id, gradient, &mut sink);
     }
 

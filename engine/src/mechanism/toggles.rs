@@ -15,14 +15,14 @@ use std::ops::ControlFlow;
 const PARTS: usize = 16;
 const DEPTH: usize = 3;
 
-/// Watches rockers along a march: outward from the design position, none goes beyond a toggle. Where a rod might
+/// Watches rockers from station to station: outward from the design position, none goes beyond a toggle. Where a rod might
 /// have come to one between two stations and back, poses between them are looked at, down to 1/4096 of the way.
 #[derive(Clone, Debug, Default)]
 pub struct Toggles {
     watched: Vec<RockerId>,
-    /// Drive and rack displacement of the march; `None` if poses between its stations cannot be looked at.
+    /// Drive and rack displacement of the visit; `None` if poses between its stations cannot be looked at.
     way: Cell<Option<(Drive, f64)>>,
-    /// The rockers at or beyond toggle where the march began, and the rods of all that are watched there.
+    /// The rockers at or beyond toggle where the visit began, and the rods of all that are watched there.
     at_start: Cell<Stuck>,
     rods_at_start: RefCell<Vec<RodReach<f64>>>,
     past: Cell<Past>,
@@ -35,7 +35,7 @@ type Stuck = u32;
 /// The rockers at or beyond a toggle, and the rods of all that are watched.
 type Seen = (Stuck, Vec<RodReach<f64>>);
 
-/// The station of the march that was noted last.
+/// The station of the visit that was noted last.
 #[derive(Clone, Copy, Debug, Default)]
 struct Past {
     value: f64,
@@ -67,7 +67,7 @@ impl Toggles {
         Toggles::of(mechanism, self.watched.iter().copied().chain(rockers))
     }
 
-    /// Makes ready for a march of the solver's design that begins at drive 0 with the rack displaced by `rack`. Errors
+    /// Makes ready for a visit of the solver's design that begins at drive 0 with the rack displaced by `rack`. Errors
     /// if the design cannot be solved.
     pub fn begin(&self, solver: &mut Solver, drive: Drive, rack: f64) -> Result<(), DesignFault> {
         if self.watched.is_empty() {
@@ -99,14 +99,14 @@ impl Toggles {
         Ok(())
     }
 
-    /// Makes ready for another march that begins where the last one did.
+    /// Makes ready for another visit that begins where the last one did.
     pub fn begin_again(&self) {
         let (way, rods) = (self.way.get(), self.rods_at_start.borrow().clone());
         self.begin_with(self.at_start.get(), rods);
         self.way.set(way);
     }
 
-    /// Makes ready for a march that begins in this pose. Poses between its stations are not looked at.
+    /// Makes ready for a visit that begins in this pose. Poses between its stations are not looked at.
     pub fn begin_at<const N: usize>(&self, at: &Configuration<Jet<f64, N>>) {
         let (stuck, rods) = self.seen(at, 0, |c| c[0]);
         self.begin_with(stuck, rods);
@@ -120,9 +120,9 @@ impl Toggles {
         self.rods_at_start.replace(rods);
     }
 
-    /// Looks at the next station of the march, where the drive is `value` away from the march's beginning; returns the
+    /// Looks at the next station of the visit, where the drive is `value` away from the visit's beginning; returns the
     /// kind of rod of the first watched rocker that has come to a toggle there or before. `solver` is the one that
-    /// marches.
+    /// visits them.
     pub fn note<const N: usize>(
         &self,
         solver: Option<&Solver>,
@@ -133,7 +133,7 @@ impl Toggles {
             return None;
         }
         let past = self.past.get();
-        // If not, the march has turned to the other side of its beginning.
+        // If not, the visit has turned to the other side of its beginning.
         let goes_on = value.abs() >= past.value.abs() && value * past.value >= 0.0;
         let (from, before) = match goes_on {
             true => (past.value, past.stuck),
@@ -151,12 +151,12 @@ impl Toggles {
             let mut between = |part: f64, before: Stuck| {
                 let mut found = None;
                 let order = StationOrder::through(&[from + part * (value - from)]);
-                let marched = solver.for_each_pose(drive, &order, rack, |solver, _, pose| {
+                let visited = solver.for_each_pose(drive, &order, rack, |solver, _, pose| {
                     let configuration = pose.map(|pose| solver.configuration(pose, rack));
                     found = configuration.ok().map(|at| self.seen(&at, before, |c| c));
                     ControlFlow::Continue(())
                 });
-                marched.ok().and(found)
+                visited.ok().and(found)
             };
             let ends = [&self.rods.borrow()[..], &rods];
             stuck = self.between(&mut between, [0.0, 1.0], ends, stuck, DEPTH);

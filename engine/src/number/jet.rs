@@ -114,12 +114,12 @@ macro_rules! by_coefficients {
             #[inline(always)]
             fn $method(self, other: Self) -> Self {
                 #[inline]
-                fn apart<T: Real, const N: usize>(one: Jet<T, N>, other: Jet<T, N>) -> Jet<T, N> {
+                fn operate<T: Real, const N: usize>(one: Jet<T, N>, other: Jet<T, N>) -> Jet<T, N> {
                     one.$operation(other)
                 }
                 match T::IN_REGISTERS {
                     true => self.$operation(other),
-                    false => apart(self, other),
+                    false => operate(self, other),
                 }
             }
         }
@@ -146,7 +146,7 @@ impl<T: Real, const N: usize> Mul for Jet<T, N> {
     fn mul(self, other: Self) -> Self {
         match T::IN_REGISTERS {
             true => self.times(other),
-            false => self.times_apart(other),
+            false => self.times_outlined(other),
         }
     }
 }
@@ -162,7 +162,7 @@ impl<T: Real, const N: usize> Jet<T, N> {
     const LARGE: bool = (size_of::<Self>() > 16 || T::IS_LARGE) && !T::IN_REGISTERS;
 
     #[inline]
-    fn times_apart(self, other: Self) -> Self {
+    fn times_outlined(self, other: Self) -> Self {
         match Self::LARGE {
             true => called((self, other), |(a, b)| a.times(b)),
             false => self.times(other),

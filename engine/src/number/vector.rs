@@ -328,12 +328,12 @@ impl<T: Real> Matrix3<T> {
     pub fn turned(&self, rodrigues: Vector3<T>) -> Self {
         match T::IN_REGISTERS {
             true => self.turned_here(rodrigues),
-            false => self.turned_apart(rodrigues),
+            false => self.turned_outlined(rodrigues),
         }
     }
 
     #[inline]
-    fn turned_apart(&self, rodrigues: Vector3<T>) -> Self {
+    fn turned_outlined(&self, rodrigues: Vector3<T>) -> Self {
         self.turned_here(rodrigues)
     }
 

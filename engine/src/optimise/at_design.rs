@@ -1,7 +1,7 @@
 //! Targets and constraints about one design, with their Jacobians, where nothing is tuned.
 
 use super::{
-    Assessment, Constrained, Evaluation, Infeasible, LeastSquares, Objective, TargetLayout,
+    Assessment, Constrained, Infeasible, LeastSquares, Linearisation, Objective, TargetLayout,
 };
 use crate::mechanism::DesignFault;
 use crate::model::Suspension;
@@ -15,9 +15,9 @@ pub fn evaluated(
     variables: &[Variable],
     layout: &TargetLayout,
     offsets: &[f64],
-) -> Result<Result<Evaluation, Infeasible>, DesignFault> {
+) -> Result<Result<Linearisation, Infeasible>, DesignFault> {
     let mut objective = Objective::new(suspension, variables, layout)?;
-    let mut evaluation = Evaluation::new(objective.residuals(), offsets.len());
+    let mut evaluation = Linearisation::new(objective.residuals(), offsets.len());
     let x = DVector::from_column_slice(offsets);
     let evaluated = objective.evaluate(&x, &mut evaluation);
     Ok(evaluated.map(|()| evaluation))

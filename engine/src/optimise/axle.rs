@@ -1,11 +1,11 @@
 //! Targets of an axle: rows of the least-squares problem beside those of one wheel.
 //!
 //! A variable moves the same points of both wheels, each in the frame of its side, so that the derivative
-//! of a row is the sum of both wheels' gradients along the variable's way. Where the right wheel has
+//! of a row is the sum of both wheels' gradients along the variable's rates. Where the right wheel has
 //! hardpoints of its own they are moved as the mirror images of the left ones are.
 
-use super::moves::{Way, moved_design, ways};
-use super::{Evaluation, Infeasible};
+use super::moves::{PointRate, moved_design, point_rates};
+use super::{Infeasible, Linearisation};
 use crate::axle::{Axle, AxleSolver, Hold, Placement, Quantity};
 use crate::mechanism::DesignFault;
 use crate::number::Vector3;
@@ -105,13 +105,13 @@ pub(super) struct Moved<'m> {
     /// The left wheel's design.
     pub design: &'m [Vector3<f64>],
     /// The ways in which the variables move its points.
-    pub ways: &'m [Way],
+    pub point_rates: &'m [PointRate],
 }
 
 /// Residuals and their derivatives.
 pub(super) trait AxleRows: Send {
     /// Writes the rows of all targets of the axle.
-    fn evaluate(&mut self, moved: &Moved<'_>, into: &mut Evaluation) -> Result<(), Infeasible>;
+    fn evaluate(&mut self, moved: &Moved<'_>, into: &mut Linearisation) -> Result<(), Infeasible>;
 }
 
 /// The rows of a layout.
@@ -124,7 +124,7 @@ pub(super) fn axle_rows<'a>(layout: &'a AxleLayout) -> Result<Box<dyn AxleRows +
             layout,
             solver: solver.map_err(|(_, fault)| fault)?,
             right: Vec::new(),
-            right_ways: Vec::new(),
+            right_rates: Vec::new(),
             wanted: Vec::new(),
         }))
     }
@@ -141,29 +141,29 @@ struct Rows<'a, const N: usize> {
     solver: AxleSolver<'a, N>,
     /// Design and ways of the right wheel, if it has hardpoints of its own.
     right: Vec<Vector3<f64>>,
-    right_ways: Vec<Way>,
+    right_rates: Vec<PointRate>,
     wanted: Vec<Quantity>,
 }
 
 impl<const N: usize> AxleRows for Rows<'_, N> {
-    fn evaluate(&mut self, moved: &Moved<'_>, into: &mut Evaluation) -> Result<(), Infeasible> {
+    fn evaluate(&mut self, moved: &Moved<'_>, into: &mut Linearisation) -> Result<(), Infeasible> {
         let Rows {
             layout,
             solver,
             right,
-            right_ways,
+            right_rates,
             wanted,
         } = self;
         let AxleLayout {
             axle, quantities, ..
         } = *layout;
         let frame = &axle.left.frame;
-        let mut sides = [(moved.design, moved.ways); 2];
+        let mut sides = [(moved.design, moved.point_rates); 2];
         if let Some(own) = &axle.right {
             right.clone_from(&own.design);
             moved_design(&own.design, frame, moved.variables, moved.x, right);
-            ways(&own.design, frame, moved.variables, moved.x, right_ways);
-            sides[1] = (right, right_ways);
+            point_rates(&own.design, frame, moved.variables, moved.x, right_rates);
+            sides[1] = (right, right_rates);
         }
         solver
             .prepare(sides.map(|(design, _)| design))
@@ -203,10 +203,10 @@ impl<const N: usize> AxleRows for Rows<'_, N> {
                 for wish in own {
                     let is_inside = wish.wanted.is_band() && into.residuals[wish.row] == 0.0;
                     if !is_inside {
-                        for ((_, ways), gradient) in sides.iter().zip([left, right]) {
-                            for way in *ways {
-                                let slope = gradient[way.point].dot(way.by);
-                                into.jacobian[(wish.row, way.column)] += slope * wish.scale;
+                        for ((_, point_rates), gradient) in sides.iter().zip([left, right]) {
+                            for rate in *point_rates {
+                                let slope = gradient[rate.point].dot(rate.by);
+                                into.jacobian[(wish.row, rate.column)] += slope * wish.scale;
                             }
                         }
                     }

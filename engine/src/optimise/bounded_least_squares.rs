@@ -44,7 +44,7 @@ pub struct BoundedLeastSquares {
     /// Norms of the columns of R, which are those of J W.
     norms: Vec<f64>,
     step: Vec<f64>,
-    holds: Vec<ActiveBound>,
+    active_bounds: Vec<ActiveBound>,
     /// R s + offset.
     remainder: Vec<f64>,
     /// Indices of the free variables, by rising index.
@@ -65,7 +65,7 @@ impl BoundedLeastSquares {
             offset: vec![0.0; variables],
             norms: vec![0.0; variables],
             step: vec![0.0; variables],
-            holds: vec![ActiveBound::Free; variables],
+            active_bounds: vec![ActiveBound::Free; variables],
             remainder: vec![0.0; variables],
             free: Vec::with_capacity(variables),
             turned_back: vec![false; variables],
@@ -103,7 +103,7 @@ impl BoundedLeastSquares {
         self.remainder.copy_from_slice(&self.offset);
         for j in 0..self.variables {
             let slope = self.slope(j, damping);
-            self.holds[j] = match slope {
+            self.active_bounds[j] = match slope {
                 slope if slope > 0.0 && lower[j] == 0.0 => ActiveBound::Lower,
                 slope if slope < 0.0 && upper[j] == 0.0 => ActiveBound::Upper,
                 _ => ActiveBound::Free,
@@ -118,7 +118,7 @@ impl BoundedLeastSquares {
             let Some(j) = self.worst_multiplier(damping) else {
                 return;
             };
-            let held = std::mem::replace(&mut self.holds[j], ActiveBound::Free);
+            let held = std::mem::replace(&mut self.active_bounds[j], ActiveBound::Free);
             self.solve_free(damping);
             let place = self.free.iter().position(|&free| free == j);
             let goal = place.map_or(self.step[j], |place| self.vector[place]);
@@ -131,7 +131,7 @@ impl BoundedLeastSquares {
                 self.turned_back.fill(false);
             } else {
                 // Its multiplier was zero but for rounding (Stark and Parker, step 6).
-                self.holds[j] = held;
+                self.active_bounds[j] = held;
                 self.turned_back[j] = true;
             }
         }
@@ -143,8 +143,8 @@ impl BoundedLeastSquares {
     }
 
     /// Where each variable of the solution is.
-    pub fn holds(&self) -> &[ActiveBound] {
-        &self.holds
+    pub fn active_bounds(&self) -> &[ActiveBound] {
+        &self.active_bounds
     }
 
     /// Norms of the scaled columns of J.
@@ -190,7 +190,7 @@ impl BoundedLeastSquares {
         let rounding = 2.0 * self.variables as f64 * f64::EPSILON * size;
         let mut best = (rounding, None);
         for j in 0..self.variables {
-            let outward = match self.holds[j] {
+            let outward = match self.active_bounds[j] {
                 ActiveBound::Lower => -self.slope(j, damping),
                 ActiveBound::Upper => self.slope(j, damping),
                 ActiveBound::Free => continue,
@@ -233,7 +233,7 @@ impl BoundedLeastSquares {
                 break;
             };
             self.step[j] = bound;
-            self.holds[j] = hold;
+            self.active_bounds[j] = hold;
         }
         self.remainder.copy_from_slice(&self.offset);
         for j in 0..self.variables {
@@ -252,7 +252,7 @@ impl BoundedLeastSquares {
     fn solve_free(&mut self, damping: f64) {
         let n = self.variables;
         self.free.clear();
-        for (j, hold) in self.holds.iter().enumerate() {
+        for (j, hold) in self.active_bounds.iter().enumerate() {
             if *hold == ActiveBound::Free {
                 self.free.push(j);
             }
@@ -266,7 +266,7 @@ impl BoundedLeastSquares {
             let mut row = 0;
             for (i, entry) in from[..=j].iter().enumerate() {
                 to[row] = *entry;
-                row += 1 + usize::from(self.holds[i] == ActiveBound::Free);
+                row += 1 + usize::from(self.active_bounds[i] == ActiveBound::Free);
             }
             to[row - 1] = damping.sqrt();
         }
@@ -276,12 +276,12 @@ impl BoundedLeastSquares {
         for i in 0..n {
             let mut sum = -self.offset[i];
             for j in i..n {
-                if self.holds[j] != ActiveBound::Free {
+                if self.active_bounds[j] != ActiveBound::Free {
                     sum -= self.triangle[j * n + i] * self.step[j];
                 }
             }
             self.vector[row] = sum;
-            row += 1 + usize::from(self.holds[i] == ActiveBound::Free);
+            row += 1 + usize::from(self.active_bounds[i] == ActiveBound::Free);
         }
         let end = |place: usize| free[place] + place + 2;
         triangularise_within(&mut self.matrix, rows, end, &mut self.vector);
@@ -401,7 +401,7 @@ mod tests {
             let slopes = self.jacobian.transpose() * remainder + self.damping * &s;
             for j in 0..s.len() {
                 assert!(self.lower[j] <= s[j] && s[j] <= self.upper[j]);
-                match solver.holds()[j] {
+                match solver.active_bounds()[j] {
                     ActiveBound::Free => {
                         assert!(slopes[j].abs() <= rounding, "{} {rounding:e}", slopes[j])
                     }
@@ -464,6 +464,9 @@ mod tests {
         solver.solve(1e-8, &[-1.0, -1.0], &[0.25, 1.0]);
         assert_eq!(solver.step()[0], 0.25);
         assert!((solver.step()[1] - 0.75).abs() < 1e-8);
-        assert_eq!(solver.holds(), [ActiveBound::Upper, ActiveBound::Free]);
+        assert_eq!(
+            solver.active_bounds(),
+            [ActiveBound::Upper, ActiveBound::Free]
+        );
     }
 }

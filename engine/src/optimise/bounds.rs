@@ -74,7 +74,7 @@ impl Bounds {
     }
 
     /// Which variables of `x` are at a bound.
-    pub fn holds(&self, x: &DVector<f64>) -> Vec<ActiveBound> {
+    pub fn active_bounds(&self, x: &DVector<f64>) -> Vec<ActiveBound> {
         let of = |j: usize| match x[j] {
             x if x <= self.lower[j] => ActiveBound::Lower,
             x if x >= self.upper[j] => ActiveBound::Upper,

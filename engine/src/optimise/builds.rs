@@ -11,7 +11,7 @@
 //! ones, some variables at a time.
 
 use super::Infeasible;
-use super::moves::Way;
+use super::moves::PointRate;
 use super::objective::refused;
 use crate::build::{Alignment, Assembler, Parts, Rest};
 use crate::mechanism::DesignFault;
@@ -31,7 +31,7 @@ pub(super) struct Builds<'a> {
     draws: Vec<Vec<f64>>,
     moved: Vec<Vector3<Dual<f64, AT_ONCE>>>,
     /// How the variables move the points of the latest build, by rising number of the point.
-    pub ways: Vec<Way>,
+    pub point_rates: Vec<PointRate>,
 }
 
 impl<'a> Builds<'a> {
@@ -44,7 +44,7 @@ impl<'a> Builds<'a> {
                 .map(|build| draw(scatter, build))
                 .collect(),
             moved: Vec::new(),
-            ways: Vec::new(),
+            point_rates: Vec::new(),
         })
     }
 
@@ -87,12 +87,12 @@ impl<'a> Builds<'a> {
         })
     }
 
-    /// Puts a build together, and writes its design and [`Builds::ways`]. `drawn` are the ways of the drawing.
+    /// Puts a build together, and writes its design and [`Builds::point_rates`]. `drawn` are the rates of the drawing.
     pub(super) fn build(
         &mut self,
         number: usize,
         alignment: Option<&Alignment>,
-        drawn: &[Way],
+        drawn: &[PointRate],
         variables: usize,
         into: &mut [Vector3<f64>],
     ) -> Result<(), Infeasible> {
@@ -101,7 +101,7 @@ impl<'a> Builds<'a> {
             scatter,
             draws,
             moved,
-            ways,
+            point_rates,
         } = self;
         let mechanism = &assembler.suspension().mechanism;
         let refused = |reject: crate::build::Reject| {
@@ -123,19 +123,19 @@ impl<'a> Builds<'a> {
             .map_err(refused)?;
         into.copy_from_slice(&built.suspension.design);
         let alignment = alignment.and_then(|alignment| alignment.about(assembler, &built));
-        ways.clear();
+        point_rates.clear();
         let mut first = 0;
         while first < variables {
             let own = first..first + AT_ONCE;
             // The drawing with its derivatives by these variables, and the parts that it gives.
             moved.clear();
             moved.extend(parts.drawn.iter().map(|p| p.map(Dual::constant)));
-            for way in drawn.iter().filter(|way| own.contains(&way.column)) {
-                let point = &mut moved[way.point];
-                let k = way.column - first;
-                point.x.partials[k] += way.by.x;
-                point.y.partials[k] += way.by.y;
-                point.z.partials[k] += way.by.z;
+            for rate in drawn.iter().filter(|rate| own.contains(&rate.column)) {
+                let point = &mut moved[rate.point];
+                let k = rate.column - first;
+                point.x.partials[k] += rate.by.x;
+                point.y.partials[k] += rate.by.y;
+                point.z.partials[k] += rate.by.z;
             }
             let mut along = Parts::of_drawing(mechanism, moved);
             // The build's own values: scatter and adjustments are the same at every x, to first order.
@@ -154,13 +154,13 @@ impl<'a> Builds<'a> {
                     let by = series.map(|c| c.partials[k]);
                     if by.norm_squared() > 0.0 {
                         let column = first + k;
-                        ways.push(Way { column, point, by });
+                        point_rates.push(PointRate { column, point, by });
                     }
                 }
             }
             first += AT_ONCE;
         }
-        ways.sort_by_key(|way| (way.point, way.column));
+        point_rates.sort_by_key(|rate| (rate.point, rate.column));
         Ok(())
     }
 }

@@ -3,7 +3,7 @@
 //! A force is a multiplier of the closure equations under a load, so its derivatives take those of the equations' Jacobian.
 //! They are had forwards: the design moves along a variable as a series, the pose follows, and so does the balance.
 
-use super::moves::Way;
+use super::moves::PointRate;
 use crate::analyse::Balance;
 use crate::characteristics::{CarriedForce, Constants, Measure, Slots, WheelReading};
 use crate::derive::{DesignSeries, Linearised, MotionPoint};
@@ -40,10 +40,15 @@ impl AlongVariables {
     }
 
     /// Takes a design and the ways in which variables move it.
-    pub(super) fn prepare(&mut self, solver: &Solver, design: &[Vector3<f64>], ways: &[Way]) {
+    pub(super) fn prepare(
+        &mut self,
+        solver: &Solver,
+        design: &[Vector3<f64>],
+        point_rates: &[PointRate],
+    ) {
         for (column, series) in self.series.iter_mut().enumerate() {
-            let own = ways.iter().filter(|way| way.column == column);
-            let own = own.map(|way| (way.point, way.by));
+            let own = point_rates.iter().filter(|rate| rate.column == column);
+            let own = own.map(|rate| (rate.point, rate.by));
             series.prepare_moving(solver.mechanism(), design, own);
         }
     }

@@ -1,4 +1,4 @@
-//! What could be chosen instead of the design kept: the front of a study's wishes, and its price list.
+//! What could be chosen instead of the design kept: the front of a study's goals, and its price list.
 
 use super::constrained::Constrained;
 use super::front::{Found, Tracer};
@@ -22,7 +22,7 @@ const STEPS: usize = 10;
 pub struct Choice {
     /// Offsets of the variables, in the study's axes.
     pub offsets: Vec<f64>,
-    /// The amount of each aim. For a front these are the misfits of the wishes; for a price list the misfit of all
+    /// The amount of each aim. For a front these are the misfits of the goals; for a price list the misfit of all
     /// targets and the move, which is the root of the sum of its squares in ranges, each times the cost of its
     /// variable.
     pub amounts: Vec<f64>,
@@ -31,10 +31,10 @@ pub struct Choice {
     pub weights: Vec<f64>,
 }
 
-/// The front of a study's wishes.
+/// The front of a study's goals.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Front {
-    /// Designs of which none is better in all, by rising misfit of the first wish.
+    /// Designs of which none is better in all, by rising misfit of the first goal.
     pub choices: Vec<Choice>,
     /// Choices behind which the front is broken.
     pub breaks: Vec<usize>,
@@ -77,19 +77,19 @@ impl Tuner<'_> {
 
     fn front(&self, tuning: &Tuning) -> Front {
         let (distance, options) = (self.distance(), self.options());
-        let wishes = &self.optimise.front;
+        let goals = &self.optimise.front;
         let ends = fits(&tuning.starts.starts).map(|(_, fit)| &fit.x);
         let starts: Vec<&DVector<f64>> = ends.chain([&self.design]).collect();
         let others: Vec<usize> = (0..self.optimise.targets.len())
-            .filter(|target| !wishes.iter().any(|wish| wish.targets.contains(target)))
+            .filter(|target| !goals.iter().any(|goal| goal.targets.contains(target)))
             .collect();
         let tracer = |rest: Option<(Aim, f64)>| Tracer {
             problem: || self.problem(),
             bounds: &self.bounds,
             distance: &distance,
-            aims: wishes
+            aims: goals
                 .iter()
-                .map(|wish| self.layout.aim(&wish.targets))
+                .map(|goal| self.layout.aim(&goal.targets))
                 .collect(),
             rest,
             options: &options,

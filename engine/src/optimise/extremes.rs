@@ -6,7 +6,7 @@
 //! no derivative of the place, along which the value does not change. So all extremes are held, and as one of them wanders
 //! past a station with the design, the largest row stays continuous: the neighbour's takes it over halfway.
 
-use super::Evaluation;
+use super::Linearisation;
 use super::layout::{Extremes, Leg, Part};
 
 /// The most steps of a search.
@@ -47,7 +47,7 @@ pub(super) fn searches(
     leg: &Leg,
     parts: &[Part],
     values: &[Vec<f64>],
-    rows: &Evaluation,
+    rows: &Linearisation,
     into: &mut Vec<Search>,
 ) {
     into.clear();

@@ -1,9 +1,9 @@
 //! A minimum from one start, and the story of how it was found.
 
 use super::constrained::KEPT;
-use super::course::{evaluations, execute};
+use super::fit_record::{evaluations, execute};
 use super::{
-    ActiveBound, Bounds, Evaluation, Held, Infeasible, LeastSquares, LevenbergMarquardt, Options,
+    ActiveBound, Bounds, Held, Infeasible, LeastSquares, LevenbergMarquardt, Linearisation, Options,
 };
 use nalgebra::DVector;
 use std::fmt;
@@ -44,7 +44,7 @@ pub struct Iteration {
 
 impl Iteration {
     /// The start, or an iteration that has not got anywhere: its end has this evaluation.
-    pub(super) fn at(end: &Evaluation) -> Self {
+    pub(super) fn at(end: &Linearisation) -> Self {
         Iteration {
             iteration: 0,
             cost: end.cost(),
@@ -125,9 +125,9 @@ pub struct Fit {
     /// The variables, within their bounds.
     pub x: DVector<f64>,
     /// Residuals and Jacobian at `x`.
-    pub evaluation: Evaluation,
+    pub evaluation: Linearisation,
     /// Which variables are at a bound.
-    pub holds: Vec<ActiveBound>,
+    pub active_bounds: Vec<ActiveBound>,
     /// Why it ended.
     pub termination: Termination,
     /// The start and every iteration after it.

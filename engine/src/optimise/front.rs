@@ -1,4 +1,4 @@
-//! How far several wishes can be met at once: the front of two or three, and the price list of the move.
+//! How far several goals can be met at once: the front of two or three, and the price list of the move.
 //!
 //! A design is on the *front* of some aims f_1, f_2, ... if nothing within the ranges and constraints is better in
 //! one and no worse in the others. It is traced by minima with bounds on the others (Y. Haimes, L. Lasdon,

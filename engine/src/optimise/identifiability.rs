@@ -1,6 +1,6 @@
 //! What the residuals at a solution can tell apart.
 
-use super::{Bounds, Evaluation};
+use super::{Bounds, Linearisation};
 use nalgebra::{DMatrix, DVector};
 
 /// A direction in the space of the variables.
@@ -81,7 +81,7 @@ impl Identifiability {
     /// range changes the residuals (root mean square, in tolerances) by no more than `effect_below`.
     ///
     /// This is a statement about small moves; bounds that are active are not regarded.
-    pub fn new(evaluation: &Evaluation, bounds: &Bounds, effect_below: f64) -> Self {
+    pub fn new(evaluation: &Linearisation, bounds: &Bounds, effect_below: f64) -> Self {
         let n = bounds.variables();
         let mut scaled = evaluation.jacobian.clone();
         for (mut column, &width) in scaled.column_iter_mut().zip(bounds.width()) {
@@ -201,7 +201,7 @@ mod tests {
 
     fn analyse(jacobian: DMatrix<f64>, ranges: &[[f64; 2]]) -> Identifiability {
         let residuals = DVector::zeros(jacobian.nrows());
-        let evaluation = Evaluation {
+        let evaluation = Linearisation {
             residuals,
             jacobian,
         };

@@ -4,7 +4,7 @@
 //! of builds settles about them. Builds that do not settle here are left to go one by one.
 
 use super::builds::Builds;
-use super::moves::Way;
+use super::moves::PointRate;
 use crate::build::{Alignment, Parts};
 use crate::number::{Jet, MOST_LANES, SimdReal, SimdTask, Vector3, Width};
 
@@ -20,9 +20,9 @@ pub(super) struct LaneBuilds {
     /// The built designs, one after another.
     designs: Vec<Vector3<f64>>,
     /// `[group][variable][point][axis][lane]`
-    ways: Vec<f64>,
+    point_rates: Vec<f64>,
     variables: usize,
-    right: Vec<bool>,
+    accepted: Vec<bool>,
 }
 
 impl LaneBuilds {
@@ -45,15 +45,15 @@ impl LaneBuilds {
             draws: by_source,
             stride,
             designs: vec![Vector3::default(); draws.len() * points],
-            ways: vec![0.0; groups * variables * points * 3 * at_once],
+            point_rates: vec![0.0; groups * variables * points * 3 * at_once],
             variables,
-            right: vec![false; draws.len()],
+            accepted: vec![false; draws.len()],
         }
     }
 
     /// Numbers of the builds that are put together at once, group by group.
     pub(super) fn groups(&self) -> impl Iterator<Item = std::ops::Range<usize>> + use<> {
-        let (count, at_once) = (self.right.len(), self.at_once);
+        let (count, at_once) = (self.accepted.len(), self.at_once);
         let firsts = (0..count).step_by(at_once);
         firsts.map(move |first| first..count.min(first + at_once))
     }
@@ -64,38 +64,38 @@ impl LaneBuilds {
     }
 
     /// How every coordinate of the designs of a group moves with each variable, `[variable][point][axis][lane]`.
-    pub(super) fn ways(&self, group: &std::ops::Range<usize>) -> &[f64] {
+    pub(super) fn point_rates(&self, group: &std::ops::Range<usize>) -> &[f64] {
         let length = self.variables * self.points * 3 * self.at_once;
-        &self.ways[group.start / self.at_once * length..][..length]
+        &self.point_rates[group.start / self.at_once * length..][..length]
     }
 
-    /// Whether a build is right; if not, it is to be put together one by one.
-    pub(super) fn is_right(&self, build: usize) -> bool {
-        self.right[build]
+    /// Whether a build is accepted; if not, it is to be put together one by one.
+    pub(super) fn is_accepted(&self, build: usize) -> bool {
+        self.accepted[build]
     }
 
     /// Leaves a build to go one by one.
-    pub(super) fn refuse(&mut self, build: usize) {
-        self.right[build] = false;
+    pub(super) fn reject(&mut self, build: usize) {
+        self.accepted[build] = false;
     }
 
-    /// Puts the builds of a drawing together; `drawn` are the ways of the drawing.
+    /// Puts the builds of a drawing together; `drawn` are the rates of the drawing.
     pub(super) fn assemble(
         &mut self,
         builds: &Builds<'_>,
         alignment: Option<&Alignment>,
-        drawn: &[Way],
+        drawn: &[PointRate],
     ) {
         let (mechanism, parts) = (builds.mechanism(), builds.assembler().drawn());
         let along: Vec<Parts<Jet<f64, 2>>> = (0..self.variables)
             .map(|column| {
                 let constant = |p: &Vector3<f64>| p.map(Jet::constant);
                 let mut moved: Vec<_> = parts.drawn.iter().map(constant).collect();
-                for way in drawn.iter().filter(|way| way.column == column) {
-                    let point = &mut moved[way.point];
-                    point.x.0[1] += way.by.x;
-                    point.y.0[1] += way.by.y;
-                    point.z.0[1] += way.by.z;
+                for rate in drawn.iter().filter(|rate| rate.column == column) {
+                    let point = &mut moved[rate.point];
+                    point.x.0[1] += rate.by.x;
+                    point.y.0[1] += rate.by.y;
+                    point.z.0[1] += rate.by.z;
                 }
                 Parts::of_drawing(mechanism, &moved)
             })
@@ -147,13 +147,13 @@ impl SimdTask for Assembling<'_, '_> {
         let mut series_carrier = Vec::with_capacity(points);
         let mut first = 0;
         let mut place = 0;
-        while first < lanes.right.len() {
+        while first < lanes.accepted.len() {
             let changes = builds.sources().map(|source| &source.changes[..]);
             let numbers = (&lanes.draws[..], first, lanes.stride);
             parts.scatter(mechanism, &drawn, changes, numbers);
             let group =
                 assembler.assemble_in_lanes(alignment, &mut parts, &mut carrier, &mut built);
-            let mut right = group.right;
+            let mut accepted = group.accepted;
             for by in along {
                 for (number, point) in series.points.iter_mut().enumerate() {
                     *point = with_rate(parts.points[number], by.points[number]);
@@ -164,25 +164,25 @@ impl SimdTask for Assembling<'_, '_> {
                 for (number, length) in by.lengths.iter().enumerate() {
                     series.lengths[number] = Jet([parts.lengths[number], like.lit(length.0[1])]);
                 }
-                let lifted = assembler.lift_in_lanes(
+                let settled = assembler.series_in_lanes(
                     alignment,
                     &group,
                     &mut series,
                     &mut series_carrier,
                     &mut moving,
                 );
-                right = right & lifted;
+                accepted = accepted & settled;
                 for point in &moving {
                     for rate in [point.x.0[1], point.y.0[1], point.z.0[1]] {
-                        rate.store(&mut lanes.ways[place..]);
+                        rate.store(&mut lanes.point_rates[place..]);
                         place += B::LANES;
                     }
                 }
             }
-            let count = (lanes.right.len() - first).min(B::LANES);
+            let count = (lanes.accepted.len() - first).min(B::LANES);
             crate::sweep::scatter(&built, first, count, &mut lanes.designs);
             for lane in 0..count {
-                lanes.right[first + lane] = B::lane(right, lane);
+                lanes.accepted[first + lane] = B::lane(accepted, lane);
             }
             first += count;
         }

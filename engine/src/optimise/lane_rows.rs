@@ -1,11 +1,11 @@
 //! Residuals of targets and rows of constraints in SIMD lanes: the stations of one design side by side, or the builds of a
 //! robust tuning.
 
-use super::Evaluation;
+use super::Linearisation;
 use super::lane_builds::LaneBuilds;
 use super::lane_parts::{LanePart, Moving};
 use super::layout::{TargetLayout, TargetSample};
-use super::moves::Way;
+use super::moves::PointRate;
 use crate::characteristics::Quantity;
 use crate::model::Suspension;
 use crate::number::{Vector3, Width};
@@ -34,7 +34,7 @@ struct Leg<'a> {
 
 /// The rows of constraints, and the values of their parts by station.
 pub(super) struct Checked<'r> {
-    pub rows: &'r mut Evaluation,
+    pub rows: &'r mut Linearisation,
     pub values: &'r mut [Vec<f64>],
 }
 
@@ -93,16 +93,16 @@ impl<'a> LaneRows<'a> {
     }
 
     /// Takes the ways in which `variables` variables move a design of `points` points.
-    pub(super) fn begin(&mut self, points: usize, ways: &[Way], variables: usize) {
+    pub(super) fn begin(&mut self, points: usize, point_rates: &[PointRate], variables: usize) {
         let one = 3 * points;
         self.slopes.resize(variables, 0.0);
         self.along.clear();
         self.along.resize(variables * one, 0.0);
-        for way in ways {
-            let first = way.column * one + 3 * way.point;
+        for rate in point_rates {
+            let first = rate.column * one + 3 * rate.point;
             for (sum, by) in self.along[first..first + 3]
                 .iter_mut()
-                .zip(way.by.to_array())
+                .zip(rate.by.to_array())
             {
                 *sum += by;
             }
@@ -116,7 +116,7 @@ impl<'a> LaneRows<'a> {
         number: usize,
         layout: &TargetLayout,
         design: &[Vector3<f64>],
-        into: &mut Evaluation,
+        into: &mut Linearisation,
         mut checked: Option<Checked<'_>>,
     ) -> bool {
         let LaneRows {
@@ -139,10 +139,10 @@ impl<'a> LaneRows<'a> {
         let moving = Moving { design, along };
         gradients.slopes_of_one(design, along, |found| {
             for (lane, station) in groups[found.station()].iter().enumerate() {
-                for wish in &leg.targets[*station] {
-                    let value = found.value(lane, wish.measure);
-                    let slope = |column| found.slope(lane, wish.measure, column);
-                    write(wish, wish.row, value, slope, into);
+                for sample in &leg.targets[*station] {
+                    let value = found.value(lane, sample.measure);
+                    let slope = |column| found.slope(lane, sample.measure, column);
+                    write(sample, sample.row, value, slope, into);
                 }
                 let (Some(Checked { rows, values }), Some(parts)) = (&mut checked, &*parts) else {
                     continue;
@@ -161,26 +161,30 @@ impl<'a> LaneRows<'a> {
         &mut self,
         layout: &TargetLayout,
         builds: &mut LaneBuilds,
-        into: &mut Evaluation,
+        into: &mut Linearisation,
     ) {
         for group in builds.groups() {
             for (leg, lanes) in layout.legs.iter().zip(&mut self.legs) {
                 let Some(Leg { gradients, .. }) = lanes else {
                     continue;
                 };
-                gradients.slopes(builds.designs(&group), builds.ways(&group), |found| {
-                    for wish in &leg.targets[found.station()] {
-                        for (lane, build) in group.clone().enumerate() {
-                            let row = build * layout.rows + wish.row;
-                            let value = found.value(lane, wish.measure);
-                            let slope = |column| found.slope(lane, wish.measure, column);
-                            write(wish, row, value, slope, into);
+                gradients.slopes(
+                    builds.designs(&group),
+                    builds.point_rates(&group),
+                    |found| {
+                        for sample in &leg.targets[found.station()] {
+                            for (lane, build) in group.clone().enumerate() {
+                                let row = build * layout.rows + sample.row;
+                                let value = found.value(lane, sample.measure);
+                                let slope = |column| found.slope(lane, sample.measure, column);
+                                write(sample, row, value, slope, into);
+                            }
                         }
-                    }
-                });
+                    },
+                );
                 for (lane, build) in group.clone().enumerate() {
-                    if !gradients.is_right(lane) {
-                        builds.refuse(build);
+                    if !gradients.is_accepted(lane) {
+                        builds.reject(build);
                     }
                 }
             }
@@ -190,22 +194,22 @@ impl<'a> LaneRows<'a> {
 
 /// Writes a row.
 fn write(
-    wish: &TargetSample,
+    sample: &TargetSample,
     row: usize,
     value: f64,
     slope: impl Fn(usize) -> f64,
-    into: &mut Evaluation,
+    into: &mut Linearisation,
 ) {
-    let deviation = wish.wanted.deviation(value);
-    into.residuals[row] = deviation * wish.scale;
+    let deviation = sample.wanted.deviation(value);
+    into.residuals[row] = deviation * sample.scale;
     // Within its band nothing changes.
-    let is_in = wish.wanted.is_band() && deviation == 0.0;
+    let is_in = sample.wanted.is_band() && deviation == 0.0;
     let (rows, columns) = into.jacobian.shape();
     let entries = into.jacobian.as_mut_slice();
     for column in 0..columns {
         entries[column * rows + row] = match is_in {
             true => 0.0,
-            false => slope(column) * wish.scale,
+            false => slope(column) * sample.scale,
         };
     }
 }

@@ -1,6 +1,6 @@
 //! What is looked at where: targets and constraints laid out over the stations of the motions.
 
-use super::Evaluation;
+use super::Linearisation;
 use super::axle::AxleLayout;
 use super::trade::Aim;
 use crate::characteristics::{Measure, Slots};
@@ -34,7 +34,7 @@ pub(super) struct Check {
 
 impl Check {
     /// Writes the rows of the limits, from the value of the part and its derivatives by the variables.
-    pub(super) fn write(&self, of: &Part, found: f64, slopes: &[f64], rows: &mut Evaluation) {
+    pub(super) fn write(&self, of: &Part, found: f64, slopes: &[f64], rows: &mut Linearisation) {
         let limits = [
             (self.lower, of.lower, -1.0),
             (self.upper, of.upper, 1.0),
@@ -383,18 +383,18 @@ impl TargetLayout {
     /// The target of each residual.
     pub fn targets_of_rows(&self) -> Vec<usize> {
         let mut of = vec![0; self.rows];
-        for place in self.places() {
-            of[place.row] = place.target;
+        for row in self.target_rows() {
+            of[row.row] = row.target;
         }
         of.repeat(self.builds)
     }
 
     /// Every row of a target and where it is looked at.
-    fn places(&self) -> impl Iterator<Item = Place> {
+    fn target_rows(&self) -> impl Iterator<Item = TargetRow> {
         let legs = self.legs.iter().flat_map(|leg| {
             let stations = leg.targets.iter().enumerate();
             stations.flat_map(move |(station, samples)| {
-                samples.iter().map(move |sample| Place {
+                samples.iter().map(move |sample| TargetRow {
                     row: sample.row,
                     target: sample.target,
                     at: leg.order.values()[station],
@@ -404,7 +404,7 @@ impl TargetLayout {
         });
         let stations = self.axle.iter().flat_map(|axle| &axle.stations);
         let of_axle = stations.flat_map(|station| {
-            station.wishes.iter().map(|wish| Place {
+            station.wishes.iter().map(|wish| TargetRow {
                 row: wish.row,
                 target: wish.target,
                 at: wish.wanted.drive,
@@ -437,14 +437,14 @@ impl TargetLayout {
             .enumerate()
             .map(|(target, share)| {
                 let (mut sum, mut count, mut worst, mut at) = (0.0, 0, 0.0_f64, (0.0, 0.0));
-                for place in self.places().filter(|p| p.target == target) {
+                for row in self.target_rows().filter(|p| p.target == target) {
                     for build in 0..self.builds {
-                        let deviation = residuals[build * self.rows + place.row] / share;
+                        let deviation = residuals[build * self.rows + row.row] / share;
                         sum += deviation * deviation;
                         count += 1;
                         if deviation.abs() >= worst.abs() {
                             worst = deviation;
-                            at = (place.at, place.rack);
+                            at = (row.at, row.rack);
                         }
                     }
                 }
@@ -461,7 +461,7 @@ impl TargetLayout {
 }
 
 /// A row of a target, and where it is looked at.
-struct Place {
+struct TargetRow {
     row: usize,
     target: usize,
     at: f64,

@@ -38,10 +38,10 @@
 //! Maratos effect, as in J. Nocedal, S. Wright, Numerical optimization, 2nd ed., section 18.3). What
 //! is accepted in the end has descended.
 
-use super::course::{Course, State, of};
+use super::fit_record::{ArgminState, FitRecord, of};
 use super::local_model::LocalModel;
 use super::{
-    Bounds, Control, Evaluation, Fit, Infeasible, Iteration, LeastSquares, Options, Termination,
+    Bounds, Control, Fit, Infeasible, Iteration, LeastSquares, Linearisation, Options, Termination,
 };
 use argmin::core::{Error, KV, Problem, Solver, TerminationStatus};
 use nalgebra::DVector;
@@ -62,14 +62,14 @@ const CORRECTIONS: u32 = 8;
 
 /// The solver. One iteration makes one accepted step, after as many trials as that takes.
 pub struct LevenbergMarquardt<'a> {
-    course: Course<'a>,
+    record: FitRecord<'a>,
     /// mu of (2).
     damping_factor: f64,
     /// At the variables of the state.
-    current: Evaluation,
+    current: Linearisation,
     model: LocalModel<'a>,
     trial_x: DVector<f64>,
-    trial: Evaluation,
+    trial: Linearisation,
     /// The residuals the model promises at the trial, what those found there exceed them by, the
     /// model (3) of that, and where it leads.
     promised: DVector<f64>,
@@ -88,12 +88,12 @@ impl<'a> LevenbergMarquardt<'a> {
     ) -> Self {
         let n = bounds.variables();
         LevenbergMarquardt {
-            course: Course::new(bounds, options, control, start),
+            record: FitRecord::new(bounds, options, control, start),
             damping_factor: 0.0,
-            current: Evaluation::new(0, n),
+            current: Linearisation::new(0, n),
             model: LocalModel::new(bounds, 0),
             trial_x: DVector::zeros(n),
-            trial: Evaluation::new(0, n),
+            trial: Linearisation::new(0, n),
             promised: DVector::zeros(0),
             excess: DVector::zeros(0),
             correction: LocalModel::new(bounds, 0),
@@ -102,12 +102,12 @@ impl<'a> LevenbergMarquardt<'a> {
     }
 
     /// What the run came to.
-    pub(super) fn into_fit(self, state: State) -> Fit {
+    pub(super) fn into_fit(self, state: ArgminState) -> Fit {
         let x = state.param.expect("the state was given its start");
-        let holds = self.course.bounds.holds(&x);
-        let (termination, history) = self.course.finished();
+        let active_bounds = self.record.bounds.active_bounds(&x);
+        let (termination, history) = self.record.finished();
         Fit {
-            holds,
+            active_bounds,
             x,
             evaluation: self.current,
             termination,
@@ -118,19 +118,19 @@ impl<'a> LevenbergMarquardt<'a> {
 
     /// Prepares the model at the current point and tests whether that is a minimum.
     fn rebuild_model(&mut self, x: &DVector<f64>) {
-        let Evaluation {
+        let Linearisation {
             residuals,
             jacobian,
         } = &self.current;
         self.model.build(x, jacobian, residuals);
         let size = residuals.norm();
-        if self.current.misfit() <= self.course.options.misfit_below {
-            self.course.end(Termination::MisfitReached);
+        if self.current.misfit() <= self.record.options.misfit_below {
+            self.record.end(Termination::MisfitReached);
         } else if self
             .model
-            .is_stationary(size, self.course.options.gradient_below)
+            .is_stationary(size, self.record.options.gradient_below)
         {
-            self.course.end(Termination::Stationary);
+            self.record.end(Termination::Stationary);
         }
     }
 
@@ -184,7 +184,7 @@ impl<'a> LevenbergMarquardt<'a> {
     }
 }
 
-impl<P: LeastSquares> Solver<P, State> for LevenbergMarquardt<'_> {
+impl<P: LeastSquares> Solver<P, ArgminState> for LevenbergMarquardt<'_> {
     fn name(&self) -> &str {
         "bounded Levenberg-Marquardt"
     }
@@ -192,15 +192,15 @@ impl<P: LeastSquares> Solver<P, State> for LevenbergMarquardt<'_> {
     fn init(
         &mut self,
         problem: &mut Problem<P>,
-        state: State,
-    ) -> Result<(State, Option<KV>), Error> {
+        state: ArgminState,
+    ) -> Result<(ArgminState, Option<KV>), Error> {
         let problem = of(problem);
         let (m, n) = (problem.residuals(), problem.variables());
-        assert_eq!(n, self.course.bounds.variables(), "one range per variable");
-        self.current = Evaluation::new(m, n);
-        self.trial = Evaluation::new(m, n);
-        self.model = LocalModel::new(self.course.bounds, m);
-        self.correction = LocalModel::new(self.course.bounds, m);
+        assert_eq!(n, self.record.bounds.variables(), "one range per variable");
+        self.current = Linearisation::new(m, n);
+        self.trial = Linearisation::new(m, n);
+        self.model = LocalModel::new(self.record.bounds, m);
+        self.correction = LocalModel::new(self.record.bounds, m);
         self.promised = DVector::zeros(m);
         self.excess = DVector::zeros(m);
 
@@ -211,19 +211,19 @@ impl<P: LeastSquares> Solver<P, State> for LevenbergMarquardt<'_> {
         let longest = self.model.longest_column();
         let cost = self.current.cost();
         self.damping_factor = FIRST_DAMPING * longest * longest / (2.0 * cost);
-        self.course.record(x, Iteration::at(&self.current));
+        self.record.add(x, Iteration::at(&self.current));
         Ok((state.cost(cost), None))
     }
 
     fn next_iter(
         &mut self,
         problem: &mut Problem<P>,
-        mut state: State,
-    ) -> Result<(State, Option<KV>), Error> {
+        mut state: ArgminState,
+    ) -> Result<(ArgminState, Option<KV>), Error> {
         let problem = of(problem);
         let mut x = state.take_param().expect("the state was given its start");
         let cost = self.current.cost();
-        let negligible = self.course.options.reduction_below * cost;
+        let negligible = self.record.options.reduction_below * cost;
         let drift = f64::EPSILON / DRIFT * self.model.norm() * (2.0 * cost).sqrt();
         let mut damping = drift.max(self.damping_factor * 2.0 * cost);
         let (mut evaluations, mut infeasible) = (0, 0);
@@ -233,8 +233,8 @@ impl<P: LeastSquares> Solver<P, State> for LevenbergMarquardt<'_> {
 
         self.model.solve(damping);
         loop {
-            if self.model.largest_component() <= self.course.options.step_below {
-                self.course.end(match obstacle {
+            if self.model.largest_component() <= self.record.options.step_below {
+                self.record.end(match obstacle {
                     Some(reason) => Termination::NoFeasibleStep(reason),
                     None => Termination::StepBelowResolution,
                 });
@@ -257,7 +257,7 @@ impl<P: LeastSquares> Solver<P, State> for LevenbergMarquardt<'_> {
                 && found.abs() <= negligible
                 && self.undamped_reduction(drift, damping) <= negligible;
             if at_end {
-                self.course.end(Termination::NoFurtherDescent);
+                self.record.end(Termination::NoFurtherDescent);
             }
             let acceptable = |found: f64| found > 0.0 && found >= ACCEPTABLE * predicted;
             let mut accepted = acceptable(found) || (at_end && found > 0.0);
@@ -275,7 +275,7 @@ impl<P: LeastSquares> Solver<P, State> for LevenbergMarquardt<'_> {
                     _ => 1.0,
                 };
                 self.damping_factor = change * damping / (2.0 * cost);
-                step = self.course.bounds.distance(&x, &self.trial_x);
+                step = self.record.bounds.distance(&x, &self.trial_x);
                 std::mem::swap(&mut x, &mut self.trial_x);
                 std::mem::swap(&mut self.current, &mut self.trial);
                 if !at_end {
@@ -297,11 +297,11 @@ impl<P: LeastSquares> Solver<P, State> for LevenbergMarquardt<'_> {
             infeasible,
             ..Iteration::at(&self.current)
         };
-        self.course.record(&x, iteration);
+        self.record.add(&x, iteration);
         Ok((state.param(x).cost(self.current.cost()), None))
     }
 
-    fn terminate(&mut self, state: &State) -> TerminationStatus {
-        self.course.status(state)
+    fn terminate(&mut self, state: &ArgminState) -> TerminationStatus {
+        self.record.status(state)
     }
 }

@@ -77,10 +77,10 @@ impl<'a> LocalModel<'a> {
 
     /// Writes into `to` where the step leads from `x`: on a bound exactly where it holds a variable.
     pub(super) fn step_from(&self, x: &DVector<f64>, to: &mut DVector<f64>) {
-        let (step, holds) = (self.subproblem.step(), self.subproblem.holds());
+        let (step, active_bounds) = (self.subproblem.step(), self.subproblem.active_bounds());
         for j in 0..x.len() {
             let (lower, upper) = (self.bounds.lower()[j], self.bounds.upper()[j]);
-            to[j] = match holds[j] {
+            to[j] = match active_bounds[j] {
                 ActiveBound::Lower => lower,
                 ActiveBound::Upper => upper,
                 ActiveBound::Free => (x[j] + self.bounds.width()[j] * step[j]).clamp(lower, upper),

@@ -119,7 +119,7 @@ impl Study {
 
 /// How a variable moves a point.
 #[derive(Clone, Copy, Debug)]
-pub struct Way {
+pub struct PointRate {
     /// The variable.
     pub column: usize,
     /// The point.
@@ -129,18 +129,18 @@ pub struct Way {
 }
 
 /// How the variables move the points at `x`, by rising number of the point.
-pub fn ways(
+pub fn point_rates(
     design: &[Vector3<f64>],
     frame: &Frame,
     variables: &[Variable],
     x: &DVector<f64>,
-    into: &mut Vec<Way>,
+    into: &mut Vec<PointRate>,
 ) {
     into.clear();
     for (column, variable) in variables.iter().enumerate() {
         for m in &variable.moves {
             let (point, by) = (m.point.0, along(frame, m.axis) * m.factor);
-            into.push(Way { column, point, by });
+            into.push(PointRate { column, point, by });
         }
         let Some(turn) = &variable.turn else { continue };
         let seeded = Dual::inputs(rotation_vector(frame, variables, x, variable));
@@ -151,10 +151,10 @@ pub fn ways(
             let image = rotation.apply(lever);
             let by = image.map(|c| c.partials[turn.axis as usize] * per_degree);
             let point = point.0;
-            into.push(Way { column, point, by });
+            into.push(PointRate { column, point, by });
         }
     }
-    into.sort_by_key(|way| way.point);
+    into.sort_by_key(|rate| rate.point);
 }
 
 #[cfg(test)]
@@ -214,18 +214,18 @@ mod tests {
         let variables = turns();
         let x = DVector::from_column_slice(&[4.0, -2.0, 1.0]);
         let mut found = Vec::new();
-        ways(&design, &frame, &variables, &x, &mut found);
-        for way in found {
+        point_rates(&design, &frame, &variables, &x, &mut found);
+        for rate in found {
             let at = |step: f64| {
                 let (mut x, mut moved) = (x.clone(), design);
-                x[way.column] += step;
+                x[rate.column] += step;
                 moved_design(&design, &frame, &variables, &x, &mut moved);
-                moved[way.point]
+                moved[rate.point]
             };
             let h = 0.02;
             let near = (at(h) - at(-h)) * (8.0 / (12.0 * h));
             let slope = near - (at(2.0 * h) - at(-2.0 * h)) * (1.0 / (12.0 * h));
-            assert!((slope - way.by).norm() < 1e-9, "{slope:?} {way:?}");
+            assert!((slope - rate.by).norm() < 1e-9, "{slope:?} {rate:?}");
         }
     }
 }

@@ -21,8 +21,8 @@ use super::extremes::{self, SEARCHES, Search};
 use super::lane_builds::LaneBuilds;
 use super::lane_rows::{Checked, LaneRows};
 use super::layout::{Extremes, Leg, TargetLayout};
-use super::moves::{Way, moved_design, ways};
-use super::{Evaluation, Infeasible, LeastSquares};
+use super::moves::{PointRate, moved_design, point_rates};
+use super::{Infeasible, LeastSquares, Linearisation};
 use crate::build::Alignment;
 use crate::characteristics::{Constants, Measure, WheelReading};
 use crate::derive::{DesignSeries, Linearised, MotionPoint};
@@ -42,7 +42,7 @@ pub struct Objective<'a> {
     constants: Constants,
     design: &'a [Vector3<f64>],
     moved: Vec<Vector3<f64>>,
-    ways: Vec<Way>,
+    point_rates: Vec<PointRate>,
     /// Lane evaluation of designs (and builds) that the tracker accepts; `None` if a target cannot be read in lanes, or
     /// if lanes are switched off.
     lanes: Option<LaneRows<'a>>,
@@ -72,14 +72,14 @@ struct Visit<'v, 'a> {
     leg: &'v Leg,
     layout: &'v TargetLayout,
     constants: Constants,
-    ways: &'v [Way],
+    point_rates: &'v [PointRate],
     toggles: &'v Toggles,
     moving: Option<&'v AlongVariables>,
     solver: &'v mut Solver<'a>,
     values: &'v mut PartValues,
     /// Destination of the residuals, with the row to begin at, and destination of the constraints' rows in `rows`.
-    into: Option<(&'v mut Evaluation, usize)>,
-    rows: Option<&'v mut Evaluation>,
+    into: Option<(&'v mut Linearisation, usize)>,
+    rows: Option<&'v mut Linearisation>,
 }
 
 /// A [`Reader`] without its number of coefficients in the type.
@@ -140,7 +140,7 @@ impl<const N: usize> ReadStations for Reader<N> {
             leg,
             layout,
             constants,
-            ways,
+            point_rates,
             toggles,
             moving,
             solver,
@@ -166,24 +166,24 @@ impl<const N: usize> ReadStations for Reader<N> {
                 linearised: &linearised,
                 solver,
                 motion: place,
-                ways,
+                point_rates,
                 moving,
             };
             let slopes = &mut self.slopes;
             if let Some((into, first)) = &mut into {
-                for wish in &leg.targets[station] {
-                    let (measure, row) = (&layout.measures[wish.measure], *first + wish.row);
+                for sample in &leg.targets[station] {
+                    let (measure, row) = (&layout.measures[sample.measure], *first + sample.row);
                     let found = read(measure, &view, &linearised, solver.size())[0];
                     failed = failed.take().or_else(|| uncarried(measure, found, place));
-                    let deviation = wish.wanted.deviation(found);
-                    into.residuals[row] = deviation * wish.scale;
-                    if wish.wanted.is_band() && deviation == 0.0 {
+                    let deviation = sample.wanted.deviation(found);
+                    into.residuals[row] = deviation * sample.scale;
+                    if sample.wanted.is_band() && deviation == 0.0 {
                         // Within its band.
                         into.jacobian.row_mut(row).fill(0.0);
                         continue;
                     }
                     slopes.form(&reading(measure));
-                    into.write_slopes(row, &slopes.by_variable, wish.scale);
+                    into.write_slopes(row, &slopes.by_variable, sample.scale);
                 }
             }
             let Some(rows) = &mut rows else {
@@ -217,7 +217,7 @@ struct Reading<'r, 'a, const N: usize> {
     linearised: &'r Linearised<'a, N>,
     solver: &'r Solver<'a>,
     motion: &'r MotionPoint<f64>,
-    ways: &'r [Way],
+    point_rates: &'r [PointRate],
     /// Needed if the measure is a force.
     moving: Option<&'r AlongVariables>,
 }
@@ -255,8 +255,8 @@ impl<const N: usize> Slopes<N> {
             }
         }
         self.by_variable.fill(0.0);
-        for way in of.ways {
-            self.by_variable[way.column] += self.gradient[way.point].dot(way.by);
+        for rate in of.point_rates {
+            self.by_variable[rate.column] += self.gradient[rate.point].dot(rate.by);
         }
     }
 }
@@ -354,7 +354,7 @@ impl<'a> Objective<'a> {
             constants: Constants::of(suspension),
             design,
             moved: design.clone(),
-            ways: Vec::new(),
+            point_rates: Vec::new(),
             lanes: LaneRows::new(suspension, layout, true, Width::widest()),
             builds: None,
             lane_builds: None,
@@ -407,8 +407,8 @@ impl<'a> Objective<'a> {
     /// Whether the design at `x` is evaluated in lanes.
     pub fn is_in_lanes(&mut self, x: &DVector<f64>) -> bool {
         self.move_to(x);
-        let mut into = Evaluation::new(self.layout.residuals(), x.len());
-        let mut rows = Evaluation::new(self.layout.labels.len(), x.len());
+        let mut into = Linearisation::new(self.layout.residuals(), x.len());
+        let mut rows = Linearisation::new(self.layout.labels.len(), x.len());
         matches!(self.evaluate_in_lanes(&mut into, Some(&mut rows)), Ok(true))
     }
 
@@ -417,7 +417,7 @@ impl<'a> Objective<'a> {
         let builds = self.builds.as_ref().map_or(0, Builds::count);
         let lanes = self.lane_builds.as_ref().filter(|_| self.lanes.is_some());
         (0..builds)
-            .filter(|build| lanes.is_some_and(|l| l.is_right(*build)))
+            .filter(|build| lanes.is_some_and(|l| l.is_accepted(*build)))
             .count()
     }
 
@@ -425,14 +425,18 @@ impl<'a> Objective<'a> {
     fn move_to(&mut self, x: &DVector<f64>) {
         let (frame, variables) = (&self.frame, self.variables);
         moved_design(self.design, frame, variables, x, &mut self.moved);
-        ways(self.design, frame, variables, x, &mut self.ways);
+        point_rates(self.design, frame, variables, x, &mut self.point_rates);
         if let Some((follower, leader)) = self.follower {
             let from = self.design[follower.0] - self.design[leader.0];
             self.moved[follower.0] = self.moved[leader.0] + from;
-            let follows = self.ways.iter().filter(|way| way.point == leader.0);
+            let follows = self
+                .point_rates
+                .iter()
+                .filter(|rate| rate.point == leader.0);
             let point = follower.0;
-            let ways: Vec<Way> = follows.map(|way| Way { point, ..*way }).collect();
-            self.ways.extend(ways);
+            let point_rates: Vec<PointRate> =
+                follows.map(|rate| PointRate { point, ..*rate }).collect();
+            self.point_rates.extend(point_rates);
         }
     }
 
@@ -441,8 +445,8 @@ impl<'a> Objective<'a> {
     fn evaluate_all(
         &mut self,
         x: &DVector<f64>,
-        into: &mut Evaluation,
-        mut rows: Option<&mut Evaluation>,
+        into: &mut Linearisation,
+        mut rows: Option<&mut Linearisation>,
     ) -> Result<(), Infeasible> {
         self.move_to(x);
         let Some(mut builds) = self.builds.take() else {
@@ -456,7 +460,7 @@ impl<'a> Objective<'a> {
                 variables: self.variables,
                 x,
                 design: &self.moved,
-                ways: &self.ways,
+                point_rates: &self.point_rates,
             };
             return axle.evaluate(&moved, into);
         };
@@ -474,15 +478,15 @@ impl<'a> Objective<'a> {
     /// tracker rejects the design; what has been written then is to be overwritten.
     fn evaluate_in_lanes(
         &mut self,
-        into: &mut Evaluation,
-        rows: Option<&mut Evaluation>,
+        into: &mut Linearisation,
+        rows: Option<&mut Linearisation>,
     ) -> Result<bool, Infeasible> {
         let rows = rows.filter(|_| !self.layout.labels.is_empty());
         let tell_all = |lanes: &mut LaneRows| rows.is_none() || lanes.has_parts();
         let Some(mut lanes) = self.lanes.take_if(tell_all) else {
             return Ok(false);
         };
-        lanes.begin(self.moved.len(), &self.ways, self.variables.len());
+        lanes.begin(self.moved.len(), &self.point_rates, self.variables.len());
         let found = self.evaluate_legs(&mut lanes, into, rows);
         self.lanes = Some(lanes);
         found
@@ -492,8 +496,8 @@ impl<'a> Objective<'a> {
     fn evaluate_legs(
         &mut self,
         lanes: &mut LaneRows<'a>,
-        into: &mut Evaluation,
-        mut rows: Option<&mut Evaluation>,
+        into: &mut Linearisation,
+        mut rows: Option<&mut Linearisation>,
     ) -> Result<bool, Infeasible> {
         let mut is_prepared = false;
         for (number, leg) in self.layout.legs.iter().enumerate() {
@@ -523,17 +527,21 @@ impl<'a> Objective<'a> {
     fn evaluate_builds(
         &mut self,
         builds: &mut Builds<'a>,
-        into: &mut Evaluation,
+        into: &mut Linearisation,
     ) -> Result<(), Infeasible> {
         let alignment = builds.redraw(&self.moved)?;
         let mut lanes = self.lane_builds.take().filter(|_| self.lanes.is_some());
         if let (Some(lanes), Some(rows)) = (&mut lanes, &mut self.lanes) {
-            lanes.assemble(builds, alignment.as_ref(), &self.ways);
+            lanes.assemble(builds, alignment.as_ref(), &self.point_rates);
             rows.of_builds(self.layout, lanes, into);
         }
-        let in_lanes = |number| lanes.as_ref().is_some_and(|lanes| lanes.is_right(number));
-        let left = (0..builds.count()).filter(|number| !in_lanes(*number));
-        let found = self.evaluate_one_by_one(left, builds, alignment.as_ref(), into);
+        let in_lanes = |number| {
+            lanes
+                .as_ref()
+                .is_some_and(|lanes| lanes.is_accepted(number))
+        };
+        let fallback = (0..builds.count()).filter(|number| !in_lanes(*number));
+        let found = self.evaluate_one_by_one(fallback, builds, alignment.as_ref(), into);
         self.lane_builds = lanes;
         found
     }
@@ -544,18 +552,18 @@ impl<'a> Objective<'a> {
         numbers: impl Iterator<Item = usize>,
         builds: &mut Builds<'a>,
         alignment: Option<&Alignment>,
-        into: &mut Evaluation,
+        into: &mut Linearisation,
     ) -> Result<(), Infeasible> {
         let variables = self.variables.len();
         for number in numbers {
-            let (drawn, built) = (&self.ways, &mut self.built);
+            let (drawn, built) = (&self.point_rates, &mut self.built);
             builds.build(number, alignment, drawn, variables, built)?;
             // The build takes the place of the drawing, and the drawing is put back.
             std::mem::swap(&mut self.moved, &mut self.built);
-            std::mem::swap(&mut self.ways, &mut builds.ways);
+            std::mem::swap(&mut self.point_rates, &mut builds.point_rates);
             let found = self.evaluate_moved(Some((into, number * self.layout.rows)), None);
             std::mem::swap(&mut self.moved, &mut self.built);
-            std::mem::swap(&mut self.ways, &mut builds.ways);
+            std::mem::swap(&mut self.point_rates, &mut builds.point_rates);
             found.map_err(|reason| Infeasible::Refused(format!("build {number}: {reason}")))?;
         }
         Ok(())
@@ -565,8 +573,8 @@ impl<'a> Objective<'a> {
     /// from the given row on, and the rows of the constraints into `rows`.
     fn evaluate_moved(
         &mut self,
-        mut into: Option<(&mut Evaluation, usize)>,
-        mut rows: Option<&mut Evaluation>,
+        mut into: Option<(&mut Linearisation, usize)>,
+        mut rows: Option<&mut Linearisation>,
     ) -> Result<(), Infeasible> {
         self.prepare()?;
         for leg in &self.layout.legs {
@@ -575,7 +583,7 @@ impl<'a> Objective<'a> {
                 leg,
                 layout: self.layout,
                 constants: self.constants,
-                ways: &self.ways,
+                point_rates: &self.point_rates,
                 toggles: &self.toggles,
                 moving: self.moving.as_ref(),
                 solver: &mut self.solver,
@@ -592,7 +600,7 @@ impl<'a> Objective<'a> {
     }
 
     /// Lists where a leg's extremes are to be sought, from the values at its stations.
-    fn list_searches(&mut self, leg: &Leg, rows: &Evaluation) {
+    fn list_searches(&mut self, leg: &Leg, rows: &Linearisation) {
         let (parts, values) = (&self.layout.parts, &self.values);
         extremes::searches(leg, parts, values, rows, &mut self.searches);
     }
@@ -604,7 +612,7 @@ impl<'a> Objective<'a> {
         prepared.map_err(refused(mechanism))?;
         self.reader.prepare(mechanism, &self.moved);
         if let Some(moving) = &mut self.moving {
-            moving.prepare(&self.solver, &self.moved, &self.ways);
+            moving.prepare(&self.solver, &self.moved, &self.point_rates);
         }
         if let Some(sloped) = &mut self.sloped {
             sloped.series.prepare(mechanism, &self.moved);
@@ -620,11 +628,11 @@ impl<'a> Objective<'a> {
     }
 
     /// Seeks the extremes of a leg between its stations, where searches say that there are. Each takes the place of its station in the rows.
-    fn find_extremes(&mut self, leg: &Leg, rows: &mut Evaluation) -> Result<(), Infeasible> {
+    fn find_extremes(&mut self, leg: &Leg, rows: &mut Linearisation) -> Result<(), Infeasible> {
         let Objective {
             layout,
             constants,
-            ways,
+            point_rates,
             solver,
             sloped: Some(reader),
             searches,
@@ -660,7 +668,7 @@ impl<'a> Objective<'a> {
                         linearised: &linearised,
                         solver,
                         motion: place,
-                        ways,
+                        point_rates,
                         moving: moving.as_ref(),
                     });
                     rows.residuals[search.row] = value;
@@ -684,7 +692,7 @@ impl LeastSquares for Objective<'_> {
         self.layout.residuals()
     }
 
-    fn evaluate(&mut self, x: &DVector<f64>, into: &mut Evaluation) -> Result<(), Infeasible> {
+    fn evaluate(&mut self, x: &DVector<f64>, into: &mut Linearisation) -> Result<(), Infeasible> {
         self.evaluate_all(x, into, None)
     }
 }

@@ -1,6 +1,6 @@
 //! Problems that are used again: making one costs as much as evaluating it several times.
 
-use super::{Assessment, Constrained, Evaluation, Infeasible, LeastSquares, Shape};
+use super::{Assessment, Constrained, Infeasible, LeastSquares, Linearisation, Shape};
 use nalgebra::DVector;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -62,7 +62,7 @@ impl<P: LeastSquares> LeastSquares for Lent<'_, P> {
         self.get().residuals()
     }
 
-    fn evaluate(&mut self, x: &DVector<f64>, into: &mut Evaluation) -> Result<(), Infeasible> {
+    fn evaluate(&mut self, x: &DVector<f64>, into: &mut Linearisation) -> Result<(), Infeasible> {
         self.get_mut().evaluate(x, into)
     }
 }

@@ -18,22 +18,22 @@ pub trait LeastSquares {
     /// They come from one pass because they share nearly all of their work. The receiver is mutable
     /// so that a problem may keep its workspace; the result must depend on `x` alone all the same,
     /// or results would depend on the path (no warm starts from the previous call).
-    fn evaluate(&mut self, x: &DVector<f64>, into: &mut Evaluation) -> Result<(), Infeasible>;
+    fn evaluate(&mut self, x: &DVector<f64>, into: &mut Linearisation) -> Result<(), Infeasible>;
 }
 
 /// Residuals and their derivatives at one point.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Evaluation {
+pub struct Linearisation {
     /// The m residuals, in units of their tolerances.
     pub residuals: DVector<f64>,
     /// The m x n derivatives of the residuals (rows) by the variables (columns).
     pub jacobian: DMatrix<f64>,
 }
 
-impl Evaluation {
+impl Linearisation {
     /// Room for m `residuals` of n `variables`.
     pub fn new(residuals: usize, variables: usize) -> Self {
-        Evaluation {
+        Linearisation {
             residuals: DVector::zeros(residuals),
             jacobian: DMatrix::zeros(residuals, variables),
         }

@@ -15,7 +15,7 @@
 //! in 95 of 100 fits is t sqrt(C_jj) on either side, t being Student's quantile for N - k.
 
 use super::identifiability::right_singular_vectors;
-use super::{ActiveBound, Bounds, Evaluation};
+use super::{ActiveBound, Bounds, Linearisation};
 use nalgebra::{DMatrix, DVector};
 
 /// What is known of the coordinates.
@@ -46,13 +46,13 @@ impl StandardErrors {
     /// Standard errors of a fit. `weights` are the square roots of w, by residual. `None` if there are no more
     /// residuals than free variables.
     pub fn of(
-        at: &Evaluation,
-        holds: &[ActiveBound],
+        at: &Linearisation,
+        active_bounds: &[ActiveBound],
         bounds: &Bounds,
         weights: &[f64],
     ) -> Option<Self> {
-        let free: Vec<usize> = (0..holds.len())
-            .filter(|j| holds[*j] == ActiveBound::Free)
+        let free: Vec<usize> = (0..active_bounds.len())
+            .filter(|j| active_bounds[*j] == ActiveBound::Free)
             .collect();
         let rows = at.residuals.len();
         if rows <= free.len() {
@@ -65,7 +65,7 @@ impl StandardErrors {
             .zip(weights)
             .map(|(r, w)| (r / w) * (r / w));
         let scatter = (squares.sum::<f64>() / freedoms as f64).sqrt();
-        let mut errors = vec![None; holds.len()];
+        let mut errors = vec![None; active_bounds.len()];
         if free.is_empty() {
             return Some(StandardErrors {
                 scatter,
@@ -200,7 +200,7 @@ mod tests {
                     .r()
                     .solve_upper_triangular(&(qr.q().transpose() * &errors))
                     .unwrap();
-                let at = Evaluation {
+                let at = Linearisation {
                     residuals: &weighed * &x - &errors,
                     jacobian: weighed.clone(),
                 };
@@ -223,7 +223,7 @@ mod tests {
         let mut jacobian = DMatrix::from_fn(20, 3, |_, _| noise.next());
         let twin = jacobian.column(0).into_owned();
         jacobian.set_column(1, &twin);
-        let at = Evaluation {
+        let at = Linearisation {
             residuals: DVector::from_fn(20, |_, _| 0.1 * noise.next()),
             jacobian,
         };

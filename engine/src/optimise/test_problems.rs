@@ -4,7 +4,7 @@
 //! software, ACM Trans. Math. Softw. 7, 1981 (numbers in brackets), which gives the sums of squares
 //! at the minima to six digits.
 
-use super::{Assessment, Constrained, Evaluation, Infeasible, LeastSquares, Shape};
+use super::{Assessment, Constrained, Infeasible, LeastSquares, Linearisation, Shape};
 use nalgebra::DVector;
 
 /// A reproducible sequence of numbers in [-1, 1) (G. Steele, D. Lea, Ch. Flood, Fast splittable
@@ -37,7 +37,7 @@ pub(super) type Values = Vec<(f64, Vec<f64>)>;
 pub(super) type Rows = Result<Values, Infeasible>;
 
 /// Writes values with their gradients.
-fn write(rows: Values, into: &mut Evaluation) {
+fn write(rows: Values, into: &mut Linearisation) {
     for (i, (value, gradient)) in rows.into_iter().enumerate() {
         into.residuals[i] = value;
         into.write_slopes(i, &gradient, 1.0);
@@ -70,7 +70,7 @@ impl<F: FnMut(&[f64]) -> Rows> LeastSquares for Written<F> {
         self.residuals
     }
 
-    fn evaluate(&mut self, x: &DVector<f64>, into: &mut Evaluation) -> Result<(), Infeasible> {
+    fn evaluate(&mut self, x: &DVector<f64>, into: &mut Linearisation) -> Result<(), Infeasible> {
         write((self.rows)(x.as_slice())?, into);
         Ok(())
     }
@@ -87,7 +87,7 @@ impl<F: FnMut(&[f64]) -> [Values; 3]> Constrained for Stated<F> {
         self.shape.clone()
     }
     fn assess(&mut self, x: &DVector<f64>, into: &mut Assessment) -> Result<(), Infeasible> {
-        let mut nothing = Evaluation::new(0, x.len());
+        let mut nothing = Linearisation::new(0, x.len());
         let level = into.levels.first_mut().unwrap_or(&mut nothing);
         let parts = [&mut into.goal, level, &mut into.rows];
         for (part, values) in parts.into_iter().zip((self.at)(x.as_slice())) {

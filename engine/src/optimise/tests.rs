@@ -35,20 +35,20 @@ fn sum_of_squares(fit: &Fit) -> f64 {
 /// The largest violation of the Kuhn-Tucker conditions, as the cosine of the angle between the
 /// residuals and a column.
 fn violation(fit: &Fit) -> f64 {
-    let Evaluation {
+    let Linearisation {
         residuals,
         jacobian,
     } = &fit.evaluation;
     let cosine = |j: usize| {
         let column = jacobian.column(j);
         let cosine = column.dot(residuals) / (column.norm() * residuals.norm());
-        match fit.holds[j] {
+        match fit.active_bounds[j] {
             ActiveBound::Free => cosine.abs(),
             ActiveBound::Lower => (-cosine).max(0.0),
             ActiveBound::Upper => cosine.max(0.0),
         }
     };
-    (0..fit.holds.len()).map(cosine).fold(0.0, f64::max)
+    (0..fit.active_bounds.len()).map(cosine).fold(0.0, f64::max)
 }
 
 #[test]
@@ -125,7 +125,7 @@ fn val_a_bound_active_at_the_minimum_is_met_exactly() {
     let b = 400.0 * a * a * a;
     let x = 2.0 * a * ((1.0 / b).acos() / 3.0).cos();
     assert_eq!(fit.x[1], 1.5);
-    assert_eq!(fit.holds, [ActiveBound::Free, ActiveBound::Lower]);
+    assert_eq!(fit.active_bounds, [ActiveBound::Free, ActiveBound::Lower]);
     assert!((fit.x[0] - x).abs() < 1e-8, "{} {x}", fit.x[0]);
 }
 
@@ -206,7 +206,11 @@ fn rounding_does_not_move_a_rank_deficient_fit() {
         };
         let fit = run(rows, &[[-1.0, 1.0]; 6], &[0.0; 6], &to_the_end());
         assert!(fit.termination.at_minimum(), "{}", fit.termination);
-        assert!(fit.holds.iter().all(|&hold| hold == ActiveBound::Free));
+        assert!(
+            fit.active_bounds
+                .iter()
+                .all(|&hold| hold == ActiveBound::Free)
+        );
         // The part of the move that the rows of `right` do not span.
         let square = &right * right.transpose();
         let seen = right.transpose() * square.lu().solve(&(&right * &fit.x)).unwrap();
@@ -333,7 +337,7 @@ fn a_corner_all_bounds_hold_is_stationary() {
     let fit = run(rows, &[[-1.0, 1.0]; 2], &[0.0, 0.0], &Options::default());
     assert_eq!(fit.termination, Termination::Stationary);
     assert_eq!(fit.x, vector(&[-1.0, 1.0]));
-    assert_eq!(fit.holds, [ActiveBound::Lower, ActiveBound::Upper]);
+    assert_eq!(fit.active_bounds, [ActiveBound::Lower, ActiveBound::Upper]);
 }
 
 #[test]

@@ -1,7 +1,7 @@
-//! One wish lowered while others are held: towards the design, along a front, down a price list.
+//! One goal lowered while others are held: towards the design, along a front, down a price list.
 
 use super::constrained::{Assessment, Constrained, Shape};
-use super::{Bounds, Evaluation, Infeasible};
+use super::{Bounds, Infeasible, Linearisation};
 use nalgebra::DVector;
 
 /// Something that is lowered or held to a level.
@@ -61,7 +61,7 @@ impl<'a> Distance<'a> {
         (x - self.design).component_mul(&self.weights).norm()
     }
 
-    fn write(&self, x: &DVector<f64>, into: &mut Evaluation) {
+    fn write(&self, x: &DVector<f64>, into: &mut Linearisation) {
         into.jacobian.fill(0.0);
         for (j, weight) in self.weights.iter().enumerate() {
             into.residuals[j] = weight * (x[j] - self.design[j]);
@@ -100,7 +100,7 @@ impl<'a, P: Constrained> Trade<'a, P> {
     }
 
     /// The trade with known residuals at a point `x`. Only for problems without rows of constraints.
-    pub(super) fn knowing(mut self, x: &DVector<f64>, residuals: &Evaluation) -> Self {
+    pub(super) fn knowing(mut self, x: &DVector<f64>, residuals: &Linearisation) -> Self {
         assert_eq!(
             self.assessment.rows.residuals.len(),
             0,
@@ -111,7 +111,7 @@ impl<'a, P: Constrained> Trade<'a, P> {
         self
     }
 
-    fn write(&self, aim: &Aim, x: &DVector<f64>, into: &mut Evaluation) {
+    fn write(&self, aim: &Aim, x: &DVector<f64>, into: &mut Linearisation) {
         let Some(rows) = &aim.rows else {
             return self.distance.write(x, into);
         };

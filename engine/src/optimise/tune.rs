@@ -11,8 +11,8 @@ use super::multistart::{every_start, fits, least_misfit, nearest};
 use super::pool::{Lent, Pool};
 use super::trade::{Aim, Distance, Trade};
 use super::{
-    Bounds, ConstraintState, Control, Deviation, Evaluation, Fit, Held, Identifiability,
-    Infeasible, LeastSquares, Multistart, Objective, Options, StandardErrors, TargetLayout,
+    Bounds, ConstraintState, Control, Deviation, Fit, Held, Identifiability, Infeasible,
+    LeastSquares, Linearisation, Multistart, Objective, Options, StandardErrors, TargetLayout,
     Termination, moved_design, multistart,
 };
 use crate::build::Assembler;
@@ -189,7 +189,7 @@ impl<'a> Tuner<'a> {
         made.expect("the same design was accepted before")
     }
 
-    fn fulfilment(&self, evaluation: &Evaluation) -> Fulfilment {
+    fn fulfilment(&self, evaluation: &Linearisation) -> Fulfilment {
         Fulfilment {
             misfit: evaluation.misfit(),
             targets: self.layout.deviations(&evaluation.residuals),
@@ -199,7 +199,7 @@ impl<'a> Tuner<'a> {
     fn run(&self) -> Result<Tuning, DesignFault> {
         let optimise = self.optimise;
         let mut probe = self.problem();
-        let mut evaluation = Evaluation::new(self.layout.residuals(), optimise.variables.len());
+        let mut evaluation = Linearisation::new(self.layout.residuals(), optimise.variables.len());
         let before = LeastSquares::evaluate(&mut probe, &self.design, &mut evaluation);
         let at_design = before.as_ref().ok().map(|()| evaluation.clone());
         let before = before.map(|()| self.fulfilment(&evaluation));
@@ -212,7 +212,7 @@ impl<'a> Tuner<'a> {
             _ => Vec::new(),
         };
         let ends = fits(&starts.starts).map(|(_, fit)| &fit.evaluation);
-        let seen: Vec<&Evaluation> = ends.chain(&at_design).collect();
+        let seen: Vec<&Linearisation> = ends.chain(&at_design).collect();
         let unmoved = best
             .as_ref()
             .map_or(Vec::new(), |best| self.unmoved(best, &seen));
@@ -331,7 +331,7 @@ impl<'a> Tuner<'a> {
         if is_known && let Some(first) = found.history.first_mut() {
             first.evaluations = 0;
         }
-        fit.holds = self.bounds.holds(&x);
+        fit.active_bounds = self.bounds.active_bounds(&x);
         fit.x = x;
         fit.evaluation = targets;
         fit.termination = ended;
@@ -375,7 +375,7 @@ impl<'a> Tuner<'a> {
     fn as_fit(&self, fit: ConstrainedFit, at_minimum: bool) -> Fit {
         let is_minimum = at_minimum && fit.termination.at_minimum();
         Fit {
-            holds: self.bounds.holds(&fit.x),
+            active_bounds: self.bounds.active_bounds(&fit.x),
             x: fit.x,
             evaluation: fit.at.goal,
             termination: fit.termination,
@@ -420,7 +420,7 @@ impl<'a> Tuner<'a> {
     fn identifiability(&self, fit: &Fit) -> Identifiability {
         let mut found = Identifiability::new(&fit.evaluation, &self.bounds, UNSEEN);
         let mut problem = self.problem();
-        let mut evaluation = Evaluation::new(self.layout.residuals(), fit.x.len());
+        let mut evaluation = Linearisation::new(self.layout.residuals(), fit.x.len());
         for direction in found.unseen.iter_mut().take(TRIED_OUT) {
             direction.try_out(&fit.x, fit.misfit(), &self.bounds, |x| {
                 LeastSquares::evaluate(&mut problem, x, &mut evaluation).ok()?;
@@ -437,7 +437,7 @@ impl<'a> Tuner<'a> {
         }
         let of = self.layout.targets_of_rows();
         let weights: Vec<f64> = of.iter().map(|target| self.layout.share(*target)).collect();
-        StandardErrors::of(&fit.evaluation, &fit.holds, &self.bounds, &weights)
+        StandardErrors::of(&fit.evaluation, &fit.active_bounds, &self.bounds, &weights)
     }
 
     /// How each constraint is kept.
@@ -476,9 +476,9 @@ impl<'a> Tuner<'a> {
     }
 
     /// Targets that are missed and that no variable moves, anywhere they were looked at.
-    fn unmoved(&self, best: &Best, seen: &[&Evaluation]) -> Vec<usize> {
+    fn unmoved(&self, best: &Best, seen: &[&Linearisation]) -> Vec<usize> {
         let of = self.layout.targets_of_rows();
-        let moves = |evaluation: &Evaluation, row: usize| {
+        let moves = |evaluation: &Linearisation, row: usize| {
             let entries = evaluation.jacobian.row(row);
             let widths = self.bounds.width().iter();
             entries

@@ -180,7 +180,7 @@ impl Curve<'_> {
         }
     }
 
-    fn lifted_motion(&self, moved: Jet<f64, 3>) -> MotionPoint<Jet<f64, 3>> {
+    fn motion_series(&self, moved: Jet<f64, 3>) -> MotionPoint<Jet<f64, 3>> {
         let (value, rack) = match self.moving {
             Moving::Drive => (moved, Jet::constant(self.held.rack)),
             Moving::Rack => (Jet::constant(self.held.value), moved),
@@ -208,7 +208,7 @@ impl Curve<'_> {
         let by_value = self.design_series.residuals(
             self.mechanism,
             &pose.map(Jet::constant),
-            &self.lifted_motion(Jet::variable(value)),
+            &self.motion_series(Jet::variable(value)),
         );
         std::array::from_fn(|i| {
             std::array::from_fn(|j| match j {
@@ -247,7 +247,7 @@ impl Curve<'_> {
         for k in 1..3 {
             let residuals =
                 self.design_series
-                    .residuals(self.mechanism, &series, &self.lifted_motion(moved));
+                    .residuals(self.mechanism, &series, &self.motion_series(moved));
             let y = factors.solve(std::array::from_fn(|i| match i {
                 0..6 => -residuals[i][k] / self.size,
                 _ if k == 1 => 1.0,

@@ -10,7 +10,7 @@ use super::right_wheel::{self, right_wheel};
 use super::suspension::{above_zero, positive};
 use super::value::{Number, Text, Values};
 use crate::axle::{
-    Axle, AxlePlan, BumpStop, Coordinate, Course, ForceCurve, Law, Need, Quantity, Setup,
+    Axle, AxleMotion, AxlePlan, BumpStop, Coordinate, ForceCurve, Law, Need, Quantity, Setup,
     SpringLaw, WheelMotion,
 };
 use crate::characteristics::Constants;
@@ -353,7 +353,7 @@ fn at_load(file: &File, axle: &Axle, problems: &mut Problems) -> Option<bool> {
 }
 
 /// The stations.
-fn course(file: &File, axle: &Axle, problems: &mut Problems) -> Option<Course> {
+fn course(file: &File, axle: &Axle, problems: &mut Problems) -> Option<AxleMotion> {
     let place = file.motion.span();
     let section = file.motion.get_ref();
     let on_plane = match &section.ground {
@@ -444,7 +444,7 @@ fn course(file: &File, axle: &Axle, problems: &mut Problems) -> Option<Course> {
             (racks, Some(angles))
         }
     };
-    let course = Course {
+    let course = AxleMotion {
         wheels,
         racks,
         shows_rack: section.rack.is_some() || section.steering_wheel_angle.is_some(),
@@ -464,7 +464,7 @@ fn course(file: &File, axle: &Axle, problems: &mut Problems) -> Option<Course> {
 fn plan(
     file: &File,
     axle: &Axle,
-    course: Option<Course>,
+    course: Option<AxleMotion>,
     problems: &mut Problems,
 ) -> Option<AxlePlan> {
     let Some(section) = &file.outputs else {

@@ -8,7 +8,7 @@ use super::names::choose;
 use super::resolve::Context;
 use super::value::{Numbers, Text, Values};
 use super::{About, Motion, Site, Subject, Target};
-use crate::axle::{Axle, AxlePlan, Coordinate, Course, Placement, Quantity};
+use crate::axle::{Axle, AxleMotion, AxlePlan, Coordinate, Placement, Quantity};
 use crate::characteristics::with_unit;
 use crate::model::Side;
 use std::ops::Range as Span;
@@ -22,7 +22,7 @@ pub struct AxleSite {
     /// Its values in the motion, as the study writes them: degrees, lengths along the study's axes.
     pub values: Vec<f64>,
     /// The other numbers, held at these values: every combination.
-    pub held: Course,
+    pub held: AxleMotion,
     /// What the study says of the other numbers, in words.
     pub words: String,
 }

@@ -7,7 +7,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 /// The columns that are wanted from a file.
-pub(super) struct Wished<'a> {
+pub(super) struct WantedColumns<'a> {
     /// The column of drive values.
     pub drive: &'a str,
     /// The column of values.
@@ -27,7 +27,7 @@ pub(super) struct Wished<'a> {
 pub(super) fn read(
     path: &Text,
     directory: &Path,
-    wished: &Wished<'_>,
+    wanted: &WantedColumns<'_>,
     problems: &mut Problems,
 ) -> Option<Vec<[f64; 2]>> {
     let full = directory.join(path.get_ref());
@@ -46,7 +46,7 @@ pub(super) fn read(
         name: full.display().to_string(),
         text,
     });
-    match curve(&source, wished) {
+    match curve(&source, wanted) {
         Ok(curve) => Some(curve),
         Err(errors) => {
             problems.append(errors);
@@ -55,14 +55,14 @@ pub(super) fn read(
     }
 }
 
-fn curve(source: &Arc<Source>, wished: &Wished<'_>) -> Result<Vec<[f64; 2]>, StudyErrors> {
+fn curve(source: &Arc<Source>, wanted: &WantedColumns<'_>) -> Result<Vec<[f64; 2]>, StudyErrors> {
     let mut reader = csv::ReaderBuilder::new()
         .has_headers(false)
         .flexible(true)
         .delimiter(delimiter(&source.text))
         .trim(csv::Trim::All)
         .from_reader(source.text.as_bytes());
-    let expected = format!("expected the columns {},{}", wished.drive, wished.value);
+    let expected = format!("expected the columns {},{}", wanted.drive, wanted.value);
     let mut columns: Option<([usize; 2], Option<usize>)> = None;
     let mut points: Vec<[f64; 2]> = Vec::new();
     for record in reader.records() {
@@ -70,11 +70,11 @@ fn curve(source: &Arc<Source>, wished: &Wished<'_>) -> Result<Vec<[f64; 2]>, Stu
         let error = |message: String| Err(at_record(source, &record, message));
         let Some((places, rack)) = columns else {
             let place = |name: &str| record.iter().position(|column| column == name);
-            let (Some(drive), Some(value)) = (place(wished.drive), place(wished.value)) else {
+            let (Some(drive), Some(value)) = (place(wanted.drive), place(wanted.value)) else {
                 let found = record.iter().collect::<Vec<_>>().join(",");
                 return error(format!("{expected}, found {found}"));
             };
-            columns = Some(([drive, value], place(wished.rack)));
+            columns = Some(([drive, value], place(wanted.rack)));
             continue;
         };
         let number = |place: usize, column: &str| {
@@ -94,20 +94,20 @@ fn curve(source: &Arc<Source>, wished: &Wished<'_>) -> Result<Vec<[f64; 2]>, Stu
             return error(format!("expected {many} values, found {}", record.len()));
         }
         if let Some(rack) = rack
-            && let Some(rack) = number(rack, wished.rack)?
-            && !wished.racks.contains(&rack)
+            && let Some(rack) = number(rack, wanted.rack)?
+            && !wanted.racks.contains(&rack)
         {
             continue;
         }
         let pair = [
-            number(places[0], wished.drive)?,
-            number(places[1], wished.value)?,
+            number(places[0], wanted.drive)?,
+            number(places[1], wanted.value)?,
         ];
         if let [Some(drive), Some(value)] = pair {
             points.push([drive, value]);
         }
     }
-    let curve = match wished.as_measured {
+    let curve = match wanted.as_measured {
         true => points,
         false => function(points),
     };
@@ -224,14 +224,14 @@ mod tests {
             name: "curve.csv".to_owned(),
             text: text.to_owned(),
         });
-        let wished = Wished {
+        let wanted = WantedColumns {
             drive: "travel_mm",
             value: "camber_deg",
             rack: "rack_mm",
             racks: &[0.0],
             as_measured,
         };
-        curve(&source, &wished).unwrap()
+        curve(&source, &wanted).unwrap()
     }
 
     #[test]

@@ -324,8 +324,8 @@ pub struct Optimise {
     pub fit: bool,
     /// Both wheels, where the targets are of an axle. A variable moves the mirror images of its points too.
     pub axle: Option<crate::axle::Axle>,
-    /// What is traded on the front: two or three wishes, or none.
-    pub front: Vec<Wish>,
+    /// What is traded on the front: two or three goals, or none.
+    pub front: Vec<FrontGoal>,
     /// The builds whose mean squared misfit is lowered; `None` to lower the misfit of the drawing.
     pub scatter: Option<Scatter>,
 }
@@ -343,9 +343,9 @@ pub struct Scatter {
     pub adjust: Option<Vec<Adjustment>>,
 }
 
-/// A wish that is traded on a front: all targets of one name.
+/// A goal that is traded on a front: all targets of one name.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Wish {
+pub struct FrontGoal {
     /// The name.
     pub name: String,
     /// Numbers of the targets.

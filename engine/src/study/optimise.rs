@@ -12,7 +12,7 @@ use super::suspension::above_zero;
 use super::targets::{WrittenCurve, targets};
 use super::value::{Text, Whole};
 use super::{
-    Drive, Motion, Move, Optimise, Scatter, Setup, Target, Tolerance, Turn, Variable, Wish,
+    Drive, FrontGoal, Motion, Move, Optimise, Scatter, Setup, Target, Tolerance, Turn, Variable,
 };
 use crate::model::{Axis, Suspension};
 use toml::Spanned;
@@ -127,13 +127,13 @@ pub(super) fn scatter(
     }))
 }
 
-/// Reads the wishes that are traded on the front.
+/// Reads the goals that are traded on the front.
 fn front(
     section: &file::Optimise,
     targets: &[Target],
     context: &Context,
     problems: &mut Problems,
-) -> Option<Vec<Wish>> {
+) -> Option<Vec<FrontGoal>> {
     let Some(written) = &section.front else {
         return Some(Vec::new());
     };
@@ -151,20 +151,20 @@ fn front(
     let mut options: Vec<(&str, ())> = known.iter().map(|name| (name.as_str(), ())).collect();
     options.sort_unstable();
     options.dedup();
-    let mut wishes: Vec<Wish> = Vec::new();
+    let mut goals: Vec<FrontGoal> = Vec::new();
     for text in names {
         let name = text.get_ref();
         choose(text, "target", &options, problems)?;
-        if wishes.iter().any(|wish| wish.name == *name) {
+        if goals.iter().any(|goal| goal.name == *name) {
             return problems.refuse(text.span(), format!("{name:?} is listed twice"));
         }
         let numbers = (0..known.len()).filter(|number| known[*number] == *name);
-        wishes.push(Wish {
+        goals.push(FrontGoal {
             name: name.clone(),
             targets: numbers.collect(),
         });
     }
-    Some(wishes)
+    Some(goals)
 }
 
 /// Below a tenth of a tolerance nobody sees a difference.

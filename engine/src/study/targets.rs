@@ -1,7 +1,7 @@
 //! `targets` of `[optimise]`: wanted curves, values and bands.
 
 use super::axle_targets;
-use super::curve_file::{self, Wished};
+use super::curve_file::{self, WantedColumns};
 use super::error::Problems;
 use super::file::{self, Target as Written};
 use super::names::choose;
@@ -69,7 +69,7 @@ fn target(
     }
     let (of, site) = (of?, site?);
     let motion = site.motion.as_ref().map(|(_, motion)| motion);
-    let place = Place {
+    let target = TargetContext {
         motion: axle_motion.as_ref().or(motion).or(context.motion)?,
         place,
         of: &of,
@@ -88,29 +88,29 @@ fn target(
     let wanted = match given {
         (Some(points), None, None, None, false) => {
             let curve = curve(points.get_ref(), points.span(), is_fit, problems)?;
-            place.curve(&curve, points.span(), is_fit, problems)
+            target.curve(&curve, points.span(), is_fit, problems)
         }
         (None, Some(path), None, None, false) => {
-            let drive = place.motion.drive.column(context.suspension.length_unit);
-            let wished = Wished {
+            let drive = target.motion.drive.column(context.suspension.length_unit);
+            let columns = WantedColumns {
                 drive: &drive,
                 value: written.column.as_ref().map_or(&*of.column, |c| c.get_ref()),
                 rack: &format!("rack_{}", context.suspension.length_unit.symbol()),
-                racks: &rack_displacements(&site, place.motion),
+                racks: &rack_displacements(&site, target.motion),
                 as_measured: is_fit,
             };
-            let curve = curve_file::read(path, context.directory, &wished, problems)?;
-            let wanted = place.curve(&curve, path.span(), is_fit, problems);
+            let curve = curve_file::read(path, context.directory, &columns, problems)?;
+            let wanted = target.curve(&curve, path.span(), is_fit, problems);
             from_file = Some(curve);
             wanted
         }
         (None, None, Some(at), Some(value), false) => {
-            place.single(at, problems).map(|drive| Wanted::At {
+            target.single(at, problems).map(|drive| Wanted::At {
                 drive,
                 value: of.from_printed(value.value),
             })
         }
-        (None, None, at, None, true) => place.band(written, at.as_ref(), problems),
+        (None, None, at, None, true) => target.band(written, at.as_ref(), problems),
         (None, None, Some(at), None, false) => {
             problems.refuse(at.span.clone(), "at needs value: what is wanted there")
         }
@@ -121,18 +121,18 @@ fn target(
         (None, None, None, None, false) => {
             let message = "expected what is wanted: points = [[drive, value], ...], file = \"curve.csv\", \
                            at and value, or a band: between, at_least, at_most";
-            problems.refuse(place.place.clone(), message)
+            problems.refuse(target.place.clone(), message)
         }
         _ => {
             let message =
                 "expected one of points, file, at with value, or a band, found more than one";
-            problems.refuse(place.place.clone(), message)
+            problems.refuse(target.place.clone(), message)
         }
     };
     let wanted = wanted?;
     let target = Target {
         tolerance: of.from_printed(tolerance?).abs(),
-        stations: added_stations(&wanted, place.motion),
+        stations: added_stations(&wanted, target.motion),
         of: of.clone(),
         wanted,
         weight: weight?,
@@ -256,14 +256,14 @@ fn curve(
 }
 
 /// Where a target is, and what it is about.
-struct Place<'a> {
+struct TargetContext<'a> {
     motion: &'a Motion,
     place: Span<usize>,
     of: &'a Subject,
     interpolation: Interpolation,
 }
 
-impl Place<'_> {
+impl TargetContext<'_> {
     fn curve(
         &self,
         curve: &[[f64; 2]],
@@ -284,7 +284,7 @@ impl Place<'_> {
             let [first, last] = [curve[0][0], curve[curve.len() - 1][0]];
             let message = format!(
                 "no station of the motion, which {}, is on this curve, which runs from {first} to {last}",
-                reach(motion)
+                range_in_words(motion)
             );
             return problems.refuse(place, message);
         }
@@ -306,7 +306,7 @@ impl Place<'_> {
             let message = format!(
                 "{} is outside of the motion, which {}",
                 at.value,
-                reach(self.motion)
+                range_in_words(self.motion)
             );
             return problems.refuse(at.span.clone(), message);
         }
@@ -372,7 +372,7 @@ impl Place<'_> {
         if samples.is_empty() {
             let message = format!(
                 "no station of the motion, which {}, is within this band",
-                reach(self.motion)
+                range_in_words(self.motion)
             );
             return problems.refuse(self.place.clone(), message);
         }
@@ -403,7 +403,7 @@ pub(super) fn ends(values: &[f64]) -> (f64, f64) {
 }
 
 /// Words for the range of the motion, in the unit of target abscissae.
-fn reach(motion: &Motion) -> String {
+fn range_in_words(motion: &Motion) -> String {
     let (lowest, highest) = ends(&motion.values);
     let [lowest, highest] = [lowest, highest].map(|value| motion.drive.printed(value));
     match motion.drive.is_angle() {

@@ -3,7 +3,7 @@
 use super::axle::AxleStations;
 use super::evaluate::{Block, Pairs, SIDE_BY_SIDE, SolvesInLanes};
 use super::lanes::{NotInLanes, gather};
-use crate::axle::{Axle, Hold, LaneWheel, Placement, Quantity, Setup, State};
+use crate::axle::{Axle, AxleState, Hold, LaneWheel, Placement, Quantity, Setup};
 use crate::characteristics::{LaneInputs, LaneReader, LaneWheels, Slots};
 use crate::model::Side;
 use crate::number::{SimdReal, SimdTask, Vector3, Width};
@@ -120,33 +120,33 @@ impl<'a> AxleLanes<'a> {
 }
 
 impl SolvesInLanes for AxleLanes<'_> {
-    fn evaluate(&mut self, designs: Pairs<'_>, block: &mut Block, left: &mut Vec<usize>) {
-        self.width.run(Evaluation {
+    fn evaluate(&mut self, designs: Pairs<'_>, block: &mut Block, fallback: &mut Vec<usize>) {
+        self.width.run(AxleBlockTask {
             solver: self,
             designs,
             block,
-            left,
+            fallback,
         });
     }
 }
 
-struct Evaluation<'s, 'a> {
+struct AxleBlockTask<'s, 'a> {
     solver: &'s AxleLanes<'a>,
     designs: Pairs<'s>,
     block: &'s mut Block,
-    left: &'s mut Vec<usize>,
+    fallback: &'s mut Vec<usize>,
 }
 
-impl SimdTask for Evaluation<'_, '_> {
+impl SimdTask for AxleBlockTask<'_, '_> {
     type Output = ();
 
     #[inline(always)]
     fn run<B: SimdReal>(self, like: B) {
-        let Evaluation {
+        let AxleBlockTask {
             solver,
             designs: [designs, rights],
             block,
-            left,
+            fallback,
         } = self;
         let AxleLanes { batch, readers, .. } = solver;
         let points = solver.stations.axle.left.design.len();
@@ -176,7 +176,7 @@ impl SimdTask for Evaluation<'_, '_> {
                 wheels: [&left_wheels, &right_wheels],
                 numbers: &[],
                 rack: like,
-                right: like.everywhere(),
+                accepted: like.everywhere(),
                 values,
             };
             let mut number = 0;
@@ -193,13 +193,13 @@ impl SimdTask for Evaluation<'_, '_> {
                     &mut history,
                     &mut reading,
                 );
-                reading.right = reading.right & solved.everywhere();
+                reading.accepted = reading.accepted & solved.everywhere();
                 number += 1;
             }
-            let solved = reading.right;
+            let solved = reading.accepted;
             for lane in 0..lanes {
                 if !B::lane(solved, lane) {
-                    left.push(first + lane);
+                    fallback.push(first + lane);
                 }
             }
             first += lanes;
@@ -216,8 +216,8 @@ struct Reading<'r, 'a, B: SimdReal> {
     /// For each station of this group, its number in the block.
     numbers: &'r [usize],
     rack: B,
-    /// Lanes that are right so far.
-    right: B::Mask,
+    /// Lanes accepted so far.
+    accepted: B::Mask,
     /// Destination of the values, laid out as [`Block::from`] returns it.
     values: &'r mut [f64],
 }
@@ -245,8 +245,8 @@ impl<B: SimdReal> VisitPair<B> for Reading<'_, '_, B> {
         let left_known = readers[0].read(left_wheels, left, rack, *rates, inputs);
         let inputs = &mut *self.right_inputs;
         let right_known = readers[1].read(right_wheels, right, -rack, *rates, inputs);
-        self.right = self.right & left_known & right_known;
-        let state = State {
+        self.accepted = self.accepted & left_known & right_known;
+        let state = AxleState {
             readings: [
                 LaneWheel::of(self.left_inputs),
                 LaneWheel::of(self.right_inputs),

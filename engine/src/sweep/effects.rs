@@ -50,32 +50,32 @@ pub struct Effects {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Effect {
     /// Change from one end of the variable's range to the other, in the plane of least squares.
-    pub change: Option<f64>,
+    pub linear_change: Option<f64>,
     /// First-order Sobol index.
-    pub share: Option<f64>,
+    pub first_order_index: Option<f64>,
     /// Total Sobol index.
     pub total: Option<f64>,
 }
 
 impl Effects {
     /// Effects on every output. Returns `None` if no design has a value for all outputs.
-    pub fn all(record: &SweepRecord, tally: &SweepStatistics) -> Option<Vec<Effects>> {
-        let count = tally.moments.count;
+    pub fn all(record: &SweepRecord, statistics: &SweepStatistics) -> Option<Vec<Effects>> {
+        let count = statistics.moments.count;
         if count == 0 {
             return None;
         }
-        let plane = Plane::of(tally);
-        let of = |k| Effects::of(record, tally, plane.as_ref(), k);
+        let plane = Plane::of(statistics);
+        let of = |k| Effects::of(record, statistics, plane.as_ref(), k);
         Some((0..record.outputs.len()).map(of).collect())
     }
 
     fn of(
         record: &SweepRecord,
-        tally: &SweepStatistics,
+        statistics: &SweepStatistics,
         plane: Option<&Plane>,
         k: usize,
     ) -> Effects {
-        let moments = &tally.moments;
+        let moments = &statistics.moments;
         let n = moments.count as f64;
         let mean = moments.y[k] / n;
         let squares = (moments.yy[k] - n * mean * mean).max(0.0);
@@ -86,39 +86,40 @@ impl Effects {
             r2: None,
             of: vec![Effect::default(); record.variables.len()],
         };
-        let size = tally.ranges[k].map_or(0.0, |r| r.min.0.abs().max(r.max.0.abs()));
+        let size = statistics.ranges[k].map_or(0.0, |r| r.min.0.abs().max(r.max.0.abs()));
         if effects.deviation <= CONSTANT * size {
             return effects;
         }
-        let fitted = plane.map(|plane| (plane, plane.slopes(tally, k)));
+        let fitted = plane.map(|plane| (plane, plane.slopes(statistics, k)));
         if let Some((_, (slopes, explained))) = &fitted {
             effects.r2 = Some((explained / (squares / n)).clamp(0.0, 1.0));
             for (effect, slope) in effects.of.iter_mut().zip(slopes) {
-                effect.change = Some(2.0 * slope);
+                effect.linear_change = Some(2.0 * slope);
             }
         }
         for (variable, effect) in effects.of.iter_mut().enumerate() {
             match record.method.as_str() {
                 "file" => {}
                 "saltelli" => {
-                    (effect.share, effect.total) = exchanged(tally, variable, k);
+                    (effect.first_order_index, effect.total) = exchanged(statistics, variable, k);
                 }
-                "grid" if tally.solved == tally.designs => {
-                    let (between, _) = between_levels(tally, variable, k, None);
-                    effect.share = Some((between / squares).clamp(0.0, 1.0));
+                "grid" if statistics.solved == statistics.designs => {
+                    let (between, _) = between_levels(statistics, variable, k, None);
+                    effect.first_order_index = Some((between / squares).clamp(0.0, 1.0));
                 }
-                _ if moments.count < tally.designs => {
-                    let by_levels = between_levels(tally, variable, k, None);
+                _ if moments.count < statistics.designs => {
+                    let by_levels = between_levels(statistics, variable, k, None);
                     let share = share(by_levels, squares, 0.0, n);
-                    effect.share = share.map(|s| (s / squares).clamp(0.0, 1.0));
+                    effect.first_order_index = share.map(|s| (s / squares).clamp(0.0, 1.0));
                 }
                 _ => {
                     if let Some((plane, (slopes, explained))) = &fitted {
                         let left = (squares - n * explained).max(0.0);
                         let linear = n * slopes[variable].powi(2) * plane.variances[variable];
-                        let by_levels = between_levels(tally, variable, k, Some((plane, slopes)));
+                        let by_levels =
+                            between_levels(statistics, variable, k, Some((plane, slopes)));
                         let share = share(by_levels, left, linear, n);
-                        effect.share = share.map(|s| (s / squares).clamp(0.0, 1.0));
+                        effect.first_order_index = share.map(|s| (s / squares).clamp(0.0, 1.0));
                     }
                 }
             }
@@ -130,19 +131,19 @@ impl Effects {
 /// The sum of squares of an output between the levels of a variable, and the number of levels that designs meet. With a
 /// plane, the sum of squares of what is left of the output when the plane is taken away.
 fn between_levels(
-    tally: &SweepStatistics,
+    statistics: &SweepStatistics,
     variable: usize,
     k: usize,
     plane: Option<(&Plane, &Vec<f64>)>,
 ) -> (f64, f64) {
-    let (levels, width) = (&tally.levels.of[variable], tally.moments.y.len());
-    let mean = tally.moments.y[k] / tally.moments.count as f64;
+    let (binned, width) = (&statistics.binned.of[variable], statistics.moments.y.len());
+    let mean = statistics.moments.y[k] / statistics.moments.count as f64;
     let (mut between, mut met) = (0.0, 0.0);
-    for (level, count) in levels.counts.iter().enumerate().filter(|(_, c)| **c > 0) {
+    for (level, count) in binned.counts.iter().enumerate().filter(|(_, c)| **c > 0) {
         let count = *count as f64;
-        let mut off = levels.sums[level * width + k] / count - mean;
+        let mut off = binned.sums[level * width + k] / count - mean;
         if let Some((plane, slopes)) = plane {
-            let places = &levels.places[level * slopes.len()..];
+            let places = &binned.places[level * slopes.len()..];
             for ((slope, place), middle) in slopes.iter().zip(places).zip(plane.mean.iter()) {
                 off -= slope * (place / count - middle);
             }
@@ -165,8 +166,12 @@ fn share((between, met): (f64, f64), left: f64, linear: f64, n: f64) -> Option<f
 }
 
 /// First-order and total index from Saltelli's samples.
-fn exchanged(tally: &SweepStatistics, variable: usize, k: usize) -> (Option<f64>, Option<f64>) {
-    let sums = &tally.exchanges;
+fn exchanged(
+    statistics: &SweepStatistics,
+    variable: usize,
+    k: usize,
+) -> (Option<f64>, Option<f64>) {
+    let sums = &statistics.saltelli;
     if sums.groups < 2 {
         return (None, None);
     }
@@ -192,8 +197,8 @@ struct Plane {
 impl Plane {
     /// The plane through the designs that a tally has summed up. `None` if they do not determine it: too few designs,
     /// or variables that depend on each other.
-    fn of(tally: &SweepStatistics) -> Option<Self> {
-        let moments = &tally.moments;
+    fn of(statistics: &SweepStatistics) -> Option<Self> {
+        let moments = &statistics.moments;
         let (n, d) = (moments.count as f64, moments.u.len());
         if moments.count as usize <= d + 1 {
             return None;
@@ -217,8 +222,8 @@ impl Plane {
     }
 
     /// The slopes by the scaled variables, and the variance they explain.
-    fn slopes(&self, tally: &SweepStatistics, k: usize) -> (Vec<f64>, f64) {
-        let moments = &tally.moments;
+    fn slopes(&self, statistics: &SweepStatistics, k: usize) -> (Vec<f64>, f64) {
+        let moments = &statistics.moments;
         let n = moments.count as f64;
         let mean = moments.y[k] / n;
         let with_y = DVector::from_fn(self.mean.len(), |i, _| {

@@ -213,8 +213,8 @@ pub(crate) type Pairs<'d> = [&'d [Vector3<f64>]; 2];
 
 /// Solves designs in SIMD lanes.
 pub(super) trait SolvesInLanes: Send {
-    /// Evaluates the designs of a block; the numbers of those left to be solved one by one are added to `left`.
-    fn evaluate(&mut self, designs: Pairs<'_>, block: &mut Block, left: &mut Vec<usize>);
+    /// Evaluates the designs of a block; the numbers of those left to be solved one by one are added to `fallback`.
+    fn evaluate(&mut self, designs: Pairs<'_>, block: &mut Block, fallback: &mut Vec<usize>);
 }
 
 /// Solves designs one at a time.
@@ -243,7 +243,7 @@ pub struct Evaluator<'a> {
     pub(super) axle: Option<&'a Axle>,
     rights: Vec<Vector3<f64>>,
     /// Designs of the block left to be solved one by one, by number.
-    left: Vec<usize>,
+    fallback: Vec<usize>,
 }
 
 impl<'a> Evaluator<'a> {
@@ -290,8 +290,8 @@ impl<'a> Evaluator<'a> {
         quantities: &'a [Quantity],
         solver: Solver<'a>,
     ) -> Self {
-        let depth = quantities.iter().map(|q| q.rate_order()).max().unwrap_or(0);
-        let one_by_one: Box<dyn SolvesOneByOne + 'a> = match depth {
+        let rate_order = quantities.iter().map(|q| q.rate_order()).max().unwrap_or(0);
+        let one_by_one: Box<dyn SolvesOneByOne + 'a> = match rate_order {
             0 => Box::new(OneByOne::<1>::new(suspension, stations, quantities, solver)),
             _ => Box::new(OneByOne::<2>::new(suspension, stations, quantities, solver)),
         };
@@ -307,7 +307,7 @@ impl<'a> Evaluator<'a> {
             slopes: None,
             axle: None,
             rights: Vec::new(),
-            left: Vec::new(),
+            fallback: Vec::new(),
         }
     }
 
@@ -318,7 +318,7 @@ impl<'a> Evaluator<'a> {
 
     /// The designs of the last block that were left to be solved one by one, by rising number.
     pub fn one_by_one(&self) -> &[usize] {
-        &self.left
+        &self.fallback
     }
 
     /// Evaluates designs given as the points of one after the other, in the kernel's frame; of an axle those of the left
@@ -333,7 +333,7 @@ impl<'a> Evaluator<'a> {
         }
         self.evaluate_pairs([designs, &rights], block);
         self.rights = rights;
-        self.left.len()
+        self.fallback.len()
     }
 
     /// Evaluates designs given as the points of left and of right wheels, each in the frame of its side; without right
@@ -341,12 +341,12 @@ impl<'a> Evaluator<'a> {
     pub(crate) fn evaluate_pairs(&mut self, designs: Pairs<'_>, block: &mut Block) {
         let count = designs[0].len() / self.points;
         block.clear(count);
-        self.left.clear();
+        self.fallback.clear();
         match &mut self.lanes {
-            Ok(lanes) => lanes.evaluate(designs, block, &mut self.left),
-            Err(_) => self.left.extend(0..count),
+            Ok(lanes) => lanes.evaluate(designs, block, &mut self.fallback),
+            Err(_) => self.fallback.extend(0..count),
         }
-        self.one_by_one.evaluate(designs, &self.left, block);
+        self.one_by_one.evaluate(designs, &self.fallback, block);
         if let Some(slopes) = &mut self.slopes {
             slopes.evaluate(designs, block);
         }

@@ -24,7 +24,7 @@ use std::ops::Range;
 
 /// A wanted value of an angle (radians) at a station, and the weight of the squared deviation from it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Wanted {
+pub struct AngleTarget {
     /// Value.
     pub value: f64,
     /// Weight; 0 where nothing is wanted.
@@ -40,7 +40,7 @@ pub struct Gradients<'a> {
     /// What gradients of quantities made of velocities need; `None` if there are no such quantities.
     along_travel: Option<AlongTravel>,
     stations: Stations,
-    right: [bool; MOST_LANES],
+    accepted: [bool; MOST_LANES],
     found: Found,
     /// Directions that are the same in every lane.
     spread: Vec<f64>,
@@ -173,7 +173,7 @@ impl<'a> Gradients<'a> {
             reader,
             along_travel,
             stations: stations.clone(),
-            right: [false; MOST_LANES],
+            accepted: [false; MOST_LANES],
             spread: Vec::new(),
             history: Vec::new(),
             found: Found {
@@ -195,7 +195,7 @@ impl<'a> Gradients<'a> {
     }
 
     /// Visits the stations of designs, as many as fit into the lanes at most, in the order in which they are solved.
-    /// Afterwards [`Gradients::is_right`] tells which designs were right. The numbers of others may be anything, NaN
+    /// Afterwards [`Gradients::is_accepted`] tells which designs were accepted. The numbers of others may be anything, NaN
     /// included.
     pub fn jacobians(&mut self, designs: &[Vector3<f64>], mut visit: impl FnMut(&Jacobians<'_>)) {
         self.evaluate(designs, None, Task::Jacobians(&mut visit));
@@ -216,7 +216,7 @@ impl<'a> Gradients<'a> {
 
     /// As [`Gradients::jacobians`] for a single design, whose stations are side by side in the lanes: the visitor gets
     /// them as if they were designs, with the number of a group of [`Gradients::side_by_side`] in place of the number
-    /// of a station. Returns whether the design was right; if not, what was visited must not be used. It never is if
+    /// of a station. Returns whether the design was accepted; if not, what was visited must not be used. It never is if
     /// rods of rockers are watched from station to station.
     pub fn jacobians_of_one(
         &mut self,
@@ -249,9 +249,9 @@ impl<'a> Gradients<'a> {
             along: &along,
             visit: &mut visit,
         };
-        let is_right = self.evaluate_one(design, slopes);
+        let is_accepted = self.evaluate_one(design, slopes);
         self.spread = along;
-        is_right
+        is_accepted
     }
 
     /// Makes room for slopes along directions that are given as `along` numbers, for `lanes` lanes.
@@ -267,7 +267,7 @@ impl<'a> Gradients<'a> {
         if self.reader.watches_rods() {
             return false;
         }
-        self.right.fill(false);
+        self.accepted.fill(false);
         let mut history = std::mem::take(&mut self.history);
         history.clear();
         let mut racks = 0..self.stations.racks.len();
@@ -277,10 +277,10 @@ impl<'a> Gradients<'a> {
             self.evaluate(design, Some(&history), task);
         }
         self.history = history;
-        self.is_right(0)
+        self.is_accepted(0)
     }
 
-    /// The stations that [`Gradients::jacobians_of_one`] has in the lanes, group by group; empty if it is never right.
+    /// The stations that [`Gradients::jacobians_of_one`] has in the lanes, group by group; empty if it is never accepted.
     pub fn side_by_side(&self) -> Vec<Vec<usize>> {
         if self.reader.watches_rods() {
             return Vec::new();
@@ -296,8 +296,12 @@ impl<'a> Gradients<'a> {
     }
 
     /// Forms the sums of weighted squared deviations of designs, as many as fit into the lanes at most;
-    /// `wanted` angle by angle and station by station. Which designs were right is known from then on.
-    pub fn deviations(&mut self, designs: &[Vector3<f64>], wanted: &[Wanted]) -> Deviations<'_> {
+    /// `wanted` angle by angle and station by station. Which designs were accepted is known from then on.
+    pub fn deviations(
+        &mut self,
+        designs: &[Vector3<f64>],
+        wanted: &[AngleTarget],
+    ) -> Deviations<'_> {
         let all = self.reader.quantities().len() * self.stations.count();
         assert_eq!(wanted.len(), all, "one for each angle and station");
         self.found.gradient.fill(0.0);
@@ -307,7 +311,7 @@ impl<'a> Gradients<'a> {
 
     fn evaluate(&mut self, designs: &[Vector3<f64>], tracked: Option<&[f64]>, task: Task<'_>) {
         let width = self.width;
-        width.run(Evaluation {
+        width.run(GradientTask {
             gradients: self,
             designs,
             tracked,
@@ -315,9 +319,9 @@ impl<'a> Gradients<'a> {
         });
     }
 
-    /// Whether a design of the last evaluation is right; if not, it is to be solved one by one.
-    pub fn is_right(&self, design: usize) -> bool {
-        self.right[design]
+    /// Whether a design of the last evaluation is accepted; if not, it is to be solved one by one.
+    pub fn is_accepted(&self, design: usize) -> bool {
+        self.accepted[design]
     }
 }
 
@@ -331,10 +335,10 @@ enum Task<'t> {
         visit: &'t mut dyn FnMut(&Jacobians<'_>),
     },
     /// A sum of deviations, with its derivatives.
-    Deviations(&'t [Wanted]),
+    Deviations(&'t [AngleTarget]),
 }
 
-struct Evaluation<'s, 'a, 't> {
+struct GradientTask<'s, 'a, 't> {
     gradients: &'s mut Gradients<'a>,
     /// One design per lane, or a single design repeated in all lanes.
     designs: &'s [Vector3<f64>],
@@ -343,7 +347,7 @@ struct Evaluation<'s, 'a, 't> {
     task: Task<'t>,
 }
 
-impl SimdTask for Evaluation<'_, '_, '_> {
+impl SimdTask for GradientTask<'_, '_, '_> {
     type Output = ();
 
     #[inline(always)]
@@ -353,7 +357,7 @@ impl SimdTask for Evaluation<'_, '_, '_> {
             reader,
             along_travel,
             stations,
-            right,
+            accepted,
             found,
             ..
         } = self.gradients;
@@ -387,7 +391,7 @@ impl SimdTask for Evaluation<'_, '_, '_> {
             series_gradient: vec![nothing.with_rate(nothing); series.map_or(0, |_| points)],
             inputs: &mut inputs,
             rack: zero,
-            right: like.everywhere(),
+            accepted: like.everywhere(),
             count: stations.count(),
             first: 0,
             task: self.task,
@@ -410,16 +414,16 @@ impl SimdTask for Evaluation<'_, '_, '_> {
             } else {
                 let mut visitor = Visitor::Gradients(&mut reading);
                 let solved = batch.solve(&design, rack, &mut history, &mut visitor);
-                reading.right = reading.right & solved.everywhere();
+                reading.accepted = reading.accepted & solved.everywhere();
             }
             rack += 1;
         }
-        let solved = reading.right;
+        let solved = reading.accepted;
         if let Task::Deviations(_) = reading.task {
             reading.sum.store(&mut reading.found.sum);
         }
-        for (lane, right) in right.iter_mut().enumerate() {
-            *right = match self.tracked {
+        for (lane, accepted) in accepted.iter_mut().enumerate() {
+            *accepted = match self.tracked {
                 Some(_) => B::all(solved),
                 None => lane < count && B::lane(solved, lane),
             };
@@ -490,8 +494,8 @@ pub(super) struct Differentiating<'r, 't, B: SimdReal> {
     series_gradient: Vec<Vector3<Jet<B, 2>>>,
     inputs: &'r mut LaneInputs<B>,
     rack: B,
-    /// Lanes that are right so far.
-    right: B::Mask,
+    /// Lanes accepted so far.
+    accepted: B::Mask,
     /// Number of all stations, and number of the first one at this rack displacement.
     count: usize,
     first: usize,
@@ -510,7 +514,7 @@ impl<B: SimdReal> Differentiating<'_, '_, B> {
         let Task::Deviations(wanted) = self.task else {
             return one;
         };
-        let Wanted { value, weight } = wanted[angle * self.count + station];
+        let AngleTarget { value, weight } = wanted[angle * self.count + station];
         let missed = one.load(&self.found.angles[angle * B::LANES..]) - one.lit(value);
         let weighted = missed * one.lit(weight);
         self.sum = self.sum.plus_product(weighted, missed);
@@ -549,12 +553,12 @@ impl<B: SimdReal> Differentiating<'_, '_, B> {
     #[inline(always)]
     fn differentiate_here(&mut self, station: usize, at: &impl LanePose<B>) {
         let reads_rates = self.reader.reads_rates();
-        let right = self
+        let accepted = self
             .reader
             .read(self.wheels, at, self.rack, reads_rates, self.inputs);
         let angles = self.reader.quantities().len();
         let rates = at.rates();
-        self.right = self.right & right & at.knows(&rates);
+        self.accepted = self.accepted & accepted & at.knows(&rates);
         let configuration = at.configuration(self.rack);
         let adjoint = at.adjoint(self.members, &configuration, &rates);
         self.reader

@@ -21,7 +21,7 @@ pub fn in_order<W, T: Send, E: Send>(
 ) -> Result<(), E> {
     let queue = Queue {
         most: AHEAD * rayon::current_num_threads() as u64,
-        state: Mutex::new(State {
+        state: Mutex::new(QueueState {
             next: range.start,
             end: range.end,
             first: range.start,
@@ -57,11 +57,11 @@ pub fn in_order<W, T: Send, E: Send>(
 struct Queue<T, F, E> {
     /// The most pieces that have been begun and not been taken.
     most: u64,
-    state: Mutex<State<T, F, E>>,
+    state: Mutex<QueueState<T, F, E>>,
     changed: Condvar,
 }
 
-struct State<T, F, E> {
+struct QueueState<T, F, E> {
     /// Number of the next piece to begin, and the end of the range.
     next: u64,
     end: u64,
@@ -80,7 +80,7 @@ enum Turn<T, F> {
 }
 
 impl<T, F, E> Queue<T, F, E> {
-    fn state(&self) -> MutexGuard<'_, State<T, F, E>> {
+    fn state(&self) -> MutexGuard<'_, QueueState<T, F, E>> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
@@ -135,7 +135,7 @@ impl<T, F, E> Queue<T, F, E> {
     }
 }
 
-impl<T, F, E> State<T, F, E> {
+impl<T, F, E> QueueState<T, F, E> {
     fn end_at_once(&mut self) {
         self.end = self.next;
         self.waiting.clear();

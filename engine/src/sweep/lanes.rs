@@ -77,33 +77,33 @@ impl<'a> LaneSolver<'a> {
 }
 
 impl SolvesInLanes for LaneSolver<'_> {
-    fn evaluate(&mut self, [designs, _]: Pairs<'_>, block: &mut Block, left: &mut Vec<usize>) {
-        self.width.run(Evaluation {
+    fn evaluate(&mut self, [designs, _]: Pairs<'_>, block: &mut Block, fallback: &mut Vec<usize>) {
+        self.width.run(BlockTask {
             solver: self,
             designs,
             block,
-            left,
+            fallback,
         });
     }
 }
 
-struct Evaluation<'s, 'a> {
+struct BlockTask<'s, 'a> {
     solver: &'s mut LaneSolver<'a>,
     designs: &'s [Vector3<f64>],
     block: &'s mut Block,
-    left: &'s mut Vec<usize>,
+    fallback: &'s mut Vec<usize>,
 }
 
-impl SimdTask for Evaluation<'_, '_> {
+impl SimdTask for BlockTask<'_, '_> {
     type Output = ();
 
     #[inline(always)]
     fn run<B: SimdReal>(self, like: B) {
-        let Evaluation {
+        let BlockTask {
             solver,
             designs,
             block,
-            left,
+            fallback,
         } = self;
         let LaneSolver {
             batch,
@@ -129,7 +129,7 @@ impl SimdTask for Evaluation<'_, '_> {
                 wheels: &wheels,
                 inputs: &mut inputs,
                 rack: like,
-                right: like.everywhere(),
+                accepted: like.everywhere(),
                 count: stations.count(),
                 first: 0,
                 design_station: stations.design(),
@@ -143,13 +143,13 @@ impl SimdTask for Evaluation<'_, '_> {
                 reading.rack = like.lit(stations.racks[rack]);
                 let mut visitor = Visitor::Values(&mut reading);
                 let solved = batch.solve(&design, rack, &mut history, &mut visitor);
-                reading.right = reading.right & solved.everywhere();
+                reading.accepted = reading.accepted & solved.everywhere();
                 rack += 1;
             }
-            let solved = reading.right;
+            let solved = reading.accepted;
             for lane in 0..lanes {
                 if !B::lane(solved, lane) {
-                    left.push(first + lane);
+                    fallback.push(first + lane);
                 }
             }
             first += lanes;
@@ -231,8 +231,8 @@ pub(super) struct Reading<'r, B: SimdReal> {
     wheels: &'r LaneWheels<B>,
     inputs: &'r mut LaneInputs<B>,
     rack: B,
-    /// Lanes that are right so far.
-    right: B::Mask,
+    /// Lanes accepted so far.
+    accepted: B::Mask,
     /// Number of all stations, and number of the first one at this rack displacement.
     count: usize,
     first: usize,
@@ -248,10 +248,10 @@ impl<B: SimdReal> Reading<'_, B> {
         let station = self.first + station;
         let in_design = station == self.design_station;
         let rates = in_design || self.reader.reads_rates();
-        let right = self
+        let accepted = self
             .reader
             .read(self.wheels, at, self.rack, rates, self.inputs);
-        self.right = self.right & right;
+        self.accepted = self.accepted & accepted;
         let values = &mut self.values[station * SIDE_BY_SIDE..];
         self.reader
             .values(self.inputs, values, self.count * SIDE_BY_SIDE);

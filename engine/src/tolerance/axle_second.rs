@@ -12,7 +12,7 @@
 
 use super::Problem;
 use super::expansion::combined;
-use crate::axle::{AxleSolver, Hold, Parts, Quantity, Reading, Snapshot, State};
+use crate::axle::{AxleSolver, AxleState, Hold, Parts, Quantity, Reading, Snapshot};
 use crate::build::{Built, NoSetUp, Rest};
 use crate::derive::{MotionPoint, pose_series};
 use crate::linear::lu::Lu6;
@@ -39,25 +39,25 @@ pub(super) fn second(problem: &Problem, stations: &AxleStations) -> Result<Vec<[
     let readable: Vec<bool> = stations.quantities.iter().map(is_readable).collect();
     let count = problem.tolerance.sources();
     let work = count.saturating_mul(count + 1) / 2 * stations.placements.len();
-    let places = match work <= MOST_SERIES && readable.contains(&true) {
-        true => Some(Places::of(problem, stations)?),
+    let positions = match work <= MOST_SERIES && readable.contains(&true) {
+        true => Some(DrawnPositions::of(problem, stations)?),
         false => None,
     };
-    let bends = places.map(|places| move |along: &[&Source]| places.bends(along));
+    let bends = positions.map(|positions| move |along: &[&Source]| positions.bends(along));
     Ok(combined(problem, &readable, bends))
 }
 
 /// The positions of the drawn axle.
-struct Places<'p> {
+struct DrawnPositions<'p> {
     problem: &'p Problem<'p>,
     stations: &'p AxleStations<'p>,
     built: Vec<Built>,
     parts: Parts,
-    places: Vec<Option<Place>>,
+    positions: Vec<Option<DrawnPosition>>,
 }
 
 /// A position, and what moves from it.
-struct Place {
+struct DrawnPosition {
     travels: [f64; 2],
     roll: f64,
     rack: f64,
@@ -69,7 +69,7 @@ struct Place {
     has_value: Vec<bool>,
 }
 
-impl<'p> Places<'p> {
+impl<'p> DrawnPositions<'p> {
     fn of(problem: &'p Problem, stations: &'p AxleStations) -> Result<Self, NoSetUp> {
         let axle = &stations.axle;
         let mut built = Vec::new();
@@ -85,7 +85,7 @@ impl<'p> Places<'p> {
         let solver = AxleSolver::<2>::new(axle, &stations.quantities, false);
         let mut solver = solver.map_err(|(_, fault)| NoSetUp::Fault(fault))?;
         let placed = solver.place_all(&stations.placements);
-        let place = |placed: Result<crate::axle::Placed, _>| {
+        let position = |placed: Result<crate::axle::Placed, _>| {
             let placed = placed.ok()?;
             let read = solver.read(&placed).ok()?;
             let wheel = |side: Side| {
@@ -100,7 +100,7 @@ impl<'p> Places<'p> {
             };
             let [left, right] = read.state.wheels().map(|wheel| wheel.rise());
             let has_value = |quantity: &Quantity| read.value(*quantity).is_ok();
-            Some(Place {
+            Some(DrawnPosition {
                 travels: placed.travels,
                 roll: placed.roll,
                 rack: placed.rack,
@@ -110,19 +110,19 @@ impl<'p> Places<'p> {
                 has_value: stations.quantities.iter().map(has_value).collect(),
             })
         };
-        let places = placed.into_iter().map(place).collect();
+        let positions = placed.into_iter().map(position).collect();
         let slots: Vec<_> = stations
             .quantities
             .iter()
             .flat_map(|q| q.reads())
             .copied()
             .collect();
-        Ok(Places {
+        Ok(DrawnPositions {
             problem,
             stations,
             built,
             parts: Parts::of(&slots),
-            places,
+            positions,
         })
     }
 
@@ -140,13 +140,13 @@ impl<'p> Places<'p> {
             })
             .collect();
         let mut bends = vec![f64::NAN; self.problem.cells()];
-        for (station, place) in self.places.iter().enumerate() {
-            let Some(place) = place else {
+        for (station, position) in self.positions.iter().enumerate() {
+            let Some(position) = position else {
                 continue;
             };
-            let state = self.standing(place, &designs, &closures);
+            let state = self.on_ground(position, &designs, &closures);
             for (output, quantity) in self.stations.quantities.iter().enumerate() {
-                if place.has_value[output] && quantity.rate_order() == 0 {
+                if position.has_value[output] && quantity.rate_order() == 0 {
                     let value = quantity.evaluate(&state).derivative(2);
                     bends[self.problem.cell(output, station)] = value;
                 }
@@ -156,24 +156,24 @@ impl<'p> Places<'p> {
     }
 
     /// The axle in a position as series, on the ground to every order.
-    fn standing(
+    fn on_ground(
         &self,
-        place: &Place,
+        position: &DrawnPosition,
         designs: &[Vec<Vector3<Series>>],
         closures: &[Closure<Series>],
-    ) -> State<'_, Series> {
+    ) -> AxleState<'_, Series> {
         let zero = Jet([0.0; 3]);
         let (mut apart, mut turn) = (zero, zero);
-        let mut state = self.state(place, designs, closures, apart, turn);
-        let [rise, track] = place.slopes;
+        let mut state = self.state(position, designs, closures, apart, turn);
+        let [rise, track] = position.slopes;
         for order in 1..3 {
             let left_over = state.mismatch()[order];
-            match place.hold {
+            match position.hold {
                 Hold::TravelsOnPads => return state,
                 Hold::MeanTravel => apart.0[order] = -left_over / rise,
                 Hold::TravelsOnPlane => turn.0[order] = -left_over / track,
             }
-            state = self.state(place, designs, closures, apart, turn);
+            state = self.state(position, designs, closures, apart, turn);
         }
         state
     }
@@ -181,38 +181,38 @@ impl<'p> Places<'p> {
     /// The axle with the travels moved apart by `apart` and the ground turned by `turn`.
     fn state(
         &self,
-        place: &Place,
+        position: &DrawnPosition,
         designs: &[Vec<Vector3<Series>>],
         closures: &[Closure<Series>],
         apart: Series,
         turn: Series,
-    ) -> State<'_, Series> {
+    ) -> AxleState<'_, Series> {
         let axle = &self.stations.axle;
         let reading = |side: Side| {
             let number = side as usize;
             let sign = [1.0, -1.0][number];
             let mechanism = &axle.suspension(side).mechanism;
-            let (pose, factors) = &place.wheels[number];
-            let rack = Jet::constant(place.rack * sign);
-            let travel = Jet::constant(place.travels[number]) + apart * Jet::constant(sign);
+            let (pose, factors) = &position.wheels[number];
+            let rack = Jet::constant(position.rack * sign);
+            let travel = Jet::constant(position.travels[number]) + apart * Jet::constant(sign);
             let (design, closure) = (&designs[number], &closures[number]);
             let driver = Driver::Travel(travel);
             let pose = pose_series(mechanism, design, closure, factors, pose, driver, rack);
             let at = Configuration::new(mechanism, design, pose, rack);
-            Reading::standing(&Snapshot::of(&at, &self.parts))
+            Reading::without_rates(&Snapshot::of(&at, &self.parts))
         };
-        let (sine, cosine) = place.roll.sin_cos();
+        let (sine, cosine) = position.roll.sin_cos();
         let [sine, cosine] = [sine, cosine].map(Series::constant);
         // To second order.
         let upright = Series::constant(1.0) - turn * turn * Series::constant(0.5);
-        State {
+        AxleState {
             readings: [reading(Side::Left), reading(Side::Right)],
             ground: Ground {
                 sine: sine * upright + cosine * turn,
                 cosine: cosine * upright - sine * turn,
             },
-            roll: Series::constant(place.roll) + turn,
-            hold: place.hold,
+            roll: Series::constant(position.roll) + turn,
+            hold: position.hold,
             setup: &axle.setup,
         }
     }

@@ -133,8 +133,12 @@ impl<'a> Builder<'a> {
         let mut rejects = Vec::new();
         self.begin();
         for place in 0..count {
-            let in_lanes =
-                |wheel: &WheelBuilder| wheel.lanes.as_ref().is_some_and(|lanes| lanes.right[place]);
+            let in_lanes = |wheel: &WheelBuilder| {
+                wheel
+                    .lanes
+                    .as_ref()
+                    .is_some_and(|lanes| lanes.accepted[place])
+            };
             if !self.wheels.iter().all(in_lanes) {
                 tolerance.draw(first + place as u64, &mut self.draws);
             }
@@ -163,7 +167,7 @@ impl<'a> Builder<'a> {
                 designs,
             } = wheel;
             let points = parts.points.len();
-            if let Some(lanes) = lanes.as_ref().filter(|lanes| lanes.right[place]) {
+            if let Some(lanes) = lanes.as_ref().filter(|lanes| lanes.accepted[place]) {
                 designs.extend_from_slice(&lanes.designs[place * points..(place + 1) * points]);
                 return Ok(());
             }

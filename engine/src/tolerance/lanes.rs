@@ -12,8 +12,8 @@ pub(super) struct LaneBuilder<'a> {
     width: Width,
     /// The built designs of the block, a build's points after another's.
     pub(super) designs: Vec<Vector3<f64>>,
-    /// Which builds are right; the others are left to be put together one by one.
-    pub(super) right: [bool; BLOCK],
+    /// Which builds are accepted; the others are left to be put together one by one.
+    pub(super) accepted: [bool; BLOCK],
 }
 
 impl<'a> LaneBuilder<'a> {
@@ -24,7 +24,7 @@ impl<'a> LaneBuilder<'a> {
             workshop,
             width,
             designs: vec![Vector3::default(); BLOCK * points],
-            right: [false; BLOCK],
+            accepted: [false; BLOCK],
         }
     }
 
@@ -53,7 +53,7 @@ impl SimdTask for Assembling<'_, '_> {
             tolerance,
             workshop,
             designs,
-            right,
+            accepted,
             ..
         } = self.builder;
         let assembler = &workshop.assembler;
@@ -74,7 +74,7 @@ impl SimdTask for Assembling<'_, '_> {
                 assembler.assemble_in_lanes(alignment, &mut parts, &mut carrier, &mut group);
             let lanes = (self.count - first).min(B::LANES);
             for lane in 0..lanes {
-                right[first + lane] = B::lane(built.right, lane);
+                accepted[first + lane] = B::lane(built.accepted, lane);
             }
             scatter(&group, first, lanes, designs);
             first += lanes;

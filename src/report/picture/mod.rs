@@ -1,11 +1,11 @@
 //! Curves as pictures for documents, on a background of their own, the same bytes every time: SVG, and PNG
 //! at twice its size, which is the SVG drawn by `resvg` with its text as outlines.
 
+mod drawn_target;
 mod lettering;
 mod panel;
 mod raster;
 mod scale;
-mod wanted;
 
 use super::curve_table::CurveTable;
 use super::figure::brief;
@@ -13,9 +13,9 @@ use super::record::{OutputRecord, Record};
 use super::run::Run;
 use crate::curves::Status;
 use crate::model::Rod;
+use drawn_target::DrawnTarget;
 use lettering::Lettering;
 use panel::{Line, Look, Panel, SIZE};
-use wanted::Wanted;
 
 /// A file with a picture.
 #[derive(Clone, Debug, PartialEq)]
@@ -143,13 +143,13 @@ fn panel(run: &Run, output: &OutputRecord) -> Panel {
                 .iter()
                 .map(|[drive, value]| (*drive, Some(*value), Some(*value)));
             missed.extend(places_outside(run, &output.column, limits, tolerance));
-            wanted.push(Wanted::Values { points, tolerance });
+            wanted.push(DrawnTarget::Values { points, tolerance });
         }
     }
     for band in record.bands.iter().filter(|b| b.column == output.column) {
         let limits = band.limits.iter().copied();
         missed.extend(places_outside(run, &output.column, limits, band.tolerance));
-        wanted.push(Wanted::Limits(band.limits.clone()));
+        wanted.push(DrawnTarget::Limits(band.limits.clone()));
     }
     // Targets are by drive value.
     if by_time.is_some() {

@@ -1,8 +1,8 @@
 //! One plot as SVG: curves over the motion, what was wanted of them, and gaps where nothing was solved.
 
+use super::drawn_target::DrawnTarget;
 use super::lettering::{Anchor, Lettering, Words};
 use super::scale::Scale;
-use super::wanted::Wanted;
 use crate::report::figure::power_of_ten;
 use std::fmt::Write;
 
@@ -51,7 +51,7 @@ pub(super) struct Panel {
     /// Curves, the most important one last.
     pub lines: Vec<Line>,
     /// What was wanted.
-    pub wanted: Vec<Wanted>,
+    pub wanted: Vec<DrawnTarget>,
     /// Places of the last design that miss a target by more than its tolerance.
     pub missed: Vec<[f64; 2]>,
     /// Motion values that were not solved.
@@ -63,7 +63,7 @@ impl Panel {
     pub(super) fn svg(&self, shift: f64, lettering: &Lettering) -> String {
         let [left, top, right, bottom] = PLOT;
         let points = || self.lines.iter().flat_map(|l| l.points.iter().flatten());
-        let wanted: Vec<[f64; 2]> = self.wanted.iter().flat_map(Wanted::edges).collect();
+        let wanted: Vec<[f64; 2]> = self.wanted.iter().flat_map(DrawnTarget::edges).collect();
         let values = points().chain(&wanted).map(|p| p[1]);
         let motion = points().chain(&wanted).map(|p| p[0]);
         let motion = motion.chain(self.failed.iter().copied());
@@ -157,7 +157,7 @@ impl Panel {
                 entries.push((line.look.class(), name));
             }
         }
-        for (class, name) in Wanted::KINDS {
+        for (class, name) in DrawnTarget::KINDS {
             if self.wanted.iter().any(|wanted| wanted.class() == class) {
                 entries.push((class.to_owned(), name));
             }

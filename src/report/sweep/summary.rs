@@ -85,10 +85,10 @@ pub(in crate::report) struct DesignSummary {
 
 impl SweepSummary {
     /// The summary of a sweep or of parts of it.
-    pub fn of(record: &SweepRecord, tally: &SweepStatistics) -> Self {
-        let effects = Effects::all(record, tally);
+    pub fn of(record: &SweepRecord, statistics: &SweepStatistics) -> Self {
+        let effects = Effects::all(record, statistics);
         let (misfit, deviations) = (record.misfit(), record.deviations());
-        let best = tally.best.iter().map(|c: &Candidate| DesignSummary {
+        let best = statistics.best.iter().map(|c: &Candidate| DesignSummary {
             design: c.design,
             misfit: misfit.map_or(f64::NAN, |m| c.outputs[m]),
             rms: deviations.iter().map(|k| c.outputs[*k]).collect(),
@@ -102,18 +102,18 @@ impl SweepSummary {
             topology: record.topology.clone(),
             method: record.method.clone(),
             designs: record.designs,
-            done: tally.designs,
-            solved: tally.solved,
-            one_by_one: tally.one_by_one,
-            statistics_designs: tally.moments.count,
-            failures: tally.failures.clone(),
+            done: statistics.designs,
+            solved: statistics.solved,
+            one_by_one: statistics.one_by_one,
+            statistics_designs: statistics.moments.count,
+            failures: statistics.failures.clone(),
             variables: record.variables.iter().map(|v| v.column.clone()).collect(),
             outputs: (0..record.outputs.len())
-                .map(|k| output(record, tally, effects.as_ref().map(|e| &e[k]), k))
+                .map(|k| output(record, statistics, effects.as_ref().map(|e| &e[k]), k))
                 .collect(),
             best: best.collect(),
-            notes: notes(record, tally),
-            pareto: several.then(|| tally.front.sorted().iter().map(|c| c.design).collect()),
+            notes: notes(record, statistics),
+            pareto: several.then(|| statistics.front.sorted().iter().map(|c| c.design).collect()),
         }
     }
 
@@ -253,22 +253,22 @@ impl SweepSummary {
 }
 
 /// Outputs that designs lack although they were solved, by reason; and what shares mean where designs fail.
-fn notes(record: &SweepRecord, tally: &SweepStatistics) -> Vec<String> {
+fn notes(record: &SweepRecord, statistics: &SweepStatistics) -> Vec<String> {
     let mut notes = Vec::new();
-    for (output, range) in record.outputs.iter().zip(&tally.ranges) {
-        let lacking = tally.solved - range.map_or(0, |r| r.count).min(tally.solved);
+    for (output, range) in record.outputs.iter().zip(&statistics.ranges) {
+        let lacking = statistics.solved - range.map_or(0, |r| r.count).min(statistics.solved);
         if lacking == 0 {
             continue;
         }
         let reason = undefined_where(record, output).unwrap_or("it is not a finite number there");
         let column = &output.column;
-        notes.push(match lacking == tally.solved {
+        notes.push(match lacking == statistics.solved {
             true => format!("warning: no design that was solved has {column}: {reason}"),
             false => format!("{lacking} designs that were solved lack {column}: {reason}"),
         });
     }
     // Of Saltelli's groups only the first two designs are drawn independently.
-    let (count, designs) = (tally.moments.count, tally.designs);
+    let (count, designs) = (statistics.moments.count, statistics.designs);
     let drawn = record.group().map_or(designs, |group| {
         designs / group * 2 + (designs % group).min(2)
     });
@@ -279,8 +279,8 @@ fn notes(record: &SweepRecord, tally: &SweepStatistics) -> Vec<String> {
             designs - drawn
         ));
     }
-    if count == 0 && tally.solved > 0 {
-        let lacking = record.outputs.iter().zip(&tally.ranges);
+    if count == 0 && statistics.solved > 0 {
+        let lacking = record.outputs.iter().zip(&statistics.ranges);
         let lacking = lacking.filter(|(_, range)| range.is_none());
         let mut names: Vec<&str> = lacking.map(|(o, _)| o.output.as_str()).collect();
         names.dedup();
@@ -318,12 +318,12 @@ fn undefined_where(record: &SweepRecord, output: &OutputColumn) -> Option<&'stat
 
 /// `pareto.csv`: the rows of the designs that cannot be bettered in one target without losing in
 /// another, where there are several.
-pub fn pareto_csv(record: &SweepRecord, tally: &SweepStatistics) -> Option<Vec<u8>> {
+pub fn pareto_csv(record: &SweepRecord, statistics: &SweepStatistics) -> Option<Vec<u8>> {
     if record.deviations().len() < 2 {
         return None;
     }
     let mut csv = rows_header(record);
-    for candidate in tally.front.sorted() {
+    for candidate in statistics.front.sorted() {
         append_candidate(candidate, &mut csv);
     }
     Some(csv)
@@ -331,11 +331,11 @@ pub fn pareto_csv(record: &SweepRecord, tally: &SweepStatistics) -> Option<Vec<u
 
 fn output(
     record: &SweepRecord,
-    tally: &SweepStatistics,
+    statistics: &SweepStatistics,
     effects: Option<&Effects>,
     k: usize,
 ) -> OutputSummary {
-    let (column, range) = (&record.outputs[k], tally.ranges[k]);
+    let (column, range) = (&record.outputs[k], statistics.ranges[k]);
     let of = effects.map_or(&[][..], |e| &e.of);
     let named = record.variables.iter().zip(of);
     // Shares and slopes of rounding are chance.
@@ -355,8 +355,8 @@ fn output(
         effects: named
             .map(|(variable, effect)| EffectSummary {
                 variable: variable.column.clone(),
-                change: effect.change.filter(|_| is_moved),
-                share: effect.share.filter(|_| is_moved),
+                change: effect.linear_change.filter(|_| is_moved),
+                share: effect.first_order_index.filter(|_| is_moved),
                 total: effect.total.filter(|_| is_moved),
             })
             .collect(),

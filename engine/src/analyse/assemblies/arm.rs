@@ -20,7 +20,7 @@ use crate::number::Interval;
 use crate::number::Jet;
 use crate::number::{Real, Scalar};
 use crate::solve::closed_form::Roles;
-use crate::solve::closed_form::{ClosedForm, State};
+use crate::solve::closed_form::{ArmState, ClosedForm};
 use std::f64::consts::PI;
 
 /// Pieces this narrow (rad) are not halved any further.
@@ -210,7 +210,7 @@ impl Branch {
     /// end's distance from its plane, are small differences of large terms near their zeros, which may be double ones
     /// (parallel arms come into line with each other and the steering axis): their mean-value forms are far narrower
     /// than these.
-    fn state(&self, form: &ClosedForm<Value>, angle: Interval) -> (State<Value>, Interval) {
+    fn state(&self, form: &ClosedForm<Value>, angle: Interval) -> (ArmState<Value>, Interval) {
         let middle = Interval::point(angle.middle());
         let around = angle - middle;
         let turn = |angle: Interval| {

@@ -325,7 +325,7 @@ impl<'a> Search<'a> {
         let size = self.solver.size();
         let known = self.all.found.iter_mut().find(|a| {
             let unproved = a.certificate.is_none() || assembly.certificate.is_none();
-            unproved && apart(&a.pose, &assembly.pose, size) < DOUBLE * size
+            unproved && pose_distance(&a.pose, &assembly.pose, size) < DOUBLE * size
         });
         match known {
             Some(known) if known.certificate.is_none() => *known = assembly,
@@ -367,7 +367,7 @@ fn velocity(at: &Configuration<f64>, arm: &Arm) -> Vector3<f64> {
 }
 
 /// How far two poses are from each other, as a length.
-fn apart(a: &Pose<f64>, b: &Pose<f64>, size: f64) -> f64 {
+fn pose_distance(a: &Pose<f64>, b: &Pose<f64>, size: f64) -> f64 {
     let columns = a.rotation.columns.iter().zip(b.rotation.columns);
     let turned = columns.map(|(p, q)| (*p - q).norm()).fold(0.0, f64::max);
     (a.origin - b.origin).norm() + turned * size

@@ -23,7 +23,7 @@
 //! What is left is halved across the variable that moves the equations most. Everything is rounded
 //! outward, so no assembly is missed.
 
-use super::{Search, Undecided, apart};
+use super::{Search, Undecided, pose_distance};
 use crate::linear::lu::Lu6;
 use crate::mechanism::Pose;
 use crate::model::{Body, Constraint, Mechanism};
@@ -69,7 +69,7 @@ struct Chart {
     /// h
     height: Interval,
     /// The signs on D's diagonal.
-    half_turn: [f64; 3],
+    flip: [f64; 3],
 }
 
 /// What is known of a box.
@@ -96,9 +96,9 @@ impl Search<'_> {
         let height = wheel.z + Interval::point(self.point.value);
         let within = place(&rods);
         let (mut looked_at, mut tries, mut unsearched) = (0, 0, 0.0);
-        for half_turn in [[1., 1., 1.], [1., -1., -1.], [-1., 1., -1.], [-1., -1., 1.]] {
+        for flip in [[1., 1., 1.], [1., -1., -1.], [-1., 1., -1.], [-1., -1., 1.]] {
             let flipped = |v: Vector3<Interval>| {
-                let [x, y, z] = half_turn;
+                let [x, y, z] = flip;
                 Vector3::new(v.x.scaled(x), v.y.scaled(y), v.z.scaled(z))
             };
             let chart = Chart {
@@ -108,7 +108,7 @@ impl Search<'_> {
                 }),
                 wheel_lever: flipped(wheel_lever),
                 height,
-                half_turn,
+                flip,
             };
             let turn = Interval::bounds(-1.0, 1.0);
             let [x, y, z] = within.to_array();
@@ -172,7 +172,7 @@ impl Search<'_> {
     fn take(&mut self, poses: &Pose<Interval>) {
         let (near, size) = (middle(poses), self.solver.size());
         let found = self.assembly(&near);
-        match found.filter(|a| apart(&a.pose, &near, size) < NEAR * size) {
+        match found.filter(|a| pose_distance(&a.pose, &near, size) < NEAR * size) {
             Some(assembly) => self.add(assembly),
             None => self.leave_open(near),
         }
@@ -182,7 +182,7 @@ impl Search<'_> {
     fn leave_open(&mut self, pose: Pose<f64>) {
         let size = self.solver.size();
         let known = |u: &Undecided| match u {
-            Undecided::Pose(other) => apart(other, &pose, size) < NEAR * size,
+            Undecided::Pose(other) => pose_distance(other, &pose, size) < NEAR * size,
             _ => false,
         };
         if self.all.undecided.len() < crate::analyse::assemblies::MOST_UNDECIDED
@@ -365,7 +365,7 @@ impl Chart {
             rotation: Matrix3 {
                 columns: from_fn(|k| {
                     let column = Vector3::new(x[k], y[k], z[k]);
-                    column.map(|c| c.scaled(self.half_turn[k]))
+                    column.map(|c| c.scaled(self.flip[k]))
                 }),
             },
         }

@@ -4,13 +4,13 @@
 //! ground; parts weigh nothing. The bar adds k_b (b_l - b_r)^2/2, b the angles of its levers.
 
 use crate::axle::reading::WheelParts;
-use crate::axle::state::{Motion, State};
+use crate::axle::state::{AxleState, Motion};
 use crate::model::Side;
 use crate::number::{Real, Scalar};
 use std::f64::consts::PI;
 
 /// Force of a spring, its bump stop included.
-pub(crate) fn spring_force<T: Scalar, W: WheelParts<T>>(state: &State<T, W>, side: Side) -> T {
+pub(crate) fn spring_force<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>, side: Side) -> T {
     let (length, _, design) = state.wheel(side).reading.spring_length();
     match &state.setup.springs {
         Some(springs) => springs[side as usize].force(length, design),
@@ -19,21 +19,21 @@ pub(crate) fn spring_force<T: Scalar, W: WheelParts<T>>(state: &State<T, W>, sid
 }
 
 /// Load of a wheel by its spring alone.
-fn spring_load<T: Scalar, W: WheelParts<T>>(state: &State<T, W>, side: Side) -> T {
+fn spring_load<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>, side: Side) -> T {
     let wheel = state.wheel(side);
     let (_, by_travel, _) = wheel.reading.spring_length();
     -(spring_force(state, side) * by_travel) / wheel.rise()
 }
 
 /// Torque of the anti-roll bar.
-pub(crate) fn bar_torque<T: Scalar, W: WheelParts<T>>(state: &State<T, W>) -> T {
+pub(crate) fn bar_torque<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     let rate = state.setup.bar_rate.unwrap_or(f64::NAN);
     let angle = |side| state.wheel(side).reading.bar_angle().0;
     (angle(Side::Left) - angle(Side::Right)).scaled(rate)
 }
 
 /// Load of a wheel.
-pub(crate) fn wheel_load<T: Scalar, W: WheelParts<T>>(state: &State<T, W>, side: Side) -> T {
+pub(crate) fn wheel_load<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>, side: Side) -> T {
     let spring = spring_load(state, side);
     if state.setup.bar_rate.is_none() {
         return spring;
@@ -48,7 +48,7 @@ pub(crate) fn wheel_load<T: Scalar, W: WheelParts<T>>(state: &State<T, W>, side:
 }
 
 /// Load that a wheel gains as its pad rises, the spring alone.
-pub(crate) fn wheel_rate<T: Scalar, W: WheelParts<T>>(state: &State<T, W>, side: Side) -> T {
+pub(crate) fn wheel_rate<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>, side: Side) -> T {
     let motion = match side {
         Side::Left => Motion::TravelLeft,
         Side::Right => Motion::TravelRight,
@@ -57,7 +57,7 @@ pub(crate) fn wheel_rate<T: Scalar, W: WheelParts<T>>(state: &State<T, W>, side:
     spring_load(&pads.moving(motion), side)[1] / pads.wheel(side).rise()
 }
 
-fn loads<T: Scalar, W: WheelParts<T>>(state: &State<T, W>) -> [T; 2] {
+fn loads<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) -> [T; 2] {
     [
         wheel_load(state, Side::Left),
         wheel_load(state, Side::Right),
@@ -65,20 +65,20 @@ fn loads<T: Scalar, W: WheelParts<T>>(state: &State<T, W>) -> [T; 2] {
 }
 
 /// The sum of both.
-pub(crate) fn axle_load<T: Scalar, W: WheelParts<T>>(state: &State<T, W>) -> T {
+pub(crate) fn axle_load<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     let [left, right] = loads(state);
     left + right
 }
 
 /// Moment of the wheel loads about the vehicle's middle.
-pub(crate) fn roll_moment<T: Scalar, W: WheelParts<T>>(state: &State<T, W>) -> T {
+pub(crate) fn roll_moment<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     let [left, right] = loads(state);
     (state.track() * (right - left)).scaled(0.5)
 }
 
 /// Roll moment by roll angle on a rig: body held level, wheels on level pads moved equally and oppositely. The
 /// roll angle is what a rig takes for it, that of the line through both contact points.
-pub(crate) fn roll_stiffness<T: Scalar, W: WheelParts<T>>(state: &State<T, W>) -> T {
+pub(crate) fn roll_stiffness<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     let pads = state.on_pads();
     let rig = pads.moving(Motion::OpposedTravels);
     let angle = (-rig.mismatch()).atan2(rig.track());
@@ -86,19 +86,19 @@ pub(crate) fn roll_stiffness<T: Scalar, W: WheelParts<T>>(state: &State<T, W>) -
 }
 
 /// The same on the road, mean travel held.
-pub(crate) fn roll_stiffness_on_road<T: Scalar, W: WheelParts<T>>(state: &State<T, W>) -> T {
+pub(crate) fn roll_stiffness_on_road<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     roll_moment(&state.moving(Motion::Roll))[1]
 }
 
 /// The same, the sum of the wheel loads held.
-pub(crate) fn roll_stiffness_at_load<T: Scalar, W: WheelParts<T>>(state: &State<T, W>) -> T {
+pub(crate) fn roll_stiffness_at_load<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     let (rolling, heaving) = (state.moving(Motion::Roll), state.moving(Motion::Heave));
     let sinking = axle_load(&rolling)[1] / axle_load(&heaving)[1];
     roll_moment(&rolling)[1] - roll_moment(&heaving)[1] * sinking
 }
 
 /// Half the load that the axle gains by heave of the wheel centres, in series with a tyre.
-pub(crate) fn ride_rate<T: Scalar, W: WheelParts<T>>(state: &State<T, W>) -> T {
+pub(crate) fn ride_rate<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     let rate = axle_load(&state.moving(Motion::Heave))[1].scaled(0.5);
     match state.setup.tyre_rate {
         None => rate,
@@ -107,18 +107,22 @@ pub(crate) fn ride_rate<T: Scalar, W: WheelParts<T>>(state: &State<T, W>) -> T {
 }
 
 /// Frequency of `rate` at each wheel under a mass of the axle, in hertz.
-fn frequency<T: Scalar, W: WheelParts<T>>(state: &State<T, W>, rate: T, mass: Option<f64>) -> T {
+fn frequency<T: Scalar, W: WheelParts<T>>(
+    state: &AxleState<T, W>,
+    rate: T,
+    mass: Option<f64>,
+) -> T {
     let per_mass = 2.0 * state.setup.per_metre / mass.unwrap_or(f64::NAN);
     rate.scaled(per_mass).sqrt().scaled(0.5 / PI)
 }
 
 /// Natural frequency of the sprung mass in heave.
-pub(crate) fn ride_frequency<T: Scalar, W: WheelParts<T>>(state: &State<T, W>) -> T {
+pub(crate) fn ride_frequency<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     frequency(state, ride_rate(state), state.setup.sprung_mass)
 }
 
 /// Natural frequency of the wheels between springs and tyres, the body held.
-pub(crate) fn wheel_hop_frequency<T: Scalar, W: WheelParts<T>>(state: &State<T, W>) -> T {
+pub(crate) fn wheel_hop_frequency<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     let tyre = state.setup.tyre_rate.unwrap_or(f64::NAN);
     let rate = (wheel_rate(state, Side::Left) + wheel_rate(state, Side::Right)).scaled(0.5);
     frequency(state, rate + rate.lit(tyre), state.setup.unsprung_mass)

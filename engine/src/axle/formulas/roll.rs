@@ -16,14 +16,17 @@
 //! Equal side forces make the same roll moment at the height track (j_l + j_r)/4, which stays finite.
 
 use crate::axle::reading::WheelParts;
-use crate::axle::state::{Motion, State, WheelState};
+use crate::axle::state::{AxleState, Motion, WheelState};
 use crate::mechanism::Ground;
 use crate::model::Side;
 use crate::number::{Real, outlined};
 
 /// Load gained per side force inboard.
 #[inline(always)]
-pub(crate) fn jacking_coefficient<T: Real, W: WheelParts<T>>(state: &State<T, W>, side: Side) -> T {
+pub(crate) fn jacking_coefficient<T: Real, W: WheelParts<T>>(
+    state: &AxleState<T, W>,
+    side: Side,
+) -> T {
     outlined!(
         [T: Real, W: WheelParts<T>] state.like(); wheel: WheelState<'p, T, W> = state.wheel(side) => T {
             let velocity = wheel.contact_velocity();
@@ -34,7 +37,10 @@ pub(crate) fn jacking_coefficient<T: Real, W: WheelParts<T>>(state: &State<T, W>
 
 /// The same for a force across the wheel instead of across the vehicle.
 #[inline(always)]
-pub(crate) fn side_force_jacking<T: Real, W: WheelParts<T>>(state: &State<T, W>, side: Side) -> T {
+pub(crate) fn side_force_jacking<T: Real, W: WheelParts<T>>(
+    state: &AxleState<T, W>,
+    side: Side,
+) -> T {
     let wheel = state.wheel(side);
     let (velocity, normal) = (wheel.contact_velocity(), wheel.ground.normal());
     let a = wheel.reading.spin_axis();
@@ -43,7 +49,7 @@ pub(crate) fn side_force_jacking<T: Real, W: WheelParts<T>>(state: &State<T, W>,
 }
 
 #[inline(always)]
-pub(crate) fn jacking<T: Real, W: WheelParts<T>>(state: &State<T, W>) -> [T; 2] {
+pub(crate) fn jacking<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> [T; 2] {
     [
         jacking_coefficient(state, Side::Left),
         jacking_coefficient(state, Side::Right),
@@ -52,20 +58,20 @@ pub(crate) fn jacking<T: Real, W: WheelParts<T>>(state: &State<T, W>) -> [T; 2] 
 
 /// Track at the ground.
 #[inline(always)]
-pub(crate) fn track<T: Real, W: WheelParts<T>>(state: &State<T, W>) -> T {
+pub(crate) fn track<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     state.track()
 }
 
 /// Track less that of the design position.
 #[inline(always)]
-pub(crate) fn track_change<T: Real, W: WheelParts<T>>(state: &State<T, W>) -> T {
+pub(crate) fn track_change<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     let designed = designed_half_track(state, Side::Left) + designed_half_track(state, Side::Right);
     state.track() - designed
 }
 
 /// How far outboard a contact point is in the design position.
 #[inline(always)]
-fn designed_half_track<T: Real, W: WheelParts<T>>(state: &State<T, W>, side: Side) -> T {
+fn designed_half_track<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>, side: Side) -> T {
     let wheel = state.wheel(side);
     let level = Ground::level(state.like());
     let lever = level.contact_lever(wheel.reading.design_spin_axis(), wheel.radius);
@@ -74,13 +80,13 @@ fn designed_half_track<T: Real, W: WheelParts<T>>(state: &State<T, W>, side: Sid
 
 /// Roll angle of the body.
 #[inline(always)]
-pub(crate) fn roll_angle<T: Real, W: WheelParts<T>>(state: &State<T, W>) -> T {
+pub(crate) fn roll_angle<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     state.roll
 }
 
 /// Height of the kinematic roll centre above the ground; on pads above the mean of both.
 #[inline(always)]
-pub(crate) fn roll_centre_height<T: Real, W: WheelParts<T>>(state: &State<T, W>) -> T {
+pub(crate) fn roll_centre_height<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     let [left, right] = jacking(state);
     let higher = state.mismatch().scaled(0.5);
     (state.track() * (left * right) + higher * (right - left)) / (left + right)
@@ -88,40 +94,44 @@ pub(crate) fn roll_centre_height<T: Real, W: WheelParts<T>>(state: &State<T, W>)
 
 /// The kinematic roll centre along the ground, from midway between the contact points.
 #[inline(always)]
-pub(crate) fn roll_centre_lateral<T: Real, W: WheelParts<T>>(state: &State<T, W>) -> T {
+pub(crate) fn roll_centre_lateral<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     let [left, right] = jacking(state);
     (state.track().scaled(0.5) * (left - right) + state.mismatch()) / (left + right)
 }
 
 /// Height at which equal side forces roll the body.
 #[inline(always)]
-pub(crate) fn force_roll_centre_height<T: Real, W: WheelParts<T>>(state: &State<T, W>) -> T {
+pub(crate) fn force_roll_centre_height<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     let [left, right] = jacking(state);
     (state.track() * (left + right)).scaled(0.25)
 }
 
 /// Lift per side force to the left, shared equally.
 #[inline(always)]
-pub(crate) fn jacking_force_ratio<T: Real, W: WheelParts<T>>(state: &State<T, W>) -> T {
+pub(crate) fn jacking_force_ratio<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     let [left, right] = jacking(state);
     (right - left).scaled(0.5)
 }
 
 /// How the kinematic roll centre rises in roll.
 #[inline(always)]
-pub(crate) fn roll_centre_migration_vertical<T: Real, W: WheelParts<T>>(state: &State<T, W>) -> T {
+pub(crate) fn roll_centre_migration_vertical<T: Real, W: WheelParts<T>>(
+    state: &AxleState<T, W>,
+) -> T {
     roll_centre_height(&state.moving(Motion::Roll))[1]
 }
 
 /// How it moves sideways in roll.
 #[inline(always)]
-pub(crate) fn roll_centre_migration_lateral<T: Real, W: WheelParts<T>>(state: &State<T, W>) -> T {
+pub(crate) fn roll_centre_migration_lateral<T: Real, W: WheelParts<T>>(
+    state: &AxleState<T, W>,
+) -> T {
     roll_centre_lateral(&state.moving(Motion::Roll))[1]
 }
 
 /// How the force-based height changes in roll.
 #[inline(always)]
-pub(crate) fn force_roll_centre_migration<T: Real, W: WheelParts<T>>(state: &State<T, W>) -> T {
+pub(crate) fn force_roll_centre_migration<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     force_roll_centre_height(&state.moving(Motion::Roll))[1]
 }
 
@@ -134,7 +144,7 @@ pub(crate) const FARTHEST_MEETING: f64 = 200.0;
 pub(crate) const UPRIGHT: f64 = 1e-8;
 
 /// Whether they meet farther, or are upright.
-pub(crate) fn normals_are_parallel(state: &State<f64>) -> bool {
+pub(crate) fn normals_are_parallel(state: &AxleState<f64>) -> bool {
     let [left, right] = jacking(state);
     let sum = (left + right).abs();
     let meet = sum > UPRIGHT && (left - right).abs() < FARTHEST_MEETING * sum;
@@ -144,14 +154,14 @@ pub(crate) fn normals_are_parallel(state: &State<f64>) -> bool {
 
 /// Camber against the normal of the ground.
 #[inline(always)]
-pub(crate) fn camber_to_road<T: Real, W: WheelParts<T>>(state: &State<T, W>, side: Side) -> T {
+pub(crate) fn camber_to_road<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>, side: Side) -> T {
     let wheel = state.wheel(side);
     -wheel.reading.spin_axis().dot(wheel.ground.normal()).asin()
 }
 
 /// Camber by the roll angle.
 #[inline(always)]
-pub(crate) fn roll_camber<T: Real, W: WheelParts<T>>(state: &State<T, W>, side: Side) -> T {
+pub(crate) fn roll_camber<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>, side: Side) -> T {
     let rolling = state.moving(Motion::Roll);
     let a = rolling.wheel(side).reading.spin_axis();
     (-a.z.asin())[1]
@@ -159,6 +169,9 @@ pub(crate) fn roll_camber<T: Real, W: WheelParts<T>>(state: &State<T, W>, side: 
 
 /// Camber to the road by the roll angle.
 #[inline(always)]
-pub(crate) fn roll_camber_to_road<T: Real, W: WheelParts<T>>(state: &State<T, W>, side: Side) -> T {
+pub(crate) fn roll_camber_to_road<T: Real, W: WheelParts<T>>(
+    state: &AxleState<T, W>,
+    side: Side,
+) -> T {
     camber_to_road(&state.moving(Motion::Roll), side)[1]
 }

@@ -13,7 +13,7 @@
 //! change sign.
 
 use crate::axle::reading::WheelParts;
-use crate::axle::state::{Motion, State};
+use crate::axle::state::{AxleState, Motion};
 use crate::model::{AxlePosition, Side};
 use crate::number::{Real, Vector3, outlined};
 use std::f64::consts::PI;
@@ -23,7 +23,7 @@ pub(crate) const STRAIGHT_AHEAD: f64 = 0.02;
 
 /// Steer of a wheel to the left.
 #[inline(always)]
-pub(crate) fn steer<T: Real, W: WheelParts<T>>(state: &State<T, W>, side: Side) -> T {
+pub(crate) fn steer<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>, side: Side) -> T {
     let a = state.wheel(side).reading.spin_axis();
     match side {
         Side::Left => -a.x.atan2(a.y),
@@ -33,25 +33,25 @@ pub(crate) fn steer<T: Real, W: WheelParts<T>>(state: &State<T, W>, side: Side) 
 
 /// The mean of both.
 #[inline(always)]
-pub(crate) fn mean_steer<T: Real, W: WheelParts<T>>(state: &State<T, W>) -> T {
+pub(crate) fn mean_steer<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     (steer(state, Side::Left) + steer(state, Side::Right)).scaled(0.5)
 }
 
 /// Steer by the roll angle.
 #[inline(always)]
-pub(crate) fn roll_steer<T: Real, W: WheelParts<T>>(state: &State<T, W>, side: Side) -> T {
+pub(crate) fn roll_steer<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>, side: Side) -> T {
     steer(&state.moving(Motion::Roll), side)[1]
 }
 
 /// Mean steer by the roll angle.
 #[inline(always)]
-pub(crate) fn axle_roll_steer<T: Real, W: WheelParts<T>>(state: &State<T, W>) -> T {
+pub(crate) fn axle_roll_steer<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     mean_steer(&state.moving(Motion::Roll))[1]
 }
 
 /// Angle of the steering wheel by mean steer.
 #[inline(always)]
-pub(crate) fn steering_ratio<T: Real, W: WheelParts<T>>(state: &State<T, W>) -> T {
+pub(crate) fn steering_ratio<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     let per_angle = state.setup.c_factor.unwrap_or(f64::NAN) / (2.0 * PI);
     let by_rack = mean_steer(&state.moving(Motion::Rack))[1];
     by_rack.one() / by_rack.scaled(per_angle)
@@ -88,16 +88,16 @@ fn inner_and_outer<T: Real>(side: T, left: T, right: T) -> [T; 2] {
 impl<T: Real> Turn<T> {
     /// In a function of its own: several formulas are made of it.
     #[inline(always)]
-    fn of<W: WheelParts<T>>(state: &State<T, W>) -> Self {
+    fn of<W: WheelParts<T>>(state: &AxleState<T, W>) -> Self {
         outlined!(
-            [T: Real, W: WheelParts<T>] state.like(); state: &'p State<'p, T, W> = state => Turn<T> {
+            [T: Real, W: WheelParts<T>] state.like(); state: &'p AxleState<'p, T, W> = state => Turn<T> {
                 Turn::seen_from_above(state)
             }
         )
     }
 
     #[inline(always)]
-    fn seen_from_above<W: WheelParts<T>>(state: &State<T, W>) -> Self {
+    fn seen_from_above<W: WheelParts<T>>(state: &AxleState<T, W>) -> Self {
         let like = state.like();
         let wheelbase = state.setup.wheelbase.unwrap_or(f64::NAN);
         let forward = match state.setup.position {
@@ -154,7 +154,7 @@ impl<T: Real> Turn<T> {
 
 /// Steer of the outer wheel beyond the ideal one.
 #[inline(always)]
-pub(crate) fn ackermann_error<T: Real, W: WheelParts<T>>(state: &State<T, W>) -> T {
+pub(crate) fn ackermann_error<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     let turn = Turn::of(state);
     let [_, outer] = turn.angles();
     outer - turn.ideal_outer()
@@ -162,7 +162,7 @@ pub(crate) fn ackermann_error<T: Real, W: WheelParts<T>>(state: &State<T, W>) ->
 
 /// Difference of the steer angles in percent of the ideal difference.
 #[inline(always)]
-pub(crate) fn ackermann<T: Real, W: WheelParts<T>>(state: &State<T, W>) -> T {
+pub(crate) fn ackermann<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     let turn = Turn::of(state);
     let [inner, outer] = turn.angles();
     ((inner - outer) / (inner - turn.ideal_outer())).scaled(100.0)
@@ -170,7 +170,7 @@ pub(crate) fn ackermann<T: Real, W: WheelParts<T>>(state: &State<T, W>) -> T {
 
 /// In percent of the difference that is ideal for the outer wheel, as Simscape has it.
 #[inline(always)]
-pub(crate) fn ackermann_by_inner<T: Real, W: WheelParts<T>>(state: &State<T, W>) -> T {
+pub(crate) fn ackermann_by_inner<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     let turn = Turn::of(state);
     let [inner, outer] = turn.angles();
     let [sine, cosine] = turn.outer;
@@ -181,7 +181,7 @@ pub(crate) fn ackermann_by_inner<T: Real, W: WheelParts<T>>(state: &State<T, W>)
 
 /// Difference of the cotangents in percent of the ideal one.
 #[inline(always)]
-pub(crate) fn ackermann_by_cotangents<T: Real, W: WheelParts<T>>(state: &State<T, W>) -> T {
+pub(crate) fn ackermann_by_cotangents<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     let turn = Turn::of(state);
     let [inner, outer] = turn.cotangents();
     let length = inner.lit(state.setup.wheelbase.unwrap_or(f64::NAN));
@@ -191,7 +191,7 @@ pub(crate) fn ackermann_by_cotangents<T: Real, W: WheelParts<T>>(state: &State<T
 /// Diameter of the circle that the contact point of the outer wheel runs on, about the middle between the
 /// points where the spin axes meet the line of the other axle.
 #[inline(always)]
-pub(crate) fn turning_circle<T: Real, W: WheelParts<T>>(state: &State<T, W>) -> T {
+pub(crate) fn turning_circle<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     let turn = Turn::of(state);
     let [inner, outer] = turn.cotangents();
     let lateral = (turn.ahead[0] * inner + turn.across + turn.ahead[1] * outer).scaled(0.5);
@@ -213,7 +213,7 @@ pub(crate) struct FromAbove {
 }
 
 /// The turn, where the study gives a wheelbase and the wheels' radius.
-pub(crate) fn turn(state: &State<f64>) -> Option<FromAbove> {
+pub(crate) fn turn(state: &AxleState<f64>) -> Option<FromAbove> {
     let wheelbase = state.setup.wheelbase?;
     let radius = state.setup.wheel_radius?;
     let forward = match state.setup.position {
@@ -254,7 +254,7 @@ pub(crate) fn turn(state: &State<f64>) -> Option<FromAbove> {
 }
 
 /// Whether the wheels are so near straight ahead that percentages of differences say nothing.
-pub(crate) fn is_straight_ahead(state: &State<f64>) -> bool {
+pub(crate) fn is_straight_ahead(state: &AxleState<f64>) -> bool {
     let steer = mean_steer(state);
     steer.is_nan() || steer.abs() < STRAIGHT_AHEAD
 }

@@ -93,7 +93,7 @@ impl<'t> Task<'t> {
                 pose,
                 T::of(*travel),
                 |_, at: &Configuration<'_, Dual<T, 3>>| {
-                    let inputs = Inputs::standing(at, constants, self.reads);
+                    let inputs = Inputs::without_rates(at, constants, self.reads);
                     for (output, c) in self.outputs.iter().enumerate() {
                         let by = c.evaluate(&inputs).partials;
                         let gradient = Vector3::from(by).map(|v: T| v.value());
@@ -168,7 +168,7 @@ impl<'t> Task<'t> {
                 Err(_) => at.fill(f64::NAN),
                 Ok(pose) => {
                     let configuration = subject.configuration(solver.design(), *pose);
-                    let inputs = Inputs::standing(&configuration, constants, self.reads);
+                    let inputs = Inputs::without_rates(&configuration, constants, self.reads);
                     for (value, c) in at.iter_mut().zip(&self.outputs) {
                         *value = c.evaluate(&inputs);
                     }

@@ -96,8 +96,8 @@ pub(super) fn lagrange(nodes: &[f64], i: usize, x: f64) -> f64 {
     })
 }
 
-/// One way to all poses, with camber read off each.
-struct Way<'s, T, E: Equations<T>> {
+/// One traversal of all poses, with camber read off each.
+struct Traversal<'s, T, E: Equations<T>> {
     subject: &'s Subject<'s>,
     equations: E,
     walk: Walk,
@@ -108,9 +108,9 @@ struct Way<'s, T, E: Equations<T>> {
     evaluations: Cell<usize>,
 }
 
-impl<'s, T: Measured, E: Equations<T>> Way<'s, T, E> {
+impl<'s, T: Measured, E: Equations<T>> Traversal<'s, T, E> {
     fn new(subject: &'s Subject<'s>, equations: E, start: Start, tolerance: f64) -> Self {
-        Way {
+        Traversal {
             subject,
             equations,
             walk: Walk::new(&subject.travels, start),
@@ -232,7 +232,7 @@ pub(super) fn measure(
         }
         let rack = subject.rack;
         let six = SixEquations::new(mechanism, &subject.suspension.design, rack);
-        let six = Way::new(subject, six, usual, tolerance);
+        let six = Traversal::new(subject, six, usual, tolerance);
         let name = "six equations, f64".to_owned();
         found.push(six.measure(clock, Family::Pose, name, setting));
     }
@@ -246,7 +246,7 @@ pub(super) fn measure(
             let measured = closed.unwrap_or_else(|| {
                 let design = &subject.suspension.design;
                 let six = SixEquations::new(mechanism, design, subject.rack);
-                let six = Way::new(subject, six, start, tolerance);
+                let six = Traversal::new(subject, six, start, tolerance);
                 six.measure(clock, Family::Start, String::new(), setting.clone())
             });
             found.push(Measurement {
@@ -273,9 +273,9 @@ fn by_closed_form<T: Measured>(
     let mechanism = &subject.suspension.mechanism;
     let rack = T::of(subject.rack);
     let equations = OneEquation::<T>::new(mechanism, &subject.design(), rack)?;
-    let way = Way::new(subject, equations, start, tolerance);
+    let traversal = Traversal::new(subject, equations, start, tolerance);
     let setting = setting.to_owned();
-    Some(way.measure(clock, Family::Pose, String::new(), setting))
+    Some(traversal.measure(clock, Family::Pose, String::new(), setting))
 }
 
 /// The closed form alone, solved to rounding from predictions of third order with nothing looked at on the
@@ -290,10 +290,10 @@ pub(in crate::bench) fn unchecked_and_checked<'s>(
         return Ok(None);
     };
     let tolerance = in_length_units(UNCHECKED, subject);
-    let way = Way::<f64, _>::new(subject, equation, Start::Predicted(3), tolerance);
+    let traversal = Traversal::<f64, _>::new(subject, equation, Start::Predicted(3), tolerance);
     let unchecked = move || {
         let mut sum = 0.0;
-        way.run(|_, camber| sum += camber);
+        traversal.run(|_, camber| sum += camber);
         black_box(sum);
     };
     let station_order = StationOrder::through(&subject.travels);

@@ -207,6 +207,6 @@ impl<'s> Subject<'s> {
 #[inline]
 pub(super) fn camber<T: Real>(at: &Configuration<T>) -> T {
     let slots = Slots::default().with(Characteristic::Camber.info().reads);
-    let inputs = Inputs::standing(at, Constants::default(), slots);
+    let inputs = Inputs::without_rates(at, Constants::default(), slots);
     Characteristic::Camber.evaluate(&inputs)
 }

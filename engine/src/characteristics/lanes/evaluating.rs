@@ -1,6 +1,6 @@
 //! Values of quantities and their derivatives by the drive, from what has been read.
 
-use super::{Evaluation, LaneInputs, LaneReader};
+use super::{EvaluationRule, LaneInputs, LaneReader};
 use crate::characteristics::gains::{by_drive, is_angle};
 use crate::characteristics::{Characteristic, Inputs, Quantity, Wheel};
 use crate::number::{Jet, Outlined, SimdReal, outlined};
@@ -12,7 +12,7 @@ impl LaneReader<'_> {
     #[inline(always)]
     pub fn values<B: SimdReal>(&self, read: &LaneInputs<B>, to: &mut [f64], stride: usize) {
         read.inputs.turn.x.outlined(Evaluating {
-            evaluations: &self.evaluations,
+            rules: &self.rules,
             read,
             to,
             stride,
@@ -26,9 +26,9 @@ impl LaneReader<'_> {
         let inputs = &read.inputs;
         let unknown = inputs.turn.x.lit(f64::NAN);
         let mut takes_series = false;
-        for (number, evaluation) in self.evaluations.iter().enumerate() {
-            let slope = match (evaluation, self.quantities[number]) {
-                (Evaluation::Coordinate(point, axis), _) => read.points[*point][1][*axis],
+        for (number, rule) in self.rules.iter().enumerate() {
+            let slope = match (rule, self.quantities[number]) {
+                (EvaluationRule::Coordinate(point, axis), _) => read.points[*point][1][*axis],
                 (_, Quantity::Characteristic(c)) if is_angle(c) => {
                     let slope = outlined!(
                         [B: SimdReal] unknown; c: Characteristic = c, inputs: &'p Inputs<B> = inputs
@@ -62,7 +62,7 @@ impl LaneReader<'_> {
 
 /// Evaluates quantities.
 struct Evaluating<'i, B> {
-    evaluations: &'i [Evaluation],
+    rules: &'i [EvaluationRule],
     read: &'i LaneInputs<B>,
     to: &'i mut [f64],
     stride: usize,
@@ -73,15 +73,17 @@ impl<B: SimdReal> Outlined for Evaluating<'_, B> {
     #[inline(always)]
     fn work(self) {
         let mut first = 0;
-        for evaluation in self.evaluations {
+        for rule in self.rules {
             // Else the compiler takes what does not depend on the characteristic out of the loop: the divisions
             // and roots of every formula there is, for any one of them.
             let read = black_box(self.read);
-            let value = match evaluation {
-                Evaluation::Formula(c) => c.evaluate(&read.inputs),
-                Evaluation::Slope(angle) => by_drive(*angle, &read.inputs).expect("it is an angle"),
-                Evaluation::Coordinate(point, axis) => read.points[*point][0][*axis],
-                Evaluation::AngularVelocity(axis) => read.inputs.turn[*axis],
+            let value = match rule {
+                EvaluationRule::Formula(c) => c.evaluate(&read.inputs),
+                EvaluationRule::Slope(angle) => {
+                    by_drive(*angle, &read.inputs).expect("it is an angle")
+                }
+                EvaluationRule::Coordinate(point, axis) => read.points[*point][0][*axis],
+                EvaluationRule::AngularVelocity(axis) => read.inputs.turn[*axis],
             };
             value.finite().store(&mut self.to[first..]);
             first += self.stride;

@@ -25,7 +25,7 @@ pub struct LaneReader<'a> {
     mechanism: &'a Mechanism,
     quantities: Vec<Quantity>,
     /// How each of them is evaluated.
-    evaluations: Vec<Evaluation>,
+    rules: Vec<EvaluationRule>,
     /// Which of them are made of velocities.
     of_rates: Vec<bool>,
     constants: Constants,
@@ -47,7 +47,7 @@ pub struct LaneReader<'a> {
 
 /// How a quantity is evaluated.
 #[derive(Clone, Copy, Debug)]
-enum Evaluation {
+enum EvaluationRule {
     /// By its own formula.
     Formula(Characteristic),
     /// As the slope of this angle by the drive. It is the angle's gain where the travel drives.
@@ -106,31 +106,31 @@ impl<'a> LaneReader<'a> {
         quantities: Vec<Quantity>,
     ) -> Option<Self> {
         let mut points: Vec<PointId> = Vec::new();
-        let mut evaluation = |quantity: &Quantity| match *quantity {
+        let mut rule = |quantity: &Quantity| match *quantity {
             Quantity::Characteristic(c) => match angle_of_gain(c) {
-                Some(angle) if batch.drive() == Drive::Travel => Evaluation::Slope(angle),
-                _ => Evaluation::Formula(c),
+                Some(angle) if batch.drive() == Drive::Travel => EvaluationRule::Slope(angle),
+                _ => EvaluationRule::Formula(c),
             },
             Quantity::Coordinate(id, axis) => {
                 let number = points.iter().position(|p| *p == id).unwrap_or_else(|| {
                     points.push(id);
                     points.len() - 1
                 });
-                Evaluation::Coordinate(number, axis)
+                EvaluationRule::Coordinate(number, axis)
             }
-            Quantity::AngularVelocity(axis) => Evaluation::AngularVelocity(axis),
+            Quantity::AngularVelocity(axis) => EvaluationRule::AngularVelocity(axis),
         };
-        let evaluations: Vec<Evaluation> = quantities.iter().map(&mut evaluation).collect();
+        let rules: Vec<EvaluationRule> = quantities.iter().map(&mut rule).collect();
         let of_rates: Vec<bool> = quantities.iter().map(|q| q.rate_order() > 0).collect();
         let rates = of_rates.contains(&true);
-        let slots = Slots::of(evaluations.iter().map(|evaluation| match evaluation {
-            Evaluation::Formula(c) | Evaluation::Slope(c) => c.info().reads,
-            Evaluation::Coordinate(..) | Evaluation::AngularVelocity(_) => &[],
+        let slots = Slots::of(rules.iter().map(|rule| match rule {
+            EvaluationRule::Formula(c) | EvaluationRule::Slope(c) => c.info().reads,
+            EvaluationRule::Coordinate(..) | EvaluationRule::AngularVelocity(_) => &[],
         }));
         let reader = LaneReader::reading(mechanism, batch, constants, slots, points, rates)?;
         Some(LaneReader {
             quantities,
-            evaluations,
+            rules,
             of_rates,
             ..reader
         })
@@ -178,7 +178,7 @@ impl<'a> LaneReader<'a> {
         Some(LaneReader {
             mechanism,
             quantities: Vec::new(),
-            evaluations: Vec::new(),
+            rules: Vec::new(),
             of_rates: Vec::new(),
             constants,
             slots,
@@ -203,7 +203,7 @@ impl<'a> LaneReader<'a> {
         self
     }
 
-    /// Whether poses have to be read in the order of the march: rods of rockers are watched from station to station.
+    /// Whether poses have to be read in the order of the visit: rods of rockers are watched from station to station.
     #[inline]
     pub(crate) fn watches_rods(&self) -> bool {
         !self.rockers.is_empty()

@@ -17,7 +17,7 @@ const STEEPEST_SPIN_AXIS: f64 = 0.9;
 
 impl LaneReader<'_> {
     /// What the formulas read in a pose, the rack where it is; with `rates`, the velocities of all of it.
-    /// Says which lanes are right: those where all of it is well known (the module of [`Batch`](crate::solve::Batch) has the
+    /// Says which lanes are accepted: those where all of it is well known (the module of [`Batch`](crate::solve::Batch) has the
     /// list), and no rod can have come to a toggle since the station before.
     #[inline(always)]
     pub fn read<B: SimdReal>(
@@ -62,7 +62,7 @@ impl<B: SimdReal, P: LanePose<B>> Outlined for ReadingPose<'_, '_, B, P> {
             by_rack,
             rods,
         } = self.into;
-        let mut right = self.rack.everywhere();
+        let mut accepted = self.rack.everywhere();
         let rates = match self.rates || reader.watches_rods() {
             true => Some(at.rates()),
             false => None,
@@ -72,10 +72,10 @@ impl<B: SimdReal, P: LanePose<B>> Outlined for ReadingPose<'_, '_, B, P> {
             false => None,
         };
         if let Some(rates) = &rates {
-            right = at.knows(rates);
+            accepted = at.knows(rates);
             inputs.turn = rates.turn();
             if let (true, Some(at)) = (reader.watches_rods(), &configuration) {
-                right = right & rods.watch(&reader.rockers, at, &rates.twist());
+                accepted = accepted & rods.watch(&reader.rockers, at, &rates.twist());
             }
         }
         let mut pose = PoseInLanes {
@@ -84,18 +84,18 @@ impl<B: SimdReal, P: LanePose<B>> Outlined for ReadingPose<'_, '_, B, P> {
             at,
             rates: rates.as_ref(),
             configuration: configuration.as_ref(),
-            right,
+            accepted,
         };
         inputs.read(&mut pose, reader.mechanism, reader.slots);
         for ([now, rate], id) in points.iter_mut().zip(&reader.points) {
             pose.point(*id).put(now, rate);
         }
-        let right = pose.right;
+        let accepted = pose.accepted;
         if let (true, Some(rates)) = (reader.by_rack, &rates) {
             let Twist { shift, turn } = at.by_rack(rates);
             *by_rack = [shift + turn.cross(inputs.now.centre - at.origin()), turn];
         }
-        right
+        accepted
     }
 }
 
@@ -109,7 +109,7 @@ struct PoseInLanes<'r, 'm, 'c, B: SimdReal, P> {
     /// Needed if a part is read that the knuckle does not carry.
     configuration: Option<&'r Configuration<'c, B>>,
     /// Lanes in which everything read so far is well known.
-    right: B::Mask,
+    accepted: B::Mask,
 }
 
 impl<B: SimdReal, P: LanePose<B>> PoseInLanes<'_, '_, '_, B, P> {
@@ -121,10 +121,10 @@ impl<B: SimdReal, P: LanePose<B>> PoseInLanes<'_, '_, '_, B, P> {
         }
     }
 
-    /// Lanes are right where a rocker is far from its toggle.
+    /// Lanes are accepted where a rocker is far from its toggle.
     #[inline(always)]
     fn require_leverage(&mut self, squared: B) {
-        self.right = self.right & squared.lit(LEAST_LEVERAGE).less(squared);
+        self.accepted = self.accepted & squared.lit(LEAST_LEVERAGE).less(squared);
     }
 }
 
@@ -132,8 +132,8 @@ impl<B: SimdReal, P: LanePose<B>> Posed<B> for PoseInLanes<'_, '_, '_, B, P> {
     #[inline(always)]
     fn spin_axis(&mut self) -> Moving<Vector3<B>> {
         let now = self.at.vector(&self.wheels.spin_axis);
-        self.right = self.right & now.z.abs().less(now.z.lit(STEEPEST_SPIN_AXIS));
-        let mut axis = Moving::standing(now);
+        self.accepted = self.accepted & now.z.abs().less(now.z.lit(STEEPEST_SPIN_AXIS));
+        let mut axis = Moving::without_rate(now);
         if let Some(rates) = self.rates {
             axis.rate = Some(rates.vector(now));
         }
@@ -144,7 +144,7 @@ impl<B: SimdReal, P: LanePose<B>> Posed<B> for PoseInLanes<'_, '_, '_, B, P> {
     fn point(&mut self, id: PointId) -> Moving<Vector3<B>> {
         if let Some(place) = self.reader.place[id.0] {
             let now = self.at.point(&self.wheels.carried[place]);
-            let mut point = Moving::standing(now);
+            let mut point = Moving::without_rate(now);
             if let Some(rates) = self.rates {
                 point.rate = Some(rates.point(self.at, now));
             }
@@ -160,15 +160,15 @@ impl<B: SimdReal, P: LanePose<B>> Posed<B> for PoseInLanes<'_, '_, '_, B, P> {
                     rate: Some(point.rate),
                 }
             }
-            None => Moving::standing(at.point(id)),
+            None => Moving::without_rate(at.point(id)),
         }
     }
 
     #[inline(always)]
     fn steering_axis(&mut self) -> Option<[Moving<Vector3<B>>; 2]> {
         let (point, along, is_known) = self.at.steering_axis();
-        self.right = self.right & is_known;
-        let mut axis = [Moving::standing(point), Moving::standing(along)];
+        self.accepted = self.accepted & is_known;
+        let mut axis = [Moving::without_rate(point), Moving::without_rate(along)];
         if let Some(rates) = self.rates {
             let (point, along) = self.at.steering_axis_rates(rates);
             (axis[0].rate, axis[1].rate) = (Some(point), Some(along));

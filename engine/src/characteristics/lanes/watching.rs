@@ -71,7 +71,7 @@ impl<B: SimdReal> Outlined for Watching<'_, B> {
                     *first = rod;
                     self.at.designed_rod(*id)
                 }
-                // The march may have turned to the other side of where it began.
+                // The visit may have turned to the other side of where it began.
                 true => rod.nearer(first, last),
             };
             right = right & before.keeps_leverage_to(&rod);

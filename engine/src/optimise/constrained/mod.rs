@@ -41,7 +41,7 @@ mod tests;
 pub(super) use solver::KEPT;
 pub use solver::{ConstrainedFit, constrained_fit};
 
-use super::{Evaluation, Infeasible};
+use super::{Infeasible, Linearisation};
 use nalgebra::DVector;
 
 /// A least-squares problem with constraints.
@@ -72,17 +72,17 @@ pub struct Shape {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Assessment {
     /// a and A.
-    pub goal: Evaluation,
+    pub goal: Linearisation,
     /// b and B, level by level.
-    pub levels: Vec<Evaluation>,
+    pub levels: Vec<Linearisation>,
     /// c and C. A violation of 1 is one that anybody would see: a millimetre, a degree.
-    pub rows: Evaluation,
+    pub rows: Linearisation,
 }
 
 impl Assessment {
     /// Room for a problem.
     pub fn new(shape: &Shape) -> Self {
-        let room = |residuals: usize| Evaluation::new(residuals, shape.variables);
+        let room = |residuals: usize| Linearisation::new(residuals, shape.variables);
         Assessment {
             goal: room(shape.goal),
             levels: shape.levels.iter().map(|level| room(level.0)).collect(),
@@ -93,7 +93,7 @@ impl Assessment {
     /// Whether every number is one.
     pub fn check(&self) -> Result<(), Infeasible> {
         self.goal.check()?;
-        self.levels.iter().try_for_each(Evaluation::check)?;
+        self.levels.iter().try_for_each(Linearisation::check)?;
         self.rows.check()
     }
 

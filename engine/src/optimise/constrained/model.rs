@@ -2,7 +2,7 @@
 
 use super::super::active_set::{ActiveSet, Held, Outcome, Rows};
 use super::super::qr::{dot, scale_columns, triangularise, triangularise_within};
-use super::super::{Bounds, Evaluation};
+use super::super::{Bounds, Linearisation};
 use super::Assessment;
 use nalgebra::DVector;
 
@@ -31,7 +31,7 @@ impl Squares {
     }
 
     /// Reduces residuals, the columns scaled by `width`.
-    fn reduce(&mut self, of: &Evaluation, width: &[f64], matrix: &mut Vec<f64>) {
+    fn reduce(&mut self, of: &Linearisation, width: &[f64], matrix: &mut Vec<f64>) {
         let n = self.offset.len();
         let rows = of.residuals.len().max(n);
         scale_columns(&of.jacobian, width, rows, matrix);
@@ -565,7 +565,7 @@ impl<'a> ConvexModel<'a> {
         let n = self.half.len();
         let mut y = vec![0.0; n];
         for (j, y) in y.iter_mut().enumerate() {
-            let part = |a: &Evaluation, b: &Evaluation, weights: &[f64]| {
+            let part = |a: &Linearisation, b: &Linearisation, weights: &[f64]| {
                 let (b, a) = (b.jacobian.column(j), a.jacobian.column(j));
                 let (b, a) = (b.as_slice(), a.as_slice());
                 let mut sum = 0.0;

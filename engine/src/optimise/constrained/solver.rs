@@ -1,8 +1,8 @@
 //! The loop: one accepted step for each iteration of argmin.
 
 use super::super::active_set::Held;
-use super::super::course::{Course, State, evaluations, execute, of};
-use super::super::{Bounds, Control, Evaluation, Infeasible, Iteration, Options, Termination};
+use super::super::fit_record::{ArgminState, FitRecord, evaluations, execute, of};
+use super::super::{Bounds, Control, Infeasible, Iteration, Linearisation, Options, Termination};
 use super::filter::Filter;
 use super::model::{ConvexModel, Proposal};
 use super::{Assessment, Constrained};
@@ -78,7 +78,7 @@ pub fn constrained_fit(
     let levels: Vec<f64> = shape.levels.iter().map(|level| level.1).collect();
     let n = bounds.variables();
     let solver = SequentialConvex {
-        course: Course::new(bounds, options, control, index),
+        record: FitRecord::new(bounds, options, control, index),
         equalities: shape.equalities,
         model: ConvexModel::new(bounds, shape.equalities, shape.rows, &levels),
         levels,
@@ -94,7 +94,7 @@ pub fn constrained_fit(
 }
 
 struct SequentialConvex<'a> {
-    course: Course<'a>,
+    record: FitRecord<'a>,
     equalities: usize,
     levels: Vec<f64>,
     model: ConvexModel<'a>,
@@ -107,13 +107,13 @@ struct SequentialConvex<'a> {
 }
 
 impl SequentialConvex<'_> {
-    fn into_fit(mut self, state: State) -> ConstrainedFit {
+    fn into_fit(mut self, state: ArgminState) -> ConstrainedFit {
         let x = state.param.expect("the state was given its start");
         // Multipliers of the end itself, not of the step that led there.
         self.model.solve(WHOLE, false);
         let imbalance = self.model.imbalance();
         let [rows, levels] = self.model.multipliers().map(<[f64]>::to_vec);
-        let (termination, history) = self.course.finished();
+        let (termination, history) = self.record.finished();
         ConstrainedFit {
             violation: self.current.violation(self.equalities, &self.levels),
             multipliers: rows,
@@ -128,7 +128,7 @@ impl SequentialConvex<'_> {
     }
 
     /// The residuals a run is told by: those held to a level, where there are any.
-    fn reported(&self) -> &Evaluation {
+    fn reported(&self) -> &Linearisation {
         self.current.levels.first().unwrap_or(&self.current.goal)
     }
 
@@ -146,8 +146,8 @@ impl SequentialConvex<'_> {
     fn rebuild_model(&mut self, x: &DVector<f64>) {
         self.model.build(x, &self.current);
         let [_, violation] = self.pair(&self.current);
-        if self.current.goal.misfit() <= self.course.options.misfit_below && violation <= KEPT {
-            self.course.end(Termination::MisfitReached);
+        if self.current.goal.misfit() <= self.record.options.misfit_below && violation <= KEPT {
+            self.record.end(Termination::MisfitReached);
         }
     }
 
@@ -167,7 +167,7 @@ impl SequentialConvex<'_> {
     }
 }
 
-impl<P: Constrained> Solver<P, State> for SequentialConvex<'_> {
+impl<P: Constrained> Solver<P, ArgminState> for SequentialConvex<'_> {
     fn name(&self) -> &str {
         "sequential convex programs"
     }
@@ -175,30 +175,30 @@ impl<P: Constrained> Solver<P, State> for SequentialConvex<'_> {
     fn init(
         &mut self,
         problem: &mut Problem<P>,
-        state: State,
-    ) -> Result<(State, Option<KV>), Error> {
+        state: ArgminState,
+    ) -> Result<(ArgminState, Option<KV>), Error> {
         let problem = of(problem);
-        assert_eq!(problem.shape().variables, self.course.bounds.variables());
+        assert_eq!(problem.shape().variables, self.record.bounds.variables());
         let x = state.param.as_ref().expect("the state was given its start");
         problem.assess(x, &mut self.current)?;
         self.current.check()?;
         self.rebuild_model(x);
         let [cost, violation] = self.pair(&self.current);
         self.filter = Filter::new(violation);
-        self.course.record(x, Iteration::at(self.reported()));
+        self.record.add(x, Iteration::at(self.reported()));
         Ok((state.cost(cost), None))
     }
 
     fn next_iter(
         &mut self,
         problem: &mut Problem<P>,
-        mut state: State,
-    ) -> Result<(State, Option<KV>), Error> {
+        mut state: ArgminState,
+    ) -> Result<(ArgminState, Option<KV>), Error> {
         let problem = of(problem);
         let mut x = state.take_param().expect("the state was given its start");
         let from = self.pair(&self.current);
         let curved = state.iter >= CURVED_FROM;
-        let negligible = self.course.options.reduction_below * NEGLIGIBLE * from[0];
+        let negligible = self.record.options.reduction_below * NEGLIGIBLE * from[0];
         let (mut evaluations, mut infeasible) = (0, 0);
         let mut obstacle = None;
         let mut step = 0.0;
@@ -214,16 +214,16 @@ impl<P: Constrained> Solver<P, State> for SequentialConvex<'_> {
                 && from[1] > KEPT
             {
                 self.culprits.clone_from(culprits);
-                self.course.end(Termination::ConstraintsExcludeEachOther);
+                self.record.end(Termination::ConstraintsExcludeEachOther);
                 break;
             }
-            let is_still = length <= self.course.options.step_below.max(1e-12);
+            let is_still = length <= self.record.options.step_below.max(1e-12);
             let is_balanced = proposal == Proposal::Optimal
                 && from[1] <= KEPT
                 && length < self.radius
                 && predicted.abs() <= negligible;
             if is_still {
-                self.course.end(match obstacle {
+                self.record.end(match obstacle {
                     Some(reason) => Termination::NoFeasibleStep(reason),
                     None => Termination::StepBelowResolution,
                 });
@@ -231,7 +231,7 @@ impl<P: Constrained> Solver<P, State> for SequentialConvex<'_> {
             }
             if is_balanced && obstacle.is_none() && self.model.imbalance() <= BALANCED {
                 // Another step would not show.
-                self.course.end(Termination::NoFurtherDescent);
+                self.record.end(Termination::NoFurtherDescent);
                 break;
             }
             self.model.step_from(&x, &mut self.trial_x);
@@ -244,7 +244,7 @@ impl<P: Constrained> Solver<P, State> for SequentialConvex<'_> {
             }
             let mut accepted = self.is_better(from, predicted);
             if is_balanced && obstacle.is_none() {
-                self.course.end(Termination::NoFurtherDescent);
+                self.record.end(Termination::NoFurtherDescent);
                 if !accepted {
                     break;
                 }
@@ -275,7 +275,7 @@ impl<P: Constrained> Solver<P, State> for SequentialConvex<'_> {
             } else if length >= 0.99 * self.radius && (ratio > GOOD || violation < 0.1 * from[1]) {
                 self.radius = (2.5 * self.radius).min(WHOLE);
             }
-            step = self.course.bounds.distance(&x, &self.trial_x);
+            step = self.record.bounds.distance(&x, &self.trial_x);
             self.model.learn(&self.current, &self.trial);
             std::mem::swap(&mut x, &mut self.trial_x);
             std::mem::swap(&mut self.current, &mut self.trial);
@@ -290,11 +290,11 @@ impl<P: Constrained> Solver<P, State> for SequentialConvex<'_> {
             infeasible,
             ..Iteration::at(self.reported())
         };
-        self.course.record(&x, iteration);
+        self.record.add(&x, iteration);
         Ok((state.param(x).cost(cost), None))
     }
 
-    fn terminate(&mut self, state: &State) -> TerminationStatus {
-        self.course.status(state)
+    fn terminate(&mut self, state: &ArgminState) -> TerminationStatus {
+        self.record.status(state)
     }
 }

@@ -25,7 +25,7 @@
 use super::circle::Circle;
 use super::roles::UpperRoles;
 use super::upper::Upper;
-use super::{ClosedForm, Roles, State};
+use super::{ArmState, ClosedForm, Roles};
 use crate::derive::Gradient;
 use crate::derive::sensitivity::HardpointGradient;
 use crate::mechanism::pose::Sink;
@@ -194,7 +194,7 @@ impl<'a, T: Real> Adjoint<'a, T> {
         roles: &'a Roles,
         members: &'a Members<T>,
         form: &ClosedForm<T>,
-        state: &State<T>,
+        state: &ArmState<T>,
         at: &'a Configuration<'a, T>,
         ball_joint_velocity: Vector3<T>,
         turn: Vector3<T>,

@@ -14,13 +14,13 @@
 //! on the large side, and J's rows, a unit force and its moment, are somewhat larger than one: taken as one
 //! the product is right to within a factor of ten (`tests/hard_cases.rs`).
 
-use super::{ClosedForm, State};
+use super::{ArmState, ClosedForm};
 
 impl ClosedForm<f64> {
     /// An estimate of the condition number in a state of a mechanism of this size. `rate` is how far the pose moves per
     /// unit of travel; `None` if the arm's angle drives.
     #[inline]
-    pub(crate) fn condition(&self, state: &State<f64>, size: f64, rate: Option<f64>) -> f64 {
+    pub(crate) fn condition(&self, state: &ArmState<f64>, size: f64, rate: Option<f64>) -> f64 {
         let tie_rod_squared = self.tie_squared - 2.0 * self.tie_difference;
         let upper = self.upper.lever(state);
         let steering = state.ga.abs() * state.gram;

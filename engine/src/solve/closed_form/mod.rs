@@ -99,7 +99,7 @@ pub(crate) struct ClosedForm<T> {
 
 /// The mechanism at one arm angle.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct State<T> {
+pub(crate) struct ArmState<T> {
     ball_joint: Vector3<T>,
     d: Vector3<T>,
     g: Vector3<T>,
@@ -209,14 +209,14 @@ impl<T: Real> ClosedForm<T> {
     /// The mechanism at an arm angle given by cosine and sine, the rack displaced by `rack`. Where the
     /// mechanism cannot be assembled the state holds NaN.
     #[inline(always)]
-    pub(crate) fn at(&self, cosine: T, sine: T, rack: T) -> State<T> {
+    pub(crate) fn at(&self, cosine: T, sine: T, rack: T) -> ArmState<T> {
         self.at_knowing(cosine, sine, rack, None)
     }
 
     /// As [`ClosedForm::at`], with a better value of [`ClosedForm::upper_square`] than the one that follows from the
     /// angle.
     #[inline(always)]
-    pub(crate) fn at_knowing(&self, cosine: T, sine: T, rack: T, square: Option<T>) -> State<T> {
+    pub(crate) fn at_knowing(&self, cosine: T, sine: T, rack: T, square: Option<T>) -> ArmState<T> {
         let ball_joint = self.ball_joint.at(cosine, sine);
         let (d, slide, upper_margin) = self.upper.at(ball_joint, square);
         let mut g = self.tie_rod_inner - ball_joint;
@@ -235,7 +235,7 @@ impl<T: Real> ClosedForm<T> {
             .tie_squared
             .minus_product(al, tau)
             .minus_product(be, kappa);
-        State {
+        ArmState {
             ball_joint,
             d,
             g,
@@ -259,7 +259,7 @@ impl<T: Real> ClosedForm<T> {
 
     /// As [`ClosedForm::at`], the angle given by the tangent of its half: no trigonometry is needed.
     #[inline(always)]
-    pub(crate) fn at_half_tangent(&self, tangent: T, rack: T) -> State<T> {
+    pub(crate) fn at_half_tangent(&self, tangent: T, rack: T) -> ArmState<T> {
         let inverse = tangent.one() / (tangent.one() + tangent.squared());
         let cosine = inverse + inverse - tangent.one();
         self.at(cosine, (tangent + tangent) * inverse, rack)
@@ -273,7 +273,7 @@ impl<T: Real> ClosedForm<T> {
 
     /// Height of the wheel centre above its design position.
     #[inline(always)]
-    pub(crate) fn travel(&self, state: &State<T>) -> T {
+    pub(crate) fn travel(&self, state: &ArmState<T>) -> T {
         let (by_d, by_g, by_n) = state.image(&self.wheel_centre);
         let rise = (by_d * state.d.z)
             .plus_product(by_g, state.g.z)
@@ -283,7 +283,7 @@ impl<T: Real> ClosedForm<T> {
 
     /// The pose of the knuckle, two of its axes carried and the third across them.
     #[inline(always)]
-    pub(crate) fn pose_by_two(&self, state: &State<T>) -> Pose<T> {
+    pub(crate) fn pose_by_two(&self, state: &ArmState<T>) -> Pose<T> {
         let (x, y) = (state.carry(&self.basis[0]), state.carry(&self.basis[1]));
         Pose {
             origin: state.ball_joint,
@@ -295,7 +295,7 @@ impl<T: Real> ClosedForm<T> {
 
     /// The pose of the knuckle.
     #[inline]
-    pub(crate) fn pose(&self, state: &State<T>) -> Pose<T> {
+    pub(crate) fn pose(&self, state: &ArmState<T>) -> Pose<T> {
         Pose {
             origin: state.ball_joint,
             rotation: Matrix3 {
@@ -332,8 +332,8 @@ impl<T: Real> ClosedForm<T> {
     }
 
     /// The state with a better value of ga^2 G than it was formed with.
-    pub(crate) fn with_toggle_square(&self, state: State<T>, square: T) -> State<T> {
-        State {
+    pub(crate) fn with_toggle_square(&self, state: ArmState<T>, square: T) -> ArmState<T> {
+        ArmState {
             ga: self.side * (square / state.gram).sqrt(),
             toggle_square: square,
             ..state
@@ -347,7 +347,7 @@ impl<T: Real> ClosedForm<T> {
     }
 }
 
-impl State<f64> {
+impl ArmState<f64> {
     /// Moves the tie rod's end into its plane where it has no real place: for a state at a toggle but
     /// for rounding.
     pub(crate) fn at_toggle_if_beyond(&mut self) {
@@ -362,7 +362,7 @@ const LEAST: f64 = 0.0625;
 /// The least margin of the upper end, a sine as well.
 const LEAST_UPPER: f64 = 0.25;
 
-impl<B: SimdReal> State<B> {
+impl<B: SimdReal> ArmState<B> {
     /// Lanes in which the closed form is well conditioned: nothing that it divides by is small. False for NaN.
     #[inline(always)]
     pub(crate) fn is_well_conditioned(&self) -> B::Mask {
@@ -375,12 +375,12 @@ impl<B: SimdReal> State<B> {
     }
 }
 
-impl<const N: usize> State<Jet<f64, N>> {
+impl<const N: usize> ArmState<Jet<f64, N>> {
     /// The state without its derivatives.
     #[inline]
-    pub(crate) fn now(&self) -> State<f64> {
+    pub(crate) fn now(&self) -> ArmState<f64> {
         let vector = |v: Vector3<Jet<f64, N>>| v.map(|c| c[0]);
-        State {
+        ArmState {
             ball_joint: vector(self.ball_joint),
             d: vector(self.d),
             g: vector(self.g),
@@ -403,7 +403,7 @@ impl<const N: usize> State<Jet<f64, N>> {
     }
 }
 
-impl<T: Real> State<T> {
+impl<T: Real> ArmState<T> {
     /// The squares that the closed form divides by or takes the root of, each with what makes it the
     /// squared sine of an angle: of the steering arm against the plane through steering axis and rack
     /// joint, of the rack joint and of the steering arm against the steering axis.

@@ -11,7 +11,7 @@
 //! where the bracket has only the coefficients below d_k in it; the pose along the motion is its own series
 //! at d(s).
 
-use super::{ClosedForm, State};
+use super::{ArmState, ClosedForm};
 use crate::derive::MotionPoint;
 use crate::mechanism::Pose;
 use crate::model::Drive;
@@ -25,7 +25,7 @@ impl ClosedForm<f64> {
         &self,
         tangent: f64,
         motion: &MotionPoint<Jet<f64, N>>,
-    ) -> Option<(Pose<Jet<f64, N>>, State<f64>)> {
+    ) -> Option<(Pose<Jet<f64, N>>, ArmState<f64>)> {
         if motion.rack.0[1..].iter().any(|c| *c != 0.0) {
             return None;
         }

@@ -153,7 +153,7 @@ impl<T: Real> Upper<T> {
     /// The lever by which the upper end holds the knuckle against turning about the lower one: s of a
     /// strut, |d| w/(|m| |a|) of an arm.
     #[inline]
-    pub(crate) fn lever(&self, state: &crate::solve::closed_form::State<T>) -> T {
+    pub(crate) fn lever(&self, state: &crate::solve::closed_form::ArmState<T>) -> T {
         match self {
             Upper::Strut { .. } => state.slide,
             Upper::Arm { .. } => state.upper_margin * state.dd.sqrt(),

@@ -25,7 +25,7 @@
 
 use super::circle::Circle;
 use super::upper::Upper;
-use super::{Carried, ClosedForm, State};
+use super::{ArmState, Carried, ClosedForm};
 use crate::number::Real;
 use crate::number::Vector3;
 
@@ -61,7 +61,7 @@ impl<T: Real> Velocity<T> {
 impl<T: Real> ClosedForm<T> {
     /// The rates of a state in which the tangent of half the arm's angle is `tangent`.
     #[inline(always)]
-    pub(crate) fn velocity(&self, state: &State<T>, tangent: T) -> Velocity<T> {
+    pub(crate) fn velocity(&self, state: &ArmState<T>, tangent: T) -> Velocity<T> {
         let (d, g) = (state.d, state.g);
         let (free, lever) = self.upper.free(state, &self.line);
         let tie_rod_lever = state.ga * state.gram;
@@ -96,7 +96,7 @@ impl<T: Real> ClosedForm<T> {
     /// Angular velocity of the knuckle by the displacement of the rack, with the arm at rest, and vertical velocity of
     /// the wheel centre. The knuckle turns by k about d, with l.(k d x t) = l.y.
     #[inline(always)]
-    pub(crate) fn steered(&self, state: &State<T>) -> (Vector3<T>, T) {
+    pub(crate) fn steered(&self, state: &ArmState<T>) -> (Vector3<T>, T) {
         let rod = state.tie_rod_outer() - state.g;
         let turn = state.d * (rod.y / (state.ga * state.gram));
         let wheel_centre = state.carry(&self.wheel_centre);
@@ -116,7 +116,7 @@ impl<T: Real> Circle<T> {
 impl<T: Real> Upper<T> {
     /// f and d.f
     #[inline(always)]
-    pub(crate) fn free(&self, state: &State<T>, line: &Carried<T>) -> (Vector3<T>, T) {
+    pub(crate) fn free(&self, state: &ArmState<T>, line: &Carried<T>) -> (Vector3<T>, T) {
         match self {
             Upper::Strut { .. } => (state.carry(line), state.slide),
             Upper::Arm { circle, .. } => {

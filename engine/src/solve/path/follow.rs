@@ -26,7 +26,7 @@ impl Solver<'_> {
         from: &Station,
         to: &MotionPoint<f64>,
     ) -> Result<Pose<f64>, Failure> {
-        self.lift();
+        self.prepare_series();
         let design_series = self.design_series.as_ref().expect("just made");
         let (mut pose, start) = *from;
         let between = |t: f64| MotionPoint {

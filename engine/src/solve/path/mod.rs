@@ -41,14 +41,14 @@ pub struct Solver<'m> {
     tracked: TrackedPoses,
     /// Series of the design, for predictions of the continuation; made when first needed.
     design_series: Option<DesignSeries<3>>,
-    lifted_is_current: bool,
+    series_is_current: bool,
     size: f64,
     /// The largest coordinate, but at least the size: rounding of positions is relative to it.
     coordinate_scale: f64,
     pub(crate) work: WorkCounter,
 }
 
-/// Receives the number of a station and its pose, or the reason why there is none; may break off the march.
+/// Receives the number of a station and its pose, or the reason why there is none; may break off the visit.
 type Visitor<'v, 'm> =
     dyn FnMut(&Solver<'m>, usize, Result<&Pose<f64>, Failure>) -> ControlFlow<()> + 'v;
 
@@ -67,7 +67,7 @@ impl<'m> Solver<'m> {
             tracker: Some(PoseTracker::new(mechanism, design)),
             tracked: TrackedPoses::default(),
             design_series: None,
-            lifted_is_current: false,
+            series_is_current: false,
             size: 1.0,
             coordinate_scale: 1.0,
             work: WorkCounter::default(),
@@ -86,7 +86,7 @@ impl<'m> Solver<'m> {
         }
         self.size = self.mechanism.size(design);
         self.coordinate_scale = self.mechanism.coordinate_scale(design);
-        self.lifted_is_current = false;
+        self.series_is_current = false;
         // Products of up to eight lengths must neither overflow nor underflow, and coordinates must
         // leave six digits of the size. Written so that NaN, from an overflow, is refused.
         if !(self.coordinate_scale * DEGENERATE < self.size && SIZES.contains(&self.size)) {
@@ -156,9 +156,9 @@ impl<'m> Solver<'m> {
         self.size
     }
 
-    /// Visits every station of the march with the rack at `rack` (towards the kernel's +y), outward
+    /// Visits every station of the order with the rack at `rack` (towards the kernel's +y), outward
     /// from the design position; `visit` gets the station's number and its pose or the reason there is
-    /// none, and may break off the march.
+    /// none, and may break off the visit.
     pub fn for_each_pose(
         &mut self,
         drive: Drive,
@@ -166,11 +166,11 @@ impl<'m> Solver<'m> {
         rack: f64,
         mut visit: impl FnMut(&Self, usize, Result<&Pose<f64>, Failure>) -> ControlFlow<()>,
     ) -> Result<(), DesignFault> {
-        self.march(drive, station_order, rack, &mut visit)
+        self.visit_stations(drive, station_order, rack, &mut visit)
     }
 
     /// As [`Solver::for_each_pose`], compiled once for all visitors.
-    fn march(
+    fn visit_stations(
         &mut self,
         drive: Drive,
         station_order: &StationOrder,
@@ -266,7 +266,7 @@ impl<'m> Solver<'m> {
 
     /// The curve on which `moving` moves and everything else is held as at `held`.
     pub(crate) fn curve(&mut self, moving: Moving, held: MotionPoint<f64>) -> Curve<'_> {
-        self.lift();
+        self.prepare_series();
         Curve {
             mechanism: self.mechanism,
             design: &self.design,
@@ -281,13 +281,13 @@ impl<'m> Solver<'m> {
     }
 
     /// Makes the series of the current design, unless they are up to date.
-    fn lift(&mut self) {
-        if !self.lifted_is_current {
+    fn prepare_series(&mut self) {
+        if !self.series_is_current {
             match &mut self.design_series {
                 Some(design_series) => design_series.prepare(self.mechanism, &self.design),
                 None => self.design_series = Some(DesignSeries::new(self.mechanism, &self.design)),
             }
-            self.lifted_is_current = true;
+            self.series_is_current = true;
         }
     }
 

@@ -15,7 +15,7 @@ use crate::number::SimdReal;
 use crate::number::Vector3;
 use crate::solve::closed_form::Roles;
 use crate::solve::closed_form::{Adjoint, Members};
-use crate::solve::closed_form::{Carrier, ClosedForm, State};
+use crate::solve::closed_form::{ArmState, Carrier, ClosedForm};
 
 /// How designs of a mechanism with a closed form are solved.
 #[derive(Clone, Debug)]
@@ -39,7 +39,7 @@ pub(crate) struct ArmDesign<'d, B> {
 impl<B: SimdReal> ArmDesign<'_, B> {
     /// Slope of the half tangent by the travel.
     #[inline(always)]
-    fn slope(&self, state: &State<B>, tangent: B) -> B {
+    fn slope(&self, state: &ArmState<B>, tangent: B) -> B {
         let velocity = self.form.velocity(state, tangent);
         let half = tangent.lit(0.5);
         // The tangent of half an angle by the angle is (1 + tangent^2)/2.
@@ -51,7 +51,7 @@ impl<B: SimdReal> ArmDesign<'_, B> {
 pub(crate) struct ArmPose<'f, B> {
     roles: &'f Roles,
     design: &'f ArmDesign<'f, B>,
-    state: State<B>,
+    state: ArmState<B>,
     tangent: B,
     drive: Drive,
 }
@@ -267,7 +267,7 @@ impl ByArm {
         &self,
         design: &ArmDesign<'_, B>,
         drive: Drive,
-        (state, tangent): (&State<B>, B),
+        (state, tangent): (&ArmState<B>, B),
         before: &Option<BranchGuard<B>>,
         inverse_step: Option<B>,
         accepted: &mut Acceptance<B>,
@@ -302,7 +302,7 @@ pub(super) struct ArmCorner<'w, 'd, B, V> {
     /// Derivative of the tangent by the drive, with which corrections are made.
     slope: B,
     /// Result of the last correction: new state, step taken, and travel error before and after it.
-    state: State<B>,
+    state: ArmState<B>,
     step: B,
     missed: [B; 2],
 }
@@ -406,7 +406,7 @@ impl<B: SimdReal> BranchGuard<B> {
     /// The guard of a place at zero drive. `rate` is the design's own slope: beside a fold it is far from that of the
     /// base design.
     #[inline(always)]
-    fn start(state: &State<B>, tangent: B, rate: B) -> Self {
+    fn start(state: &ArmState<B>, tangent: B, rate: B) -> Self {
         let [a, b, c] = state.squares();
         BranchGuard {
             tangent,
@@ -417,13 +417,13 @@ impl<B: SimdReal> BranchGuard<B> {
 
     /// The guard of the next place on the leg, whose slope is the one over the step between the two.
     #[inline(always)]
-    fn next(&self, state: &State<B>, tangent: B, inverse_step: B) -> Self {
+    fn next(&self, state: &ArmState<B>, tangent: B, inverse_step: B) -> Self {
         BranchGuard::start(state, tangent, (tangent - self.tangent) * inverse_step)
     }
 
     /// Accepts lanes where the closed form is well conditioned. Rejects NaN.
     #[inline(always)]
-    fn check(state: &State<B>, tangent: B, accepted: &mut Acceptance<B>) {
+    fn check(state: &ArmState<B>, tangent: B, accepted: &mut Acceptance<B>) {
         accepted.require(state.is_well_conditioned(), Rejection::IllConditioned);
         let is_near = tangent.abs().less(tangent.lit(FARTHEST));
         accepted.require(is_near, Rejection::TurnedFar);
@@ -457,7 +457,7 @@ pub(super) struct ArmWheel<'w, 'd, B> {
     on_knuckle: WheelOnKnuckle<B>,
     tolerance: f64,
     /// The state of the last linearisation or correction.
-    state: State<B>,
+    state: ArmState<B>,
     /// From the last linearisation: remaining travel error, and the derivative of the unknown (the half-angle tangent)
     /// by travel.
     missed: B,

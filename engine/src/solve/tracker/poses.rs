@@ -16,14 +16,14 @@ pub(crate) struct PoseTracker<'m> {
     /// The design near which others are expected to be.
     base: Vec<Vector3<f64>>,
     width: Width,
-    ways: Vec<Way<'m>>,
+    prepared: Vec<PreparedBatch<'m>>,
     /// Room for the unknowns at the places of a route.
     history: Vec<f64>,
 }
 
 /// A way through stations, prepared for one drive, rack displacement and list of values.
 #[derive(Clone, Debug)]
-struct Way<'m> {
+struct PreparedBatch<'m> {
     drive: Drive,
     rack: f64,
     values: Vec<f64>,
@@ -56,7 +56,7 @@ impl<'m> PoseTracker<'m> {
             mechanism,
             base: base.to_vec(),
             width: Width::widest(),
-            ways: Vec::new(),
+            prepared: Vec::new(),
             history: Vec::new(),
         }
     }
@@ -71,23 +71,23 @@ impl<'m> PoseTracker<'m> {
         found: &mut TrackedPoses,
     ) {
         let values = station_order.values();
-        let is_way = |w: &Way| w.drive == drive && w.rack == rack && w.values == values;
-        let number = match self.ways.iter().position(is_way) {
+        let is_same = |w: &PreparedBatch| w.drive == drive && w.rack == rack && w.values == values;
+        let number = match self.prepared.iter().position(is_same) {
             Some(number) => number,
             None => {
-                if self.ways.len() == MOST_KEPT {
-                    self.ways.remove(0);
+                if self.prepared.len() == MOST_KEPT {
+                    self.prepared.remove(0);
                 }
-                self.ways.push(Way {
+                self.prepared.push(PreparedBatch {
                     drive,
                     rack,
                     values: values.to_vec(),
                     batch: Batch::new(self.mechanism, &self.base, drive, station_order, &[rack]),
                 });
-                self.ways.len() - 1
+                self.prepared.len() - 1
             }
         };
-        if let Some(batch) = &self.ways[number].batch {
+        if let Some(batch) = &self.prepared[number].batch {
             self.history.clear();
             let legs = self.width.run_one(Tracking {
                 batch,

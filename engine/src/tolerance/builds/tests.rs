@@ -77,8 +77,8 @@ fn builds_in_lanes_are_those_one_by_one() {
                 let mut lanes = Builder::new(&problem, Some(width)).unwrap();
                 let found = lanes.solve(0, BUILDS);
                 assert_eq!(found.rejects, rejects);
-                let right = lanes.wheels[0].lanes.as_ref().unwrap().right;
-                let in_lanes = right.iter().filter(|r| **r).count();
+                let accepted = lanes.wheels[0].lanes.as_ref().unwrap().accepted;
+                let in_lanes = accepted.iter().filter(|r| **r).count();
                 assert!(in_lanes * 10 >= BUILDS * 9, "{name} {aligned}: {in_lanes}");
                 for (a, b) in lanes.wheels[0]
                     .designs
@@ -132,8 +132,8 @@ fn builds_that_lanes_refuse_go_one_by_one() {
         let found = lanes.solve(0, BUILDS);
         assert_eq!(found.rejects.len(), expected.rejects.len());
         assert!(!found.rejects.is_empty());
-        let right = lanes.wheels[0].lanes.as_ref().unwrap().right;
-        let in_lanes = right.iter().filter(|r| **r).count();
+        let accepted = lanes.wheels[0].lanes.as_ref().unwrap().accepted;
+        let in_lanes = accepted.iter().filter(|r| **r).count();
         assert!(in_lanes > 8 && in_lanes < BUILDS - found.rejects.len());
         assert_eq!(lanes.places, single.places);
         let size = study.suspension.size();

@@ -7,16 +7,16 @@ use nalgebra::DVector;
 use std::sync::atomic::Ordering;
 
 /// What argmin keeps of a run: the variables and the cost.
-pub type State = IterState<DVector<f64>, (), (), (), (), f64>;
+pub type ArgminState = IterState<DVector<f64>, (), (), (), (), f64>;
 
 /// Runs a solver from the point of the box nearest to `start`; an error says why there are no residuals even
 /// there.
-pub(super) fn execute<P, S: Solver<P, State>>(
+pub(super) fn execute<P, S: Solver<P, ArgminState>>(
     problem: P,
     solver: S,
     bounds: &Bounds,
     start: &DVector<f64>,
-) -> Result<(S, State), Infeasible> {
+) -> Result<(S, ArgminState), Infeasible> {
     let result = Executor::new(problem, solver)
         .configure(|state| state.param(bounds.nearest(start)))
         // The process has one handler for Ctrl-C, and it is not argmin's.
@@ -41,7 +41,7 @@ pub(super) fn of<P>(problem: &mut Problem<P>) -> &mut P {
 }
 
 /// Where a run began, how it went and why it ended.
-pub(super) struct Course<'a> {
+pub(super) struct FitRecord<'a> {
     pub bounds: &'a Bounds,
     pub options: &'a Options,
     control: Control<'a>,
@@ -50,7 +50,7 @@ pub(super) struct Course<'a> {
     history: Vec<Iteration>,
 }
 
-impl<'a> Course<'a> {
+impl<'a> FitRecord<'a> {
     /// The course of the run from start number `start`, before its first iteration.
     pub(super) fn new(
         bounds: &'a Bounds,
@@ -58,7 +58,7 @@ impl<'a> Course<'a> {
         control: Control<'a>,
         start: usize,
     ) -> Self {
-        Course {
+        FitRecord {
             bounds,
             options,
             control,
@@ -81,9 +81,11 @@ impl<'a> Course<'a> {
 
     /// Records an iteration that ended at `x`, for the history and for who watches; argmin's own log would be for its
     /// observers, of which there are none.
-    pub(super) fn record(&mut self, x: &DVector<f64>, mut iteration: Iteration) {
-        let holds = self.bounds.holds(x);
-        let held = holds.iter().filter(|hold| **hold != ActiveBound::Free);
+    pub(super) fn add(&mut self, x: &DVector<f64>, mut iteration: Iteration) {
+        let active_bounds = self.bounds.active_bounds(x);
+        let held = active_bounds
+            .iter()
+            .filter(|hold| **hold != ActiveBound::Free);
         iteration.held = held.count();
         if let Some(watch) = self.control.watch {
             watch(self.start, &iteration);
@@ -92,7 +94,7 @@ impl<'a> Course<'a> {
     }
 
     /// Whether the run goes on: argmin asks after every iteration.
-    pub(super) fn status(&mut self, state: &State) -> TerminationStatus {
+    pub(super) fn status(&mut self, state: &ArgminState) -> TerminationStatus {
         if self.termination.is_none() {
             let interrupted = self.control.interrupt;
             if interrupted.is_some_and(|flag| flag.load(Ordering::Relaxed)) {

@@ -22,7 +22,7 @@ const COARSE: f64 = 1e-12;
 type Series<B> = Jet<B, 2>;
 
 /// Mends the derivative of a settled pose and writes the built design as a series.
-pub(super) struct Lifting<'s, B> {
+pub(super) struct SettlingSeries<'s, B> {
     pub(super) assembler: &'s Assembler,
     pub(super) alignment: Option<&'s Alignment>,
     /// The parts as series; where they are aligned, they come to have the derivatives of the adjustments.
@@ -33,13 +33,13 @@ pub(super) struct Lifting<'s, B> {
     pub(super) into: &'s mut [Vector3<Series<B>>],
 }
 
-impl<B: SimdReal> Outlined for Lifting<'_, B> {
+impl<B: SimdReal> Outlined for SettlingSeries<'_, B> {
     /// The lanes in which it has settled.
     type Output = B::Mask;
 
     #[inline(always)]
     fn work(self) -> B::Mask {
-        let Lifting {
+        let SettlingSeries {
             assembler,
             alignment,
             parts,
@@ -56,7 +56,7 @@ impl<B: SimdReal> Outlined for Lifting<'_, B> {
         let mut closure = assembler.closure_in(parts, carrier);
         let mut pose = constant(settled_pose);
         let mut settled = like.one().less(like.zero());
-        let mut lost = settled;
+        let mut rejected = settled;
         let (mut before, mut earlier) = (like.zero(), like.zero());
         // Where the pose hardly moves, what is rounded is how the parts do.
         let mut largest = like.zero();
@@ -70,7 +70,7 @@ impl<B: SimdReal> Outlined for Lifting<'_, B> {
                 assembler.corrected(&closure, parts, height, &pose, inverse);
             let turned = Vector3::new(a.0[1], b.0[1], c.0[1]).norm() * size;
             let mut moved = larger(Vector3::new(x.0[1], y.0[1], z.0[1]).norm(), turned);
-            let open = !(settled | lost);
+            let open = !(settled | rejected);
             if let (Some(alignment), Some(wanted)) = (alignment, &wanted) {
                 alignment.correct(
                     mechanism,
@@ -104,10 +104,10 @@ impl<B: SimdReal> Outlined for Lifting<'_, B> {
             let is_coarse = !(largest * like.lit(COARSE)).less(moved);
             let is_finite = largest.less(like.lit(f64::INFINITY));
             let ends = open & is_finite & (is_fine | (is_coarse & !contracts));
-            lost = lost | (open & !ends & !(contracts & is_finite));
+            rejected = rejected | (open & !ends & !(contracts & is_finite));
             settled = settled | ends;
             round += 1;
-            if round == MOST_ROUNDS || B::all(settled | lost) {
+            if round == MOST_ROUNDS || B::all(settled | rejected) {
                 break;
             }
             (before, earlier) = (moved, before);

@@ -5,7 +5,7 @@ use super::solver::Placement;
 /// The motion of an axle. Lengths are in the study's unit, angles in radians; the rack is positive towards the left
 /// wheel's outside.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Course {
+pub struct AxleMotion {
     /// Motion of the wheels.
     pub wheels: WheelMotion,
     /// Displacements of the rack.
@@ -42,7 +42,7 @@ pub enum WheelMotion {
     },
 }
 
-impl Course {
+impl AxleMotion {
     /// Whether results have a column for the roll angle.
     pub fn shows_roll(&self) -> bool {
         !matches!(

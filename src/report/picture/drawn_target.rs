@@ -5,7 +5,7 @@ use std::fmt::Write;
 
 /// A target.
 #[derive(Clone, Debug)]
-pub(super) enum Wanted {
+pub(super) enum DrawnTarget {
     /// Motion and value, and what may be missed.
     Values {
         /// The points.
@@ -17,7 +17,7 @@ pub(super) enum Wanted {
     Limits(Vec<(f64, Option<f64>, Option<f64>)>),
 }
 
-impl Wanted {
+impl DrawnTarget {
     /// The two kinds: what their lines look like, and what the legend calls them.
     pub(super) const KINDS: [(&str, &str); 2] =
         [("target", "target ± tolerance"), ("limit", "wanted")];
@@ -25,31 +25,31 @@ impl Wanted {
     /// What its line looks like.
     pub(super) fn class(&self) -> &'static str {
         match self {
-            Wanted::Values { .. } => "target",
-            Wanted::Limits(_) => "limit",
+            DrawnTarget::Values { .. } => "target",
+            DrawnTarget::Limits(_) => "limit",
         }
     }
 
     /// Motion and value of its outline.
     pub(super) fn edges(&self) -> Vec<[f64; 2]> {
         match self {
-            Wanted::Values { points, tolerance } => {
+            DrawnTarget::Values { points, tolerance } => {
                 let both = |[motion, value]: &[f64; 2]| {
                     [-tolerance, *tolerance].map(|by| [*motion, value + by])
                 };
                 points.iter().flat_map(both).collect()
             }
-            Wanted::Limits(limits) => [least(limits), most(limits)].concat(),
+            DrawnTarget::Limits(limits) => [least(limits), most(limits)].concat(),
         }
     }
 
     pub(super) fn draw(&self, svg: &mut String, place: &impl Fn([f64; 2]) -> [f64; 2]) {
         match self {
-            Wanted::Values { points, tolerance } => match points.as_slice() {
+            DrawnTarget::Values { points, tolerance } => match points.as_slice() {
                 [only] => bar(svg, *only, *tolerance, place),
                 points => band(svg, points, *tolerance, place),
             },
-            Wanted::Limits(limits) => {
+            DrawnTarget::Limits(limits) => {
                 let both = |limit: &&(f64, Option<f64>, Option<f64>)| {
                     limit.1.is_some() && limit.2.is_some()
                 };

@@ -33,9 +33,11 @@ pub struct SweepStatistics {
     /// Sums over designs that have a value for every output.
     pub moments: Moments,
     /// Sums by the level of each variable.
-    pub levels: BinnedSums,
+    #[serde(rename = "levels")]
+    pub binned: BinnedSums,
     /// Sums over Saltelli's groups.
-    pub exchanges: SaltelliSums,
+    #[serde(rename = "exchanges")]
+    pub saltelli: SaltelliSums,
 }
 
 /// Designs that failed for one reason.
@@ -78,14 +80,14 @@ impl SweepStatistics {
             best: Vec::new(),
             front: Front::default(),
             moments: Moments::empty(record),
-            levels: BinnedSums::empty(record),
-            exchanges: SaltelliSums::empty(record),
+            binned: BinnedSums::empty(record),
+            saltelli: SaltelliSums::empty(record),
         }
     }
 
     /// Statistics of the rows of one block.
     pub fn of(record: &SweepRecord, rows: &Rows) -> Self {
-        let mut tally = SweepStatistics::empty(record);
+        let mut statistics = SweepStatistics::empty(record);
         let (misfit, deviations) = (record.misfit(), record.deviations());
         let reference: Vec<f64> = record
             .outputs
@@ -100,10 +102,10 @@ impl SweepStatistics {
         for place in 0..rows.designs() {
             let number = rows.first + place as u64;
             let (variables, outputs) = (rows.variables(place), rows.outputs(place));
-            tally.designs += 1;
+            statistics.designs += 1;
             match &rows.failing[place] {
-                None => tally.solved += 1,
-                Some(failing) => tally.count_failure(&FailureCount {
+                None => statistics.solved += 1,
+                Some(failing) => statistics.count_failure(&FailureCount {
                     status: failing.status.clone(),
                     reason: failing.reason.clone(),
                     designs: 1,
@@ -112,7 +114,7 @@ impl SweepStatistics {
                     examples: vec![number],
                 }),
             }
-            for (range, value) in tally.ranges.iter_mut().zip(outputs) {
+            for (range, value) in statistics.ranges.iter_mut().zip(outputs) {
                 if !value.is_nan() {
                     OutputRange::extend(range, &OutputRange::of(*value, number));
                 }
@@ -124,9 +126,9 @@ impl SweepStatistics {
                 failing: rows.failing[place].clone(),
             };
             if let Some(misfit) = misfit.filter(|m| !outputs[*m].is_nan()) {
-                keep_best(&mut tally.best, misfit, outputs[misfit], candidate);
+                keep_best(&mut statistics.best, misfit, outputs[misfit], candidate);
                 if deviations.len() > 1 {
-                    tally.front.offer(&deviations, outputs, candidate);
+                    statistics.front.offer(&deviations, outputs, candidate);
                 }
             }
             let complete = rows.failing[place].is_none() && outputs.iter().all(|v| !v.is_nan());
@@ -139,15 +141,15 @@ impl SweepStatistics {
                 for ((scaled, span), value) in scaled.iter_mut().zip(&spans).zip(variables) {
                     *scaled = span.scaled(*value);
                 }
-                tally.moments.add(&scaled, &shifted);
-                tally.levels.add(&scaled, &shifted);
+                statistics.moments.add(&scaled, &shifted);
+                statistics.binned.add(&scaled, &shifted);
             }
             if let Some(group) = group {
                 let role = number % group;
-                tally.exchanges.add(role as usize, complete, &shifted);
+                statistics.saltelli.add(role as usize, complete, &shifted);
             }
         }
-        tally
+        statistics
     }
 
     /// Whether these statistics have the shape of this sweep's.
@@ -159,8 +161,8 @@ impl SweepStatistics {
             && self.best.iter().all(fits)
             && self.front.sorted().into_iter().all(fits)
             && self.moments.fits(&empty.moments)
-            && self.levels.fits(&empty.levels)
-            && self.exchanges.fits(&empty.exchanges)
+            && self.binned.fits(&empty.binned)
+            && self.saltelli.fits(&empty.saltelli)
     }
 
     /// Adds the statistics of the designs that follow.
@@ -188,8 +190,8 @@ impl SweepStatistics {
             self.front.offer(&deviations, outputs, || candidate.clone());
         }
         self.moments.absorb(&next.moments);
-        self.levels.absorb(&next.levels);
-        self.exchanges.absorb(&next.exchanges);
+        self.binned.absorb(&next.binned);
+        self.saltelli.absorb(&next.saltelli);
     }
 
     fn count_failure(&mut self, failure: &FailureCount) {

@@ -13,10 +13,10 @@ use super::taylor::{Line, Taylor};
 use super::{Axle, Quantity, Void};
 use crate::analyse::{Balance, Certifier, Limits, Support};
 use crate::derive::{DesignSeries, Linearised, MotionPoint};
-use crate::mechanism::{Configuration, DesignFault, Failure, Ground, Pose, Toggles, Unproven};
+use crate::mechanism::{Configuration, DesignFault, Failure, Ground, Pose, Unproven};
 use crate::model::{Axis, Drive, LengthUnit, Mechanism, PointId, RockerId, Rod, Side};
 use crate::number::{Jet, Tape, Vector3};
-use crate::solve::{Solver, StationOrder};
+use crate::solve::{Solver, StationOrder, Toggles};
 use std::ops::ControlFlow;
 
 /// The position that an axle is to take. Lengths are in the study's unit; the rack is positive towards the left wheel's

@@ -3,11 +3,11 @@
 use super::DriveLaw;
 use crate::characteristics::InstantCentres;
 use crate::derive::DesignSeries;
-use crate::mechanism::{Configuration, DesignFault, Failure, Toggles};
+use crate::mechanism::{Configuration, DesignFault, Failure};
 use crate::model::{PointId, RockerId, SteeringAxis, Suspension};
 use crate::number::{Jet, Real, Vector3};
 use crate::plan::Plan;
-use crate::solve::Solver;
+use crate::solve::{Solver, Toggles};
 use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow;
 

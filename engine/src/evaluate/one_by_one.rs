@@ -3,10 +3,10 @@
 use super::Evaluated;
 use crate::characteristics::{Constants, Quantity, Slots, WheelReading};
 use crate::derive::{DesignSeries, MotionPoint};
-use crate::mechanism::{DesignFault, Toggles};
+use crate::mechanism::DesignFault;
 use crate::model::{PointId, Suspension};
 use crate::number::{Jet, Vector3};
-use crate::solve::Solver;
+use crate::solve::{Solver, Toggles};
 use crate::sweep::Stations;
 use std::ops::ControlFlow;
 

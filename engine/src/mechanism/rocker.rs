@@ -302,7 +302,7 @@ impl<B: SimdReal> Configuration<'_, B> {
 /// Whether a rod's w^2/(r.r l.l), known to a few units of the last place, is large enough to leave six digits of a
 /// derivative. False for NaN.
 #[inline]
-pub(super) fn is_effective(ends: Ends<f64>) -> bool {
+pub(crate) fn is_effective(ends: Ends<f64>) -> bool {
     Turn::of(ends).leverage_squared > DEGENERATE
 }
 
@@ -315,7 +315,7 @@ pub fn has_leverage(rocker: &Rocker, design: &[Vector3<f64>]) -> bool {
 
 impl<T: Real> Configuration<'_, T> {
     #[inline(always)]
-    pub(super) fn ends(&self, rocker: Rocker) -> Ends<T> {
+    pub(crate) fn ends(&self, rocker: Rocker) -> Ends<T> {
         self.ends_with(rocker, self.point(rocker.outer))
     }
 

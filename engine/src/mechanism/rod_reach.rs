@@ -51,7 +51,7 @@ impl<B: SimdReal> RodReach<B> {
     }
 
     #[inline(always)]
-    pub(super) fn of([first, second, inner, outer, now]: Ends<B>) -> Self {
+    pub(crate) fn of([first, second, inner, outer, now]: Ends<B>) -> Self {
         let axis = (second - first).normalised();
         let lever = (inner - first).across(axis);
         let q = inner - lever - now;

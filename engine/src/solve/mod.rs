@@ -8,12 +8,14 @@ pub(crate) mod closed_form;
 mod conditioning;
 pub(crate) mod continuation;
 mod path;
+mod toggles;
 mod tracker;
 pub(crate) mod trial;
 
 pub use conditioning::{Conditioning, LEAST_DIGITS, rate_digits};
 pub(crate) use path::Station;
 pub use path::{Solver, StationOrder};
+pub use toggles::Toggles;
 pub use tracker::{
     Acceptance, Batch, KnucklePoint, KnuckleVector, LaneAdjoint, LaneDesign, LaneMembers, LanePose,
     LaneRates, PairBatch, PairDrive, PairStations, Rejection, Stand, Tracked, Visit, VisitPair,

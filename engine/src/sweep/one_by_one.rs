@@ -4,10 +4,10 @@ use super::Stations;
 use super::evaluate::{Block, Pairs, SolvesOneByOne, StationFailure};
 use crate::characteristics::{Constants, Quantity, Slots, WheelReading};
 use crate::derive::{DesignSeries, MotionPoint};
-use crate::mechanism::{DesignFault, Failure, Pose, Toggles};
+use crate::mechanism::{DesignFault, Failure, Pose};
 use crate::model::{RockerId, Suspension};
 use crate::number::Vector3;
-use crate::solve::Solver;
+use crate::solve::{Solver, Toggles};
 use std::ops::ControlFlow;
 
 /// Evaluates one design at a time, with `N` coefficients of the pose's power series at every station.

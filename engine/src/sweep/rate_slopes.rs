@@ -8,10 +8,10 @@ use super::Stations;
 use super::evaluate::{Block, FindsSlopes, Pairs};
 use crate::characteristics::{Constants, Quantity, Slots, WheelReading};
 use crate::derive::{DesignSeries, MotionPoint};
-use crate::mechanism::{DesignFault, Toggles};
+use crate::mechanism::DesignFault;
 use crate::model::{RockerId, Suspension};
 use crate::number::Vector3;
-use crate::solve::{Solver, StationOrder};
+use crate::solve::{Solver, StationOrder, Toggles};
 use std::ops::ControlFlow;
 
 /// Fills in the slopes of quantities that are made of velocities.

@@ -1,12 +1,9 @@
 //! Rods that come to a toggle on the way.
 
-use super::pose::Configuration;
-use super::rocker::is_effective;
-use super::rod_reach::RodReach;
-use crate::mechanism::DesignFault;
+use super::{Solver, StationOrder};
+use crate::mechanism::{Configuration, DesignFault, RodReach, is_effective};
 use crate::model::{Drive, Mechanism, RockerId, Rod};
 use crate::number::{Jet, Real, each};
-use crate::solve::{Solver, StationOrder};
 use std::cell::{Cell, RefCell};
 use std::ops::ControlFlow;
 

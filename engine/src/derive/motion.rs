@@ -98,7 +98,8 @@ impl<const N: usize> DesignSeries<N> {
 
     /// Forms sensitivities by these points only: the gradient by the others is not to be used.
     pub fn with_sensitivities_to(mut self, mechanism: &Mechanism, points: &[PointId]) -> Self {
-        self.rows = self.closure.rows_holding(mechanism, &self.design, points);
+        let design: Vec<_> = self.design.iter().map(|p| p.map(|c| c[0])).collect();
+        self.rows = Closure::new(mechanism, &design).rows_holding(mechanism, &design, points);
         self
     }
 

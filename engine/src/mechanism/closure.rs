@@ -235,53 +235,6 @@ impl<T: Real> Closure<T> {
         rates
     }
 
-    /// The equations that depend on one of these hardpoints, in the design position or elsewhere.
-    pub(crate) fn rows_holding(
-        &self,
-        mechanism: &Mechanism,
-        design: &[Vector3<T>],
-        points: &[PointId],
-    ) -> RowSet {
-        let origin = design[mechanism.origin.0];
-        let like = origin.x.one();
-        let at = Configuration::new(
-            mechanism,
-            design,
-            Pose {
-                origin,
-                rotation: Matrix3::identity(like),
-            },
-            like.zero(),
-        );
-        let drivers = [
-            Driver::Travel(like.zero()),
-            Driver::ArmAngle {
-                sine: like.zero(),
-                cosine: like,
-            },
-        ];
-        let mut set = RowSet(0);
-        let mut touches = Touches {
-            points,
-            found: false,
-        };
-        for (number, row) in self.rows.iter().enumerate() {
-            touches.found = false;
-            row.differential(&at, like, &mut touches);
-            set.0 |= u8::from(touches.found) << number;
-        }
-        for driver in drivers {
-            // The angle of an arm is a drive only where there is an arm.
-            if mechanism.arms.is_empty() && matches!(driver, Driver::ArmAngle { .. }) {
-                continue;
-            }
-            touches.found = false;
-            driver.differential(&at, like, &mut touches);
-            set.0 |= u8::from(touches.found) << driver.row();
-        }
-        set
-    }
-
     /// Adds `weights` times the differentials of some of the six equations to the sink. Out of line, as
     /// [`Closure::residuals`].
     #[inline(never)]
@@ -318,6 +271,52 @@ impl<T: Real> Closure<T> {
 }
 
 impl Closure<f64> {
+    /// The equations that depend on one of these hardpoints, in the design position or elsewhere.
+    pub(crate) fn rows_holding(
+        &self,
+        mechanism: &Mechanism,
+        design: &[Vector3<f64>],
+        points: &[PointId],
+    ) -> RowSet {
+        let origin = design[mechanism.origin.0];
+        let at = Configuration::new(
+            mechanism,
+            design,
+            Pose {
+                origin,
+                rotation: Matrix3::identity(1.0),
+            },
+            0.0,
+        );
+        let drivers = [
+            Driver::Travel(0.0),
+            Driver::ArmAngle {
+                sine: 0.0,
+                cosine: 1.0,
+            },
+        ];
+        let mut set = RowSet(0);
+        let mut touches = Touches {
+            points,
+            found: false,
+        };
+        for (number, row) in self.rows.iter().enumerate() {
+            touches.found = false;
+            row.differential(&at, 1.0, &mut touches);
+            set.0 |= u8::from(touches.found) << number;
+        }
+        for driver in drivers {
+            // The angle of an arm is a drive only where there is an arm.
+            if mechanism.arms.is_empty() && matches!(driver, Driver::ArmAngle { .. }) {
+                continue;
+            }
+            touches.found = false;
+            driver.differential(&at, 1.0, &mut touches);
+            set.0 |= u8::from(touches.found) << driver.row();
+        }
+        set
+    }
+
     /// One Newton step from a pose: the corrected pose, the size of the correction as a length (the
     /// rotation counted at the distance `size`), and the factorised Jacobian it was made with.
     pub(crate) fn newton_step(

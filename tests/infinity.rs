@@ -1,10 +1,12 @@
 //! Instantaneous centres and roll centres that lie at infinity: they have no value, however rounding falls; where they are
 //! far away they have the value of the closed form.
 
+use hardpoint::axle::{AxleQuantity, AxleSolver, Placement, Quantity, Void};
 use hardpoint::{
     Axis, Characteristic, Motion, Order, Sampling, Study, Suspension, SweepControl, Variable,
 };
 use std::ops::ControlFlow;
+use std::path::Path;
 
 const IN_SIDE_VIEW: [Characteristic; 2] = [
     Characteristic::SideViewSwingArm,
@@ -105,4 +107,55 @@ fn far_centres_are_those_of_the_closed_form() {
         let expected = (contact - 200.0) + slope * 400.0;
         assert!((found / expected - 1.0).abs() < 1e-8, "{found} {expected}");
     }
+}
+
+/// Level arms of equal height on both sides: both normals to the velocities of the contact points are upright in the
+/// design position, and meet nowhere. A tenth of a micrometre of travel on one side, and they do.
+#[test]
+fn upright_normals_have_no_roll_centre() {
+    let text = r#"
+[suspension]
+topology = "double_wishbone"
+[suspension.hardpoints]
+upper_arm_front  = [ 150.0, 250.0, 365.0]
+upper_arm_rear   = [-150.0, 250.0, 365.0]
+upper_ball_joint = [  -7.0, 545.0, 365.0]
+lower_arm_front  = [ 150.0, 215.0, 130.0]
+lower_arm_rear   = [-150.0, 215.0, 130.0]
+lower_ball_joint = [   3.0, 575.0, 130.0]
+tie_rod_inner    = [ -90.0, 215.0, 157.0]
+tie_rod_outer    = [ -93.0, 565.0, 157.0]
+wheel_centre     = [   0.0, 620.0, 255.0]
+[axle]
+right = "mirrored"
+[wheel]
+radius = 255.0
+static_camber = -1.0
+[motion]
+travel_left = [0.0]
+travel_right = [0.0]
+ground = "plane"
+"#;
+    let study = Study::from_text("level.toml", text, Path::new(".")).unwrap();
+    let axle = study.axle.unwrap().axle;
+    let wanted = [
+        AxleQuantity::RollCentreHeight,
+        AxleQuantity::RollCentreLateral,
+        AxleQuantity::RollCentreMigrationLateral,
+    ]
+    .map(Quantity::Axle);
+    let mut solver = AxleSolver::<3>::new(&axle, &wanted, false).unwrap();
+    let mut at = |travels| {
+        let placement = Placement::Travels {
+            travels,
+            rack: 0.0,
+            on_plane: true,
+        };
+        let placed = solver.place(&placement).unwrap();
+        let read = solver.read(&placed).unwrap();
+        wanted.map(|quantity| quantity.value(&read.state))
+    };
+    assert_eq!(at([0.0, 0.0]), [Err(Void::ParallelNormals); 3]);
+    assert_eq!(at([1e-9, 0.0]), [Err(Void::ParallelNormals); 3]);
+    assert!(at([1e-4, 0.0]).iter().all(Result::is_ok));
 }

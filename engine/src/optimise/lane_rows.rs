@@ -140,8 +140,8 @@ impl<'a> LaneRows<'a> {
         gradients.slopes_of_one(design, along, |found| {
             for (lane, station) in groups[found.station()].iter().enumerate() {
                 for wish in &leg.targets[*station] {
-                    let value = found.value(lane, wish.measure);
-                    let slope = |column| found.slope(lane, wish.measure, column);
+                    let value = found.value(lane, wish.of);
+                    let slope = |column| found.slope(lane, wish.of, column);
                     write(wish, wish.row, value, slope, into);
                 }
                 let (Some(Checked { rows, values }), Some(parts)) = (&mut checked, &*parts) else {
@@ -172,8 +172,8 @@ impl<'a> LaneRows<'a> {
                     for wish in &leg.targets[found.station()] {
                         for (lane, build) in group.clone().enumerate() {
                             let row = build * layout.rows + wish.row;
-                            let value = found.value(lane, wish.measure);
-                            let slope = |column| found.slope(lane, wish.measure, column);
+                            let value = found.value(lane, wish.of);
+                            let slope = |column| found.slope(lane, wish.of, column);
                             write(wish, row, value, slope, into);
                         }
                     }
@@ -196,16 +196,12 @@ fn write(
     slope: impl Fn(usize) -> f64,
     into: &mut Evaluation,
 ) {
-    let deviation = wish.wanted.deviation(value);
-    into.residuals[row] = deviation * wish.scale;
-    // Within its band nothing changes.
-    let is_in = wish.wanted.is_band() && deviation == 0.0;
+    if !wish.write_residual(row, value, into) {
+        return;
+    }
     let (rows, columns) = into.jacobian.shape();
     let entries = into.jacobian.as_mut_slice();
     for column in 0..columns {
-        entries[column * rows + row] = match is_in {
-            true => 0.0,
-            false => slope(column) * wish.scale,
-        };
+        entries[column * rows + row] = slope(column) * wish.scale;
     }
 }

@@ -10,16 +10,31 @@ use crate::study::{Motion, Optimise, Sample, Site, Target};
 use crate::sweep::place_of;
 use nalgebra::DVector;
 
-/// What a target wants at one station.
+/// What a target wants at one station of a leg or of an axle.
 #[derive(Clone, Debug)]
 pub(super) struct TargetSample {
     pub row: usize,
     pub target: usize,
-    /// Place of what the target is about among the measures.
-    pub measure: usize,
+    /// Place of what the target is about among the measures, or among the quantities of the axle.
+    pub of: usize,
+    /// What is wanted; of an axle with the place on the target's curve as the study writes it.
     pub wanted: Sample,
     /// Residual per deviation.
     pub scale: f64,
+}
+
+impl TargetSample {
+    /// Writes the residual in a row. Returns whether it has slopes: within a band nothing pulls, and they are written as zeros.
+    #[inline]
+    pub(super) fn write_residual(&self, row: usize, found: f64, into: &mut Evaluation) -> bool {
+        let deviation = self.wanted.deviation(found);
+        into.residuals[row] = deviation * self.scale;
+        let pulls = !self.wanted.is_band() || deviation != 0.0;
+        if !pulls {
+            into.jacobian.row_mut(row).fill(0.0);
+        }
+        pulls
+    }
 }
 
 /// A part of a constraint at one station, and the rows it makes.
@@ -280,7 +295,7 @@ impl TargetLayout {
                 targets[station].push(TargetSample {
                     row,
                     target,
-                    measure: places[target],
+                    of: places[target],
                     wanted: sample,
                     scale: shares[target] / optimise.targets[target].tolerance,
                 });

@@ -171,18 +171,13 @@ impl<const N: usize> ReadStations for Reader<N> {
             let slopes = &mut self.slopes;
             if let Some((into, first)) = &mut into {
                 for wish in &leg.targets[station] {
-                    let (measure, row) = (&layout.measures[wish.measure], *first + wish.row);
+                    let (measure, row) = (&layout.measures[wish.of], *first + wish.row);
                     let found = read(measure, &view, &linearised, solver.size())[0];
                     failed = failed.take().or_else(|| uncarried(measure, found, place));
-                    let deviation = wish.wanted.deviation(found);
-                    into.residuals[row] = deviation * wish.scale;
-                    if wish.wanted.is_band() && deviation == 0.0 {
-                        // Within its band.
-                        into.jacobian.row_mut(row).fill(0.0);
-                        continue;
+                    if wish.write_residual(row, found, into) {
+                        slopes.form(&reading(measure));
+                        into.write_slopes(row, &slopes.by_variable, wish.scale);
                     }
-                    slopes.form(&reading(measure));
-                    into.write_slopes(row, &slopes.by_variable, wish.scale);
                 }
             }
             let Some(rows) = &mut rows else {

@@ -113,19 +113,26 @@ impl Course {
         placements
     }
 
-    /// The position of which a run says "design": everything at zero.
-    pub fn design(&self) -> Placement {
-        match self.wheels {
-            WheelMotion::Roll { .. } => Placement::Roll {
-                heave: 0.0,
-                roll: 0.0,
-                rack: 0.0,
+    /// The position of which a run says "design" alone: everything at zero, on the same ground.
+    pub fn at_design(&self) -> Course {
+        let zero = || vec![0.0];
+        Course {
+            wheels: match self.wheels {
+                WheelMotion::Heave(_) => WheelMotion::Heave(zero()),
+                WheelMotion::Roll { .. } => WheelMotion::Roll {
+                    heave: zero(),
+                    roll: zero(),
+                    at_load: false,
+                },
+                WheelMotion::Travels { on_plane, .. } => WheelMotion::Travels {
+                    left: zero(),
+                    right: zero(),
+                    on_plane,
+                },
             },
-            _ => Placement::Travels {
-                travels: [0.0; 2],
-                rack: 0.0,
-                on_plane: false,
-            },
+            racks: zero(),
+            shows_rack: self.shows_rack,
+            steering_wheel: None,
         }
     }
 

@@ -63,26 +63,8 @@ impl AxlePlan {
 
     /// The same quantities in the design position.
     pub fn at_design(&self) -> AxlePlan {
-        let wheels = match self.course.wheels {
-            WheelMotion::Heave(_) => WheelMotion::Heave(vec![0.0]),
-            WheelMotion::Roll { .. } => WheelMotion::Roll {
-                heave: vec![0.0],
-                roll: vec![0.0],
-                at_load: false,
-            },
-            WheelMotion::Travels { on_plane, .. } => WheelMotion::Travels {
-                left: vec![0.0],
-                right: vec![0.0],
-                on_plane,
-            },
-        };
         AxlePlan {
-            course: Course {
-                wheels,
-                racks: vec![0.0],
-                steering_wheel: None,
-                ..self.course.clone()
-            },
+            course: self.course.at_design(),
             ..self.values_alone()
         }
     }

@@ -7,9 +7,7 @@ use super::Stations;
 use super::axle_lanes::AxleLanes;
 use super::evaluate::{Block, Evaluator, FindsSlopes, Pairs, SolvesOneByOne, StationFailure};
 use super::stations::place_of;
-use crate::axle::{
-    Axle, AxleColumn, AxleFailure, AxlePlan, AxleSolver, Placement, Quantity, Read, WheelMotion,
-};
+use crate::axle::{Axle, AxleColumn, AxleFailure, AxlePlan, AxleSolver, Placement, Quantity, Read};
 use crate::curves::Column;
 use crate::mechanism::{DesignFault, Failure};
 use crate::model::Side;
@@ -42,17 +40,8 @@ impl<'s> AxleStations<'s> {
     ) -> Self {
         let over = plan.course.moving()[0];
         let mut placements = plan.course.placements();
-        // On the ground that the motion is on.
-        let designed = match plan.course.wheels {
-            WheelMotion::Travels { on_plane: true, .. } => Placement::Travels {
-                travels: [0.0; 2],
-                rack: 0.0,
-                on_plane: true,
-            },
-            _ => plan.course.design(),
-        };
         let of_motion = placements.len();
-        let design = place_of(&mut placements, designed);
+        let design = place_of(&mut placements, plan.course.at_design().placements()[0]);
         for placement in further {
             place_of(&mut placements, placement);
         }

@@ -68,7 +68,7 @@ fn of_axle(arguments: &StudyArguments, study: &Study, both: &AxleStudy) -> Resul
     let unit = study.suspension.length_unit.symbol();
     let columns = ["quantity", "at", "from", "because", "to", "because there"];
     let mut table = Table::new(columns);
-    for (side, range) in [Side::Left, Side::Right].into_iter().zip(&limits.travels) {
+    for (side, range) in Side::ALL.into_iter().zip(&limits.travels) {
         let quantity = format!("{}_travel_{unit}", side.name());
         let own = Row {
             quantity,

@@ -369,7 +369,7 @@ fn unsupported(place: &Place<'_>, curves: &AxleCurves) -> Option<String> {
 /// Where a rod of a rocker comes to a toggle, a sentence for each rod.
 fn toggled(place: &Place<'_>, curves: &AxleCurves) -> Vec<String> {
     let mut said = Vec::new();
-    for side in [Side::Left, Side::Right] {
+    for side in Side::ALL {
         for rod in [Rod::Pushrod, Rod::Pullrod, Rod::DropLink] {
             let stations = curves.stations.iter().enumerate();
             let stuck = stations.filter(|(_, s)| {

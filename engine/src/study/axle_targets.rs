@@ -229,7 +229,7 @@ fn subject(
     };
     let quantities: Vec<Quantity> = match side {
         Some(text) => {
-            let sides = [Side::Left, Side::Right].map(|side| (side.name(), side));
+            let sides = Side::ALL.map(|side| (side.name(), side));
             let side = choose(text, "side", &sides, problems)?;
             let of_side = |quantity: &Quantity| side_of(quantity) == Some(side);
             let own: Vec<_> = all.into_iter().filter(of_side).collect();

@@ -7,9 +7,9 @@ use super::Stations;
 use super::axle_lanes::AxleLanes;
 use super::evaluate::{Block, Evaluator, FindsSlopes, Pairs, SolvesOneByOne, StationFailure};
 use super::stations::place_of;
-use crate::axle::{Axle, AxleColumn, AxleFailure, AxlePlan, AxleSolver, Placement, Quantity, Read};
+use crate::axle::{Axle, AxleColumn, AxlePlan, AxleSolver, Placement, Quantity, Read};
 use crate::curves::Column;
-use crate::mechanism::{DesignFault, Failure};
+use crate::mechanism::DesignFault;
 use crate::model::Side;
 use crate::number::Width;
 use std::borrow::Cow;
@@ -191,13 +191,7 @@ impl<'a, const N: usize> OneByOne<'a, N> {
                     block.put(number, k, station, value);
                 }
             }
-            let stuck = [Side::Left, Side::Right].into_iter().zip(read.toggles);
-            if let Some((side, rod)) = stuck.filter_map(|(side, rod)| Some((side, rod?))).next() {
-                let failure = AxleFailure::Wheel {
-                    side,
-                    travel: placed.travels[side as usize],
-                    failure: Failure::Toggle(rod),
-                };
+            if let Some(failure) = read.toggle_failure(&placed) {
                 block.fail(number, station, StationFailure::Axle(failure));
             }
         }

@@ -1,6 +1,6 @@
 //! Curves of an axle as files, tables and words.
 
-use super::accuracy::{CertificateSummary, stations_in_words};
+use super::accuracy::{CertificateSummary, at_toggle, stations_in_words};
 use super::completeness::Completeness;
 use super::failures::FailureRange;
 use super::files::csv_of;
@@ -384,14 +384,8 @@ fn toggled(place: &Place<'_>, curves: &AxleCurves) -> Vec<String> {
                 .iter()
                 .min_by(|a, b| travel(a.1).total_cmp(&travel(b.1)));
             said.extend(nearest.map(|(number, station)| {
-                format!(
-                    "warning: the {} wheel's {rod} is at toggle, or would be beyond it, at {}, the nearest at {}: \
-                     there it turns {} no further, and what moves with that has no values",
-                    side.name(),
-                    stations_in_words(stuck.len()),
-                    place.words(*number, station),
-                    rod.turns()
-                )
+                let (wheel, nearest) = (side.name(), place.words(*number, station));
+                at_toggle(&format!("{wheel} wheel's "), rod, stuck.len(), nearest)
             }));
         }
     }

@@ -51,6 +51,8 @@ pub struct Gradients<'a> {
 /// What has been found, side by side in the lanes.
 #[derive(Clone)]
 struct Found {
+    /// The stations of a single design, group by group.
+    groups: Vec<Vec<usize>>,
     /// Lanes there are.
     lanes: usize,
     points: usize,
@@ -119,9 +121,14 @@ impl Deviations<'_> {
 }
 
 impl Jacobians<'_> {
-    /// The station, as [`Stations::number`] has it.
+    /// The station of designs, as [`Stations::number`] has it.
     pub fn station(&self) -> usize {
         self.station
+    }
+
+    /// The stations of a single design that are in the lanes in place of designs.
+    pub fn side_by_side(&self) -> &[usize] {
+        &self.found.groups[self.station]
     }
 
     /// The value of an angle, in radians.
@@ -167,6 +174,13 @@ impl<'a> Gradients<'a> {
             false => None,
         };
         let (angles, points) = (quantities.len(), design.len());
+        let groups = (0..racks.len()).flat_map(|rack| {
+            let values = batch.revisited(rack);
+            let stations: Vec<usize> = values.map(|v| stations.number(rack, v)).collect();
+            let groups = stations.chunks(width.lanes());
+            groups.map(<[usize]>::to_vec).collect::<Vec<_>>()
+        });
+        let groups = groups.collect();
         Some(Gradients {
             width,
             batch,
@@ -177,6 +191,7 @@ impl<'a> Gradients<'a> {
             spread: Vec::new(),
             history: Vec::new(),
             found: Found {
+                groups,
                 lanes: 1,
                 points,
                 angles: Aligned::new(0.0, angles * MOST_LANES),
@@ -214,10 +229,9 @@ impl<'a> Gradients<'a> {
         self.evaluate(designs, None, Task::Slopes { along, visit });
     }
 
-    /// As [`Gradients::jacobians`] of a single design, whose stations are side by side: the visitor gets them as if they were
-    /// designs, the number of the group of [`Gradients::side_by_side`] in place of that of a station. Returns whether the
-    /// design was right; if not, what was visited is not to be used. Where rods of rockers are watched from station to
-    /// station it is not.
+    /// As [`Gradients::jacobians`] of a single design, whose stations are side by side: the visitor gets those of
+    /// [`Jacobians::side_by_side`] as if they were designs. Returns whether the design was right; if not, what was visited is
+    /// not to be used. It is not where [`Gradients::takes_one`] says so.
     pub fn jacobians_of_one(
         &mut self,
         design: &[Vector3<f64>],
@@ -264,10 +278,10 @@ impl<'a> Gradients<'a> {
     }
 
     fn evaluate_one(&mut self, design: &[Vector3<f64>], task: Task<'_>) -> bool {
-        if self.reader.watches_rods() {
+        self.right.fill(false);
+        if !self.takes_one() {
             return false;
         }
-        self.right.fill(false);
         let mut history = std::mem::take(&mut self.history);
         history.clear();
         let mut racks = 0..self.stations.racks.len();
@@ -280,19 +294,10 @@ impl<'a> Gradients<'a> {
         self.is_right(0)
     }
 
-    /// The stations that [`Gradients::jacobians_of_one`] has in the lanes, group by group; none where it is never right.
-    pub fn side_by_side(&self) -> Vec<Vec<usize>> {
-        if self.reader.watches_rods() {
-            return Vec::new();
-        }
-        let racks = 0..self.stations.racks.len();
-        let groups = racks.flat_map(|rack| {
-            let values = self.batch.revisited(rack);
-            let stations: Vec<usize> = values.map(|v| self.stations.number(rack, v)).collect();
-            let groups = stations.chunks(self.at_once());
-            groups.map(<[usize]>::to_vec).collect::<Vec<_>>()
-        });
-        groups.collect()
+    /// Whether the stations of a single design can be side by side: not where rods of rockers are watched from one to the
+    /// next.
+    pub fn takes_one(&self) -> bool {
+        !self.reader.watches_rods()
     }
 
     /// Forms the sums of weighted squared deviations of designs, as many as fit into the lanes at most;

@@ -68,7 +68,7 @@ fn of_axle(arguments: &StudyArguments, study: &Study, both: &AxleStudy) -> Resul
     let unit = study.suspension.length_unit.symbol();
     let columns = ["quantity", "at", "from", "because", "to", "because there"];
     let mut table = Table::new(columns);
-    for (side, range) in [Side::Left, Side::Right].into_iter().zip(&limits.travels) {
+    for (side, range) in Side::ALL.into_iter().zip(&limits.travels) {
         let quantity = format!("{}_travel_{unit}", side.name());
         let own = Row {
             quantity,
@@ -290,6 +290,13 @@ fn table(study: &Study, limits: &Limits, by_rack: &[(f64, Range)]) -> Table {
     table
 }
 
+/// What is left from drive values to the nearer end; negative beyond it.
+pub(super) fn travel_left(by_rack: &[(f64, Range)], values: &[f64]) -> f64 {
+    let ranges = by_rack.iter().map(|(_, range)| range);
+    let left = ranges.flat_map(|range| values.iter().map(move |value| range.margin(*value)));
+    left.fold(f64::INFINITY, f64::min)
+}
+
 /// The least distance to a singularity over the motion of the study, in words.
 fn margin(
     study: &Study,
@@ -335,11 +342,7 @@ fn margin(
         as_written(plan.drive.printed(at))
     );
     if drive == model::Drive::Travel {
-        let ranges = by_rack.iter().flat_map(|(_, range)| {
-            let margins = values.iter().map(|value| range.margin(*value));
-            margins.collect::<Vec<_>>()
-        });
-        let left = ranges.fold(f64::INFINITY, f64::min);
+        let left = travel_left(by_rack, values);
         text += &match left >= 0.0 {
             true => format!(" Travel left to the nearer end: {} {unit}.", brief(left)),
             false => format!(

@@ -2,7 +2,7 @@
 
 use super::StudyArguments;
 use super::exit::{Exit, Stop};
-use super::limits::{Row, ranges, ranges_by_rack, rod_travel, straight};
+use super::limits::{Row, ranges, ranges_by_rack, rod_travel, straight, travel_left};
 use super::output::{design_fault, pool};
 use super::printer::Printer;
 use super::progress;
@@ -109,11 +109,7 @@ impl LimitRanges {
             rows.push((name, straight(&limits).to_owned(), ends));
         }
         let plan = Plan::of(study);
-        let margins = by_rack.iter().flat_map(|(_, range)| {
-            let values = plan.station_order.values().iter();
-            values.map(|value| range.margin(*value))
-        });
-        let margin = margins.fold(f64::INFINITY, f64::min);
+        let margin = travel_left(&by_rack, plan.station_order.values());
         Ok(LimitRanges {
             margin: (study.motion.drive != Drive::PaperTheta).then_some(margin),
             rows,

@@ -5,6 +5,7 @@ use super::figure::brief;
 use super::station_label::StationLabel;
 use crate::curves::{Curves, Proof, Station, Status};
 use crate::mechanism::Failure;
+use crate::model::Rod;
 use crate::study::{Drive, Study};
 use serde::{Deserialize, Serialize};
 use std::fmt::Display;
@@ -53,13 +54,18 @@ fn toggled(study: &Study, curves: &Curves) -> Option<String> {
     let Status::Toggle(rod) = first.status else {
         return None;
     };
-    Some(format!(
-        "warning: the {rod} is at toggle, or would be beyond it, at {}, the nearest at {}: there it turns {} no \
-         further, and what moves with that has no values",
+    let nearest = StationLabel::of(first, study.motion.drive);
+    Some(at_toggle("", rod, count, nearest))
+}
+
+/// That a rod, with words for the wheel where there are two, is at toggle at so many stations.
+pub(super) fn at_toggle(of: &str, rod: Rod, count: usize, nearest: impl Display) -> String {
+    format!(
+        "warning: the {of}{rod} is at toggle, or would be beyond it, at {}, the nearest at {nearest}: there it turns {} \
+         no further, and what moves with that has no values",
         stations_in_words(count),
-        StationLabel::of(first, study.motion.drive),
         rod.turns()
-    ))
+    )
 }
 
 pub(super) fn stations_in_words(count: usize) -> String {

@@ -1,6 +1,6 @@
 //! Curves of an axle as files, tables and words.
 
-use super::accuracy::{CertificateSummary, stations_in_words};
+use super::accuracy::{CertificateSummary, at_toggle, stations_in_words};
 use super::completeness::Completeness;
 use super::failures::FailureRange;
 use super::files::csv_of;
@@ -373,7 +373,7 @@ fn unsupported(of_stations: &StationColumns<'_>, curves: &AxleCurves) -> Option<
 /// Where a rod of a rocker comes to a toggle, a sentence for each rod.
 fn toggled(of_stations: &StationColumns<'_>, curves: &AxleCurves) -> Vec<String> {
     let mut said = Vec::new();
-    for side in [Side::Left, Side::Right] {
+    for side in Side::ALL {
         for rod in [Rod::Pushrod, Rod::Pullrod, Rod::DropLink] {
             let stations = curves.stations.iter().enumerate();
             let stuck = stations.filter(|(_, s)| {
@@ -388,14 +388,8 @@ fn toggled(of_stations: &StationColumns<'_>, curves: &AxleCurves) -> Vec<String>
                 .iter()
                 .min_by(|a, b| travel(a.1).total_cmp(&travel(b.1)));
             said.extend(nearest.map(|(number, station)| {
-                format!(
-                    "warning: the {} wheel's {rod} is at toggle, or would be beyond it, at {}, the nearest at {}: \
-                     there it turns {} no further, and what moves with that has no values",
-                    side.name(),
-                    stations_in_words(stuck.len()),
-                    of_stations.words(*number, station),
-                    rod.turns()
-                )
+                let (wheel, nearest) = (side.name(), of_stations.words(*number, station));
+                at_toggle(&format!("{wheel} wheel's "), rod, stuck.len(), nearest)
             }));
         }
     }

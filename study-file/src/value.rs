@@ -57,34 +57,68 @@ impl<'de> Deserialize<'de> for Number {
 
 struct Finite(f64);
 
-impl<'de> Deserialize<'de> for Finite {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_any(FiniteVisitor).map(Finite)
-    }
+/// The visitor of a type that `written!` reads.
+struct Written<T>(PhantomData<T>);
+
+/// Reads a type from the kinds of value it may be written as, each with what makes it of such a value.
+macro_rules! written {
+    ([$($generics:tt)*] $type:ty, $expected:expr, $($kind:ident $make:expr),+) => {
+        impl<'de, $($generics)*> Deserialize<'de> for $type {
+            fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+                deserializer.deserialize_any(Written::<Self>(PhantomData))
+            }
+        }
+
+        impl<'de, $($generics)*> Visitor<'de> for Written<$type> {
+            type Value = $type;
+
+            fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+                f.write_str($expected)
+            }
+
+            $(written!($kind $make);)+
+        }
+    };
+    (number $make:expr) => {
+        fn visit_f64<E: Error>(self, value: f64) -> Result<Self::Value, E> {
+            match Number::checked(value) {
+                Ok(value) => Ok($make(value)),
+                Err(wanted) => Err(E::invalid_value(Unexpected::Float(value), &&*wanted)),
+            }
+        }
+
+        fn visit_i64<E: Error>(self, value: i64) -> Result<Self::Value, E> {
+            self.visit_f64(value as f64)
+        }
+    };
+    (beyond_i64 $make:expr) => {
+        fn visit_u64<E: Error>(self, value: u64) -> Result<Self::Value, E> {
+            self.visit_f64(value as f64)
+        }
+    };
+    (truth $make:expr) => {
+        fn visit_bool<E: Error>(self, value: bool) -> Result<Self::Value, E> {
+            Ok($make(value))
+        }
+    };
+    (word $make:expr) => {
+        fn visit_str<E: Error>(self, value: &str) -> Result<Self::Value, E> {
+            Ok($make(value.to_owned()))
+        }
+    };
+    (list $make:expr) => {
+        fn visit_seq<A: SeqAccess<'de>>(self, seq: A) -> Result<Self::Value, A::Error> {
+            Deserialize::deserialize(SeqAccessDeserializer::new(seq)).map($make)
+        }
+    };
+    (table $make:expr) => {
+        fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Self::Value, A::Error> {
+            Deserialize::deserialize(MapAccessDeserializer::new(map)).map($make)
+        }
+    };
 }
 
-struct FiniteVisitor;
-
-impl Visitor<'_> for FiniteVisitor {
-    type Value = f64;
-
-    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.write_str("a number")
-    }
-
-    fn visit_f64<E: Error>(self, value: f64) -> Result<f64, E> {
-        Number::checked(value)
-            .map_err(|wanted| E::invalid_value(Unexpected::Float(value), &&*wanted))
-    }
-
-    fn visit_i64<E: Error>(self, value: i64) -> Result<f64, E> {
-        self.visit_f64(value as f64)
-    }
-
-    fn visit_u64<E: Error>(self, value: u64) -> Result<f64, E> {
-        self.visit_f64(value as f64)
-    }
-}
+written!([] Finite, "a number", number Finite, beyond_i64 Finite);
 
 /// One value, a list of values, or a range.
 #[derive(Clone, Debug)]
@@ -109,37 +143,10 @@ pub struct Range {
     pub steps: Whole,
 }
 
-impl<'de> Deserialize<'de> for Values {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_any(ValuesVisitor)
-    }
-}
-
-struct ValuesVisitor;
-
-impl<'de> Visitor<'de> for ValuesVisitor {
-    type Value = Values;
-
-    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.write_str("a number, a list of numbers or { from, to, steps }")
-    }
-
-    fn visit_f64<E: Error>(self, value: f64) -> Result<Values, E> {
-        FiniteVisitor.visit_f64(value).map(Values::One)
-    }
-
-    fn visit_i64<E: Error>(self, value: i64) -> Result<Values, E> {
-        self.visit_f64(value as f64)
-    }
-
-    fn visit_seq<A: SeqAccess<'de>>(self, seq: A) -> Result<Values, A::Error> {
-        Vec::deserialize(SeqAccessDeserializer::new(seq)).map(Values::List)
-    }
-
-    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Values, A::Error> {
-        Range::deserialize(MapAccessDeserializer::new(map)).map(Values::Range)
-    }
-}
+written!(
+    [] Values, "a number, a list of numbers or { from, to, steps }",
+    number Values::One, list Values::List, table Values::Range
+);
 
 /// What `right` of `[axle]` is.
 #[derive(Debug)]
@@ -150,30 +157,10 @@ pub enum RightWheel {
     Own(Box<crate::file::OwnRight>),
 }
 
-impl<'de> Deserialize<'de> for RightWheel {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_any(RightWheelVisitor)
-    }
-}
-
-struct RightWheelVisitor;
-
-impl<'de> Visitor<'de> for RightWheelVisitor {
-    type Value = RightWheel;
-
-    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.write_str("\"mirrored\" or a table [axle.right]")
-    }
-
-    fn visit_str<E: Error>(self, word: &str) -> Result<RightWheel, E> {
-        Ok(RightWheel::Word(word.to_owned()))
-    }
-
-    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<RightWheel, A::Error> {
-        let own = crate::file::OwnRight::deserialize(MapAccessDeserializer::new(map))?;
-        Ok(RightWheel::Own(Box::new(own)))
-    }
-}
+written!(
+    [] RightWheel, "\"mirrored\" or a table [axle.right]",
+    word RightWheel::Word, table RightWheel::Own
+);
 
 /// All, none, or those named.
 #[derive(Clone, Debug)]
@@ -184,29 +171,10 @@ pub enum Selection {
     Named(Vec<Text>),
 }
 
-impl<'de> Deserialize<'de> for Selection {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_any(SelectionVisitor)
-    }
-}
-
-struct SelectionVisitor;
-
-impl<'de> Visitor<'de> for SelectionVisitor {
-    type Value = Selection;
-
-    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.write_str("true, false or a list of hardpoint names")
-    }
-
-    fn visit_bool<E: Error>(self, all: bool) -> Result<Selection, E> {
-        Ok(Selection::All(all))
-    }
-
-    fn visit_seq<A: SeqAccess<'de>>(self, seq: A) -> Result<Selection, A::Error> {
-        Vec::deserialize(SeqAccessDeserializer::new(seq)).map(Selection::Named)
-    }
-}
+written!(
+    [] Selection, "true, false or a list of hardpoint names",
+    truth Selection::All, list Selection::Named
+);
 
 /// A member: by its name, or by its two ends.
 #[derive(Clone, Debug)]
@@ -217,29 +185,10 @@ pub enum MemberName {
     Ends(Vec<Text>),
 }
 
-impl<'de> Deserialize<'de> for MemberName {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_any(MemberNameVisitor)
-    }
-}
-
-struct MemberNameVisitor;
-
-impl<'de> Visitor<'de> for MemberNameVisitor {
-    type Value = MemberName;
-
-    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.write_str("the name of a member or a list of its two ends")
-    }
-
-    fn visit_str<E: Error>(self, name: &str) -> Result<MemberName, E> {
-        Ok(MemberName::Name(name.to_owned()))
-    }
-
-    fn visit_seq<A: SeqAccess<'de>>(self, seq: A) -> Result<MemberName, A::Error> {
-        Vec::deserialize(SeqAccessDeserializer::new(seq)).map(MemberName::Ends)
-    }
-}
+written!(
+    [] MemberName, "the name of a member or a list of its two ends",
+    word MemberName::Name, list MemberName::Ends
+);
 
 /// One number, or a list.
 #[derive(Clone, Debug)]
@@ -270,30 +219,7 @@ impl Listed for Spanned<Vec<Number>> {
     const EXPECTED: &str = "a number or a curve [[drive value, limit], ...]";
 }
 
-impl<'de, T: Deserialize<'de> + Listed> Deserialize<'de> for OneOr<T> {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_any(OneOrVisitor(PhantomData))
-    }
-}
-
-struct OneOrVisitor<T>(PhantomData<T>);
-
-impl<'de, T: Deserialize<'de> + Listed> Visitor<'de> for OneOrVisitor<T> {
-    type Value = OneOr<T>;
-
-    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.write_str(T::EXPECTED)
-    }
-
-    fn visit_f64<E: Error>(self, value: f64) -> Result<OneOr<T>, E> {
-        FiniteVisitor.visit_f64(value).map(OneOr::One)
-    }
-
-    fn visit_i64<E: Error>(self, value: i64) -> Result<OneOr<T>, E> {
-        self.visit_f64(value as f64)
-    }
-
-    fn visit_seq<A: SeqAccess<'de>>(self, seq: A) -> Result<OneOr<T>, A::Error> {
-        Vec::deserialize(SeqAccessDeserializer::new(seq)).map(OneOr::Many)
-    }
-}
+written!(
+    [T: Deserialize<'de> + Listed] OneOr<T>, T::EXPECTED,
+    number OneOr::One, list OneOr::Many
+);

@@ -114,19 +114,26 @@ impl AxleMotion {
         placements
     }
 
-    /// The position that results call the design position: everything at zero.
-    pub fn design(&self) -> Placement {
-        match self.wheels {
-            WheelMotion::Roll { .. } => Placement::Roll {
-                heave: 0.0,
-                roll: 0.0,
-                rack: 0.0,
+    /// The position of which a run says "design" alone: everything at zero, on the same ground.
+    pub fn at_design(&self) -> AxleMotion {
+        let zero = || vec![0.0];
+        AxleMotion {
+            wheels: match self.wheels {
+                WheelMotion::Heave(_) => WheelMotion::Heave(zero()),
+                WheelMotion::Roll { .. } => WheelMotion::Roll {
+                    heave: zero(),
+                    roll: zero(),
+                    at_load: false,
+                },
+                WheelMotion::Travels { on_plane, .. } => WheelMotion::Travels {
+                    left: zero(),
+                    right: zero(),
+                    on_plane,
+                },
             },
-            _ => Placement::Travels {
-                travels: [0.0; 2],
-                rack: 0.0,
-                on_plane: false,
-            },
+            racks: zero(),
+            shows_rack: self.shows_rack,
+            steering_wheel: None,
         }
     }
 

@@ -267,7 +267,7 @@ impl Quantity {
     /// The quantities of a name, left before right; empty where there is none. `roll_steer` is of the wheels
     /// and of the axle.
     pub fn named(name: &str) -> Vec<Quantity> {
-        let sides = [Side::Left, Side::Right];
+        let sides = Side::ALL;
         let mut found = Vec::new();
         if let Some(c) =
             Characteristic::named(name).filter(|c| *c != Characteristic::RollCentreHeight)

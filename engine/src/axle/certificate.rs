@@ -136,7 +136,7 @@ impl<'a> AxleCertifier<'a> {
     /// Prepares proofs of positions of this axle.
     pub fn new(axle: &'a Axle) -> Self {
         AxleCertifier {
-            wheels: [Side::Left, Side::Right].map(|side| Wheel::new(axle, side)),
+            wheels: Side::ALL.map(|side| Wheel::new(axle, side)),
             radius: axle.setup.wheel_radius.unwrap_or(f64::NAN),
         }
     }
@@ -154,10 +154,7 @@ impl<'a> AxleCertifier<'a> {
     pub fn prove(&self, placement: &Placement, placed: &Placed) -> Result<AxleProof, AxleFailure> {
         let over = |side: Side, travel: Interval| {
             // In its own frame the rack of the right wheel moves the other way.
-            let rack = match side {
-                Side::Left => placement.rack(),
-                Side::Right => -placement.rack(),
-            };
+            let rack = placement.rack() * side.sign();
             let pose = &placed.poses()[side as usize];
             let found = self.wheel(side).over_travels(pose, travel, rack);
             found.map_err(|reason| AxleFailure::Wheel {

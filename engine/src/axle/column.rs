@@ -162,7 +162,7 @@ type ByMotion = (Motion, &'static str, String, f64);
 
 /// Three components of the left wheel, three of the right one.
 fn by_wheel() -> impl Iterator<Item = (Side, Axis)> {
-    let sides = [Side::Left, Side::Right].into_iter();
+    let sides = Side::ALL.into_iter();
     sides.flat_map(|side| Axis::ALL.map(|axis| (side, axis)))
 }
 
@@ -277,7 +277,7 @@ impl AxlePlan {
                 columns.extend(derivatives(&turn));
             }
         }
-        for side in [Side::Left, Side::Right] {
+        for side in Side::ALL {
             columns.extend(self.carried(axle, side).columns().map(|force| AxleColumn {
                 name: format!("{}_{}", side.name(), force.name),
                 of: Of::Force {

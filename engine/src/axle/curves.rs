@@ -63,26 +63,8 @@ impl AxlePlan {
 
     /// A plan of the same quantities in the design position.
     pub fn at_design(&self) -> AxlePlan {
-        let wheels = match self.course.wheels {
-            WheelMotion::Heave(_) => WheelMotion::Heave(vec![0.0]),
-            WheelMotion::Roll { .. } => WheelMotion::Roll {
-                heave: vec![0.0],
-                roll: vec![0.0],
-                at_load: false,
-            },
-            WheelMotion::Travels { on_plane, .. } => WheelMotion::Travels {
-                left: vec![0.0],
-                right: vec![0.0],
-                on_plane,
-            },
-        };
         AxlePlan {
-            course: AxleMotion {
-                wheels,
-                racks: vec![0.0],
-                steering_wheel: None,
-                ..self.course.clone()
-            },
+            course: self.course.at_design(),
             ..self.values_alone()
         }
     }
@@ -207,8 +189,8 @@ fn run<const N: usize>(axle: &Axle, plan: &AxlePlan) -> Result<AxleCurves, (Side
     let by_rack = plan.derivatives > 0 && plan.course.shows_rack;
     let mut solver = AxleSolver::<N>::new(axle, &plan.quantities, by_rack)?;
     solver.read_points(&plan.points);
-    let loads = [Side::Left, Side::Right].map(|side| plan.carried(axle, side));
-    for (side, loads) in [Side::Left, Side::Right].into_iter().zip(&loads) {
+    let loads = Side::ALL.map(|side| plan.carried(axle, side));
+    for (side, loads) in Side::ALL.into_iter().zip(&loads) {
         solver.watch(side, loads.rocker());
     }
     let mut sensitivities = Vec::new();
@@ -263,7 +245,7 @@ fn certify<const N: usize>(axle: &Axle, solver: &mut AxleSolver<N>, stations: &m
             continue;
         };
         let placed: Vec<_> = found.iter().filter_map(|s| s.placed.ok()).collect();
-        let branches = [Side::Left, Side::Right].map(|side| {
+        let branches = Side::ALL.map(|side| {
             let wheel = side as usize;
             let travels: Vec<_> = placed.iter().map(|p| p.travels[wheel]).collect();
             let poses: Vec<_> = placed.iter().map(|p| p.poses()[wheel]).collect();
@@ -313,8 +295,8 @@ impl Curves {
                 WheelMotion::Roll { .. } => travels.map(|travel| vec![travel]),
             };
             self.rack = Some(rack);
-            self.wheels = [Side::Left, Side::Right]
-                .map(|side| solver.wheel_curve(side, &self.travels[side as usize], rack));
+            self.wheels =
+                Side::ALL.map(|side| solver.wheel_curve(side, &self.travels[side as usize], rack));
         }
         let wheel = |side: usize| {
             let mut values = self.travels[side].iter();
@@ -374,7 +356,7 @@ fn forces<const N: usize>(
     read: &Read,
 ) -> Vec<Result<f64, Void>> {
     let mut forces = Vec::new();
-    for (side, loads) in [Side::Left, Side::Right].into_iter().zip(loads) {
+    for (side, loads) in Side::ALL.into_iter().zip(loads) {
         if loads.is_empty() {
             continue;
         }
@@ -415,7 +397,7 @@ fn gradients<const N: usize>(
         let factor = columns[column].factor;
         for point in &plan.sensitivities {
             for axis in Axis::ALL {
-                let frames = [Side::Left, Side::Right].map(|s| axle.suspension(s).frame);
+                let frames = Side::ALL.map(|s| axle.suspension(s).frame);
                 let by = [left, right].map(|g| g[point.0][axis] * factor);
                 let mut add = |side, value| {
                     found.push(AxleSensitivity {

@@ -9,7 +9,7 @@ use super::solver::{AxleFailure, AxleSolver, Placed, Placement};
 use super::{Axle, AxleQuantity, Quantity};
 use crate::characteristics::instant_centres_of;
 use crate::curves::{OtherWheel, Placement as Drawn, Turn};
-use crate::mechanism::{Configuration, DesignFault, Failure};
+use crate::mechanism::{Configuration, DesignFault};
 use crate::model::{PointId, Side};
 use crate::number::Vector3;
 
@@ -38,7 +38,7 @@ pub fn axle_frames(
 /// The height of the ground in the design position.
 fn design_ground(axle: &Axle, solver: &mut AxleSolver<2>) -> f64 {
     let radius = axle.setup.wheel_radius.unwrap_or(0.0);
-    let [left, right] = [Side::Left, Side::Right].map(|side| {
+    let [left, right] = Side::ALL.map(|side| {
         let corner = axle.suspension(side);
         let centre = corner.design[corner.mechanism.wheel_centre.0];
         let level = super::Ground::level(0.0);
@@ -55,15 +55,8 @@ fn drawn(
     ground: f64,
 ) -> Result<Drawn, AxleFailure> {
     let read = solver.read(placed)?;
-    for side in [Side::Left, Side::Right] {
-        // Beyond a toggle what the rocker carries is nowhere.
-        if let Some(rod) = read.toggles[side as usize] {
-            return Err(AxleFailure::Wheel {
-                side,
-                travel: placed.travels[side as usize],
-                failure: Failure::Toggle(rod),
-            });
-        }
+    if let Some(failure) = read.toggle_failure(placed) {
+        return Err(failure);
     }
     let state = read.state;
     let has_ground = axle.setup.wheel_radius.is_some();
@@ -96,16 +89,13 @@ fn drawn(
     };
     let mut points = Vec::new();
     let mut others = Vec::new();
-    for (side, wheel) in [Side::Left, Side::Right].into_iter().zip(wheels) {
+    for (side, wheel) in Side::ALL.into_iter().zip(wheels) {
         let suspension = axle.suspension(side);
         let at = Configuration {
             mechanism: &suspension.mechanism,
             design: &suspension.design,
             pose: placed.poses()[side as usize],
-            rack: match side {
-                Side::Left => placed.rack,
-                Side::Right => -placed.rack,
-            },
+            rack: placed.rack * side.sign(),
             steering: None,
         };
         let all = 0..suspension.mechanism.points.len();
@@ -132,7 +122,7 @@ fn drawn(
         let height = value(AxleQuantity::RollCentreHeight)?;
         let lateral = value(AxleQuantity::RollCentreLateral)?;
         // Between both contact points, along the ground and above it.
-        let middle = [Side::Left, Side::Right].map(|side| {
+        let middle = Side::ALL.map(|side| {
             let wheel = &state.wheels()[side as usize];
             turned(plain(side, wheel.contact_point())) + up
         });

@@ -336,10 +336,7 @@ impl<'a, const N: usize> Corner<'a, N> {
             slopes: DesignSeries::new(mechanism, design).with_steering_axis(false),
             series: DesignSeries::new(mechanism, design)
                 .with_steering_axis(parts.contain_steering_axis()),
-            rack_sign: match side {
-                Side::Left => 1.0,
-                Side::Right => -1.0,
-            },
+            rack_sign: side.sign(),
             toggles: Toggles::of(mechanism, rockers.iter().copied()),
             begun: None,
             ends: Vec::new(),
@@ -597,9 +594,20 @@ impl Read<'_> {
         }
     }
 
+    /// Why what rockers carry is nowhere, where one of them is at toggle or beyond.
+    pub fn toggle_failure(&self, placed: &Placed) -> Option<AxleFailure> {
+        Side::ALL.into_iter().find_map(|side| {
+            Some(AxleFailure::Wheel {
+                side,
+                travel: placed.travels[side as usize],
+                failure: Failure::Toggle(self.toggles[side as usize]?),
+            })
+        })
+    }
+
     /// Whether a quantity moves with a rocker that is at toggle or beyond.
     pub fn is_stuck(&self, quantity: Quantity) -> bool {
-        let mut sides = [Side::Left, Side::Right].into_iter();
+        let mut sides = Side::ALL.into_iter();
         sides.any(|side| self.toggles[side as usize].is_some() && quantity.moves_with_rocker(side))
     }
 }
@@ -664,7 +672,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
 
     /// Reads these points of both wheels with every position.
     pub fn read_points(&mut self, points: &[PointId]) {
-        for side in [Side::Left, Side::Right] {
+        for side in Side::ALL {
             let corner = &mut self.corners[side as usize];
             corner.points = points.to_vec();
             let mechanism = corner.mechanism;

@@ -101,50 +101,41 @@ pub struct GradientEvaluator<'a> {
     points: usize,
     /// The points by which gradients are formed.
     wanted: Vec<PointId>,
-    lanes: Option<InLanes<'a>>,
+    lanes: Option<Gradients<'a>>,
     one_by_one: Box<dyn DifferentiatesOneByOne + 'a>,
 }
 
-/// Designs side by side, or the stations of one.
-struct InLanes<'a> {
-    gradients: Gradients<'a>,
-    /// The stations of one design, group by group; empty if they cannot be side by side.
-    groups: Vec<Vec<usize>>,
-}
-
-impl InLanes<'_> {
-    /// Evaluates as many designs as fit into the lanes at most, the first of which has this number.
-    fn evaluate(
-        &mut self,
-        designs: &[Vector3<f64>],
-        number: usize,
-        wanted: &[PointId],
-        into: &mut Evaluated,
-    ) {
-        let count = designs.len() / into.points;
-        let mut keep = |found: &Jacobians<'_>, lane: usize, design: usize, station: usize| {
-            for quantity in 0..into.quantities {
-                into.put(design, quantity, station, found.value(lane, quantity));
-                for id in wanted {
-                    let by = found.gradient(lane, quantity, *id);
-                    into.put_gradient((design, quantity, station), *id, by);
-                }
+/// Evaluates as many designs as fit into the lanes at most, the first of which has this number: side by side, or the
+/// stations of one.
+fn evaluate_in_lanes(
+    gradients: &mut Gradients<'_>,
+    designs: &[Vector3<f64>],
+    number: usize,
+    wanted: &[PointId],
+    into: &mut Evaluated,
+) {
+    let count = designs.len() / into.points;
+    let mut keep = |found: &Jacobians<'_>, lane: usize, design: usize, station: usize| {
+        for quantity in 0..into.quantities {
+            into.put(design, quantity, station, found.value(lane, quantity));
+            for id in wanted {
+                let by = found.gradient(lane, quantity, *id);
+                into.put_gradient((design, quantity, station), *id, by);
             }
-        };
-        let InLanes { gradients, groups } = self;
-        if count == 1 && !groups.is_empty() {
-            gradients.jacobians_of_one(designs, |found| {
-                for (lane, station) in groups[found.station()].iter().enumerate() {
-                    keep(found, lane, number, *station);
-                }
-            });
-        } else {
-            gradients.jacobians(designs, |found| {
-                for lane in 0..count {
-                    keep(found, lane, number + lane, found.station());
-                }
-            });
         }
+    };
+    if count == 1 && gradients.takes_one() {
+        gradients.jacobians_of_one(designs, |found| {
+            for (lane, station) in found.side_by_side().iter().enumerate() {
+                keep(found, lane, number, *station);
+            }
+        });
+    } else {
+        gradients.jacobians(designs, |found| {
+            for lane in 0..count {
+                keep(found, lane, number + lane, found.station());
+            }
+        });
     }
 }
 
@@ -167,12 +158,7 @@ impl<'a> GradientEvaluator<'a> {
             quantities,
             points: suspension.design.len(),
             wanted: points.to_vec(),
-            lanes: width
-                .and_then(|w| Gradients::new(suspension, stations, quantities, w))
-                .map(|gradients| InLanes {
-                    groups: gradients.side_by_side(),
-                    gradients,
-                }),
+            lanes: width.and_then(|w| Gradients::new(suspension, stations, quantities, w)),
             one_by_one: match rates {
                 false => OneByOne::<1>::new(suspension, stations, quantities, points)?,
                 true => OneByOne::<2>::new(suspension, stations, quantities, points)?,
@@ -182,7 +168,7 @@ impl<'a> GradientEvaluator<'a> {
 
     /// Designs that are evaluated side by side.
     pub fn at_once(&self) -> usize {
-        self.lanes.as_ref().map_or(1, |l| l.gradients.at_once())
+        self.lanes.as_ref().map_or(1, |l| l.at_once())
     }
 
     /// Evaluates designs given as the points of one after the other, at every station that has a pose; returns how many
@@ -197,15 +183,11 @@ impl<'a> GradientEvaluator<'a> {
             let together = at_once.min(count - first);
             let group = &designs[first * points..(first + together) * points];
             if let Some(lanes) = &mut self.lanes {
-                lanes.evaluate(group, first, &self.wanted, into);
+                evaluate_in_lanes(lanes, group, first, &self.wanted, into);
             }
             for (number, design) in group.chunks_exact(points).enumerate() {
                 let place = first + number;
-                if self
-                    .lanes
-                    .as_ref()
-                    .is_some_and(|l| l.gradients.is_accepted(number))
-                {
+                if self.lanes.as_ref().is_some_and(|l| l.is_accepted(number)) {
                     into.solved_of(place).fill(true);
                     continue;
                 }

@@ -68,6 +68,11 @@ impl Side {
     pub fn name(self) -> &'static str {
         ["left", "right"][self as usize]
     }
+
+    /// 1 for left, -1 for right: a rack that moves to the left, in the frame of a side, and half a difference of the two.
+    pub fn sign(self) -> f64 {
+        [1.0, -1.0][self as usize]
+    }
 }
 
 /// The axis convention of a study.

@@ -54,6 +54,25 @@ impl Interval {
         Interval::bounds(self.low.max(other.low), self.high.min(other.high))
     }
 
+    /// What both contain, if there is anything.
+    #[inline]
+    pub fn common(self, other: Self) -> Option<Self> {
+        let (low, high) = (self.low.max(other.low), self.high.min(other.high));
+        (low <= high).then(|| Interval::bounds(low, high))
+    }
+
+    /// Whether zero lies outside.
+    #[inline]
+    pub fn excludes_zero(self) -> bool {
+        self.low > 0.0 || self.high < 0.0
+    }
+
+    /// From the lower to the upper bound.
+    #[inline]
+    pub fn width(self) -> f64 {
+        self.high - self.low
+    }
+
     /// The largest absolute value.
     #[inline]
     pub fn magnitude(self) -> f64 {
@@ -193,8 +212,8 @@ impl Div for Interval {
     type Output = Self;
     #[inline(never)]
     fn div(self, other: Self) -> Self {
-        // Written so that NaN is refused.
-        if !(other.low > 0.0 || other.high < 0.0) {
+        // NaN does not exclude it.
+        if !other.excludes_zero() {
             return Interval::WHOLE;
         }
         let quotients = [

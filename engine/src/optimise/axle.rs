@@ -4,33 +4,21 @@
 //! of a row is the sum of both wheels' gradients along the variable's rates. Where the right wheel has
 //! hardpoints of its own they are moved as the mirror images of the left ones are.
 
+use super::layout::TargetSample;
 use super::moves::{PointRate, moved_design, point_rates};
 use super::{Infeasible, Linearisation};
 use crate::axle::{Axle, AxleSolver, Hold, Placement, Quantity};
 use crate::mechanism::DesignFault;
 use crate::number::Vector3;
-use crate::study::{Optimise, Sample, Variable};
+use crate::study::{Optimise, Variable};
 use crate::sweep::place_of;
 use nalgebra::DVector;
-
-/// What a target wants of a quantity in one position, and the row of its residual.
-#[derive(Clone, Debug)]
-pub(super) struct AxleWish {
-    pub row: usize,
-    pub target: usize,
-    /// Index of the quantity among those of the layout.
-    quantity: usize,
-    /// What is wanted. Its `drive` is the place on the target's curve as the study writes it.
-    pub wanted: Sample,
-    /// Residual per deviation in the unit of the quantity.
-    scale: f64,
-}
 
 /// A position, and what is wanted there.
 #[derive(Clone, Debug)]
 pub(super) struct AxleStation {
     pub placement: Placement,
-    pub wishes: Vec<AxleWish>,
+    pub wishes: Vec<TargetSample>,
 }
 
 /// The targets of an axle, laid out.
@@ -52,10 +40,10 @@ impl AxleLayout {
         };
         for (number, target) in optimise.targets.iter().enumerate() {
             for sample in target.axle_samples(axle) {
-                let wish = AxleWish {
+                let wish = TargetSample {
                     row: *rows,
                     target: number,
-                    quantity: place_of(&mut layout.quantities, sample.quantity),
+                    of: place_of(&mut layout.quantities, sample.quantity),
                     wanted: sample.wanted,
                     scale: 1.0 / target.tolerance,
                 };
@@ -170,14 +158,16 @@ impl<const N: usize> AxleRows for Rows<'_, N> {
             .map_err(|fault| Infeasible::Refused(axle.describe_fault(fault)))?;
         let placements: Vec<Placement> = layout.stations.iter().map(|s| s.placement).collect();
         let placed = solver.place_all(&placements);
+        let mut pulling: Vec<&TargetSample> = Vec::new();
         for (AxleStation { placement, wishes }, placed) in layout.stations.iter().zip(placed) {
             let unreached =
                 |failure| Infeasible::Refused(format!("{placement} is not reached: {failure}"));
             let placed = placed.map_err(unreached)?;
             let read = solver.read(&placed).map_err(unreached)?;
             wanted.clear();
+            pulling.clear();
             for wish in wishes {
-                let quantity = quantities[wish.quantity];
+                let quantity = quantities[wish.of];
                 if read.is_stuck(quantity) {
                     let name = quantity.name();
                     let why = crate::axle::Void::Toggle.reason();
@@ -187,27 +177,21 @@ impl<const N: usize> AxleRows for Rows<'_, N> {
                     let (name, why) = (quantity.name(), void.reason());
                     Infeasible::Refused(format!("{name} has no value at {placement}: {why}"))
                 })?;
-                let deviation = wish.wanted.deviation(found);
-                into.residuals[wish.row] = deviation * wish.scale;
-                into.jacobian.row_mut(wish.row).fill(0.0);
-                // Within its band nothing pulls.
-                let is_wanted = !wish.wanted.is_band() || deviation != 0.0;
-                if is_wanted && !wanted.contains(&quantity) {
-                    wanted.push(quantity);
+                if wish.write_residual(wish.row, found, into) {
+                    into.jacobian.row_mut(wish.row).fill(0.0);
+                    pulling.push(wish);
+                    if !wanted.contains(&quantity) {
+                        wanted.push(quantity);
+                    }
                 }
             }
             let receive = |number: usize, [left, right]: [&[Vector3<f64>]; 2]| {
-                let own = wishes
-                    .iter()
-                    .filter(|w| quantities[w.quantity] == wanted[number]);
-                for wish in own {
-                    let is_inside = wish.wanted.is_band() && into.residuals[wish.row] == 0.0;
-                    if !is_inside {
-                        for ((_, point_rates), gradient) in sides.iter().zip([left, right]) {
-                            for rate in *point_rates {
-                                let slope = gradient[rate.point].dot(rate.by);
-                                into.jacobian[(wish.row, rate.column)] += slope * wish.scale;
-                            }
+                let own = |sample: &&&TargetSample| quantities[sample.of] == wanted[number];
+                for sample in pulling.iter().filter(own) {
+                    for ((_, point_rates), gradient) in sides.iter().zip([left, right]) {
+                        for rate in *point_rates {
+                            let slope = gradient[rate.point].dot(rate.by);
+                            into.jacobian[(sample.row, rate.column)] += slope * sample.scale;
                         }
                     }
                 }

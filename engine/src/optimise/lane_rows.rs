@@ -4,7 +4,7 @@
 use super::Linearisation;
 use super::lane_builds::LaneBuilds;
 use super::lane_parts::{LanePart, Moving};
-use super::layout::{TargetLayout, TargetSample};
+use super::layout::{Leg, TargetLayout, TargetSample};
 use super::moves::PointRate;
 use crate::characteristics::Quantity;
 use crate::model::Suspension;
@@ -15,21 +15,13 @@ use crate::sweep::{Gradients, Stations};
 #[derive(Clone)]
 pub(super) struct LaneRows<'a> {
     /// For each leg what evaluates it; `None` if nothing is read there.
-    legs: Vec<Option<Leg<'a>>>,
+    legs: Vec<Option<Gradients<'a>>>,
     /// The parts of constraints; `None` if lanes cannot provide all of them.
     parts: Option<Vec<LanePart>>,
     /// How every coordinate of a design moves with each variable, `[variable][point][axis]`.
     along: Vec<f64>,
     /// Room for the derivatives of a part.
     slopes: Vec<f64>,
-}
-
-/// The stations of one motion at one rack displacement.
-#[derive(Clone)]
-struct Leg<'a> {
-    gradients: Gradients<'a>,
-    /// Stations side by side, group by group.
-    groups: Vec<Vec<usize>>,
 }
 
 /// The rows of constraints, and the values of their parts by station.
@@ -49,7 +41,7 @@ impl<'a> LaneRows<'a> {
     ) -> Option<Self> {
         let measures = layout.measures.iter().map(|measure| measure.quantity());
         let wanted: Vec<Quantity> = measures.collect::<Option<_>>()?;
-        let has_targets = |leg: &super::layout::Leg| leg.targets.iter().any(|t| !t.is_empty());
+        let has_targets = |leg: &Leg| leg.targets.iter().any(|t| !t.is_empty());
         layout.legs.iter().any(has_targets).then_some(())?;
         let of = |quantities: &[Quantity], with_checks: bool| {
             let legs = layout.legs.iter().map(|leg| {
@@ -57,11 +49,7 @@ impl<'a> LaneRows<'a> {
                     return Some(None);
                 }
                 let stations = Stations::at_rack(leg.drive, &leg.order, leg.rack);
-                let gradients = Gradients::new(suspension, &stations, quantities, width)?;
-                Some(Some(Leg {
-                    groups: gradients.side_by_side(),
-                    gradients,
-                }))
+                Gradients::new(suspension, &stations, quantities, width).map(Some)
             });
             legs.collect::<Option<Vec<_>>>()
         };
@@ -127,7 +115,7 @@ impl<'a> LaneRows<'a> {
         } = self;
         let leg = &layout.legs[number];
         let is_wanted = checked.is_some() || leg.targets.iter().any(|t| !t.is_empty());
-        let Some(Leg { gradients, groups }) = legs[number].as_mut().filter(|_| is_wanted) else {
+        let Some(gradients) = legs[number].as_mut().filter(|_| is_wanted) else {
             return true;
         };
         if let Some(Checked { values, .. }) = &mut checked {
@@ -138,10 +126,10 @@ impl<'a> LaneRows<'a> {
         }
         let moving = Moving { design, along };
         gradients.slopes_of_one(design, along, |found| {
-            for (lane, station) in groups[found.station()].iter().enumerate() {
+            for (lane, station) in found.side_by_side().iter().enumerate() {
                 for sample in &leg.targets[*station] {
-                    let value = found.value(lane, sample.measure);
-                    let slope = |column| found.slope(lane, sample.measure, column);
+                    let value = found.value(lane, sample.of);
+                    let slope = |column| found.slope(lane, sample.of, column);
                     write(sample, sample.row, value, slope, into);
                 }
                 let (Some(Checked { rows, values }), Some(parts)) = (&mut checked, &*parts) else {
@@ -165,7 +153,7 @@ impl<'a> LaneRows<'a> {
     ) {
         for group in builds.groups() {
             for (leg, lanes) in layout.legs.iter().zip(&mut self.legs) {
-                let Some(Leg { gradients, .. }) = lanes else {
+                let Some(gradients) = lanes else {
                     continue;
                 };
                 gradients.slopes(
@@ -175,8 +163,8 @@ impl<'a> LaneRows<'a> {
                         for sample in &leg.targets[found.station()] {
                             for (lane, build) in group.clone().enumerate() {
                                 let row = build * layout.rows + sample.row;
-                                let value = found.value(lane, sample.measure);
-                                let slope = |column| found.slope(lane, sample.measure, column);
+                                let value = found.value(lane, sample.of);
+                                let slope = |column| found.slope(lane, sample.of, column);
                                 write(sample, row, value, slope, into);
                             }
                         }
@@ -200,16 +188,12 @@ fn write(
     slope: impl Fn(usize) -> f64,
     into: &mut Linearisation,
 ) {
-    let deviation = sample.wanted.deviation(value);
-    into.residuals[row] = deviation * sample.scale;
-    // Within its band nothing changes.
-    let is_in = sample.wanted.is_band() && deviation == 0.0;
+    if !sample.write_residual(row, value, into) {
+        return;
+    }
     let (rows, columns) = into.jacobian.shape();
     let entries = into.jacobian.as_mut_slice();
     for column in 0..columns {
-        entries[column * rows + row] = match is_in {
-            true => 0.0,
-            false => slope(column) * sample.scale,
-        };
+        entries[column * rows + row] = slope(column) * sample.scale;
     }
 }

@@ -10,16 +10,31 @@ use crate::study::{Motion, Optimise, Sample, Site, Target};
 use crate::sweep::place_of;
 use nalgebra::DVector;
 
-/// What a target wants at one station.
+/// What a target wants at one station of a leg or of an axle.
 #[derive(Clone, Debug)]
 pub(super) struct TargetSample {
     pub row: usize,
     pub target: usize,
-    /// Index of the target's measure among [`TargetLayout::measures`].
-    pub measure: usize,
+    /// Index of the target's measure among [`TargetLayout::measures`], or of its quantity among those of the axle.
+    pub of: usize,
+    /// What is wanted. For an axle its `drive` is the place on the target's curve as the study writes it.
     pub wanted: Sample,
     /// Residual per deviation in the unit of the measure.
     pub scale: f64,
+}
+
+impl TargetSample {
+    /// Writes the residual in a row. Returns whether it has slopes: within a band nothing pulls, and they are written as zeros.
+    #[inline]
+    pub(super) fn write_residual(&self, row: usize, found: f64, into: &mut Linearisation) -> bool {
+        let deviation = self.wanted.deviation(found);
+        into.residuals[row] = deviation * self.scale;
+        let pulls = !self.wanted.is_band() || deviation != 0.0;
+        if !pulls {
+            into.jacobian.row_mut(row).fill(0.0);
+        }
+        pulls
+    }
 }
 
 /// A part of a constraint at one station, and the rows it makes.
@@ -136,6 +151,19 @@ impl Draft {
     fn station(&mut self, drive: f64) -> usize {
         place_of(&mut self.values, drive)
     }
+
+    /// Leaves out the stations nobody wants anything of, which are not visited.
+    fn leave_out_unused(&mut self) {
+        let of_targets = self.targets.iter_mut().map(|(_, _, station, _)| station);
+        let of_checks = self.checks.iter_mut().map(|(_, station)| station);
+        let mut all: Vec<&mut usize> = of_targets.chain(of_checks).collect();
+        let is_used = |station: &usize| all.iter().any(|s| **s == *station);
+        let used: Vec<usize> = (0..self.values.len()).filter(is_used).collect();
+        for station in &mut all {
+            **station = used.binary_search(station).expect("it is used");
+        }
+        self.values = used.iter().map(|station| self.values[*station]).collect();
+    }
 }
 
 /// Number of the draft with this drive, this rack displacement and stations that begin with these; it is added if there
@@ -222,6 +250,10 @@ impl TargetLayout {
                 drafts[leg].extremes.push(place);
             }
         }
+        for draft in &mut drafts {
+            draft.leave_out_unused();
+        }
+        drafts.retain(|draft| !draft.values.is_empty());
         Self::finished(optimise, drafts, axle, parts, rows, &own)
     }
 
@@ -281,13 +313,12 @@ impl TargetLayout {
                 targets[station].push(TargetSample {
                     row,
                     target,
-                    measure: places[target],
+                    of: places[target],
                     wanted: sample,
                     scale: shares[target] / optimise.targets[target].tolerance,
                 });
             }
             for &(part, station) in &draft.checks {
-                // Labels of this number are as they were: those of legs left out before made others less.
                 let equal = label(part, true, number, station);
                 let equal = labels[..equalities].iter().position(|l| *l == equal);
                 let mut row = |limit: Option<f64>, is_upper: bool| {
@@ -302,22 +333,8 @@ impl TargetLayout {
                     equal,
                 });
             }
-            // Stations nobody wants anything of are not visited.
-            let used: Vec<usize> = (0..draft.values.len())
-                .filter(|s| !targets[*s].is_empty() || !checks[*s].is_empty())
-                .collect();
-            if used.is_empty() {
-                continue;
-            }
-            let values: Vec<f64> = used.iter().map(|s| draft.values[*s]).collect();
-            for label in labels.iter_mut().filter(|label| label.leg == number) {
-                label.leg = legs.len();
-                let place = used.iter().position(|used| *used == label.station);
-                label.station = place.expect("it is used");
-            }
-            let checks: Vec<Vec<Check>> = used.iter().map(|s| checks[*s].clone()).collect();
-            let mut sorted: Vec<usize> = (0..values.len()).collect();
-            sorted.sort_by(|a, b| values[*a].total_cmp(&values[*b]));
+            let mut sorted: Vec<usize> = (0..draft.values.len()).collect();
+            sorted.sort_by(|a, b| draft.values[*a].total_cmp(&draft.values[*b]));
             let mut extremes = Vec::new();
             for &part in &draft.extremes {
                 for sign in [-1.0, 1.0] {
@@ -335,8 +352,8 @@ impl TargetLayout {
             legs.push(Leg {
                 drive: draft.drive,
                 rack: draft.rack,
-                order: StationOrder::through(&values),
-                targets: used.iter().map(|s| targets[*s].clone()).collect(),
+                order: StationOrder::through(&draft.values),
+                targets,
                 checks,
                 extremes,
             });

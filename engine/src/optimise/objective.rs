@@ -23,7 +23,6 @@ use super::lane_rows::{Checked, LaneRows};
 use super::layout::{Extremes, Leg, TargetLayout};
 use super::moves::{PointRate, moved_design, point_rates};
 use super::{Infeasible, LeastSquares, Linearisation};
-use crate::build::Alignment;
 use crate::characteristics::{Constants, Measure, WheelReading};
 use crate::derive::{DesignSeries, Linearised, MotionPoint};
 use crate::mechanism::{DesignFault, Failure, Pose};
@@ -46,11 +45,7 @@ pub struct Objective<'a> {
     /// Lane evaluation of designs (and builds) that the tracker accepts; `None` if a target cannot be read in lanes, or
     /// if lanes are switched off.
     lanes: Option<LaneRows<'a>>,
-    /// Only for a robust tuning: the builds that the residuals belong to.
-    builds: Option<Builds<'a>>,
-    lane_builds: Option<LaneBuilds>,
-    built: Vec<Vector3<f64>>,
-    follower: Option<(PointId, PointId)>,
+    robust: Option<Robust<'a>>,
     solver: Solver<'a>,
     toggles: Toggles,
     reader: Box<dyn ReadStations + 'a>,
@@ -62,6 +57,15 @@ pub struct Objective<'a> {
     axle: Option<Box<dyn AxleRows + 'a>>,
     values: PartValues,
     searches: Vec<Search>,
+}
+
+/// The builds of a robust tuning, whose residuals are theirs.
+struct Robust<'a> {
+    builds: Builds<'a>,
+    lanes: Option<LaneBuilds>,
+    /// Room for a build.
+    built: Vec<Vector3<f64>>,
+    follower: Option<(PointId, PointId)>,
 }
 
 /// Values of the parts of a leg, by part and station.
@@ -172,18 +176,13 @@ impl<const N: usize> ReadStations for Reader<N> {
             let slopes = &mut self.slopes;
             if let Some((into, first)) = &mut into {
                 for sample in &leg.targets[station] {
-                    let (measure, row) = (&layout.measures[sample.measure], *first + sample.row);
+                    let (measure, row) = (&layout.measures[sample.of], *first + sample.row);
                     let found = read(measure, &view, &linearised, solver.size())[0];
                     failed = failed.take().or_else(|| uncarried(measure, found, place));
-                    let deviation = sample.wanted.deviation(found);
-                    into.residuals[row] = deviation * sample.scale;
-                    if sample.wanted.is_band() && deviation == 0.0 {
-                        // Within its band.
-                        into.jacobian.row_mut(row).fill(0.0);
-                        continue;
+                    if sample.write_residual(row, found, into) {
+                        slopes.form(&reading(measure));
+                        into.write_slopes(row, &slopes.by_variable, sample.scale);
                     }
-                    slopes.form(&reading(measure));
-                    into.write_slopes(row, &slopes.by_variable, sample.scale);
                 }
             }
             let Some(rows) = &mut rows else {
@@ -356,10 +355,7 @@ impl<'a> Objective<'a> {
             moved: design.clone(),
             point_rates: Vec::new(),
             lanes: LaneRows::new(suspension, layout, true, Width::widest()),
-            builds: None,
-            lane_builds: None,
-            built: design.clone(),
-            follower: None,
+            robust: None,
             solver: Solver::new(&suspension.mechanism, design)?,
             toggles: Toggles::of(mechanism, rockers),
             reader: reader(suspension, layout, &points, variables.len()),
@@ -390,10 +386,12 @@ impl<'a> Objective<'a> {
         let points = suspension.design.len();
         // Constraints are on the drawing.
         objective.lanes = width.and_then(|width| LaneRows::new(suspension, layout, false, width));
-        objective.lane_builds =
-            width.map(|width| LaneBuilds::new(builds.draws(), points, variables.len(), width));
-        objective.builds = Some(builds);
-        objective.follower = follower(study, suspension);
+        objective.robust = Some(Robust {
+            lanes: width.map(|w| LaneBuilds::new(builds.draws(), points, variables.len(), w)),
+            builds,
+            built: suspension.design.clone(),
+            follower: follower(study, suspension),
+        });
         Ok(objective)
     }
 
@@ -414,11 +412,11 @@ impl<'a> Objective<'a> {
 
     /// How many builds were evaluated in lanes.
     pub fn builds_in_lanes(&self) -> usize {
-        let builds = self.builds.as_ref().map_or(0, Builds::count);
-        let lanes = self.lane_builds.as_ref().filter(|_| self.lanes.is_some());
-        (0..builds)
-            .filter(|build| lanes.is_some_and(|l| l.is_accepted(*build)))
-            .count()
+        let Some(robust) = self.robust.as_ref().filter(|_| self.lanes.is_some()) else {
+            return 0;
+        };
+        let is_accepted = |b: &usize| robust.lanes.as_ref().is_some_and(|l| l.is_accepted(*b));
+        (0..robust.builds.count()).filter(is_accepted).count()
     }
 
     /// Moves the design, or the drawing of builds, to `x`.
@@ -426,7 +424,7 @@ impl<'a> Objective<'a> {
         let (frame, variables) = (&self.frame, self.variables);
         moved_design(self.design, frame, variables, x, &mut self.moved);
         point_rates(self.design, frame, variables, x, &mut self.point_rates);
-        if let Some((follower, leader)) = self.follower {
+        if let Some((follower, leader)) = self.robust.as_ref().and_then(|r| r.follower) {
             let from = self.design[follower.0] - self.design[leader.0];
             self.moved[follower.0] = self.moved[leader.0] + from;
             let follows = self
@@ -449,7 +447,7 @@ impl<'a> Objective<'a> {
         mut rows: Option<&mut Linearisation>,
     ) -> Result<(), Infeasible> {
         self.move_to(x);
-        let Some(mut builds) = self.builds.take() else {
+        let Some(mut robust) = self.robust.take() else {
             if !self.evaluate_in_lanes(into, rows.as_deref_mut())? {
                 self.evaluate_moved(Some((&mut *into, 0)), rows)?;
             }
@@ -469,8 +467,8 @@ impl<'a> Objective<'a> {
             Some(rows) => self.evaluate_moved(None, Some(rows)),
             None => Ok(()),
         };
-        let found = found.and_then(|()| self.evaluate_builds(&mut builds, into));
-        self.builds = Some(builds);
+        let found = found.and_then(|()| self.evaluate_builds(&mut robust, into));
+        self.robust = Some(robust);
         found
     }
 
@@ -526,43 +524,37 @@ impl<'a> Objective<'a> {
     /// Writes the residuals of all builds of the moved drawing: in lanes where possible, the others one by one.
     fn evaluate_builds(
         &mut self,
-        builds: &mut Builds<'a>,
+        robust: &mut Robust<'a>,
         into: &mut Linearisation,
     ) -> Result<(), Infeasible> {
+        let (builds, built) = (&mut robust.builds, &mut robust.built);
         let alignment = builds.redraw(&self.moved)?;
-        let mut lanes = self.lane_builds.take().filter(|_| self.lanes.is_some());
-        if let (Some(lanes), Some(rows)) = (&mut lanes, &mut self.lanes) {
+        let mut lanes = robust.lanes.as_mut().zip(self.lanes.as_mut());
+        if let Some((lanes, rows)) = &mut lanes {
             lanes.assemble(builds, alignment.as_ref(), &self.point_rates);
             rows.of_builds(self.layout, lanes, into);
         }
-        let in_lanes = |number| {
-            lanes
+        let lanes = lanes.map(|(lanes, _)| lanes);
+        for number in 0..builds.count() {
+            if lanes
                 .as_ref()
                 .is_some_and(|lanes| lanes.is_accepted(number))
-        };
-        let fallback = (0..builds.count()).filter(|number| !in_lanes(*number));
-        let found = self.evaluate_one_by_one(fallback, builds, alignment.as_ref(), into);
-        self.lane_builds = lanes;
-        found
-    }
-
-    /// Writes the residuals of the builds of these numbers, build by build.
-    fn evaluate_one_by_one(
-        &mut self,
-        numbers: impl Iterator<Item = usize>,
-        builds: &mut Builds<'a>,
-        alignment: Option<&Alignment>,
-        into: &mut Linearisation,
-    ) -> Result<(), Infeasible> {
-        let variables = self.variables.len();
-        for number in numbers {
-            let (drawn, built) = (&self.point_rates, &mut self.built);
-            builds.build(number, alignment, drawn, variables, built)?;
+            {
+                continue;
+            }
+            let variables = self.variables.len();
+            builds.build(
+                number,
+                alignment.as_ref(),
+                &self.point_rates,
+                variables,
+                built,
+            )?;
             // The build takes the place of the drawing, and the drawing is put back.
-            std::mem::swap(&mut self.moved, &mut self.built);
+            std::mem::swap(&mut self.moved, built);
             std::mem::swap(&mut self.point_rates, &mut builds.point_rates);
             let found = self.evaluate_moved(Some((into, number * self.layout.rows)), None);
-            std::mem::swap(&mut self.moved, &mut self.built);
+            std::mem::swap(&mut self.moved, built);
             std::mem::swap(&mut self.point_rates, &mut builds.point_rates);
             found.map_err(|reason| Infeasible::Refused(format!("build {number}: {reason}")))?;
         }

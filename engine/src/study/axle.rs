@@ -29,18 +29,27 @@ pub struct AxleStudy {
     pub plan: AxlePlan,
 }
 
+/// What a motion, a target or a band as written says of each coordinate, in the order of [`Coordinate::ALL`].
+macro_rules! coordinates {
+    ($written:expr) => {
+        [
+            &$written.roll,
+            &$written.heave,
+            &$written.travel_left,
+            &$written.travel_right,
+            &$written.rack,
+            &$written.steering_wheel_angle,
+        ]
+    };
+}
+pub(super) use coordinates;
+
 /// The keys of a motion that are of axles, and where they are.
 fn keys_of_axles(motion: &file::Motion) -> Vec<(&'static str, std::ops::Range<usize>)> {
-    let keys = [
-        ("heave", &motion.heave),
-        ("roll", &motion.roll),
-        ("travel_left", &motion.travel_left),
-        ("travel_right", &motion.travel_right),
-        ("steering_wheel_angle", &motion.steering_wheel_angle),
-    ];
-    let keys = keys.into_iter();
+    let keys = Coordinate::ALL.into_iter().zip(coordinates!(motion));
     let mut places: Vec<_> = keys
-        .filter_map(|(key, values)| Some((key, values.as_ref()?.span())))
+        .filter(|(coordinate, _)| *coordinate != Coordinate::Rack)
+        .filter_map(|(coordinate, values)| Some((coordinate.key(), values.as_ref()?.span())))
         .collect();
     places.extend(motion.ground.as_ref().map(|text| ("ground", text.span())));
     places.extend(motion.hold.as_ref().map(|text| ("hold", text.span())));

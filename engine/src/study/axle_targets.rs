@@ -1,12 +1,12 @@
 //! Targets of an axle: what of it is wanted, over which number of its motion, and where the rest is held.
 
-use super::axle::{AxleStudy, lacks_nothing, quantities};
+use super::axle::{AxleStudy, coordinates, lacks_nothing, quantities};
 use super::error::Problems;
 use super::file;
 use super::motion::values;
 use super::names::choose;
 use super::resolve::Context;
-use super::value::{Numbers, Text, Values};
+use super::value::{Numbers, Text};
 use super::{About, Motion, Site, Subject, Target};
 use crate::axle::{Axle, AxleMotion, AxlePlan, Coordinate, Placement, Quantity};
 use crate::characteristics::with_unit;
@@ -69,14 +69,7 @@ impl<'w> From<&'w file::Target> for Where<'w> {
         Where {
             over: &target.over,
             side: &target.side,
-            held: [
-                &target.roll,
-                &target.heave,
-                &target.travel_left,
-                &target.travel_right,
-                &target.rack,
-                &target.steering_wheel_angle,
-            ],
+            held: coordinates!(target),
         }
     }
 }
@@ -86,14 +79,7 @@ impl<'w> From<&'w file::Band> for Where<'w> {
         Where {
             over: &band.over,
             side: &band.side,
-            held: [
-                &band.roll,
-                &band.heave,
-                &band.travel_left,
-                &band.travel_right,
-                &band.rack,
-                &band.steering_wheel_angle,
-            ],
+            held: coordinates!(band),
         }
     }
 }
@@ -150,14 +136,7 @@ pub(super) fn band(
 
 /// The values that the study's motion has of a number, as written.
 fn moved(motion: &file::Motion, coordinate: Coordinate, problems: &mut Problems) -> Vec<f64> {
-    let written: &Option<Spanned<Values>> = match coordinate {
-        Coordinate::Roll => &motion.roll,
-        Coordinate::Heave => &motion.heave,
-        Coordinate::TravelLeft => &motion.travel_left,
-        Coordinate::TravelRight => &motion.travel_right,
-        Coordinate::Rack => &motion.rack,
-        Coordinate::SteeringWheel => &motion.steering_wheel_angle,
-    };
+    let written = coordinates!(motion)[coordinate as usize];
     let given = written.as_ref().and_then(|given| values(given, problems));
     given.unwrap_or_else(|| vec![0.0])
 }
@@ -230,7 +209,7 @@ fn subject(
     };
     let quantities: Vec<Quantity> = match side {
         Some(text) => {
-            let sides = [Side::Left, Side::Right].map(|side| (side.name(), side));
+            let sides = Side::ALL.map(|side| (side.name(), side));
             let side = choose(text, "side", &sides, problems)?;
             let of_side = |quantity: &Quantity| side_of(quantity) == Some(side);
             let own: Vec<_> = all.into_iter().filter(of_side).collect();

@@ -13,9 +13,6 @@ use super::{Interpolation, Limit, Motion, Site, Subject, Target, Wanted};
 use std::ops::Range as Span;
 use toml::Spanned;
 
-/// The least tolerance, in the units of columns. Deviations in tolerances stay far from the largest number.
-const LEAST_TOLERANCE: f64 = 1e-12;
-
 /// A curve as written: drive value and wanted value, in the file's units.
 pub(super) type WrittenCurve = Vec<[f64; 2]>;
 
@@ -51,11 +48,6 @@ fn target(
         }
     };
     let tolerance = not_tiny(&written.tolerance, problems);
-    if let Some(tolerance) = tolerance.filter(|tolerance| *tolerance < LEAST_TOLERANCE) {
-        let message =
-            format!("no value is known to {tolerance:?}; expected at least {LEAST_TOLERANCE:?}");
-        return problems.refuse(written.tolerance.span.clone(), message);
-    }
     let weight = match &written.weight {
         None => Some(1.0),
         Some(weight) => not_tiny(weight, problems),

@@ -7,11 +7,9 @@ use super::Stations;
 use super::axle_lanes::AxleLanes;
 use super::evaluate::{Block, Evaluator, FindsSlopes, Pairs, SolvesOneByOne, StationFailure};
 use super::stations::place_of;
-use crate::axle::{
-    Axle, AxleColumn, AxleFailure, AxlePlan, AxleSolver, Placement, Quantity, Read, WheelMotion,
-};
+use crate::axle::{Axle, AxleColumn, AxlePlan, AxleSolver, Placement, Quantity, Read};
 use crate::curves::Column;
-use crate::mechanism::{DesignFault, Failure};
+use crate::mechanism::DesignFault;
 use crate::model::Side;
 use crate::number::Width;
 use std::borrow::Cow;
@@ -42,17 +40,8 @@ impl<'s> AxleStations<'s> {
     ) -> Self {
         let over = plan.course.moving()[0];
         let mut placements = plan.course.placements();
-        // The design position, on the kind of ground that the motion has.
-        let designed = match plan.course.wheels {
-            WheelMotion::Travels { on_plane: true, .. } => Placement::Travels {
-                travels: [0.0; 2],
-                rack: 0.0,
-                on_plane: true,
-            },
-            _ => plan.course.design(),
-        };
         let of_motion = placements.len();
-        let design = place_of(&mut placements, designed);
+        let design = place_of(&mut placements, plan.course.at_design().placements()[0]);
         for placement in further {
             place_of(&mut placements, placement);
         }
@@ -203,13 +192,7 @@ impl<'a, const N: usize> OneByOne<'a, N> {
                     block.put(number, k, station, value);
                 }
             }
-            let stuck = [Side::Left, Side::Right].into_iter().zip(read.toggles);
-            if let Some((side, rod)) = stuck.filter_map(|(side, rod)| Some((side, rod?))).next() {
-                let failure = AxleFailure::Wheel {
-                    side,
-                    travel: placed.travels[side as usize],
-                    failure: Failure::Toggle(rod),
-                };
+            if let Some(failure) = read.toggle_failure(&placed) {
                 block.fail(number, station, StationFailure::Axle(failure));
             }
         }

@@ -66,7 +66,7 @@ impl<'a> AxleLanes<'a> {
             }
         }
         let hold = stations.placements[0].hold();
-        let suspensions = [Side::Left, Side::Right].map(|side| axle.suspension(side));
+        let suspensions = Side::ALL.map(|side| axle.suspension(side));
         let half_track = suspensions
             .iter()
             .map(|s| 0.5 * s.design[s.mechanism.wheel_centre.0].y)

@@ -51,6 +51,8 @@ pub struct Gradients<'a> {
 /// What has been found, side by side in the lanes.
 #[derive(Clone)]
 struct Found {
+    /// The stations of a single design, group by group.
+    groups: Vec<Vec<usize>>,
     /// Number of lanes.
     lanes: usize,
     points: usize,
@@ -119,9 +121,14 @@ impl Deviations<'_> {
 }
 
 impl Jacobians<'_> {
-    /// The number of the station, as [`Stations::number`] returns it.
+    /// The number of the station of designs, as [`Stations::number`] returns it.
     pub fn station(&self) -> usize {
         self.station
+    }
+
+    /// The stations of a single design that are in the lanes in place of designs.
+    pub fn side_by_side(&self) -> &[usize] {
+        &self.found.groups[self.station]
     }
 
     /// The value of an angle, in radians.
@@ -167,6 +174,13 @@ impl<'a> Gradients<'a> {
             false => None,
         };
         let (angles, points) = (quantities.len(), design.len());
+        let groups = (0..racks.len()).flat_map(|rack| {
+            let values = batch.revisited(rack);
+            let stations: Vec<usize> = values.map(|v| stations.number(rack, v)).collect();
+            let groups = stations.chunks(width.lanes());
+            groups.map(<[usize]>::to_vec).collect::<Vec<_>>()
+        });
+        let groups = groups.collect();
         Some(Gradients {
             width,
             batch,
@@ -177,6 +191,7 @@ impl<'a> Gradients<'a> {
             spread: Vec::new(),
             history: Vec::new(),
             found: Found {
+                groups,
                 lanes: 1,
                 points,
                 angles: Aligned::new(0.0, angles * MOST_LANES),
@@ -215,9 +230,8 @@ impl<'a> Gradients<'a> {
     }
 
     /// As [`Gradients::jacobians`] for a single design, whose stations are side by side in the lanes: the visitor gets
-    /// them as if they were designs, with the number of a group of [`Gradients::side_by_side`] in place of the number
-    /// of a station. Returns whether the design was accepted; if not, what was visited must not be used. It never is if
-    /// rods of rockers are watched from station to station.
+    /// those of [`Jacobians::side_by_side`] as if they were designs. Returns whether the design was accepted; if not, what
+    /// was visited must not be used. It never is if [`Gradients::takes_one`] is false.
     pub fn jacobians_of_one(
         &mut self,
         design: &[Vector3<f64>],
@@ -264,10 +278,10 @@ impl<'a> Gradients<'a> {
     }
 
     fn evaluate_one(&mut self, design: &[Vector3<f64>], task: Task<'_>) -> bool {
-        if self.reader.watches_rods() {
+        self.accepted.fill(false);
+        if !self.takes_one() {
             return false;
         }
-        self.accepted.fill(false);
         let mut history = std::mem::take(&mut self.history);
         history.clear();
         let mut racks = 0..self.stations.racks.len();
@@ -280,19 +294,10 @@ impl<'a> Gradients<'a> {
         self.is_accepted(0)
     }
 
-    /// The stations that [`Gradients::jacobians_of_one`] has in the lanes, group by group; empty if it is never accepted.
-    pub fn side_by_side(&self) -> Vec<Vec<usize>> {
-        if self.reader.watches_rods() {
-            return Vec::new();
-        }
-        let racks = 0..self.stations.racks.len();
-        let groups = racks.flat_map(|rack| {
-            let values = self.batch.revisited(rack);
-            let stations: Vec<usize> = values.map(|v| self.stations.number(rack, v)).collect();
-            let groups = stations.chunks(self.at_once());
-            groups.map(<[usize]>::to_vec).collect::<Vec<_>>()
-        });
-        groups.collect()
+    /// Whether the stations of a single design can be side by side: not where rods of rockers are watched from one to the
+    /// next.
+    pub fn takes_one(&self) -> bool {
+        !self.reader.watches_rods()
     }
 
     /// Forms the sums of weighted squared deviations of designs, as many as fit into the lanes at most;

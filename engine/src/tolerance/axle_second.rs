@@ -89,11 +89,10 @@ impl<'p> DrawnPositions<'p> {
             let placed = placed.ok()?;
             let read = solver.read(&placed).ok()?;
             let wheel = |side: Side| {
-                let sign = [1.0, -1.0][side as usize];
                 let point = MotionPoint {
                     drive: Drive::Travel,
                     value: placed.travels[side as usize],
-                    rack: placed.rack * sign,
+                    rack: placed.rack * side.sign(),
                 };
                 let pose = placed.poses()[side as usize];
                 Some((pose, solvers[side as usize].factorise(&pose, &point)?))
@@ -190,7 +189,7 @@ impl<'p> DrawnPositions<'p> {
         let axle = &self.stations.axle;
         let reading = |side: Side| {
             let number = side as usize;
-            let sign = [1.0, -1.0][number];
+            let sign = side.sign();
             let mechanism = &axle.suspension(side).mechanism;
             let (pose, factors) = &position.wheels[number];
             let rack = Jet::constant(position.rack * sign);

@@ -167,8 +167,7 @@ impl Branch {
     fn verdict(&self, low: f64, high: f64) -> Verdict {
         let piece = Interval::bounds(low, high);
         let (squares, miss) = self.miss(piece);
-        let excludes_zero = |i: Interval| i.low > 0.0 || i.high < 0.0;
-        if squares.iter().any(|s| s.high < 0.0) || excludes_zero(miss[0]) {
+        if squares.iter().any(|s| s.high < 0.0) || miss[0].excludes_zero() {
             return Verdict::None;
         }
         if !squares.iter().all(|s| s.low > 0.0) {
@@ -178,10 +177,10 @@ impl Branch {
         let (_, there) = self.miss(Interval::point(centre));
         let around = piece - Interval::point(centre);
         let slope = miss[1].meet(there[1] + (miss[2] + miss[2]) * around);
-        if excludes_zero(there[0] + slope * around) {
+        if (there[0] + slope * around).excludes_zero() {
             return Verdict::None;
         }
-        if !excludes_zero(slope) {
+        if !slope.excludes_zero() {
             return Verdict::Open;
         }
         let at = |angle: f64| self.miss(Interval::point(angle)).1[0];

@@ -116,7 +116,7 @@ impl Search<'_> {
             while let Some(cell) = cells.pop() {
                 looked_at += 1;
                 if looked_at > MOST_CELLS {
-                    let part = |cell: &Cell| (3..6).map(|k| 0.5 * width(cell[k])).product::<f64>();
+                    let part = |cell: &Cell| (3..6).map(|k| 0.5 * cell[k].width()).product::<f64>();
                     unsearched += (part(&cell) + cells.iter().map(part).sum::<f64>()) / 4.0;
                     break;
                 }
@@ -231,7 +231,7 @@ fn place(rods: &[Rod; 5]) -> Vector3<Interval> {
     };
     let narrowest = rods.iter().map(within);
     narrowest.fold(Vector3::default().map(|_: f64| Interval::WHOLE), |a, b| {
-        if width(b.x) < width(a.x) { b } else { a }
+        if b.x.width() < a.x.width() { b } else { a }
     })
 }
 
@@ -254,14 +254,14 @@ impl Chart {
             let around: Cell = from_fn(|k| cell[k] - Interval::point(middle[k]));
             let moves: [f64; 6] = from_fn(|k| {
                 let steepest = over.jacobian.iter().map(|row| row[k].magnitude());
-                steepest.fold(0.0, f64::max) * width(cell[k])
+                steepest.fold(0.0, f64::max) * cell[k].width()
             });
             for (f, row) in there.iter().zip(&over.jacobian) {
                 let form = row
                     .iter()
                     .zip(&around)
                     .fold(*f, |sum, (j, d)| sum + *j * *d);
-                if form.low > 0.0 || form.high < 0.0 {
+                if form.excludes_zero() {
                     return Verdict::None;
                 }
             }
@@ -284,10 +284,10 @@ impl Chart {
                     image = image + defect * *by;
                 }
                 inside &= image.low > cell[k].low && image.high < cell[k].high;
-                let Some(common) = common(cell[k], image) else {
+                let Some(common) = cell[k].common(image) else {
                     return Verdict::None;
                 };
-                left *= width(common) / width(cell[k]);
+                left *= common.width() / cell[k].width();
                 next[k] = common;
             }
             cell = next;
@@ -307,23 +307,23 @@ impl Chart {
     fn narrowed(&self, cell: &mut Cell) -> Option<()> {
         let rotation = rotation(cell);
         let rise = apply(&rotation, self.wheel_lever).z;
-        cell[2] = common(cell[2], self.height - rise)?;
+        cell[2] = cell[2].common(self.height - rise)?;
         for rod in &self.rods {
             let from = (apply(&rotation, rod.lever) - rod.inner).to_array();
             let mut along: [Interval; 3] = from_fn(|k| cell[k] + from[k]);
             for k in 0..3 {
-                let others = square(along[(k + 1) % 3]) + square(along[(k + 2) % 3]);
+                let others = along[(k + 1) % 3].squared() + along[(k + 2) % 3].squared();
                 let rest = rod.squared - others;
                 if rest.high < 0.0 {
                     return None;
                 }
                 let Interval { low, high } = rest.sqrt();
                 let sides = [Interval::bounds(low, high), Interval::bounds(-high, -low)];
-                along[k] = match sides.map(|side| common(along[k], side)) {
+                along[k] = match sides.map(|side| along[k].common(side)) {
                     [Some(a), Some(b)] => a.hull(b),
                     [a, b] => a.or(b)?,
                 };
-                cell[k] = common(cell[k], along[k] - from[k])?;
+                cell[k] = cell[k].common(along[k] - from[k])?;
             }
         }
         Some(())
@@ -334,7 +334,7 @@ impl Chart {
         let (position, turn) = (Vector3::new(x, y, z), Vector3::new(a, b, c));
         let rotation = rotation(cell);
         let one = Interval::point(1.0);
-        let twice = one.lit(2.0) / (one + square(a) + square(b) + square(c));
+        let twice = one.lit(2.0) / (one + a.squared() + b.squared() + c.squared());
         let row = |lever: Vector3<Interval>, gradient: Vector3<Interval>| {
             let moment = lever.cross(gradient);
             let by_turn = (moment + moment.cross(turn)) * twice;
@@ -346,7 +346,7 @@ impl Chart {
         for (k, rod) in self.rods.iter().enumerate() {
             let lever = apply(&rotation, rod.lever);
             let along = position + lever - rod.inner;
-            let squared = square(along.x) + square(along.y) + square(along.z);
+            let squared = along.x.squared() + along.y.squared() + along.z.squared();
             f[k] = (squared - rod.squared).scaled(0.5 * rod.scale);
             jacobian[k] = row(lever, along * one.lit(rod.scale));
         }
@@ -375,11 +375,11 @@ impl Chart {
 /// The rows of C(v).
 fn rotation(cell: &Cell) -> [Vector3<Interval>; 3] {
     let v = [cell[3], cell[4], cell[5]];
-    let squares = v.map(square);
+    let squares = v.map(Real::squared);
     let one = Interval::point(1.0);
     let twice = one.lit(2.0) / (one + squares[0] + squares[1] + squares[2]);
     let unit = Interval::bounds(-1.0, 1.0);
-    let within = |entry: Interval| common(entry, unit).unwrap_or(unit);
+    let within = |entry: Interval| entry.common(unit).unwrap_or(unit);
     // 1 - 2 t/(1 + x^2 + t) with t the other two squares: t/(s + t) grows with t and falls with s.
     let diagonal = |i: usize| {
         let (t, s) = (
@@ -410,26 +410,6 @@ fn inverse(matrix: &[[Interval; 6]; 6]) -> Option<[[f64; 6]; 6]> {
     let rows = Lu6::new(matrix.map(|row| row.map(Scalar::value)), 1.0)?.inverse();
     let finite = rows.as_flattened().iter().all(|entry| entry.is_finite());
     finite.then_some(rows)
-}
-
-/// The intersection of two intervals; `None` if it is empty.
-fn common(a: Interval, b: Interval) -> Option<Interval> {
-    let (low, high) = (a.low.max(b.low), a.high.min(b.high));
-    (low <= high).then(|| Interval::bounds(low, high))
-}
-
-/// The square of an interval, exactly as wide as it must be.
-fn square(a: Interval) -> Interval {
-    let (low, high) = (a.low.abs(), a.high.abs());
-    let most = Interval::point(low.max(high)).squared();
-    match a.low <= 0.0 && a.high >= 0.0 {
-        true => Interval::bounds(0.0, most.high),
-        false => Interval::point(low.min(high)).squared().hull(most),
-    }
-}
-
-fn width(a: Interval) -> f64 {
-    a.high - a.low
 }
 
 /// The middle of some poses, a rotation but for their width.

@@ -18,7 +18,7 @@ use nalgebra::DVector;
 #[derive(Clone, Debug)]
 pub(super) struct AxleStation {
     pub placement: Placement,
-    pub wishes: Vec<TargetSample>,
+    pub samples: Vec<TargetSample>,
 }
 
 /// The targets of an axle, laid out.
@@ -40,14 +40,14 @@ impl AxleLayout {
         };
         for (number, target) in optimise.targets.iter().enumerate() {
             for sample in target.axle_samples(axle) {
-                let wish = TargetSample {
+                let target_sample = TargetSample {
                     row: *rows,
                     target: number,
                     of: place_of(&mut layout.quantities, sample.quantity),
                     wanted: sample.wanted,
                     scale: 1.0 / target.tolerance,
                 };
-                layout.station(sample.placement).wishes.push(wish);
+                layout.station(sample.placement).samples.push(target_sample);
                 own[number] += 1;
                 *rows += 1;
             }
@@ -60,7 +60,7 @@ impl AxleLayout {
         let place = known.unwrap_or_else(|| {
             self.stations.push(AxleStation {
                 placement,
-                wishes: Vec::new(),
+                samples: Vec::new(),
             });
             self.stations.len() - 1
         });
@@ -70,8 +70,8 @@ impl AxleLayout {
     /// Weighs the rows: the residual of each target per deviation in tolerances.
     pub(super) fn weigh(&mut self, shares: &[f64]) {
         for station in &mut self.stations {
-            for wish in &mut station.wishes {
-                wish.scale *= shares[wish.target];
+            for target_sample in &mut station.samples {
+                target_sample.scale *= shares[target_sample.target];
             }
         }
     }
@@ -159,15 +159,15 @@ impl<const N: usize> AxleRows for Rows<'_, N> {
         let placements: Vec<Placement> = layout.stations.iter().map(|s| s.placement).collect();
         let placed = solver.place_all(&placements);
         let mut pulling: Vec<&TargetSample> = Vec::new();
-        for (AxleStation { placement, wishes }, placed) in layout.stations.iter().zip(placed) {
+        for (AxleStation { placement, samples }, placed) in layout.stations.iter().zip(placed) {
             let unreached =
                 |failure| Infeasible::Refused(format!("{placement} is not reached: {failure}"));
             let placed = placed.map_err(unreached)?;
             let read = solver.read(&placed).map_err(unreached)?;
             wanted.clear();
             pulling.clear();
-            for wish in wishes {
-                let quantity = quantities[wish.of];
+            for target_sample in samples {
+                let quantity = quantities[target_sample.of];
                 if read.is_stuck(quantity) {
                     let name = quantity.name();
                     let why = crate::axle::Void::Toggle.reason();
@@ -177,9 +177,9 @@ impl<const N: usize> AxleRows for Rows<'_, N> {
                     let (name, why) = (quantity.name(), void.reason());
                     Infeasible::Refused(format!("{name} has no value at {placement}: {why}"))
                 })?;
-                if wish.write_residual(wish.row, found, into) {
-                    into.jacobian.row_mut(wish.row).fill(0.0);
-                    pulling.push(wish);
+                if target_sample.write_residual(target_sample.row, found, into) {
+                    into.jacobian.row_mut(target_sample.row).fill(0.0);
+                    pulling.push(target_sample);
                     if !wanted.contains(&quantity) {
                         wanted.push(quantity);
                     }

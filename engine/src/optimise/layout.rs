@@ -421,10 +421,10 @@ impl TargetLayout {
         });
         let stations = self.axle.iter().flat_map(|axle| &axle.stations);
         let of_axle = stations.flat_map(|station| {
-            station.wishes.iter().map(|wish| TargetRow {
-                row: wish.row,
-                target: wish.target,
-                at: wish.wanted.drive,
+            station.samples.iter().map(|sample| TargetRow {
+                row: sample.row,
+                target: sample.target,
+                at: sample.wanted.drive,
                 rack: station.placement.rack(),
             })
         });

@@ -255,7 +255,7 @@ impl<T: Real, const N: usize> Real for Jet<T, N> {
     fn outlined<P: Outlined>(self, piece: P) -> P::Output {
         match T::IN_REGISTERS {
             true => self.0[0].outlined(piece),
-            false => piece.apart(),
+            false => piece.work_outlined(),
         }
     }
 

@@ -109,7 +109,7 @@ impl<S: Registers> Real for Lanes<S> {
     }
     #[inline(always)]
     fn outlined<P: Outlined>(self, piece: P) -> P::Output {
-        self.simd.apart(piece)
+        self.simd.outlined(piece)
     }
 }
 
@@ -243,12 +243,12 @@ impl Width {
         match self {
             Width::Avx512 => {
                 if let Some(simd) = Avx512::detect() {
-                    return simd.apart(Task(task, simd));
+                    return simd.outlined(Task(task, simd));
                 }
             }
             Width::Avx2 => {
                 if let Some(simd) = Avx2::detect() {
-                    return simd.apart(Task(task, simd));
+                    return simd.outlined(Task(task, simd));
                 }
             }
             Width::Scalar => {}
@@ -263,7 +263,7 @@ impl Width {
         if self != Width::Scalar
             && let Some(simd) = Avx2::detect()
         {
-            return simd.apart(Task(task, Single(simd)));
+            return simd.outlined(Task(task, Single(simd)));
         }
         task.run(Lanes::splat(Single(Plain), 0.0))
     }

@@ -90,7 +90,7 @@ pub trait Real:
     /// what is inlined into one function all takes the compiler long.
     #[inline(always)]
     fn outlined<P: Outlined>(self, piece: P) -> P::Output {
-        piece.apart()
+        piece.work_outlined()
     }
 
     /// The same number, given that it also equals the argument: an interval is narrowed to the intersection of both,
@@ -134,7 +134,7 @@ pub trait Outlined: Sized {
     /// Does it in a function of its own, compiled for no instruction set: as a method of the piece, with what stands around
     /// the piece, so that a change elsewhere does not compile it again.
     #[inline(never)]
-    fn apart(self) -> Self::Output {
+    fn work_outlined(self) -> Self::Output {
         self.work()
     }
 }

@@ -19,7 +19,7 @@ pub trait Registers: Copy + Debug {
     type Truths: Copy + Debug;
 
     /// Does a piece of work in a function of its own, compiled for the set.
-    fn apart<P: crate::number::Outlined>(self, piece: P) -> P::Output;
+    fn outlined<P: crate::number::Outlined>(self, piece: P) -> P::Output;
     /// The same number in every lane.
     fn splat(self, value: f64) -> Self::Numbers;
     /// a + b
@@ -73,7 +73,7 @@ pub(super) struct Plain;
 impl Instructions for Plain {
     #[inline(always)]
     fn compiled<P: crate::number::Outlined>(self, piece: P) -> P::Output {
-        piece.apart()
+        piece.work_outlined()
     }
 }
 
@@ -91,7 +91,7 @@ impl<S: Instructions> Registers for Single<S> {
     type Numbers = f64;
     type Truths = bool;
     #[inline(always)]
-    fn apart<P: crate::number::Outlined>(self, piece: P) -> P::Output {
+    fn outlined<P: crate::number::Outlined>(self, piece: P) -> P::Output {
         self.0.compiled(piece)
     }
 

@@ -100,7 +100,7 @@ macro_rules! registers {
             type Truths = Pair<$mask>;
 
             #[inline(always)]
-            fn apart<P: Outlined>(self, piece: P) -> P::Output {
+            fn outlined<P: Outlined>(self, piece: P) -> P::Output {
                 self.compiled(piece)
             }
             $(

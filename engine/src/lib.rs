@@ -47,6 +47,8 @@ pub mod study;
 #[doc(hidden)]
 pub mod sweep;
 #[doc(hidden)]
+pub mod threads;
+#[doc(hidden)]
 pub mod tolerance;
 
 // Suspensions.

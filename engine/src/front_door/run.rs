@@ -136,8 +136,6 @@ impl Study {
         if let Designs::Sampled(sampled) = &sweep.designs {
             refuse_wrong(sampled)?;
         }
-        let plan = SweepPlan::of(self, sweep)
-            .map_err(|reason| Error::not_begun(&self.suspension, reason))?;
         let threads = control.threads.map_or(0, NonZeroUsize::get);
         let pool = threads::pool(threads).map_err(|error| Error::Threads {
             threads,
@@ -148,8 +146,13 @@ impl Study {
                 .interrupt
                 .is_none_or(|interrupt| !interrupt.load(Ordering::SeqCst))
         };
-        pool.install(|| plan.run(0..plan.record.blocks(), go_on, sink));
-        Ok(plan.record.value_columns())
+        // The plan solves the design itself, which takes the stack of one of the pool's threads, too.
+        pool.install(|| {
+            let plan = SweepPlan::of(self, sweep)
+                .map_err(|reason| Error::not_begun(&self.suspension, reason))?;
+            plan.run(0..plan.record.blocks(), go_on, sink);
+            Ok(plan.record.value_columns())
+        })
     }
 
     /// An error if the study is of an axle; it says what answers for one.

@@ -28,7 +28,7 @@
 //! | rack | displacement along the suspension's +y |
 //! | units | lengths in the suspension's unit ([`LengthUnit`]: millimetres), angles in degrees, per length unit of travel where differentiated; column names end in the unit |
 //! | signs | camber is positive with the top of the wheel outboard, toe with its front inboard; of the others [`Characteristic::info`] has them |
-//! | kernel | designs ([`Suspension::design`], [`Best::design`]) and what a type says of itself are of a left wheel in ISO 8855 axes, with angles in radians |
+//! | kernel's frame | designs ([`Suspension::design`], [`Best::design`]), loads and the fields of targets are kept as those of a left wheel in ISO 8855 axes, angles in radians |
 //!
 //! [`Study::sweep`] and [`Study::tune`] have examples; [`DesignFunction`] gives exact Jacobians to an optimiser of one's own.
 //! `hardpoint` re-exports what is public here, and its first page has a map of the rooms behind it. A program that embeds

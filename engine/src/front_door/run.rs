@@ -51,7 +51,8 @@ impl Study {
     }
 
     /// Tunes the variables towards the targets. The design found is [`Tuning::best`]; `None` if no start can be
-    /// solved at all stations.
+    /// solved at all stations. Starts run in parallel, on no more threads than the rayon pool has that this is called
+    /// in (its global pool, outside of any), but on threads of its own: their stacks are large enough.
     ///
     /// ```
     /// # extern crate hardpoint_engine as hardpoint;

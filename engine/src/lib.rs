@@ -1,9 +1,39 @@
 //! Exact suspension kinematics with analytic derivatives, and the tuning of hardpoints: `hardpoint` without its command
 //! line, files and pages.
 //!
-//! `hardpoint` re-exports what is public here, and its first page is the manual of both: conventions, examples, a map of
-//! the rooms. A program that embeds the solver and wants no command line built beside it depends on this crate alone and
-//! begins with `use hardpoint_engine as hardpoint`.
+//! ```
+//! use hardpoint_engine::{Characteristic, Motion, Order, Study, Suspension};
+//!
+//! let suspension = Suspension::builder("semi_trailing_arm")
+//!     .hardpoint("arm_pivot_inner", [420.0, 240.0, 330.0])
+//!     .hardpoint("arm_pivot_outer", [350.0, 610.0, 310.0])
+//!     .hardpoint("wheel_centre", [0.0, 730.0, 300.0])
+//!     .static_angles_deg(-1.0, 0.1)
+//!     .build()?;
+//! let jounce = suspension.pose_at(40.0, 0.0)?;
+//! let camber = jounce.characteristic(Characteristic::Camber).expect("every wheel has one");
+//! let study = Study::of(suspension)
+//!     .over(Motion::travel(-40.0..=40.0, 17)?)
+//!     .asking(&[Characteristic::Camber, Characteristic::Toe], Order::Velocity)?;
+//! let curves = study.curves()?;
+//! assert_eq!(curves.columns[1].name, "camber_d1_deg_per_mm");
+//! assert!((curves.stations[16].values[0].unwrap() - camber).abs() < 1e-12);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! | convention | of what goes in and comes out |
+//! |---|---|
+//! | axes | x forward, y left, z up (ISO 8855), a left wheel, unless [`SuspensionBuilder::frame`] and [`SuspensionBuilder::side`] say otherwise |
+//! | travel | height of the wheel centre above its design position, jounce positive |
+//! | rack | displacement along the suspension's +y |
+//! | units | lengths in the suspension's unit ([`LengthUnit`]: millimetres), angles in degrees, per length unit of travel where differentiated; column names end in the unit |
+//! | signs | camber is positive with the top of the wheel outboard, toe with its front inboard; of the others [`Characteristic::info`] has them |
+//! | kernel's frame | designs ([`Suspension::design`], [`Best::design`]), loads and the fields of targets are kept as those of a left wheel in ISO 8855 axes, angles in radians |
+//!
+//! [`Study::sweep`] and [`Study::tune`] have examples; [`DesignFunction`] gives exact Jacobians to an optimiser of one's own.
+//! `hardpoint` re-exports what is public here, and its first page has a map of the rooms behind it. A program that embeds
+//! the solver depends on this crate alone and begins with `use hardpoint_engine as hardpoint`; in the repository,
+//! `docs/rust.md` is the manual of both and says what a profile in development should have.
 
 // The engine prints nothing; only commands do.
 #![cfg_attr(not(test), warn(clippy::print_stdout, clippy::print_stderr))]
@@ -47,31 +77,35 @@ pub mod study;
 #[doc(hidden)]
 pub mod sweep;
 #[doc(hidden)]
+pub mod threads;
+#[doc(hidden)]
 pub mod tolerance;
 
 // Suspensions.
 pub use mechanism::{BuildError, GeometryFault, HardpointFault, SuspensionBuilder};
 pub use model::{
-    Axis, AxlePosition, Frame, FrameConvention, Group, Hardpoint, LengthUnit, PointId, Side,
+    Axis, AxlePosition, Frame, FrameConvention, Group, Hardpoint, LengthUnit, PointId, Rod, Side,
     Suspension, Topology, TorquePath, Vehicle,
 };
+pub use number::Vector3;
 
 // What is asked of them.
+pub use axle::Axle;
 pub use characteristics::{Characteristic, Info, Measure, Need, Quantity, Unit};
 pub use study::{
-    Constraint, DesignTable, Designs, Drive, FileFormat, Formulation, Interpolation, Limit,
-    Limited, Load, LoadPoint, Motion, Move, Optimise, Order, Outputs, Sampled, Sampling, Site,
-    Study, StudyError, StudyErrors, Subject, Sweep, SweepVariable, Target, TimeLaw, Turn, Variable,
-    Wanted,
+    About, AxleSite, AxleStudy, Constraint, DesignTable, Designs, Drive, FileFormat, Formulation,
+    Interpolation, Limit, Limited, Load, LoadPoint, Motion, Move, Optimise, Order, Outputs,
+    Sampled, Sampling, Scatter, Setup, Site, Study, StudyError, StudyErrors, Subject, Sweep,
+    SweepVariable, Target, TimeLaw, Tolerance, Turn, Variable, Wanted,
 };
 
 // The answers.
 pub use curves::{Column, Curves, Proof, Sensitivity, Station, Status};
 pub use front_door::{Error, SuspensionPose, SweepControl};
 pub use function::{DesignFunction, DesignStatus, DesignVariable, Evaluation, FunctionError};
-pub use mechanism::{DesignFault, Failure, LimitCause, Unproven};
+pub use mechanism::{DesignFault, Failure, LimitCause, Unproven, Work};
 pub use optimise::{
-    Best, ConstraintOutcome, Control, Deviation, Direction, Fulfilment, Identifiability,
+    Best, ConstraintOutcome, Control, Deviation, Direction, Fit, Fulfilment, Identifiability,
     Infeasible, Iteration, Multistart, ProgressCallback, StandardError, StandardErrors, Start,
     Termination, Tuning,
 };

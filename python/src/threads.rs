@@ -38,11 +38,7 @@ pub(crate) fn on_threads<T: Send>(
     let pool = match pools.get(&key) {
         Some(pool) => pool.clone(),
         None => {
-            // Address space alone, but for what is used: a stack that overflows would end the interpreter.
-            let pool = rayon::ThreadPoolBuilder::new()
-                .num_threads(threads)
-                .stack_size(64 << 20)
-                .build();
+            let pool = hardpoint::threads::pool(threads);
             let pool = Arc::new(pool.map_err(|e| failure(format!("no threads: {e}")))?);
             pools.insert(key, pool.clone());
             pool

@@ -400,9 +400,7 @@ pub(super) fn pool(asked: Option<NonZeroUsize>, pieces: u64) -> Result<rayon::Th
              pieces of work.\n"
         ));
     }
-    rayon::ThreadPoolBuilder::new()
-        .num_threads(threads)
-        .build()
+    crate::threads::pool(threads)
         .map_err(|e| Stop::wrong_input(format!("cannot start {threads} threads: {e}")))
 }
 

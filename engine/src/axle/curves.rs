@@ -10,6 +10,7 @@ use crate::mechanism::DesignFault;
 use crate::model::{Axis, PointId, Rod, Side};
 use crate::solve::{LEAST_DIGITS, rate_digits};
 use crate::study::Load;
+use crate::threads::on_large_stacks;
 
 /// What is computed for an axle.
 #[derive(Clone, Debug, PartialEq)]
@@ -176,6 +177,13 @@ impl AxlePlan {
 
 /// Computes the curves of an axle under a plan. Errors if the design position of a wheel cannot be solved.
 pub fn axle_curves(axle: &Axle, plan: &AxlePlan) -> Result<AxleCurves, (Side, DesignFault)> {
+    match plan.certify {
+        true => on_large_stacks(1, || curves_here(axle, plan)),
+        false => curves_here(axle, plan),
+    }
+}
+
+fn curves_here(axle: &Axle, plan: &AxlePlan) -> Result<AxleCurves, (Side, DesignFault)> {
     match plan.degree() {
         0 => run::<1>(axle, plan),
         1 => run::<2>(axle, plan),

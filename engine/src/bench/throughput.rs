@@ -14,7 +14,6 @@ use crate::number::{Jet, Vector3, Width};
 use crate::solve::Solver;
 use crate::study::{Drive, Motion, Study};
 use crate::sweep::{AngleTarget, BLOCK, Block, Evaluator, Gradients, Stations, uniform};
-use rayon::ThreadPoolBuilder;
 use std::hint::black_box;
 use std::ops::ControlFlow;
 use std::sync::Mutex;
@@ -311,7 +310,7 @@ impl<'a> Sweep<'a> {
         }
         // As in a sweep they live long: it may take a scheduler tens of milliseconds to give a new thread a
         // core of its own.
-        let pool = (threads > 1).then(|| ThreadPoolBuilder::new().num_threads(threads).build());
+        let pool = (threads > 1).then(|| crate::threads::pool(threads));
         let pool = pool
             .transpose()
             .map_err(|_| Unmeasurable::Threads(threads))?;

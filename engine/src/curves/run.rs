@@ -12,11 +12,19 @@ use crate::number::{Jet, Vector3};
 use crate::plan::{Output, Plan};
 use crate::solve::{LEAST_DIGITS, Rejection, Solver, Toggles, rate_digits};
 use crate::study::{Drive, Formulation};
+use crate::threads::on_large_stacks;
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 
 /// Computes the curves of a suspension under a plan. Errors if its design position cannot be solved.
 pub fn curves(suspension: &Suspension, plan: &Plan) -> Result<Curves, DesignFault> {
+    match plan.certify {
+        true => on_large_stacks(1, || curves_here(suspension, plan)),
+        false => curves_here(suspension, plan),
+    }
+}
+
+fn curves_here(suspension: &Suspension, plan: &Plan) -> Result<Curves, DesignFault> {
     match plan.coefficients {
         1 => Run::<1>::new(suspension, plan).run(),
         2 => Run::<2>::new(suspension, plan).run(),

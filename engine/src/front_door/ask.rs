@@ -55,7 +55,7 @@ impl Motion {
             finite("the rack displacement", *rack)?;
         }
         if racks.is_empty() {
-            return Err(Error::NotAsked("no rack displacement"));
+            return Err(Error::Empty("rack displacement"));
         }
         self.rack = racks.to_vec();
         self.rack_moves = true;
@@ -92,15 +92,18 @@ impl Study {
         self
     }
 
-    /// The study asking for these characteristics, with derivatives by the travel up to `order`.
+    /// The study asking for these characteristics, with derivatives by the travel up to `order`, in place of those
+    /// that it asked for before: what is asked for a second time replaces the first.
     ///
     /// # Errors
-    /// [`Error::Lacking`] if the suspension lacks a figure or a part that one of them is made of.
+    /// [`Error::Lacking`] if the suspension lacks a figure or a part that one of them is made of; [`Error::Axle`] for
+    /// a study of an axle, whose text says what is asked.
     pub fn asking(
         mut self,
         characteristics: &[Characteristic],
         order: Order,
     ) -> Result<Self, Error> {
+        self.refuse_of_axle("what is asked of one stands in its text")?;
         for characteristic in characteristics {
             Error::if_lacking(&self.suspension, *characteristic)?;
         }
@@ -109,11 +112,12 @@ impl Study {
         Ok(self)
     }
 
-    /// The study asking for the positions of these points.
+    /// The study asking for the positions of these points, in place of those that it asked for before.
     ///
     /// # Errors
-    /// [`Error::UnknownPoint`].
+    /// [`Error::UnknownPoint`]; [`Error::Axle`] as for [`Study::asking`].
     pub fn asking_points(mut self, names: &[&str]) -> Result<Self, Error> {
+        self.refuse_of_axle("what is asked of one stands in its text")?;
         let points = names.iter().map(|name| self.suspension.point_named(name));
         self.outputs.points = points.collect::<Result<_, _>>()?;
         Ok(self)
@@ -126,7 +130,12 @@ impl Study {
         self
     }
 
-    /// The study with designs sampled from the ranges of variables: those that [`Study::sweep`] solves.
+    /// The study with designs sampled from the ranges of variables: those that [`Study::sweep`] solves, which says
+    /// what is wrong with them.
+    ///
+    /// A grid has the same number of values of every variable, so that `samples` is that number to the power of the
+    /// number of variables: 5 values of each of 3 variables are 125 samples. Steps that differ are fields of
+    /// [`Sampled::variables`].
     pub fn sampling(
         mut self,
         method: Sampling,
@@ -134,12 +143,16 @@ impl Study {
         seed: u32,
         variables: &[Variable],
     ) -> Self {
+        let steps = match method {
+            Sampling::Grid => steps_of_grid(samples, variables.len()),
+            _ => None,
+        };
         let variables = variables.iter().map(|variable| SweepVariable {
             name: variable.label(),
             moves: variable.moves.clone(),
             absolute: false,
             range: variable.range,
-            steps: None,
+            steps,
         });
         self.sweep = Some(Sweep {
             designs: Designs::Sampled(Sampled {
@@ -192,13 +205,16 @@ impl Variable {
     /// A coordinate of several hardpoints, each moving by its factor times the offset.
     ///
     /// # Errors
-    /// As [`Variable::offset`].
+    /// As [`Variable::offset`]; [`Error::Empty`] if there is no point.
     pub fn together(
         suspension: &Suspension,
         points: &[(&str, f64)],
         axis: Axis,
         range: RangeInclusive<f64>,
     ) -> Result<Self, Error> {
+        if points.is_empty() {
+            return Err(Error::Empty("point that moves"));
+        }
         let mut moves = Vec::new();
         for (name, factor) in points {
             moves.push(Move {
@@ -224,17 +240,22 @@ impl Target {
     /// between its ends. `tolerance` is the deviation that is still acceptable, in the same unit.
     ///
     /// # Errors
-    /// [`Error::Lacking`]; or a figure is not finite, travels do not rise, or the tolerance is not above 0.
+    /// [`Error::Lacking`]; or there are fewer than two points (a value at one travel is [`Target::at`]), a figure is
+    /// not finite, travels do not rise, or the tolerance is not above 0.
     pub fn curve(
         suspension: &Suspension,
         characteristic: Characteristic,
         points: &[[f64; 2]],
         tolerance: f64,
     ) -> Result<Self, Error> {
-        Error::if_lacking(suspension, characteristic)?;
-        let of = Subject::characteristic(characteristic, suspension.length_unit);
+        if points.len() < 2 {
+            return Err(Error::Number {
+                what: "the number of points of a curve".to_owned(),
+                value: points.len() as f64,
+                expected: "at least 2, or Target::at for a value at one travel",
+            });
+        }
         let mut last = f64::NEG_INFINITY;
-        let mut wanted = Vec::new();
         for [travel, value] in points {
             checked(
                 "a travel",
@@ -244,24 +265,59 @@ impl Target {
             )?;
             finite("a wanted value", *value)?;
             last = *travel;
-            wanted.push([*travel, of.from_printed(*value)]);
         }
-        checked("the tolerance", tolerance, "a number above 0", |t| {
-            t.is_finite() && t > 0.0
-        })?;
-        if wanted.is_empty() {
-            return Err(Error::NotAsked("a target without points"));
-        }
+        Target::of(suspension, characteristic, tolerance, |of| {
+            let stations = points.iter().map(|[travel, _]| *travel).collect();
+            let points = points.iter();
+            let curve = Wanted::Curve {
+                points: points
+                    .map(|[t, value]| [*t, of.from_printed(*value)])
+                    .collect(),
+                interpolation: Interpolation::MonotoneCubic,
+            };
+            (curve, stations)
+        })
+    }
+
+    /// A value of a characteristic at one travel, which is solved whether or not the motion has a station there;
+    /// units and `tolerance` as those of [`Target::curve`].
+    ///
+    /// # Errors
+    /// [`Error::Lacking`]; or a figure is not finite, or the tolerance is not above 0.
+    pub fn at(
+        suspension: &Suspension,
+        characteristic: Characteristic,
+        travel: f64,
+        value: f64,
+        tolerance: f64,
+    ) -> Result<Self, Error> {
+        let drive = finite("a travel", travel)?;
+        let printed = finite("a wanted value", value)?;
+        Target::of(suspension, characteristic, tolerance, |of| {
+            let value = of.from_printed(printed);
+            (Wanted::At { drive, value }, vec![drive])
+        })
+    }
+
+    /// What is wanted of a characteristic, and at which travels it is compared beside those of the motion.
+    fn of(
+        suspension: &Suspension,
+        characteristic: Characteristic,
+        tolerance: f64,
+        wanted: impl Fn(&Subject) -> (Wanted, Vec<f64>),
+    ) -> Result<Self, Error> {
+        Error::if_lacking(suspension, characteristic)?;
+        let is_right = |t: f64| t.is_finite() && t > 0.0;
+        checked("the tolerance", tolerance, "a number above 0", is_right)?;
+        let of = Subject::characteristic(characteristic, suspension.length_unit);
+        let (wanted, stations) = wanted(&of);
         Ok(Target {
             tolerance: of.from_printed(tolerance).abs(),
-            stations: wanted.iter().map(|[travel, _]| *travel).collect(),
             of,
-            wanted: Wanted::Curve {
-                points: wanted,
-                interpolation: Interpolation::MonotoneCubic,
-            },
+            wanted,
             weight: 1.0,
             site: Site::default(),
+            stations,
         })
     }
 }
@@ -291,4 +347,12 @@ fn ends(what: &str, range: &RangeInclusive<f64>) -> Result<[f64; 2], Error> {
         |high| high.is_finite() && high > low,
     )?;
     Ok([low, high])
+}
+
+/// The number of values of each variable in a grid of so many points, if there is one.
+fn steps_of_grid(points: u64, variables: usize) -> Option<u64> {
+    let variables = u32::try_from(variables).ok().filter(|n| *n > 0)?;
+    // Below 2^53 the nearest whole number is the root, where there is one; what is above is refused anyway.
+    let steps = (points as f64).powf(1.0 / f64::from(variables)).round() as u64;
+    (steps >= 2 && steps.checked_pow(variables) == Some(points)).then_some(steps)
 }

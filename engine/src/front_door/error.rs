@@ -42,6 +42,17 @@ pub enum Error {
     /// The study asks for no such thing.
     #[error("the study has {0}")]
     NotAsked(&'static str),
+    /// A list has nothing in it.
+    #[error("no {0} is given; expected at least one")]
+    Empty(&'static str),
+    /// The study is of an axle, both wheels, and what is called is of one.
+    #[error("the study is of an axle: {0}")]
+    Axle(&'static str),
+    /// A variable of a sweep moves no coordinate.
+    #[error(
+        "{0} moves no coordinate: a sweep takes variables that move coordinates, and not turns"
+    )]
+    MovesNothing(String),
     /// The design itself cannot be solved.
     #[error("{0}")]
     Design(String),

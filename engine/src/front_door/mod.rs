@@ -9,6 +9,7 @@
 //! Figures are in the units of the column names (degrees, the suspension's length unit) and in the suspension's axes.
 
 mod ask;
+mod build;
 mod error;
 mod pose;
 mod run;

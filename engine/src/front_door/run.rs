@@ -4,8 +4,9 @@ use super::Error;
 use crate::curves::{Curves, curves};
 use crate::optimise::{Control, Tuning, tune};
 use crate::plan::Plan;
-use crate::study::Study;
+use crate::study::{Designs, MOST_DESIGNS, MOST_EXCHANGED, Sampled, Sampling, Study};
 use crate::sweep::{Rows, SweepPlan};
+use crate::threads;
 use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -39,14 +40,19 @@ impl Study {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Design`] if the design position itself cannot be solved.
+    /// [`Error::Design`] if the design position itself cannot be solved; [`Error::Axle`] if the study is of an axle,
+    /// whose stations are of two wheels.
     pub fn curves(&self) -> Result<Curves, Error> {
+        self.refuse_of_axle(
+            "tune, sweep and DesignFunction answer for it, and curves of one wheel do not",
+        )?;
         curves(&self.suspension, &Plan::of(self))
             .map_err(|fault| Error::design(&self.suspension, &fault))
     }
 
     /// Tunes the variables towards the targets. The design found is [`Tuning::best`]; `None` if no start can be
-    /// solved at all stations.
+    /// solved at all stations. Starts run in parallel, on no more threads than the rayon pool has that this is called
+    /// in (its global pool, outside of any), but on threads of its own: their stacks are large enough.
     ///
     /// ```
     /// # extern crate hardpoint_engine as hardpoint;
@@ -67,12 +73,19 @@ impl Study {
     /// ```
     ///
     /// # Errors
-    /// [`Error::NotAsked`] without [`Study::tuning`], [`Error::Design`] if the design cannot be solved.
+    /// [`Error::NotAsked`] without [`Study::tuning`], [`Error::Empty`] without a variable or a target in it,
+    /// [`Error::Design`] if the design cannot be solved.
     pub fn tune(&self, control: Control<'_>) -> Result<Tuning, Error> {
         let optimise = self
             .optimise
             .as_ref()
             .ok_or(Error::NotAsked("nothing to tune"))?;
+        if optimise.variables.is_empty() {
+            return Err(Error::Empty("variable to tune"));
+        }
+        if optimise.targets.is_empty() {
+            return Err(Error::Empty("target"));
+        }
         tune(&self.suspension, &self.motion, optimise, control)
             .map_err(|fault| Error::design(&self.suspension, &fault))
     }
@@ -80,7 +93,9 @@ impl Study {
     /// Solves the designs of the sweep on all cores and hands their rows to `sink`, block by block in the order of
     /// the designs, while it runs; memory holds a few blocks, however many designs there are. The names of the
     /// columns, those of the variables before those of the outputs, are returned. Ends early, with everything
-    /// before handed over, when `sink` breaks or the control interrupts.
+    /// before handed over, when `sink` breaks or the control interrupts; the names are returned then, too. A sweep is
+    /// whole if as many designs ([`Rows::designs`]) were handed over as there are ([`Sampled::designs`], or the rows of
+    /// the file or table).
     ///
     /// ```
     /// # extern crate hardpoint_engine as hardpoint;
@@ -107,8 +122,9 @@ impl Study {
     /// ```
     ///
     /// # Errors
-    /// [`Error::NotAsked`] without [`Study::sampling`], [`Error::Design`] if the design itself cannot be solved, and
-    /// what is wrong with a file of designs.
+    /// [`Error::NotAsked`] without [`Study::sampling`], [`Error::Empty`] without a variable in it, [`Error::Number`]
+    /// for a number of samples that is none or that of no grid, [`Error::MovesNothing`],
+    /// [`Error::Design`] if the design itself cannot be solved, and what is wrong with a file of designs.
     pub fn sweep(
         &self,
         control: SweepControl<'_>,
@@ -118,11 +134,11 @@ impl Study {
             .sweep
             .as_ref()
             .ok_or(Error::NotAsked("no designs to sweep"))?;
-        let plan = SweepPlan::of(self, sweep)
-            .map_err(|reason| Error::not_begun(&self.suspension, reason))?;
+        if let Designs::Sampled(sampled) = &sweep.designs {
+            refuse_wrong(sampled)?;
+        }
         let threads = control.threads.map_or(0, NonZeroUsize::get);
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-        let pool = pool.map_err(|error| Error::Threads {
+        let pool = threads::pool(threads).map_err(|error| Error::Threads {
             threads,
             reason: error.to_string(),
         })?;
@@ -131,7 +147,67 @@ impl Study {
                 .interrupt
                 .is_none_or(|interrupt| !interrupt.load(Ordering::SeqCst))
         };
-        pool.install(|| plan.run(0..plan.record.blocks(), go_on, sink));
-        Ok(plan.record.value_columns())
+        // The plan solves the design itself, which takes the stack of one of the pool's threads, too.
+        pool.install(|| {
+            let plan = SweepPlan::of(self, sweep)
+                .map_err(|reason| Error::not_begun(&self.suspension, reason))?;
+            plan.run(0..plan.record.blocks(), go_on, sink);
+            Ok(plan.record.value_columns())
+        })
+    }
+
+    /// An error if the study is of an axle; it says what answers for one.
+    pub(super) fn refuse_of_axle(&self, instead: &'static str) -> Result<(), Error> {
+        match self.axle {
+            None => Ok(()),
+            Some(_) => Err(Error::Axle(instead)),
+        }
+    }
+}
+
+/// Refuses what the reader of studies would refuse.
+fn refuse_wrong(sampled: &Sampled) -> Result<(), Error> {
+    let variables = &sampled.variables;
+    if variables.is_empty() {
+        return Err(Error::Empty("variable to sweep over"));
+    }
+    if let Some(still) = variables.iter().find(|v| v.moves.is_empty()) {
+        return Err(Error::MovesNothing(still.name.clone()));
+    }
+    let count = variables.len() as u64;
+    let number = |what: &str, value: u64, expected| {
+        Err(Error::Number {
+            what: what.to_owned(),
+            value: value as f64,
+            expected,
+        })
+    };
+    let most = match sampled.method {
+        Sampling::Grid => MOST_DESIGNS,
+        _ => MOST_DESIGNS / (count + 2),
+    };
+    if !(1..=most).contains(&sampled.samples) {
+        let expected = "at least 1, and no more than 1e12 designs in all";
+        return number("the number of samples", sampled.samples, expected);
+    }
+    match sampled.method {
+        Sampling::Grid => {
+            let steps = variables.iter().map(|v| v.steps);
+            let points = steps.reduce(|product, steps| product?.checked_mul(steps?));
+            match points.flatten() == Some(sampled.samples) {
+                true => Ok(()),
+                false => number(
+                    "the number of samples of a grid",
+                    sampled.samples,
+                    "the product of the steps of its variables, as 125 for 5 steps of each of 3",
+                ),
+            }
+        }
+        Sampling::Saltelli if variables.len() > MOST_EXCHANGED => number(
+            "the number of variables that are exchanged one by one",
+            count,
+            "no more than a block of designs holds",
+        ),
+        _ => Ok(()),
     }
 }

@@ -5,6 +5,7 @@ use crate::model::{
     Frame, FrameConvention, LengthUnit, Side, SpinAxis, Suspension, Topology, Vehicle,
 };
 use crate::number::Vector3;
+use hardpoint_study_file::names::nearest;
 use thiserror::Error;
 
 /// Why there is no suspension.
@@ -12,11 +13,11 @@ use thiserror::Error;
 #[non_exhaustive]
 pub enum BuildError {
     /// There is no topology of this name.
-    #[error("there is no topology {0:?}")]
+    #[error("there is no topology {0:?}; {hint}", hint = topologies(.0))]
     UnknownTopology(String),
     /// A hardpoint is unknown or missing.
-    #[error(transparent)]
-    Hardpoint(#[from] HardpointFault),
+    #[error("{0}{hint}", hint = meant(.0))]
+    Hardpoint(HardpointFault),
     /// A hardpoint is given twice.
     #[error("{0} is given twice")]
     GivenTwice(String),
@@ -38,6 +39,35 @@ pub enum BuildError {
     /// The hardpoints make no suspension.
     #[error(transparent)]
     Geometry(Box<GeometryFault>),
+    /// The design position cannot be solved.
+    #[error("{0}")]
+    Design(String),
+}
+
+/// The topology that was probably meant, and all there are.
+fn topologies(name: &str) -> String {
+    let names = || Topology::ALL.iter().map(|topology| topology.name);
+    let all = names().collect::<Vec<_>>().join(", ");
+    match nearest(name, names()) {
+        Some(near) => format!("did you mean {near:?}? There are {all}"),
+        None => format!("there are {all}"),
+    }
+}
+
+/// After a hardpoint that is unknown: the one that was probably meant, or all there are.
+fn meant(fault: &HardpointFault) -> String {
+    let HardpointFault::Unknown { topology, name } = fault else {
+        return String::new();
+    };
+    let hardpoints = Topology::named(topology).into_iter();
+    let names: Vec<_> = hardpoints
+        .flat_map(|topology| topology.all_hardpoints())
+        .map(|hardpoint| hardpoint.name)
+        .collect();
+    match nearest(name, names.iter().copied()) {
+        Some(near) => format!("; did you mean {near:?}?"),
+        None => format!("; there are {}", names.join(", ")),
+    }
 }
 
 /// A suspension in the making: hardpoints by name, in the axes and the unit of whoever gives them.
@@ -134,27 +164,22 @@ impl SuspensionBuilder {
         self
     }
 
-    /// The suspension.
-    ///
-    /// # Errors
-    /// What is wrong with the hardpoints, the first of several faults.
-    pub fn build(self) -> Result<Suspension, BuildError> {
+    /// The suspension, whose design position nobody has solved yet.
+    pub(crate) fn assemble(self) -> Result<Suspension, BuildError> {
         let topology = Topology::named(&self.topology)
             .ok_or_else(|| BuildError::UnknownTopology(self.topology.clone()))?;
         let given = self.given(topology)?;
         let names: Vec<&'static str> = given.iter().map(|(name, _)| *name).collect();
         if let Some(fault) = HardpointFault::missing(topology, |name| names.contains(&name)) {
-            return Err(fault.into());
+            return Err(BuildError::Hardpoint(fault));
         }
         let groups = topology.groups.iter();
         let mut faults =
             groups.filter_map(|group| HardpointFault::of_group(topology, group, &names));
         if let Some(fault) = faults.next() {
-            return Err(fault.into());
+            return Err(BuildError::Hardpoint(fault));
         }
-        if let Some(radius) = self.wheel_radius {
-            checked("wheel_radius", radius, "a number above 0", |r| r > 0.0)?;
-        }
+        self.check_figures()?;
         let frame = Frame::new(self.convention, self.side);
         let mut mechanism = (topology.build)(topology, &names);
         mechanism.spin_axis = match (mechanism.spin_axis, self.static_angles) {
@@ -185,6 +210,35 @@ impl SuspensionBuilder {
             Some(fault) => Err(BuildError::Geometry(Box::new(fault))),
             None => Ok(suspension),
         }
+    }
+
+    /// Refuses figures of wheel and vehicle that the reader of studies would refuse.
+    fn check_figures(&self) -> Result<(), BuildError> {
+        let vehicle = &self.vehicle;
+        let lengths = [
+            ("wheel_radius", self.wheel_radius),
+            ("wheelbase", vehicle.wheelbase),
+            ("track", vehicle.track),
+            ("cg_height", vehicle.cg_height),
+        ];
+        let shares = [
+            ("brake_share_front", vehicle.brake_share_front),
+            ("drive_share_front", vehicle.drive_share_front),
+        ];
+        for (what, length) in lengths {
+            let is_length = |l: f64| l.is_finite() && l > 0.0;
+            checked(
+                what,
+                length.unwrap_or(1.0),
+                "a finite number above 0",
+                is_length,
+            )?;
+        }
+        for (what, share) in shares {
+            let is_share = |s: f64| (0.0..=1.0).contains(&s);
+            checked(what, share.unwrap_or(1.0), "a share from 0 to 1", is_share)?;
+        }
+        Ok(())
     }
 
     /// The hardpoints by the topology's names.

@@ -132,10 +132,7 @@ mod tests {
     fn freudenstein_roth_from(starts: usize, threads: usize) -> Multistart {
         let problem = || written(freudenstein_roth, &[0.5, -2.0]);
         let bounds = Bounds::new(&[[-20.0, 20.0], [-6.0, 6.0]]).unwrap();
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads)
-            .build()
-            .unwrap();
+        let pool = crate::threads::pool(threads).unwrap();
         let (design, options) = (vector(&[0.5, -2.0]), Options::default());
         pool.install(|| {
             multistart(

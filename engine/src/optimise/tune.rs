@@ -20,6 +20,7 @@ use crate::mechanism::DesignFault;
 use crate::model::Suspension;
 use crate::number::{Vector3, Width};
 use crate::study::{Motion, Optimise};
+use crate::threads::on_large_stacks;
 use nalgebra::DVector;
 use rayon::prelude::*;
 
@@ -68,7 +69,8 @@ pub struct Fulfilment {
 pub struct Best {
     /// Offsets of the variables, in the study's axes.
     pub offsets: Vec<f64>,
-    /// The tuned hardpoints, in the kernel's frame.
+    /// The tuned hardpoints, in the kernel's frame and in the order of the suspension's: the study of them, to be posed,
+    /// asked and swept like the first, is [`Study::at_design`](crate::study::Study::at_design).
     pub design: Vec<Vector3<f64>>,
     /// How well it meets the targets.
     pub after: Fulfilment,
@@ -100,8 +102,13 @@ pub fn tune(
     optimise: &Optimise,
     control: Control<'_>,
 ) -> Result<Tuning, DesignFault> {
-    let asked = Asked::new(suspension, motion, optimise, control)?;
-    Tuner::new(&asked)?.run()
+    // Each start is one piece of work; all of them use as many threads as the caller's pool has.
+    let starts = optimise.starts.max(STARTS_BEFORE_REFUSAL);
+    let threads = starts.min(rayon::current_num_threads());
+    on_large_stacks(threads, || {
+        let asked = Asked::new(suspension, motion, optimise, control)?;
+        Tuner::new(&asked)?.run()
+    })
 }
 
 /// A tuning that is asked for.

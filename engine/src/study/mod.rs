@@ -46,6 +46,7 @@ pub(crate) use optimise::{GOOD_ENOUGH, MAX_ITERATIONS};
 pub use samples::{AxleSample, Sample};
 pub use schema::schema;
 pub use sweep::MOST_DESIGNS;
+pub(crate) use sweep::MOST_EXCHANGED;
 
 use crate::build::BuildParameter;
 use crate::characteristics::{Characteristic, Measure, Quantity};

@@ -161,8 +161,7 @@ mod tests {
     use std::sync::atomic::{AtomicU64, Ordering};
 
     fn on_threads<T: Send>(threads: usize, run: impl FnOnce() -> T + Send) -> T {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-        pool.unwrap().install(run)
+        crate::threads::pool(threads).unwrap().install(run)
     }
 
     #[test]

@@ -1,0 +1,30 @@
+//! Suspensions from numbers whose design position can be solved.
+
+use crate::curves::{Status, curves};
+use crate::mechanism::{BuildError, SuspensionBuilder};
+use crate::model::Suspension;
+use crate::plan::Plan;
+use crate::study::Study;
+
+impl SuspensionBuilder {
+    /// The suspension. Its design position has been solved: it has a pose there, and the drive can move the wheel
+    /// from it.
+    ///
+    /// # Errors
+    /// What is wrong with the hardpoints and figures, the first of several faults.
+    pub fn build(self) -> Result<Suspension, BuildError> {
+        let study = Study::of(self.assemble()?);
+        let suspension = &study.suspension;
+        let solved = curves(suspension, &Plan::of(&study))
+            .map_err(|fault| BuildError::Design(fault.describe(&suspension.mechanism)))?;
+        for station in &solved.stations {
+            if let Status::Failed(failure) = station.status {
+                return Err(BuildError::Design(format!(
+                    "the design position has no pose: {}",
+                    failure.describe(suspension.length_unit)
+                )));
+            }
+        }
+        Ok(study.suspension)
+    }
+}

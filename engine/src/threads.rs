@@ -1,0 +1,75 @@
+//! Pools of threads: all that this program starts for its numerics are made here, with stacks that are large enough
+//! however it was compiled.
+
+use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
+use std::cell::Cell;
+
+/// Bytes of stack of every thread. Where nothing is optimised every temporary has its place in a frame: at opt-level 0 a
+/// sweep overflows 4 MiB and a certificate 10 MiB (rayon's threads have 2 MiB, a main thread mostly 8). The profile of a
+/// program that embeds the engine is not the engine's to choose, and a stack that overflows ends the process. Nothing but
+/// address space is taken for pages that are not touched.
+const STACK: usize = 64 << 20;
+
+thread_local! {
+    /// Whether this thread is of a pool that was made here.
+    static HAS_LARGE_STACK: Cell<bool> = const { Cell::new(false) };
+}
+
+/// A pool of so many threads; 0 for as many as rayon takes by itself.
+///
+/// # Errors
+/// The system starts no more threads.
+pub fn pool(threads: usize) -> Result<ThreadPool, ThreadPoolBuildError> {
+    ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .stack_size(STACK)
+        .start_handler(|_| HAS_LARGE_STACK.set(true))
+        .build()
+}
+
+/// Runs something on a large stack, and what it does in parallel on so many threads: in a pool of its own, or right
+/// here where this thread is of such a pool already. Where no thread can be started it runs right here, too: the stack
+/// is then that of the caller, which may well be enough.
+pub(crate) fn on_large_stacks<T: Send>(threads: usize, run: impl FnOnce() -> T + Send) -> T {
+    let own = match HAS_LARGE_STACK.get() {
+        true => None,
+        false => pool(threads).ok(),
+    };
+    match own {
+        Some(pool) => pool.install(run),
+        None => run(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Touches so many KiB of stack.
+    fn descend(kib: usize) -> usize {
+        let frame = std::hint::black_box([1_u8; 1024]);
+        match kib {
+            0 => 0,
+            _ => descend(kib - 1) + usize::from(frame[kib % 1024]),
+        }
+    }
+
+    /// A stack of 8 MiB, let alone the 2 MiB of rayon's threads, would end this test's process.
+    #[test]
+    fn stacks_are_larger_than_those_of_a_main_thread() {
+        assert_eq!(on_large_stacks(1, || descend(12 << 10)), 12 << 10);
+        let all = pool(2).unwrap().broadcast(|_| descend(12 << 10));
+        assert_eq!(all, [12 << 10; 2]);
+    }
+
+    #[test]
+    fn what_is_on_a_large_stack_stays_on_its_thread() {
+        let id = || std::thread::current().id();
+        assert_ne!(on_large_stacks(1, id), id());
+        let (outer, inner, threads) = on_large_stacks(3, || {
+            let (inner, threads) = on_large_stacks(1, || (id(), rayon::current_num_threads()));
+            (id(), inner, threads)
+        });
+        assert_eq!((outer, threads), (inner, 3));
+    }
+}

@@ -1,0 +1,339 @@
+//! The front door for Rust programs, where they ask for what cannot be: every answer is an error with words, and no
+//! thread of a program that was compiled without optimisation runs out of stack.
+
+use hardpoint::{
+    Axis, BuildError, Characteristic, Control, Error, Iteration, Motion, Order, Sampling, Study,
+    Suspension, SuspensionBuilder, SweepControl, Target, Topology, Variable, Vehicle,
+};
+use std::collections::BTreeSet;
+use std::ops::ControlFlow;
+use std::path::Path;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+const POINTS: [(&str, [f64; 3]); 9] = [
+    ("lower_arm_front", [150.0, 350.0, 150.0]),
+    ("lower_arm_rear", [-150.0, 350.0, 155.0]),
+    ("lower_ball_joint", [0.0, 700.0, 140.0]),
+    ("upper_arm_front", [100.0, 400.0, 430.0]),
+    ("upper_arm_rear", [-120.0, 400.0, 425.0]),
+    ("upper_ball_joint", [-20.0, 660.0, 450.0]),
+    ("tie_rod_inner", [-120.0, 340.0, 200.0]),
+    ("tie_rod_outer", [-130.0, 680.0, 205.0]),
+    ("wheel_centre", [0.0, 750.0, 300.0]),
+];
+
+/// A double wishbone, with one of its points elsewhere.
+fn moved(name: &str, to: [f64; 3]) -> SuspensionBuilder {
+    let begun = Suspension::builder("double_wishbone").static_angles_deg(-1.0, 0.1);
+    POINTS.iter().fold(begun, |builder, (point, at)| {
+        builder.hardpoint(point, if *point == name { to } else { *at })
+    })
+}
+
+fn builder() -> SuspensionBuilder {
+    moved("", [0.0; 3])
+}
+
+fn suspension() -> Suspension {
+    builder().build().unwrap()
+}
+
+fn height(suspension: &Suspension) -> Variable {
+    Variable::offset(suspension, "tie_rod_inner", Axis::Z, -5.0..=5.0).unwrap()
+}
+
+fn straight(suspension: &Suspension) -> Target {
+    let points = [[-30.0, 0.0], [30.0, 0.0]];
+    Target::curve(suspension, Characteristic::Toe, &points, 0.02).unwrap()
+}
+
+fn study(suspension: &Suspension) -> Study {
+    Study::of(suspension.clone())
+        .over(Motion::travel(-40.0..=40.0, 9).unwrap())
+        .asking(&[Characteristic::Toe], Order::Position)
+        .unwrap()
+}
+
+fn words<T>(answer: Result<T, impl std::fmt::Display>) -> String {
+    match answer {
+        Ok(_) => panic!("there is an answer"),
+        Err(error) => error.to_string(),
+    }
+}
+
+/// The values of the variables of every design of a sweep.
+fn designs(study: &Study) -> Result<Vec<Vec<f64>>, Error> {
+    let mut designs = Vec::new();
+    study.sweep(SweepControl::default(), |rows| {
+        designs.extend((0..rows.designs()).map(|design| rows.variables(design).to_vec()));
+        ControlFlow::Continue(())
+    })?;
+    Ok(designs)
+}
+
+/// Touches so many MiB of stack.
+fn descend(mib: usize) -> usize {
+    let frame = std::hint::black_box([1_u8; 1 << 20]);
+    match mib {
+        0 => 0,
+        _ => descend(mib - 1) + usize::from(frame[mib]),
+    }
+}
+
+/// A dependent's dev profile needs 5 MiB in a sweep and 12 for a certificate. What is called back on the threads of
+/// a sweep and of a tuning has more than that, of which a thread of rayon's own (2 MiB) would end this process.
+#[test]
+fn the_threads_of_sweeps_and_tunings_have_large_stacks() {
+    let suspension = suspension();
+    let one = [height(&suspension)];
+    let swept = study(&suspension).sampling(Sampling::Sobol, 3, 1, &one);
+    let mut deepest = 0;
+    let sweep = swept.sweep(SweepControl::default(), |_| {
+        deepest = deepest.max(descend(16));
+        ControlFlow::Continue(())
+    });
+    assert_eq!((sweep.is_ok(), deepest), (true, 16));
+
+    let mut tuned = study(&suspension).tuning(one.to_vec(), vec![straight(&suspension)]);
+    for starts in [1, 3] {
+        tuned.optimise.as_mut().unwrap().starts = starts;
+        let deepest = AtomicUsize::new(0);
+        let watch = |_: usize, _: &Iteration| {
+            deepest.fetch_max(descend(16), Ordering::Relaxed);
+        };
+        let control = Control {
+            watch: Some(&watch),
+            ..Control::default()
+        };
+        let best = tuned.tune(control).unwrap().best;
+        assert_eq!(
+            (best.is_some(), deepest.into_inner()),
+            (true, 16),
+            "{starts} starts"
+        );
+    }
+}
+
+#[test]
+fn a_curve_has_two_points_and_a_value_stands_at_one_travel() {
+    let suspension = suspension();
+    let curve = |points: &[[f64; 2]]| Target::curve(&suspension, Characteristic::Toe, points, 0.02);
+    for (count, points) in [&[][..], &[[3.0, 0.0]]].into_iter().enumerate() {
+        let expected = format!(
+            "the number of points of a curve is {count}; expected at least 2, or Target::at for a value at one travel"
+        );
+        assert_eq!(words(curve(points)), expected);
+    }
+    let at = |travel, value, tolerance| {
+        Target::at(&suspension, Characteristic::Toe, travel, value, tolerance)
+    };
+    assert!(words(at(f64::NAN, 0.0, 0.02)).starts_with("a travel is NaN"));
+    assert!(words(at(3.0, f64::INFINITY, 0.02)).starts_with("a wanted value is inf"));
+    assert!(words(at(3.0, 0.0, 0.0)).starts_with("the tolerance is 0"));
+
+    // One variable meets one value, that of a point 2 mm higher, at a travel where the motion has no station.
+    let toe_at = |suspension: &Suspension, travel: f64| {
+        let pose = suspension.pose_at(travel, 0.0).unwrap();
+        pose.characteristic(Characteristic::Toe).unwrap()
+    };
+    let travel = 33.0;
+    let higher = moved("tie_rod_inner", [-120.0, 340.0, 202.0]).build();
+    let toe = toe_at(&higher.unwrap(), travel);
+    assert!((toe - toe_at(&suspension, travel)).abs() > 0.01);
+    let tuning = study(&suspension)
+        .tuning(
+            vec![height(&suspension)],
+            vec![at(travel, toe, 1e-6).unwrap()],
+        )
+        .tune(Control::default())
+        .unwrap();
+    let met = study(&suspension).at_design(tuning.best.unwrap().design);
+    let found = toe_at(&met.suspension, travel);
+    assert!((found - toe).abs() < 2e-6, "{found} instead of {toe}");
+}
+
+#[test]
+fn a_grid_has_as_many_values_of_every_variable_or_is_refused() {
+    let suspension = suspension();
+    let inner = height(&suspension);
+    let outer = Variable::offset(&suspension, "tie_rod_outer", Axis::Z, -3.0..=3.0).unwrap();
+    let one = [inner.clone()];
+    let two = [inner, outer];
+    let grid = |samples, variables: &[Variable]| {
+        designs(&study(&suspension).sampling(Sampling::Grid, samples, 1, variables))
+    };
+    assert_eq!(
+        grid(5, &one).unwrap(),
+        [[-5.0], [-2.5], [0.0], [2.5], [5.0]]
+    );
+    let values = [-3.0, 0.0, 3.0];
+    let expected: Vec<[f64; 2]> = [-5.0, 0.0, 5.0]
+        .iter()
+        .flat_map(|first| values.map(|second| [*first, second]))
+        .collect();
+    assert_eq!(grid(9, &two).unwrap(), expected);
+    for (samples, variables) in [(10, &two[..]), (8, &two), (1, &two), (1, &one)] {
+        let expected =
+            format!("the number of samples of a grid is {samples}; expected the product");
+        assert!(words(grid(samples, variables)).starts_with(&expected));
+    }
+    assert!(words(grid(0, &one)).starts_with("the number of samples is 0; expected at least 1"));
+    let too_many = words(grid(u64::MAX, &two));
+    assert!(too_many.contains("no more than 1e12 designs"), "{too_many}");
+
+    // Steps that differ are set on the variables.
+    let mut uneven = study(&suspension).sampling(Sampling::Grid, 6, 1, &two);
+    if let hardpoint::Designs::Sampled(sampled) = &mut uneven.sweep.as_mut().unwrap().designs {
+        sampled.variables[0].steps = Some(2);
+        sampled.variables[1].steps = Some(3);
+    }
+    let found = designs(&uneven).unwrap();
+    let distinct = |k: usize| {
+        found
+            .iter()
+            .map(|d| d[k] as i64)
+            .collect::<BTreeSet<_>>()
+            .len()
+    };
+    assert_eq!((found.len(), distinct(0), distinct(1)), (6, 2, 3));
+}
+
+#[test]
+fn curves_of_an_axle_are_refused_and_say_what_answers() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/macpherson_axle.toml");
+    let study = Study::read(&path, &[]).unwrap();
+    let refused = study.curves();
+    assert!(matches!(refused, Err(Error::Axle(_))), "{refused:?}");
+    let said = words(refused);
+    assert!(
+        said.starts_with("the study is of an axle: tune, sweep and DesignFunction"),
+        "{said}"
+    );
+    let asked = study.asking(&[Characteristic::Toe], Order::Position);
+    assert!(matches!(asked, Err(Error::Axle(_))));
+}
+
+#[test]
+fn lists_with_nothing_in_them_are_refused() {
+    let suspension = suspension();
+    let variables = vec![height(&suspension)];
+    let targets = vec![straight(&suspension)];
+    let tune = |variables: &[Variable], targets: &[Target]| {
+        let study = study(&suspension).tuning(variables.to_vec(), targets.to_vec());
+        words(study.tune(Control::default()))
+    };
+    let expected = |what: &str| format!("no {what} is given; expected at least one");
+    assert_eq!(tune(&[], &targets), expected("variable to tune"));
+    assert_eq!(tune(&variables, &[]), expected("target"));
+    for method in [Sampling::Sobol, Sampling::Grid, Sampling::Saltelli] {
+        let swept = study(&suspension).sampling(method, 8, 1, &[]);
+        assert_eq!(words(designs(&swept)), expected("variable to sweep over"));
+    }
+    let together = Variable::together(&suspension, &[], Axis::Z, -5.0..=5.0);
+    assert_eq!(words(together), expected("point that moves"));
+    let racks = Motion::travel(-5.0..=5.0, 3).unwrap().with_racks(&[]);
+    assert_eq!(words(racks), expected("rack displacement"));
+}
+
+/// A sweep has no columns of turns: that of a variable which turns would be one of designs that are all the same.
+#[test]
+fn a_sweep_refuses_a_variable_that_moves_no_coordinate() {
+    let suspension = suspension();
+    let mut turn = height(&suspension);
+    let points = turn.moves.drain(..).map(|m| m.point).collect();
+    let axis = Axis::Z;
+    turn.turn = Some(hardpoint::Turn { points, axis });
+    let swept = study(&suspension).sampling(Sampling::Sobol, 8, 1, &[turn]);
+    let said = words(designs(&swept));
+    assert!(
+        said.starts_with("tie_rod_inner_turn_z moves no coordinate"),
+        "{said}"
+    );
+}
+
+#[test]
+fn the_builder_names_what_there_is() {
+    let topology = |name: &str| words(Suspension::builder(name).build());
+    let near = topology("doublewishbone");
+    assert!(
+        near.starts_with(
+            "there is no topology \"doublewishbone\"; did you mean \"double_wishbone\"? There are "
+        ),
+        "{near}"
+    );
+    let far = topology("x");
+    for topology in Topology::ALL {
+        assert!(
+            near.contains(topology.name) && far.contains(topology.name),
+            "{far}"
+        );
+    }
+    let hardpoint = |name: &str| words(builder().hardpoint(name, [0.0; 3]).build());
+    assert_eq!(
+        hardpoint("lower_arm_frnt"),
+        "double_wishbone has no hardpoint \"lower_arm_frnt\"; did you mean \"lower_arm_front\"?"
+    );
+    let far = hardpoint("qqq");
+    assert!(
+        far.contains("; there are upper_arm_front, upper_arm_rear, "),
+        "{far}"
+    );
+}
+
+#[test]
+fn the_builder_refuses_figures_that_are_none() {
+    for wrong in [f64::INFINITY, f64::NAN, 0.0, -300.0] {
+        let said = words(builder().wheel_radius(wrong).build());
+        assert_eq!(
+            said,
+            format!("wheel_radius is {wrong}; expected a finite number above 0")
+        );
+        let vehicle = Vehicle {
+            wheelbase: Some(wrong),
+            ..Vehicle::default()
+        };
+        assert!(words(builder().vehicle(vehicle).build()).starts_with("wheelbase is "));
+    }
+    for wrong in [f64::NAN, -0.1, 1.1] {
+        let vehicle = Vehicle {
+            brake_share_front: Some(wrong),
+            ..Vehicle::default()
+        };
+        let said = words(builder().vehicle(vehicle).build());
+        assert!(said.ends_with("; expected a share from 0 to 1"), "{said}");
+    }
+}
+
+/// What the builder lets pass has a pose: an end of the tie rod on the steering axis, in line with it or in one
+/// plane with it does not hold the wheel's heading.
+#[test]
+fn a_design_position_that_cannot_be_solved_is_none() {
+    let between = [-10.0, 680.0, 295.0];
+    for (name, to, reason) in [
+        (
+            "tie_rod_outer",
+            between,
+            "tie_rod_outer lies on the steering axis",
+        ),
+        (
+            "tie_rod_inner",
+            between,
+            "tie_rod_inner lies on the steering axis",
+        ),
+        (
+            "tie_rod_inner",
+            [-260.0, 660.0, 270.0],
+            "the tie rod is at toggle",
+        ),
+    ] {
+        match moved(name, to).build() {
+            Err(BuildError::Design(said)) => assert!(said.starts_with(reason), "{said}"),
+            other => panic!("{name}: {other:?}"),
+        }
+    }
+    // As near to it as that it can be told apart, there is a suspension.
+    let near = moved("tie_rod_outer", [-12.0, 680.0, 295.0])
+        .build()
+        .unwrap();
+    assert!(near.pose_at(0.0, 0.0).is_ok());
+}

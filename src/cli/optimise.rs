@@ -90,8 +90,9 @@ pub(super) fn run(arguments: &OptimiseArguments) -> Result<Exit, Stop> {
     // Solved first: a design that is wrong must be known before anything is written.
     let fault = |why| Stop::in_file(path, why);
     let before = Solved::with_targets(&study).map_err(fault)?;
+    let record = || Solved::record("optimise", &[("before", "curves_before.csv", &before)]);
+    let wanted = Wanted::open(arguments, &study, record)?;
     let output = Output::open(arguments, &study, "optimise")?;
-    let wanted = Wanted::open(arguments)?;
     let of_wheel = |why| design_fault(&study, path, &why);
     let tuning = pool.install(|| tune_with_progress(&study, optimise));
     let tuning = tuning.map_err(of_wheel)?;
@@ -142,6 +143,7 @@ pub(super) fn run(arguments: &OptimiseArguments) -> Result<Exit, Stop> {
         files.push("report.json");
     }
     files.extend(wanted.show(output.directory())?);
+    output.finish()?;
 
     say_outcome(&output, &study, &summary)?;
     let has_front = choices.say(&output, optimise, &summary)?;

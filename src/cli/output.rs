@@ -343,17 +343,16 @@ impl Output {
         }
     }
 
-    /// Ends the run and says where the results are.
-    pub(super) fn print_files(&self, files: &[&str]) -> Result<(), Stop> {
-        if let Some(directory) = &self.directory {
-            directory.finish().map_err(Stop::unwritten)?;
+    /// Records the run as finished: before anything is printed, as whoever reads that may stop.
+    pub(super) fn finish(&self) -> Result<(), Stop> {
+        match &self.directory {
+            Some(directory) => directory.finish().map_err(Stop::unwritten),
+            None => Ok(()),
         }
-        self.print_where(files)
     }
 
-    /// Says where the results are, of a run that may not have ended, and prints the tables where programs read
-    /// them.
-    pub(super) fn print_where(&self, files: &[&str]) -> Result<(), Stop> {
+    /// Says where the results are, and prints the tables where programs read them.
+    pub(super) fn print_files(&self, files: &[&str]) -> Result<(), Stop> {
         if !self.is_text() {
             let text = self.tables.borrow().render(self.format, terminal::width());
             match self.directory {

@@ -63,6 +63,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     output.file("effects.csv", summary.effects_table().csv(None).as_bytes())?;
     files.insert(files.len() - 1, "effects.csv");
     output.json("summary.json", &summary)?;
+    output.finish()?;
 
     let topology = study.suspension.mechanism.topology.name;
     output.say(&format!("{}: {topology}\n", study.name))?;

@@ -14,8 +14,9 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     let study = Study::read(path, &arguments.study.set)?;
     let fault = |why| Stop::in_file(path, why);
     let solved = Solved::of(&study).map_err(fault)?;
+    let record = || Solved::record("solve", &[("design", "curves.csv", &solved)]);
+    let wanted = Wanted::open(arguments, &study, record)?;
     let output = Output::open(arguments, &study, "solve")?;
-    let wanted = Wanted::open(arguments)?;
 
     let length = study.suspension.length_unit;
     let summary = solved.summary().map_err(fault)?;
@@ -31,11 +32,11 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     output.json("summary.json", &summary)?;
     files.push("summary.json");
     if output.directory().is_some() {
-        let record = Solved::record("solve", &[("design", "curves.csv", &solved)]);
-        output.record("report.json", &record.map_err(fault)?)?;
+        output.record("report.json", &record().map_err(fault)?)?;
         files.push("report.json");
     }
     files.extend(wanted.show(output.directory())?);
+    output.finish()?;
 
     output.say(&format!("{}\n\n", summary.headline()))?;
     let [ranges, stations, not_solved] = summary.tables().expect("of a solve");

@@ -319,7 +319,7 @@ fn finish_shard(
     }
     let names = SweepDirectory::part_files(record);
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
-    output.print_where(&names)?;
+    output.print_files(&names)?;
     Ok(Exit::of(own == 0))
 }
 
@@ -349,6 +349,9 @@ pub(super) fn finish(
         show_sweep(directory)?;
         files.push("report.html".to_owned());
     }
+    if summary.is_done() {
+        output.finish()?;
+    }
 
     output.say(&format!("{}: {}\n\n", record.study, summary.headline()))?;
     let failures = summary.failures_table();
@@ -374,10 +377,7 @@ pub(super) fn finish(
         ))?;
     }
     let files: Vec<&str> = files.iter().map(String::as_str).collect();
-    match summary.is_done() {
-        true => output.print_files(&files)?,
-        false => output.print_where(&files)?,
-    }
+    output.print_files(&files)?;
     Ok(Exit::of(summary.is_complete()))
 }
 

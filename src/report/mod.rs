@@ -51,7 +51,7 @@ pub use figure::{as_written, brief, figure, figures, resolution, with_decimals};
 pub use files::{curves_csv, history_csv, sensitivities_csv};
 pub use finished::{FinishedRun, NotARun};
 pub use page::{comparison_page, page, sweep_page};
-pub use picture::{Picture, pictures};
+pub use picture::{Picture, picture_names, pictures};
 pub use places::{Clearance, Places, Rim, Shape};
 pub use plausibility::{both_doubts, doubts, study_doubts, variable_doubts};
 pub(crate) use record::wanted_between;

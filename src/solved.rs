@@ -147,7 +147,7 @@ impl<'s> Solved<'s> {
     pub fn failures(&self) -> Vec<FailureRange> {
         match &self.found {
             Found::Wheel(plan, curves) => {
-                FailureRange::all(curves, plan.drive, self.study.suspension.length_unit)
+                FailureRange::all(curves, plan.drive, &self.study.suspension)
             }
             Found::Axle(both, plan, curves) => axle_failures(&both.axle, plan, curves),
         }

@@ -201,5 +201,5 @@ fn table(drawn: &Reach, least: &Least) -> Table {
         }
         table.push_row(row);
     }
-    table
+    table.keyed(2)
 }

@@ -8,7 +8,8 @@ use super::progress;
 use super::report::Wanted;
 use crate::optimise::{Control, Tuning, tune};
 use crate::report::{
-    FrontRecord, PriceRecord, Record, TuningSummary, YieldRecord, history_csv, variable_doubts,
+    FrontRecord, PriceRecord, Record, TuningSummary, YieldRecord, counted, history_csv,
+    variable_doubts,
 };
 use crate::solved::Solved;
 use crate::study::{Optimise, Study, StudyErrors};
@@ -64,7 +65,8 @@ fn say_openings(
     if unseen.len() > MOST_DIRECTIONS {
         let more = unseen.len() - MOST_DIRECTIONS;
         output.say(&format!(
-            "\n  nor by {more} more such moves, in summary.json\n"
+            "\n  nor by {}, in summary.json\n",
+            counted(more, "more such move")
         ))?;
     }
     output.lead_on("\n")?;
@@ -162,8 +164,12 @@ pub(super) fn run(arguments: &OptimiseArguments) -> Result<Exit, Stop> {
     }
     let is_whole = is_complete && has_front && !summary.falls_short() && refused.is_none();
     say_openings(&output, &study, &summary, refused)?;
-    output.print_files(&files)?;
     let interrupted = progress::interrupt_flag().load(Ordering::SeqCst);
+    if interrupted {
+        let words = summary.interrupted_in_words();
+        output.say_failure(&format!("\n{words}\n"))?;
+    }
+    output.print_files(&files)?;
     Ok(Exit::of(is_whole && !interrupted))
 }
 

@@ -5,7 +5,7 @@ use super::exit::Stop;
 use super::terminal;
 use super::{RunArguments, TableFormat};
 use crate::mechanism::DesignFault;
-use crate::report::{Format, Table, Tables};
+use crate::report::{Format, Table, Tables, counted};
 use crate::results::{Claim, RunDirectory, study_digest};
 use crate::study::Study;
 use std::cell::RefCell;
@@ -395,8 +395,9 @@ pub(super) fn pool(asked: Option<NonZeroUsize>, pieces: u64) -> Result<rayon::Th
     let threads = asked.map_or(useful, |asked| asked.get().min(useful));
     if let Some(asked) = asked.filter(|asked| asked.get() > threads) {
         terminal::note(&format!(
-            "Runs on {threads} of the {asked} threads asked for: there are {cores} cores and {pieces} \
-             pieces of work.\n"
+            "Runs on {threads} of the {asked} threads asked for: there are {} and {} of work.\n",
+            counted(cores, "core"),
+            counted(pieces, "piece")
         ));
     }
     rayon::ThreadPoolBuilder::new()

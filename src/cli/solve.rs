@@ -5,7 +5,7 @@ use super::exit::{Exit, Stop};
 use super::motions::NamedCurves;
 use super::output::Output;
 use super::report::Wanted;
-use crate::report::curves_csv;
+use crate::report::{counted, curves_csv};
 use crate::solved::Solved;
 use crate::study::Study;
 
@@ -51,11 +51,11 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     }
     for motion in &of_motions {
         complete &= motion.curves.are_complete();
-        for failure in motion.failures(length) {
+        for failure in motion.failures(&study.suspension) {
             output.say_failure(&format!("\n{failure}\n"))?;
         }
-        let (name, stations) = (&motion.name, motion.curves.stations.len());
-        output.say(&format!("\nmotion {name}: {stations} stations\n"))?;
+        let stations = counted(motion.curves.stations.len(), "station");
+        output.say(&format!("\nmotion {}: {stations}\n", motion.name))?;
     }
     output.print_files(&files)?;
     Ok(Exit::of(complete))

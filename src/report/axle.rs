@@ -346,7 +346,7 @@ pub fn axle_failures(axle: &Axle, plan: &AxlePlan, curves: &AxleCurves) -> Vec<F
             first: number,
             last: number,
             status: station.status.to_owned(),
-            reason: failure.describe(axle.left.length_unit),
+            reason: failure.describe(axle),
             place: place.words(number, station),
         })
     });

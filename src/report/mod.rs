@@ -66,7 +66,7 @@ pub use sweep::{
     write_part,
 };
 pub use table::{Cell, Column, Format, Table, Tables};
-pub use text::{is_printable, printable, wrapped};
+pub use text::{counted, is_printable, printable, wrapped};
 pub use tolerance_summary::{
     BandRecord, RankingRecord, RejectRecord, ToleranceSummary, ValueRecord, rejected,
 };

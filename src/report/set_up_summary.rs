@@ -111,7 +111,7 @@ impl SetUpSummary {
                 push("turn", by);
             }
         }
-        table
+        table.keyed(2)
     }
 
     /// What to do, step by step, and the static values after each.

@@ -3,6 +3,7 @@
 use super::axle::Place;
 use super::files::csv_of_rows;
 use super::table::{Cell, Column, Table};
+use super::text::counted;
 use super::{brief, optional, shortest};
 use crate::build::Reject;
 use crate::model::{Axis, Side};
@@ -228,7 +229,7 @@ impl ToleranceSummary {
         } else {
             ", as assembled"
         };
-        let mut line = format!("{} builds{aligned}", self.builds);
+        let mut line = format!("{}{aligned}", counted(self.builds, "build"));
         if let Some(kept) = self.kept_in_words() {
             line += &format!(", {kept} in all bands");
         }
@@ -242,15 +243,19 @@ impl ToleranceSummary {
             .iter()
             .map(|r| {
                 format!(
-                    "{} builds rejected, build {} the first: {}",
-                    r.builds, r.first, r.what
+                    "{} rejected, build {} the first: {}",
+                    counted(r.builds, "build"),
+                    r.first,
+                    r.what
                 )
             })
             .collect();
         if let Some(first) = self.first_incomplete {
             lines.push(format!(
-                "{} builds have no pose somewhere in the motion, build {first} the first; there they have no values",
-                self.incomplete
+                "{} {} no pose somewhere in the motion, build {first} the first; there {} no values",
+                counted(self.incomplete, "build"),
+                if self.incomplete == 1 { "has" } else { "have" },
+                if self.incomplete == 1 { "it has" } else { "they have" }
             ));
         }
         lines
@@ -264,10 +269,11 @@ impl ToleranceSummary {
         let head = head.chain(of_wheel.then_some("travel"));
         let head = head.chain(rack_moves.then_some("rack"));
         let head = head.chain(self.places.iter().map(String::as_str));
+        let keys = head.clone().count();
         let numbers = ["drawn", "mean", "sigma", "linear", "p5", "p95"];
         let header = head.chain(numbers).chain(["linear holds"]);
         let because = Column::for_programs("because");
-        let mut table = Table::with_columns(header.map(Column::from).chain([because]));
+        let mut table = Table::with_columns(header.map(Column::from).chain([because])).keyed(keys);
         let mut outputs: Vec<&str> = Vec::new();
         for value in &self.values {
             if !outputs.contains(&&*value.output) {

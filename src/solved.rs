@@ -5,7 +5,7 @@ use crate::curves::{Curves, curves};
 use crate::plan::Plan;
 use crate::report::{
     AxleSummary, FailureRange, Record, SolveSummary, Summary, axle_curves_csv, axle_failures,
-    axle_remarks, axle_sensitivities_csv, both_doubts, curves_csv, doubts, remarks,
+    axle_remarks, axle_sensitivities_csv, both_doubts, curves_csv, doubts, rack_doubt, remarks,
     sensitivities_csv,
 };
 use crate::study::{AxleStudy, Study};
@@ -127,12 +127,14 @@ impl<'s> Solved<'s> {
     /// What is doubtful of the design, a line each.
     pub fn doubts(&self) -> Result<Vec<String>, String> {
         let wheel = &self.study.suspension;
-        match &self.found {
-            Found::Wheel(..) => doubts(wheel).map_err(|f| f.describe(&wheel.mechanism)),
+        let mut found = match &self.found {
+            Found::Wheel(..) => doubts(wheel).map_err(|f| f.describe(&wheel.mechanism))?,
             Found::Axle(both, plan, curves) => {
-                both_doubts(&both.axle, plan, curves).map_err(|f| both.axle.describe_fault(f))
+                both_doubts(&both.axle, plan, curves).map_err(|f| both.axle.describe_fault(f))?
             }
-        }
+        };
+        found.extend(rack_doubt(self.study));
+        Ok(found)
     }
 
     /// What has to be said of the curves, a line each: of their accuracy, and of what has no value.

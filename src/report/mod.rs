@@ -53,12 +53,12 @@ pub use finished::{FinishedRun, NotARun};
 pub use page::{comparison_page, page, sweep_page};
 pub use picture::{Picture, picture_names, pictures};
 pub use places::{Clearance, Places, Rim, Shape};
-pub use plausibility::{both_doubts, doubts, study_doubts, variable_doubts};
+pub use plausibility::{both_doubts, doubts, rack_doubt, study_doubts, variable_doubts};
 pub(crate) use record::wanted_between;
 pub use record::{BandCurve, DesignRecord, DrawnDesign, OutputRecord, Record, TargetRecord};
 pub use run::{Run, Summary};
 pub use scene::{BodyKind, Scene, SceneBody};
-pub use set_up_summary::{AdjustmentRecord, SetUpSummary, StaticRecord};
+pub use set_up_summary::{AdjustmentRecord, SetUpSummary, StaticRecord, static_column};
 pub use solve_summary::SolveSummary;
 pub use sweep::{
     Choice, Done, DrawnDesigns, Finished, MergeError, PartOutcome, PartRecord, Parts, ShownDesigns,

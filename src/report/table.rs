@@ -524,7 +524,7 @@ mod tests {
         let mut table = Table::new(names).keyed(2);
         for per in ["mm", "turn"] {
             let head = [Cell::from("lower arm, front stud"), per.into()];
-            table.push_row(head.into_iter().chain([Cell::from(0.123456); 3]));
+            table.push_row(head.into_iter().chain([0.123456; 3].map(Cell::from)));
         }
         let text = table.text(46);
         let pieces: Vec<&str> = text.split("\n\n").collect();
@@ -540,7 +540,7 @@ mod tests {
         // Where there is no room for it, the first column alone.
         let names = [Cell::from("n".repeat(14)), "m".repeat(14).into()];
         let mut table = Table::new(["a", "b", "c", "d"]).keyed(2);
-        table.push_row(names.into_iter().chain([Cell::from(-0.123456e-10); 2]));
+        table.push_row(names.into_iter().chain([-0.123456e-10; 2].map(Cell::from)));
         let text = table.text(40);
         assert!(
             text.lines().all(|line| line.chars().count() <= 40),

@@ -292,7 +292,7 @@ impl ToleranceSummary {
                     Some(true) => "yes",
                     Some(false) if value.second_order.is_some_and(|s| s >= HOLDS) => "no: curved",
                     Some(false) => "no: builds differ",
-                    None if value.drawn.is_none() => "",
+                    None if value.drawn.is_none() || value.builds == 0 => "",
                     None if value.second_order.is_none()
                         && value.shares.iter().all(Option::is_none) =>
                     {
@@ -354,15 +354,15 @@ impl ToleranceSummary {
 
     /// What to hold tighter and what may be looser.
     pub fn ranking_table(&self) -> Table {
-        let mut table = Table::new([
-            "contributor",
-            "share",
-            "yield halved",
-            "yield doubled",
-            "may be looser",
-        ]);
+        let yields = ["yield halved", "yield doubled", "may be looser"].map(Column::from);
+        let shares = [
+            Column::for_readers("largest share"),
+            Column::for_programs("share"),
+        ];
+        let head = [Column::from("contributor")].into_iter();
+        let mut table = Table::with_columns(head.chain(shares).chain(yields));
         for r in &self.ranking {
-            let yields = [r.share, r.yield_halved, r.yield_doubled];
+            let yields = [r.share, r.share, r.yield_halved, r.yield_doubled];
             let head = [Cell::from(r.contributor.as_str())];
             let numbers = yields.map(|v| Cell::by(v, percent));
             table.push_row(
@@ -547,6 +547,8 @@ fn values(
                 sigma_linear: scaled(deviation),
                 second_order: finite(expansion.bend(cell)).filter(|_| scatters),
                 linear_holds: match differs {
+                    // Of no builds nothing holds.
+                    _ if spread.count == 0 => None,
                     true => Some(false),
                     false => expansion.holds(cell).filter(|_| scatters),
                 },

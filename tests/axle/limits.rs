@@ -2,7 +2,7 @@
 
 use super::{axle, reference::read};
 use hardpoint::axle::{AxleSolver, Placement};
-use hardpoint::model::{LengthUnit, Side};
+use hardpoint::model::Side;
 
 /// The rack goes as far as the first tie rod lets it: one of a strut from -113.3 to 164.5 mm, so both from -113.3 to
 /// 113.3. Rolled almost to the end the axle has a position, beyond it none.

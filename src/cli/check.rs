@@ -110,7 +110,7 @@ fn drive_name(plan: &Plan) -> &'static str {
     match plan.drive {
         Drive::Travel => "wheel travel",
         Drive::ArmAngle => "arm angle",
-        Drive::PaperTheta => "the seed paper's theta",
+        Drive::PaperTheta => "theta of Attia's paper",
     }
 }
 

@@ -67,7 +67,7 @@
 //! | `derive` | derivatives of a pose by the drive, by the rack, by every hardpoint coordinate |
 //! | `solve` | poses connected to the design position, one design at a time or many side by side |
 //! | `analyse` | limits, loads, assemblies, certificates |
-//! | `attia` | the seed paper's fifteen equations, its drive and its angles |
+//! | `attia` | the fifteen equations of Attia's paper, its drive and its angles |
 //! | `build` | mechanisms as they are built: points of the body, lengths and shapes of parts, each off by a little |
 //! | `plan` | what a study asks for, turned into what is computed |
 //! | `characteristics` | the catalogue of wheel characteristics, a formula each |

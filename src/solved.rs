@@ -6,7 +6,7 @@ use crate::plan::Plan;
 use crate::report::{
     AxleSummary, FailureRange, Record, SolveSummary, Summary, axle_curves_csv, axle_failures,
     axle_remarks, axle_sensitivities_csv, both_wheels_plausibility, curves_csv, plausibility,
-    remarks, sensitivities_csv,
+    rack_doubt, remarks, sensitivities_csv,
 };
 use crate::study::{AxleStudy, Study};
 
@@ -127,11 +127,13 @@ impl<'s> Solved<'s> {
     /// What is doubtful of the design, a line each.
     pub fn plausibility(&self) -> Result<Vec<String>, String> {
         let wheel = &self.study.suspension;
-        match &self.found {
-            Found::Wheel(..) => plausibility(wheel).map_err(|f| f.describe(&wheel.mechanism)),
+        let mut found = match &self.found {
+            Found::Wheel(..) => plausibility(wheel).map_err(|f| f.describe(&wheel.mechanism))?,
             Found::Axle(both, plan, curves) => both_wheels_plausibility(&both.axle, plan, curves)
-                .map_err(|f| both.axle.describe_fault(f)),
-        }
+                .map_err(|f| both.axle.describe_fault(f))?,
+        };
+        found.extend(rack_doubt(self.study));
+        Ok(found)
     }
 
     /// What has to be said of the curves, a line each: of their accuracy, and of what has no value.
@@ -146,7 +148,7 @@ impl<'s> Solved<'s> {
     pub fn failures(&self) -> Vec<FailureRange> {
         match &self.found {
             Found::Wheel(plan, curves) => {
-                FailureRange::all(curves, plan.drive, self.study.suspension.length_unit)
+                FailureRange::all(curves, plan.drive, &self.study.suspension)
             }
             Found::Axle(both, plan, curves) => axle_failures(&both.axle, plan, curves),
         }

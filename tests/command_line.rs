@@ -72,6 +72,9 @@ fn the_template_runs_as_it_is() {
     let study = directory.path().join("mine.toml");
     fs::write(&study, &template.get_output().stdout).unwrap();
     let study = study.to_str().unwrap();
+    // It speaks of no file that its reader does not have.
+    let written = text(&template.get_output().stdout);
+    assert!(!written.contains("_solve.toml") && written.contains("hardpoint check STUDY.toml"));
     hardpoint(&["check", study]).success();
     let assert = Command::cargo_bin("hardpoint")
         .unwrap()
@@ -329,6 +332,20 @@ fn assemblies_are_listed_and_the_connected_one_is_named() {
     assert_eq!(connected.len(), 1, "{rows:?}");
     assert!((connected[0]["wheel_centre_z_mm"].as_f64().unwrap() - 330.0).abs() < 1e-9);
     assert_eq!(connected[0]["strut"], "upright");
+}
+
+/// Where there is none there is no table, and not done.
+#[test]
+fn no_assembly_is_said_in_a_sentence() {
+    let study = studies().join("macpherson_solve.toml");
+    let call = ["assemblies", study.to_str().unwrap(), "--travel", "500"];
+    let assert = hardpoint(&call).code(1);
+    let said = "at travel 500 mm, rack 0 mm the design's lengths have no assembly\n";
+    assert_eq!(text(&assert.get_output().stdout), said);
+    let assert = hardpoint(&[&call[..], &["--format", "json"]].concat()).code(1);
+    let table: serde_json::Value = serde_json::from_slice(&assert.get_output().stdout).unwrap();
+    assert_eq!(table["assemblies"], serde_json::json!([]));
+    assert_eq!(text(&assert.get_output().stderr), said);
 }
 
 #[test]
@@ -695,4 +712,116 @@ fn doubtful_studies_are_called_so() {
             );
         }
     }
+}
+
+/// A wish out of reach is named, with what each adjustment does.
+#[test]
+fn a_set_up_out_of_reach_names_the_wish() {
+    let directory = tempfile::tempdir().unwrap();
+    let out = directory.path().join("run");
+    let study = studies().join("double_wishbone_tolerance.toml");
+    let call = |want: &str| {
+        let set = format!("setup.want={want}");
+        let (study, out) = (study.to_str().unwrap(), out.to_str().unwrap());
+        hardpoint(&["setup", study, "--set", &set, "--out", out, "--force"])
+    };
+    call("{ camber = -1.5 }").success();
+    let assert = call("{ camber = -90.3, toe = -5.0 }").code(1);
+    let output = assert.get_output();
+    let (said, error) = (text(&output.stdout), text(&output.stderr));
+    assert!(
+        error.contains("camber_deg = -90.3 cannot be met"),
+        "{error}"
+    );
+    assert!(
+        said.contains("what each adjustment does") && said.contains("tie_rod"),
+        "{said}"
+    );
+    let (header, rows) = csv(&directory, "effects.csv");
+    assert_eq!((header[0].as_str(), rows.len()), ("adjustment", 5));
+    // What an earlier set-up has left speaks of another.
+    for name in ["setup.csv", "summary.json", "curves.csv"] {
+        assert!(!out.join(name).exists(), "{name}");
+    }
+    assert!(
+        fs::read_to_string(out.join("run.json"))
+            .unwrap()
+            .contains("\"finished\": true")
+    );
+}
+
+/// Where not one build exists nothing is said of them; limits that leave no length are a mistake.
+#[test]
+fn no_builds_have_no_linear_answer() {
+    let short = "tolerance.scatter=[{ length = \"tie_rod\", limits = [-300.0, -250.0] }]";
+    let few = [
+        "--set",
+        "tolerance.builds=100",
+        "--set",
+        "tolerance.aligned=false",
+        "--set",
+    ];
+    let (directory, said) = run(
+        "tolerance",
+        "macpherson_tolerance.toml",
+        &[&few[..], &[short]].concat(),
+    );
+    assert!(said.contains("100 builds rejected"), "{said}");
+    let (header, rows) = csv(&directory, "tolerance.csv");
+    let place = header
+        .iter()
+        .position(|name| name == "linear_holds")
+        .unwrap();
+    assert!(!rows.is_empty() && rows.iter().all(|row| row[place].is_empty()));
+    assert!(
+        said.lines()
+            .filter(|line| line.contains("_deg "))
+            .all(|line| !line.contains("yes")),
+        "{said}"
+    );
+
+    let none = "tolerance.scatter=[{ length = \"tie_rod\", limits = [-500.0, 0.5] }]";
+    let study = studies().join("macpherson_tolerance.toml");
+    let call = ["tolerance", study.to_str().unwrap(), "--set", none];
+    let error = text(&hardpoint(&call).code(2).get_output().stderr);
+    assert!(
+        error.contains(
+            "tolerance.scatter[0].limits: the lowest limit leaves no length: tie_rod has 360"
+        ),
+        "{error}"
+    );
+}
+
+/// To a reader the ranking says what share it has; to a program the key is `share`.
+#[test]
+fn the_share_of_a_ranking_is_the_largest() {
+    let few = ["--set", "tolerance.builds=300"];
+    let (_, said) = run("tolerance", "macpherson_tolerance.toml", &few);
+    assert!(
+        said.contains("contributor") && said.contains("largest share"),
+        "{said}"
+    );
+    let (_, printed) = run(
+        "tolerance",
+        "macpherson_tolerance.toml",
+        &[&few[..], &["--format", "json"]].concat(),
+    );
+    let tables: serde_json::Value = serde_json::from_str(&printed).unwrap();
+    let first = &tables["ranking"][0];
+    assert!(
+        first["share"].is_f64() && first["largest_share"].is_null(),
+        "{first}"
+    );
+}
+
+/// A number of one thing is said as one.
+#[test]
+fn one_is_singular() {
+    let one = "sweep={ method = \"sobol\", samples = 1, variables = [ { hardpoint = \"tie_rod_inner\", axis = \"z\", range = [-1.0, 1.0] } ] }";
+    let (_, said) = run("sweep", "macpherson_sweep.toml", &["--set", one]);
+    assert!(said.contains("1 design, all solved"), "{said}");
+    let study = studies().join("macpherson_sweep.toml");
+    let checked = hardpoint(&["check", study.to_str().unwrap(), "--set", one]).success();
+    let said = text(&checked.get_output().stdout);
+    assert!(said.contains("sobol, 1 design of 1 variable."), "{said}");
 }

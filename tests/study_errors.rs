@@ -502,6 +502,11 @@ fn overrides_that_do_not_fit() {
         ("motion.travel.more.depth=1", "unknown key \"more\""),
         ("optimise.targets.1.more.depth=1", "unknown key \"more\""),
         ("motion.more.depth=1", "unknown key \"more\""),
+        ("motions.x={}", "motions.x: expected travel: where"),
+        (
+            "sweep={ designs = \"\" }",
+            "sweep.designs: expected the name of a file, found none",
+        ),
         ("motoin.rack=1", "did you mean \"motion\"?"),
     ] {
         let errors = Study::read(&path, &[set.to_owned()])

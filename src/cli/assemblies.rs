@@ -1,17 +1,17 @@
 //! `hardpoint assemblies`
 
-use super::AssembliesArguments;
 use super::exit::{Exit, Stop};
 use super::output::design_fault;
 use super::printer::Printer;
 use super::terminal::eprint;
+use super::{AssembliesArguments, TableFormat};
 use crate::analyse::{Assembly, AssemblyMode, Undecided};
 use crate::characteristics::{Characteristic, Constants, Quantity, WheelReading};
 use crate::derive::{DesignSeries, MotionPoint};
 use crate::mechanism::Pose;
 use crate::model::Drive;
 use crate::plan::Plan;
-use crate::report::{Cell, Table, brief, figure};
+use crate::report::{Cell, Table, as_written, brief, counted, figure};
 use crate::solve::{Solver, StationOrder};
 use crate::study::Study;
 use std::ops::ControlFlow;
@@ -106,16 +106,25 @@ pub(super) fn run(arguments: &AssembliesArguments) -> Result<Exit, Stop> {
         table.push_row(row);
     }
     let mut out = Printer::new(arguments.study.format);
-    out.table("assemblies", table)?;
+    if !all.found.is_empty() || arguments.study.format != TableFormat::Text {
+        out.table("assemblies", table)?;
+    }
     let unproved = all.found.iter().filter(|a| a.certificate.is_none()).count();
     let proof = match unproved {
         0 => String::new(),
         n => format!("; {n} not proved: another is too close, if not the same"),
     };
-    out.say(&format!(
-        "\n{} assemblies of the design's lengths{proof}\n",
-        all.found.len()
-    ))?;
+    match all.found.len() {
+        0 => out.failure(&format!(
+            "at travel {} {unit}, rack {} {unit} the design's lengths have no assembly\n",
+            as_written(arguments.travel),
+            as_written(arguments.rack)
+        ))?,
+        1 => out.say(&format!("\n1 assembly of the design's lengths{proof}\n"))?,
+        n => out.say(&format!(
+            "\n{n} assemblies of the design's lengths{proof}\n"
+        ))?,
+    }
     out.finish()?;
     for place in all.undecided.iter().take(MOST_UNDECIDED) {
         let degrees = |angle: f64| figure(angle.to_degrees(), "deg");
@@ -151,9 +160,9 @@ pub(super) fn run(arguments: &AssembliesArguments) -> Result<Exit, Stop> {
         eprint(&format!("undecided: whether there {unknown}\n"));
     }
     if let Some(more) = all.undecided.len().checked_sub(MOST_UNDECIDED + 1) {
-        eprint(&format!("undecided: {} more places\n", more + 1));
+        eprint(&format!("undecided: {}\n", counted(more + 1, "more place")));
     }
-    Ok(Exit::of(all.undecided.is_empty()))
+    Ok(Exit::of(all.undecided.is_empty() && !all.found.is_empty()))
 }
 
 /// Whether two poses are one: assemblies differ by far more than this, and rounding by far less.

@@ -100,6 +100,7 @@ pub(super) fn run(arguments: &BenchArguments) -> Result<Exit, Stop> {
         machine: &machine,
     };
     output.json(machine_name, &circumstances)?;
+    output.finish()?;
     if output.directory().is_some() {
         output.table(kind, &table)?;
     }

@@ -12,7 +12,7 @@ use crate::curves::{Curves, curves};
 use crate::mechanism::DesignFault;
 use crate::model::Suspension;
 use crate::plan::Plan;
-use crate::report::{Cell, SolveSummary, Summary, Table, variable_plausibility};
+use crate::report::{Cell, SolveSummary, Summary, Table, counted, variable_plausibility};
 use crate::solve::StationOrder;
 use crate::solved::Solved;
 use crate::study::{Designs, Drive, Formulation, Study, Sweep, Tolerance};
@@ -39,8 +39,10 @@ pub(super) fn run(arguments: &StudyArguments) -> Result<Exit, Stop> {
     for failure in solved.failures() {
         out.failure(&format!("not solved: {failure}\n\n"))?;
     }
-    let length = study.suspension.length_unit;
-    for failure in of_motions.iter().flat_map(|motion| motion.failures(length)) {
+    for failure in of_motions
+        .iter()
+        .flat_map(|motion| motion.failures(&study.suspension))
+    {
         out.failure(&format!("{failure}\n\n"))?;
     }
     if !(is_quiet() && arguments.format == TableFormat::Text) {
@@ -108,7 +110,7 @@ fn drive_name(plan: &Plan) -> &'static str {
     match plan.drive {
         Drive::Travel => "wheel travel",
         Drive::ArmAngle => "arm angle",
-        Drive::PaperTheta => "the seed paper's theta",
+        Drive::PaperTheta => "theta of Attia's paper",
     }
 }
 
@@ -140,17 +142,17 @@ fn asked(study: &Study) -> Vec<String> {
     }
     if let Some(optimise) = &study.optimise {
         said.push(format!(
-            "Tuning (optimise only): {} variables, {} targets, {} starts.",
-            optimise.variables.len(),
-            optimise.targets.len(),
-            optimise.starts
+            "Tuning (optimise only): {}, {}, {}.",
+            counted(optimise.variables.len(), "variable"),
+            counted(optimise.targets.len(), "target"),
+            counted(optimise.starts, "start")
         ));
     }
     if let Some(setup) = &study.setup {
         said.push(format!(
-            "Set-up (setup only): {} adjustments, {} wanted values.",
-            setup.adjust.len(),
-            setup.want.len()
+            "Set-up (setup only): {}, {}.",
+            counted(setup.adjust.len(), "adjustment"),
+            counted(setup.want.len(), "wanted value")
         ));
     }
     said.extend(study.tolerance.as_ref().map(|of| scattered(study, of)));
@@ -160,10 +162,10 @@ fn asked(study: &Study) -> Vec<String> {
 /// What scatters, and why builds do not go through the SIMD lanes, if they do not.
 fn scattered(study: &Study, tolerance: &Tolerance) -> String {
     let mut text = format!(
-        "Tolerances (tolerance only): {} builds, {} scattering numbers, {} bands.",
-        tolerance.builds,
-        tolerance.sources(),
-        tolerance.bands.len()
+        "Tolerances (tolerance only): {}, {}, {}.",
+        counted(tolerance.builds, "build"),
+        counted(tolerance.sources(), "scattering number"),
+        counted(tolerance.bands.len(), "band")
     );
     let problem = Problem::of(study, tolerance).ok();
     if let Some(why) = problem.and_then(|problem| problem.not_in_lanes()) {
@@ -177,13 +179,16 @@ fn scattered(study: &Study, tolerance: &Tolerance) -> String {
 fn swept(study: &Study, sweep: &Sweep) -> String {
     let mut text = match &sweep.designs {
         Designs::Sampled(sampled) => format!(
-            "Sweep (sweep only): {}, {} designs of {} variables.",
+            "Sweep (sweep only): {}, {} of {}.",
             sampled.method.name(),
-            sampled.designs(),
-            sampled.variables.len()
+            counted(sampled.designs(), "design"),
+            counted(sampled.variables.len(), "variable")
         ),
         Designs::File(path) => format!("Sweep (sweep only): the rows of {}.", path.display()),
-        Designs::Given(table) => format!("Sweep (sweep only): {} designs.", table.designs()),
+        Designs::Given(table) => format!(
+            "Sweep (sweep only): {}.",
+            counted(table.designs(), "design")
+        ),
     };
     let plan = SweepPlan::of(study, sweep).ok();
     if let Some(why) = plan.and_then(|plan| one_by_one(&plan)) {

@@ -5,7 +5,7 @@ use super::output::Output;
 use super::progress;
 use crate::mechanism::DesignFault;
 use crate::optimise::{Choice, Control, Front, Tuning, front, price_list};
-use crate::report::{TuningSummary, front_csv, front_remarks, front_table};
+use crate::report::{TuningSummary, counted, front_csv, front_remarks, front_table};
 use crate::study::{Optimise, Study};
 
 pub(super) struct Choices {
@@ -61,9 +61,9 @@ impl Choices {
         if let Some(front) = &self.front {
             let names = optimise.front.iter().map(|goal| goal.name.as_str());
             output.say(&format!(
-                "\nfront of {}, misfits in tolerances: {} designs, none of them better in all\n\n",
+                "\nfront of {}, misfits in tolerances: {}, none of them better in all\n\n",
                 names.collect::<Vec<_>>().join(" and "),
-                front.choices.len()
+                counted(front.choices.len(), "design")
             ))?;
             output.table("front", &front_table(optimise, front))?;
             output.say_remarks(front_remarks(optimise, front))?;

@@ -7,7 +7,7 @@ use crate::exchange::{
     Page, Rounded, csv, into_subsystem, page_of_csv, point_rows, rounded, subsystem, workbook,
 };
 use crate::number::Vector3;
-use crate::report::Table;
+use crate::report::{Cell, Table};
 use crate::results;
 use crate::solved::Solved;
 use crate::study::Study;
@@ -294,7 +294,10 @@ fn say_loss(study: &Study, before: &[Vector3<f64>], rounded: &Rounded, grid: f64
         let changes =
             pairs.filter_map(|(a, b)| Some((b.values[number]? - a.values[number]?).abs()));
         let largest = changes.fold(0.0, f64::max);
-        table.push([column.name.clone(), format!("{largest:.3e}")]);
+        table.push([
+            Cell::from(column.name.as_str()),
+            Cell::figure(largest, &column.unit),
+        ]);
     }
     note(&table.text(width()));
 }

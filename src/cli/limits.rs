@@ -43,12 +43,13 @@ pub(super) fn run(arguments: &LimitsArguments) -> Result<Exit, Stop> {
         let margin = margin(&study, &mut solver, &by_rack, &moved).map_err(fault)?;
         out.say(&format!("\n{margin}\n"))?;
     }
-    let length = suspension.length_unit;
-    let failures = FailureRange::all(&moved, study.motion.drive, length);
+    let failures = FailureRange::all(&moved, study.motion.drive, suspension);
     let failures = failures
         .iter()
         .map(|failure| format!("not solved: {failure}"));
-    let of_motions = of_motions.iter().flat_map(|motion| motion.failures(length));
+    let of_motions = of_motions
+        .iter()
+        .flat_map(|motion| motion.failures(suspension));
     let failures: Vec<String> = failures.chain(of_motions).collect();
     for failure in &failures {
         out.failure(&format!("\n{failure}\n"))?;
@@ -67,7 +68,7 @@ fn of_axle(arguments: &StudyArguments, study: &Study, both: &AxleStudy) -> Resul
     let failures = Solved::of(&alone).map_err(fault)?.failures();
     let unit = study.suspension.length_unit.symbol();
     let columns = ["quantity", "at", "from", "because", "to", "because there"];
-    let mut table = Table::new(columns);
+    let mut table = Table::new(columns).keyed(2);
     for (side, range) in Side::ALL.into_iter().zip(&limits.travels) {
         let quantity = format!("{}_travel_{unit}", side.name());
         let own = Row {
@@ -172,6 +173,20 @@ impl Row {
         let ends = [end(lower, -turn), end(upper, turn)];
         row([&self.quantity, &self.at], self.factor, ends)
     }
+
+    /// Where the rack does not get to its place there is no range.
+    fn of_no_rack(&self) -> [Cell; 6] {
+        let [quantity, at] = [&self.quantity, &self.at].map(|text| Cell::from(text.as_str()));
+        let [why, also] = [(); 2].map(|()| Cell::from("the rack does not get there"));
+        [
+            quantity,
+            at,
+            None::<f64>.into(),
+            why,
+            None::<f64>.into(),
+            also,
+        ]
+    }
 }
 
 /// Why it goes no further: the part that is singular, or that none is and which comes nearest to it.
@@ -264,9 +279,13 @@ pub(super) fn rod_travel(study: &Study, rocker: RockerId) -> String {
 
 /// How far each quantity goes, the others held.
 fn table(study: &Study, limits: &Limits, by_rack: &[(f64, Range)]) -> Table {
-    let mut table = Table::new(["quantity", "at", "from", "because", "to", "because there"]);
+    let columns = ["quantity", "at", "from", "because", "to", "because there"];
+    let mut table = Table::new(columns).keyed(2);
     for (row, range) in ranges(study, limits, by_rack) {
-        table.push(row.of(study, &range.lower, &range.upper));
+        table.push(match range.is_empty() {
+            true => row.of_no_rack(),
+            false => row.of(study, &range.lower, &range.upper),
+        });
     }
     if study.motion.rack_moves {
         let ranges = || by_rack.iter().map(|(_, range)| range);
@@ -274,7 +293,10 @@ fn table(study: &Study, limits: &Limits, by_rack: &[(f64, Range)]) -> Table {
         let upper = ranges().min_by(|a, b| a.ends()[1].total_cmp(&b.ends()[1]));
         if let (Some(lower), Some(upper)) = (lower, upper) {
             let row = driven(study, "every rack".to_owned());
-            table.push(row.of(study, &lower.lower, &upper.upper));
+            table.push(match ranges().any(Range::is_empty) {
+                true => row.of_no_rack(),
+                false => row.of(study, &lower.lower, &upper.upper),
+            });
         }
     }
     for range in &limits.rockers {
@@ -342,11 +364,20 @@ fn margin(
         as_written(plan.drive.printed(at))
     );
     if drive == model::Drive::Travel {
-        let left = travel_left(by_rack, values);
+        let reached = || by_rack.iter().filter(|(_, range)| !range.is_empty());
+        let where_reached = match reached().count() == by_rack.len() {
+            true => "",
+            false => " at the racks that are reached",
+        };
+        let ranges: Vec<_> = reached().cloned().collect();
+        let left = travel_left(&ranges, values);
         text += &match left >= 0.0 {
-            true => format!(" Travel left to the nearer end: {} {unit}.", brief(left)),
+            true => format!(
+                " Travel left to the nearer end{where_reached}: {} {unit}.",
+                brief(left)
+            ),
             false => format!(
-                " The motion goes {} {unit} beyond the nearer end.",
+                " The motion goes {} {unit} beyond the nearer end{where_reached}.",
                 brief(-left)
             ),
         };

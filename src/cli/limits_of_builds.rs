@@ -197,5 +197,5 @@ fn table(drawn: &LimitRanges, least: &Least) -> Table {
         }
         table.push_row(row);
     }
-    table
+    table.keyed(2)
 }

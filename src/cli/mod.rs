@@ -256,7 +256,7 @@ fn at_least_one(text: &str) -> Result<usize, String> {
 /// Benchmarks.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum BenchKind {
-    /// Poses per second: by lanes, by threads, by what is asked for, against the seed paper's formulation
+    /// Poses per second: by lanes, by threads, by what is asked for, against the formulation of Attia's paper
     Throughput,
     /// What a digit costs: time against true error of every way to a pose, a curve, a derivative
     Accuracy,

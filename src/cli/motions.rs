@@ -2,7 +2,7 @@
 
 use super::output::motion_file;
 use crate::curves::{Curves, curves};
-use crate::model::LengthUnit;
+use crate::model::Suspension;
 use crate::plan::Plan;
 use crate::report::FailureRange;
 use crate::study::Study;
@@ -37,8 +37,8 @@ impl NamedCurves {
     }
 
     /// What of it is not solved, a line each.
-    pub(super) fn failures(&self, length: LengthUnit) -> Vec<String> {
-        let failures = FailureRange::all(&self.curves, self.plan.drive, length);
+    pub(super) fn failures(&self, wheel: &Suspension) -> Vec<String> {
+        let failures = FailureRange::all(&self.curves, self.plan.drive, wheel);
         let said = failures.iter();
         said.map(|failure| format!("motion {}: not solved: {failure}", self.name))
             .collect()

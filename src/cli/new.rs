@@ -163,7 +163,9 @@ pub(super) fn run(arguments: &NewArguments) -> Result<Exit, Stop> {
 /// The template of a topology with parts.
 fn study(topology: &Topology, parts: &[Part]) -> Result<String, String> {
     // Editors look for the schema beside the study: `hardpoint schema > hardpoint.schema.json`.
-    let mut text = format!("#:schema ./hardpoint.schema.json\n{}", topology.template);
+    let own = format!("{}_solve.toml", topology.name);
+    let template = topology.template.replace(&own, "STUDY.toml");
+    let mut text = format!("#:schema ./hardpoint.schema.json\n{template}");
     let is_axle = parts.contains(&Part::Axle);
     if is_axle {
         text = with_axle(&text);

@@ -8,7 +8,7 @@ use super::progress;
 use super::report::ReportOptions;
 use crate::optimise::{Control, Tuning, tune};
 use crate::report::{
-    FrontRecord, PriceRecord, Record, TuningSummary, YieldRecord, history_csv,
+    FrontRecord, PriceRecord, Record, TuningSummary, YieldRecord, counted, history_csv,
     variable_plausibility,
 };
 use crate::solved::Solved;
@@ -65,7 +65,8 @@ fn say_openings(
     if unseen.len() > MOST_DIRECTIONS {
         let more = unseen.len() - MOST_DIRECTIONS;
         output.say(&format!(
-            "\n  nor by {more} more such moves, in summary.json\n"
+            "\n  nor by {}, in summary.json\n",
+            counted(more, "more such move")
         ))?;
     }
     output.text_only("\n")?;
@@ -91,8 +92,9 @@ pub(super) fn run(arguments: &OptimiseArguments) -> Result<Exit, Stop> {
     // Solved first: a design that is wrong must be known before anything is written.
     let fault = |why| Stop::in_file(path, why);
     let before = Solved::with_targets(&study).map_err(fault)?;
+    let record = || Solved::record("optimise", &[("before", "curves_before.csv", &before)]);
+    let report = ReportOptions::open(arguments, &study, record)?;
     let output = Output::open(arguments, &study, "optimise")?;
-    let report = ReportOptions::open(arguments)?;
     let of_wheel = |why| design_fault(&study, path, &why);
     let tuning = pool.install(|| tune_with_progress(&study, optimise));
     let tuning = tuning.map_err(of_wheel)?;
@@ -143,6 +145,7 @@ pub(super) fn run(arguments: &OptimiseArguments) -> Result<Exit, Stop> {
         files.push("report.json");
     }
     files.extend(report.show(output.directory())?);
+    output.finish()?;
 
     say_outcome(&output, &study, &summary)?;
     let has_front = choices.say(&output, optimise, &summary)?;
@@ -165,8 +168,12 @@ pub(super) fn run(arguments: &OptimiseArguments) -> Result<Exit, Stop> {
     }
     let is_whole = is_complete && has_front && !summary.falls_short() && refused.is_none();
     say_openings(&output, &study, &summary, refused)?;
-    output.print_files(&files)?;
     let interrupted = progress::interrupt_flag().load(Ordering::SeqCst);
+    if interrupted {
+        let words = summary.interrupted_in_words();
+        output.say_failure(&format!("\n{words}\n"))?;
+    }
+    output.print_files(&files)?;
     Ok(Exit::of(is_whole && !interrupted))
 }
 

@@ -5,7 +5,7 @@ use super::exit::Stop;
 use super::terminal;
 use super::{RunArguments, TableFormat};
 use crate::mechanism::DesignFault;
-use crate::report::{Format, Table, Tables};
+use crate::report::{Format, Table, Tables, counted};
 use crate::results::{Claim, RunDirectory, study_digest};
 use crate::study::Study;
 use std::cell::RefCell;
@@ -343,17 +343,16 @@ impl Output {
         }
     }
 
-    /// Ends the run and says where the results are.
-    pub(super) fn print_files(&self, files: &[&str]) -> Result<(), Stop> {
-        if let Some(directory) = &self.directory {
-            directory.finish().map_err(Stop::unwritten)?;
+    /// Records the run as finished: before anything is printed, as whoever reads that may stop.
+    pub(super) fn finish(&self) -> Result<(), Stop> {
+        match &self.directory {
+            Some(directory) => directory.finish().map_err(Stop::unwritten),
+            None => Ok(()),
         }
-        self.print_where(files)
     }
 
-    /// Says where the results are, of a run that may not have ended, and prints the tables where programs read
-    /// them.
-    pub(super) fn print_where(&self, files: &[&str]) -> Result<(), Stop> {
+    /// Says where the results are, and prints the tables where programs read them.
+    pub(super) fn print_files(&self, files: &[&str]) -> Result<(), Stop> {
         if !self.is_text() {
             let text = self.tables.borrow().render(self.format, terminal::width());
             match self.directory {
@@ -396,8 +395,9 @@ pub(super) fn pool(asked: Option<NonZeroUsize>, pieces: u64) -> Result<rayon::Th
     let threads = asked.map_or(useful, |asked| asked.get().min(useful));
     if let Some(asked) = asked.filter(|asked| asked.get() > threads) {
         terminal::note(&format!(
-            "Runs on {threads} of the {asked} threads asked for: there are {cores} cores and {pieces} \
-             pieces of work.\n"
+            "Runs on {threads} of the {asked} threads asked for: there are {} and {} of work.\n",
+            counted(cores, "core"),
+            counted(pieces, "piece")
         ));
     }
     crate::threads::pool(threads)

@@ -1,9 +1,13 @@
 //! `hardpoint report`, and `--report` and `--plots` of the commands that run something.
 
 use super::exit::{Exit, Stop};
+use super::output::Destination;
 use super::{ReportArguments, RunArguments};
-use crate::report::{FinishedRun, Run, SweepRun, page, pictures, sweep_page};
-use crate::results::{Claim, RunDirectory, temporary, unwritten};
+use crate::report::{
+    FinishedRun, Record, Run, SweepRun, page, picture_names, pictures, sweep_page,
+};
+use crate::results::{Claim, Manifest, Refusal, RunDirectory};
+use crate::study::Study;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -15,6 +19,9 @@ pub(super) fn run(arguments: &ReportArguments) -> Result<Exit, Stop> {
              saves it as SVG",
             arguments.run.display()
         )));
+    }
+    if let (Some(plots), FinishedRun::Curves(run)) = (&arguments.plots, &run) {
+        check_pictures(plots, &picture_names(&run.record), arguments.force)?;
     }
     let directory = RunDirectory::reopen(&arguments.run, &["report.html"], arguments.force);
     let directory = directory.map_err(Stop::wrong_input)?;
@@ -41,8 +48,12 @@ pub(super) struct ReportOptions {
 }
 
 impl ReportOptions {
-    /// Finds out whether it can be written, before anything is computed.
-    pub(super) fn open(arguments: &RunArguments) -> Result<Self, Stop> {
+    /// Finds out whether it can be written, before anything is; `record` is of the curves that are to be drawn.
+    pub(super) fn open(
+        arguments: &RunArguments,
+        study: &Study,
+        record: impl FnOnce() -> Result<Record, String>,
+    ) -> Result<Self, Stop> {
         let plots = arguments.plots.as_deref();
         let to_stdout = arguments.out.as_deref() == Some(Path::new("-"));
         if to_stdout && (arguments.report || plots.is_some()) {
@@ -51,8 +62,16 @@ impl ReportOptions {
             ));
         }
         if let Some(plots) = plots {
-            let made = std::fs::create_dir_all(plots).and_then(|()| temporary(plots));
-            made.map_err(|e| Stop::wrong_input(unwritten(plots)(e)))?;
+            let record = record().map_err(|why| Stop::in_file(&arguments.study.study, why))?;
+            let mut names = picture_names(&record);
+            let (out, format) = (arguments.out.as_deref(), arguments.study.format);
+            let results = Destination::of(out, &study.name, arguments.force, format)?;
+            if is_same(plots, results.path()) {
+                // There what a run has drawn is a result of its own.
+                let drawn = Manifest::read(plots).unwrap_or_default();
+                names.retain(|name| drawn.author(name).is_none());
+            }
+            check_pictures(plots, &names, arguments.force)?;
         }
         Ok(ReportOptions {
             page: arguments.report,
@@ -76,8 +95,7 @@ impl ReportOptions {
             files.push("report.html");
         }
         if let Some(plots) = &self.plots {
-            let same = |path: &Path| path.canonicalize().ok();
-            match same(plots) == same(directory.path()) {
+            match is_same(plots, directory.path()) {
                 true => {
                     for picture in pictures(&run) {
                         let written = directory.write(&picture.name, &picture.contents);
@@ -104,20 +122,41 @@ fn write_page(page: &str, directory: &RunDirectory) -> Result<(), Stop> {
     written.map_err(Stop::unwritten)
 }
 
+/// What pictures want of their directory.
+fn claim_of_pictures<'a>(names: &'a [&'a str], force: bool) -> Claim<'a> {
+    Claim {
+        command: "report --plots",
+        study: "",
+        digest: String::new(),
+        files: names,
+        force,
+        ..Claim::default()
+    }
+}
+
+fn no_place_for_pictures(refusal: Refusal) -> Stop {
+    Stop::wrong_input(refusal.with_option("--plots"))
+}
+
+/// Refuses pictures that could not be written.
+fn check_pictures(plots: &Path, names: &[String], force: bool) -> Result<(), Stop> {
+    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+    RunDirectory::check(plots, &claim_of_pictures(&names, force)).map_err(no_place_for_pictures)
+}
+
+/// Whether two paths lead to one directory.
+fn is_same(one: &Path, other: &Path) -> bool {
+    let real = |path: &Path| path.canonicalize().ok();
+    one == other || (real(one).is_some() && real(one) == real(other))
+}
+
 /// Writes pictures of a run. They are redrawn in a moment, so that those of any other run are replaced;
 /// what is not a picture of ours is not.
 fn write_pictures(run: &Run, plots: &Path, force: bool) -> Result<Vec<String>, Stop> {
     let pictures = pictures(run);
     let names: Vec<&str> = pictures.iter().map(|p| p.name.as_str()).collect();
-    let claim = Claim {
-        command: "report --plots",
-        study: "",
-        digest: String::new(),
-        files: &names,
-        force,
-        ..Claim::default()
-    };
-    let directory = RunDirectory::claim(plots, &claim).map_err(Stop::wrong_input)?;
+    let claim = claim_of_pictures(&names, force);
+    let directory = RunDirectory::claim(plots, &claim).map_err(no_place_for_pictures)?;
     for picture in &pictures {
         let written = directory.write(&picture.name, &picture.contents);
         written.map_err(Stop::unwritten)?;

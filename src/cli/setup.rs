@@ -3,10 +3,11 @@
 use super::RunArguments;
 use super::exit::{Exit, Stop};
 use super::output::{Output, design_fault};
+use super::terminal;
 use crate::build::{Assembler, NoSetUp, SetUp};
-use crate::report::SetUpSummary;
+use crate::report::{SetUpSummary, brief, static_column};
 use crate::solved::Solved;
-use crate::study::{Drive, Study};
+use crate::study::{Drive, Setup, Study};
 
 pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     let path = &arguments.study.study;
@@ -25,22 +26,11 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     }
     let fault = |fault| design_fault(&study, path, &fault);
     let assembler = Assembler::new(&study.suspension).map_err(fault)?;
-    let found = SetUp::solve(&study, setup, &assembler).map_err(|none| {
-        let reason = match none {
-            NoSetUp::Fault(reason) => return fault(reason),
-            NoSetUp::Reject(reject) => reject.to_string(),
-            NoSetUp::Absurd { adjustment, amount } => format!(
-                "what is wanted would take {} of {} of {}, more than a tenth of the suspension's size",
-                crate::report::brief(amount),
-                study.suspension.length_unit.symbol(),
-                setup.adjust[adjustment].name
-            ),
-            NoSetUp::Unsettled => {
-                "what is wanted cannot be met: the adjustments do not reach so far".to_owned()
-            }
-        };
-        Stop::not_met(format!("{}: {reason}", path.display()))
-    })?;
+    let found = match SetUp::solve(&study, setup, &assembler) {
+        Ok(found) => found,
+        Err(NoSetUp::Fault(reason)) => return Err(fault(reason)),
+        Err(none) => return not_met(arguments, &study, setup, &assembler, &none),
+    };
     let output = Output::open(arguments, &study, "setup")?;
     let summary = SetUpSummary::of(&study, setup, &found);
 
@@ -63,6 +53,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     output.file("effects.csv", summary.effects_table().csv(None).as_bytes())?;
     files.insert(files.len() - 1, "effects.csv");
     output.json("summary.json", &summary)?;
+    output.finish()?;
 
     let topology = study.suspension.mechanism.topology.name;
     output.say(&format!("{}: {topology}\n", study.name))?;
@@ -79,4 +70,55 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     }
     output.print_files(&files)?;
     Ok(Exit::of(complete && summary.met))
+}
+
+/// Says why there is no set-up, and what each adjustment does to the parts as drawn.
+fn not_met(
+    arguments: &RunArguments,
+    study: &Study,
+    setup: &Setup,
+    assembler: &Assembler,
+    none: &NoSetUp,
+) -> Result<Exit, Stop> {
+    let length = study.suspension.length_unit;
+    let reason = match none {
+        NoSetUp::Fault(reason) => reason.describe(&study.suspension.mechanism),
+        NoSetUp::Reject(reject) => reject.to_string(),
+        NoSetUp::Absurd { adjustment, amount } => format!(
+            "what is wanted would take {} of {} of {}, more than a tenth of the suspension's size",
+            brief(*amount),
+            length.symbol(),
+            setup.adjust[*adjustment].name
+        ),
+        NoSetUp::OutOfReach {
+            wish,
+            value,
+            wanted,
+        } => {
+            let column = static_column(*wish, length);
+            let wanted = brief(*wanted);
+            let reached = match value.is_finite() {
+                true => format!("the adjustments get it to {}", brief(*value)),
+                false => "it has no value there".to_owned(),
+            };
+            format!("{column} = {wanted} cannot be met: {reached}")
+        }
+        NoSetUp::Unsettled => "what is wanted cannot be met".to_owned(),
+    };
+    let reason = format!("{}: {reason}", arguments.study.study.display());
+    let Ok(drawn) = SetUp::drawn(study, setup, assembler) else {
+        return Err(Stop::not_met(reason));
+    };
+    let effects = SetUpSummary::of(study, setup, &drawn).effects_table();
+    let output = Output::open(arguments, study, "setup")?;
+    for former in ["curves.csv", "setup.csv", "summary.json"] {
+        output.without(former)?;
+    }
+    output.file("effects.csv", effects.csv(None).as_bytes())?;
+    output.finish()?;
+    terminal::eprint(&format!("error: {reason}\n"));
+    output.text_only("what each adjustment does\n\n")?;
+    output.table("effects", &effects)?;
+    output.print_files(&["effects.csv"])?;
+    Ok(Exit::Incomplete)
 }

@@ -5,7 +5,7 @@ use super::exit::{Exit, Stop};
 use super::motions::NamedCurves;
 use super::output::Output;
 use super::report::ReportOptions;
-use crate::report::curves_csv;
+use crate::report::{counted, curves_csv};
 use crate::solved::Solved;
 use crate::study::Study;
 
@@ -14,8 +14,9 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     let study = Study::read(path, &arguments.study.set)?;
     let fault = |why| Stop::in_file(path, why);
     let solved = Solved::of(&study).map_err(fault)?;
+    let record = || Solved::record("solve", &[("design", "curves.csv", &solved)]);
+    let report = ReportOptions::open(arguments, &study, record)?;
     let output = Output::open(arguments, &study, "solve")?;
-    let report = ReportOptions::open(arguments)?;
 
     let length = study.suspension.length_unit;
     let summary = solved.summary().map_err(fault)?;
@@ -31,11 +32,11 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     output.json("summary.json", &summary)?;
     files.push("summary.json");
     if output.directory().is_some() {
-        let record = Solved::record("solve", &[("design", "curves.csv", &solved)]);
-        output.record("report.json", &record.map_err(fault)?)?;
+        output.record("report.json", &record().map_err(fault)?)?;
         files.push("report.json");
     }
     files.extend(report.show(output.directory())?);
+    output.finish()?;
 
     output.say(&format!("{}\n\n", summary.headline()))?;
     let [ranges, stations, not_solved] = summary.tables().expect("of a solve");
@@ -50,11 +51,11 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     }
     for motion in &of_motions {
         complete &= motion.curves.are_complete();
-        for failure in motion.failures(length) {
+        for failure in motion.failures(&study.suspension) {
             output.say_failure(&format!("\n{failure}\n"))?;
         }
-        let (name, stations) = (&motion.name, motion.curves.stations.len());
-        output.say(&format!("\nmotion {name}: {stations} stations\n"))?;
+        let stations = counted(motion.curves.stations.len(), "station");
+        output.say(&format!("\nmotion {}: {stations}\n", motion.name))?;
     }
     output.print_files(&files)?;
     Ok(Exit::of(complete))

@@ -8,7 +8,7 @@ use super::report::show_sweep;
 use super::terminal;
 use crate::report::{
     DrawnDesigns, NotARun, PartOutcome, SweepDirectory, SweepSummary, SweepText, TableFile,
-    rows_header, write_part,
+    counted, rows_header, write_part,
 };
 use crate::results::{Claim, Sharing, WriteError};
 use crate::study::{FileFormat, Order, Study};
@@ -319,7 +319,7 @@ fn finish_shard(
     }
     let names = SweepDirectory::part_files(record);
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
-    output.print_where(&names)?;
+    output.print_files(&names)?;
     Ok(Exit::of(own == 0))
 }
 
@@ -335,7 +335,10 @@ pub(super) fn finish(
         let written = SweepDirectory::write_summary(directory, record, statistics);
         written.map_err(Stop::unwritten)?;
     }
-    let mut files = SweepDirectory::part_files(record);
+    let mut files = match statistics.designs {
+        0 => Vec::new(),
+        _ => SweepDirectory::part_files(record),
+    };
     files.extend(summary.on_front().map(|_| "pareto.csv".to_owned()));
     files.extend(["summary.json", "sweep.json"].map(str::to_owned));
     let drawn = output.directory().map(|d| d.path().join("drawn.json"));
@@ -349,6 +352,9 @@ pub(super) fn finish(
         show_sweep(directory)?;
         files.push("report.html".to_owned());
     }
+    if summary.is_done() {
+        output.finish()?;
+    }
 
     output.say(&format!("{}: {}\n\n", record.study, summary.headline()))?;
     let failures = summary.failures_table();
@@ -356,7 +362,9 @@ pub(super) fn finish(
         output.table("not_solved", &failures)?;
         output.text_only("\n")?;
     }
-    output.table("outputs", &summary.outputs_table())?;
+    if statistics.designs > 0 || !output.is_text() {
+        output.table("outputs", &summary.outputs_table())?;
+    }
     output.say_remarks(summary.of_which())?;
     output.table_for_programs("effects", || summary.effects_table());
     output.say_remarks(summary.notes())?;
@@ -369,15 +377,13 @@ pub(super) fn finish(
     }
     if let Some(count) = summary.on_front() {
         output.say(&format!(
-            "\nOn the Pareto front of {} targets: {count} designs\n",
-            record.targets.len()
+            "\nOn the Pareto front of {} targets: {}\n",
+            record.targets.len(),
+            counted(count, "design")
         ))?;
     }
     let files: Vec<&str> = files.iter().map(String::as_str).collect();
-    match summary.is_done() {
-        true => output.print_files(&files)?,
-        false => output.print_where(&files)?,
-    }
+    output.print_files(&files)?;
     Ok(Exit::of(summary.is_complete()))
 }
 

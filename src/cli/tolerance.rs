@@ -40,8 +40,13 @@ pub(super) fn run(arguments: &ToleranceArguments) -> Result<Exit, Stop> {
     )?;
     let problem = problem(&study, tolerance, path)?;
     let drawn = problem.drawn().map_err(fault)?;
+    let record = || {
+        let plain = curves_alone(&study);
+        let drawn = Solved::of(&plain)?;
+        Solved::record("tolerance", &[("drawn", "curves.csv", &drawn)])
+    };
+    let report = ReportOptions::open(arguments, &study, record)?;
     let output = Output::open(arguments, &study, "tolerance")?;
-    let report = ReportOptions::open(arguments)?;
     let expansion = pool
         .install(|| Expansion::of(&problem))
         .map_err(|reason| not_aligned(&study, path, reason))?;
@@ -64,6 +69,7 @@ pub(super) fn run(arguments: &ToleranceArguments) -> Result<Exit, Stop> {
         files.extend(fans(&output, path, &problem, &builds)?);
     }
     files.extend(report.show(output.directory())?);
+    output.finish()?;
 
     output.say(&format!("{}: {}\n\n", study.name, summary.headline()))?;
     output.table("values", &summary.values_table())?;
@@ -107,7 +113,7 @@ fn not_aligned(study: &Study, path: &Path, reason: NoSetUp) -> Stop {
     match reason {
         NoSetUp::Fault(reason) => design_fault(study, path, &reason),
         NoSetUp::Reject(reject) => Stop::in_file(path, reject),
-        NoSetUp::Unsettled | NoSetUp::Absurd { .. } => Stop::in_file(
+        NoSetUp::Unsettled | NoSetUp::OutOfReach { .. } | NoSetUp::Absurd { .. } => Stop::in_file(
             path,
             "aligned = true, but what [setup] adjusts does not move toe and camber one by one",
         ),
@@ -163,6 +169,17 @@ fn with_progress(
     found
 }
 
+/// The study as its curves are drawn: of what builds are looked at for, in the drawing.
+fn curves_alone(study: &Study) -> Study {
+    let mut plain = study.clone();
+    plain.formulation = crate::study::Formulation::KnucklePose;
+    plain.outputs = Outputs::of(plain.outputs.characteristics);
+    if let Some(both) = &mut plain.axle {
+        both.plan = both.plan.quantities_alone();
+    }
+    plain
+}
+
 /// Writes the curves of the drawing and of percentiles of builds, each at every station by itself, with what a page needs; the
 /// files that makes.
 fn fans(
@@ -171,12 +188,7 @@ fn fans(
     problem: &Problem,
     builds: &MonteCarlo,
 ) -> Result<Vec<&'static str>, Stop> {
-    let mut plain = problem.study.clone();
-    plain.formulation = crate::study::Formulation::KnucklePose;
-    plain.outputs = Outputs::of(plain.outputs.characteristics);
-    if let Some(both) = &mut plain.axle {
-        both.plan = both.plan.quantities_alone();
-    }
+    let plain = curves_alone(problem.study);
     let fault = |why| Stop::in_file(path, why);
     let drawn = Solved::of(&plain).map_err(fault)?;
     let stations: Vec<usize> = problem.stations.of_motion().collect();

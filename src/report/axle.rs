@@ -350,7 +350,7 @@ pub fn axle_failures(axle: &Axle, plan: &AxlePlan, curves: &AxleCurves) -> Vec<F
             first: number,
             last: number,
             status: station.status.to_owned(),
-            reason: failure.describe(axle.left.length_unit),
+            reason: failure.describe(axle),
             place: of_stations.words(number, station),
         })
     });

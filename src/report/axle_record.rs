@@ -112,7 +112,7 @@ fn frames(
         drive: moving[0].written(drive, axle),
         rack: moving.get(1).map_or(0.0, |c| c.written(second, axle)),
         pose: Result::map_err(drawn, |failure: crate::axle::AxleFailure| {
-            failure.describe(axle.left.length_unit)
+            failure.describe(axle)
         }),
     };
     Ok(frames.map(frame).collect())

@@ -210,7 +210,7 @@ impl Comparison {
                 ]);
             }
         }
-        table
+        table.keyed(2)
     }
 
     /// The difference from the first design that is largest, and its row.
@@ -243,7 +243,7 @@ impl Comparison {
             let names = [moved.point.as_str(), moved.label.as_str()].map(Cell::from);
             table.push_row(names.into_iter().chain(cells));
         }
-        table
+        table.keyed(2)
     }
 
     /// `comparison.csv`: a row for each station; of each output a column for each design, and one for each

@@ -2,7 +2,7 @@
 
 use super::figure::as_written;
 use crate::curves::{Curves, Station, Status};
-use crate::model::LengthUnit;
+use crate::model::Suspension;
 use crate::study::Drive;
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -23,15 +23,15 @@ pub struct FailureRange {
 }
 
 impl FailureRange {
-    /// The failed stretches of some curves, in the order of their stations.
-    pub fn all(curves: &Curves, drive: Drive, unit: LengthUnit) -> Vec<FailureRange> {
+    /// The failed stretches of some curves of a wheel, in the order of their stations.
+    pub fn all(curves: &Curves, drive: Drive, wheel: &Suspension) -> Vec<FailureRange> {
         let stations = &curves.stations;
         let mut stretches: Vec<FailureRange> = Vec::new();
         for (index, station) in stations.iter().enumerate() {
             let Status::Failed(failure) = station.status else {
                 continue;
             };
-            let reason = failure.describe(unit);
+            let reason = failure.describe(wheel.length_unit, wheel.frame);
             let continues = |s: &&mut FailureRange| {
                 let last = &stations[s.last];
                 s.last + 1 == index && s.reason == reason && last.rack == station.rack

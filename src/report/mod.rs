@@ -51,16 +51,16 @@ pub use figure::{as_written, brief, figure, figures, resolution, with_decimals};
 pub use files::{curves_csv, history_csv, sensitivities_csv};
 pub use finished::{FinishedRun, NotARun};
 pub use page::{comparison_page, page, sweep_page};
-pub use picture::{Picture, pictures};
+pub use picture::{Picture, picture_names, pictures};
 pub use places::{Clearance, Places, Rim, Shape};
 pub use plausibility::{
-    both_wheels_plausibility, plausibility, study_doubts, variable_plausibility,
+    both_wheels_plausibility, plausibility, rack_doubt, study_doubts, variable_plausibility,
 };
 pub(crate) use record::wanted_between;
 pub use record::{BandCurve, DesignRecord, DrawnDesign, OutputRecord, Record, TargetRecord};
 pub use run::{Run, Summary};
 pub use scene::{BodyKind, Scene, SceneBody};
-pub use set_up_summary::{AdjustmentRecord, SetUpSummary, StaticRecord};
+pub use set_up_summary::{AdjustmentRecord, SetUpSummary, StaticRecord, static_column};
 pub use solve_summary::SolveSummary;
 pub use sweep::{
     Choice, Done, DrawnDesigns, Finished, MergeError, PartOutcome, PartRecord, Parts, ShownDesigns,
@@ -68,7 +68,7 @@ pub use sweep::{
     write_part,
 };
 pub use table::{Cell, Column, Format, Table, Tables};
-pub use text::{is_printable, printable, wrapped};
+pub use text::{counted, is_printable, printable, wrapped};
 pub use tolerance_summary::{
     BandRecord, RankingRecord, RejectRecord, ToleranceSummary, ValueRecord, rejected,
 };

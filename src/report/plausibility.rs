@@ -6,7 +6,7 @@ use crate::axle::{Axle, AxleCurves, AxlePlan, axle_curves};
 use crate::characteristics::{Characteristic, Constants, WheelReading};
 use crate::derive::{DesignSeries, MotionPoint};
 use crate::mechanism::DesignFault;
-use crate::model::{Constraint, Drive, PointId, Rod, Side, SteeringAxis, Suspension};
+use crate::model::{Body, Constraint, Drive, PointId, Rod, Side, SteeringAxis, Suspension};
 use crate::number::{Jet, Vector3};
 use crate::solve::Solver;
 use crate::study::{AxleStudy, Designs, Move, Study};
@@ -88,12 +88,34 @@ pub fn study_doubts(study: &Study) -> Result<Vec<String>, (Side, DesignFault)> {
             both_wheels_plausibility(axle, &plan, &axle_curves(axle, &plan)?)?
         }
     };
+    found.extend(rack_doubt(study));
     found.extend(variable_plausibility(study));
     Ok(found)
 }
 
-/// Doubts about the variables of a study, a line each: coordinates given where offsets are expected, and the other way
-/// round.
+/// A rack that a study moves where nothing of the suspension is on it: its curves are the same at every displacement.
+pub fn rack_doubt(study: &Study) -> Option<String> {
+    let mechanism = &study.suspension.mechanism;
+    let has_rack = mechanism
+        .points
+        .iter()
+        .any(|point| point.body == Body::Rack);
+    let motions = study.motions.iter().map(|(_, motion)| motion);
+    let racks = motions
+        .chain([&study.motion])
+        .flat_map(|motion| &motion.rack);
+    let of_axle = study.axle.iter().flat_map(|both| &both.plan.course.racks);
+    let moves = racks.chain(of_axle).any(|rack| *rack != 0.0);
+    (moves && !has_rack).then(|| {
+        format!(
+            "doubtful: the motion displaces the rack, but nothing of a {} is on it: its curves are the same at every rack",
+            mechanism.topology.name
+        )
+    })
+}
+
+/// Doubts about the variables of a study, a line each: coordinates given where offsets are expected, and
+/// the other way round.
 pub fn variable_plausibility(study: &Study) -> Vec<String> {
     let mut remarks = PlausibilityRemarks {
         suspension: &study.suspension,

@@ -150,7 +150,7 @@ impl Record {
             curves: design.file.to_owned(),
             stations: design.curves.stations.len(),
             remarks: remarks(study, design.curves),
-            failures: FailureRange::all(design.curves, plan.drive, length),
+            failures: FailureRange::all(design.curves, plan.drive, &study.suspension),
             frames: design.frames,
         };
         Record {

@@ -3,6 +3,7 @@
 
 use super::table::{Cell, Table};
 use crate::build::{SetUp, Static};
+use crate::model::LengthUnit;
 use crate::study::{Setup, Study};
 use serde::Serialize;
 
@@ -59,10 +60,7 @@ impl SetUpSummary {
     pub fn of(study: &Study, setup: &Setup, found: &SetUp) -> Self {
         let length = study.suspension.length_unit;
         let finite = |v: f64| v.is_finite().then_some(v + 0.0);
-        let columns = found.statics.iter().map(|s| match s {
-            Static::Characteristic(c) => c.column(length),
-            Static::RideHeight => format!("ride_height_{}", length.symbol()),
-        });
+        let columns = found.statics.iter().map(|s| static_column(*s, length));
         let misses = found.misses();
         let statics = columns.enumerate().map(|(i, column)| StaticRecord {
             column,
@@ -71,8 +69,9 @@ impl SetUpSummary {
             wanted: found.wanted[i],
             miss: misses[i],
         });
-        let adjustments = setup.adjust.iter().zip(&found.steps).enumerate();
-        let adjustments = adjustments.map(|(k, (adjustment, after))| {
+        let adjustments = setup.adjust.iter().enumerate();
+        let adjustments = adjustments.map(|(k, adjustment)| {
+            let after = found.steps.get(k).unwrap_or(&found.drawn);
             let amount = found.last().amounts[k] + 0.0;
             let by = &found.drawn.by[k];
             AdjustmentRecord {
@@ -112,7 +111,7 @@ impl SetUpSummary {
                 push("turn", by);
             }
         }
-        table
+        table.keyed(2)
     }
 
     /// A table of the adjustments to make, step by step, with the static values after each.
@@ -146,6 +145,14 @@ impl SetUpSummary {
             .iter()
             .filter_map(|s| Some((&*s.column, s.miss?)));
         missed.filter(|(_, miss)| miss.abs() > 1e-6)
+    }
+}
+
+/// The name of a static value, with its unit.
+pub fn static_column(value: Static, length: LengthUnit) -> String {
+    match value {
+        Static::Characteristic(c) => c.column(length),
+        Static::RideHeight => format!("ride_height_{}", length.symbol()),
     }
 }
 

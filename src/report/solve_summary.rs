@@ -63,7 +63,7 @@ impl SolveSummary {
             Status::Failed(failure) => Some(FailedStation {
                 place: StationLabel::of(s, drive),
                 status: s.status.word().to_owned(),
-                reason: failure.describe(study.suspension.length_unit),
+                reason: failure.describe(study.suspension.length_unit, study.suspension.frame),
             }),
         });
         let is_design =

@@ -207,6 +207,8 @@ impl<T: Into<Cell>> From<Option<T>> for Cell {
 pub struct Table {
     columns: Vec<Column>,
     rows: Vec<Vec<Cell>>,
+    /// How many of the columns that a reader sees say what a row is of.
+    keys: usize,
 }
 
 impl Table {
@@ -220,7 +222,14 @@ impl Table {
         Table {
             columns: columns.into_iter().map(Into::into).collect(),
             rows: Vec::new(),
+            keys: 1,
         }
+    }
+
+    /// The same where so many of the first columns that a reader sees say together what a row is of.
+    pub fn keyed(mut self, keys: usize) -> Self {
+        self.keys = keys;
+        self
     }
 
     /// Adds a row, which has a cell for each column.
@@ -296,8 +305,8 @@ impl Table {
     }
 
     /// The table for reading, its lines no longer than `width` where its numbers allow it: first text and
-    /// headings are broken, then the columns stand in several tables, each with the first column. The
-    /// first column stands to the left, numbers to the right.
+    /// headings are broken, then the columns stand in several tables, each with those that say what a row
+    /// is of ([`Table::keyed`]). The first column stands to the left, numbers to the right.
     pub fn text(&self, width: usize) -> String {
         let header = self.header();
         let rows: Vec<Vec<&Cell>> = self.rows().collect();
@@ -325,7 +334,7 @@ impl Table {
             widths[0] = first;
         }
         let mut text = String::new();
-        for piece in pieces(&widths, width) {
+        for piece in pieces(&widths, width, self.keys) {
             if !text.is_empty() {
                 text.push('\n');
             }
@@ -375,15 +384,22 @@ impl Layout {
     }
 }
 
-/// Columns that fit side by side, each time with the first one.
-fn pieces(widths: &[usize], width: usize) -> Vec<Vec<usize>> {
+/// Columns that fit side by side, each time with the first ones: so many of them, or where there is no room for another
+/// beside these, the first alone.
+fn pieces(widths: &[usize], width: usize, keys: usize) -> Vec<Vec<usize>> {
+    let taken = |keys: usize| widths[..keys].iter().map(|w| w + 2).sum::<usize>();
+    let widest = widths.iter().skip(keys).max().unwrap_or(&0);
+    let keys = match taken(keys) + widest + 2 <= width {
+        true => keys,
+        false => 1,
+    };
     let mut pieces = vec![Vec::new()];
     let mut room = 0;
     for (k, own) in widths.iter().enumerate() {
         let piece = pieces.last_mut().expect("there is one");
-        if room + own + 2 > width && piece.len() > 1 {
-            pieces.push(vec![0, k]);
-            room = widths[0] + own + 4;
+        if room + own + 2 > width && piece.len() > keys {
+            pieces.push((0..keys).chain([k]).collect());
+            room = taken(keys) + own + 2;
         } else {
             piece.push(k);
             room += own + 2;
@@ -500,6 +516,36 @@ mod tests {
         tables.push("outputs", table());
         assert!(tables.render(Format::Csv, 80).starts_with("table,output,"));
         assert!(tables.render(Format::Json, 80).contains("\"none\": []"));
+    }
+
+    #[test]
+    fn what_says_what_a_row_is_of_stands_in_every_piece() {
+        let names = ["adjustment", "per", "camber_deg", "toe_deg", "caster_deg"];
+        let mut table = Table::new(names).keyed(2);
+        for per in ["mm", "turn"] {
+            let head = [Cell::from("lower arm, front stud"), per.into()];
+            table.push_row(head.into_iter().chain([0.123456; 3].map(Cell::from)));
+        }
+        let text = table.text(46);
+        let pieces: Vec<&str> = text.split("\n\n").collect();
+        assert!(pieces.len() > 1, "{text}");
+        for piece in pieces {
+            let [header, mm, turn] = [0, 1, 2].map(|line| piece.lines().nth(line).unwrap());
+            assert!(header.starts_with("  adjustment"), "{text}");
+            assert!(
+                header.contains(" per ") && mm.contains(" mm ") && turn.contains(" turn "),
+                "{text}"
+            );
+        }
+        // Where there is no room for it, the first column alone.
+        let names = [Cell::from("n".repeat(14)), "m".repeat(14).into()];
+        let mut table = Table::new(["a", "b", "c", "d"]).keyed(2);
+        table.push_row(names.into_iter().chain([-0.123456e-10; 2].map(Cell::from)));
+        let text = table.text(40);
+        assert!(
+            text.lines().all(|line| line.chars().count() <= 40),
+            "{text}"
+        );
     }
 
     #[test]

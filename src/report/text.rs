@@ -1,5 +1,15 @@
 //! Text within a width, and without characters that a terminal would obey.
 
+use std::fmt::Display;
+
+/// A number of things: `1 design`, `5 designs`.
+pub fn counted<N: Display + PartialEq + From<u8>>(number: N, thing: &str) -> String {
+    match number == N::from(1) {
+        true => format!("{number} {thing}"),
+        false => format!("{number} {thing}s"),
+    }
+}
+
 /// Where a word may be broken: after these.
 const JOINTS: [char; 4] = ['_', '/', ',', '.'];
 

@@ -3,6 +3,7 @@
 use super::axle::StationColumns;
 use super::files::csv_of_rows;
 use super::table::{Cell, Column, Table};
+use super::text::counted;
 use super::{brief, optional, shortest};
 use crate::build::Reject;
 use crate::model::{Axis, Side};
@@ -228,7 +229,7 @@ impl ToleranceSummary {
         } else {
             ", as assembled"
         };
-        let mut line = format!("{} builds{aligned}", self.builds);
+        let mut line = format!("{}{aligned}", counted(self.builds, "build"));
         if let Some(kept) = self.kept_in_words() {
             line += &format!(", {kept} in all bands");
         }
@@ -242,15 +243,19 @@ impl ToleranceSummary {
             .iter()
             .map(|r| {
                 format!(
-                    "{} builds rejected, build {} the first: {}",
-                    r.builds, r.first, r.what
+                    "{} rejected, build {} the first: {}",
+                    counted(r.builds, "build"),
+                    r.first,
+                    r.what
                 )
             })
             .collect();
         if let Some(first) = self.first_incomplete {
             lines.push(format!(
-                "{} builds have no pose somewhere in the motion, build {first} the first; there they have no values",
-                self.incomplete
+                "{} {} no pose somewhere in the motion, build {first} the first; there {} no values",
+                counted(self.incomplete, "build"),
+                if self.incomplete == 1 { "has" } else { "have" },
+                if self.incomplete == 1 { "it has" } else { "they have" }
             ));
         }
         lines
@@ -264,10 +269,11 @@ impl ToleranceSummary {
         let head = head.chain(of_wheel.then_some("travel"));
         let head = head.chain(rack_moves.then_some("rack"));
         let head = head.chain(self.places.iter().map(String::as_str));
+        let keys = head.clone().count();
         let numbers = ["drawn", "mean", "sigma", "linear", "p5", "p95"];
         let header = head.chain(numbers).chain(["linear holds"]);
         let because = Column::for_programs("because");
-        let mut table = Table::with_columns(header.map(Column::from).chain([because]));
+        let mut table = Table::with_columns(header.map(Column::from).chain([because])).keyed(keys);
         let mut outputs: Vec<&str> = Vec::new();
         for value in &self.values {
             if !outputs.contains(&&*value.output) {
@@ -286,7 +292,7 @@ impl ToleranceSummary {
                     Some(true) => "yes",
                     Some(false) if value.second_order.is_some_and(|s| s >= HOLDS) => "no: curved",
                     Some(false) => "no: builds differ",
-                    None if value.drawn.is_none() => "",
+                    None if value.drawn.is_none() || value.builds == 0 => "",
                     None if value.second_order.is_none()
                         && value.shares.iter().all(Option::is_none) =>
                     {
@@ -348,15 +354,15 @@ impl ToleranceSummary {
 
     /// A table of the tolerances to hold tighter and of those that may be looser.
     pub fn ranking_table(&self) -> Table {
-        let mut table = Table::new([
-            "contributor",
-            "share",
-            "yield halved",
-            "yield doubled",
-            "may be looser",
-        ]);
+        let yields = ["yield halved", "yield doubled", "may be looser"].map(Column::from);
+        let shares = [
+            Column::for_readers("largest share"),
+            Column::for_programs("share"),
+        ];
+        let head = [Column::from("contributor")].into_iter();
+        let mut table = Table::with_columns(head.chain(shares).chain(yields));
         for r in &self.ranking {
-            let yields = [r.share, r.yield_halved, r.yield_doubled];
+            let yields = [r.share, r.share, r.yield_halved, r.yield_doubled];
             let head = [Cell::from(r.contributor.as_str())];
             let numbers = yields.map(|v| Cell::by(v, percent));
             table.push_row(
@@ -541,6 +547,8 @@ fn values(
                 sigma_linear: scaled(deviation),
                 second_order: finite(expansion.bend(cell)).filter(|_| scatters),
                 linear_holds: match differs {
+                    // Of no builds nothing holds.
+                    _ if spread.count == 0 => None,
                     true => Some(false),
                     false => expansion.holds(cell).filter(|_| scatters),
                 },

@@ -4,10 +4,11 @@ use super::accuracy::{CertificateSummary, ConditionSummary};
 use super::choices::PriceRecord;
 use super::figure::{as_written, brief, with_decimals};
 use super::table::{Cell, Column, Table};
+use super::text::counted;
 use super::yields::YieldRecord;
 use crate::curves::Curves;
 use crate::model::Axis;
-use crate::optimise::{ActiveBound, ConstraintOutcome, Fit, Fulfilment, Tuning};
+use crate::optimise::{ActiveBound, ConstraintOutcome, Fit, Fulfilment, Termination, Tuning};
 use crate::study::{Optimise, Study};
 use serde::{Deserialize, Serialize};
 
@@ -344,7 +345,7 @@ impl TuningSummary {
         let columns = columns.into_iter().chain([range]).chain(ends);
         let interval = self.scatter.map(|_| Column::from("95 % +-"));
         let columns = columns.chain(["bound".into()]).chain(interval);
-        let mut table = Table::with_columns(columns);
+        let mut table = Table::with_columns(columns).keyed(2);
         for v in &self.variables {
             // A fit shows no more digits than it knows: two of the standard error.
             let brief = |value: f64| match v.standard_error {
@@ -551,6 +552,29 @@ impl TuningSummary {
         table
     }
 
+    /// How many starts were interrupted before their end, and how many there are.
+    pub fn interrupted(&self) -> [usize; 2] {
+        let word = Termination::Interrupted.to_string();
+        let interrupted = self.starts.iter().filter(|s| s.ended == word);
+        [interrupted.count(), self.starts.len()]
+    }
+
+    /// Of a tuning that was interrupted: how much of it there is.
+    pub fn interrupted_in_words(&self) -> String {
+        let [interrupted, all] = self.interrupted();
+        match interrupted {
+            0 => format!(
+                "interrupted: {} done, not all that was to be made of what they came to",
+                counted(all, "start")
+            ),
+            some => format!(
+                "interrupted: {} of {} done",
+                all - some,
+                counted(all, "start")
+            ),
+        }
+    }
+
     /// The starts in a line or two, where there are more than a few.
     pub fn starts_in_words(&self) -> Option<String> {
         let all = self.starts.len();
@@ -558,7 +582,11 @@ impl TuningSummary {
             return None;
         }
         let best = self.misfit_after?;
-        let ended: Vec<f64> = self.starts.iter().filter_map(|s| s.misfit).collect();
+        let begun: Vec<f64> = self.starts.iter().filter_map(|s| s.misfit).collect();
+        let [interrupted, _] = self.interrupted();
+        let word = Termination::Interrupted.to_string();
+        let ended = self.starts.iter().filter(|s| s.ended != word);
+        let ended: Vec<f64> = ended.filter_map(|s| s.misfit).collect();
         let near = ended.iter().filter(|m| **m <= 1.01 * best + 1e-6).count();
         let worst = ended.iter().copied().fold(best, f64::max);
         let kept = self
@@ -568,9 +596,13 @@ impl TuningSummary {
             "{all} starts: {near} ended within 1 % of the least misfit{kept}, the worst at {}",
             hundredths(worst)
         );
-        match all - ended.len() {
+        match all - begun.len() {
             0 => {}
             failed => text += &format!("; {failed} could not be begun"),
+        }
+        match interrupted {
+            0 => {}
+            some => text += &format!("; {some} were interrupted"),
         }
         Some(text + "; history.csv and summary.json have all")
     }

@@ -1,6 +1,7 @@
 //! What builds keep to before and after a robust tuning.
 
 use super::table::{Cell, Table};
+use super::text::counted;
 use super::tolerance_summary::{in_words, percent};
 use crate::study::Tolerance;
 use crate::tolerance::MonteCarlo;
@@ -59,7 +60,10 @@ impl YieldRecord {
     /// The outcome in a sentence.
     pub fn headline(&self) -> String {
         let [before, after] = self.percentages();
-        format!("yield {before} -> {after} of {} builds", self.builds)
+        format!(
+            "yield {before} -> {after} of {}",
+            counted(self.builds, "build")
+        )
     }
 
     /// Band by band.

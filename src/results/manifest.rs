@@ -77,6 +77,12 @@ impl RunRecord {
         self.command == command && self.digest == digest
     }
 
+    /// Whether its digest can be compared with that of this command: that of a sweep is of its designs.
+    pub fn digests_as(&self, command: &str) -> bool {
+        let is_of_designs = |command| ["sweep", "merge"].contains(&command);
+        is_of_designs(&self.command) == is_of_designs(command)
+    }
+
     /// Whether a file is one of its files.
     pub fn wrote(&self, name: &str) -> bool {
         let mut files = self.files.iter();

@@ -32,8 +32,8 @@ pub enum Refusal {
     },
     /// The directory holds an input of the run under the name of a result.
     #[error(
-        "{file} is an input of this run, which its results would overwrite: give another directory with \
-         --out"
+        "{file} is an input of this run, which its results would overwrite: give another directory \
+         with --out"
     )]
     Input {
         /// The input.
@@ -41,8 +41,8 @@ pub enum Refusal {
     },
     /// The directory holds files that no run has written.
     #[error(
-        "{file} is there already, and not from a run recorded in run.json: give another directory with \
-         --out, or overwrite it with --force"
+        "{file} is there already, and not from a run recorded in run.json: give another \
+         directory with --out, or overwrite it with --force"
     )]
     Foreign {
         /// One of them.
@@ -50,17 +50,27 @@ pub enum Refusal {
     },
     /// The directory holds the results of another run.
     #[error(
-        "{directory} holds the results of `hardpoint {command}` {of} ({file}), which would be lost: give \
-         another directory with --out, or replace them with --force",
-        of = if *same_study { "of this study" } else { "of another study, or of another state of it" }
+        "{directory} holds the {unfinished}results of `hardpoint {command}` {of} ({file}), which would be lost: \
+         give another directory with --out, or replace them with --force",
+        unfinished = if *is_finished { "" } else { "unfinished " },
+        of = match same_study {
+            Some(true) => "of this study".to_owned(),
+            Some(false) => "of another study, or of another state of it".to_owned(),
+            None => format!("of the study {study}"),
+        }
     )]
     Taken {
         /// The directory.
         directory: String,
         /// Whose results they are.
         command: String,
-        /// Whether it is the same study.
-        same_study: bool,
+        /// The name of their study.
+        study: String,
+        /// Whether it is the same study, where that is known: sweeps and other commands digest a study each in their
+        /// own way.
+        same_study: Option<bool>,
+        /// Whether that run has ended.
+        is_finished: bool,
         /// One of its files.
         file: String,
     },
@@ -75,8 +85,8 @@ pub enum Refusal {
     },
     /// The record of the runs in the directory cannot be read.
     #[error(
-        "{file} is not as hardpoint writes it ({reason}), so nothing is known of the files beside it: give \
-         another directory with --out, or write there with --force"
+        "{file} is not as hardpoint writes it ({reason}), so nothing is known of the files beside it: \
+         give another directory with --out, or write there with --force"
     )]
     Unreadable {
         /// The record.
@@ -84,4 +94,12 @@ pub enum Refusal {
         /// What is wrong with it.
         reason: String,
     },
+}
+
+impl Refusal {
+    /// In words, of a directory that is given by another option than `--out`.
+    pub fn with_option(&self, option: &str) -> String {
+        let advice = |option| format!("give another directory with {option}");
+        self.to_string().replace(&advice("--out"), &advice(option))
+    }
 }

@@ -142,6 +142,22 @@ impl RunDirectory {
         Ok(directory)
     }
 
+    /// Finds out whether a directory could be claimed, and leaves nothing there.
+    pub fn check(path: &Path, claim: &Claim<'_>) -> Result<(), Refusal> {
+        // Where there is none, it would be made in the nearest directory above it.
+        let there = path
+            .ancestors()
+            .find(|above| above.symlink_metadata().is_ok());
+        let there = there.filter(|above| !above.as_os_str().is_empty());
+        let there = there.unwrap_or(Path::new("."));
+        let writable = match there.is_dir() {
+            true => temporary(there).map(drop),
+            false => Err(io::ErrorKind::NotADirectory.into()),
+        };
+        writable.map_err(|error| Refusal::Unwritable(unwritten(path)(error)))?;
+        examine(path, claim).map(drop)
+    }
+
     /// Claims the directory of a finished run for files that are made of its results.
     pub fn reopen(path: &Path, files: &[&str], force: bool) -> Result<Self, Refusal> {
         let manifest = Manifest::read(path).unwrap_or_default();
@@ -413,7 +429,11 @@ fn examine(path: &Path, claim: &Claim<'_>) -> Result<Manifest, Refusal> {
                 taken.get_or_insert_with(|| Refusal::Taken {
                     directory: path.display().to_string(),
                     command: run.command.clone(),
-                    same_study: run.digest == claim.digest,
+                    study: run.study.clone(),
+                    same_study: run
+                        .digests_as(claim.command)
+                        .then(|| run.digest == claim.digest),
+                    is_finished: run.finished,
                     file: name.clone(),
                 });
             }

@@ -94,7 +94,7 @@ pub(super) fn solved(opened: &Opened, request: &SolveRequest) -> Result<SolvedAn
         shown,
         rack: plan.racks[shown],
         status: found.stations.iter().map(|s| s.status.word()).collect(),
-        failures: FailureRange::all(&found, plan.drive, study.suspension.length_unit),
+        failures: FailureRange::all(&found, plan.drive, suspension),
         frame: frame(suspension),
         right: None,
         opened: match suspension.design == opened.study.suspension.design {

@@ -213,7 +213,7 @@ pub struct Motion {
     pub travel: Option<Spanned<Values>>,
     /// Angles of the first arm from its design position.
     pub arm_angle: Option<Spanned<Values>>,
-    /// Values of the seed paper's angle.
+    /// Values of the angle theta of Attia's paper.
     pub theta: Option<Spanned<Values>>,
     /// `deg` or `rad`.
     pub angle_unit: Option<Text>,

@@ -2,7 +2,7 @@
 
 use super::{axle, reference::read};
 use hardpoint::axle::{AxleSolver, Placement};
-use hardpoint::model::{LengthUnit, Side};
+use hardpoint::model::Side;
 
 /// The rack goes as far as the first tie rod lets it: one of a strut from -113.3 to 164.5 mm, so both from -113.3 to
 /// 113.3. Rolled almost to the end the axle has a position, beyond it none.
@@ -65,8 +65,7 @@ fn positions_beyond_the_ends_are_refused_the_same_in_any_order() {
                 (Ok(after_others), Ok(alone)) => assert_eq!(after_others, alone, "{placement}"),
                 // Where a travel ends is found to rounding, from wherever it was sought.
                 (Err(after_others), Err(alone)) => {
-                    let [one, other] =
-                        [after_others, alone].map(|f| f.describe(LengthUnit::Millimetre));
+                    let [one, other] = [after_others, alone].map(|f| f.describe(&axle));
                     assert_eq!(one, other, "{placement}");
                 }
                 _ => panic!("{placement}: {after_others:?} {alone:?}"),

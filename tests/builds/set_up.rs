@@ -98,3 +98,26 @@ fn shims_come_whole_and_what_cannot_be_met_is_named() {
     let ratio = more.last().amounts[0] / more.last().amounts[1];
     assert!((ratio - by[0][1] / by[1][1]).abs() < 0.01, "{ratio}");
 }
+
+/// Least squares share out what a whole shim leaves: then a wish is missed that the shim itself hardly moves, and by no
+/// more than that it is met. One that the adjustments do not reach is not, however coarse the shims are elsewhere.
+#[test]
+fn what_whole_shims_leave_is_none_wherever_it_ends() {
+    let adjust = "setup.adjust=[{length=\"pushrod\",per_turn=2.5},{shim=\"upper_ball_joint\",axis=\"y\",step=1.0}]";
+    for camber in (0..40).map(|k| -1.3 - 0.011 * f64::from(k)) {
+        let want = format!("setup.want={{camber={camber:?}}}");
+        let found = solved("double_wishbone_tolerance", &[adjust, &want]);
+        assert!(
+            found.is_met(),
+            "{camber}: {:?} {:?}",
+            found.misses(),
+            found.by_steps
+        );
+        // Half a shim of 1 mm, 0.23 deg a mm; a tenth of a degree counts as a millimetre.
+        for (by_steps, most) in found.by_steps.iter().zip([0.12, 0.06, 0.01, 0.001, 0.5]) {
+            assert!(*by_steps < most, "{:?}", found.by_steps);
+        }
+    }
+    let want = "setup.want={camber=-1.3,toe=3.0}";
+    assert!(!solved("double_wishbone_tolerance", &[adjust, want]).is_met());
+}

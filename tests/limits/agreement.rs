@@ -64,7 +64,7 @@ fn a_named_motion_that_is_not_reached_is_said_by_all_three() {
             let said = said(&output);
             assert_eq!(output.status.code(), Some(code), "{command}: {said}");
             let told = said.contains(
-                "motion left_lock: not solved: travel -40 to 40, rack 360 (9 stations): the rack moves no further than",
+                "motion left_lock: not solved: travel -40 to 40, rack 360 (9 stations): the rack moves no further than 1",
             );
             assert_eq!(told, code == 1, "{command}: {said}");
         }
@@ -144,6 +144,95 @@ fn exchanged_pivots_and_offsets_for_coordinates_are_doubted() {
         match doubted {
             Some(phrase) => assert!(text.contains(phrase), "{text}"),
             None => assert!(!text.contains("doubtful"), "{text}"),
+        }
+    }
+}
+
+/// The end of the rack has the sign of the study's own axis, as its displacements have.
+#[test]
+fn the_end_of_the_rack_has_its_sign() {
+    for (set, end) in [
+        (vec!["motion.rack=-200.0"], "no further than -113.322620 mm"),
+        (vec!["motion.rack=200.0"], "no further than 164.471197 mm"),
+    ] {
+        for command in ["check", "solve", "limits"] {
+            let said = said(&run(command, "macpherson_solve.toml", &set));
+            assert!(said.contains(end), "{command}: {said}");
+        }
+    }
+    // The mirror image in axes whose y points the other way.
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("study.toml");
+    let own = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/macpherson_solve.toml");
+    let text = std::fs::read_to_string(own).unwrap();
+    let flipped = |line: &str| {
+        let parts = line.split_once("= [").and_then(|(name, rest)| {
+            let (numbers, rest) = rest.split_once(']')?;
+            let numbers: Vec<f64> = numbers
+                .split(',')
+                .map(|n| n.trim().parse())
+                .collect::<Result<_, _>>()
+                .ok()?;
+            let [x, y, z] = numbers[..] else { return None };
+            Some(format!("{name}= [{:?}, {:?}, {z:?}]{rest}", -x, -y))
+        });
+        parts.unwrap_or_else(|| line.to_owned())
+    };
+    let text: Vec<String> = text.lines().map(flipped).collect();
+    let text = text.join("\n").replace("\"iso8855\"", "\"x_rear\"");
+    std::fs::write(&path, text).unwrap();
+    let said = said(&run(
+        "solve",
+        path.to_str().unwrap(),
+        &["motion.rack=200.0"],
+    ));
+    assert!(said.contains("no further than 113.322620 mm"), "{said}");
+}
+
+/// A rack that does not get to its place has no range there, and none at every rack.
+#[test]
+fn a_rack_out_of_reach_has_no_range() {
+    let output = run(
+        "limits",
+        "macpherson_solve.toml",
+        &["motion.rack=[0.0, 200.0]"],
+    );
+    assert_eq!(output.status.code(), Some(1));
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    for place in ["rack 200", "every rack"] {
+        let row = text.lines().find(|line| line.contains(place)).unwrap();
+        assert_eq!(
+            row.matches("the rack does not get there").count(),
+            2,
+            "{text}"
+        );
+        assert!(!row.contains(" 0 "), "{text}");
+    }
+    assert!(!text.contains("followed further"), "{text}");
+    assert!(
+        said(&output).contains("Travel left to the nearer end at the racks that are reached:"),
+        "{text}"
+    );
+}
+
+/// Where nothing is on a rack, one that moves is doubted.
+#[test]
+fn a_rack_that_nothing_is_on_is_doubted() {
+    let moved = "motion.rack=[-10.0, 0.0, 10.0]";
+    let doubt =
+        "doubtful: the motion displaces the rack, but nothing of a semi_trailing_arm is on it";
+    for command in ["check", "solve"] {
+        let with = said(&run(command, "semi_trailing_arm_solve.toml", &[moved]));
+        assert!(with.contains(doubt), "{command}: {with}");
+        for (study, set) in [
+            ("semi_trailing_arm_solve.toml", &["motion.rack=0.0"][..]),
+            ("macpherson_solve.toml", &[moved]),
+        ] {
+            let without = said(&run(command, study, set));
+            assert!(
+                !without.contains("doubtful"),
+                "{command} {study}: {without}"
+            );
         }
     }
 }

@@ -278,3 +278,113 @@ fn a_kept_study_finds_its_designs() {
         bench.read("deep/run/designs.csv")
     );
 }
+
+/// Whoever reads what is printed may stop: the results are there, and recorded as finished.
+#[test]
+fn a_closed_pipe_leaves_a_finished_run() {
+    let bench = Bench::new();
+    let setup = "setup={ adjust = [ { length = \"tie_rod\" } ], want = { toe = 0.2 } }";
+    let tolerance =
+        "tolerance={ builds = 200, scatter = [ { length = \"tie_rod\", sigma = 0.1 } ] }";
+    for (command, set) in [
+        ("solve", None),
+        ("optimise", None),
+        ("sweep", None),
+        ("setup", Some(setup)),
+        ("tolerance", Some(tolerance)),
+    ] {
+        let mut call = vec![command, "study.toml", "--out", command];
+        call.extend(set.iter().flat_map(|set| ["--set", *set]));
+        let (reader, writer) = std::io::pipe().unwrap();
+        drop(reader);
+        let mut started = bench.command(&call);
+        started.stdout(writer).stderr(Stdio::piped());
+        let ended = started.spawn().unwrap().wait_with_output().unwrap();
+        let said = String::from_utf8_lossy(&ended.stderr);
+        assert_eq!(ended.status.code(), Some(0), "{command}: {said}");
+        let record = bench.read(&format!("{command}/run.json"));
+        assert!(record.contains("\"finished\": true"), "{command}: {record}");
+        // Nothing of it is missing.
+        let files = contents(&bench.path(command));
+        bench.run(&call).success();
+        assert_eq!(contents(&bench.path(command)), files, "{command}");
+    }
+}
+
+/// Pictures that cannot be written are refused before anything is, and by the option that names their place.
+#[test]
+fn pictures_in_the_way_are_refused_before_a_run() {
+    let bench = Bench::new();
+    let tolerance =
+        "tolerance={ builds = 200, scatter = [ { length = \"tie_rod\", sigma = 0.1 } ] }";
+    fs::write(bench.path("a_file"), "mine").unwrap();
+    fs::create_dir(bench.path("pictures")).unwrap();
+    fs::write(bench.path("pictures/camber_deg.svg"), "mine").unwrap();
+    for command in ["solve", "optimise", "tolerance"] {
+        let call = |plots, more: &[&'static str]| {
+            let call = [command, "study.toml", "--out", "run", "--plots", plots];
+            [&call[..], &["--set", tolerance], more].concat()
+        };
+        bench.refused(&call("a_file", &[]), &["cannot write a_file"]);
+        bench.refused(&call("a_file/below", &[]), &["cannot write a_file/below"]);
+        let advice = [
+            "camber_deg.svg",
+            "another directory with --plots",
+            "--force",
+        ];
+        bench.refused(&call("pictures", &[]), &advice);
+        assert!(!bench.path("run").exists(), "{command}");
+        // Where the results are refused there are no pictures either.
+        fs::create_dir(bench.path("run")).unwrap();
+        fs::write(bench.path("run/summary.json"), "mine").unwrap();
+        bench.refused(&call("new/pictures", &[]), &["summary.json", "with --out"]);
+        assert!(!bench.path("new").exists(), "{command}");
+        fs::remove_dir_all(bench.path("run")).unwrap();
+        // Beside the results they are results, again and again.
+        for _ in 0..2 {
+            bench.run(&call("run", &[])).success();
+        }
+        assert!(bench.path("run/camber_deg.svg").exists());
+        fs::remove_dir_all(bench.path("run")).unwrap();
+    }
+    let contents = contents(&bench.path("pictures"));
+    assert_eq!(contents, [("camber_deg.svg".to_owned(), b"mine".to_vec())]);
+    bench
+        .run(&["solve", "study.toml", "--out", "run"])
+        .success();
+    let call = ["report", "run", "--plots", "pictures"];
+    bench.refused(&call, &["camber_deg.svg", "another directory with --plots"]);
+    assert!(!bench.path("run/report.html").exists());
+    let call = [
+        "solve",
+        "study.toml",
+        "--out",
+        "run",
+        "--plots",
+        "pictures",
+        "--force",
+    ];
+    bench.run(&call).success();
+    assert_ne!(
+        fs::read(bench.path("pictures/camber_deg.svg")).unwrap(),
+        b"mine"
+    );
+}
+
+/// A sweep is of its designs, so that of another command it is not known whether the study is the same.
+#[test]
+fn results_in_the_way_are_called_what_is_known_of_them() {
+    let bench = Bench::new();
+    bench
+        .run(&["sweep", "study.toml", "--out", "run"])
+        .success();
+    let call = ["optimise", "study.toml", "--out", "run"];
+    let of = "holds the results of `hardpoint sweep` of the study study (";
+    bench.refused(&call, &[of]);
+    let record = bench.read("run/run.json");
+    let begun = record.replace("\"finished\": true", "\"finished\": false");
+    assert_ne!(begun, record);
+    fs::write(bench.path("run/run.json"), begun).unwrap();
+    let of = "holds the unfinished results of `hardpoint sweep` of the study study (";
+    bench.refused(&call, &[of]);
+}

@@ -335,3 +335,18 @@ fn what_fails_is_counted_and_left_empty() {
     assert_eq!(designs.text("camber_design_deg")[0], "");
     assert_eq!(designs.text("failed_at_mm")[0], "");
 }
+
+/// Before the first part is whole, nothing is.
+#[test]
+fn a_sweep_of_which_nothing_is_done_says_so() {
+    use hardpoint::report::SweepSummary;
+    use hardpoint::sweep::{SweepPlan, SweepStatistics};
+    let study = hardpoint::study::Study::from_text("study.toml", STUDY, Path::new(".")).unwrap();
+    let plan = SweepPlan::of(&study, study.sweep.as_ref().unwrap()).unwrap();
+    let none = SweepStatistics::empty(&plan.record);
+    let summary = SweepSummary::of(&plan.record, &none);
+    let designs = plan.record.designs;
+    let said = format!("none of {designs} designs done yet; --resume goes on");
+    assert_eq!(summary.headline(), said);
+    assert!(!summary.is_complete());
+}

@@ -200,7 +200,11 @@ fn mistakes_in_the_sweep_are_named() {
     let file = "[sweep]\ndesigns = \"absent.csv\"\n";
     let bench = Bench::new(&(STUDY[..STUDY.find("[sweep]").unwrap()].to_owned() + file));
     let (_, error) = said(&bench.run(&["sweep", "study.toml"]).code(2));
-    assert!(error.contains("absent.csv"), "{error}");
+    let named = ": sweep.designs: cannot read absent.csv: there is no such file";
+    assert!(
+        error.starts_with("error: study, line ") && error.contains(named),
+        "{error}"
+    );
     // The same study is still to be solved.
     bench.run(&["solve", "study.toml"]).success();
 }

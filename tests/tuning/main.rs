@@ -986,3 +986,31 @@ fn a_variable_along_a_direction_is_its_coordinates_together() {
         assert!(said.contains(wanted), "{written}: {said}");
     }
 }
+
+/// What was interrupted says so, and how much of it there is.
+#[test]
+fn an_interrupted_tuning_says_how_many_starts_are_done() {
+    let study = edited("macpherson_front.toml", &["optimise.starts=12"]);
+    let optimise = study.optimise.as_ref().unwrap();
+    let summary = |control| {
+        let tuning = tune(&study.suspension, &study.motion, optimise, control).unwrap();
+        hardpoint::report::TuningSummary::of(&study, optimise, &tuning, None)
+    };
+    let whole = summary(Control::default());
+    assert_eq!(whole.interrupted(), [0, 12]);
+    let words = whole.starts_in_words().unwrap();
+    assert!(!words.contains("interrupted"), "{words}");
+    let flag = std::sync::atomic::AtomicBool::new(true);
+    let stopped = summary(Control {
+        interrupt: Some(&flag),
+        watch: None,
+    });
+    assert_eq!(stopped.interrupted(), [12, 12]);
+    let words = stopped.interrupted_in_words();
+    assert_eq!(words, "interrupted: 0 of 12 starts done");
+    let words = stopped.starts_in_words().unwrap();
+    assert!(
+        words.starts_with("12 starts: 0 ended") && words.contains("12 were interrupted"),
+        "{words}"
+    );
+}

@@ -81,6 +81,12 @@ impl Range {
         (upper - value).min(value - lower)
     }
 
+    /// Whether it goes nowhere: the rack does not get to where the range was asked for.
+    pub fn is_empty(&self) -> bool {
+        use RangeEnd::Unresolved;
+        matches!((&self.lower, &self.upper), (Unresolved(lower), Unresolved(upper)) if lower == upper)
+    }
+
     /// Both ends; half a turn where it turns right round.
     pub fn ends(&self) -> [f64; 2] {
         let lower = match &self.lower {

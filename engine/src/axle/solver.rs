@@ -14,7 +14,7 @@ use super::{Axle, Quantity, Void};
 use crate::analyse::{Balance, Certifier, Limits, Support};
 use crate::derive::{DesignSeries, Linearised, MotionPoint};
 use crate::mechanism::{Configuration, DesignFault, Failure, Ground, Pose, Unproven};
-use crate::model::{Axis, Drive, LengthUnit, Mechanism, PointId, RockerId, Rod, Side};
+use crate::model::{Axis, Drive, Mechanism, PointId, RockerId, Rod, Side};
 use crate::number::{Jet, Tape, Vector3};
 use crate::solve::{Solver, StationOrder, Toggles};
 use std::ops::ControlFlow;
@@ -130,13 +130,18 @@ impl AxleFailure {
 
     /// The reason in words, with lengths in this unit. If the rack ends, the wheel's travel is left out, since it says
     /// nothing.
-    pub fn describe(&self, unit: LengthUnit) -> String {
+    pub fn describe(&self, axle: &Axle) -> String {
+        let unit = axle.left.length_unit;
         match self {
             AxleFailure::Wheel {
                 side,
                 failure: failure @ Failure::RackUnreachable { .. },
                 ..
-            } => format!("{} wheel: {}", side.name(), failure.describe(unit)),
+            } => format!(
+                "{} wheel: {}",
+                side.name(),
+                failure.describe(unit, axle.frame(*side))
+            ),
             AxleFailure::Wheel {
                 side,
                 travel,
@@ -145,7 +150,7 @@ impl AxleFailure {
                 "{} wheel at travel {travel:.6} {}: {}",
                 side.name(),
                 unit.symbol(),
-                failure.describe(unit)
+                failure.describe(unit, axle.frame(*side))
             ),
             other => other.to_string(),
         }

@@ -22,6 +22,8 @@ const MOST_STEPS: usize = 40;
 const FARTHEST: f64 = 0.1;
 /// What counts as met: rounding, in degrees or length units.
 const MET: f64 = 1e-9;
+/// What half a shim leaves may be so much more than its slopes say.
+const CURVED: f64 = 1.01;
 /// Singular values of W below this part of the largest are directions that no wanted value feels.
 const FLAT: f64 = 1e-8;
 
@@ -72,6 +74,15 @@ pub enum NoSetUp {
     Fault(DesignFault),
     /// Newton's method does not settle: what is wanted is beyond what the adjustments reach.
     Unsettled,
+    /// The same of wishes, of which this one is farthest from being met.
+    OutOfReach {
+        /// The value.
+        wish: Static,
+        /// What it came to, as it is printed.
+        value: f64,
+        /// What is wanted of it, as it is printed.
+        wanted: f64,
+    },
     /// What is wanted takes an adjustment that no workshop makes: more than a tenth of the suspension's size.
     Absurd {
         /// Number of the adjustment.
@@ -111,8 +122,8 @@ impl SetUp {
             let later: Vec<usize> = (0..amounts.len())
                 .filter(|j| *j != k && (*j > k || setup.adjust[*j].step.is_none()))
                 .collect();
-            for (left, by) in by_steps.iter_mut().zip(&state.by[k]) {
-                *left += 0.5 * step * by.abs();
+            for (left, by) in by_steps.iter_mut().zip(problem.left_by(&state, k, &later)) {
+                *left += 0.5 * step * by;
             }
             state = problem.settle(state, &later)?;
         }
@@ -132,6 +143,18 @@ impl SetUp {
             by_steps,
             drawn,
             steps,
+            statics: problem.statics,
+            wanted: problem.wanted,
+        })
+    }
+
+    /// The parts as drawn, and what each adjustment does to them: where there is no set-up, too.
+    pub fn drawn(study: &Study, setup: &Setup, assembler: &Assembler) -> Result<SetUp, NoSetUp> {
+        let problem = Problem::of(study, setup, assembler);
+        Ok(SetUp {
+            by_steps: vec![0.0; problem.statics.len()],
+            drawn: problem.state(&vec![0.0; setup.adjust.len()])?,
+            steps: Vec::new(),
             statics: problem.statics,
             wanted: problem.wanted,
         })
@@ -254,15 +277,51 @@ impl<'a> Problem<'a> {
         })
     }
 
+    /// What is left of each value, at most, per unit by which an adjustment is off: what it does to the value itself, or
+    /// what least squares over the `later` adjustments make of that, which trade one target for another. The part of its
+    /// effects that they cannot undo is (1 - U U^T) w, with U an orthonormal basis of theirs and w its own, weighted.
+    fn left_by(&self, state: &AdjustedSuspension, adjustment: usize, later: &[usize]) -> Vec<f64> {
+        let mut left: Vec<f64> = state.by[adjustment].iter().map(|by| by.abs()).collect();
+        let targets = self.targets();
+        if targets.is_empty() || later.is_empty() {
+            return left;
+        }
+        let weighted =
+            |adjustment: usize, target: usize| state.by[adjustment][target] * self.weights[target];
+        let own = targets.iter().map(|target| weighted(adjustment, *target));
+        let own = DVector::from_iterator(targets.len(), own);
+        let by = DMatrix::from_fn(targets.len(), later.len(), |i, k| {
+            weighted(later[k], targets[i])
+        });
+        let decomposed = by.svd(true, false);
+        let flat = FLAT * decomposed.singular_values.max();
+        let mut rest = own.clone();
+        if let Some(basis) = &decomposed.u {
+            let felt = basis.column_iter().zip(decomposed.singular_values.iter());
+            for (direction, _) in felt.filter(|(_, singular)| **singular > flat) {
+                rest -= direction * direction.dot(&own);
+            }
+        }
+        for (target, rest) in targets.into_iter().zip(rest.iter()) {
+            left[target] = left[target].max(CURVED * rest.abs() / self.weights[target]);
+        }
+        left
+    }
+
+    /// Numbers of the values of which something is wanted.
+    fn targets(&self) -> Vec<usize> {
+        let wanted = self.wanted.iter().enumerate();
+        let targets = wanted.filter(|(_, wanted)| wanted.is_some());
+        targets.map(|(target, _)| target).collect()
+    }
+
     /// The state in which the wanted values are met as well as they can be by some of the adjustments.
     fn settle(
         &self,
         mut state: AdjustedSuspension,
         free: &[usize],
     ) -> Result<AdjustedSuspension, NoSetUp> {
-        let targets: Vec<usize> = (0..self.statics.len())
-            .filter(|i| self.wanted[*i].is_some())
-            .collect();
+        let targets = self.targets();
         if targets.is_empty() || free.is_empty() {
             return Ok(state);
         }
@@ -275,8 +334,21 @@ impl<'a> Problem<'a> {
         };
         for _ in 0..MOST_STEPS {
             let misses = missed(&state);
+            let out_of_reach = || {
+                // What has no value is missed by most.
+                let misses = misses
+                    .iter()
+                    .map(|m| if m.is_nan() { f64::INFINITY } else { m.abs() });
+                let farthest = misses.enumerate().max_by(|a, b| a.1.total_cmp(&b.1));
+                let wish = targets[farthest.map_or(0, |(wish, _)| wish)];
+                NoSetUp::OutOfReach {
+                    wish: self.statics[wish],
+                    value: state.values[wish],
+                    wanted: self.wanted[wish].unwrap_or(f64::NAN),
+                }
+            };
             if misses.iter().any(|m| m.is_nan()) {
-                return Err(NoSetUp::Unsettled);
+                return Err(out_of_reach());
             }
             let by = DMatrix::from_fn(targets.len(), free.len(), |i, k| {
                 state.by[free[k]][targets[i]] * self.weights[targets[i]]
@@ -284,7 +356,7 @@ impl<'a> Problem<'a> {
             let decomposed = by.svd(true, true);
             let flat = FLAT * decomposed.singular_values.max();
             let Ok(step) = decomposed.solve(&misses, flat) else {
-                return Err(NoSetUp::Unsettled);
+                return Err(out_of_reach());
             };
             let size = self.assembler.suspension().size();
             if step.norm() <= 1e-14 * size {
@@ -311,7 +383,7 @@ impl<'a> Problem<'a> {
                 Some(next) => state = next,
                 // Rounding: no step makes it better.
                 None if step.norm() <= 1e-7 * size => return Ok(state),
-                None => return Err(NoSetUp::Unsettled),
+                None => return Err(out_of_reach()),
             }
         }
         Err(NoSetUp::Unsettled)

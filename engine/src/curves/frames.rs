@@ -116,8 +116,8 @@ pub fn frames(suspension: &Suspension, plan: &Plan) -> Result<Vec<Frame>, Design
                     };
                     Ok(Placement::of(suspension, &at, centres))
                 });
-                frames[first + number].pose =
-                    placed.map_err(|failure| failure.describe(suspension.length_unit));
+                frames[first + number].pose = placed
+                    .map_err(|failure| failure.describe(suspension.length_unit, suspension.frame));
                 ControlFlow::Continue(())
             },
         )?;

@@ -21,7 +21,7 @@ impl SuspensionBuilder {
             if let Status::Failed(failure) = station.status {
                 return Err(BuildError::Design(format!(
                     "the design position has no pose: {}",
-                    failure.describe(suspension.length_unit)
+                    failure.describe(suspension.length_unit, suspension.frame)
                 )));
             }
         }

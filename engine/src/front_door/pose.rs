@@ -85,7 +85,7 @@ impl Suspension {
                 travel,
                 rack,
                 unit: self.length_unit.symbol(),
-                reason: failure.describe(self.length_unit),
+                reason: failure.describe(self.length_unit, self.frame),
             });
         }
         let mut values = station.values.iter().copied();

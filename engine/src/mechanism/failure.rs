@@ -3,7 +3,7 @@
 use crate::attia;
 use crate::attia::Refusal;
 use crate::model::Rod;
-use crate::model::{Drive, LengthUnit, Mechanism, PointId};
+use crate::model::{Axis, Drive, Frame, LengthUnit, Mechanism, PointId};
 use std::error::Error;
 use std::fmt;
 
@@ -249,12 +249,12 @@ impl fmt::Display for DesignFault {
 impl Error for DesignFault {}
 
 impl Failure {
-    /// The reason in words, with lengths in this unit.
-    pub fn describe(&self, unit: LengthUnit) -> String {
-        self.words(Some(unit))
+    /// The reason in words, with lengths in this unit and the rack in the axes of this frame.
+    pub fn describe(&self, unit: LengthUnit, frame: Frame) -> String {
+        self.words(Some(unit), frame.sign(Axis::Y))
     }
 
-    fn words(&self, unit: Option<LengthUnit>) -> String {
+    fn words(&self, unit: Option<LengthUnit>, rack_sign: f64) -> String {
         let length = |value: f64| match unit {
             Some(unit) => format!("{value:.6} {}", unit.symbol()),
             None => format!("{value:.6}"),
@@ -274,7 +274,7 @@ impl Failure {
                 Drive::ArmAngle => format!("{}: {cause}", angle("the arm turns", *limit)),
             },
             Failure::RackUnreachable { limit, cause } => {
-                let limit = length(limit.abs());
+                let limit = length(rack_sign * limit);
                 format!("the rack moves no further than {limit}: {cause}")
             }
             Failure::Singular => "the pose is singular: it has no derivatives".to_owned(),
@@ -301,10 +301,11 @@ impl Failure {
     }
 }
 
-/// Lengths are in the unit of the hardpoints, which a failure does not know: [`Failure::describe`] names it.
+/// Lengths are in the unit of the hardpoints and the rack in the axes of the kernel, as a failure knows no others:
+/// [`Failure::describe`] does.
 impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.words(None))
+        f.write_str(&self.words(None, 1.0))
     }
 }
 

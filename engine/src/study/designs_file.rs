@@ -11,7 +11,7 @@ use super::outputs::hardpoints;
 use super::source::{LONGEST_TABLE, read_text};
 use super::sweep::column_stem;
 use super::value::Number;
-use super::{Move, SweepVariable};
+use super::{Move, Study, SweepVariable};
 use crate::model::{Axis, Suspension};
 use std::path::Path;
 use std::sync::Arc;
@@ -34,6 +34,21 @@ impl DesignTable {
         let text = read_text(path, LONGEST_TABLE)
             .map_err(|reason| StudyError::of_file(&name, format!("cannot be read: {reason}")))?;
         Self::from_text(&name, text, suspension)
+    }
+
+    /// Reads the designs of a study's sweep; where the file cannot be read it is said where the study names it.
+    pub(crate) fn of_study(path: &Path, study: &Study) -> Result<Self, StudyErrors> {
+        let name = path.display().to_string();
+        let text = read_text(path, LONGEST_TABLE).map_err(|reason| {
+            let place = match study.line_of(&["sweep", "designs"]) {
+                Some(line) => format!("{}, line {line}: sweep.designs", study.name),
+                None => format!("{}: sweep.designs", study.name),
+            };
+            let mut error = StudyError::of_file(place, format!("cannot read {name}: {reason}"));
+            error.help("the path is relative to the study file");
+            error
+        })?;
+        Self::from_text(&name, text, &study.suspension)
     }
 
     fn from_text(name: &str, text: String, suspension: &Suspension) -> Result<Self, StudyErrors> {

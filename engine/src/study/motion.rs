@@ -87,8 +87,12 @@ impl Motion {
     }
 }
 
-/// The motion, if nothing is wrong with it.
-pub(super) fn motion(section: &Spanned<file::Motion>, problems: &mut Problems) -> Option<Motion> {
+/// The motion, if nothing is wrong with it. A named one has no time.
+pub(super) fn motion(
+    section: &Spanned<file::Motion>,
+    is_named: bool,
+    problems: &mut Problems,
+) -> Option<Motion> {
     let place = section.span();
     let section = section.get_ref();
     let drive = choose_or(
@@ -102,7 +106,7 @@ pub(super) fn motion(section: &Spanned<file::Motion>, problems: &mut Problems) -
         None => Some(vec![0.0]),
         Some(rack) => values(rack, problems),
     };
-    let (drive_values, time) = drive_values(drive?, section, place.clone(), problems)?;
+    let (drive_values, time) = drive_values(drive?, section, place.clone(), is_named, problems)?;
     let rack = rack?;
     let stations = drive_values.len().saturating_mul(rack.len());
     if stations > MOST_STATIONS as usize {
@@ -125,6 +129,7 @@ fn drive_values(
     drive: Drive,
     section: &file::Motion,
     place: Span<usize>,
+    is_named: bool,
     problems: &mut Problems,
 ) -> Option<(Vec<f64>, Option<TimeLaw>)> {
     let values_of = |drive: Drive| match drive {
@@ -171,7 +176,8 @@ fn drive_values(
             None
         }
         (None, None) => {
-            let message = format!("expected {name} or time: where the mechanism is to be solved");
+            let or_time = if is_named { "" } else { " or time" };
+            let message = format!("expected {name}{or_time}: where the mechanism is to be solved");
             problems.refuse(place, message)
         }
     }

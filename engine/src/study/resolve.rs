@@ -99,11 +99,11 @@ fn resolve(
     let of_axle = file.axle.is_some();
     let motion = match of_axle {
         true => Some(Motion::still()),
-        false => motion::motion(&file.motion, &mut problems),
+        false => motion::motion(&file.motion, false, &mut problems),
     };
     let mut motions = Vec::new();
     for (name, section) in &file.motions {
-        if let Some(motion) = motion::motion(section, &mut problems) {
+        if let Some(motion) = motion::motion(section, true, &mut problems) {
             motions.push((name.get_ref().clone(), motion));
         }
     }

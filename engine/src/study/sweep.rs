@@ -83,6 +83,9 @@ pub(super) fn sweep(
                 let error = problems.add(method.span(), message);
                 error.related(path.span(), "the file");
             }
+            if path.get_ref().trim().is_empty() {
+                problems.add(path.span(), "expected the name of a file, found none");
+            }
             Some(Designs::File(context.directory.join(path.get_ref())))
         }
         (None, Some(variables)) => {

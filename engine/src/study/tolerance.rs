@@ -175,6 +175,16 @@ fn contributors(
             );
         }
         let (name, member) = member(length, suspension, problems)?;
+        if let (Some(limits), Some(Law::Uniform { low, .. })) = (&written.limits, law)
+            && let Some((one, other)) = member.ends(&suspension.mechanism)
+            && let drawn = (suspension.design[one.0] - suspension.design[other.0]).norm()
+            && drawn + low <= 0.0
+        {
+            let unit = suspension.length_unit.symbol();
+            let message =
+                format!("the lowest limit leaves no length: {name} has {drawn:.1} {unit} as drawn");
+            problems.add(limits.span(), message);
+        }
         let change = (BuildParameter::Length(member), 1.0);
         let name = format!("{name} length");
         return Some(vec![Contributor {

@@ -93,7 +93,7 @@ impl<'s> SweepPlan<'s> {
         let samples = match &sweep.designs {
             Designs::Sampled(sampled) => Samples::Sampled(sampled.clone()),
             Designs::File(path) => {
-                Samples::Table(DesignTable::read(path, suspension).map_err(NotBegun::Designs)?)
+                Samples::Table(DesignTable::of_study(path, study).map_err(NotBegun::Designs)?)
             }
             Designs::Given(table) => Samples::Table(table.clone()),
         };

@@ -26,6 +26,9 @@ pub struct Picture {
     pub contents: Vec<u8>,
 }
 
+/// What shows several outputs.
+const OVERVIEW: &str = "overview";
+
 /// The most panels of the overview.
 const MOST_PANELS: usize = 3;
 
@@ -48,6 +51,15 @@ const HUES: usize = 7;
 /// What outlines of letters need besides.
 const LETTERS: &str = ".letters{fill:#3d454d}.letters.label{fill:#1b1f24}";
 
+/// Names of the pictures of a run that has this record.
+pub fn picture_names(record: &Record) -> Vec<String> {
+    let outputs = record.outputs.iter();
+    let mut names: Vec<String> = outputs.map(|o| file_name(&o.column)).collect();
+    names.extend((!names.is_empty()).then(|| OVERVIEW.to_owned()));
+    let files = |name: &String| ["svg", "png"].map(|kind| format!("{name}.{kind}"));
+    names.iter().flat_map(files).collect()
+}
+
 /// A picture for each output, and `overview` with those that have targets side by side (the first
 /// ones where none has), each as SVG and as PNG.
 pub fn pictures(run: &Run) -> Vec<Picture> {
@@ -66,7 +78,7 @@ pub fn pictures(run: &Run) -> Vec<Picture> {
     let panels = chosen.into_iter().take(MOST_PANELS);
     let panels: Vec<Panel> = panels.map(|output| panel(run, output)).collect();
     if !panels.is_empty() {
-        sheets.push(("overview".to_owned(), panels));
+        sheets.push((OVERVIEW.to_owned(), panels));
     }
     let outlines = Lettering::outlines();
     let drawn = |(name, panels): &(String, Vec<Panel>)| {

@@ -4,6 +4,7 @@ use crate::axle::Quantity;
 use crate::characteristics::Characteristic;
 use crate::report::figure::{brief, resolution};
 use crate::report::table::{Cell, Column, Table};
+use crate::report::text::counted;
 use crate::sweep::csv::{append_candidate, rows_header};
 use crate::sweep::{Candidate, Effects, FailureCount, OutputColumn, SweepRecord, SweepStatistics};
 use serde::{Deserialize, Serialize};
@@ -123,11 +124,16 @@ impl SweepSummary {
             0 => "all solved".to_owned(),
             failed => format!("{failed} not solved everywhere"),
         };
-        match self.done == self.designs {
-            true => format!("{} designs, {failed}", self.done),
-            false => format!(
-                "{} of {} designs, {failed}; --resume goes on",
-                self.done, self.designs
+        match self.done {
+            done if done == self.designs => format!("{}, {failed}", counted(done, "design")),
+            0 => format!(
+                "none of {} done yet; --resume goes on",
+                counted(self.designs, "design")
+            ),
+            _ => format!(
+                "{} of {}, {failed}; --resume goes on",
+                self.done,
+                counted(self.designs, "design")
             ),
         }
     }
@@ -264,7 +270,11 @@ fn notes(record: &SweepRecord, statistics: &SweepStatistics) -> Vec<String> {
         let column = &output.column;
         notes.push(match lacking == statistics.solved {
             true => format!("warning: no design that was solved has {column}: {reason}"),
-            false => format!("{lacking} designs that were solved lack {column}: {reason}"),
+            false => format!(
+                "{} {} {column}: {reason}",
+                counted(lacking, "solved design"),
+                if lacking == 1 { "lacks" } else { "lack" }
+            ),
         });
     }
     // Of Saltelli's groups only the first two designs are drawn independently.

@@ -32,4 +32,4 @@ pub use assembler::{Assembler, Reject};
 pub use derivatives::{BuiltCurves, built_curves};
 pub use parts::{BuildParameter, Member, Parts};
 pub use rest::{Built, Direction, Rest};
-pub use set_up::{NoSetUp, SetUp, State, Static};
+pub use set_up::{Miss, NoSetUp, SetUp, State, Static};

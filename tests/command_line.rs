@@ -730,7 +730,8 @@ fn a_set_up_out_of_reach_names_the_wish() {
     let output = assert.get_output();
     let (said, error) = (text(&output.stdout), text(&output.stderr));
     assert!(
-        error.contains("camber_deg = -90.3 cannot be met"),
+        error.contains("cannot be met: camber_deg ends at ")
+            && error.contains(", not -90.3; toe_deg"),
         "{error}"
     );
     assert!(

@@ -4,7 +4,7 @@ use super::RunArguments;
 use super::exit::{Exit, Stop};
 use super::output::{Output, design_fault};
 use super::terminal;
-use crate::build::{Assembler, NoSetUp, SetUp};
+use crate::build::{Assembler, Miss, NoSetUp, SetUp};
 use crate::report::{SetUpSummary, brief, static_column};
 use crate::solved::Solved;
 use crate::study::{Drive, Setup, Study};
@@ -90,18 +90,16 @@ fn not_met(
             length.symbol(),
             setup.adjust[*adjustment].name
         ),
-        NoSetUp::OutOfReach {
-            wish,
-            value,
-            wanted,
-        } => {
-            let column = static_column(*wish, length);
-            let wanted = brief(*wanted);
-            let reached = match value.is_finite() {
-                true => format!("the adjustments get it to {}", brief(*value)),
-                false => "it has no value there".to_owned(),
+        NoSetUp::OutOfReach(missed) => {
+            let words = |miss: &Miss| {
+                let (column, wanted) = (static_column(miss.of, length), brief(miss.wanted));
+                match miss.value.is_finite() {
+                    true => format!("{column} ends at {}, not {wanted}", brief(miss.value)),
+                    false => format!("{column} has no value, not {wanted}"),
+                }
             };
-            format!("{column} = {wanted} cannot be met: {reached}")
+            let missed: Vec<String> = missed.iter().map(words).collect();
+            format!("what is wanted cannot be met: {}", missed.join("; "))
         }
         NoSetUp::Unsettled => "what is wanted cannot be met".to_owned(),
     };

@@ -356,7 +356,10 @@ pub(super) fn finish(
         output.finish()?;
     }
 
-    output.say(&format!("{}: {}\n\n", record.study, summary.headline()))?;
+    output.say(&format!("{}: {}\n", record.study, summary.headline()))?;
+    if statistics.designs > 0 {
+        output.lead_on("\n")?;
+    }
     let failures = summary.failures_table();
     if !(output.is_text() && failures.is_empty()) {
         output.table("not_solved", &failures)?;
@@ -375,7 +378,7 @@ pub(super) fn finish(
     if !(output.is_text() && best.is_empty()) {
         output.table("best", &best)?;
     }
-    if let Some(count) = summary.on_front() {
+    if let Some(count) = summary.on_front().filter(|_| statistics.designs > 0) {
         output.say(&format!(
             "\nOn the Pareto front of {} targets: {}\n",
             record.targets.len(),

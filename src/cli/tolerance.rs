@@ -113,7 +113,7 @@ fn not_aligned(study: &Study, path: &Path, reason: NoSetUp) -> Stop {
     match reason {
         NoSetUp::Fault(reason) => design_fault(study, path, &reason),
         NoSetUp::Reject(reject) => Stop::in_file(path, reject),
-        NoSetUp::Unsettled | NoSetUp::OutOfReach { .. } | NoSetUp::Absurd { .. } => Stop::in_file(
+        NoSetUp::Unsettled | NoSetUp::OutOfReach(_) | NoSetUp::Absurd { .. } => Stop::in_file(
             path,
             "aligned = true, but what [setup] adjusts does not move toe and camber one by one",
         ),

@@ -64,6 +64,13 @@ fn rounding_says_what_it_costs() {
         .success();
     let said = text(&rounded.get_output().stderr);
     assert!(said.contains("rounded to 10 mm: misfit"), "{said}");
+    // In figures as other tables have them.
+    let of_camber = said.lines().find(|line| line.starts_with("  camber_deg"));
+    let change = of_camber.unwrap().split_whitespace().last().unwrap();
+    assert!(
+        change.parse::<f64>().unwrap() > 0.0 && !change.contains('e'),
+        "{said}"
+    );
     for line in text(&rounded.get_output().stdout).lines().skip(1) {
         for cell in line
             .split(',')

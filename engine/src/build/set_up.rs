@@ -65,6 +65,17 @@ pub struct SetUp {
     pub steps: Vec<AdjustedSuspension>,
 }
 
+/// A wish that is missed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Miss {
+    /// The value.
+    pub of: Static,
+    /// What it comes to, as it is printed.
+    pub value: f64,
+    /// What is wanted of it, as it is printed.
+    pub wanted: f64,
+}
+
 /// Why a set-up has no answer.
 #[derive(Clone, Debug, PartialEq)]
 pub enum NoSetUp {
@@ -74,15 +85,8 @@ pub enum NoSetUp {
     Fault(DesignFault),
     /// Newton's method does not settle: what is wanted is beyond what the adjustments reach.
     Unsettled,
-    /// The same of wishes, of which this one is farthest from being met.
-    OutOfReach {
-        /// The value.
-        wish: Static,
-        /// What it came to, as it is printed.
-        value: f64,
-        /// What is wanted of it, as it is printed.
-        wanted: f64,
-    },
+    /// The same of wishes: those that are missed where the method ends.
+    OutOfReach(Vec<Miss>),
     /// What is wanted takes an adjustment that no workshop makes: more than a tenth of the suspension's size.
     Absurd {
         /// Number of the adjustment.
@@ -335,17 +339,17 @@ impl<'a> Problem<'a> {
         for _ in 0..MOST_STEPS {
             let misses = missed(&state);
             let out_of_reach = || {
-                // What has no value is missed by most.
-                let misses = misses
-                    .iter()
-                    .map(|m| if m.is_nan() { f64::INFINITY } else { m.abs() });
-                let farthest = misses.enumerate().max_by(|a, b| a.1.total_cmp(&b.1));
-                let wish = targets[farthest.map_or(0, |(wish, _)| wish)];
-                NoSetUp::OutOfReach {
-                    wish: self.statics[wish],
-                    value: state.values[wish],
-                    wanted: self.wanted[wish].unwrap_or(f64::NAN),
-                }
+                let missed = targets.iter().filter_map(|target| {
+                    let (value, wanted) = (state.values[*target], self.wanted[*target]?);
+                    // What has no value is missed.
+                    let met = (value - wanted).abs() <= MET;
+                    (!met).then_some(Miss {
+                        of: self.statics[*target],
+                        value,
+                        wanted,
+                    })
+                });
+                NoSetUp::OutOfReach(missed.collect())
             };
             if misses.iter().any(|m| m.is_nan()) {
                 return Err(out_of_reach());

@@ -44,9 +44,9 @@ impl DesignTable {
                 Some(line) => format!("{}, line {line}: sweep.designs", study.name),
                 None => format!("{}: sweep.designs", study.name),
             };
-            let mut error = StudyError::of_file(place, format!("cannot read {name}: {reason}"));
-            error.help("the path is relative to the study file");
-            error
+            let message =
+                format!("cannot read {name}: {reason} (the path is relative to the study file)");
+            StudyError::of_file(place, message)
         })?;
         Self::from_text(&name, text, &study.suspension)
     }

@@ -358,7 +358,7 @@ pub(super) fn finish(
 
     output.say(&format!("{}: {}\n", record.study, summary.headline()))?;
     if statistics.designs > 0 {
-        output.lead_on("\n")?;
+        output.text_only("\n")?;
     }
     let failures = summary.failures_table();
     if !(output.is_text() && failures.is_empty()) {

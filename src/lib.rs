@@ -78,6 +78,8 @@
 //! | `optimise` | targets as bounded least squares, and their minimum |
 //! | `tolerance` | what manufacturing scatter does, and which tolerance is worth money |
 //! | `bench` | poses per second, what a digit and an effect cost on this machine |
+//! | `linear` | one elimination with its series, for every number of unknowns |
+//! | `threads` | pools of threads with stacks that are large enough |
 //! | `number` | Taylor series, gradients and SIMD registers as numbers: how one formula serves for all derivatives and lanes |
 //!
 //! What is made of it is here:

@@ -312,9 +312,8 @@ fn table(study: &Study, limits: &Limits, by_rack: &[(f64, Range)]) -> Table {
     table
 }
 
-/// What is left from drive values to the nearer end; negative beyond it.
-pub(super) fn travel_left(by_rack: &[(f64, Range)], values: &[f64]) -> f64 {
-    let ranges = by_rack.iter().map(|(_, range)| range);
+/// What is left from drive values to the nearer end of all these ranges; negative beyond it.
+pub(super) fn travel_left<'r>(ranges: impl Iterator<Item = &'r Range>, values: &[f64]) -> f64 {
     let left = ranges.flat_map(|range| values.iter().map(move |value| range.margin(*value)));
     left.fold(f64::INFINITY, f64::min)
 }
@@ -369,8 +368,7 @@ fn margin(
             true => "",
             false => " at the racks that are reached",
         };
-        let ranges: Vec<_> = reached().cloned().collect();
-        let left = travel_left(&ranges, values);
+        let left = travel_left(reached().map(|(_, range)| range), values);
         text += &match left >= 0.0 {
             true => format!(
                 " Travel left to the nearer end{where_reached}: {} {unit}.",

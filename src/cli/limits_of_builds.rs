@@ -109,7 +109,8 @@ impl LimitRanges {
             rows.push((name, straight(&limits).to_owned(), ends));
         }
         let plan = Plan::of(study);
-        let margin = travel_left(&by_rack, plan.station_order.values());
+        let by_rack = by_rack.iter().map(|(_, range)| range);
+        let margin = travel_left(by_rack, plan.station_order.values());
         Ok(LimitRanges {
             margin: (study.motion.drive != Drive::PaperTheta).then_some(margin),
             rows,

@@ -290,16 +290,13 @@ impl<'a> Problem<'a> {
         if targets.is_empty() || later.is_empty() {
             return left;
         }
-        let weighted =
-            |adjustment: usize, target: usize| state.by[adjustment][target] * self.weights[target];
-        let own = targets.iter().map(|target| weighted(adjustment, *target));
-        let own = DVector::from_iterator(targets.len(), own);
-        let by = DMatrix::from_fn(targets.len(), later.len(), |i, k| {
-            weighted(later[k], targets[i])
-        });
-        let decomposed = by.svd(true, false);
+        let own = self.weighted_effects(state, &targets, &[adjustment]);
+        let own = own.column(0);
+        let decomposed = self
+            .weighted_effects(state, &targets, later)
+            .svd(true, false);
         let flat = FLAT * decomposed.singular_values.max();
-        let mut rest = own.clone();
+        let mut rest = own.clone_owned();
         if let Some(basis) = &decomposed.u {
             let felt = basis.column_iter().zip(decomposed.singular_values.iter());
             for (direction, _) in felt.filter(|(_, singular)| **singular > flat) {
@@ -310,6 +307,19 @@ impl<'a> Problem<'a> {
             left[target] = left[target].max(CURVED * rest.abs() / self.weights[target]);
         }
         left
+    }
+
+    /// What each of these adjustments does to each of these values, weighted: a row for a value, a column for an
+    /// adjustment.
+    fn weighted_effects(
+        &self,
+        state: &AdjustedSuspension,
+        targets: &[usize],
+        adjustments: &[usize],
+    ) -> DMatrix<f64> {
+        DMatrix::from_fn(targets.len(), adjustments.len(), |i, k| {
+            state.by[adjustments[k]][targets[i]] * self.weights[targets[i]]
+        })
     }
 
     /// Numbers of the values of which something is wanted.
@@ -354,10 +364,9 @@ impl<'a> Problem<'a> {
             if misses.iter().any(|m| m.is_nan()) {
                 return Err(out_of_reach());
             }
-            let by = DMatrix::from_fn(targets.len(), free.len(), |i, k| {
-                state.by[free[k]][targets[i]] * self.weights[targets[i]]
-            });
-            let decomposed = by.svd(true, true);
+            let decomposed = self
+                .weighted_effects(&state, &targets, free)
+                .svd(true, true);
             let flat = FLAT * decomposed.singular_values.max();
             let Ok(step) = decomposed.solve(&misses, flat) else {
                 return Err(out_of_reach());

@@ -12,7 +12,7 @@
 //! A unit of travel moves it by v = |x_q|, and cancels what the residuals have done to the travel, so that
 //! |J^-1| is about X + v (1 + X); with the arm as the drive it is about X. These are sums of absolute values,
 //! on the large side, and J's rows, a unit force and its moment, are somewhat larger than one: taken as one
-//! the product is right to within a factor of ten (`tests/hard_cases.rs`).
+//! the product is right to within a factor of ten (`tests/it/hard_cases.rs`).
 
 use super::{ArmState, ClosedForm};
 

@@ -60,7 +60,7 @@ const LEAST_PIVOT: f64 = 1e-3;
 /// The largest correction of a prediction, in sizes.
 const LARGEST_CORRECTION: f64 = 0.02;
 /// The farthest the knuckle may turn in one step, as a tangent of half the angle. Together with the bounds on
-/// the determinants this keeps Newton's method on the branch it is on: see `tests/lanes.rs`, where every lane is
+/// the determinants this keeps Newton's method on the branch it is on: see `tests/it/lanes.rs`, where every lane is
 /// compared with the continuation.
 const LONGEST: f64 = 0.1;
 /// The least square of the turn of the knuckle per size of rack displacement: the steering axis is the axis of this

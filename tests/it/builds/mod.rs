@@ -1,0 +1,48 @@
+//! Mechanisms as they are built: what holds of them, and what is read off them.
+
+mod axle;
+mod independent;
+mod one_build;
+mod other_equations;
+mod reference;
+mod same_as_design;
+mod set_up;
+mod tolerance;
+
+use hardpoint::build::{Assembler, BuildParameter, Member};
+use hardpoint::model::Axis;
+use hardpoint::plan::Plan;
+use hardpoint::study::Study;
+use std::path::Path;
+
+/// A sample study with some of its keys changed.
+fn study(name: &str, overrides: &[&str]) -> Study {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("studies/{name}.toml"));
+    let overrides: Vec<String> = overrides.iter().map(|o| (*o).to_owned()).collect();
+    Study::read(&path, &overrides).unwrap()
+}
+
+fn assembler(study: &Study) -> Assembler {
+    Assembler::new(&study.suspension).unwrap()
+}
+
+/// The dimension of this name: a coordinate, or a length where there is no axis.
+fn parameter(assembler: &Assembler, of: &str, axis: Option<&str>) -> BuildParameter {
+    let mechanism = &assembler.suspension().mechanism;
+    match axis {
+        Some(axis) => {
+            let axis = Axis::ALL.into_iter().find(|a| a.name() == axis).unwrap();
+            BuildParameter::Coordinate(mechanism.point(of).unwrap(), axis)
+        }
+        None => {
+            let members = Member::all(mechanism);
+            let member = members.iter().find(|(name, _)| name == of);
+            BuildParameter::Length(member.unwrap_or_else(|| panic!("no member {of}")).1)
+        }
+    }
+}
+
+/// The plan of camber, toe and their derivatives.
+fn plan(study: &Study) -> Plan {
+    Plan::of(study)
+}

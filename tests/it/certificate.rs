@@ -1,0 +1,263 @@
+//! Proofs of poses and curves: they hold against the reference, and nothing is proved that is not so.
+
+use crate::support::{Case, motion, order_to, vector};
+use hardpoint::analyse::Certifier;
+use hardpoint::derive::MotionPoint;
+use hardpoint::mechanism::{Configuration, Failure};
+use hardpoint::model::Drive;
+use hardpoint::number::Vector3;
+use hardpoint::solve::{Solver, StationOrder};
+use std::ops::ControlFlow;
+
+/// The proved bound holds for every point of the reference, and is close to rounding for an ordinary
+/// design.
+fn check(name: &str, sharpness: f64) -> (usize, usize) {
+    let case = Case::read(name);
+    let certifier = Certifier::new(&case.mechanism, &case.design);
+    let mut solver = case.solver();
+    let size = solver.size();
+    let (mut proved, mut refused) = (0, 0);
+    for state in case.states().iter().filter(|s| s["exists"] == true) {
+        let (drive, value, rack, _) = motion(state);
+        let beyond = state["label"]
+            .as_str()
+            .is_some_and(|l| !l.starts_with("design"));
+        if beyond && case.json["limits"].is_object() || state["drive"]["tierod_mode"] == -1 {
+            continue;
+        }
+        solver
+            .for_each_pose(drive, &order_to(value), rack, |solver, _, pose| {
+                let pose = pose.unwrap();
+                let point = MotionPoint { drive, value, rack };
+                let certificate = match certifier.pose(pose, &point) {
+                    Ok(certificate) => certificate,
+                    Err(reason) => {
+                        println!("{name} {drive:?} {value}: {reason}");
+                        assert!(solver.conditioning(pose, &point).number > 1e6);
+                        refused += 1;
+                        return ControlFlow::Continue(());
+                    }
+                };
+                assert!(certificate.error <= sharpness * size, "{certificate:?}");
+                assert!(certificate.error <= certificate.uniqueness);
+                let at = Configuration::new(&case.mechanism, &case.design, *pose, rack);
+                for p in ["p5", "p8", "p10", "p11"] {
+                    let id = case.point(p);
+                    let wanted = case.frame.vector(vector(&state["positions"][p]));
+                    let error = (at.point(id) - wanted).norm();
+                    let lever = at.designed_lever(id).norm();
+                    // Forming the point, and the reference read as doubles, rounds once more.
+                    let rounding = 4.0 * f64::EPSILON * size;
+                    let bound = certificate.point_error(lever) + rounding;
+                    assert!(error <= bound, "{p} {error:e} {bound:e}");
+                }
+                proved += 1;
+                if proved % 20 == 1 {
+                    println!("{name} {drive:?} {value} {certificate:?}");
+                }
+                ControlFlow::Continue(())
+            })
+            .unwrap();
+    }
+    println!("{name}: {proved} proved, {refused} refused");
+    (proved, refused)
+}
+
+#[test]
+fn ordinary_poses_are_proved_to_rounding() {
+    for name in [
+        "nominal",
+        "nominal-right",
+        "nominal-in-mm",
+        "vertical-strut",
+    ] {
+        let (proved, refused) = check(name, 2e-13);
+        assert!(proved > 0 && refused == 0);
+    }
+}
+
+/// Beside a fold the error grows like 1/det and the next solution comes closer; where they meet in
+/// double precision nothing is proved.
+#[test]
+fn beside_folds_and_toggles_the_proof_holds_or_is_refused() {
+    let (proved, _) = check("travel-limit", 1e-6);
+    assert!(proved > 0);
+}
+
+/// Visits the stations to the ends and certifies every station as one branch with the design position.
+fn certified(
+    solver: &mut Solver,
+    certifier: &Certifier,
+    drive: Drive,
+    values: &[f64],
+    rack: f64,
+) -> Vec<Result<f64, Failure>> {
+    let mut found = vec![Err(Failure::Singular); values.len()];
+    solver
+        .for_each_certified_pose(
+            certifier,
+            drive,
+            &StationOrder::through(values),
+            rack,
+            |_, station, proof| {
+                found[station] = proof.map(|(_, certificate)| certificate.error);
+                ControlFlow::Continue(())
+            },
+        )
+        .unwrap();
+    found
+}
+
+#[test]
+fn whole_curves_are_proved_to_be_one_branch() {
+    let case = Case::read("nominal");
+    let certifier = Certifier::new(&case.mechanism, &case.design);
+    let mut solver = case.solver();
+    let values: Vec<f64> = (-10..=10).map(|i| 0.01 * i as f64).collect();
+    for rack in [0.0, 0.06, -0.06] {
+        let start = std::time::Instant::now();
+        let found = certified(&mut solver, &certifier, Drive::Travel, &values, rack);
+        println!("{rack} {:?} {:?}", found[0], start.elapsed());
+        assert!(found.iter().all(|r| r.is_ok_and(|e| e < 1e-13)));
+    }
+    let angles = [-0.3, -0.1, 0.2, 0.3];
+    let found = certified(&mut solver, &certifier, Drive::ArmAngle, &angles, 0.0);
+    assert!(
+        found.iter().all(|r| r.is_ok_and(|e| e < 1e-13)),
+        "{found:?}"
+    );
+    // From one end to the other in one step each.
+    let found = certified(&mut solver, &certifier, Drive::Travel, &[-0.3, 0.3], 0.0);
+    println!("{found:?}");
+    assert!(found.iter().all(|r| r.is_ok_and(|e| e < 1e-12)));
+}
+
+/// A pose of another assembly is a solution, but not of this branch: the proof of the path fails.
+#[test]
+fn a_wrong_pose_is_not_proved() {
+    let case = Case::read("nominal");
+    let certifier = Certifier::new(&case.mechanism, &case.design);
+    let solver = case.solver();
+    let point = |value| MotionPoint {
+        drive: Drive::Travel,
+        value,
+        rack: 0.0,
+    };
+    let mut pose = None;
+    let mut solver = solver;
+    solver
+        .for_each_pose(Drive::Travel, &order_to(0.05), 0.0, |_, _, found| {
+            pose = found.ok().copied();
+            ControlFlow::Continue(())
+        })
+        .unwrap();
+    let mut pose = pose.unwrap();
+    assert!(certifier.pose(&pose, &point(0.05)).is_ok());
+    // Off by a micrometre: still near a solution, and the bound says how far.
+    pose.origin.z += 1e-6;
+    let proof = certifier.pose(&pose, &point(0.05)).unwrap();
+    assert!(proof.error >= 1e-6 && proof.error < 1e-4, "{proof:?}");
+    // Off by a decimetre: nothing.
+    pose.origin.z += 0.1;
+    assert!(certifier.pose(&pose, &point(0.05)).is_err());
+}
+
+/// Cases beyond the reference, each proved to be right to the bound given (in metres), whatever the
+/// solver did to find them: a proof on intervals needs no second solver.
+#[test]
+fn degenerate_geometries_are_proved() {
+    let nominal = Case::read("nominal");
+    let place = |p: &str| nominal.point(p).0;
+    let solved = |name: &str, design: &[Vector3<f64>], drive, values: &[f64], bound: f64| {
+        let mut solver =
+            Solver::new(&nominal.mechanism, design).unwrap_or_else(|f| panic!("{name}: {f:?}"));
+        let certifier = Certifier::new(&nominal.mechanism, design);
+        for (value, proof) in
+            values
+                .iter()
+                .zip(certified(&mut solver, &certifier, drive, values, 0.0))
+        {
+            println!("{name} {drive:?} {value}: {proof:?}");
+            let error = proof.unwrap_or_else(|f| panic!("{name} {value}: {f}"));
+            assert!(error <= bound, "{name} {value}: {error:e}");
+        }
+    };
+    let travel = [-0.08, 0.05, 0.08];
+    let with = |changes: &[(&str, Vector3<f64>)]| {
+        let mut design = nominal.design.clone();
+        for (p, at) in changes {
+            design[place(p)] = *at;
+        }
+        design
+    };
+    let at = |p: &str| nominal.design[place(p)];
+
+    // The arm turned to within a nanoradian of half a turn, where the half angle's tangent is infinite.
+    let half_turn = std::f64::consts::PI - 1e-9;
+    solved(
+        "half turn",
+        &nominal.design,
+        Drive::ArmAngle,
+        &[-half_turn, half_turn],
+        1e-13,
+    );
+
+    // Far from the origin: coordinates are rounded at 1e4 m times the epsilon.
+    let away = Vector3::new(1e4, -1e4, 1e4);
+    let far: Vec<_> = nominal.design.iter().map(|p| *p + away).collect();
+    solved("1e4 m away", &far, Drive::Travel, &travel, 1e-10);
+
+    // Strut points a micrometre apart: their direction is what the given doubles say, exactly.
+    let close = at("p6") + (at("p4") - at("p6")) * (1e-6 / (at("p4") - at("p6")).norm());
+    solved(
+        "strut points",
+        &with(&[("p7", close)]),
+        Drive::Travel,
+        &travel,
+        1e-13,
+    );
+
+    // Ball joint on the strut axis (p4, p6, p7 in line with it).
+    let on_axis = |t: f64| at("p5") + (at("p4") - at("p5")) * t;
+    let design = with(&[("p6", on_axis(0.25)), ("p7", on_axis(0.5))]);
+    solved(
+        "ball joint on the strut axis",
+        &design,
+        Drive::Travel,
+        &travel,
+        1e-13,
+    );
+
+    // All points of the knuckle in one plane.
+    let mut design = nominal.design.clone();
+    for p in ["p5", "p6", "p7", "p8", "p10", "p11", "p4"] {
+        design[place(p)].y = 0.7;
+    }
+    solved(
+        "coplanar knuckle",
+        &design,
+        Drive::Travel,
+        &[-0.03, 0.03],
+        1e-13,
+    );
+
+    // Wheel centre on the ball joint; strut horizontal, along x.
+    solved(
+        "wheel centre on the ball joint",
+        &with(&[("p10", at("p5"))]),
+        Drive::Travel,
+        &travel,
+        1e-13,
+    );
+    let design = with(&[
+        ("p4", at("p6") + Vector3::new(0.6, 0.0, 0.0)),
+        ("p7", at("p6") + Vector3::new(0.1, 0.0, 0.0)),
+    ]);
+    solved(
+        "strut along x",
+        &design,
+        Drive::ArmAngle,
+        &[-0.02, 0.02],
+        1e-13,
+    );
+}

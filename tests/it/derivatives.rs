@@ -1,0 +1,337 @@
+//! Every derivative of every quantity against differences of the values themselves.
+//!
+//! Differences have errors of their own. Here they are central ones of sixth order with steps h of
+//! 0.05 mm. The sharpest change is that of a swing arm d = 6 mm (in a hardpoint coordinate) away from its
+//! pole: truncation is 36 (h/d)^6 = 1e-11 of the derivative. Rounding is that of what is differenced,
+//! over the step: 1e-15, 1e-14, 1e-13 for values, first and second derivatives, over 5e-5. The bounds
+//! 1e-9, 1e-8, 1e-7 lie above both.
+
+use crate::support::Case;
+use hardpoint::characteristics::{Characteristic, Constants, Quantity, WheelReading};
+use hardpoint::derive::{DesignSeries, MotionPoint};
+use hardpoint::model::{
+    ArmId, Axis, Body, Drive, Mechanism, Point, PointId, Rocker, RockerId, Rod,
+};
+use hardpoint::number::{Jet, Vector3};
+use hardpoint::solve::{Solver, StationOrder};
+use std::ops::ControlFlow;
+
+const CONSTANTS: Constants = Constants {
+    size: 0.8,
+    wheel_radius: 0.3,
+    wheelbase: 2.6,
+    cg_height: 0.5,
+    is_front: true,
+    brake_share: 0.65,
+    drive_share: 0.4,
+    brake_torque_by_carrier: 1.0,
+    drive_torque_by_carrier: 0.0,
+};
+
+/// In metres, or radians.
+const STEP: f64 = 5e-5;
+
+/// Weights of the sixth-order central difference of the first derivative, at 1, 2, 3 steps.
+const WEIGHTS: [f64; 3] = [3.0 / 4.0, -3.0 / 20.0, 1.0 / 60.0];
+
+fn difference(step: f64, f: impl Fn(f64) -> Vec<f64>) -> Vec<f64> {
+    let mut sum = vec![0.0; f(0.0).len()];
+    for (k, weight) in WEIGHTS.iter().enumerate() {
+        let offset = (k + 1) as f64 * step;
+        for ((s, plus), minus) in sum.iter_mut().zip(f(offset)).zip(f(-offset)) {
+            *s += weight * (plus - minus) / step;
+        }
+    }
+    sum
+}
+
+/// The nominal strut with a point on every body, a rocker and an anti-roll bar.
+fn with_extra_points() -> (Mechanism, Vec<Vector3<f64>>) {
+    let case = Case::read("nominal");
+    let (mut mechanism, mut design) = (case.mechanism, case.design);
+    for (name, body, at) in [
+        ("damper", Body::Arm(ArmId(0)), [0.02, 0.6, 0.18]),
+        ("caliper", Body::Knuckle, [-0.1, 0.7, 0.35]),
+        ("rocker_pivot_front", Body::Chassis, [0.02, 0.36, 0.56]),
+        ("rocker_pivot_rear", Body::Chassis, [-0.02, 0.37, 0.56]),
+        ("pushrod_inner", Body::Rocker(RockerId(0)), [0.0, 0.42, 0.6]),
+        ("pushrod_outer", Body::Knuckle, [0.01, 0.6, 0.4]),
+        ("anti_roll_bar_inner", Body::Chassis, [-0.2, 0.2, 0.34]),
+        ("anti_roll_bar_outer", Body::Chassis, [-0.2, 0.54, 0.33]),
+        (
+            "drop_link_inner",
+            Body::Rocker(RockerId(1)),
+            [-0.1, 0.54, 0.33],
+        ),
+        ("drop_link_outer", Body::Arm(ArmId(0)), [-0.1, 0.55, 0.2]),
+    ] {
+        mechanism.points.push(Point {
+            name: name.to_owned(),
+            body,
+        });
+        design.push(Vector3::from(at));
+    }
+    for (rod, names) in [
+        (
+            Rod::Pushrod,
+            [
+                "rocker_pivot_front",
+                "rocker_pivot_rear",
+                "pushrod_inner",
+                "pushrod_outer",
+            ],
+        ),
+        (
+            Rod::DropLink,
+            [
+                "anti_roll_bar_inner",
+                "anti_roll_bar_outer",
+                "drop_link_inner",
+                "drop_link_outer",
+            ],
+        ),
+    ] {
+        let [first, second, inner, outer] = names.map(|name| mechanism.point(name).unwrap());
+        mechanism.rockers.push(Rocker {
+            rod,
+            first,
+            second,
+            inner,
+            outer,
+        });
+    }
+    (mechanism, design)
+}
+
+fn quantities(mechanism: &Mechanism) -> Vec<Quantity> {
+    let mut all: Vec<Quantity> = Characteristic::ALL
+        .iter()
+        .map(|c| Quantity::Characteristic(*c))
+        .collect();
+    for name in [
+        "tie_rod_outer",
+        "damper",
+        "caliper",
+        "rod_point",
+        "pushrod_inner",
+    ] {
+        let point = mechanism.point(name).unwrap();
+        all.extend(Axis::ALL.map(|axis| Quantity::Coordinate(point, axis)));
+    }
+    all.extend(Axis::ALL.map(Quantity::AngularVelocity));
+    all
+}
+
+/// Values and first two derivatives of every quantity: (quantity, order) in rows.
+fn series(
+    mechanism: &Mechanism,
+    design: &[Vector3<f64>],
+    point: MotionPoint<f64>,
+) -> Vec<[f64; 3]> {
+    let mut solver = Solver::new(mechanism, design).unwrap();
+    let design_series = DesignSeries::<4>::new(mechanism, design);
+    let mut found = Vec::new();
+    solver
+        .for_each_pose(
+            point.drive,
+            &StationOrder::through(&[point.value]),
+            point.rack,
+            |solver, _, pose| {
+                let motion = point.along_drive();
+                let at = solver
+                    .configuration_series(&design_series, pose.unwrap(), &motion)
+                    .unwrap();
+                let view = WheelReading::of(&at, CONSTANTS);
+                found = quantities(mechanism)
+                    .into_iter()
+                    .map(|q| {
+                        let value = view.value(&at, q);
+                        [0, 1, 2].map(|k| value.derivative(k))
+                    })
+                    .collect();
+                ControlFlow::Continue(())
+            },
+        )
+        .unwrap();
+    found
+}
+
+const PLACES: [MotionPoint<f64>; 3] = [
+    MotionPoint {
+        drive: Drive::Travel,
+        value: 0.02,
+        rack: 0.01,
+    },
+    MotionPoint {
+        drive: Drive::Travel,
+        value: -0.06,
+        rack: -0.02,
+    },
+    MotionPoint {
+        drive: Drive::ArmAngle,
+        value: -0.15,
+        rack: 0.015,
+    },
+];
+
+/// The largest error over the quantities, each relative to the scale of its kind.
+fn compare(
+    mechanism: &Mechanism,
+    values: &[[f64; 3]],
+    found: &[f64],
+    wanted: &[f64],
+    order: usize,
+    what: &str,
+) {
+    let quantities = quantities(mechanism);
+    for ((quantity, value), (f, w)) in quantities.iter().zip(values).zip(found.iter().zip(wanted)) {
+        // A swing arm y is the inverse of a rate of turning, whose error counts y^2 in y; so is a place at its end.
+        let pole = match quantity {
+            Quantity::Characteristic(
+                Characteristic::FrontViewSwingArm
+                | Characteristic::SideViewSwingArm
+                | Characteristic::FrontViewCentreLateral
+                | Characteristic::FrontViewCentreHeight
+                | Characteristic::SideViewCentreLongitudinal
+                | Characteristic::SideViewCentreHeight,
+            ) => value[0] * value[0],
+            _ => 1.0,
+        };
+        let scale = w.abs().max(1.0).max(pole);
+        let bound = match order {
+            0 => 1e-9,
+            1 => 1e-8,
+            _ => 1e-7,
+        };
+        assert!(
+            (f - w).abs() <= bound * scale,
+            "{what} of {quantity:?}, order {order}: {f} and {w}"
+        );
+    }
+}
+
+#[test]
+fn derivatives_by_the_drive_are_those_of_the_values() {
+    let (mechanism, design) = with_extra_points();
+    for place in PLACES {
+        let here = series(&mechanism, &design, place);
+        for order in [0, 1] {
+            let wanted = difference(STEP, |offset| {
+                let moved = MotionPoint {
+                    value: place.value + offset,
+                    ..place
+                };
+                series(&mechanism, &design, moved)
+                    .iter()
+                    .map(|s| s[order])
+                    .collect()
+            });
+            let found: Vec<f64> = here.iter().map(|s| s[order + 1]).collect();
+            compare(
+                &mechanism,
+                &here,
+                &found,
+                &wanted,
+                order,
+                "drive derivative",
+            );
+        }
+    }
+}
+
+#[test]
+fn derivatives_by_every_hardpoint_coordinate_are_those_of_the_values() {
+    let (mechanism, design) = with_extra_points();
+    let count = quantities(&mechanism).len();
+    for place in PLACES {
+        let here = series(&mechanism, &design, place);
+        // found[order][quantity][point]
+        let mut found = vec![vec![vec![Vector3::default(); design.len()]; count]; 3];
+        let mut solver = Solver::new(&mechanism, &design).unwrap();
+        let design_series = DesignSeries::<4>::new(&mechanism, &design);
+        let mut buffer = vec![Vector3::new(0.0, 0.0, 0.0).map(Jet::constant); design.len()];
+        solver
+            .for_each_pose(
+                place.drive,
+                &StationOrder::through(&[place.value]),
+                place.rack,
+                |solver, _, pose| {
+                    let motion = place.along_drive();
+                    let linearised = solver
+                        .linearised(&design_series, pose.unwrap(), &motion)
+                        .unwrap();
+                    let view = WheelReading::of(&linearised.at, CONSTANTS);
+                    for (k, quantity) in quantities(&mechanism).into_iter().enumerate() {
+                        view.gradients(
+                            &linearised,
+                            quantity,
+                            2,
+                            &mut buffer,
+                            &mut |order, p, gradient| {
+                                found[order][k][p.0] = gradient;
+                            },
+                        );
+                    }
+                    ControlFlow::Continue(())
+                },
+            )
+            .unwrap();
+        for point in 0..design.len() {
+            for axis in Axis::ALL {
+                let wanted = difference(STEP, |offset| {
+                    let mut moved = design.clone();
+                    let mut coordinates = moved[point].to_array();
+                    coordinates[axis as usize] += offset;
+                    moved[point] = Vector3::from(coordinates);
+                    let rows = series(&mechanism, &moved, place);
+                    rows.into_iter().flatten().collect()
+                });
+                for order in 0..3 {
+                    let found: Vec<f64> = found[order]
+                        .iter()
+                        .map(|by_point| by_point[point].to_array()[axis as usize])
+                        .collect();
+                    let wanted: Vec<f64> = wanted.chunks(3).map(|w| w[order]).collect();
+                    let what = format!("by {}.{}", mechanism.name(PointId(point)), axis.name());
+                    compare(&mechanism, &here, &found, &wanted, order, &what);
+                }
+            }
+        }
+    }
+}
+
+/// What drives the mechanism must not matter for what is measured by wheel travel.
+#[test]
+fn gains_and_centres_do_not_depend_on_the_drive() {
+    let (mechanism, design) = with_extra_points();
+    let angle = PLACES[2];
+    let by_angle = series(&mechanism, &design, angle);
+    let mut solver = Solver::new(&mechanism, &design).unwrap();
+    let mut travel = 0.0;
+    solver
+        .for_each_pose(
+            angle.drive,
+            &StationOrder::through(&[angle.value]),
+            angle.rack,
+            |_, _, pose| {
+                let pose = pose.unwrap();
+                let centre = mechanism.wheel_centre;
+                let lever = design[centre.0] - design[mechanism.origin.0];
+                travel = (pose.origin + pose.rotation.apply(lever)).z - design[centre.0].z;
+                ControlFlow::Continue(())
+            },
+        )
+        .unwrap();
+    let place = MotionPoint {
+        drive: Drive::Travel,
+        value: travel,
+        rack: angle.rack,
+    };
+    let by_travel = series(&mechanism, &design, place);
+    for ((quantity, a), b) in quantities(&mechanism).iter().zip(&by_angle).zip(&by_travel) {
+        if !quantity.is_rate() {
+            let error = (a[0] - b[0]).abs() / b[0].abs().max(1.0);
+            assert!(error < 1e-12, "{quantity:?}: {} and {}", a[0], b[0]);
+        }
+    }
+}

@@ -1,0 +1,431 @@
+//! The hard cases, of the reference and of our own: states next to folds and toggles to a bound derived
+//! from their condition number, the folds themselves, and requests that have no solution.
+
+use crate::support::random::Random;
+use crate::support::{AXES, Case, motion, number, order_to, sensitivity_errors, vector};
+use hardpoint::analyse::RangeEnd;
+use hardpoint::characteristics::{Characteristic, Constants, Quantity, WheelReading};
+use hardpoint::curves::curves;
+use hardpoint::derive::{DesignSeries, MotionPoint};
+use hardpoint::mechanism::Failure;
+use hardpoint::mechanism::LimitCause;
+use hardpoint::model::Drive;
+use hardpoint::number::Vector3;
+use hardpoint::plan::Plan;
+use hardpoint::solve::{Rejection, Solver, StationOrder};
+use hardpoint::study::Study;
+use serde_json::Value;
+use std::ops::ControlFlow;
+use std::path::Path;
+
+/// Whether a state lies on the path from the design position with this drive: the reference lists the
+/// other assemblies of the same drive value as well.
+fn is_connected(case: &Case, state: &Value) -> bool {
+    let label = state["label"].as_str().unwrap_or("");
+    let other_mode = state["drive"]["kind"] == "arm_delta" && state["drive"]["tierod_mode"] == -1;
+    // The toggle itself (w = 0, w the distance of the tie rod's end from its plane) comes before the
+    // fold of travel only where w has changed sign at the fold. It has downward, not upward.
+    let toggle_beyond = label.contains("w=0") && {
+        let end = if motion(state).1 > 0.0 { "up" } else { "down" };
+        let designed = number(&case.json["design"]["p8_distance_from_plane_5_4_3"]);
+        designed * number(&case.json["travel_folds"][end]["w"]) > 0.0
+    };
+    !label.starts_with("beyond") && !other_mode && !toggle_beyond
+}
+
+/// The failure of a visit to one station, or nothing if it has a pose.
+fn failure(case: &Case, state: &Value) -> Option<Failure> {
+    let (drive, value, rack, _) = motion(state);
+    let mut failure = None;
+    case.solver()
+        .for_each_pose(drive, &order_to(value), rack, |_, _, pose| {
+            failure = pose.err();
+            ControlFlow::Continue(())
+        })
+        .unwrap();
+    failure
+}
+
+/// Every state that exists, against a bound from its condition number k: positions and angles to
+/// max(1e-14, 8 e k), derivatives and sensitivities, relative to the largest of their kind, to
+/// max(1e-13, 8 e k^2) (module `conditioning`; the factor is for the rounding of the residuals themselves,
+/// which sum up to eight products). e is the epsilon; far from the origin, where residuals are rounded at
+/// the size of the coordinates, as much larger as these are than the mechanism, and the floors with it.
+fn check(name: &str) -> usize {
+    check_case(name, &Case::read(name))
+}
+
+fn check_case(name: &str, case: &Case) -> usize {
+    let design_series = DesignSeries::<3>::new(&case.mechanism, &case.design);
+    let mut solver = case.solver();
+    let size = solver.size();
+    let coarse = match case.mechanism.coordinate_scale(&case.design) / size {
+        far if far > 100.0 => far,
+        _ => 1.0,
+    };
+    let mut checked = 0;
+    for state in case.states().iter().filter(|s| s["exists"] == true) {
+        if !is_connected(case, state) {
+            continue;
+        }
+        let (drive, value, rack, sign) = motion(state);
+        solver
+            .for_each_pose(drive, &order_to(value), rack, |solver, _, pose| {
+                let pose = pose.unwrap_or_else(|f| panic!("{name} {:?}: {f}", state["drive"]));
+                let point = MotionPoint { drive, value, rack };
+                let k = solver.conditioning(pose, &point).number;
+                let bound = [
+                    (8.0 * f64::EPSILON * k).max(1e-14),
+                    (8.0 * f64::EPSILON * k * k).max(1e-13),
+                    (8.0 * f64::EPSILON * k * k).max(1e-13),
+                ]
+                .map(|bound| coarse * bound);
+                let at = solver
+                    .configuration_series(&design_series, pose, &point.along_drive())
+                    .unwrap();
+                let view = WheelReading::of(&at, Constants::default());
+                let mut worst = [0.0_f64; 3];
+                let mut largest = [size, 0.0, 0.0];
+                let mut found = Vec::new();
+                for p in ["p5", "p6", "p7", "p8", "p9", "p10", "p11"] {
+                    for (order, key) in ["positions", "d1", "d2"].into_iter().enumerate() {
+                        let wanted = case.frame.vector(vector(&state[key][p])).to_array();
+                        for axis in AXES {
+                            let wanted = wanted[axis as usize] * sign.powi(order as i32);
+                            let series =
+                                view.value(&at, Quantity::Coordinate(case.point(p), axis));
+                            if order > 0 {
+                                largest[order] = largest[order].max(wanted.abs());
+                            }
+                            found.push((order, series.derivative(order) - wanted));
+                        }
+                    }
+                }
+                for (order, error) in found {
+                    assert!(error.is_finite());
+                    worst[order] = worst[order].max((error / largest[order]).abs());
+                }
+                for (name, c) in [
+                    ("camber", Characteristic::Camber),
+                    ("toe", Characteristic::Toe),
+                    ("kpi", Characteristic::KingpinInclination),
+                    ("caster", Characteristic::Caster),
+                ] {
+                    let series = view.value(&at, Quantity::Characteristic(c));
+                    let error = series[0] - number(&state["angles"][name]["d0"]);
+                    assert!(error.abs() <= 2.0 * bound[0], "{name} {error:e}");
+                }
+                println!(
+                    "{name} {drive:?} {value:<22} k {k:.1e}  errors {:.1e} {:.1e} {:.1e}  of bounds {:.1e} {:.1e}",
+                    worst[0], worst[1], worst[2], bound[0], bound[1]
+                );
+                for order in 0..3 {
+                    assert!(worst[order] <= bound[order], "{name} {drive:?} {value} order {order}");
+                }
+                if state.get("sens").is_some() {
+                    let motion = point.along_drive();
+                    let linearised = solver.linearised(&design_series, pose, &motion).unwrap();
+                    let errors = sensitivity_errors(case, state, sign, &view, &linearised);
+                    println!("    sensitivities {:.1e} {:.1e} {:.1e}", errors[0].0, errors[1].0, errors[2].0);
+                    for error in errors {
+                        assert!(error.0 <= bound[1], "{name} {drive:?} {value} {:e}", error.0);
+                    }
+                }
+                checked += 1;
+                ControlFlow::Continue(())
+            })
+            .unwrap();
+    }
+    checked
+}
+
+#[test]
+fn states_beside_the_folds_of_travel() {
+    assert_eq!(check("travel-limit"), 10);
+}
+
+#[test]
+fn states_beside_the_toggle_of_the_tie_rod() {
+    assert_eq!(check("tie-rod-toggle"), 17);
+}
+
+#[test]
+fn strut_points_a_millimetre_apart() {
+    assert_eq!(check("strut-points-1mm"), 3);
+}
+
+#[test]
+fn angular_velocity_in_the_plane_of_three_points() {
+    assert_eq!(check("angular-velocity-in-plane"), 8);
+}
+
+/// Degenerate designs against answers from another formulation (`tests/data/own`).
+#[test]
+fn own_hard_cases() {
+    for (name, states) in [
+        ("assemblies-2um", 7),
+        ("ball-joint-on-strut-axis", 3),
+        ("coplanar-knuckle", 3),
+        ("far-from-origin", 3),
+        ("half-turn", 2),
+        ("planar", 6),
+        ("strut-points-1um", 2),
+    ] {
+        let case = Case::own(name);
+        assert_eq!(check_case(name, &case), states, "{name}");
+        for state in case.states().iter().filter(|s| s["exists"] == false) {
+            let (drive, value, rack, sign) = motion(state);
+            let known = sign * number(&state["limit"]);
+            let range = case.solver().drive_range(drive, rack).unwrap();
+            let end = if value > 0.0 {
+                range.upper
+            } else {
+                range.lower
+            };
+            let RangeEnd::Fold(exact) = end else {
+                panic!("{name} {end:?}")
+            };
+            let size = case.solver().size();
+            let bound = match drive {
+                Drive::Travel => 4.0 * f64::EPSILON * size,
+                // The squared distance of p8 from its plane falls from 1e-12 m^2 to zero at the toggle; it
+                // is made of squares of lengths, which are rounded.
+                Drive::ArmAngle => 8.0 * f64::EPSILON * size * size * known.abs() / 1e-12,
+            };
+            match failure(&case, state) {
+                Some(Failure::Unreachable { limit, cause, .. }) => {
+                    let error = limit - known;
+                    println!("{name} {limit:e} error {error:.1e} of {bound:.1e} {cause:?}");
+                    assert!(error.abs() <= bound, "{error:e}");
+                    assert!((exact.value - known).abs() <= bound);
+                    let expected = match name {
+                        "assemblies-2um" => LimitCause::TieRodToggle,
+                        _ if value > 0.0 => LimitCause::CentreHighest,
+                        _ => LimitCause::CentreLowest,
+                    };
+                    assert_eq!(cause, expected);
+                }
+                other => panic!("{name} {:?}: {other:?}", state["drive"]),
+            }
+        }
+    }
+}
+
+#[test]
+fn what_has_no_solution_is_refused_with_the_limit() {
+    let case = Case::read("no-assembly");
+    let racks = &case.json["rack_limits_at_zero_travel_float"];
+    for state in case.states() {
+        assert_eq!(state["exists"], false);
+        let found = failure(&case, state);
+        println!("{found:?}");
+        match found.expect("a refusal") {
+            Failure::Unreachable { drive, limit, .. } => {
+                assert_eq!(drive, Drive::Travel);
+                let known = if motion(state).1 > 0.0 {
+                    0.34966781
+                } else {
+                    -0.36579594
+                };
+                assert!((limit - known).abs() < 1e-8, "{limit}");
+            }
+            Failure::RackUnreachable { limit, .. } => {
+                let known = number(&racks[if limit > 0.0 { "rack+1" } else { "rack-1" }]);
+                // Stored to nine decimals.
+                assert!((limit - known).abs() <= 0.5e-9, "{limit} {known}");
+            }
+            other => panic!("{:?}: {other}", state["drive"]),
+        }
+    }
+}
+
+/// What a closed form says of its condition number is right to within a factor of ten, over designs that
+/// are scattered by up to a sixth of the size; above 1000 it is not asked.
+#[test]
+fn estimated_condition_numbers_hold_to_a_factor_of_ten() {
+    for (name, reach) in [
+        ("macpherson_solve.toml", 0.1),
+        ("double_wishbone_solve.toml", 0.1),
+    ] {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies");
+        let suspension = Study::read(&path.join(name), &[]).unwrap().suspension;
+        let mechanism = &suspension.mechanism;
+        let size = suspension.size();
+        let (mut least, mut most, mut estimated, mut exact) = (f64::INFINITY, 0.0_f64, 0, 0);
+        for number in 0..2000 {
+            let random = &mut Random(number);
+            let scatter = [0.01, 0.05, 0.16][number as usize % 3] * size;
+            let design = random.scattered(&suspension.design, scatter);
+            let Ok(mut solver) = Solver::new(mechanism, &design) else {
+                continue;
+            };
+            let (drive, unit) = match number % 4 {
+                0 => (Drive::ArmAngle, 1.0),
+                _ => (Drive::Travel, size),
+            };
+            let values: Vec<f64> = (-4..=4).map(|k| 0.25 * k as f64 * reach * unit).collect();
+            let station_order = StationOrder::through(&values);
+            let series = DesignSeries::<1>::new(mechanism, &design);
+            let visited =
+                solver.for_each_pose(drive, &station_order, 0.0, |solver, station, pose| {
+                    if let Ok(pose) = pose {
+                        let point = MotionPoint {
+                            drive,
+                            value: values[station],
+                            rack: 0.0,
+                        };
+                        let conditioned =
+                            solver.conditioned_series(&series, pose, &point.along_drive());
+                        let found = conditioned.unwrap().1.number;
+                        let true_one = solver.conditioning(pose, &point).number;
+                        match found == true_one {
+                            true => exact += 1,
+                            false => {
+                                assert!(found < 1e3);
+                                least = least.min(found / true_one);
+                                most = most.max(found / true_one);
+                                estimated += 1;
+                            }
+                        }
+                    }
+                    ControlFlow::Continue(())
+                });
+            assert!(visited.is_ok() || number % 3 == 2);
+        }
+        println!("{name}: {estimated} estimated, {exact} exact, ratios {least:.2} to {most:.2}");
+        assert!(estimated > 1000);
+        assert!(least > 0.1 && most < 10.0);
+    }
+}
+
+/// The folds to 45 digits, and how they move with every hardpoint.
+#[test]
+fn limits_of_travel_are_exact() {
+    let case = Case::read("travel-limit");
+    let mut solver = case.solver();
+    let size = solver.size();
+    let limits = solver.limits().unwrap();
+    for (end, key, cause) in [
+        (&limits.travel.upper, "up", LimitCause::CentreHighest),
+        (&limits.travel.lower, "down", LimitCause::CentreLowest),
+    ] {
+        let known = &case.json["limits"][key];
+        let RangeEnd::Fold(limit) = end else {
+            panic!("{end:?}")
+        };
+        let error = limit.value - number(&known["travel"]);
+        println!("{key} {} error {error:.1e} {:?}", limit.value, limit.cause);
+        assert!(error.abs() <= 4.0 * f64::EPSILON * size, "{error:e}");
+        assert_eq!(limit.cause, cause);
+        let mut worst = 0.0_f64;
+        let mut count = 0;
+        for (param, value) in known["limit_sensitivity"].as_object().unwrap() {
+            let (point, axis) = param.split_once('.').unwrap();
+            let axis = AXES.into_iter().find(|a| a.name() == axis).unwrap();
+            let found: Vector3<f64> = case.frame.vector(limit.gradient[case.point(point).0]);
+            worst = worst.max((found.to_array()[axis as usize] - number(value)).abs());
+            count += 1;
+        }
+        println!("{count} sensitivities to {worst:.1e}");
+        assert!(count >= 27 && worst < 1e-12, "{worst:e}");
+    }
+    // The arm can be turned right round.
+    let arm = limits.arm_angle.unwrap();
+    assert_eq!(
+        (arm.lower, arm.upper),
+        (RangeEnd::FullTurn, RangeEnd::FullTurn)
+    );
+}
+
+#[test]
+fn limits_at_the_toggle_of_the_tie_rod_are_exact() {
+    let case = Case::read("tie-rod-toggle");
+    let mut solver = case.solver();
+    let size = solver.size();
+    let limits = solver.limits().unwrap();
+    let json = &case.json;
+    let arm = limits.arm_angle.unwrap();
+    // The reference turns the arm the other way.
+    let wanted = [
+        (
+            &limits.travel.upper,
+            number(&json["travel_folds"]["up"]["travel"]),
+            size,
+            LimitCause::CentreHighest,
+        ),
+        (
+            &limits.travel.lower,
+            number(&json["travel_folds"]["down"]["travel"]),
+            size,
+            LimitCause::CentreLowest,
+        ),
+        (
+            &arm.upper,
+            -number(&json["limit_arm_delta"][0]),
+            1.0,
+            LimitCause::TieRodToggle,
+        ),
+        (
+            &arm.lower,
+            -number(&json["limit_arm_delta"][1]),
+            1.0,
+            LimitCause::TieRodToggle,
+        ),
+    ];
+    // The travel passes regularly through the toggle of the tie rod, which is near both of its ends.
+    for (end, known, unit, cause) in wanted {
+        let RangeEnd::Fold(limit) = end else {
+            panic!("{end:?}")
+        };
+        let error = (limit.value - known) / unit;
+        println!("{} error {error:.1e} {:?}", limit.value, limit.cause);
+        assert!(error.abs() < 1e-13, "{error:e}");
+        assert_eq!(limit.cause, cause);
+        assert_eq!(limit.nearest.unwrap().cause, LimitCause::TieRodToggle);
+    }
+}
+
+/// What lies a nanometre (or nanoradian) beyond a fold is refused, and the limit is the fold.
+#[test]
+fn a_nanometre_beyond_a_fold_is_refused() {
+    for name in ["travel-limit", "tie-rod-toggle"] {
+        let case = Case::read(name);
+        for state in case.states().iter().filter(|s| s["exists"] == false) {
+            let (drive, value, _, _) = motion(state);
+            match failure(&case, state) {
+                Some(Failure::Unreachable { limit, cause, .. }) => {
+                    let short = (value - limit).abs();
+                    println!(
+                        "{name} {:?}: short by {short:.2e}, {cause:?}",
+                        state["drive"]["value"]
+                    );
+                    assert!((0.9e-9..1.1e-9).contains(&short), "{short:e}");
+                    let tie_rod = name == "tie-rod-toggle" && drive == Drive::ArmAngle;
+                    assert_eq!(cause == LimitCause::TieRodToggle, tie_rod);
+                }
+                other => panic!("{name} {:?}: {other:?}", state["drive"]),
+            }
+        }
+    }
+}
+
+/// Stations that the tracker does not vouch for are counted by the guard that left them to the continuation, which solves
+/// those within reach.
+#[test]
+fn what_is_left_to_the_continuation_has_a_reason() {
+    let studies = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies");
+    let solved = |name: &str, travel: &str| {
+        let edits = [format!("motion.travel={travel}")];
+        let study = Study::read(&studies.join(name), &edits).unwrap();
+        curves(&study.suspension, &Plan::of(&study)).unwrap()
+    };
+    let wide = "{ from = -300.0, to = 300.0, steps = 41 }";
+    let ordinary = solved("macpherson_solve.toml", "[-80.0, 0.0, 80.0]");
+    assert_eq!(ordinary.left_to_continuation, []);
+    let steep = solved("macpherson_solve.toml", wide);
+    assert_eq!(steep.left_to_continuation, [(Rejection::FoldNear, 3)]);
+    assert_eq!(steep.failed(), 0);
+    let beyond = solved("double_wishbone_solve.toml", wide);
+    let left = beyond.left_to_continuation.iter().map(|(_, count)| count);
+    assert_eq!((left.sum::<usize>(), beyond.failed()), (9, 9));
+}

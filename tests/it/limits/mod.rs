@@ -1,0 +1,20 @@
+//! Causes of limits, by measures of the parts that are written down here once more.
+//!
+//! - of random designs ([`random`]): what is named is singular by its own measure, and what is not named is not;
+//! - ([`agreement`]) what is said of a motion by `check`, `solve` and `limits`;
+//! - of designs that are led away from a toggle that was planted ([`planted`]): it is found again, and named.
+
+mod agreement;
+mod measures;
+mod planted;
+mod random;
+
+use hardpoint::study::Study;
+use std::path::Path;
+
+/// A sample study's suspension.
+fn sample(name: &str) -> hardpoint::model::Suspension {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies");
+    let study = Study::read(&path.join(format!("{name}.toml")), &[]);
+    study.unwrap().suspension
+}

@@ -1,0 +1,39 @@
+//! Tests of the library and of the program, in one binary: the engine is linked once.
+//!
+//! Each module is a subject. `cargo test --test it tuning::` runs one of them. A test here may not change its process: no
+//! signals, limits, environment variables or current directory. Tests whose child processes are killed, limited or
+//! measured stand in `tests/processes`.
+
+mod anti;
+mod assemblies;
+mod axle;
+mod bench;
+mod builds;
+mod certificate;
+mod command_line;
+mod derivatives;
+mod effects;
+mod exchange;
+mod front_door;
+mod hard_cases;
+mod infinity;
+mod lanes;
+mod limits;
+mod loads;
+mod point_coordinates;
+mod readme;
+mod reference;
+mod report;
+mod robustness;
+mod rockers;
+mod studio;
+mod study_errors;
+mod study_files;
+mod study_keys;
+mod study_meaning;
+#[path = "../support/mod.rs"]
+mod support;
+mod sweep;
+mod terminal;
+mod topologies;
+mod tuning;

@@ -1,0 +1,88 @@
+//! The README and the manual say what the program does.
+
+use hardpoint::characteristics::Characteristic;
+use std::fs;
+use std::path::Path;
+
+/// The manual's table of characteristics is the catalogue's. To renew it after a change of the catalogue, run
+/// `UPDATE_README=1 cargo test --test it readme::`.
+#[test]
+fn the_table_of_characteristics_is_the_catalogue() {
+    let mut table = String::from("\n| name | formula | positive when |\n|---|---|---|\n");
+    for c in Characteristic::ALL {
+        let info = c.info();
+        table += &format!(
+            "| `{}` | {} | {} |\n",
+            info.name, info.formula, info.positive
+        );
+    }
+    table.push('\n');
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/characteristics.md");
+    let readme = fs::read_to_string(&path).unwrap();
+    let (start, end) = ("<!-- characteristics -->\n", "<!-- /characteristics -->");
+    let from = readme.find(start).unwrap() + start.len();
+    let to = readme.find(end).unwrap();
+    if std::env::var_os("UPDATE_README").is_some() {
+        fs::write(
+            &path,
+            format!("{}{table}{}", &readme[..from], &readme[to..]),
+        )
+        .unwrap();
+    } else {
+        assert_eq!(&readme[from..to], table);
+    }
+}
+
+/// Every sample study is listed, and everything listed is there.
+#[test]
+fn every_sample_study_is_listed() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let readme = fs::read_to_string(root.join("README.md")).unwrap();
+    for entry in fs::read_dir(root.join("studies")).unwrap() {
+        let name = entry.unwrap().file_name().into_string().unwrap();
+        if name.ends_with(".toml") {
+            assert!(
+                readme.contains(&format!("`{name}`")),
+                "{name} is not in the README"
+            );
+        }
+    }
+    for word in readme
+        .split('`')
+        .filter(|w| w.ends_with(".toml") && !w.contains(' '))
+    {
+        let is_result = ["optimised.toml", "mine.toml"].contains(&word);
+        assert!(
+            is_result || root.join("studies").join(word).is_file(),
+            "{word}"
+        );
+    }
+}
+
+/// The README's first command prints what the README says that it prints.
+#[test]
+fn the_first_command_prints_what_the_readme_shows() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let readme = fs::read_to_string(root.join("README.md")).unwrap();
+    let between = |from: &str, to: &str| {
+        let start = readme.find(from).unwrap() + from.len();
+        &readme[start..start + readme[start..].find(to).unwrap()]
+    };
+    let command = between("cargo run --release -- ", "\n");
+    let shown = between("```text\n", "```");
+    // In a directory of its own, where the command finds the study at the same path.
+    let directory = tempfile::tempdir().unwrap();
+    let study = command.split(' ').nth(1).unwrap();
+    fs::create_dir(directory.path().join("studies")).unwrap();
+    fs::copy(root.join(study), directory.path().join(study)).unwrap();
+    let printed = assert_cmd::Command::cargo_bin("hardpoint")
+        .unwrap()
+        .current_dir(directory.path())
+        .args(command.split(' '))
+        .assert()
+        .success()
+        .get_output()
+        .stdout
+        .clone();
+    assert_eq!(String::from_utf8(printed).unwrap(), shown);
+}

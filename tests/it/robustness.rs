@@ -1,0 +1,552 @@
+//! Any finite hardpoints: solved, or refused with a reason.
+//!
+//! Designs are drawn from a number: a road car's strut with its points scattered, and in every other one
+//! something degenerate (points that coincide, line up or lie in a plane, axes along the coordinate
+//! axes, a tie rod at toggle, other scales, far from the origin).
+//!
+//! Each goes through the solver, through the curves of a study that asks for certificates, rates and
+//! sensitivities, and through a follower of its own that takes small steps: what is `ok` has a proof, and
+//! is where the small steps lead.
+
+use crate::support::small_steps::SmallSteps;
+use hardpoint::characteristics::Characteristic;
+use hardpoint::curves::{Curves, Proof, Status, curves};
+use hardpoint::derive::MotionPoint;
+use hardpoint::mechanism::LimitCause;
+use hardpoint::mechanism::{DesignFault, Failure, Pose};
+use hardpoint::model::{
+    Constraint, Drive, Frame, FrameConvention, LengthUnit, Mechanism, Side, Suspension, Topology,
+    Vehicle,
+};
+use hardpoint::number::Vector3;
+use hardpoint::plan::Plan;
+use hardpoint::solve::{Solver, StationOrder};
+use hardpoint::study::{self, Formulation, Motion, Order, Outputs, Study};
+use proptest::prelude::*;
+use proptest::test_runner::{RngAlgorithm, TestRng, TestRunner};
+use std::ops::{ControlFlow, Range};
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// A small generator (S. Vigna, splitmix64), so that a design is known by its number alone.
+struct Random(u64);
+
+impl Random {
+    fn bits(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+    /// In [-1, 1).
+    fn symmetric(&mut self) -> f64 {
+        (self.bits() >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+    }
+    fn below(&mut self, n: usize) -> usize {
+        (self.bits() % n as u64) as usize
+    }
+    fn chance(&mut self, one_in: usize) -> bool {
+        self.below(one_in) == 0
+    }
+}
+
+const POINTS: [(&str, [f64; 3]); 10] = [
+    ("lower_arm_front", [0.12, 0.36, 0.195]),
+    ("lower_arm_rear", [-0.26, 0.35, 0.205]),
+    ("lower_ball_joint", [0.005, 0.705, 0.19]),
+    ("strut_top", [-0.035, 0.575, 0.85]),
+    ("strut_lower", [-0.011, 0.623, 0.37]),
+    ("strut_upper", [-0.017, 0.611, 0.49]),
+    ("tie_rod_inner", [-0.11, 0.33, 0.243]),
+    ("tie_rod_outer", [-0.13, 0.69, 0.24]),
+    ("wheel_centre", [0.0, 0.76, 0.3]),
+    ("spindle_inner", [-0.0002, 0.66, 0.2991]),
+];
+
+struct Trial {
+    mechanism: Mechanism,
+    design: Vec<Vector3<f64>>,
+    drive: Drive,
+    values: Vec<f64>,
+    rack: f64,
+    /// Whether nothing degenerate was done to it.
+    ordinary: bool,
+}
+
+fn trial(number: u64) -> Trial {
+    let random = &mut Random(number);
+    let scatter = [0.02, 0.08, 0.2, 0.6][random.below(4)];
+    let mut points = POINTS.map(|(_, p)| p.map(|c| c + scatter * random.symmetric()));
+    let ordinary = random.chance(2);
+    if !ordinary {
+        for _ in 0..=random.below(3) {
+            degrade(&mut points, random);
+        }
+    }
+    let mut scale = 1.0;
+    if !ordinary && random.chance(3) {
+        scale = 10f64.powi(random.below(13) as i32 - 6);
+        points = points.map(|p| p.map(|c| c * scale));
+    }
+    if !ordinary && random.chance(6) {
+        let away = [0, 1, 2].map(|_| 1e4 * scale * random.symmetric());
+        for p in &mut points {
+            for (c, a) in p.iter_mut().zip(away) {
+                *c += a;
+            }
+        }
+    }
+    let topology = Topology::named("macpherson").unwrap();
+    let with_upper = !random.chance(4);
+    let given: Vec<&str> = topology
+        .hardpoints
+        .iter()
+        .map(|h| h.name)
+        .filter(|n| with_upper || *n != "strut_upper")
+        .collect();
+    let mechanism = (topology.build)(topology, &given);
+    let design = mechanism
+        .points
+        .iter()
+        .map(|p| POINTS.iter().position(|(n, _)| *n == p.name).unwrap())
+        .map(|k| Vector3::from(points[k]))
+        .collect();
+    let drive = match random.chance(4) {
+        true => Drive::ArmAngle,
+        false => Drive::Travel,
+    };
+    let reach = match drive {
+        Drive::Travel => [0.05, 0.1, 0.3][random.below(3)] * scale,
+        Drive::ArmAngle => [0.2, 0.5, 3.1][random.below(3)],
+    };
+    let values = (0..2 + random.below(5))
+        .map(|_| reach * random.symmetric())
+        .collect();
+    let rack = match random.chance(4) {
+        true => 0.1 * scale * random.symmetric(),
+        false => 0.0,
+    };
+    Trial {
+        mechanism,
+        design,
+        drive,
+        values,
+        rack,
+        ordinary,
+    }
+}
+
+impl Trial {
+    fn suspension(&self) -> Suspension {
+        Suspension {
+            mechanism: self.mechanism.clone(),
+            design: self.design.clone(),
+            frame: Frame::new(FrameConvention::Iso8855, Side::Left),
+            length_unit: LengthUnit::Metre,
+            wheel_radius: None,
+            vehicle: Vehicle::default(),
+        }
+    }
+
+    /// Angles and positions with their rates, sensitivities by the strut's mount, and a proof of each pose.
+    fn plan(&self, suspension: &Suspension) -> Plan {
+        let point = |name: &str| self.mechanism.point(name).unwrap();
+        Plan::of(&Study {
+            inputs: Vec::new(),
+            motions: Vec::new(),
+            name: String::new(),
+            text: String::new(),
+            suspension: suspension.clone(),
+            motion: Motion {
+                drive: match self.drive {
+                    Drive::Travel => study::Drive::Travel,
+                    Drive::ArmAngle => study::Drive::ArmAngle,
+                },
+                values: self.values.clone(),
+                rack: vec![self.rack],
+                rack_moves: false,
+                time: None,
+            },
+            formulation: Formulation::KnucklePose,
+            outputs: Outputs {
+                characteristics: vec![
+                    Characteristic::Camber,
+                    Characteristic::Toe,
+                    Characteristic::KingpinInclination,
+                ],
+                points: vec![point("lower_ball_joint"), point("tie_rod_outer")],
+                knuckle: false,
+                order: Order::Velocity,
+                sensitivities: vec![point("strut_top")],
+                certify: true,
+                loads: Vec::new(),
+            },
+            axle: None,
+            optimise: None,
+            sweep: None,
+            setup: None,
+            tolerance: None,
+        })
+    }
+}
+
+#[allow(
+    clippy::needless_range_loop,
+    reason = "several points are read and one is written, coordinate by coordinate"
+)]
+fn degrade(points: &mut [[f64; 3]; 10], random: &mut Random) {
+    let (a, b, c) = (random.below(10), random.below(10), random.below(10));
+    let tiny = [0.0, 1e-15, 1e-12, 1e-9, 1e-6, 1e-3][random.below(6)];
+    let t = 2.0 * random.symmetric();
+    match random.below(8) {
+        // Coincident, or nearly.
+        0 => points[a] = points[b].map(|v| v + tiny * random.symmetric()),
+        // On a line with two others.
+        1 => {
+            for k in 0..3 {
+                points[a][k] =
+                    points[b][k] + t * (points[c][k] - points[b][k]) + tiny * random.symmetric();
+            }
+        }
+        // In a coordinate plane with another.
+        2 => points[a][b % 3] = points[c][b % 3] + tiny * random.symmetric(),
+        // All in one plane.
+        3 => points
+            .iter_mut()
+            .for_each(|p| p[a % 3] = 0.3 + tiny * random.symmetric()),
+        // Strut along a coordinate axis.
+        4 => {
+            for k in (0..3).filter(|k| k != &(a % 3)) {
+                points[4][k] = points[3][k] + tiny * random.symmetric();
+                points[5][k] = points[3][k] + tiny * random.symmetric();
+            }
+        }
+        // Tie rod's outer end into the plane of steering axis and inner end.
+        5 => {
+            for k in 0..3 {
+                points[7][k] = points[2][k]
+                    + t * (points[3][k] - points[2][k])
+                    + 0.3 * (points[6][k] - points[2][k])
+                    + tiny * random.symmetric();
+            }
+        }
+        // Strut points close together.
+        6 => {
+            for k in 0..3 {
+                points[5][k] = points[4][k] + tiny * (points[3][k] - points[4][k]);
+            }
+        }
+        // Whole coordinates.
+        _ => points.iter_mut().for_each(|p| *p = p.map(f64::round)),
+    }
+}
+
+#[derive(Default, Debug)]
+struct Tally {
+    designs: usize,
+    /// Designs refused.
+    refused: usize,
+    /// Stations with a pose, how many of them proved, how many of ordinary designs not.
+    solved: usize,
+    proved: usize,
+    ordinary_unproved: usize,
+    /// Stations out of reach, and of these (and of the ordinary ones) without a known fold.
+    unreachable: usize,
+    unresolved: usize,
+    ordinary_unresolved: usize,
+    /// Poses that small steps lead to as well, proved poses that they do not get to, and unproved ones
+    /// where they come out elsewhere.
+    followed: usize,
+    lost: usize,
+    parted: usize,
+    /// Designs that violate something.
+    failed: Vec<u64>,
+    /// Seconds that the slowest design took, and which it is.
+    slowest: (f64, u64),
+}
+
+impl Tally {
+    fn add(&mut self, other: Tally) {
+        self.designs += other.designs;
+        self.refused += other.refused;
+        self.solved += other.solved;
+        self.proved += other.proved;
+        self.ordinary_unproved += other.ordinary_unproved;
+        self.unreachable += other.unreachable;
+        self.unresolved += other.unresolved;
+        self.ordinary_unresolved += other.ordinary_unresolved;
+        self.followed += other.followed;
+        self.lost += other.lost;
+        self.parted += other.parted;
+        self.failed.extend(other.failed);
+        if other.slowest.0 > self.slowest.0 {
+            self.slowest = other.slowest;
+        }
+    }
+}
+
+/// How badly a pose violates the closure, in sizes: lengths of links, strut mount off its line, the
+/// rotation's shape.
+fn violation(trial: &Trial, pose: &Pose<f64>, rack: f64) -> f64 {
+    let m = &trial.mechanism;
+    let d = &trial.design;
+    let origin = d[m.origin.0];
+    let at = |p: usize| pose.origin + pose.rotation.apply(d[p] - origin);
+    let inner_at = |p: usize| match m.points[p].body {
+        hardpoint::model::Body::Rack => d[p] + Vector3::new(0.0, rack, 0.0),
+        _ => d[p],
+    };
+    let mut worst = 0.0_f64;
+    for constraint in &m.constraints {
+        if let Constraint::Link { inner, outer } = constraint {
+            let now = (at(outer.0) - inner_at(inner.0)).norm();
+            let was = (d[outer.0] - d[inner.0]).norm();
+            worst = worst.max((now - was).abs());
+        }
+        if let Constraint::StrutLine { top, lower, upper } = constraint {
+            let base = d[upper.unwrap_or(*top).0] - d[lower.0];
+            let along = base * (1.0 / base.norm());
+            let image = pose.rotation.apply(along);
+            worst = worst.max(image.cross(d[top.0] - at(top.0)).norm());
+        }
+    }
+    worst
+}
+
+/// Everything that must hold for one design.
+fn examine(number: u64, tally: &mut Tally) {
+    let trial = trial(number);
+    tally.designs += 1;
+    let mut solver = match Solver::new(&trial.mechanism, &trial.design) {
+        Ok(solver) => solver,
+        Err(fault) => {
+            assert!(!fault.describe(&trial.mechanism).is_empty());
+            tally.refused += 1;
+            return;
+        }
+    };
+    let size = solver.size();
+    let reach = trial.mechanism.coordinate_scale(&trial.design);
+    let station_order = StationOrder::through(&trial.values);
+    let mut found: Vec<Option<Result<Pose<f64>, Failure>>> = vec![None; trial.values.len()];
+    let visited = solver.for_each_pose(
+        trial.drive,
+        &station_order,
+        trial.rack,
+        |_, station, pose| {
+            found[station] = Some(pose.copied());
+            ControlFlow::Continue(())
+        },
+    );
+    let suspension = trial.suspension();
+    let certified = curves(&suspension, &trial.plan(&suspension));
+    if let Err(fault) = visited {
+        assert!(matches!(fault, DesignFault::Singular), "{number} {fault:?}");
+        assert_eq!(certified, Err(fault), "{number}");
+        tally.refused += 1;
+        return;
+    }
+    let certified = certified.unwrap();
+    let small_steps = SmallSteps::new(&trial.mechanism, &trial.design);
+    for (k, (value, found)) in trial.values.iter().zip(&found).enumerate() {
+        let point = MotionPoint {
+            drive: trial.drive,
+            value: *value,
+            rack: trial.rack,
+        };
+        let station = &certified.stations[k];
+        match found.as_ref().expect("every station is visited") {
+            Ok(pose) => {
+                tally.solved += 1;
+                let off = violation(&trial, pose, trial.rack);
+                // The residuals are sums of products of coordinates, a few dozen roundings; NaN fails.
+                assert!(
+                    off <= 64.0 * f64::EPSILON * reach + 1e-9 * size,
+                    "{number} {off:e}"
+                );
+                let condition = solver.conditioning(pose, &point).number;
+                assert!(condition >= 1.0, "{number} {condition}");
+                let proof = examine_certified(number, &trial, pose, k, &certified);
+                match proof {
+                    Some(_) => tally.proved += 1,
+                    None => tally.ordinary_unproved += trial.ordinary as usize,
+                }
+                match (small_steps.follow(&point), proof) {
+                    // Both are within rounding of a solution, and there is only one so close.
+                    (Some(slow), Some(proof)) => {
+                        let apart = apart(pose, &slow, size);
+                        assert!(apart <= proof.uniqueness, "{number}: {apart:e} {proof:?}");
+                        tally.followed += 1;
+                    }
+                    (None, Some(_)) => tally.lost += 1,
+                    (Some(slow), None) => {
+                        let same = apart(pose, &slow, size) <= 1e-6 * size;
+                        // Degenerate designs may have another assembly within a millionth of the size:
+                        // what the proof is for.
+                        assert!(same || !trial.ordinary, "{number}");
+                        tally.parted += !same as usize;
+                    }
+                    (None, None) => (),
+                }
+            }
+            Err(failure) => {
+                assert!(!failure.to_string().is_empty());
+                assert_eq!(station.status, Status::Failed(*failure), "{number}");
+                assert!(station.proof.is_none() && station.values.iter().all(Option::is_none));
+                let (limit, asked, cause) = match failure {
+                    Failure::Unreachable { limit, cause, .. } => (limit, value, cause),
+                    Failure::RackUnreachable { limit, cause } => (limit, &trial.rack, cause),
+                    other => panic!("{number} {other}"),
+                };
+                assert!(
+                    limit.is_finite() && limit.abs() <= asked.abs(),
+                    "{number} {failure:?} {asked}"
+                );
+                tally.unreachable += 1;
+                let unresolved = *cause == LimitCause::Unresolved;
+                tally.unresolved += unresolved as usize;
+                tally.ordinary_unresolved += (unresolved && trial.ordinary) as usize;
+            }
+        }
+    }
+}
+
+/// What a study with `certify = true` gets where there is a pose: the pose's values and a proof, or
+/// neither and a reason.
+fn examine_certified(
+    number: u64,
+    trial: &Trial,
+    pose: &Pose<f64>,
+    index: usize,
+    curves: &Curves,
+) -> Option<Proof> {
+    let station = &curves.stations[index];
+    match station.status {
+        Status::Ok | Status::IllConditioned => {
+            let proof = station.proof.expect("no ok without a proof");
+            assert!(proof.position_error >= 0.0 && proof.position_error.is_finite());
+            assert!(proof.uniqueness > 0.0 && proof.uniqueness.is_finite());
+            assert!(station.condition.is_some_and(|k| k >= 1.0), "{number}");
+            assert!(station.values.iter().flatten().all(|v| v.is_finite()));
+            let origin = pose.origin.to_array();
+            for (column, value) in curves.columns.iter().zip(&station.values) {
+                // Positions of the origin and of others; the slopes of angles may not exist.
+                if let Some(k) = ["x", "y", "z"]
+                    .iter()
+                    .position(|axis| column.name == format!("lower_ball_joint_{axis}_m"))
+                {
+                    let same = value.is_some_and(|v| v == origin[k]);
+                    assert!(same, "{number} {value:?} {origin:?}");
+                }
+                assert!(
+                    value.is_some() || !trial.ordinary,
+                    "{number} {}",
+                    column.name
+                );
+            }
+            // A wheel that lies flat has a camber, but no derivative of it.
+            let mut sensitivities = curves.sensitivities.iter();
+            let may_lack =
+                |column: usize| !trial.ordinary && curves.columns[column].name.ends_with("_deg");
+            assert!(
+                sensitivities.all(|s| s.value.is_finite() || may_lack(s.column)),
+                "{number}"
+            );
+            Some(proof)
+        }
+        Status::Failed(failure @ Failure::Uncertified(_)) => {
+            assert!(!failure.to_string().is_empty());
+            assert!(station.proof.is_none() && station.values.iter().all(Option::is_none));
+            None
+        }
+        other => panic!("{number} {other:?}"),
+    }
+}
+
+/// How far apart two poses are in the norm of a certificate.
+fn apart(a: &Pose<f64>, b: &Pose<f64>, size: f64) -> f64 {
+    let largest = |v: Vector3<f64>| v.to_array().map(f64::abs).into_iter().fold(0.0, f64::max);
+    let scale = size.log2().round().exp2();
+    let columns = a.rotation.columns.into_iter().zip(b.rotation.columns);
+    let turned = columns.map(|(p, q)| largest(p - q)).fold(0.0, f64::max);
+    largest(a.origin - b.origin).max(turned * scale)
+}
+
+#[test]
+fn any_design_is_solved_or_refused_with_a_reason() {
+    let config = ProptestConfig {
+        cases: 1000,
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    };
+    // The same designs every time.
+    let random = TestRng::deterministic_rng(RngAlgorithm::ChaCha);
+    TestRunner::new_with_rng(config, random)
+        .run(&any::<u64>(), |number| {
+            examine(number, &mut Tally::default());
+            Ok(())
+        })
+        .unwrap();
+}
+
+/// Designs that failed once.
+#[test]
+fn designs_that_failed_once() {
+    for number in [
+        640, 1037, 3017, 3198, 10011, 12860, 17965, 19111, 24636, 30343, 35076, 82214, 84055,
+        104498, 320484, 554382, 619122, 626610, 722525,
+    ] {
+        examine(number, &mut Tally::default());
+    }
+}
+
+/// One million designs through `solve` with certificates; run with `cargo test --release --test it robustness:: -- --ignored --nocapture`.
+#[test]
+#[ignore = "takes minutes"]
+fn a_million_designs() {
+    let count = std::env::var("DESIGNS").map_or(1_000_000, |n| n.parse().unwrap());
+    let next = AtomicU64::new(0);
+    let total = Mutex::new(Tally::default());
+    let cores = std::thread::available_parallelism().map_or(1, |n| n.get());
+    std::thread::scope(|scope| {
+        for _ in 0..cores {
+            scope.spawn(|| {
+                loop {
+                    let first = next.fetch_add(BLOCK, Ordering::Relaxed);
+                    if first >= count {
+                        break;
+                    }
+                    let tally = examine_block(first..count.min(first + BLOCK));
+                    let mut total = total.lock().unwrap();
+                    total.add(tally);
+                    if total.designs as u64 % (50 * BLOCK) < BLOCK {
+                        println!("{total:?}");
+                    }
+                }
+            });
+        }
+    });
+    let total = total.into_inner().unwrap();
+    println!("{total:?}");
+    assert!(total.failed.is_empty(), "{:?}", total.failed);
+    assert!(total.slowest.0 < 10.0);
+}
+
+/// Designs that one thread examines at a time.
+const BLOCK: u64 = 1000;
+
+fn examine_block(numbers: Range<u64>) -> Tally {
+    let mut tally = Tally::default();
+    for number in numbers {
+        let start = std::time::Instant::now();
+        let mut one = Tally::default();
+        let examined = std::panic::AssertUnwindSafe(|| examine(number, &mut one));
+        if std::panic::catch_unwind(examined).is_err() {
+            one.failed.push(number);
+        }
+        one.slowest = (start.elapsed().as_secs_f64(), number);
+        tally.add(one);
+    }
+    tally
+}

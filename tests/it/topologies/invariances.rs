@@ -1,0 +1,196 @@
+//! What must not matter: where the car stands, how it is turned, its scale; and a mirror image steers
+//! the other way.
+
+use super::{characteristics, template, travel};
+use crate::support::random::Random;
+use hardpoint::characteristics::Characteristic as C;
+use hardpoint::derive::MotionPoint;
+use hardpoint::model::{Drive, Suspension};
+use hardpoint::number::{Jet, Vector3};
+
+const TOPOLOGIES: [&str; 5] = [
+    "macpherson",
+    "double_wishbone",
+    "five_link",
+    "semi_trailing_arm",
+    "double_wishbone_pushrod",
+];
+
+/// How far points are scattered and wheels travel: a racing car's rocker is small, and goes no further.
+fn extent(name: &str) -> (f64, f64) {
+    match name {
+        "double_wishbone_pushrod" => (8.0, 30.0),
+        _ => (15.0, 60.0),
+    }
+}
+
+/// What a rocker moves, where there is one.
+fn of_rockers(suspension: &Suspension) -> impl Iterator<Item = C> {
+    let has_rockers = suspension.mechanism.spring_rocker().is_some()
+        && suspension.mechanism.anti_roll_bar().is_some();
+    [
+        C::SpringLength,
+        C::SpringInclination,
+        C::MotionRatio,
+        C::RockerAngle,
+        C::AntiRollBarAngle,
+    ]
+    .into_iter()
+    .filter(move |_| has_rockers)
+}
+
+fn readable(suspension: &Suspension) -> Vec<C> {
+    let steered = suspension.mechanism.steering_axis.is_some();
+    [
+        C::Camber,
+        C::CamberGain,
+        C::HalfTrackChange,
+        C::WheelbaseChange,
+    ]
+    .into_iter()
+    .chain(
+        [C::ScrubRadius, C::CasterTrail]
+            .into_iter()
+            .filter(|_| steered),
+    )
+    .chain(of_rockers(suspension))
+    .collect()
+}
+
+fn compare(
+    name: &str,
+    found: &[Jet<f64, 3>],
+    wanted: &[Jet<f64, 3>],
+    // What lengths have been multiplied by.
+    scale: f64,
+    read: &[C],
+) {
+    for ((found, wanted), c) in found.iter().zip(wanted).zip(read) {
+        let of_length = match c {
+            C::Camber
+            | C::SpringInclination
+            | C::MotionRatio
+            | C::RockerAngle
+            | C::AntiRollBarAngle => 0,
+            C::CamberGain => -1,
+            _ => 1,
+        };
+        for order in 0..2 {
+            let expected = wanted[order] * scale.powi(of_length - order as i32);
+            // In millimetres an angle's unit is a radian, a length's some hundred.
+            let unit =
+                500.0_f64.powi(of_length - order as i32) * scale.powi(of_length - order as i32);
+            let error = (found[order] - expected).abs() / unit;
+            assert!(
+                error < 1e-11,
+                "{name} {} order {order}: {error:e}",
+                c.info().name
+            );
+        }
+    }
+}
+
+#[test]
+fn shift_and_scale() {
+    for name in TOPOLOGIES {
+        let suspension = template(name);
+        let read = readable(&suspension);
+        let (scatter, reach) = extent(name);
+        let mut random = Random(9);
+        for _ in 0..20 {
+            let design = random.scattered(&suspension.design, scatter);
+            let point = travel(reach * random.signed(), 10.0 * random.signed());
+            let plain = characteristics(&suspension, &design, point, &read).unwrap();
+            let by = random.vector(1000.0);
+            let shifted: Vec<_> = design.iter().map(|p| *p + by).collect();
+            let found = characteristics(&suspension, &shifted, point, &read).unwrap();
+            compare(name, &found, &plain, 1.0, &read);
+
+            let metres: Vec<_> = design.iter().map(|p| *p * 1e-3).collect();
+            let mut small = suspension.clone();
+            small.wheel_radius = small.wheel_radius.map(|r| r * 1e-3);
+            let point = MotionPoint {
+                value: point.value * 1e-3,
+                rack: point.rack * 1e-3,
+                ..point
+            };
+            let found = characteristics(&small, &metres, point, &read).unwrap();
+            compare(name, &found, &plain, 1e-3, &read);
+        }
+    }
+}
+
+/// Turned about the vertical, with the rack at rest: heights, camber and what is measured in the
+/// wheel's own directions stay; toe turns with the car.
+#[test]
+fn turn_about_the_vertical() {
+    for name in TOPOLOGIES {
+        let suspension = template(name);
+        let steered = suspension.mechanism.steering_axis.is_some();
+        let mut read = vec![C::Camber, C::CamberGain];
+        read.extend(
+            [C::ScrubRadius, C::CasterTrail]
+                .into_iter()
+                .filter(|_| steered && name != "five_link"),
+        );
+        read.extend(of_rockers(&suspension));
+        let (scatter, reach) = extent(name);
+        let mut random = Random(10);
+        for _ in 0..20 {
+            let design = random.scattered(&suspension.design, scatter);
+            let point = travel(reach * random.signed(), 0.0);
+            let plain = characteristics(&suspension, &design, point, &read).unwrap();
+            let (sine, cosine) = (0.5 * random.signed()).sin_cos();
+            let turned: Vec<_> = design
+                .iter()
+                .map(|p| Vector3::new(cosine * p.x - sine * p.y, sine * p.x + cosine * p.y, p.z))
+                .collect();
+            let found = characteristics(&suspension, &turned, point, &read).unwrap();
+            compare(name, &found, &plain, 1.0, &read);
+        }
+    }
+}
+
+/// The kernel knows left wheels only; but a mirror image must move as the mirror image of the motion,
+/// rack included, whatever the order in which the two pivots of an arm are named.
+#[test]
+fn mirror() {
+    for name in TOPOLOGIES {
+        let suspension = template(name);
+        let (scatter, reach) = extent(name);
+        let mut random = Random(11);
+        for i in 0..20 {
+            let design = random.scattered(&suspension.design, scatter);
+            let mirrored: Vec<_> = design
+                .iter()
+                .map(|p| Vector3::new(-p.x, p.y, p.z))
+                .collect();
+            let angle = i % 2 == 0 && !suspension.mechanism.arms.is_empty();
+            let point = match angle {
+                true => MotionPoint {
+                    drive: Drive::ArmAngle,
+                    value: reach / 400.0 * random.signed(),
+                    rack: 10.0 * random.signed(),
+                },
+                false => travel(reach * random.signed(), 10.0 * random.signed()),
+            };
+            // Lengths and angles of rockers are those of the mirror image.
+            let signs = [
+                (C::Camber, 1.0),
+                (C::Toe, -1.0),
+                (C::HalfTrackChange, 1.0),
+                (C::WheelbaseChange, -1.0),
+            ];
+            let signs = signs
+                .into_iter()
+                .chain(of_rockers(&suspension).map(|c| (c, 1.0)));
+            let (read, signs): (Vec<_>, Vec<_>) = signs.unzip();
+            let plain = characteristics(&suspension, &design, point, &read).unwrap();
+            let found = characteristics(&suspension, &mirrored, point, &read).unwrap();
+            for ((a, b), sign) in plain.iter().zip(&found).zip(signs) {
+                let error = (a[0] - sign * b[0]).abs();
+                assert!(error < 1e-11, "{name}: {error:e}");
+            }
+        }
+    }
+}

@@ -1,0 +1,111 @@
+//! Link forces: equilibrium by hand, and virtual work against the motion ratio.
+
+use super::{at, template, travel};
+use crate::support::Worst;
+use crate::support::random::Random;
+use hardpoint::analyse::{Load, Reaction, Support};
+use hardpoint::characteristics::{Characteristic, Constants, Quantity, WheelReading};
+use hardpoint::derive::DesignSeries;
+use hardpoint::model::{Axis, Body};
+use hardpoint::number::Vector3;
+
+#[test]
+fn loads_are_balanced_and_the_spring_takes_its_share() {
+    let mut random = Random(12);
+    for name in [
+        "macpherson",
+        "double_wishbone",
+        "five_link",
+        "semi_trailing_arm",
+        "double_wishbone_pushrod",
+    ] {
+        let suspension = template(name);
+        let mechanism = &suspension.mechanism;
+        let spring = mechanism.spring.unwrap();
+        let design_series = DesignSeries::<2>::new(mechanism, &suspension.design);
+        let (mut balance, mut work) = (Worst::default(), Worst::default());
+        for _ in 0..200 {
+            // A racing car's rocker goes no further.
+            let most = if name == "double_wishbone_pushrod" {
+                35.0
+            } else {
+                70.0
+            };
+            let point = travel(most * random.signed(), 10.0 * random.signed());
+            at(mechanism, &suspension.design, point, |solver, pose| {
+                let configuration = solver
+                    .configuration_series(&design_series, pose, &point.along_drive())
+                    .unwrap();
+                let place = |id| configuration.point(id).map(|c| c[0]);
+                let load = Load {
+                    point: place(mechanism.wheel_centre) - Vector3::new(0.0, 0.0, 310.0),
+                    force: random.vector(3000.0),
+                    moment: random.vector(3e5),
+                };
+                let found = solver
+                    .balance(pose, point.rack, Support::Spring(spring))
+                    .unwrap()
+                    .under(&load);
+
+                let seat = mechanism.spring_seat().unwrap();
+                let support_at = match mechanism.body(seat) {
+                    Body::Arm(arm) => mechanism.arms[arm.0].outer,
+                    _ => seat,
+                };
+                let forces = found.constraints.iter().map(|reaction| match *reaction {
+                    Reaction::Rod {
+                        inner,
+                        outer,
+                        tension,
+                    } => {
+                        let pull = (place(inner) - place(outer)).normalised() * tension;
+                        (place(outer), pull)
+                    }
+                    Reaction::Force { point, force } => (place(point), force),
+                });
+                let all: Vec<_> = forces
+                    .chain([
+                        (place(support_at), found.support_force),
+                        (load.point, load.force),
+                    ])
+                    .collect();
+                let about = place(mechanism.wheel_centre);
+                let mut force = Vector3::default();
+                let (mut moment, mut size) = (load.moment, 0.0);
+                for (p, f) in all {
+                    force = force + f;
+                    moment = moment + (p - about).cross(f);
+                    size += f.norm();
+                }
+                balance.note(force.norm() / size);
+                balance.note(moment.norm() / (size * solver.size()));
+
+                let view = WheelReading::of(&configuration, Constants::of(&suspension));
+                let rate =
+                    |quantity, order: usize| view.value(&configuration, quantity).derivative(order);
+                let centre = Vector3::from(
+                    Axis::ALL
+                        .map(|axis| rate(Quantity::Coordinate(mechanism.wheel_centre, axis), 1)),
+                );
+                let turn =
+                    Vector3::from(Axis::ALL.map(|axis| rate(Quantity::AngularVelocity(axis), 0)));
+                let velocity = centre + turn.cross(load.point - about);
+                let power = load.force.dot(velocity) + load.moment.dot(turn);
+                let ratio = rate(Quantity::Characteristic(Characteristic::MotionRatio), 0);
+                work.note((found.support * ratio - power) / load.force.norm());
+
+                // Held at the wheel centre instead, the same power is all there is to hold.
+                let held = solver
+                    .balance(pose, point.rack, Support::WheelCentre)
+                    .unwrap()
+                    .under(&load);
+                work.note((held.support + power) / load.force.norm());
+            })
+            .unwrap()
+            .unwrap();
+        }
+        println!("{name}: balance {:.1e}, work {:.1e}", balance.0, work.0);
+        assert!(balance.0 < 1e-12, "{name}: {:e}", balance.0);
+        assert!(work.0 < 1e-12, "{name}: {:e}", work.0);
+    }
+}

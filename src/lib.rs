@@ -68,7 +68,7 @@
 //! | `solve` | poses connected to the design position, one design at a time or many side by side |
 //! | `analyse` | limits, loads, assemblies, certificates |
 //! | `attia` | the fifteen equations of Attia's paper, its drive and its angles |
-//! | `build` | mechanisms as they are built: points of the body, lengths and shapes of parts, each off by a little |
+//! | `assembly` | mechanisms as they are built: points of the body, lengths and shapes of parts, each off by a little |
 //! | `plan` | what a study asks for, turned into what is computed |
 //! | `characteristics` | the catalogue of wheel characteristics, a formula each |
 //! | `curves` | a plan carried out over a motion |

@@ -42,13 +42,13 @@
 #[doc(hidden)]
 pub mod analyse;
 #[doc(hidden)]
+pub mod assembly;
+#[doc(hidden)]
 pub mod attia;
 #[doc(hidden)]
 pub mod axle;
 #[doc(hidden)]
 pub mod bench;
-#[doc(hidden)]
-pub mod build;
 #[doc(hidden)]
 pub mod characteristics;
 #[doc(hidden)]

@@ -4,7 +4,7 @@ use super::RunArguments;
 use super::exit::{Exit, Stop};
 use super::output::{Output, design_fault};
 use super::terminal;
-use crate::build::{Assembler, Miss, NoSetUp, SetUp};
+use crate::assembly::{Assembler, Miss, NoSetUp, SetUp};
 use crate::report::{SetUpSummary, brief, static_column};
 use crate::solved::Solved;
 use crate::study::{Drive, Setup, Study};

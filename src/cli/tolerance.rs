@@ -6,7 +6,7 @@ use super::output::{Output, design_fault, pool};
 use super::progress;
 use super::report::ReportOptions;
 use super::terminal;
-use crate::build::NoSetUp;
+use crate::assembly::NoSetUp;
 use crate::mechanism::DesignFault;
 use crate::report::ToleranceSummary;
 use crate::solved::Solved;

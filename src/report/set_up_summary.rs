@@ -2,7 +2,7 @@
 //! values.
 
 use super::table::{Cell, Table};
-use crate::build::{SetUp, Static};
+use crate::assembly::{SetUp, Static};
 use crate::model::LengthUnit;
 use crate::study::{Setup, Study};
 use serde::Serialize;

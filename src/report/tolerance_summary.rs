@@ -5,7 +5,7 @@ use super::files::csv_of_rows;
 use super::table::{Cell, Column, Table};
 use super::text::counted;
 use super::{brief, optional, shortest};
-use crate::build::Reject;
+use crate::assembly::Reject;
 use crate::model::{Axis, Side};
 use crate::study::{AxleStudy, Band};
 use crate::tolerance::{Expansion, HOLDS, MonteCarlo, PERCENTILES, Problem, Yields};

@@ -4,7 +4,7 @@
 //! text, notes what each of them asks for (a text, a list, a table with these keys) and hands out
 //! something of that kind. Where a type takes what comes, every kind is offered; whether a key is needed
 //! shows where it is withheld. So the schema knows the keys the reader knows, and there is no second list
-//! of them. What a key is for, it has from the manual, `docs/study.md`.
+//! of them. The descriptions of keys come from `keys.md`, which the manual (`docs/study.md`) contains.
 //!
 //! Paths say where in a study something is: `motion.travel`, `optimise.targets[]` for each element,
 //! `suspension.hardpoints{}` for each value of a table whose keys are names.
@@ -436,10 +436,10 @@ fn places() -> (BTreeMap<String, Place>, BTreeSet<String>) {
     (found, needed)
 }
 
-/// What the manual says of each key, by its place there.
+/// Description of each key, by section and name.
 fn manual() -> BTreeMap<(String, String), String> {
     let mut said = BTreeMap::new();
-    for section in include_str!("../../docs/study.md").split("\n## ").skip(1) {
+    for section in include_str!("../keys.md").split("\n## ").skip(1) {
         let (name, rows) = section.split_once('\n').unwrap_or((section, ""));
         let name = name.split(" (").next().unwrap_or(name);
         for row in rows.lines() {

@@ -20,6 +20,7 @@ mod infinity;
 mod lanes;
 mod limits;
 mod loads;
+mod packages;
 mod point_coordinates;
 mod readme;
 mod reference;

@@ -58,7 +58,7 @@ pub(super) static DOUBLE_WISHBONE: Topology = Topology {
         SPINDLE,
     ],
     build,
-    template: include_str!("../../../studies/double_wishbone_solve.toml"),
+    template: include_str!("../../templates/double_wishbone.toml"),
 };
 
 const CARRIERS: Carriers = Carriers {

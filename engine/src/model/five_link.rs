@@ -60,7 +60,7 @@ pub(super) static FIVE_LINK: Topology = Topology {
         SPINDLE,
     ],
     build,
-    template: include_str!("../../../studies/five_link_solve.toml"),
+    template: include_str!("../../templates/five_link.toml"),
 };
 
 fn build(topology: &'static Topology, given: &[&'static str]) -> Mechanism {

@@ -42,7 +42,7 @@ pub(super) static MACPHERSON: Topology = Topology {
         SPINDLE,
     ],
     build,
-    template: include_str!("../../../studies/macpherson_solve.toml"),
+    template: include_str!("../../templates/macpherson.toml"),
 };
 
 fn build(topology: &'static Topology, given: &[&'static str]) -> Mechanism {

@@ -32,7 +32,7 @@ pub(super) static SEMI_TRAILING_ARM: Topology = Topology {
         SPINDLE,
     ],
     build,
-    template: include_str!("../../../studies/semi_trailing_arm_solve.toml"),
+    template: include_str!("../../templates/semi_trailing_arm.toml"),
 };
 
 fn build(topology: &'static Topology, given: &[&'static str]) -> Mechanism {

@@ -13,7 +13,7 @@
 use super::Infeasible;
 use super::moves::PointRate;
 use super::objective::refused;
-use crate::build::{Alignment, Assembler, Parts, Rest};
+use crate::assembly::{Alignment, Assembler, Parts, Rest};
 use crate::mechanism::DesignFault;
 use crate::model::{Mechanism, PointId, Suspension};
 use crate::number::{Dual, Vector3};
@@ -104,7 +104,7 @@ impl<'a> Builds<'a> {
             point_rates,
         } = self;
         let mechanism = &assembler.suspension().mechanism;
-        let refused = |reject: crate::build::Reject| {
+        let refused = |reject: crate::assembly::Reject| {
             Infeasible::Refused(format!("build {number} cannot be put together: {reject}"))
         };
         let mut parts = assembler.drawn().clone();

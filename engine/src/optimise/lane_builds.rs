@@ -5,7 +5,7 @@
 
 use super::builds::Builds;
 use super::moves::PointRate;
-use crate::build::{Alignment, Parts};
+use crate::assembly::{Alignment, Parts};
 use crate::number::{Jet, MOST_LANES, SimdReal, SimdTask, Vector3, Width};
 
 /// Puts the builds of a drawing together.

@@ -368,7 +368,7 @@ impl<'a> Objective<'a> {
     }
 
     /// The problem of a robust tuning, whose residuals are those of builds. They are solved in lanes of this width, or
-    /// build by build without one. `suspension` is the suspension of the `study` as [`crate::build::Assembler`] extends
+    /// build by build without one. `suspension` is the suspension of the `study` as [`crate::assembly::Assembler`] extends
     /// it: it may have a spindle point more.
     pub fn of_builds(
         study: &Suspension,

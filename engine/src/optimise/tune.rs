@@ -15,7 +15,7 @@ use super::{
     LeastSquares, Linearisation, Multistart, Objective, Options, StandardErrors, TargetLayout,
     Termination, moved_design, multistart,
 };
-use crate::build::Assembler;
+use crate::assembly::Assembler;
 use crate::mechanism::DesignFault;
 use crate::model::Suspension;
 use crate::number::{Vector3, Width};

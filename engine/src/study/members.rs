@@ -4,7 +4,7 @@ use super::error::Problems;
 use super::names::choose;
 use super::outputs::hardpoint;
 use super::value::{MemberName, Text};
-use crate::build::{BuildParameter, Member};
+use crate::assembly::{BuildParameter, Member};
 use crate::model::{Axis, Suspension};
 use toml::Spanned;
 

@@ -48,7 +48,7 @@ pub use schema::schema;
 pub use sweep::MOST_DESIGNS;
 pub(crate) use sweep::MOST_EXCHANGED;
 
-use crate::build::BuildParameter;
+use crate::assembly::BuildParameter;
 use crate::characteristics::{Characteristic, Measure, Quantity};
 use crate::model::{Axis, Frame, LengthUnit, PointId, Side, Suspension};
 use crate::number::Vector3;

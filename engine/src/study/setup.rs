@@ -7,7 +7,7 @@ use super::outputs::characteristic;
 use super::resolve::Context;
 use super::suspension::positive;
 use super::{Adjustment, Setup, Want};
-use crate::build::BuildParameter;
+use crate::assembly::BuildParameter;
 use toml::Spanned;
 
 /// The set-up, if nothing is wrong with it.

@@ -11,7 +11,7 @@ use super::suspension::above_zero;
 use super::targets::ends;
 use super::value::{Number, Text};
 use super::{AxleStudy, Band, Contributor, Drive, Law, Setup, Source, Subject, Tolerance};
-use crate::build::BuildParameter;
+use crate::assembly::BuildParameter;
 use crate::model::{Axis, PointId, Side, Suspension};
 use crate::number::Vector3;
 use std::ops::Range as Span;

@@ -11,8 +11,8 @@
 //! The second order is in module `axle_second`.
 
 use super::Problem;
+use crate::assembly::{NoSetUp, Rest};
 use crate::axle::{AxleSolver, Hold};
-use crate::build::{NoSetUp, Rest};
 use crate::number::Vector3;
 use crate::study::Source;
 use crate::sweep::AxleStations;

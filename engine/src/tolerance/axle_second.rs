@@ -12,8 +12,8 @@
 
 use super::Problem;
 use super::expansion::combined;
+use crate::assembly::{Built, NoSetUp, Rest};
 use crate::axle::{AxleSolver, AxleState, Hold, Parts, Quantity, Reading, Snapshot};
-use crate::build::{Built, NoSetUp, Rest};
 use crate::derive::{MotionPoint, pose_series};
 use crate::linear::lu::Lu6;
 use crate::mechanism::{Closure, Configuration, Driver, Ground, Pose};

@@ -3,7 +3,7 @@
 use super::lanes::LaneBuilder;
 use super::workshop::Workshop;
 use super::{Looked, Problem};
-use crate::build::{Parts, Reject};
+use crate::assembly::{Parts, Reject};
 use crate::mechanism::DesignFault;
 use crate::model::{Side, Suspension};
 use crate::number::{Vector3, Width};

@@ -1,12 +1,12 @@
 //! The first- and second-order answer, exact.
 //!
-//! g comes from the adjoint of the built design ([`crate::build::built_curves`]), for values and gains alike. H comes from
+//! g comes from the adjoint of the built design ([`crate::assembly::built_curves`]), for values and gains alike. H comes from
 //! power series: along d_j + d_k a built design, its poses and what is read off them are series in one number,
 //! whose second coefficient is (H_jj + 2 H_jk + H_kk)/2. Quantities made of velocities (gains, roll centres,
 //! anti-features, swing arms, motion ratios) have no second-order part here: their series would have to be in travel as well.
 
 use super::{Looked, Problem, Spread, axle_expansion, axle_second};
-use crate::build::{BuildParameter, NoSetUp, Rest, built_curves};
+use crate::assembly::{BuildParameter, NoSetUp, Rest, built_curves};
 use crate::characteristics::{Constants, Slots, WheelReading};
 use crate::derive::MotionPoint;
 use crate::linear::lu::Lu6;
@@ -174,7 +174,7 @@ fn plan(problem: &Problem) -> Plan {
 }
 
 /// By cell, what second order adds to the mean and to the variance of one wheel.
-fn second(problem: &Problem, built: &crate::build::Built) -> Vec<[f64; 2]> {
+fn second(problem: &Problem, built: &crate::assembly::Built) -> Vec<[f64; 2]> {
     let mechanism = &problem.workshops[0].assembler.suspension().mechanism;
     let readable: Vec<bool> = problem
         .characteristics()
@@ -289,7 +289,12 @@ impl<'p> Poses<'p> {
     }
 
     /// By cell, the second derivative along the sum of some sources' directions, each in its standard deviation.
-    fn bends(&self, problem: &Problem, built: &crate::build::Built, along: &[&Source]) -> Vec<f64> {
+    fn bends(
+        &self,
+        problem: &Problem,
+        built: &crate::assembly::Built,
+        along: &[&Source],
+    ) -> Vec<f64> {
         let workshop = &problem.workshops[0];
         let mechanism = &workshop.assembler.suspension().mechanism;
         let design = workshop.series(built, along);

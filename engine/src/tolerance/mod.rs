@@ -30,8 +30,8 @@ pub use expansion::{Expansion, HOLDS, Remainder};
 pub use monte_carlo::{MonteCarlo, Rejected, Spread, monte_carlo, monte_carlo_in};
 pub use yields::{BandYield, Ranking, Yields, rank};
 
+use crate::assembly::NoSetUp;
 use crate::axle::{Axle, Placement};
-use crate::build::NoSetUp;
 use crate::characteristics::{Characteristic, Info, Quantity};
 use crate::curves::Column;
 use crate::model::Side;

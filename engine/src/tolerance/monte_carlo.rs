@@ -3,7 +3,7 @@
 use super::builds::{Builder, Outcome};
 use super::order::{Order, Sifted};
 use super::{PERCENTILES, Problem};
-use crate::build::Reject;
+use crate::assembly::Reject;
 use crate::mechanism::DesignFault;
 use crate::model::Side;
 use crate::number::Width;

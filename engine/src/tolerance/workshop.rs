@@ -1,6 +1,6 @@
 //! Builds one wheel: parts are changed by the numbers drawn at random, and put together.
 
-use crate::build::{Alignment, Assembler, BuildParameter, Built, NoSetUp, Parts, Reject};
+use crate::assembly::{Alignment, Assembler, BuildParameter, Built, NoSetUp, Parts, Reject};
 use crate::model::{Side, Suspension};
 use crate::number::{Jet, Vector3};
 use crate::study::{Source, Study, Tolerance};

@@ -1,7 +1,7 @@
 //! Builds of axles: two wheels, each by itself, on one rack and one ground.
 
+use hardpoint::assembly::Assembler;
 use hardpoint::axle::{Axle, AxleSolver, Placement, Quantity, axle_curves};
-use hardpoint::build::Assembler;
 use hardpoint::model::Side;
 use hardpoint::number::Width;
 use hardpoint::study::{Source, Study};

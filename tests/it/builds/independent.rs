@@ -4,7 +4,7 @@
 use super::other_equations::{Drawing, Motion, Parts, Reading, Solved};
 use super::{assembler, parameter, plan, study};
 use crate::support::{number, random::Random};
-use hardpoint::build::{Assembler, BuildParameter, Built, Reject, Rest, built_curves};
+use hardpoint::assembly::{Assembler, BuildParameter, Built, Reject, Rest, built_curves};
 use hardpoint::model::Axis;
 use hardpoint::number::{DoubleDouble, Scalar, Vector3};
 use hardpoint::study::Study;
@@ -170,7 +170,7 @@ impl Case {
     }
 
     /// The drawing's parts changed dimension by dimension, as both have them.
-    fn parts(&self, changes: &[f64]) -> (hardpoint::build::Parts<f64>, Parts<DoubleDouble>) {
+    fn parts(&self, changes: &[f64]) -> (hardpoint::assembly::Parts<f64>, Parts<DoubleDouble>) {
         let mut theirs = self.assembler.drawn().clone();
         let mut ours = self.drawing.drawn();
         for ((place, parameters), by) in self.dimensions.iter().zip(changes) {

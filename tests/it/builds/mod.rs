@@ -9,7 +9,7 @@ mod same_as_design;
 mod set_up;
 mod tolerance;
 
-use hardpoint::build::{Assembler, BuildParameter, Member};
+use hardpoint::assembly::{Assembler, BuildParameter, Member};
 use hardpoint::model::Axis;
 use hardpoint::plan::Plan;
 use hardpoint::study::Study;

@@ -2,7 +2,7 @@
 
 use super::{assembler, parameter, plan, study};
 use crate::support::number;
-use hardpoint::build::{Rest, built_curves};
+use hardpoint::assembly::{Rest, built_curves};
 use serde_json::Value;
 
 /// Positions agree to 1e-13 of the size, derivatives by lengths and points to 1e-10.

@@ -1,7 +1,7 @@
 //! Where a build and a drawing are one.
 
 use super::{assembler, parameter, study};
-use hardpoint::build::{Parts, Rest, built_curves};
+use hardpoint::assembly::{Parts, Rest, built_curves};
 use hardpoint::curves::curves;
 use hardpoint::model::Suspension;
 use hardpoint::plan::Plan;
@@ -117,7 +117,7 @@ fn derivatives_by_the_drawing_are_a_chain_rule_on_those_by_parts() {
         let id = mechanism.point(inner).unwrap();
         let member = inner.strip_suffix("_inner").unwrap_or(inner);
         let length = parameter(&assembler, member, None);
-        let hardpoint::build::BuildParameter::Length(link) = length else {
+        let hardpoint::assembly::BuildParameter::Length(link) = length else {
             unreachable!()
         };
         let (_, outer) = link.ends(mechanism).unwrap();

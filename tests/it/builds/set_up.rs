@@ -1,7 +1,7 @@
 //! Set-ups: what is wanted is there when the parts so adjusted are put together.
 
 use super::{assembler, study};
-use hardpoint::build::{Rest, SetUp, Static};
+use hardpoint::assembly::{Rest, SetUp, Static};
 use hardpoint::characteristics::Characteristic;
 
 fn solved(name: &str, overrides: &[&str]) -> SetUp {

@@ -1,7 +1,7 @@
 //! Scatter: the linear answer, the builds, the yields.
 
 use super::{assembler, parameter, plan, study};
-use hardpoint::build::{Rest, built_curves};
+use hardpoint::assembly::{Rest, built_curves};
 use hardpoint::study::Study;
 use hardpoint::tolerance::{Expansion, MonteCarlo, Problem, monte_carlo, rank};
 

@@ -1,7 +1,7 @@
 //! Derivatives of builds, and what builds are.
 
 use super::edited;
-use hardpoint::build::Assembler;
+use hardpoint::assembly::Assembler;
 use hardpoint::number::Width;
 use hardpoint::optimise::{LeastSquares, Linearisation, Objective, TargetLayout};
 use hardpoint::study::{Optimise, Study};

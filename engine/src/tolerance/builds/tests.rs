@@ -43,7 +43,7 @@ fn everything_scattered(name: &str, adjust: &str, aligned: bool) -> Study {
     let points = mechanism.points.iter().map(|p| format!("{:?}", p.name));
     let points = points.collect::<Vec<_>>().join(",");
     let mut scatter = format!("{{hardpoints=[{points}],limits=[-2.0,2.0]}}");
-    for (length, _) in crate::build::Member::all(mechanism) {
+    for (length, _) in crate::assembly::Member::all(mechanism) {
         scatter += &format!(",{{length={length:?},sigma=0.7}}");
     }
     study(

@@ -77,10 +77,12 @@
 //! | `sweep` | many designs on all cores, in constant memory |
 //! | `optimise` | targets as bounded least squares, and their minimum |
 //! | `tolerance` | what manufacturing scatter does, and which tolerance is worth money |
-//! | `bench` | poses per second, what a digit and an effect cost on this machine |
 //! | `linear` | one elimination with its series, for every number of unknowns |
 //! | `threads` | pools of threads with stacks that are large enough |
 //! | `number` | Taylor series, gradients and SIMD registers as numbers: how one formula serves for all derivatives and lanes |
+//!
+//! Benchmarks are a crate of their own in `bench` (`hardpoint-bench`): poses per second, the cost of a digit and of an
+//! effect on this machine.
 //!
 //! What is made of it is here:
 //!
@@ -116,6 +118,9 @@ pub mod studio;
 // By the same names: what is public, and the rooms of the engine for those here.
 #[doc(inline)]
 pub use hardpoint_engine::*;
+
+#[doc(hidden)]
+pub use hardpoint_bench as bench;
 
 /// The example of the manual's page is run.
 #[cfg(doctest)]

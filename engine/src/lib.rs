@@ -48,7 +48,7 @@ pub mod attia;
 #[doc(hidden)]
 pub mod axle;
 #[doc(hidden)]
-pub mod bench;
+pub mod bench_hooks;
 #[doc(hidden)]
 pub mod characteristics;
 #[doc(hidden)]

@@ -2,9 +2,9 @@
 //! rotation. Written down anew, with none of the library's constraint rows, and solved by Newton's
 //! method in doubles (to track) and in double-doubles (to have the answer to 30 digits).
 
+use hardpoint::bench::DoubleDouble as Dd;
 use hardpoint::mechanism::Pose;
 use hardpoint::model::{Body, Constraint, Mechanism};
-use hardpoint::number::DoubleDouble as Dd;
 use hardpoint::number::{Matrix3, Real, Scalar, Vector3};
 use nalgebra::{LU, SMatrix, SVector};
 

@@ -11,7 +11,7 @@ pub(crate) type Matrix6<T> = [[T; 6]; 6];
 
 /// The factors of a row-permuted matrix: unit lower and upper triangle in one.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Lu<T, const N: usize> {
+pub struct Lu<T, const N: usize> {
     factors: [[T; N]; N],
     /// Row `order[i]` of the matrix became row `i`.
     order: [usize; N],
@@ -19,13 +19,13 @@ pub(crate) struct Lu<T, const N: usize> {
 }
 
 /// The factors of the Jacobian of a closure.
-pub(crate) type Lu6<T> = Lu<T, 6>;
+pub type Lu6<T> = Lu<T, 6>;
 
 impl<T: Scalar> Lu6<T> {
     /// Factorises a closure Jacobian. Its last three columns (moments) are lengths; the determinant is divided by
     /// `size`^3, so that it is dimensionless: +-1 for six orthogonal unit lines, 0 at a singularity.
     #[inline]
-    pub(crate) fn new(jacobian: Matrix6<T>, size: f64) -> Option<Self> {
+    pub fn new(jacobian: Matrix6<T>, size: f64) -> Option<Self> {
         Lu::of(jacobian, size.powi(-3))
     }
 }
@@ -78,7 +78,7 @@ impl<T: Scalar, const N: usize> Lu<T, N> {
 
     /// x with A x = b.
     #[inline]
-    pub(crate) fn solve(&self, b: [T; N]) -> [T; N] {
+    pub fn solve(&self, b: [T; N]) -> [T; N] {
         let mut x = each(&self.order, |i| b[i]);
         for i in 1..N {
             for j in 0..i {

@@ -163,7 +163,7 @@ impl<T: Real> Closure<T> {
     /// The residuals, as lengths: five constraints, then the drive. Out of line: inlined everywhere, this
     /// would take the compiler minutes for derivative numbers.
     #[inline(never)]
-    pub(crate) fn residuals(&self, at: &Configuration<T>, driver: Driver<T>) -> Vector6<T> {
+    pub fn residuals(&self, at: &Configuration<T>, driver: Driver<T>) -> Vector6<T> {
         self.residuals_inlined(at, driver)
     }
 
@@ -180,7 +180,7 @@ impl<T: Real> Closure<T> {
 
     /// The Jacobian by the pose.
     #[inline]
-    pub(crate) fn jacobian(&self, at: &Configuration<T>, driver: Driver<T>) -> Matrix6<T> {
+    pub fn jacobian(&self, at: &Configuration<T>, driver: Driver<T>) -> Matrix6<T> {
         each(&self.wrenches(at, driver), Wrench::to_row)
     }
 

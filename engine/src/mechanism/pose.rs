@@ -26,7 +26,7 @@ impl<T: Real> Pose<T> {
 
     /// The pose moved by a twist: `shift` of the origin, `turn` = tan(angle/2) axis about it.
     #[inline(always)]
-    pub(crate) fn moved(&self, shift: Vector3<T>, rodrigues: Vector3<T>) -> Self {
+    pub fn moved(&self, shift: Vector3<T>, rodrigues: Vector3<T>) -> Self {
         Pose {
             origin: self.origin + shift,
             rotation: self.rotation.turned(rodrigues),

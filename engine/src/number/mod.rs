@@ -9,7 +9,6 @@
 
 mod arc;
 mod bundle;
-mod double_double;
 mod dual;
 mod interval;
 mod jet;
@@ -21,7 +20,6 @@ mod vector;
 mod x86;
 
 pub use bundle::{MOST_LANES, SimdReal};
-pub use double_double::DoubleDouble;
 pub use dual::Dual;
 pub use interval::Interval;
 pub use jet::Jet;
@@ -220,36 +218,5 @@ impl Scalar for f64 {
     #[inline]
     fn value(self) -> f64 {
         self
-    }
-}
-
-/// Single precision, to see what it would cost in digits.
-impl Real for f32 {
-    #[inline]
-    fn lit(self, value: f64) -> Self {
-        value as f32
-    }
-    #[inline]
-    fn sqrt(self) -> Self {
-        f32::sqrt(self)
-    }
-    #[inline]
-    fn asin(self) -> Self {
-        f32::asin(self)
-    }
-    #[inline]
-    fn atan2(self, x: Self) -> Self {
-        f32::atan2(self, x)
-    }
-    #[inline]
-    fn sign(self) -> Self {
-        1.0_f32.copysign(self)
-    }
-}
-
-impl Scalar for f32 {
-    #[inline]
-    fn value(self) -> f64 {
-        f64::from(self)
     }
 }

@@ -10,7 +10,6 @@ pub(crate) mod continuation;
 mod path;
 mod toggles;
 mod tracker;
-pub(crate) mod trial;
 
 pub use conditioning::{Conditioning, LEAST_DIGITS, rate_digits};
 pub(crate) use path::Station;

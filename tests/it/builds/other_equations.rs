@@ -17,7 +17,8 @@
 //!
 //! Hardpoints and topology are read from the study here; nothing of `hardpoint` but numbers and vectors is used.
 
-use hardpoint::number::{DoubleDouble, Real, Scalar, Vector3};
+use hardpoint::bench::DoubleDouble;
+use hardpoint::number::{Real, Scalar, Vector3};
 use nalgebra::{DMatrix, DVector, Dyn, LU};
 use toml::{Table, Value};
 

@@ -5,11 +5,11 @@ use super::{at, template, travel};
 use crate::support::Worst;
 use crate::support::quadratics::{Quadratics, design_pose};
 use crate::support::random::Random;
+use hardpoint::bench::DoubleDouble as Dd;
 use hardpoint::characteristics::{Characteristic, Constants, Quantity, WheelReading};
 use hardpoint::derive::DesignSeries;
 use hardpoint::mechanism::Pose;
 use hardpoint::model::{Constraint, Mechanism, PointId};
-use hardpoint::number::DoubleDouble as Dd;
 use hardpoint::number::{Jet, Matrix3, Scalar, Vector3};
 use std::array::from_fn;
 

@@ -5,10 +5,10 @@ use super::{at, characteristics, template, travel};
 use crate::support::Worst;
 use crate::support::random::Random;
 use hardpoint::analyse::{Load, Reaction, Support};
+use hardpoint::bench::DoubleDouble as Dd;
 use hardpoint::characteristics::{Characteristic as C, Constants, Quantity, WheelReading};
 use hardpoint::derive::{DesignSeries, MotionPoint};
 use hardpoint::model::{Body, Drive, Mechanism, PointId, RockerId, Suspension, Topology};
-use hardpoint::number::DoubleDouble as Dd;
 use hardpoint::number::{Jet, Matrix3, Real, Scalar, Vector3};
 
 const STUDY: &str = "double_wishbone_pushrod";

@@ -6,11 +6,11 @@
 use super::{at, travel};
 use crate::support::Worst;
 use crate::support::quadratics::{Quadratics, design_pose};
+use hardpoint::bench::DoubleDouble as Dd;
 use hardpoint::characteristics::{Constants, Quantity, WheelReading};
 use hardpoint::derive::DesignSeries;
 use hardpoint::mechanism::{Failure, Pose};
 use hardpoint::model::{Axis, Body, Mechanism, PointId, Rocker};
-use hardpoint::number::DoubleDouble as Dd;
 use hardpoint::number::{Jet, Matrix3, Scalar, Vector3};
 use std::array::from_fn;
 

@@ -31,7 +31,8 @@ mod velocity;
 
 pub(crate) use adjoint::{Adjoint, Members};
 pub(crate) use circle::Circle;
-pub(crate) use roles::{Roles, UpperRoles};
+pub use roles::Roles;
+pub(crate) use roles::UpperRoles;
 use upper::Upper;
 
 use crate::mechanism::DesignFault;
@@ -78,7 +79,7 @@ impl<T: Real> Carrier<T> {
 
 /// The constants of one design.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct ClosedForm<T> {
+pub struct ClosedForm<T> {
     ball_joint: Circle<T>,
     upper: Upper<T>,
     tie_rod_inner: Vector3<T>,
@@ -99,7 +100,7 @@ pub(crate) struct ClosedForm<T> {
 
 /// The mechanism at one arm angle.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct ArmState<T> {
+pub struct ArmState<T> {
     ball_joint: Vector3<T>,
     d: Vector3<T>,
     g: Vector3<T>,
@@ -147,7 +148,7 @@ impl ClosedForm<f64> {
 impl<T: Real> ClosedForm<T> {
     /// The constants of a design.
     #[inline(always)]
-    pub(crate) fn new(roles: &Roles, design: &[Vector3<T>]) -> Self {
+    pub fn new(roles: &Roles, design: &[Vector3<T>]) -> Self {
         ClosedForm::with_carrier(roles, design).0
     }
 
@@ -188,7 +189,7 @@ impl<T: Real> ClosedForm<T> {
 
     /// The constants over another kind of number.
     #[inline]
-    pub(crate) fn map<U>(&self, f: impl Fn(T) -> U + Copy) -> ClosedForm<U> {
+    pub fn map<U>(&self, f: impl Fn(T) -> U + Copy) -> ClosedForm<U> {
         let [x, y, z] = &self.basis;
         ClosedForm {
             ball_joint: self.ball_joint.map(f),
@@ -259,7 +260,7 @@ impl<T: Real> ClosedForm<T> {
 
     /// As [`ClosedForm::at`], the angle given by the tangent of its half: no trigonometry is needed.
     #[inline(always)]
-    pub(crate) fn at_half_tangent(&self, tangent: T, rack: T) -> ArmState<T> {
+    pub fn at_half_tangent(&self, tangent: T, rack: T) -> ArmState<T> {
         let inverse = tangent.one() / (tangent.one() + tangent.squared());
         let cosine = inverse + inverse - tangent.one();
         self.at(cosine, (tangent + tangent) * inverse, rack)
@@ -273,7 +274,7 @@ impl<T: Real> ClosedForm<T> {
 
     /// Height of the wheel centre above its design position.
     #[inline(always)]
-    pub(crate) fn travel(&self, state: &ArmState<T>) -> T {
+    pub fn travel(&self, state: &ArmState<T>) -> T {
         let (by_d, by_g, by_n) = state.image(&self.wheel_centre);
         let rise = (by_d * state.d.z)
             .plus_product(by_g, state.g.z)
@@ -295,7 +296,7 @@ impl<T: Real> ClosedForm<T> {
 
     /// The pose of the knuckle.
     #[inline]
-    pub(crate) fn pose(&self, state: &ArmState<T>) -> Pose<T> {
+    pub fn pose(&self, state: &ArmState<T>) -> Pose<T> {
         Pose {
             origin: state.ball_joint,
             rotation: Matrix3 {

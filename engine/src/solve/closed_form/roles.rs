@@ -10,7 +10,7 @@ use crate::number::Vector3;
 
 /// The hardpoints the closed form speaks of.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Roles {
+pub struct Roles {
     pub(crate) lower_arm: Arm,
     pub(crate) upper: UpperRoles,
     pub(crate) tie_rod_inner: PointId,
@@ -31,7 +31,7 @@ pub(crate) enum UpperRoles {
 
 impl Roles {
     /// Reads the parts off the constraints; `None` for a mechanism without a closed form.
-    pub(crate) fn of(mechanism: &Mechanism) -> Option<Self> {
+    pub fn of(mechanism: &Mechanism) -> Option<Self> {
         let upper = match mechanism.closed_form? {
             model::ClosedForm::Strut => mechanism.constraints.iter().find_map(|c| match *c {
                 Constraint::StrutLine { top, lower, upper } => {

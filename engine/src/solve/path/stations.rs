@@ -27,7 +27,7 @@ impl StationOrder {
     }
 
     /// The stations of each side, outward.
-    pub(crate) fn sides(&self) -> [&[usize]; 2] {
+    pub fn sides(&self) -> [&[usize]; 2] {
         [&self.up, &self.down]
     }
 

@@ -1,14 +1,16 @@
 //! What is measured: a study's suspension over its travels, with the exact answers.
 
-use crate::bench::Unmeasurable;
-use crate::characteristics::{Characteristic, Constants, Inputs, Need, Slots};
-use crate::mechanism::{Configuration, DesignFault, Failure, Pose};
-use crate::model::{Drive, SteeringAxis, Suspension};
-use crate::number::{DoubleDouble, Real, Scalar, Vector3};
-use crate::plan::Plan;
-use crate::solve::trial::{Equations, SixEquations, solve};
-use crate::solve::{Solver, StationOrder};
-use crate::study::Study;
+use crate::DoubleDouble;
+use crate::Unmeasurable;
+use crate::single::Single;
+use crate::trial::{Equations, SixEquations, solve};
+use hardpoint_engine::characteristics::{Characteristic, Constants, Inputs, Need, Slots};
+use hardpoint_engine::mechanism::{Configuration, DesignFault, Failure, Pose};
+use hardpoint_engine::model::{Drive, SteeringAxis, Suspension};
+use hardpoint_engine::number::{Real, Scalar, Vector3};
+use hardpoint_engine::plan::Plan;
+use hardpoint_engine::solve::{Solver, StationOrder};
+use hardpoint_engine::study::Study;
 use std::ops::ControlFlow;
 
 /// A number whose distance from the truth can be told.
@@ -19,12 +21,12 @@ pub trait Measured: Scalar {
     fn exactly(self) -> DoubleDouble;
 }
 
-impl Measured for f32 {
+impl Measured for Single {
     fn of(value: f64) -> Self {
-        value as f32
+        value.into()
     }
     fn exactly(self) -> DoubleDouble {
-        f64::from(self).into()
+        self.value().into()
     }
 }
 
@@ -69,11 +71,11 @@ impl<'s> Subject<'s> {
     pub fn of(study: &'s Study) -> Result<Self, Unmeasurable> {
         let suspension = &study.suspension;
         let plan = Plan::of(study);
-        let curves = crate::curves::curves(suspension, &plan)?;
+        let curves = hardpoint_engine::curves::curves(suspension, &plan)?;
         let count = plan.stations() / plan.racks.len();
         let mut travels: Vec<f64> = curves.stations[..count]
             .iter()
-            .filter(|s| s.status == crate::curves::Status::Ok)
+            .filter(|s| s.status == hardpoint_engine::curves::Status::Ok)
             .filter_map(|s| s.travel)
             .collect();
         travels.sort_by(f64::total_cmp);

@@ -2,12 +2,14 @@
 
 use super::subject::{Measured, Subject, camber};
 use super::{Clock, Family, Measurement, Unmeasurable};
-use crate::attia::{self, PointCoordinates, Strut, StrutPoints};
-use crate::bench::Job;
-use crate::mechanism::{Pose, Work};
-use crate::number::{DoubleDouble, Vector3};
-use crate::solve::trial::{Equations, OneEquation, SixEquations, solve};
-use crate::solve::{Solver, StationOrder};
+use crate::DoubleDouble;
+use crate::Job;
+use crate::single::Single;
+use crate::trial::{Equations, OneEquation, SixEquations, solve};
+use hardpoint_engine::attia::{self, PointCoordinates, Strut, StrutPoints};
+use hardpoint_engine::mechanism::{Pose, Work};
+use hardpoint_engine::number::Vector3;
+use hardpoint_engine::solve::{Solver, StationOrder};
 use std::cell::{Cell, RefCell};
 use std::hint::black_box;
 
@@ -217,7 +219,7 @@ pub(super) fn measure(
         if metres == 0.0 || metres > 1e-8 {
             one(
                 "closed form, f32",
-                by_closed_form::<f32>(subject, clock, usual, tolerance, &setting),
+                by_closed_form::<Single>(subject, clock, usual, tolerance, &setting),
             );
         }
         one(
@@ -280,7 +282,7 @@ fn by_closed_form<T: Measured>(
 
 /// The closed form alone, solved to rounding from predictions of third order with nothing looked at on the
 /// way, and the poses as the program finds them: what lies between is the cost of its checks.
-pub(in crate::bench) fn unchecked_and_checked<'s>(
+pub(crate) fn unchecked_and_checked<'s>(
     subject: &'s Subject<'s>,
 ) -> Result<Option<[Job<'s>; 2]>, Unmeasurable> {
     let suspension = subject.suspension;

@@ -4,7 +4,7 @@
 //! T. J. Dekker, A floating-point technique for extending the available precision, Numer. Math. 18,
 //! 1971; square root by one Newton step from the double's.
 
-use super::{Real, Scalar};
+use hardpoint_engine::number::{Real, Scalar};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// The sum of two doubles, the second at most half a unit in the last place of the first.

@@ -3,13 +3,14 @@
 
 use super::subject::{Measured, Subject};
 use super::{Clock, Family, Measurement, Unmeasurable};
-use crate::characteristics::{Characteristic, Inputs, Quantity, Slots, WheelReading};
-use crate::derive::{DesignSeries, MotionPoint};
-use crate::mechanism::{Configuration, Pose};
-use crate::model::{Drive, PointId};
-use crate::number::{DoubleDouble, Dual, Jet, Scalar, Vector3};
-use crate::solve::trial::Forward;
-use crate::solve::{Solver, StationOrder};
+use crate::DoubleDouble;
+use crate::trial::Forward;
+use hardpoint_engine::characteristics::{Characteristic, Inputs, Quantity, Slots, WheelReading};
+use hardpoint_engine::derive::{DesignSeries, MotionPoint};
+use hardpoint_engine::mechanism::{Configuration, Pose};
+use hardpoint_engine::model::{Drive, PointId};
+use hardpoint_engine::number::{Dual, Jet, Scalar, Vector3};
+use hardpoint_engine::solve::{Solver, StationOrder};
 
 /// Gradients by station, output and point, in this order.
 struct Gradients {

@@ -5,15 +5,15 @@
 //! always the same ones. The seed paper's formulation solves the same designs at the same travels, in the
 //! same rounds, and reads off nothing. What several threads do is measured after the rounds.
 
-use super::{Clock, Job, Timing, Unmeasurable};
-use crate::attia::{self, PointCoordinates, Strut, StrutPoints};
-use crate::characteristics::{Characteristic, Constants, Quantity, WheelReading};
-use crate::derive::{DesignSeries, MotionPoint};
-use crate::model::{Axis, Frame, Suspension};
-use crate::number::{Jet, Vector3, Width};
-use crate::solve::Solver;
-use crate::study::{Drive, Motion, Study};
-use crate::sweep::{AngleTarget, BLOCK, Block, Evaluator, Gradients, Stations, uniform};
+use super::{Clock, Job, Timing, Unmeasurable, wheel_travel};
+use hardpoint_engine::attia::{self, PointCoordinates, Strut, StrutPoints};
+use hardpoint_engine::characteristics::{Characteristic, Constants, Quantity, WheelReading};
+use hardpoint_engine::derive::{DesignSeries, MotionPoint};
+use hardpoint_engine::model::{Axis, Frame, Suspension};
+use hardpoint_engine::number::{Jet, Vector3, Width};
+use hardpoint_engine::solve::Solver;
+use hardpoint_engine::study::{Drive, Motion, Study};
+use hardpoint_engine::sweep::{AngleTarget, BLOCK, Block, Evaluator, Gradients, Stations, uniform};
 use std::hint::black_box;
 use std::ops::ControlFlow;
 use std::sync::Mutex;
@@ -71,10 +71,7 @@ impl Throughput {
     /// Measures on the suspension of a study, over its travels, on up to `threads` threads.
     pub fn measure(study: &Study, threads: usize, clock: &Clock) -> Result<Self, Unmeasurable> {
         let suspension = &study.suspension;
-        let motion = Motion {
-            values: study.motion.values.clone(),
-            ..Motion::still()
-        };
+        let motion = wheel_travel(&study.motion.values);
         let stations = Stations::of(&motion, &suspension.frame, &[]);
         let at_angles = at_arm_angles(&motion, &suspension.frame);
         Solver::new(&suspension.mechanism, &suspension.design)?;
@@ -139,7 +136,9 @@ impl Throughput {
             stations: &at_angles,
             designs: &designs,
         };
-        if crate::solve::has_closed_form(&suspension.mechanism) && limit.runs_in_lanes(&angles) {
+        if hardpoint_engine::solve::has_closed_form(&suspension.mechanism)
+            && limit.runs_in_lanes(&angles)
+        {
             let method = format!("lanes, {}", Width::widest().name());
             add(LIMIT, method, 1, limit.job(&angles, widest, 1)?);
         }
@@ -310,7 +309,7 @@ impl<'a> Sweep<'a> {
         }
         // As in a sweep they live long: it may take a scheduler tens of milliseconds to give a new thread a
         // core of its own.
-        let pool = (threads > 1).then(|| crate::threads::pool(threads));
+        let pool = (threads > 1).then(|| hardpoint_engine::threads::pool(threads));
         let pool = pool
             .transpose()
             .map_err(|_| Unmeasurable::Threads(threads))?;
@@ -459,7 +458,7 @@ impl<'a> Sweep<'a> {
         mut visit: impl FnMut(
             &Solver<'a>,
             &DesignSeries<N>,
-            &crate::mechanism::Pose<f64>,
+            &hardpoint_engine::mechanism::Pose<f64>,
             &MotionPoint<Jet<f64, N>>,
         ),
     ) {

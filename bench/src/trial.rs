@@ -1,17 +1,15 @@
 //! The equations on any number, with any tolerance and any start: for measuring what they cost.
 //!
-//! Production is [`Solver`](crate::solve::Solver), which does more: it looks where it steps. Here the formulas
+//! Production is [`Solver`](hardpoint_engine::solve::Solver), which does more: it looks where it steps. Here the formulas
 //! of closed form and closure equations are run bare, so that one thing at a time can be changed.
 
-use super::closed_form::{ClosedForm, Roles};
-use crate::linear::lu::Lu6;
-use crate::mechanism::{Closure, Driver};
-use crate::mechanism::{Configuration, Pose};
-use crate::model::{Mechanism, PointId};
-use crate::number::Dual;
-use crate::number::Jet;
-use crate::number::Scalar;
-use crate::number::{Matrix3, Vector3};
+use hardpoint_engine::bench_hooks::{ClosedForm, Closure, Driver, Lu6, Roles};
+use hardpoint_engine::mechanism::{Configuration, Pose};
+use hardpoint_engine::model::{Mechanism, PointId};
+use hardpoint_engine::number::Dual;
+use hardpoint_engine::number::Jet;
+use hardpoint_engine::number::Scalar;
+use hardpoint_engine::number::{Matrix3, Vector3};
 
 /// Equations for the pose at a wheel travel, to be solved by Newton's method.
 pub(crate) trait Equations<T> {

@@ -1,17 +1,19 @@
 //! What each effect costs, alone and added up, relative to positions alone.
 
 use super::accuracy::{Subject, unchecked_and_checked};
-use super::{Clock, Job, Timing, Unmeasurable};
-use crate::analyse::Certifier;
-use crate::characteristics::Characteristic;
-use crate::curves::curves;
-use crate::derive::MotionPoint;
-use crate::mechanism::{Pose, Work};
-use crate::model::{Drive, PointId, Suspension, Vehicle};
-use crate::number::Vector3;
-use crate::plan::Plan;
-use crate::solve::Solver;
-use crate::study::{Formulation, Load, LoadPoint, Motion, Order, Outputs, Study, TimeLaw};
+use super::{Clock, Job, Timing, Unmeasurable, wheel_travel};
+use hardpoint_engine::analyse::Certifier;
+use hardpoint_engine::characteristics::Characteristic;
+use hardpoint_engine::curves::curves;
+use hardpoint_engine::derive::MotionPoint;
+use hardpoint_engine::mechanism::{Pose, Work};
+use hardpoint_engine::model::{Drive, PointId, Suspension, Vehicle};
+use hardpoint_engine::number::Vector3;
+use hardpoint_engine::plan::Plan;
+use hardpoint_engine::solve::Solver;
+use hardpoint_engine::study::{
+    Formulation, Load, LoadPoint, Motion, Order, Outputs, Study, TimeLaw,
+};
 use std::hint::black_box;
 
 /// One effect.
@@ -150,9 +152,8 @@ impl Effects {
         let mut base = study.clone();
         base.formulation = Formulation::KnucklePose;
         base.motion = Motion {
-            values: subject.travels.clone(),
             rack: study.motion.rack[..1].to_vec(),
-            ..Motion::still()
+            ..wheel_travel(&subject.travels)
         };
         base.outputs = Outputs::of(vec![Characteristic::Camber]);
         base.suspension.vehicle = Vehicle::default();

@@ -3,9 +3,10 @@
 use super::poses::lagrange;
 use super::subject::Subject;
 use super::{Clock, Family, Measurement, Unmeasurable};
-use crate::mechanism::Pose;
-use crate::number::{DoubleDouble, Scalar};
-use crate::solve::{Solver, StationOrder};
+use crate::DoubleDouble;
+use hardpoint_engine::mechanism::Pose;
+use hardpoint_engine::number::Scalar;
+use hardpoint_engine::solve::{Solver, StationOrder};
 use std::f64::consts::PI;
 
 /// Points at which a curve is read.

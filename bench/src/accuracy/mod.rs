@@ -2,7 +2,7 @@
 //!
 //! Every way to a number is measured by its time and by its true error, against the same number in
 //! twice the precision: the six closure equations solved in pairs of doubles (see
-//! [`DoubleDouble`](crate::number::DoubleDouble)), about thirty digits.
+//! [`DoubleDouble`](crate::DoubleDouble)), about thirty digits.
 
 mod curve;
 mod derivatives;
@@ -13,7 +13,7 @@ pub(super) use poses::unchecked_and_checked;
 pub use subject::Subject;
 
 use super::{Clock, Timing, Unmeasurable};
-use crate::study::Study;
+use hardpoint_engine::study::Study;
 
 /// One way to a number.
 #[derive(Clone, Debug, PartialEq)]

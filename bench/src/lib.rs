@@ -4,16 +4,23 @@
 //! Times are taken in rounds, so that what else the machine does falls on all alike; compare within one
 //! run. Finite differences live here and nowhere else in the library, as the thing to beat.
 
+#![warn(clippy::allow_attributes_without_reason, unreachable_pub)]
+
 pub mod accuracy;
+mod double_double;
 pub mod effects;
 mod machine;
+mod single;
 pub mod throughput;
 mod timing;
+mod trial;
 
+pub use double_double::DoubleDouble;
 pub use machine::Machine;
 pub use timing::{Clock, Job, Timing};
 
-use crate::mechanism::DesignFault;
+use hardpoint_engine::mechanism::DesignFault;
+use hardpoint_engine::study::{Drive, Motion};
 
 /// Why there is nothing to measure.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -39,5 +46,16 @@ pub enum Unmeasurable {
 impl From<DesignFault> for Unmeasurable {
     fn from(fault: DesignFault) -> Self {
         Unmeasurable::Design(fault)
+    }
+}
+
+/// A motion through these wheel travels, the rack at 0.
+fn wheel_travel(travels: &[f64]) -> Motion {
+    Motion {
+        drive: Drive::Travel,
+        values: travels.to_vec(),
+        rack: vec![0.0],
+        rack_moves: false,
+        time: None,
     }
 }

@@ -67,7 +67,6 @@
 //! | `derive` | derivatives of a pose by the drive, by the rack, by every hardpoint coordinate |
 //! | `solve` | poses connected to the design position, one design at a time or many side by side |
 //! | `analyse` | limits, loads, assemblies, certificates |
-//! | `attia` | the fifteen equations of Attia's paper, its drive and its angles |
 //! | `assembly` | mechanisms as they are built: points of the body, lengths and shapes of parts, each off by a little |
 //! | `plan` | what a study asks for, turned into what is computed |
 //! | `characteristics` | the catalogue of wheel characteristics, a formula each |
@@ -81,8 +80,9 @@
 //! | `threads` | pools of threads with stacks that are large enough |
 //! | `number` | Taylor series, gradients and SIMD registers as numbers: how one formula serves for all derivatives and lanes |
 //!
-//! Benchmarks are a crate of their own in `bench` (`hardpoint-bench`): poses per second, the cost of a digit and of an
-//! effect on this machine.
+//! Two more crates stand beside the engine: `attia` (`hardpoint-attia`) has the fifteen equations of Attia's paper as a
+//! formulation, which the program registers; `bench` (`hardpoint-bench`) measures poses per second, the cost of a digit
+//! and of an effect on this machine.
 //!
 //! What is made of it is here:
 //!
@@ -119,6 +119,8 @@ pub mod studio;
 #[doc(inline)]
 pub use hardpoint_engine::*;
 
+#[doc(hidden)]
+pub use hardpoint_attia as attia;
 #[doc(hidden)]
 pub use hardpoint_bench as bench;
 

@@ -6,7 +6,7 @@
 //! same rounds, and reads off nothing. What several threads do is measured after the rounds.
 
 use super::{Clock, Job, Timing, Unmeasurable, wheel_travel};
-use hardpoint_engine::attia::{self, PointCoordinates, Strut, StrutPoints};
+use hardpoint_attia::{PointCoordinates, Strut, StrutPoints};
 use hardpoint_engine::characteristics::{Characteristic, Constants, Quantity, WheelReading};
 use hardpoint_engine::derive::{DesignSeries, MotionPoint};
 use hardpoint_engine::model::{Axis, Frame, Suspension};
@@ -493,7 +493,7 @@ impl<'a> Sweep<'a> {
             work: Box::new(move || {
                 for design in sweep.few() {
                     let strut = Strut::of(mechanism, design).expect("it is a strut");
-                    let travel = attia::Drive::Travel;
+                    let travel = hardpoint_attia::Drive::Travel;
                     let equations = PointCoordinates::new(&strut, StrutPoints::Spread, travel);
                     let Ok(equations) = equations else { continue };
                     let Ok(start) = equations.placed(0.0) else {

@@ -1,6 +1,6 @@
 //! Closure equations, their factorisation and the closed form, without the checks of the solver. `hardpoint-bench` runs
-//! them on other numbers and from other starts. Nothing else may use them.
+//! them on other numbers and from other starts; `hardpoint-attia` factorises its own equations. Nothing else may use them.
 
-pub use crate::linear::lu::Lu6;
+pub use crate::linear::lu::{Lu, Lu6};
 pub use crate::mechanism::{Closure, Driver};
 pub use crate::solve::closed_form::{ArmState, ClosedForm, Roles};

@@ -44,8 +44,6 @@ pub mod analyse;
 #[doc(hidden)]
 pub mod assembly;
 #[doc(hidden)]
-pub mod attia;
-#[doc(hidden)]
 pub mod axle;
 #[doc(hidden)]
 pub mod bench_hooks;

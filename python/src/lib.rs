@@ -22,6 +22,7 @@ use pyo3::prelude::*;
 
 #[pymodule]
 fn _hardpoint(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    hardpoint::attia::register();
     let python = module.py();
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add("StudyError", python.get_type::<errors::StudyError>())?;

@@ -310,6 +310,7 @@ pub fn run_embedded<A: Into<std::ffi::OsString> + Clone>(
 
 /// As [`run`] with these arguments, the first of them the program's name; the exit code.
 pub fn run_with<A: Into<std::ffi::OsString> + Clone>(arguments: impl IntoIterator<Item = A>) -> u8 {
+    crate::attia::register();
     let exit = match Arguments::try_parse_from(arguments) {
         Ok(arguments) => carried_out(arguments),
         Err(error) => {

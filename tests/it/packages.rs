@@ -7,7 +7,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Folders of the crates, below the workspace's.
-const CRATES: [&str; 4] = ["", "bench", "engine", "study-file"];
+const CRATES: [&str; 5] = ["", "attia", "bench", "engine", "study-file"];
 
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))

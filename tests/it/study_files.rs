@@ -168,6 +168,7 @@ fn judge(study: &Study) -> bool {
     };
     let suspension = &study.suspension;
     let mechanism = &suspension.mechanism;
+    hardpoint::attia::register();
     let found = match curves(suspension, &plan) {
         Ok(found) => found,
         Err(fault) => {

@@ -6,7 +6,7 @@ use crate::DoubleDouble;
 use crate::Job;
 use crate::single::Single;
 use crate::trial::{Equations, OneEquation, SixEquations, solve};
-use hardpoint_engine::attia::{self, PointCoordinates, Strut, StrutPoints};
+use hardpoint_attia::{PointCoordinates, Strut, StrutPoints};
 use hardpoint_engine::mechanism::{Pose, Work};
 use hardpoint_engine::number::Vector3;
 use hardpoint_engine::solve::{Solver, StationOrder};
@@ -363,11 +363,11 @@ fn production(subject: &Subject<'_>, clock: &Clock) -> Result<Vec<Measurement>, 
 fn point_coordinates(subject: &Subject<'_>, clock: &Clock) -> Option<Measurement> {
     let suspension = subject.suspension;
     let strut = Strut::of(&suspension.mechanism, &suspension.design)?;
-    let drive = attia::Drive::Travel;
+    let drive = hardpoint_attia::Drive::Travel;
     let equations = PointCoordinates::new(&strut, StrutPoints::Spread, drive).ok()?;
     let start = equations.placed(subject.rack).ok()?;
-    let read = |pose: &attia::Pose| {
-        let rates = attia::Rates::default();
+    let read = |pose: &hardpoint_attia::Pose| {
+        let rates = hardpoint_attia::Rates::default();
         let pose = equations.knuckle_pose::<1>(pose, rates).ok()?;
         Some(subject.camber_at(&pose.map(|c| c[0])))
     };

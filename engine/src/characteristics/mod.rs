@@ -29,6 +29,7 @@ mod unit;
 mod wheel;
 mod wheel_reading;
 
+pub use attia::{attia_camber, attia_kingpin};
 pub use carried::CarriedForce;
 pub use constants::Constants;
 pub use instant_centre::{InstantCentres, instant_centres_of};

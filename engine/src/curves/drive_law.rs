@@ -1,6 +1,6 @@
 //! The motion of a study as one of the kernel's drives.
 
-use crate::attia::PaperTheta;
+use super::PaperTheta;
 use crate::derive::MotionPoint;
 use crate::mechanism::DesignFault;
 use crate::model::Suspension;

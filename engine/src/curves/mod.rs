@@ -5,6 +5,7 @@ mod drive_law;
 mod frames;
 mod influence;
 mod loads;
+mod paper_theta;
 mod point_coordinates;
 mod prover;
 mod run;
@@ -15,11 +16,11 @@ pub use drive_law::DriveLaw;
 pub use frames::{Frame, OtherWheel, Placement, Turn, frames};
 pub use influence::{Influence, influences};
 pub(crate) use loads::Loads;
+pub use paper_theta::PaperTheta;
 pub(crate) use prover::Prover;
 pub use run::curves;
 
-use crate::attia::Refusal;
-use crate::mechanism::{Failure, Work};
+use crate::mechanism::{Failure, FormulationFailure, Work};
 use crate::model::{Axis, PointId, Rod};
 use crate::solve::Rejection;
 
@@ -56,9 +57,13 @@ impl Status {
                 Failure::Singular => "singular",
                 Failure::Toggle(_) => "toggle",
                 Failure::Uncertified(_) => "uncertified",
-                Failure::PointCoordinates { refusal, .. } => match refusal {
-                    Refusal::Unreachable { .. } | Refusal::RackUnreachable { .. } => "unreachable",
-                    Refusal::Singular(_) | Refusal::NotFinite => "singular",
+                Failure::PointCoordinates(failure) => match failure {
+                    FormulationFailure::DriveEnds { .. }
+                    | FormulationFailure::ThetaEnds { .. }
+                    | FormulationFailure::RackEnds { .. } => "unreachable",
+                    FormulationFailure::Singular { .. } | FormulationFailure::NotFinite => {
+                        "singular"
+                    }
                 },
             },
         }

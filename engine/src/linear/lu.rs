@@ -33,7 +33,7 @@ impl<T: Scalar> Lu6<T> {
 impl<T: Scalar, const N: usize> Lu<T, N> {
     /// Factorises a matrix. `None` if a pivot is zero or NaN. The determinant is the matrix's times `unit`.
     #[inline]
-    pub(crate) fn of(mut a: [[T; N]; N], unit: f64) -> Option<Self> {
+    pub fn of(mut a: [[T; N]; N], unit: f64) -> Option<Self> {
         let mut order: [usize; N] = from_fn(|i| i);
         let mut determinant = unit;
         for k in 0..N {
@@ -67,12 +67,12 @@ impl<T: Scalar, const N: usize> Lu<T, N> {
     }
 
     /// The determinant. Its sign cannot change along a path without passing a singularity.
-    pub(crate) fn determinant(&self) -> f64 {
+    pub fn determinant(&self) -> f64 {
         self.determinant
     }
 
     /// The pivots, in the order in which they were taken.
-    pub(crate) fn pivots(&self) -> [T; N] {
+    pub fn pivots(&self) -> [T; N] {
         from_fn(|k| self.factors[k][k])
     }
 
@@ -96,7 +96,7 @@ impl<T: Scalar, const N: usize> Lu<T, N> {
 
     /// x with A^T x = b.
     #[inline]
-    pub(crate) fn solve_transposed(&self, b: [T; N]) -> [T; N] {
+    pub fn solve_transposed(&self, b: [T; N]) -> [T; N] {
         let mut y = b;
         for i in 0..N {
             for j in 0..i {
@@ -183,7 +183,7 @@ impl<const N: usize> Lu<f64, N> {
     }
 
     /// The inverse.
-    pub(crate) fn inverse(&self) -> [[f64; N]; N] {
+    pub fn inverse(&self) -> [[f64; N]; N] {
         let f = &self.factors;
         let mut rows = [[0.0; N]; N];
         for (row, of) in rows.iter_mut().zip(self.order) {

@@ -1,7 +1,5 @@
 //! Why there is no pose, or no design.
 
-use crate::attia;
-use crate::attia::Refusal;
 use crate::model::Rod;
 use crate::model::{Axis, Drive, Frame, LengthUnit, Mechanism, PointId};
 use std::error::Error;
@@ -35,12 +33,59 @@ pub enum Failure {
     /// The seed paper's drive asks for the arm's highest or lowest position, or beyond it.
     DeadCentre,
     /// The formulation in point coordinates found no pose.
-    PointCoordinates {
-        /// What drives.
-        drive: attia::Drive,
-        /// Why there is none; the value of the drive in it is as the study counts it.
-        refusal: attia::Refusal,
+    PointCoordinates(FormulationFailure),
+}
+
+/// Why a formulation beside the knuckle pose (see [`crate::solve::Formulation`]) has no pose. A cause is a clause about a
+/// part, like "the strut is horizontal".
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum FormulationFailure {
+    /// At the pose asked for, fewer than half of the digits would be left.
+    Singular {
+        /// The part that is singular.
+        cause: &'static str,
     },
+    /// The branch of the design position ends before the drive value.
+    DriveEnds {
+        /// What drives.
+        drive: Drive,
+        /// The drive value up to which the branch was followed, as the study counts it.
+        value: f64,
+        /// The part that is singular there.
+        cause: &'static str,
+    },
+    /// The branch of the design position ends before the paper's angle theta.
+    ThetaEnds {
+        /// The angle up to which the branch was followed.
+        value: f64,
+        /// The part that is singular there.
+        cause: &'static str,
+    },
+    /// The branch of the design position ends before the rack is where it was asked to be.
+    RackEnds {
+        /// The part that is singular there.
+        cause: &'static str,
+    },
+    /// A number in the input is not finite.
+    NotFinite,
+}
+
+impl fmt::Display for FormulationFailure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            FormulationFailure::Singular { cause } => write!(f, "singular: {cause}"),
+            FormulationFailure::DriveEnds { value, cause, .. }
+            | FormulationFailure::ThetaEnds { value, cause } => write!(
+                f,
+                "unreachable: the motion ends where the drive is {value}; there, {cause}"
+            ),
+            FormulationFailure::RackEnds { cause } => write!(
+                f,
+                "unreachable: the rack does not get there; where it stops, {cause}"
+            ),
+            FormulationFailure::NotFinite => f.write_str("the input is not finite"),
+        }
+    }
 }
 
 /// Why a mechanism goes no further: the part that is singular by itself at the fold, or what stands still there
@@ -184,7 +229,9 @@ pub enum DesignFault {
         outer: PointId,
     },
     /// The formulation in point coordinates cannot describe the design.
-    PointCoordinates(attia::Refusal),
+    PointCoordinates(FormulationFailure),
+    /// The program lacks the formulation of this name.
+    NoFormulation(&'static str),
     /// Some combination of the constraints does not hold the knuckle, or the drive cannot move it.
     Singular,
 }
@@ -229,8 +276,12 @@ impl DesignFault {
                  \"paper_theta\" is singular",
                 name(outer)
             ),
-            DesignFault::PointCoordinates(refusal) => format!(
-                "the design position cannot be solved in point coordinates: {refusal}"
+            DesignFault::PointCoordinates(failure) => format!(
+                "the design position cannot be solved in point coordinates: {failure}"
+            ),
+            DesignFault::NoFormulation(name) => format!(
+                "this program lacks formulation = \"{name}\"; \"knuckle_pose\" solves every topology (a Rust program \
+                 gets it from hardpoint_attia::register)"
             ),
             DesignFault::Singular => {
                 "the design position is singular: the drive cannot move the wheel from it".to_owned()
@@ -288,15 +339,20 @@ impl Failure {
                                     is singular"
                     .to_owned()
             }
-            Failure::PointCoordinates {
-                drive,
-                refusal: Refusal::Unreachable { value, limit },
-            } => match drive {
-                attia::Drive::Travel => format!("{}: {limit}", travel(*value)),
-                attia::Drive::ArmAngle => format!("{}: {limit}", angle("the arm turns", *value)),
-                attia::Drive::PaperTheta => format!("{}: {limit}", angle("theta gets", *value)),
+            Failure::PointCoordinates(failure) => match failure {
+                FormulationFailure::DriveEnds {
+                    drive,
+                    value,
+                    cause,
+                } => match drive {
+                    Drive::Travel => format!("{}: {cause}", travel(*value)),
+                    Drive::ArmAngle => format!("{}: {cause}", angle("the arm turns", *value)),
+                },
+                FormulationFailure::ThetaEnds { value, cause } => {
+                    format!("{}: {cause}", angle("theta gets", *value))
+                }
+                other => other.to_string(),
             },
-            Failure::PointCoordinates { refusal, .. } => refusal.to_string(),
         }
     }
 }

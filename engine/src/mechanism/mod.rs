@@ -21,7 +21,9 @@ pub use builder::{BuildError, SuspensionBuilder};
 pub(crate) use closure::RowSet;
 pub use closure::{Closure, Driver};
 pub use constraint::raises_its_joint;
-pub use failure::{DesignFault, Failure, LimitCause, PartMeasure, Toggle, Unproven};
+pub use failure::{
+    DesignFault, Failure, FormulationFailure, LimitCause, PartMeasure, Toggle, Unproven,
+};
 pub use ground::Ground;
 pub use pose::{Configuration, Pose, Twist, Wrench};
 pub use rocker::{MovingAngle, MovingPoint, has_leverage};
@@ -29,5 +31,4 @@ pub(crate) use rocker::{Turn, is_effective};
 pub use rod_reach::RodReach;
 pub(crate) use tolerances::{DEGENERATE, GOOD_PREDICTION, ROUNDING};
 pub use validation::{GeometryFault, HardpointFault};
-pub use work::Work;
-pub(crate) use work::WorkCounter;
+pub use work::{Work, WorkCounter};

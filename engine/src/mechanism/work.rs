@@ -57,19 +57,19 @@ impl std::ops::Add for Work {
 
 /// Counts of work that can be added to through a shared reference.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct WorkCounter(Cell<Work>);
+pub struct WorkCounter(Cell<Work>);
 
 impl WorkCounter {
     /// Adds to the counts.
     #[inline]
-    pub(crate) fn note(&self, count: impl FnOnce(&mut Work)) {
+    pub fn note(&self, count: impl FnOnce(&mut Work)) {
         let mut work = self.0.get();
         count(&mut work);
         self.0.set(work);
     }
 
     /// The counts so far.
-    pub(crate) fn work(&self) -> Work {
+    pub fn work(&self) -> Work {
         self.0.get()
     }
 }

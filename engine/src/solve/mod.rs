@@ -7,11 +7,16 @@ pub(crate) mod cause;
 pub(crate) mod closed_form;
 mod conditioning;
 pub(crate) mod continuation;
+mod formulation;
 mod path;
 mod toggles;
 mod tracker;
 
 pub use conditioning::{Conditioning, LEAST_DIGITS, rate_digits};
+pub(crate) use formulation::point_coordinates;
+pub use formulation::{
+    Drive, Formulation, FormulationMotion, FormulationPose, FormulationVisit, register_formulation,
+};
 pub(crate) use path::Station;
 pub use path::{Solver, StationOrder};
 pub use toggles::Toggles;

@@ -35,6 +35,7 @@ mod targets;
 mod tolerance;
 
 pub use crate::analyse::LoadPoint;
+pub use crate::solve::Drive;
 pub use axle::AxleStudy;
 pub use axle::missing;
 pub use axle_targets::AxleSite;
@@ -87,25 +88,14 @@ pub struct Study {
     pub axle: Option<AxleStudy>,
 }
 
-/// What drives the mechanism.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Drive {
-    /// The height of the wheel centre above its design position.
-    Travel,
-    /// The angle of the first control arm from its design position, positive upwards.
-    ArmAngle,
-    /// The seed paper's angle theta (see [`crate::attia::PaperTheta`]).
-    PaperTheta,
-}
-
 /// The equations whose solution is a pose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Formulation {
     /// Six closure equations in the pose of the knuckle, or their closed form: of every topology, with
     /// every output.
     KnucklePose,
-    /// The seed paper's fifteen equations in the coordinates of five points
-    /// ([`crate::attia`]): of the MacPherson strut, up to second derivatives.
+    /// The seed paper's fifteen equations in the coordinates of five points: of the MacPherson strut, up to second
+    /// derivatives. The crate `hardpoint-attia` has them.
     PointCoordinates,
 }
 

@@ -5,9 +5,8 @@ use super::file::File;
 use super::names::choose;
 use super::value::{Selection, Text};
 use super::{Drive, Formulation, Motion, Order, Outputs};
-use crate::attia::Strut;
 use crate::characteristics::Quantity;
-use crate::model::Suspension;
+use crate::model::{ClosedForm, Suspension};
 use std::ops::Range as Span;
 
 impl Formulation {
@@ -41,7 +40,7 @@ pub(super) fn formulation(
     };
     let formulation = choose(text, "formulation", &Formulation::ALL, problems)?;
     let mechanism = &suspension.mechanism;
-    let is_strut = Strut::of(mechanism, &suspension.design).is_some();
+    let is_strut = matches!(mechanism.closed_form, Some(ClosedForm::Strut));
     if formulation == Formulation::PointCoordinates && !is_strut {
         let message = format!(
             "the equations in point coordinates are those of a MacPherson strut, not of a {}",

@@ -109,6 +109,7 @@ fn extra_points_on_every_body_move_as_the_reference_says() {
     assert!(travels.len() > 20);
     let equations =
         PointCoordinates::new(&strut(&case), StrutPoints::Spread, Drive::Travel).unwrap();
+    hardpoint::attia::register();
     for formulation in ["knuckle_pose", "point_coordinates"] {
         let study = study(&case, &travels, formulation);
         let curves = curves(&study.suspension, &Plan::of(&study)).unwrap();

@@ -2,8 +2,8 @@
 
 use super::Moving;
 use super::motion::Motion;
-use crate::number::{Matrix3 as Axes, Vector3};
-use nalgebra::Matrix3;
+use hardpoint_engine::nalgebra::Matrix3;
+use hardpoint_engine::number::{Matrix3 as Axes, Vector3};
 
 /// A point fixed in the knuckle, as an affine combination of the points 5, 6, 7 and 8.
 ///
@@ -117,6 +117,6 @@ fn about_mean(moving: &Moving) -> [Vector3<f64>; 4] {
     [p5, p6, p7, p8].map(|p| p - mean)
 }
 
-fn columns(v: Vector3<f64>) -> nalgebra::Vector3<f64> {
-    nalgebra::Vector3::from(v.to_array())
+fn columns(v: Vector3<f64>) -> hardpoint_engine::nalgebra::Vector3<f64> {
+    hardpoint_engine::nalgebra::Vector3::from(v.to_array())
 }

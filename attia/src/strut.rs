@@ -1,8 +1,8 @@
 //! The design position, and the choice of the points 6, 7 and 9 on the strut's axis.
 
 use super::Moving;
-use crate::model::{Constraint, Mechanism, PointId};
-use crate::number::Vector3;
+use hardpoint_engine::model::{Constraint, Mechanism, PointId};
+use hardpoint_engine::number::Vector3;
 
 /// Design positions of a strut's hardpoints (left wheel; x forward, y left, z up; any unit of length).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -78,7 +78,7 @@ impl Strut {
     }
 
     /// What a turn of the arm that raises the ball joint is multiplied by to be one of
-    /// [`crate::attia::Drive::ArmAngle`], which is about the axis from front to rear.
+    /// [`Drive::ArmAngle`](crate::Drive::ArmAngle), which is about the axis from front to rear.
     pub fn raising_turn(&self) -> f64 {
         let axis = self.lower_arm_rear - self.lower_arm_front;
         let rise = axis.cross(self.lower_ball_joint - self.lower_arm_front).z;

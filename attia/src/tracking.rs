@@ -6,9 +6,9 @@ use super::equations::{
     Column, DRIVE, Fixed, Jacobian, distances_squared, jacobian, quadratic, residual,
 };
 use super::{Drive, KnucklePoint, Moving, Refusal, Singular, Strut, StrutPoints};
-use crate::linear::lu::Lu;
-use crate::mechanism::{Work, WorkCounter};
-use crate::number::Vector3;
+use hardpoint_engine::bench_hooks::Lu;
+use hardpoint_engine::mechanism::{Work, WorkCounter};
+use hardpoint_engine::number::Vector3;
 
 /// The largest condition number at which half of the digits are left: 1/sqrt(2^-52).
 const WORST_CONDITION: f64 = (1_u64 << 26) as f64;

@@ -3,9 +3,9 @@
 
 use super::knuckle::KnuckleRotation;
 use super::{PointCoordinates, Pose, Rates, Refusal, Station};
-use crate::mechanism::pose;
-use crate::number::Jet;
-use crate::number::{Matrix3, Vector3};
+use hardpoint_engine::mechanism;
+use hardpoint_engine::number::Jet;
+use hardpoint_engine::number::{Matrix3, Vector3};
 
 impl PointCoordinates {
     /// The pose with the drive as in the design position and the rack displaced.
@@ -56,7 +56,7 @@ impl PointCoordinates {
         &self,
         pose: &Pose,
         rates: Rates,
-    ) -> Result<pose::Pose<Jet<f64, N>>, Refusal> {
+    ) -> Result<mechanism::Pose<Jet<f64, N>>, Refusal> {
         debug_assert!(N <= 3, "the paper's equations give two derivatives");
         let still = [Vector3::new(0.0, 0.0, 0.0); 5];
         let [velocity, acceleration] = match N {
@@ -76,7 +76,7 @@ impl PointCoordinates {
             };
             Vector3::new(along(|v| v.x), along(|v| v.y), along(|v| v.z))
         };
-        Ok(pose::Pose {
+        Ok(mechanism::Pose {
             origin: series(orders.map(|points| points[0])),
             rotation: Matrix3 {
                 columns: [0, 1, 2].map(|k| series(rotations.map(|columns| columns[k]))),

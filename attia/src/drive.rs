@@ -1,26 +1,17 @@
 //! Equation (15), the drive: the paper's own and two regular ones.
+//!
+//! - [`Drive::Travel`]: height of the wheel centre above its design height, a length.
+//! - [`Drive::ArmAngle`]: rotation of the lower arm from its design position, about the direction from `lower_arm_front`
+//!   to `lower_arm_rear` (positive: wheel down), in radians. Regular except at a tie-rod toggle.
+//! - [`Drive::PaperTheta`]: equation (15), z5 - z1 = d51 cos(theta), theta in radians from the vertical. The equation
+//!   only knows the cosine. Where theta passes a multiple of pi the arm does not pass its dead centre: it turns back on
+//!   the side it came from. At the dead centre the equation is singular. Where `lower_arm_front` is not beside the ball
+//!   joint, d51 is more than the arm's radius and there is no solution near a multiple of pi at all.
 
 use super::knuckle::KnucklePoint;
 use super::{Moving, Strut};
-use crate::number::Vector3;
-
-/// What moves the suspension. The value of each is a number, in the unit given here.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Drive {
-    /// Rotation of the lower arm from its design position, about the direction from
-    /// `lower_arm_front` to `lower_arm_rear` (positive: wheel down), in radians. Regular except at a
-    /// tie-rod toggle.
-    ArmAngle,
-    /// Equation (15): z5 - z1 = d51 cos(theta), theta in radians from the vertical.
-    ///
-    /// The equation only knows the cosine. Where theta passes a multiple of pi the arm does not pass
-    /// its dead centre: it turns back on the side it came from. At the dead centre the equation is
-    /// singular. Where `lower_arm_front` is not beside the ball joint, d51 is more than the arm's
-    /// radius and there is no solution near a multiple of pi at all.
-    PaperTheta,
-    /// Height of the wheel centre above its design height, a length.
-    Travel,
-}
+use hardpoint_engine::number::Vector3;
+pub use hardpoint_engine::solve::Drive;
 
 /// Equation (15) at one value of the drive, linear in the points 5 to 8 and scaled by d51 to a squared
 /// length: the sum of `gradient` times point is `level`.

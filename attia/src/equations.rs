@@ -5,8 +5,8 @@
 
 use super::Moving;
 use super::drive::Driver;
-use crate::number::Vector3;
-use nalgebra::SVector;
+use hardpoint_engine::nalgebra::SVector;
+use hardpoint_engine::number::Vector3;
 
 /// One number for each equation, or one for each unknown: x, y, z of 5, then of 6, 7, 8, 9.
 pub(crate) type Column = SVector<f64, 15>;

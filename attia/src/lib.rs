@@ -41,32 +41,38 @@
 //! Where the equations lose rank though the suspension may be sound ([`Singular`]), or where the branch
 //! ends, the answer is a [`Refusal`].
 //!
+//! # Use in studies
+//! [`register`] makes `formulation = "point_coordinates"` available to the engine. The program `hardpoint` and the Python
+//! module call it.
+//!
 //! # Frame and units
 //! x forward, y left (outboard), z up; a left wheel. Any unit of length: every equation is written as a
 //! squared length, every tolerance is relative.
 
-mod angles;
+#![warn(clippy::allow_attributes_without_reason, unreachable_pub)]
+
 mod branch;
 mod drive;
 mod equations;
+mod formulation;
 mod knuckle;
 mod motion;
-mod paper_theta;
 mod refusal;
 mod stations;
 mod strut;
 mod tracking;
 
-pub use angles::{attia_camber, attia_kingpin};
 pub use drive::Drive;
+pub use formulation::register;
+pub use hardpoint_engine::characteristics::{attia_camber, attia_kingpin};
+pub use hardpoint_engine::curves::PaperTheta;
 pub use knuckle::{AngularMotion, KnucklePoint};
 pub use motion::{Motion, Rates};
-pub use paper_theta::PaperTheta;
 pub use refusal::{Refusal, Singular};
 pub use strut::{Strut, StrutPoints};
 pub use tracking::{PointCoordinates, Pose, Station, solve_travel};
 
-use crate::number::Vector3;
+use hardpoint_engine::number::Vector3;
 
 /// The unknown points 5, 6, 7, 8 and 9, in this order; also their velocities or accelerations.
 pub type Moving = [Vector3<f64>; 5];

@@ -1,0 +1,26 @@
+//! A program has the formulation in point coordinates once it registers it. This process begins without it.
+
+use hardpoint_engine::mechanism::DesignFault;
+use hardpoint_engine::plan::Plan;
+use hardpoint_engine::study::Study;
+use std::path::Path;
+
+/// Without the formulation a study that asks for it is read, and refused by the formulation's name where it is solved. With
+/// it, every station is solved.
+#[test]
+fn a_study_is_refused_until_its_formulation_is_registered() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../studies/attia.toml");
+    let study = Study::read(&path, &[]).unwrap_or_else(|e| panic!("{e}"));
+    let solve = || hardpoint_engine::curves::curves(&study.suspension, &Plan::of(&study));
+    let fault = solve().unwrap_err();
+    assert_eq!(fault, DesignFault::NoFormulation("point_coordinates"));
+    assert!(
+        fault
+            .to_string()
+            .contains("formulation = \"point_coordinates\"")
+    );
+    hardpoint_attia::register();
+    let solved = solve().unwrap();
+    assert!(!solved.stations.is_empty());
+    assert_eq!(solved.failed(), 0);
+}

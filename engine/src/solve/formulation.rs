@@ -1,0 +1,96 @@
+//! Formulations beside the pose of the knuckle. A crate of its own implements one, and the program registers it.
+
+use crate::mechanism::{DesignFault, Failure, Pose, Work};
+use crate::model::Suspension;
+use crate::number::Jet;
+use std::sync::OnceLock;
+
+/// What drives the mechanism.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Drive {
+    /// The height of the wheel centre above its design position.
+    Travel,
+    /// The angle of the first control arm from its design position, positive upwards.
+    ArmAngle,
+    /// The seed paper's angle theta (see [`crate::curves::PaperTheta`]).
+    PaperTheta,
+}
+
+/// A motion to solve: every drive value at every rack displacement.
+#[derive(Clone, Copy, Debug)]
+pub struct FormulationMotion<'a> {
+    /// Quantity that is given.
+    pub drive: Drive,
+    /// Its values, in length units or radians.
+    pub values: &'a [f64],
+    /// Displacements of the rack, towards the kernel's +y.
+    pub racks: &'a [f64],
+    /// Number of coefficients to compute of the series along the drive, 1 to 3.
+    pub coefficients: usize,
+}
+
+/// A solved pose.
+#[derive(Clone, Copy, Debug)]
+pub struct FormulationPose {
+    /// Pose of the knuckle as a series along the drive. Coefficients that are not asked for are 0.
+    pub pose: Pose<Jet<f64, 3>>,
+    /// Displacement of the rack, towards the kernel's +y.
+    pub rack: f64,
+    /// Condition number of the equations.
+    pub condition: f64,
+    /// Drive value less the one in the design position.
+    pub drive: f64,
+}
+
+/// A step of the way through a motion.
+#[derive(Clone, Copy, Debug)]
+pub enum FormulationVisit {
+    /// The design position with the rack displaced, before the stations of this displacement.
+    Start {
+        /// Pose of the knuckle.
+        pose: Pose<Jet<f64, 3>>,
+        /// Displacement of the rack, towards the kernel's +y.
+        rack: f64,
+    },
+    /// A station.
+    Station {
+        /// Index of the displacement of the rack.
+        rack: usize,
+        /// Index of the drive value.
+        number: usize,
+        /// The pose, or why there is none.
+        found: Result<FormulationPose, Failure>,
+    },
+}
+
+/// Equations of their own for the poses of some topology.
+pub trait Formulation: Sync {
+    /// Visits the stations of a motion, at each displacement of the rack outward from the design position. Returns the
+    /// work that it took.
+    ///
+    /// # Errors
+    /// If the equations cannot describe the design.
+    fn poses(
+        &self,
+        suspension: &Suspension,
+        motion: &FormulationMotion<'_>,
+        visit: &mut dyn FnMut(FormulationVisit),
+    ) -> Result<Work, DesignFault>;
+}
+
+/// The formulation `point_coordinates`, where the program has it.
+static POINT_COORDINATES: OnceLock<&'static dyn Formulation> = OnceLock::new();
+
+/// Registers the formulation `point_coordinates` for all studies of the process. The first one stays.
+pub fn register_formulation(formulation: &'static dyn Formulation) {
+    POINT_COORDINATES.get_or_init(|| formulation);
+}
+
+/// The formulation `point_coordinates`.
+///
+/// # Errors
+/// If the program has not registered it.
+pub(crate) fn point_coordinates() -> Result<&'static dyn Formulation, DesignFault> {
+    let registered = POINT_COORDINATES.get().copied();
+    registered.ok_or(DesignFault::NoFormulation("point_coordinates"))
+}

@@ -1,7 +1,7 @@
 //! Designs as they are built: the scattered builds of a robust tuning, with their derivatives by the variables.
 //!
 //! At x the drawing is p(x), its parts are a(p), and build number s, whose scatter is the same at every x, is put
-//! together from a(p(x)) + z_s. What comes of it is a design b_s again (see [`crate::build`]), and
+//! together from a(p(x)) + z_s. What comes of it is a design b_s again (see [`crate::assembly`]), and
 //!
 //! ```text
 //! db_s/dx = db/da da/dp dp/dx + db/dp dp/dx

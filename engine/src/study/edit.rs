@@ -15,7 +15,7 @@ impl Study {
         self.rewritten(&self.text, design, None)
     }
 
-    /// The text of a built suspension ([`mod@crate::build`]) as a study of its own. Where angles give the spin axis, the
+    /// The text of a built suspension ([`crate::assembly`]) as a study of its own. Where angles give the spin axis, the
     /// build's runs through a `spindle_inner`, which takes their place.
     pub fn with_built(&self, built: &Suspension) -> String {
         let text = self.with_design(&built.design);

@@ -1,6 +1,6 @@
 //! The first-order answer of an axle, exact.
 //!
-//! Each side's parts move its built design alone ([`crate::build`]), and what is read of the axle has gradients by
+//! Each side's parts move its built design alone ([`crate::assembly`]), and what is read of the axle has gradients by
 //! every hardpoint coordinate of either side, with what the ground asks of both travels
 //! ([`AxleSolver::gradients`]):
 //!

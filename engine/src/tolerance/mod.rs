@@ -10,7 +10,7 @@
 //! sigma^2 grows by tr((H S)^2)/2      of normal z; a uniform z_k adds H_kk^2 s_k^4 (1.8 - 3)/4
 //! ```
 //!
-//! g and H are exact ([`crate::build`]), of one wheel as of an axle: no difference quotients. Beside them a Monte Carlo puts builds together
+//! g and H are exact ([`crate::assembly`]), of one wheel as of an axle: no difference quotients. Beside them a Monte Carlo puts builds together
 //! and solves them over the motion. The linear answer is said to hold where mean shift squared and growth of the variance are
 //! below 2 % of sigma^2.
 

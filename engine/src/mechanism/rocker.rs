@@ -166,7 +166,7 @@ struct Turning<T> {
 pub struct MovingPoint<T> {
     /// Present position.
     pub now: Vector3<T>,
-    /// Its velocity.
+    /// Velocity.
     pub rate: Vector3<T>,
     /// The square of the least leverage of the rockers it moves with; 1 without any.
     pub leverage_squared: T,
@@ -177,13 +177,13 @@ pub struct MovingPoint<T> {
 pub struct MovingAngle<T> {
     /// The angle, as [`Configuration::rocker_angle`] returns it.
     pub now: T,
-    /// Its rate.
+    /// Rate of change.
     pub rate: T,
     /// The square of the least leverage of this rocker and those that turn it.
     pub leverage_squared: T,
 }
 
-/// Rockers and what stands on them in SIMD lanes, with their velocities from that of the knuckle: nothing recursive.
+/// Rockers and their points in SIMD lanes, with velocities from the knuckle's; without recursion.
 impl<B: SimdReal> Configuration<'_, B> {
     #[inline(always)]
     fn turning(&self, id: RockerId, motion: &Twist<B>) -> Turning<B> {
@@ -217,7 +217,7 @@ impl<B: SimdReal> Configuration<'_, B> {
             let end = turn.moved(inner);
             let rod = end - outer;
             let speed = rod.dot(rate) / rod.dot(turn.axis.cross(end - first));
-            // So that NaN is kept.
+            // Keeps NaN.
             least = B::select(
                 least.less(turn.leverage_squared),
                 least,
@@ -299,14 +299,14 @@ impl<B: SimdReal> Configuration<'_, B> {
     }
 }
 
-/// Whether a rod's w^2/(r.r l.l), known to a few units of the last place, is large enough to leave six digits of a
-/// derivative. False for NaN.
+/// Returns true if w^2/(r.r l.l) of a rod, known to a few units in the last place, leaves six digits of a derivative.
+/// Returns false for NaN.
 #[inline]
 pub(crate) fn is_effective(ends: Ends<f64>) -> bool {
     Turn::of(ends).leverage_squared > DEGENERATE
 }
 
-/// Whether a rocker is away from its toggle in the design position, so that its rod can turn it.
+/// Returns true if a rocker is away from its toggle in the design position, so that its rod can turn it.
 pub fn has_leverage(rocker: &Rocker, design: &[Vector3<f64>]) -> bool {
     let outer = design[rocker.outer.0];
     let [first, second, inner] = [rocker.first, rocker.second, rocker.inner].map(|id| design[id.0]);
@@ -319,7 +319,7 @@ impl<T: Real> Configuration<'_, T> {
         self.ends_with(rocker, self.point(rocker.outer))
     }
 
-    /// The ends of a rod whose outer end is at `now`.
+    /// Ends of a rod whose outer end is at `now`.
     #[inline(always)]
     fn ends_with(&self, rocker: Rocker, now: Vector3<T>) -> Ends<T> {
         [
@@ -354,8 +354,8 @@ impl<T: Real> Configuration<'_, T> {
         )
     }
 
-    /// Adds the derivative of `gradient . rocker_point(id, point)` to the sink, but for that by the place of
-    /// the point in the design, which is returned.
+    /// Adds the derivative of `gradient . rocker_point(id, point)` to the sink, except the part by the point's own design
+    /// position, which it returns.
     #[inline(always)]
     pub(crate) fn push_rocker_point(
         &self,
@@ -394,7 +394,7 @@ impl<T: Real> Configuration<'_, T> {
         by_point
     }
 
-    /// The derivatives by the rod's ends, and the one by the point in the design, of what `seed` says.
+    /// Derivatives of the seed by the rod's ends, and by the design position of its point.
     #[inline(always)]
     fn rocker_gradient(&self, id: RockerId, seed: RockerSeed<T>) -> (Ends<T>, Vector3<T>) {
         let rocker = self.mechanism.rocker(id);
@@ -413,7 +413,7 @@ impl<T: Real> Configuration<'_, T> {
     }
 }
 
-/// What is differentiated: `gradient` times the present position of a point of the rocker, or a number times its angle.
+/// Quantity to differentiate: `gradient` times the position of a point of the rocker, or a number times its angle.
 enum RockerSeed<T> {
     Point {
         designed: Vector3<T>,

@@ -18,8 +18,8 @@
 use super::rocker::Ends;
 use crate::number::{SimdReal, Vector3};
 
-/// How far an arc of a sixth of a turn strays from its chord, as a part of the chord: half the tangent of 15 degrees,
-/// and a little more.
+/// Largest distance of an arc of a sixth of a turn from its chord, as a share of the chord: half the tangent of 15
+/// degrees, and a little more.
 const STRAYING: f64 = 1.0 / 7.0;
 
 /// The place of a rod's outer end as seen from the rocker, in the numbers of the formula above.

@@ -47,8 +47,8 @@ fn way<T: Real>(arm: Arm, design: &[Vector3<T>]) -> Vector3<T> {
     (design[arm.front.0] - rear).cross(design[arm.outer.0] - rear)
 }
 
-/// Whether an arm raises its outer joint in one direction of its turn and lowers it in the other. At dead
-/// centre the joint goes level at first, and which turn is positive would be a matter of rounding.
+/// Returns true if an arm raises its outer joint in one direction and lowers it in the other. At dead centre the joint
+/// first moves horizontally, so rounding would decide which direction is positive.
 pub fn raises_its_joint(arm: Arm, design: &[Vector3<f64>]) -> bool {
     let way = way(arm, design);
     way.z.abs() > DEGENERATE * way.norm()

@@ -33,7 +33,7 @@ impl<T: Real> Link<T> {
         Link::of_squared_length(inner, outer, squared)
     }
 
-    /// A rod whose length is a dimension of its own.
+    /// A rod whose length is an independent dimension.
     #[inline(always)]
     pub(crate) fn of_squared_length(inner: PointId, outer: PointId, squared: T) -> Self {
         Link {

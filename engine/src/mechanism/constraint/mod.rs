@@ -26,7 +26,7 @@ use crate::model::{Constraint, PointId};
 use crate::number::Real;
 use crate::number::Vector3;
 
-/// One scalar constraint, with everything of it that depends on the design alone.
+/// One scalar constraint, with all its terms that depend only on the design.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Row<T> {
     Link(Link<T>),
@@ -95,8 +95,7 @@ impl<T: Real> Row<T> {
         }
     }
 
-    /// How force, moment and force along the rack of the differential change along a motion of the knuckle,
-    /// the rack held.
+    /// Rates of change of the differential's force, moment and rack force along a motion of the knuckle, with the rack held.
     #[inline(always)]
     pub(crate) fn wrench_rate(&self, at: &Configuration<T>, along: &Twist<T>) -> Wrench<T> {
         match self {

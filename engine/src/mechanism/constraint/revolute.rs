@@ -1,6 +1,6 @@
 //! A hinge: the knuckle turns about the line through two chassis points.
 //!
-//! The point p of the knuckle that was at a chassis point c in the design position must not leave it
+//! The point p of the knuckle that coincides with a chassis point c in the design position must not leave c
 //! along the direction n:
 //!
 //! ```text
@@ -8,11 +8,11 @@
 //! dF = n.dp - n.dc
 //! ```
 //!
-//! n is x, y and z for the first point of the axis; of the second, only the two directions normal to
-//! the axis are left to hold. These turn with the axis, but as p = c in every pose that adds nothing.
+//! For the first point of the axis, n is x, y and z. For the second point, n takes the two directions normal to
+//! the axis. These turn with the axis, but as p = c in every pose, that adds no term.
 //!
-//! Where p lies in the knuckle is a dimension of it: a built arm has its bushes as it was made, wherever the
-//! body's points have come to lie.
+//! The place of p in the knuckle is a dimension of the knuckle. A built arm keeps its bushes where they were made,
+//! wherever the body's points are.
 
 use super::normals;
 use crate::mechanism::pose::Sink;
@@ -27,7 +27,7 @@ pub(crate) struct Pinned<T> {
     pub point: PointId,
     /// n
     pub direction: Vector3<T>,
-    /// From the origin of the undisplaced knuckle to p.
+    /// Vector from the origin of the undisplaced knuckle to p.
     lever: Vector3<T>,
 }
 
@@ -44,7 +44,7 @@ impl<T: Real> Pinned<T> {
     ) -> [Self; 5] {
         let axis = (body[second.0] - body[first.0]).normalised();
         let [x, y, z] = Matrix3::identity(axis.x).columns;
-        // The drawn axis has the sign: builds on either side of a level axis have normals near each other.
+        // The sign comes from the nominal axis, so that builds on either side of a level axis get nearby normals.
         let sign = (knuckle[second.0] - knuckle[first.0]).z.sign();
         let [across, other] = normals(axis, sign);
         let at_first = knuckle[first.0] - knuckle[origin.0];

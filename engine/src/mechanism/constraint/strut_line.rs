@@ -37,8 +37,8 @@ pub(crate) struct StrutLine<T> {
 }
 
 impl<T: Real> StrutLine<T> {
-    /// Both equations. `knuckle` has every point where the undisplaced knuckle carries it: the design's own,
-    /// for a design; `origin` is the knuckle's.
+    /// Both equations. `knuckle` holds every point where the undisplaced knuckle carries it (for a design, its own points).
+    /// `origin` is the knuckle's.
     #[inline(always)]
     pub(crate) fn both(
         top: PointId,

@@ -1,15 +1,22 @@
 //! A hinge: the knuckle turns about the line through two chassis points.
 //!
-//! The point p of the knuckle that coincides with a chassis point c in the design position must not leave c
-//! along the direction n:
+//! The point p of the knuckle that coincides with a chassis point c in the design position must not leave c along
+//! the direction n. With l = p - o the lever of p about the knuckle's origin o:
 //!
 //! ```text
-//! F  = n.(p - c)
-//! dF = n.dp - n.dc
+//! F  = n.(p - c)                                                   (1)
+//! dF = n.dp - n.dc                                                 (2)
+//! f  = n,   m = l x n                                              (3)
 //! ```
 //!
-//! For the first point of the axis, n is x, y and z. For the second point, n takes the two directions normal to
-//! the axis. These turn with the axis, but as p = c in every pose, that adds no term.
+//! For the first point of the axis, n is x, y and z. For the second point, n takes the two directions normal to the
+//! axis. These turn with the axis, but p = c in every pose, so that adds no term to (2).
+//!
+//! Rates along the motion (v, w), from l' = w x l and n fixed in the body:
+//!
+//! ```text
+//! f' = 0,   m' = (w x l) x n                                       (4)
+//! ```
 //!
 //! The place of p in the knuckle is a dimension of the knuckle. A built arm keeps its bushes where they were made,
 //! wherever the body's points are.
@@ -32,8 +39,8 @@ pub(crate) struct Pinned<T> {
 }
 
 impl<T: Real> Pinned<T> {
-    /// All five equations. `body` has the points of the body, `knuckle` every point where the undisplaced
-    /// knuckle carries it: both are the design's own, for a design; `origin` is the knuckle's.
+    /// All five equations. `body` holds the points of the body, `knuckle` every point where the undisplaced knuckle
+    /// carries it. For a design, both are its own points. `origin` is the knuckle's.
     #[inline(always)]
     pub(crate) fn all(
         first: PointId,
@@ -67,12 +74,14 @@ impl<T: Real> Pinned<T> {
         }
     }
 
+    /// Equation (1).
     #[inline(always)]
     pub(crate) fn residual(&self, at: &Configuration<T>) -> T {
         let carried = at.pose.origin + at.pose.rotation.apply(self.lever);
         self.direction.dot(carried - at.designed(self.point))
     }
 
+    /// Adds `weight` times (2).
     #[inline(always)]
     pub(crate) fn differential(&self, at: &Configuration<T>, weight: T, sink: &mut impl Sink<T>) {
         let along = self.direction * weight;
@@ -83,6 +92,7 @@ impl<T: Real> Pinned<T> {
         sink.hardpoint(at.mechanism.origin, -in_knuckle);
     }
 
+    /// Equation (4).
     #[inline(always)]
     pub(crate) fn wrench_rate(&self, at: &Configuration<T>, along: &Twist<T>) -> Wrench<T> {
         let lever = at.pose.rotation.apply(self.lever);

@@ -1,38 +1,45 @@
 //! The angle to which a rod turns a rocker.
 //!
-//! A rocker is hinged about a line fixed in the vehicle, along the unit vector e, and turned by a rod, l in the
-//! design position, which keeps its length. With c the foot of the rod's inner end on the axis, r the lever from
-//! there to that end in the design position, t = e x r, d the way the rod's outer end has gone and q from where
-//! it is to c, the angle obeys
+//! A rocker turns about a line fixed in the vehicle, along the unit vector e. A rod of constant length turns it; the
+//! rod is the vector l in the design position. c is the foot of the rod's inner end on the axis, r the lever from c to
+//! that end in the design position, and t = e x r. d is the displacement of the rod's outer end, and q runs from this
+//! end to c. The angle obeys
 //!
 //! ```text
-//! |q + r cos + t sin| = |l| = |q + r + d|
-//! A cos + B sin = C,   A = q.r, B = q.t, C = A + E, E = l.d - d.d/2
-//! cos = (A C - B w)/H, sin = (B E + A (B + w))/H,   H = A^2 + B^2, w^2 = H - C^2 = B^2 - E (2 A + E)
+//! |q + r cos + t sin| = |l| = |q + r + d|                                                       (1)
+//! A cos + B sin = C,   A = q.r, B = q.t, C = A + E, E = l.d - d.d/2                             (2)
+//! cos = (A C - B w)/H, sin = (B E + A (B + w))/H                                                (3)
+//! H = A^2 + B^2, w^2 = H - C^2 = B^2 - E (2 A + E)                                              (4)
 //! ```
 //!
 //! In the design position E = 0, cos = 1 and sin = 0, so w = -B there, and w keeps that sign. |w| is the lever arm of
-//! the rod about the axis times |l|: |w|/(|r| |l|) is the rod's *leverage*, 1 where it stands square to the lever,
-//! 0 at toggle, where rod, lever and axis lie in one plane. A rocker goes no further than a toggle, and
-//! derivatives do not exist there.
+//! the rod about the axis times |l|. The ratio |w|/(|r| |l|) is the rod's *leverage*: 1 if the rod is square to the
+//! lever, 0 at toggle, where rod, lever and axis lie in one plane. A rocker stops at a toggle, and derivatives do not
+//! exist there.
 //!
 //! # Derivatives
 //!
-//! Let f be a point of the axis, x' = f + R (x - f) a point of the rocker and s' = n' - o' the rod from its outer to
-//! its inner end now. A change of axis and angle turns the rocker by the small rotation v = e dtheta + sin de +
-//! (1 - cos) e x de, with de normal to e, so
+//! Let f be a point of the axis, x' = f + R (x - f) a point of the rocker, and s' = n' - o' the rod from its outer end
+//! o' to its inner end n'. A change of axis and angle turns the rocker by the small rotation v, with de normal to e:
 //!
 //! ```text
-//! dx' = (1 - R) df + R dx + v x (x' - f)
-//! s'.(dn' - do') = l.(dn - do)                          the rod keeps its length
+//! v = e dtheta + sin de + (1 - cos) e x de                                                      (5)
+//! dx' = (1 - R) df + R dx + v x (x' - f)                                                        (6)
+//! s'.(dn' - do') = l.(dn - do), because the rod keeps its length                                (7)
 //! ```
 //!
-//! A gradient g at x' and a moment t about the axis are balanced by the tension k = (e.(x' - f) x g + t)/(e.(n' - f) x s')
-//! of the rod: with M = (x' - f) x g - k (n' - f) x s', and h = g - k s', the derivatives of g.x' + t theta are
+//! The tension k of the rod balances a gradient g at x' and a moment t about the axis:
 //!
 //! ```text
-//! by x: R'g    by n: k (l - R's')    by o: -k l    by o': k s'
-//! by f: h - R'h    by de: sin M + (1 - cos) M x e
+//! k = (e.(x' - f) x g + t)/(e.(n' - f) x s')                                                    (8)
+//! M = (x' - f) x g - k (n' - f) x s',   h = g - k s'                                            (9)
+//! ```
+//!
+//! The derivatives of g.x' + t theta are
+//!
+//! ```text
+//! by x: R'g    by n: k (l - R's')    by o: -k l    by o': k s'                                  (10)
+//! by f: h - R'h    by de: sin M + (1 - cos) M x e                                               (11)
 //! ```
 
 use super::pose::{Configuration, Sink, Twist};

@@ -10,7 +10,7 @@ use crate::study::Drive;
 struct Driven {
     equations: PointCoordinates,
     drive: attia::Drive,
-    /// What a drive value of the study is multiplied by to be one of the equations'.
+    /// Factor from a drive value of the study to one of the equations.
     sense: f64,
 }
 

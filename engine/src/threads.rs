@@ -4,21 +4,21 @@
 use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
 use std::cell::Cell;
 
-/// Bytes of stack of every thread. Where nothing is optimised every temporary has its place in a frame: at opt-level 0 a
-/// sweep overflows 4 MiB and a certificate 10 MiB (rayon's threads have 2 MiB, a main thread mostly 8). The profile of a
-/// program that embeds the engine is not the engine's to choose, and a stack that overflows ends the process. Nothing but
-/// address space is taken for pages that are not touched.
+/// Bytes of stack of every thread. Without optimisation every temporary has its own place in a frame: at opt-level 0 a sweep
+/// overflows 4 MiB and a certificate 10 MiB. (Threads of rayon have 2 MiB, a main thread usually 8.) The profile of an
+/// embedding program is outside the engine's control, and a stack overflow ends the process. Untouched pages take address
+/// space only.
 const STACK: usize = 64 << 20;
 
 thread_local! {
-    /// Whether this thread is of a pool that was made here.
+    /// True if this thread belongs to a pool that was made here.
     static HAS_LARGE_STACK: Cell<bool> = const { Cell::new(false) };
 }
 
-/// A pool of so many threads; 0 for as many as rayon takes by itself.
+/// A pool with this number of threads; 0 for rayon's default.
 ///
 /// # Errors
-/// The system starts no more threads.
+/// The system cannot start the threads.
 pub fn pool(threads: usize) -> Result<ThreadPool, ThreadPoolBuildError> {
     ThreadPoolBuilder::new()
         .num_threads(threads)
@@ -27,9 +27,9 @@ pub fn pool(threads: usize) -> Result<ThreadPool, ThreadPoolBuildError> {
         .build()
 }
 
-/// Runs something on a large stack, and what it does in parallel on so many threads: in a pool of its own, or right
-/// here where this thread is of such a pool already. Where no thread can be started it runs right here, too: the stack
-/// is then that of the caller, which may well be enough.
+/// Runs a task on a large stack, with this number of threads for its parallel parts. It uses a pool of its own, or this
+/// thread if it belongs to such a pool already. If no thread can be started, it also runs on this thread, whose stack may
+/// suffice.
 pub(crate) fn on_large_stacks<T: Send>(threads: usize, run: impl FnOnce() -> T + Send) -> T {
     let own = match HAS_LARGE_STACK.get() {
         true => None,

@@ -1,4 +1,4 @@
-//! What is wrong with a study, said so that it can be put right.
+//! Mistakes in a study, with their place and remedy.
 
 use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
 use std::fmt;
@@ -10,7 +10,7 @@ use std::sync::Arc;
 pub struct Source {
     /// The file's path as the user wrote it.
     pub name: String,
-    /// Its content.
+    /// Content of the file.
     pub text: String,
 }
 
@@ -57,7 +57,7 @@ impl StudyError {
         self
     }
 
-    /// Adds what could be done about it.
+    /// Adds a remedy.
     pub fn help(&mut self, help: impl Into<String>) -> &mut Self {
         self.help = Some(help.into());
         self
@@ -75,8 +75,7 @@ impl StudyError {
         &self.source.name
     }
 
-    /// Line and column, both from 1, the column in characters; `None` where the file as a whole is
-    /// meant.
+    /// Line and column, both from 1, the column in characters; `None` if the mistake concerns the file as a whole.
     pub fn position(&self) -> Option<(usize, usize)> {
         let before = self.source.text.get(..self.span.as_ref()?.start)?;
         let line_start = before.rfind('\n').map_or(0, |at| at + 1);
@@ -91,18 +90,17 @@ impl StudyError {
         self.key.as_deref()
     }
 
-    /// What is wrong and what was expected.
+    /// The mistake and the expected value.
     pub fn message(&self) -> &str {
         &self.message
     }
 
-    /// What could be done about it.
+    /// The remedy.
     pub fn suggestion(&self) -> Option<&str> {
         self.help.as_deref()
     }
 
-    /// The message with file, line, the line itself and what is wrong in it underlined; in colour
-    /// for a terminal.
+    /// The message with file, line, the line itself and the faulty part underlined; in colour for a terminal.
     pub fn render(&self, colour: bool) -> String {
         let title = match &self.key {
             Some(key) => format!("{key}: {}", self.message),
@@ -194,7 +192,7 @@ pub struct Problems {
 }
 
 impl Problems {
-    /// None yet.
+    /// An empty list of mistakes.
     pub fn new(source: Arc<Source>) -> Self {
         Problems {
             source,
@@ -202,7 +200,7 @@ impl Problems {
         }
     }
 
-    /// Notes a mistake at a place of the study file.
+    /// Records a mistake at a place of the study file.
     pub fn add(&mut self, span: Range<usize>, message: impl Into<String>) -> &mut StudyError {
         let key = crate::parse::key_at(&self.source.text, span.start);
         let mut error = StudyError::new(self.source.clone(), Some(span), message);
@@ -211,18 +209,18 @@ impl Problems {
         self.errors.last_mut().expect("just pushed")
     }
 
-    /// Notes a mistake at a place of the study file which leaves no value.
+    /// Records a mistake at a place of the study file and returns no value.
     pub fn refuse<T>(&mut self, span: Range<usize>, message: impl Into<String>) -> Option<T> {
         self.add(span, message);
         None
     }
 
-    /// Notes mistakes found in another file.
+    /// Records mistakes found in another file.
     pub fn append(&mut self, errors: StudyErrors) {
         self.errors.extend(errors.0);
     }
 
-    /// The result, if there is nothing wrong.
+    /// Returns the result if there is no mistake.
     pub fn finish<T>(mut self, result: Option<T>) -> Result<T, StudyErrors> {
         match result {
             Some(result) if self.errors.is_empty() => Ok(result),

@@ -1,7 +1,7 @@
-//! The study file as written: its sections and keys, unknown ones refused.
+//! The study file as written: its sections and keys. Unknown ones are refused.
 //!
-//! Names are still text, numbers still in the file's units and axes; what may be wrong with a value
-//! carries its place. `flatten` and tagged enums are avoided because they lose places.
+//! Names are still text, and numbers are in the file's units and axes. A value that may be faulty carries its place.
+//! `flatten` and tagged enums are avoided, because they lose places.
 
 use crate::value::{
     LimitText, MemberName, Number, Numbers, RightWheel, Selection, Text, Values, Whole,
@@ -72,7 +72,7 @@ pub struct Suspension {
     pub frame: Option<Text>,
     /// `[suspension.hardpoints]`
     pub hardpoints: Spanned<BTreeMap<Text, Coordinates>>,
-    /// `[suspension.bodies]`: what ends of springs and rods stand on.
+    /// `[suspension.bodies]`: bodies on which ends of springs and rods are mounted.
     #[serde(default)]
     pub bodies: BTreeMap<Text, Text>,
     /// `[suspension.studs]`: directions of the studs of ball joints.
@@ -89,7 +89,7 @@ pub struct Suspension {
 pub struct ExtraPoint {
     /// The body it moves with.
     pub body: Text,
-    /// Its design position.
+    /// Design position.
     pub position: Coordinates,
 }
 
@@ -135,7 +135,7 @@ pub struct Vehicle {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Axle {
-    /// `"mirrored"`, or what differs from the mirror image; the mirror image where it is not given.
+    /// `"mirrored"`, or the differences from the mirror image. Defaults to the mirror image.
     pub right: Option<Spanned<RightWheel>>,
 }
 
@@ -146,7 +146,7 @@ pub struct OwnRight {
     /// Hardpoints that are not the mirror image of the left ones.
     #[serde(default)]
     pub hardpoints: BTreeMap<Text, Coordinates>,
-    /// What ends of springs and rods stand on, where it is something else than at the left wheel.
+    /// Bodies on which ends of springs and rods are mounted, if they differ from the left wheel's.
     #[serde(default)]
     pub bodies: BTreeMap<Text, Text>,
     /// Camber and toe.
@@ -189,7 +189,7 @@ pub struct Spring {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BumpStop {
-    /// How far the spring is shortened from the design position when the stop is met.
+    /// Shortening of the spring from the design position until the stop is met.
     pub gap: Number,
     /// Pairs of compression and force.
     pub force_curve: Spanned<Vec<Spanned<Vec<Number>>>>,
@@ -257,7 +257,7 @@ pub struct Time {
 pub struct Solver {
     /// `knuckle_pose` or `point_coordinates`.
     pub formulation: Option<Text>,
-    /// Was what poses may be off by: refused, with a sentence.
+    /// Obsolete tolerance of poses; refused with an explanation.
     pub accuracy: Option<Spanned<IgnoredAny>>,
 }
 
@@ -275,11 +275,11 @@ pub struct Outputs {
     pub knuckle: Option<Spanned<bool>>,
     /// `position`, `velocity` or `acceleration`.
     pub order: Option<Text>,
-    /// Hardpoints by whose coordinates derivatives are wanted.
+    /// Hardpoints whose coordinates derivatives refer to.
     pub sensitivities: Option<Selection>,
-    /// Whether each pose is to be proved.
+    /// True if each pose is to be proved.
     pub certify: Option<Spanned<bool>>,
-    /// Loads on the wheel whose way through the links is wanted.
+    /// Loads on the wheel for which forces in links and joints are reported.
     pub loads: Option<Spanned<Vec<Load>>>,
 }
 
@@ -287,11 +287,11 @@ pub struct Outputs {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Load {
-    /// What its columns begin with.
+    /// Beginning of the names of its columns.
     pub name: Text,
     /// `contact_point` or `wheel_centre`.
     pub at: Text,
-    /// Of an axle: the wheel; both where it is not given.
+    /// For an axle, the wheel. Defaults to both wheels.
     pub side: Option<Text>,
     /// Three components, if they are right.
     pub force: Option<Coordinates>,
@@ -303,17 +303,17 @@ pub struct Load {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Sweep {
-    /// How the variables are sampled.
+    /// Method of sampling.
     pub method: Option<Text>,
     /// Number of samples.
     pub samples: Option<Whole>,
     /// Seed of the samples.
     pub seed: Option<Whole>,
-    /// What moves.
+    /// Variables of the sweep.
     pub variables: Option<Spanned<Vec<Spanned<SweepVariable>>>>,
     /// A CSV file with the designs instead.
     pub designs: Option<Text>,
-    /// Whether the curves of every design are kept.
+    /// True if the curves of every design are kept.
     pub curves: Option<bool>,
     /// `csv` or `parquet`.
     pub format: Option<Text>,
@@ -327,7 +327,7 @@ pub struct SweepVariable {
     pub hardpoint: Option<Text>,
     /// or names of several that move together.
     pub hardpoints: Option<Spanned<Vec<Text>>>,
-    /// How far each of them moves per unit of the variable.
+    /// Displacement of each coordinate per unit of the variable.
     pub factors: Option<Spanned<Vec<Number>>>,
     /// `x`, `y` or `z`.
     pub axis: Text,
@@ -335,7 +335,7 @@ pub struct SweepVariable {
     pub range: Spanned<Vec<Number>>,
     /// Number of values in a grid.
     pub steps: Option<Whole>,
-    /// Whether the values are coordinates rather than offsets.
+    /// True if the values are coordinates instead of offsets.
     pub absolute: Option<Spanned<bool>>,
     /// Name of the variable's column.
     pub name: Option<Text>,
@@ -355,17 +355,17 @@ pub struct Optimise {
     pub max_iterations: Option<Whole>,
     /// The misfit below which no design is better than another.
     pub good_enough: Option<Number>,
-    /// Whether the targets are measurements.
+    /// True if the targets are measurements.
     pub fit: Option<Spanned<bool>>,
-    /// How many builds of `[tolerance]` the misfit is the mean of.
+    /// Number of builds of `[tolerance]` over which the misfit is averaged.
     pub scatter: Option<Whole>,
     /// Names of the targets that are traded.
     pub front: Option<Spanned<Vec<Text>>>,
-    /// What may move.
+    /// Design variables.
     pub variables: Spanned<Vec<Spanned<Variable>>>,
-    /// What is wanted.
+    /// Targets.
     pub targets: Spanned<Vec<Spanned<Target>>>,
-    /// What must hold.
+    /// Constraints.
     #[serde(default)]
     pub constraints: Vec<Spanned<Constraint>>,
 }
@@ -380,7 +380,7 @@ pub struct Variable {
     pub hardpoints: Option<Spanned<Vec<Text>>>,
     /// or of several that are one body.
     pub rigid: Option<Spanned<Vec<Text>>>,
-    /// How far each of them moves per unit of the variable.
+    /// Displacement of each coordinate per unit of the variable.
     pub factors: Option<Spanned<Vec<Number>>>,
     /// `x`, `y` or `z`,
     pub axis: Option<Text>,
@@ -388,11 +388,11 @@ pub struct Variable {
     pub direction: Option<Coordinates>,
     /// Lowest and highest offset, two numbers if they are right.
     pub range: Option<Spanned<Vec<Number>>>,
-    /// How far a body is shifted along each axis, both ways.
+    /// Largest shift of a body along each axis, in both directions.
     pub shift: Option<Number>,
-    /// How far it is turned about each axis, both ways, degrees.
+    /// Largest turn of a body about each axis, in both directions, in degrees.
     pub turn: Option<Number>,
-    /// What a move across the range costs against others.
+    /// Cost of a move across the range, relative to other variables.
     pub cost: Option<Number>,
 }
 
@@ -418,7 +418,7 @@ pub struct Target {
     pub column: Option<Text>,
     /// A single drive value,
     pub at: Option<Number>,
-    /// and what is wanted there.
+    /// and the wanted value there.
     pub value: Option<Number>,
     /// Two limits.
     pub between: Option<Spanned<Vec<LimitText>>>,
@@ -426,7 +426,7 @@ pub struct Target {
     pub at_least: Option<Spanned<LimitText>>,
     /// An upper limit.
     pub at_most: Option<Spanned<LimitText>>,
-    /// Of an axle: the number of the motion that it is a curve over,
+    /// For an axle, the coordinate of the motion that the curve runs over,
     pub over: Option<Text>,
     /// which wheel,
     pub side: Option<Text>,
@@ -456,7 +456,7 @@ pub struct Target {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Setup {
-    /// What may be adjusted, in the order a mechanic does it.
+    /// Adjustments, in the order in which a mechanic makes them.
     pub adjust: Spanned<Vec<Spanned<Adjustment>>>,
     /// Wanted static values by characteristic.
     pub want: Option<BTreeMap<Text, Number>>,
@@ -468,13 +468,13 @@ pub struct Setup {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Adjustment {
-    /// The member whose length is adjusted,
+    /// Member with an adjustable length,
     pub length: Option<Spanned<MemberName>>,
     /// or the hardpoint under which shims lie,
     pub shim: Option<Text>,
     /// and the way they move it.
     pub axis: Option<Text>,
-    /// How much longer a turn makes it, both threads together.
+    /// Lengthening per turn, both threads together.
     pub per_turn: Option<Number>,
     /// Thickness of the thinnest shim.
     pub step: Option<Number>,
@@ -488,11 +488,11 @@ pub struct Tolerance {
     pub builds: Option<Whole>,
     /// Seed of the builds.
     pub seed: Option<Whole>,
-    /// Whether toe and camber are set again after assembly.
+    /// True if toe and camber are set again after assembly.
     pub aligned: Option<Spanned<bool>>,
-    /// What scatters.
+    /// Scattering dimensions.
     pub scatter: Spanned<Vec<Spanned<Scatter>>>,
-    /// What builds are to keep to.
+    /// Bands for the builds.
     pub bands: Option<Vec<Spanned<Band>>>,
 }
 
@@ -508,7 +508,7 @@ pub struct Scatter {
     pub length: Option<Spanned<MemberName>>,
     /// or hardpoints that are moved together.
     pub jig: Option<Spanned<Vec<Text>>>,
-    /// Of an axle: the only wheel whose parts scatter.
+    /// For an axle, the only wheel whose parts scatter.
     pub side: Option<Text>,
     /// The only coordinate that scatters.
     pub axis: Option<Text>,
@@ -528,9 +528,9 @@ pub struct Scatter {
 pub struct Band {
     /// Name of the characteristic.
     pub characteristic: Text,
-    /// Where it is looked at; everywhere in the motion without it.
+    /// Place of the band in the motion. Defaults to the whole motion.
     pub at: Option<Number>,
-    /// Of an axle: the number of the motion that `at` is a value of,
+    /// For an axle, the coordinate of the motion that `at` refers to,
     pub over: Option<Text>,
     /// which wheel,
     pub side: Option<Text>,
@@ -558,7 +558,7 @@ pub struct Band {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Constraint {
-    /// What it is called.
+    /// Name of the constraint.
     pub name: Option<Text>,
     /// A length: of a member, or between two points.
     pub length: Option<Spanned<MemberName>>,
@@ -584,13 +584,13 @@ pub struct Constraint {
     pub at_least: Option<Number>,
     /// An upper limit.
     pub at_most: Option<Number>,
-    /// Whether a length stays what it is in the design.
+    /// True if a length keeps its design value.
     pub kept: Option<Spanned<bool>>,
-    /// Where a point stays.
+    /// Region in which a point stays.
     pub inside: Option<Spanned<Region>>,
-    /// Where a point does not go.
+    /// Region that a point does not enter.
     pub outside: Option<Spanned<Region>>,
-    /// What must be between.
+    /// Least distance.
     pub clearance: Option<Number>,
     /// Radii of the members.
     pub radii: Option<Spanned<Vec<Number>>>,
@@ -609,7 +609,7 @@ pub struct Region {
     /// Two opposite corners.
     #[serde(rename = "box")]
     pub corners: Option<Spanned<Vec<Coordinates>>>,
-    /// What lies on the side a normal points to.
+    /// Region on the side to which a normal points.
     pub half_space: Option<HalfSpace>,
     /// A ball.
     pub sphere: Option<Sphere>,
@@ -637,9 +637,9 @@ pub struct HalfSpace {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Sphere {
-    /// Its centre.
+    /// Centre of the sphere.
     pub centre: Coordinates,
-    /// Its radius.
+    /// Radius.
     pub radius: Number,
 }
 
@@ -647,10 +647,10 @@ pub struct Sphere {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Cylinder {
-    /// One end of its axis.
+    /// First end of the axis.
     pub from: Coordinates,
-    /// The other.
+    /// Second end of the axis.
     pub to: Coordinates,
-    /// Its radius.
+    /// Radius.
     pub radius: Number,
 }

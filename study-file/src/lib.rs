@@ -14,7 +14,7 @@
 //! | [`source`] | texts from disk |
 //! | [`schema`] | the JSON schema of studies, found by asking the reader |
 
-// Nothing here says anything: what is said, commands say.
+// This crate prints nothing; only commands print.
 #![cfg_attr(not(test), warn(clippy::print_stdout, clippy::print_stderr))]
 #![warn(clippy::allow_attributes_without_reason, unreachable_pub)]
 

@@ -1,9 +1,9 @@
-//! Names: looking them up, and what was probably meant.
+//! Names: look-up and suggestions.
 
 use crate::error::Problems;
 use crate::value::Text;
 
-/// The candidate that was probably meant by `name`.
+/// The candidate that `name` probably meant.
 pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let plain = |s: &str| s.trim().to_lowercase().replace(['-', ' '], "_");
     let name = plain(name);
@@ -32,7 +32,7 @@ pub fn alternatives<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
     }
 }
 
-/// The option of this name, or an error that says which there are.
+/// The option with this name, or an error that lists all options.
 pub fn choose<T: Clone>(
     text: &Text,
     what: &str,
@@ -61,7 +61,7 @@ pub fn choose<T: Clone>(
     None
 }
 
-/// The option of this name, or the default where none is given; `None` if it is unknown.
+/// The option with this name, or the default without a name; `None` if the name is unknown.
 pub fn choose_or<T: Clone>(
     text: &Option<Text>,
     default: T,

@@ -3,8 +3,8 @@
 use crate::error::{StudyError, StudyErrors};
 use toml_edit::{DocumentMut, Item, Key, Table, TableLike, Value};
 
-/// The text with the overrides applied in order. A text that is not TOML stays as it is: reading it
-/// says what is wrong.
+/// The text with the overrides applied in order. A text that is not TOML stays unchanged; reading it later reports the
+/// mistake.
 pub fn apply(name: &str, text: &str, overrides: &[String]) -> Result<String, StudyErrors> {
     let Ok(mut document) = text.parse::<DocumentMut>() else {
         return Ok(text.to_owned());
@@ -35,7 +35,7 @@ fn set(document: &mut DocumentMut, written: &str) -> Result<(), String> {
     place.put(last, value)
 }
 
-/// Somewhere in a document.
+/// A place in a document.
 enum KeyPath<'a> {
     Item(&'a mut Item),
     Table(&'a mut dyn TableLike),
@@ -43,7 +43,7 @@ enum KeyPath<'a> {
 }
 
 impl<'a> KeyPath<'a> {
-    /// One step down; a section that is not there is made.
+    /// Goes one step down. Creates a missing section.
     fn enter(self, key: &Key) -> Result<KeyPath<'a>, String> {
         match self {
             KeyPath::Item(Item::ArrayOfTables(tables)) => {

@@ -1,4 +1,4 @@
-//! From text to the file as written, and the parser's messages in plain words.
+//! Parsing of a text into the file as written, with the parser's messages in plain words.
 
 use crate::error::{Source, StudyError, StudyErrors};
 use crate::file::File;
@@ -33,7 +33,7 @@ pub fn parse(source: &Arc<Source>) -> Result<File, StudyErrors> {
     Ok(file)
 }
 
-/// The path of the key whose name or value is at this byte, like `optimise.variables[0].range`.
+/// Path of the key whose name or value is at this byte, like `optimise.variables[0].range`.
 pub fn key_at(text: &str, at: usize) -> Option<String> {
     let root = DeTable::parse(text).ok()?;
     key_in_table(root.get_ref(), at, "")
@@ -98,7 +98,7 @@ fn in_plain_words(message: &str, place: &str) -> (String, Option<String>) {
     (message.trim().replace('\n', "; "), None)
 }
 
-/// What serde expected.
+/// Kind of value that serde expected.
 fn kind(expected: &str) -> &str {
     match expected {
         "i64" => "a whole number",
@@ -120,14 +120,14 @@ fn is_number(text: &str) -> bool {
             .all(|c| c.is_ascii_alphanumeric() || "._+-".contains(c))
 }
 
-/// What serde found at a place.
+/// Value that serde found at a place.
 fn value(found: &str, place: &str) -> String {
     let quoted = |prefix: &str| Some(found.strip_prefix(prefix)?.trim_matches('`'));
     match found {
         "sequence" => "a list".to_owned(),
         "map" if place.starts_with(|c: char| c.is_ascii_digit()) => format!("the date {place}"),
         "map" => "a table".to_owned(),
-        // As it is written there.
+        // The value as written.
         _ if quoted("integer ").or(quoted("floating point ")).is_some() && is_number(place) => {
             place.to_owned()
         }

@@ -11,7 +11,7 @@ use toml::Spanned;
 /// A text.
 pub type Text = Spanned<String>;
 
-/// A whole number; the resolver knows its bounds.
+/// A whole number; the resolver checks its bounds.
 pub type Whole = Spanned<i64>;
 
 /// A finite number.
@@ -19,7 +19,7 @@ pub type Whole = Spanned<i64>;
 pub struct Number {
     /// The number, within [`Number::MOST`] of zero.
     pub value: f64,
-    /// Its place.
+    /// Place in the file.
     pub span: Span<usize>,
 }
 
@@ -27,7 +27,7 @@ impl Number {
     /// The largest magnitude: far beyond any dimension, far below where products overflow.
     pub const MOST: f64 = 1e12;
 
-    /// The value, or what it should have been.
+    /// Returns the value, or the expected kind of value.
     pub fn checked(value: f64) -> Result<f64, String> {
         let most = Number::MOST;
         if value.abs() <= most {
@@ -39,7 +39,7 @@ impl Number {
         }
     }
 
-    /// The value of a text, or what it should have been.
+    /// Returns the value of a text, or the expected kind of value.
     pub fn parsed(text: &str) -> Result<f64, String> {
         Number::checked(text.parse().unwrap_or(f64::NAN))
     }
@@ -60,7 +60,7 @@ struct Finite(f64);
 /// The visitor of a type that `written!` reads.
 struct Written<T>(PhantomData<T>);
 
-/// Reads a type from the kinds of value it may be written as, each with what makes it of such a value.
+/// Defines the reading of a type from each kind of value in which it may be written.
 macro_rules! written {
     ([$($generics:tt)*] $type:ty, $expected:expr, $($kind:ident $make:expr),+) => {
         impl<'de, $($generics)*> Deserialize<'de> for $type {
@@ -148,7 +148,7 @@ written!(
     number Values::One, list Values::List, table Values::Range
 );
 
-/// What `right` of `[axle]` is.
+/// Value of `right` in `[axle]`.
 #[derive(Debug)]
 pub enum RightWheel {
     /// A word.
@@ -162,12 +162,12 @@ written!(
     word RightWheel::Word, table RightWheel::Own
 );
 
-/// All, none, or those named.
+/// All, none, or named ones.
 #[derive(Clone, Debug)]
 pub enum Selection {
-    /// All or none.
+    /// All if true, none if false.
     All(bool),
-    /// Those named.
+    /// Named ones.
     Named(Vec<Text>),
 }
 
@@ -179,7 +179,7 @@ written!(
 /// A member: by its name, or by its two ends.
 #[derive(Clone, Debug)]
 pub enum MemberName {
-    /// As in the columns of loads.
+    /// Name of a load column.
     Name(String),
     /// The names of its ends.
     Ends(Vec<Text>),
@@ -205,9 +205,9 @@ pub type Numbers = OneOr<Number>;
 /// A limit: one number, the same everywhere, or a curve of pairs, drive value and limit.
 pub type LimitText = OneOr<Spanned<Vec<Number>>>;
 
-/// What may stand in a list in place of one number.
+/// Types of which a list may replace one number.
 pub trait Listed {
-    /// What is expected where either may stand.
+    /// Expected value where either may stand.
     const EXPECTED: &str;
 }
 

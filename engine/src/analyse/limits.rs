@@ -1,15 +1,15 @@
-//! How far a mechanism goes: the exact values at which it folds, why, and how they move with the design.
+//! Range of a mechanism: the exact values at which it folds, the reasons, and their derivatives by the design.
 //!
-//! At a fold the pose can still move while the drive stands still: F_x t = 0. With w the multipliers for
+//! At a fold the pose can still move while the drive stands still: F_x t = 0. With the multipliers w for
 //! which w F_x = 0 and w F_q = 1, the limit q obeys
 //!
 //! ```text
-//! F(x, q, p) = 0   =>   dq/dp = - w . F_p
+//! F(x, q, p) = 0   =>   dq/dp = - w . F_p                                         (1)
 //! ```
 //!
-//! (the pose drops out, whatever it does), so the gradient costs one back-substitution.
+//! The change of the pose drops out, so the gradient costs one back-substitution.
 //!
-//! Why it folds is told by `solve::cause`.
+//! `solve::cause` finds the reason for the fold.
 
 use crate::derive::MotionPoint;
 use crate::derive::sensitivity::HardpointGradient;
@@ -31,11 +31,11 @@ use std::ops::ControlFlow;
 pub struct Limit {
     /// The value, in the mechanism's length unit or in radians.
     pub value: f64,
-    /// Why the mechanism goes no further.
+    /// Reason why the mechanism stops here.
     pub cause: LimitCause,
-    /// The part that is nearest to being singular by itself, where the mechanism has an arm and a tie rod.
+    /// The part nearest to a singular position, if the mechanism has an arm and a tie rod.
     pub nearest: Option<PartMeasure>,
-    /// The links that have come to a dead centre with each other, by their outer ends; where that is the cause.
+    /// Outer ends of the links that are at a dead centre with each other, if that is the reason.
     pub dependent: Vec<PointId>,
     /// The pose at the fold.
     pub pose: Pose<f64>,
@@ -65,7 +65,7 @@ impl RangeEnd {
     }
 }
 
-/// How far one quantity goes from the design position, the others held.
+/// Range of one quantity about the design position, with the others held.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Range {
     /// The end at negative values.
@@ -75,19 +75,19 @@ pub struct Range {
 }
 
 impl Range {
-    /// What is left from `value` to the nearer end; negative beyond it.
+    /// Distance from `value` to the nearer end; negative beyond it.
     pub fn margin(&self, value: f64) -> f64 {
         let [lower, upper] = self.ends();
         (upper - value).min(value - lower)
     }
 
-    /// Whether it goes nowhere: the rack does not get to where the range was asked for.
+    /// Returns true if the range is empty, because the rack does not reach its value.
     pub fn is_empty(&self) -> bool {
         use RangeEnd::Unresolved;
         matches!((&self.lower, &self.upper), (Unresolved(lower), Unresolved(upper)) if lower == upper)
     }
 
-    /// Both ends; half a turn where it turns right round.
+    /// Both ends; half a turn each if the quantity turns all the way round.
     pub fn ends(&self) -> [f64; 2] {
         let lower = match &self.lower {
             RangeEnd::FullTurn => -std::f64::consts::PI,
@@ -97,20 +97,20 @@ impl Range {
     }
 }
 
-/// How far a suspension goes from its design position.
+/// Ranges of a suspension about its design position.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Limits {
     /// Wheel travel, the rack in the middle.
     pub travel: Range,
-    /// Rack displacement towards the kernel's +y, at zero travel; `None` where nothing is on the rack.
+    /// Rack displacement towards the kernel's +y, at zero travel; `None` if no point is on the rack.
     pub rack: Option<Range>,
     /// Angle of the first arm (radians), the rack in the middle; `None` where there is no arm.
     pub arm_angle: Option<Range>,
-    /// Where rockers come to a toggle within that travel, the rack in the middle.
+    /// Toggles of rockers within that travel, with the rack in the middle.
     pub rockers: Vec<RockerRange>,
 }
 
-/// How far the wheel travels before a rocker comes to a toggle.
+/// Wheel travel until a rocker reaches a toggle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RockerRange {
     /// The rocker.

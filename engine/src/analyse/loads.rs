@@ -1,19 +1,19 @@
 //! The forces that constraints carry under a load on the wheel.
 //!
-//! By virtual work: a wrench w on the knuckle is balanced by multipliers l of the closure equations,
+//! By virtual work, multipliers l of the closure equations balance a wrench w on the knuckle:
 //!
 //! ```text
-//! J^T l + w = 0
+//! J^T l + w = 0                                                                   (1)
 //! ```
 //!
-//! The row of a rod is the unit force along it, so its multiplier is the force with which the rod
-//! pushes the knuckle; the row of a strut line is a unit force on the knuckle across the strut; those of
-//! a hinge are unit forces at its points. The sixth row is what keeps the suspension from moving: the
-//! spring, or, where a study has none, a vertical force at the wheel centre. A spring on a rocker holds it
-//! through the rod, whose tension follows from the moments about the rocker's axis.
+//! The row of a rod is the unit force along it, so its multiplier is the force with which the rod pushes the knuckle.
+//! The row of a strut line is a unit force on the knuckle across the strut. The rows of a hinge are unit forces at its
+//! points. The sixth row is the support, which keeps the suspension from moving: the spring or, if a study has none, a
+//! vertical force at the wheel centre. A spring on a rocker acts through the rod, whose tension follows from the moments
+//! about the rocker's axis.
 //!
-//! Everything is generic over the number: on series along a variable of the design a force comes with its derivative by
-//! that variable, the factors of the matrix being those of its constant part.
+//! All of it is generic over the number. On series along a design variable, a force comes with its derivative by that
+//! variable. The factors of the matrix are those of its constant part.
 
 use crate::linear::lu::{Lu6, Matrix6, Vector6};
 use crate::mechanism::constraint::Row;
@@ -23,7 +23,7 @@ use crate::model::{Arm, Axis, Body, Constraint, Mechanism, PointId, RockerId, Sp
 use crate::number::{Jet, Scalar, Vector3};
 use crate::solve::{Conditioning, Solver};
 
-/// Where a load acts.
+/// Point at which a load acts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LoadPoint {
     /// The contact point of wheel and ground.
@@ -35,7 +35,7 @@ pub enum LoadPoint {
 /// A load on the knuckle, in the kernel's frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Load<T = f64> {
-    /// Where the force acts.
+    /// Point at which the force acts.
     pub point: Vector3<T>,
     /// Force.
     pub force: Vector3<f64>,
@@ -43,7 +43,7 @@ pub struct Load<T = f64> {
     pub moment: Vector3<f64>,
 }
 
-/// What keeps the suspension from moving under a load.
+/// Support that keeps the suspension from moving under a load.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Support {
     /// A spring between two points.
@@ -113,18 +113,18 @@ pub enum Reaction<T = f64> {
     },
 }
 
-/// How a load is carried.
+/// Reactions to a load.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reactions<T = f64> {
     /// Forces of the constraints, in the order of the mechanism's constraints.
     pub constraints: [Reaction<T>; 5],
     /// Force of the support: that of the spring, positive in compression, or the upward force at the wheel centre.
     pub support: T,
-    /// Tension in the pushrod or pullrod, where the spring stands on a rocker.
+    /// Tension in the pushrod or pullrod, if the spring is on a rocker.
     pub rod: Option<T>,
-    /// The force of the support on the knuckle. Where the spring, or the rod of its rocker, stands on an arm it is what the arm
-    /// passes on at its outer joint: with the legs of that arm, which then are loaded in bending as
-    /// well, it adds up to the force in the joint.
+    /// The force of the support on the knuckle. If the spring, or the rod of its rocker, is mounted on an arm, it is the force
+    /// that the arm passes on at its outer joint. The legs of that arm are then also loaded in bending. Their forces and this
+    /// one add up to the force in the joint.
     pub support_force: Vector3<T>,
 }
 
@@ -226,7 +226,7 @@ impl<'a, T: Balanced> Balance<'a, T> {
         }
     }
 
-    /// A force out of those that carry a load; `None` where nothing in the mechanism is meant.
+    /// Value of one reaction; `None` if it names nothing in the mechanism.
     pub fn force(&self, carried: &Reactions<T>, what: Carried) -> Option<T> {
         match what {
             Carried::Tension(inner, outer) => tension(inner, outer, carried),
@@ -319,7 +319,7 @@ impl Solver<'_> {
     }
 }
 
-/// One of the forces that carry a load, in the kernel's frame.
+/// One of the reactions to a load, in the kernel's frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Carried {
     /// Tension of the rod with these ends, or of a leg of an arm that bears no spring.
@@ -359,11 +359,11 @@ impl Carried {
 pub struct Member {
     /// The part of its column's name that follows the load's name.
     pub name: String,
-    /// Which force it is.
+    /// The reaction.
     pub what: Carried,
 }
 
-/// Everything that carries: rods, then what is held at points, then joints of arms, then the support.
+/// All members with a reaction: rods, then forces at points, then joints of arms, then the support.
 pub fn members(mechanism: &Mechanism, support: Support) -> Vec<Member> {
     let mut members = Vec::new();
     let force = |name: &str, point| {
@@ -415,7 +415,7 @@ pub fn members(mechanism: &Mechanism, support: Support) -> Vec<Member> {
     members
 }
 
-/// The joint of the arm the spring stands on, if it or the rod of its rocker stands on an arm.
+/// The outer joint of the arm that carries the spring or the rod of its rocker; `None` if no arm carries them.
 fn sprung_joint(mechanism: &Mechanism) -> Option<PointId> {
     match mechanism.body(mechanism.spring_seat()?) {
         Body::Arm(arm) => Some(mechanism.arms[arm.0].outer),

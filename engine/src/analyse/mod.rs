@@ -1,5 +1,4 @@
-//! What else can be asked of a mechanism: how far it goes, what its links carry, in how many ways it can be
-//! assembled, and a proof of a pose.
+//! Analyses of a mechanism: its range, the forces in its links, all its assemblies, and the proof of a pose.
 
 mod assemblies;
 pub(crate) mod certificate;

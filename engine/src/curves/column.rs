@@ -1,4 +1,4 @@
-//! Columns of the results: names that say what a number is and in what unit.
+//! Columns of the results: names that tell a number's meaning and unit.
 
 use crate::characteristics::{Quantity, with_unit};
 use crate::model::{Axis, LengthUnit};
@@ -18,9 +18,9 @@ pub struct Column {
     pub positive: Option<&'static str>,
     /// Derivative by the drive or by time.
     pub order: usize,
-    /// Index of the output in the plan; none for a force under a load.
+    /// Index of the output in the plan; `None` for a force under a load.
     pub(super) of: Option<usize>,
-    /// What a value in radians and length units is multiplied by to be printed.
+    /// Factor from a value in radians and length units to the printed value.
     pub(super) factor: f64,
 }
 
@@ -54,7 +54,7 @@ impl Column {
         }
     }
 
-    /// What a value in radians and length units is multiplied by to be printed.
+    /// Factor from a value in radians and length units to the printed value.
     pub fn factor(&self) -> f64 {
         self.factor
     }

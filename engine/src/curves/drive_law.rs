@@ -12,7 +12,7 @@ use crate::study::Drive;
 /// The stations a motion has on the kernel's drive, and the order in which they are visited.
 pub struct DriveLaw {
     drive: Drive,
-    /// Where the study's drive is not one of the kernel's.
+    /// Law of the drive, if the study's drive is not one of the kernel's.
     law: Option<PaperTheta>,
     /// The kernel's drive values.
     pub station_order: StationOrder,
@@ -21,8 +21,7 @@ pub struct DriveLaw {
 }
 
 impl DriveLaw {
-    /// The course of a plan's motion through this design. Stations of which the kernel's drive knows
-    /// nothing are left out.
+    /// The motion of a plan for this design. Stations that the kernel's drive cannot express are left out.
     pub fn of(suspension: &Suspension, plan: &Plan) -> Result<Self, DesignFault> {
         let law = match plan.drive {
             Drive::Travel | Drive::ArmAngle => None,

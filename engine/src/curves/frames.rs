@@ -1,4 +1,4 @@
-//! Where every point of a mechanism is along its motion, for drawings.
+//! Positions of all points of a mechanism along its motion, for drawings.
 
 use super::DriveLaw;
 use crate::characteristics::InstantCentres;
@@ -22,7 +22,7 @@ pub struct Frame {
     pub pose: Result<Placement, String>,
 }
 
-/// Positions of everything that is drawn in one pose, in the study's axes.
+/// Drawn positions in one pose, in the study's axes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Placement {
     /// Position of each point.
@@ -31,7 +31,7 @@ pub struct Placement {
     pub spin_axis: [f64; 3],
     /// Two points of the steering axis.
     pub steering_axis: Option<[[f64; 3]; 2]>,
-    /// Where the wheel stands on the ground, if its radius is known.
+    /// Contact point of the wheel, if its radius is known.
     pub contact: Option<[f64; 3]>,
     /// The roll centre, in the car's centre plane. This and the following are empty where the wheel's rates
     /// are unknown or the centre is at infinity.
@@ -43,7 +43,7 @@ pub struct Placement {
     /// The right wheel, of an axle.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub right: Option<OtherWheel>,
-    /// What the steered wheels of an axle make of a turn.
+    /// Turn that the steered wheels of an axle give.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub turn: Option<Turn>,
 }
@@ -53,7 +53,7 @@ pub struct Placement {
 pub struct OtherWheel {
     /// Unit vector along the spin axis, outboard.
     pub spin_axis: [f64; 3],
-    /// Where the wheel stands on the ground.
+    /// Contact point of the wheel.
     pub contact: Option<[f64; 3]>,
     /// The instantaneous centre in front view.
     pub front_view_centre: Option<[f64; 3]>,
@@ -66,11 +66,11 @@ pub struct OtherWheel {
 pub struct Turn {
     /// Rear and front end of the left and the right wheel.
     pub wheels: [[[f64; 2]; 2]; 2],
-    /// Where the spin axis of each meets the other axle's line; none straight ahead.
+    /// Points at which the spin axes meet the other axle's line; `None` straight ahead.
     pub meets: Option<[[f64; 2]; 2]>,
-    /// Midway between both: what the vehicle turns about.
+    /// Midpoint of both: the vehicle's turning centre.
     pub centre: Option<[f64; 2]>,
-    /// Where the other axle is, along x.
+    /// Position of the other axle along x.
     pub other_axle: f64,
 }
 

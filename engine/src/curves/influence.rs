@@ -1,4 +1,4 @@
-//! Which coordinate moves which curve.
+//! Influence of each coordinate on each curve.
 
 use super::curves;
 use crate::characteristics::Quantity;
@@ -7,7 +7,7 @@ use crate::model::{PointId, Suspension};
 use crate::plan::{Output, Plan};
 use serde::{Deserialize, Serialize};
 
-/// What a hardpoint coordinate does to an output over the motion.
+/// Influence of a hardpoint coordinate on an output over the motion.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Influence {
     /// The output's column.
@@ -23,8 +23,8 @@ pub struct Influence {
     pub bend: f64,
 }
 
-/// The influence of every coordinate on every characteristic of a plan, with the rack at its first
-/// place. Stations without a pose count for nothing; coordinates without influence are left out.
+/// Influence of every coordinate on every characteristic of a plan, with the rack at its first position. Stations without a
+/// pose are ignored. Coordinates without influence are left out.
 pub fn influences(suspension: &Suspension, plan: &Plan) -> Result<Vec<Influence>, DesignFault> {
     let outputs: Vec<Output> = plan
         .outputs

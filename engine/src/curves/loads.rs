@@ -1,4 +1,4 @@
-//! Loads along a motion: what each link, joint and the spring carries in every pose.
+//! Forces in links, joints and spring in every pose of a motion.
 
 use super::Column;
 use crate::analyse::{self, Balance, Member, Support, members};
@@ -6,12 +6,12 @@ use crate::model::{Frame, Mechanism, RockerId};
 use crate::number::Vector3;
 use crate::study::Load;
 
-/// The loads of a wheel and what is reported of how they are carried.
+/// Loads on a wheel, and the reactions that are reported.
 pub(crate) struct Loads<'a> {
     loads: &'a [Load],
     mechanism: &'a Mechanism,
     frame: Frame,
-    /// What keeps the suspension from moving.
+    /// Support that keeps the suspension from moving.
     pub(crate) support: Support,
     members: Vec<Member>,
 }
@@ -36,7 +36,7 @@ impl<'a> Loads<'a> {
         self.loads.is_empty()
     }
 
-    /// The rocker through which the spring holds the suspension, if there are loads and there is such a rocker.
+    /// The rocker through which the spring supports the suspension; `None` without loads or without such a rocker.
     pub(crate) fn rocker(&self) -> Option<RockerId> {
         let rocker = self.support.rocker(self.mechanism);
         rocker.filter(|_| !self.is_empty())

@@ -24,19 +24,18 @@ use crate::mechanism::{Failure, FormulationFailure, Work};
 use crate::model::{Axis, PointId, Rod};
 use crate::solve::Rejection;
 
-/// Whether a station was solved, and what its values are worth.
+/// Status of a station: solved or not, and the quality of its values.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Status {
-    /// Solved; every value that exists is there.
+    /// Solved; every value that exists is present.
     Ok,
-    /// Solved, but so close to a singular pose that fewer than six digits of derivatives and
-    /// sensitivities can be trusted.
+    /// Solved, but close to a singular pose: derivatives and sensitivities have fewer than six correct digits.
     IllConditioned,
-    /// Solved, but nothing can carry the loads: the spring has no leverage, or so little that fewer than
-    /// six digits of the forces could be trusted. They have no values.
+    /// Solved, but nothing supports the loads: the spring has too little leverage for six correct digits of the forces. The
+    /// forces have no values.
     Unsupported,
-    /// Solved, but this rod has come to a toggle there or nearer to the design position: what its rocker
-    /// moves has no values.
+    /// Solved, but this rod is at a toggle here or nearer to the design position. Quantities that move with its rocker have no
+    /// values.
     Toggle(Rod),
     /// Not solved, for this reason.
     Failed(Failure),
@@ -81,24 +80,24 @@ pub struct Station {
     pub rack: f64,
     /// Time, where the drive is a function of it.
     pub time: Option<f64>,
-    /// Whether it was solved.
+    /// Status of the station.
     pub status: Status,
-    /// A value for each column; `None` where there is none.
+    /// A value for each column; `None` if it does not exist.
     pub values: Vec<Option<f64>>,
     /// Condition number of the equations; to within a factor of ten where the closed form gave the pose
     /// and the number is below 1000. `None` where there is no pose.
     pub condition: Option<f64>,
-    /// Proof of the pose, if the study asks for it and the pose could be proved.
+    /// Proof of the pose, if the study requests it and it exists.
     pub proof: Option<Proof>,
 }
 
-/// What is proved of a station's pose, as lengths.
+/// Bounds proved for a station's pose, as lengths.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Proof {
     /// No point of the wheel carrier is further than this from its exact position.
     pub position_error: f64,
-    /// Any other pose differs by more than this in a coordinate of its origin or, counted at the
-    /// mechanism's size, in an entry of its rotation.
+    /// Least difference of any other pose: in a coordinate of its origin or, at the mechanism's size, in an entry of its
+    /// rotation.
     pub uniqueness: f64,
 }
 
@@ -107,7 +106,7 @@ pub struct Proof {
 pub struct Sensitivity {
     /// Index of the station.
     pub station: usize,
-    /// Index of the column of what is differentiated.
+    /// Index of the differentiated column.
     pub column: usize,
     /// The hardpoint.
     pub point: PointId,
@@ -124,11 +123,11 @@ pub struct Curves {
     pub columns: Vec<Column>,
     /// Stations of the motion: rack displacement by rack displacement, for each in the order of the drive values.
     pub stations: Vec<Station>,
-    /// Sensitivities, station by station; empty unless the study asks for them.
+    /// Sensitivities, station by station; empty unless the study requests them.
     pub sensitivities: Vec<Sensitivity>,
     /// Counts of the work done.
     pub work: Work,
-    /// Why the tracker left stations to the continuation, and how many each time, reason by reason.
+    /// Reasons for which the tracker left stations to the continuation, each with its count.
     pub left_to_continuation: Vec<(Rejection, usize)>,
 }
 
@@ -141,8 +140,8 @@ impl Curves {
             .count()
     }
 
-    /// Whether everything asked for has been found at every station. Where a quantity has no value by its
-    /// definition it may be missing, but not everywhere.
+    /// Returns true if every requested value exists at every station. A quantity may be undefined at some stations, but not at
+    /// all of them.
     pub fn are_complete(&self) -> bool {
         let lacks = |s: &Station| {
             let status = &s.status;

@@ -9,7 +9,7 @@ pub(crate) struct Prover<'a> {
     pub(crate) certifier: Certifier<'a>,
     /// The largest distance of a point of the wheel carrier from the carrier's origin.
     lever: f64,
-    /// What forming a point from a pose rounds, at most.
+    /// Largest rounding error of a point formed from a pose.
     rounding: f64,
 }
 
@@ -26,8 +26,8 @@ impl<'a> Prover<'a> {
         Prover {
             certifier: Certifier::new(mechanism, design),
             lever,
-            // p = o + R b: a rounded b, three products and three sums in each of three components come
-            // to less than eps (4.2 |b| + 0.9 |p|), and |p| is below |o| + |b|.
+            // p = o + R b: a rounded b, three products and three sums in each of three components amount to less than
+            // eps (4.2 |b| + 0.9 |p|), and |p| is below |o| + |b|.
             rounding: 8.0 * f64::EPSILON * (farthest + lever),
         }
     }

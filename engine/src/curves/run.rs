@@ -54,13 +54,13 @@ pub(super) struct Run<'a, const N: usize> {
     work_counter: WorkCounter,
 }
 
-/// What was computed at one station before it is stored in `stations`.
+/// Results at one station before they are stored in `stations`.
 pub(super) struct Findings {
     pub(super) travel: f64,
     pub(super) values: Vec<Option<f64>>,
-    /// Whether loads are asked for and nothing can carry them in this pose.
+    /// True if loads are requested and nothing supports them in this pose.
     pub(super) unsupported: bool,
-    /// A rod that is at a toggle or beyond it, and that moves something asked for.
+    /// A rod at or beyond its toggle that moves a requested quantity.
     pub(super) toggle: Option<Rod>,
     pub(super) gradients: Vec<Sensitivity>,
     pub(super) condition: Option<f64>,
@@ -177,7 +177,7 @@ impl<'a, const N: usize> Run<'a, N> {
         Ok(())
     }
 
-    /// Stores what was found at station `number` of the motion with the rack at its `rack`-th displacement.
+    /// Stores the result at station `number` of the motion, with the rack at its `rack`-th displacement.
     pub(super) fn note(&mut self, rack: usize, number: usize, found: Result<Findings, Failure>) {
         let index = rack * self.plan.station_order.values().len() + number;
         let station = &mut self.stations[index];
@@ -209,7 +209,7 @@ impl<'a, const N: usize> Run<'a, N> {
         }
     }
 
-    /// Reads everything asked for off a pose.
+    /// Reads every requested quantity off a pose.
     fn read(
         &mut self,
         solver: &Solver,
@@ -266,8 +266,8 @@ impl<'a, const N: usize> Run<'a, N> {
         findings
     }
 
-    /// The values of the outputs' columns at station `number`, whose drive value is `drive`. `solver` is the one that
-    /// found the pose; `None` if the paper's equations did.
+    /// Values of the outputs' columns at station `number`, where the drive has the value `drive`. `solver` is the solver that
+    /// found the pose; `None` for the paper's equations.
     pub(super) fn values(
         &self,
         solver: Option<&Solver>,
@@ -311,7 +311,7 @@ impl<'a, const N: usize> Run<'a, N> {
         }
     }
 
-    /// Whether these columns of one output move with a rocker that is at a toggle or beyond it.
+    /// Returns true if these columns of one output move with a rocker at or beyond its toggle.
     fn is_stuck(&self, columns: &[Column]) -> bool {
         let of = columns.first().and_then(|column| column.of);
         let mut rockers = of.into_iter().flat_map(|of| &self.rockers[of]);
@@ -333,7 +333,7 @@ impl<'a, const N: usize> Run<'a, N> {
         let mut buffer = vec![zero; self.suspension.design.len()];
         let count = self.columns.len() * plan.sensitivities.len() * Axis::ALL.len();
         let mut gradients = Vec::with_capacity(count);
-        // By order, point and axis, before the change to derivatives by time.
+        // By order, point and axis, before the conversion to derivatives by time.
         let mut found: Vec<[Vector3<f64>; 3]> = vec![[Vector3::default(); 3]; buffer.len()];
         let mut index = 0;
         for (columns, output) in self.columns_by_output() {

@@ -1,4 +1,4 @@
-//! Fewer stations, for what is drawn.
+//! Thinned stations for drawings.
 
 use crate::plan::Plan;
 use crate::solve::StationOrder;

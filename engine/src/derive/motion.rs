@@ -117,7 +117,7 @@ impl<const N: usize> DesignSeries<N> {
         &self.closure
     }
 
-    /// Whether configurations carry the twist of the steering motion.
+    /// Returns true if configurations carry the twist of the steering motion.
     pub(crate) fn is_steered(&self) -> bool {
         self.steered.is_some()
     }
@@ -141,7 +141,7 @@ impl<const N: usize> DesignSeries<N> {
         }
     }
 
-    /// Takes over another design, whose points move in these ways (by number, how fast) along the series.
+    /// Prepares for another design. Its points move along the series: `(point number, rate)`.
     pub(crate) fn prepare_moving(
         &mut self,
         mechanism: &Mechanism,
@@ -160,7 +160,7 @@ impl<const N: usize> DesignSeries<N> {
         self.prepare_equations(mechanism);
     }
 
-    /// Whether configurations take the factors of the Jacobian.
+    /// Returns true if configurations take the factors of the Jacobian.
     pub(crate) fn takes_factors(&self) -> bool {
         N > 1 || self.is_steered()
     }

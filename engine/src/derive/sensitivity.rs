@@ -119,8 +119,8 @@ impl<'a, const N: usize> Linearised<'a, N> {
         &self.lu
     }
 
-    /// The gradient of an output by every hardpoint coordinate, added to `gradient`. `seed` is called
-    /// once and says how the output depends on the configuration, through the methods of [`Seeds`].
+    /// Adds the gradient of an output by every hardpoint coordinate to `gradient`. `seed` is called once. It states through
+    /// the methods of [`Seeds`] how the output depends on the configuration.
     #[inline]
     pub fn gradient(
         &self,
@@ -166,11 +166,11 @@ impl<'a, const N: usize> Linearised<'a, N> {
     }
 }
 
-/// How an output depends on the configuration: each call adds the derivative by one thing it reads.
+/// Dependence of an output on the configuration. Each call adds the derivative by one input.
 pub struct Seeds<'s, 'a, T, G: ?Sized = [Vector3<T>]> {
     at: &'s Configuration<'a, T>,
     adjoint: Adjoint<'s, T, G>,
-    /// Derivative by the twist of the steering motion; `None` if nothing depends on it.
+    /// Derivative by the twist of the steering motion; `None` if the output does not depend on it.
     by_twist: Option<Twist<T>>,
 }
 
@@ -181,7 +181,7 @@ impl<'s, 'a, T: Real, G: Gradient<T> + ?Sized> Seeds<'s, 'a, T, G> {
         Seeds::continuing(at, Wrench::zero(at.rack), gradient)
     }
 
-    /// Begins a further output that is added to others, whose derivative by the pose is `wrench`.
+    /// Begins another output that is added to earlier ones. Its derivative by the pose is `wrench`.
     #[inline(always)]
     pub fn continuing(
         at: &'s Configuration<'a, T>,
@@ -293,8 +293,7 @@ impl<'s, 'a, T: Real, G: Gradient<T> + ?Sized> Seeds<'s, 'a, T, G> {
 pub struct DesignedSpinAxis<T> {
     /// Unit vector, outboard.
     pub direction: Vector3<T>,
-    /// One over the distance of the wheel centre from the point that gives the direction; 0 if the direction is given
-    /// by angles.
+    /// Inverse distance of the wheel centre from the point that gives the direction; 0 if angles give the direction.
     pub inverse_length: T,
 }
 
@@ -321,8 +320,8 @@ impl<T: Real> DesignedSpinAxis<T> {
 }
 
 impl<T: Real> Configuration<'_, T> {
-    /// A point of the steering axis, and a vector along it, upward but of any length. `None` where the
-    /// wheel is not steered, or nothing that reads the axis was asked for.
+    /// A point of the steering axis and an upward vector of any length along it. `None` if the wheel is not steered, or if
+    /// no requested quantity reads the axis.
     #[inline(always)]
     pub fn steering_axis(&self) -> Option<(Vector3<T>, Vector3<T>)> {
         match self.mechanism.steering_axis? {

@@ -122,7 +122,7 @@ pub(crate) fn twist_by_rack<const N: usize>(
     Twist::from_array(lu.solve_series(&each(&wrenches, Wrench::to_row), &by_rack))
 }
 
-/// A point and the direction, taken upward, of the screw axis of a twist whose origin is at `origin`.
+/// A point of a twist's screw axis, and its upward direction. `origin` is the origin of the twist.
 #[inline(always)]
 pub(crate) fn screw_axis<T: Real>(
     origin: Vector3<T>,

@@ -1,8 +1,8 @@
-//! Quantities at stations with their gradients by the hardpoints, of several designs at a time.
+//! Quantities at stations with their gradients by the hardpoints, for several designs at a time.
 //!
-//! Designs are differentiated in SIMD lanes (a single one with its stations in them, to the same bits) as far as the
-//! tracker vouches for them and what is asked for can be differentiated there; what is left goes one by one through
-//! the adjoint of the closure equations. Which of the two depends on the design alone.
+//! Designs are differentiated in SIMD lanes as far as the tracker accepts them and lanes support the quantities. (A single
+//! design has its stations in the lanes, with the same bits.) The others follow one by one, through the adjoint of the
+//! closure equations. The design alone decides which.
 
 mod one_by_one;
 
@@ -44,17 +44,17 @@ impl Evaluated {
         self.solved.resize(designs * stations, false);
     }
 
-    /// Why a design cannot be solved at all; `None` if it can be.
+    /// Reason why a design cannot be solved at all; `None` if it can.
     pub fn fault(&self, design: usize) -> Option<&DesignFault> {
         self.faults[design].as_ref()
     }
 
-    /// Whether a design has a pose at a station.
+    /// Returns true if a design has a pose at a station.
     pub fn is_solved(&self, design: usize, station: usize) -> bool {
         self.solved[design * self.stations + station]
     }
 
-    /// The value of a quantity of a design at a station; NaN where it has none.
+    /// Value of a quantity of a design at a station; NaN if it does not exist.
     pub fn value(&self, design: usize, quantity: usize, station: usize) -> f64 {
         self.values[self.place(design, quantity, station)]
     }
@@ -105,8 +105,8 @@ pub struct GradientEvaluator<'a> {
     one_by_one: Box<dyn DifferentiatesOneByOne + 'a>,
 }
 
-/// Evaluates as many designs as fit into the lanes at most, the first of which has this number: side by side, or the
-/// stations of one.
+/// Evaluates at most as many designs as fit into the lanes, from the design with this number on: side by side, or the stations
+/// of one design.
 fn evaluate_in_lanes(
     gradients: &mut Gradients<'_>,
     designs: &[Vector3<f64>],

@@ -10,7 +10,7 @@ use crate::solve::{Solver, Toggles};
 use crate::sweep::Stations;
 use std::ops::ControlFlow;
 
-/// Solves one design after another.
+/// Solver of one design after another.
 pub(super) trait DifferentiatesOneByOne: Send {
     /// Evaluates the design of this number, at every station that has a pose.
     fn evaluate(
@@ -21,7 +21,7 @@ pub(super) trait DifferentiatesOneByOne: Send {
     ) -> Result<(), DesignFault>;
 }
 
-/// Solves one design after another; `N` coefficients of every series.
+/// Solver of one design after another, with `N` coefficients of every series.
 pub(super) struct OneByOne<'a, const N: usize> {
     stations: &'a Stations,
     quantities: &'a [Quantity],

@@ -49,7 +49,7 @@ impl Motion {
     /// The motion at each of these rack displacements, along the suspension's +y.
     ///
     /// # Errors
-    /// If one of them is not finite, or there is none.
+    /// The list is empty, or a displacement is not finite.
     pub fn with_racks(mut self, racks: &[f64]) -> Result<Self, Error> {
         for rack in racks {
             finite("the rack displacement", *rack)?;
@@ -64,10 +64,9 @@ impl Motion {
 }
 
 impl Study {
-    /// A study of a suspension: at first of its design position, asking for nothing.
+    /// A study of a suspension. It covers the design position only and requests nothing.
     ///
-    /// Its `text` is empty; the functions that edit the text of a study ([`Study::with_design`]) are for studies
-    /// that were read.
+    /// Its `text` is empty. Functions that edit the text of a study ([`Study::with_design`]) need a study from a file or text.
     pub fn of(suspension: Suspension) -> Self {
         Study {
             name: suspension.mechanism.topology.name.to_owned(),
@@ -92,12 +91,12 @@ impl Study {
         self
     }
 
-    /// The study asking for these characteristics, with derivatives by the travel up to `order`, in place of those
-    /// that it asked for before: what is asked for a second time replaces the first.
+    /// The study with these characteristics requested, and their derivatives by travel up to `order`. They replace earlier
+    /// requests.
     ///
     /// # Errors
-    /// [`Error::Lacking`] if the suspension lacks a figure or a part that one of them is made of; [`Error::Axle`] for
-    /// a study of an axle, whose text says what is asked.
+    /// [`Error::Lacking`] if the suspension lacks a figure or part that one of them needs. [`Error::Axle`] for a study of an
+    /// axle, whose requests are in its text.
     pub fn asking(
         mut self,
         characteristics: &[Characteristic],
@@ -112,7 +111,7 @@ impl Study {
         Ok(self)
     }
 
-    /// The study asking for the positions of these points, in place of those that it asked for before.
+    /// The study with the positions of these points requested. They replace earlier requests.
     ///
     /// # Errors
     /// [`Error::UnknownPoint`]; [`Error::Axle`] as for [`Study::asking`].
@@ -123,18 +122,16 @@ impl Study {
         Ok(self)
     }
 
-    /// The study with what may move and what is wanted: the designs that [`Study::tune`] looks for. Further settings
-    /// are fields of [`Study::optimise`].
+    /// The study with variables and targets for [`Study::tune`]. Further settings are fields of [`Study::optimise`].
     pub fn tuning(mut self, variables: Vec<Variable>, targets: Vec<Target>) -> Self {
         self.optimise = Some(Optimise::of(variables, targets));
         self
     }
 
-    /// The study with designs sampled from the ranges of variables: those that [`Study::sweep`] solves, which says
-    /// what is wrong with them.
+    /// The study with designs sampled from the ranges of variables for [`Study::sweep`], which reports their errors.
     ///
-    /// A grid has the same number of values of every variable, so that `samples` is that number to the power of the
-    /// number of variables: 5 values of each of 3 variables are 125 samples. Steps that differ are fields of
+    /// A grid has the same number of values of every variable, and `samples` is that number to the power of the number of
+    /// variables: 5 values of each of 3 variables are 125 samples. Different numbers of values are fields of
     /// [`Sampled::variables`].
     pub fn sampling(
         mut self,
@@ -169,8 +166,7 @@ impl Study {
 }
 
 impl Optimise {
-    /// A tuning of these variables towards these targets, from the design itself, with the settings that a study
-    /// has which says nothing else.
+    /// A tuning of these variables towards these targets, from the design itself, with the default settings of a study.
     pub fn of(variables: Vec<Variable>, targets: Vec<Target>) -> Self {
         Optimise {
             starts: 1,
@@ -235,13 +231,13 @@ impl Variable {
 }
 
 impl Target {
-    /// A curve of a characteristic over the travel: `points` are travels with the values wanted there, in the unit
-    /// of its column; between them it runs as a monotone cubic, and it is compared at the stations of the motion
-    /// between its ends. `tolerance` is the deviation that is still acceptable, in the same unit.
+    /// A wanted curve of a characteristic over the travel. `points` are pairs of travel and wanted value, in the unit of the
+    /// characteristic's column. A monotone cubic joins them. The curve is compared at the stations of the motion between its
+    /// ends. `tolerance` is the acceptable deviation, in the same unit.
     ///
     /// # Errors
-    /// [`Error::Lacking`]; or there are fewer than two points (a value at one travel is [`Target::at`]), a figure is
-    /// not finite, travels do not rise, or the tolerance is not above 0.
+    /// [`Error::Lacking`]; or there are fewer than two points (use [`Target::at`] for a value at one travel), a figure is not
+    /// finite, travels do not rise, or the tolerance is not positive.
     pub fn curve(
         suspension: &Suspension,
         characteristic: Characteristic,
@@ -299,7 +295,7 @@ impl Target {
         })
     }
 
-    /// What is wanted of a characteristic, and at which travels it is compared beside those of the motion.
+    /// Wanted values of a characteristic, and the travels of comparison beside those of the motion.
     fn of(
         suspension: &Suspension,
         characteristic: Characteristic,
@@ -352,7 +348,7 @@ fn ends(what: &str, range: &RangeInclusive<f64>) -> Result<[f64; 2], Error> {
 /// The number of values of each variable in a grid of so many points, if there is one.
 fn steps_of_grid(points: u64, variables: usize) -> Option<u64> {
     let variables = u32::try_from(variables).ok().filter(|n| *n > 0)?;
-    // Below 2^53 the nearest whole number is the root, where there is one; what is above is refused anyway.
+    // Below 2^53 the nearest whole number is the exact root, if there is one. Larger numbers are refused anyway.
     let steps = (points as f64).powf(1.0 / f64::from(variables)).round() as u64;
     (steps >= 2 && steps.checked_pow(variables) == Some(points)).then_some(steps)
 }

@@ -1,4 +1,4 @@
-//! Suspensions from numbers whose design position can be solved.
+//! Suspensions from numbers, with a design position that can be solved.
 
 use crate::curves::{Status, curves};
 use crate::mechanism::{BuildError, SuspensionBuilder};

@@ -1,4 +1,4 @@
-//! What can go wrong at the front door.
+//! Errors of the interface for Rust programs.
 
 use crate::characteristics::Characteristic;
 use crate::mechanism::DesignFault;
@@ -7,7 +7,7 @@ use crate::study::StudyErrors;
 use crate::sweep::NotBegun;
 use thiserror::Error;
 
-/// Why there is no answer.
+/// Reason why there is no answer.
 #[derive(Clone, Debug, Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -21,7 +21,7 @@ pub enum Error {
         /// The names there are.
         known: String,
     },
-    /// The suspension lacks what a characteristic is made of.
+    /// The suspension lacks something that a characteristic needs.
     #[error("{characteristic} needs {need}, which the suspension does not have")]
     Lacking {
         /// The characteristic's name.
@@ -34,18 +34,18 @@ pub enum Error {
     Number {
         /// The figure.
         what: String,
-        /// Its value.
+        /// Value of the figure.
         value: f64,
         /// The expected values, in words.
         expected: &'static str,
     },
-    /// The study asks for no such thing.
+    /// The study does not request this.
     #[error("the study has {0}")]
     NotAsked(&'static str),
-    /// A list has nothing in it.
+    /// A list is empty.
     #[error("no {0} is given; expected at least one")]
     Empty(&'static str),
-    /// The study is of an axle, both wheels, and what is called is of one.
+    /// The study is of an axle, and the called function is for one wheel.
     #[error("the study is of an axle: {0}")]
     Axle(&'static str),
     /// A variable of a sweep moves no coordinate.
@@ -65,7 +65,7 @@ pub enum Error {
         rack: f64,
         /// Unit of both, and of lengths in the reason.
         unit: &'static str,
-        /// Why.
+        /// Reason.
         reason: String,
     },
     /// A file that the study names is wrong.
@@ -79,7 +79,7 @@ pub enum Error {
     Threads {
         /// Number of threads.
         threads: usize,
-        /// Why.
+        /// Reason.
         reason: String,
     },
 }
@@ -98,7 +98,7 @@ impl Error {
         }
     }
 
-    /// An error if the suspension lacks what a characteristic is made of.
+    /// Errors if the suspension lacks something that a characteristic needs.
     pub(super) fn if_lacking(
         suspension: &Suspension,
         characteristic: Characteristic,
@@ -119,7 +119,7 @@ pub(super) fn finite(what: &str, value: f64) -> Result<f64, Error> {
     checked(what, value, "a finite number", f64::is_finite)
 }
 
-/// The figure, if it is what is expected.
+/// Returns the figure if it is in the expected range.
 pub(super) fn checked(
     what: &str,
     value: f64,

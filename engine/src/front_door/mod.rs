@@ -1,10 +1,9 @@
-//! The front door for Rust programs: a suspension from numbers, its pose at a travel, curves, sweeps, tuning.
+//! Interface for Rust programs: a suspension from numbers, its pose at a travel, curves, sweeps, tuning.
 //!
-//! A [`Suspension`] comes from [`Suspension::builder`] or out of a study. [`Suspension::pose_at`] answers for one
-//! place of the wheel. Everything else is a [`Study`] made of it by [`Study::of`]: it says over which [`Motion`],
-//! of which characteristics, what may move and what is wanted, and then answers [`Study::curves`],
-//! [`Study::sweep`] and [`Study::tune`]. Nothing here needs a text or a file, and nothing is computed here: these are
-//! the same objects and the same code that the commands use.
+//! A [`Suspension`] comes from [`Suspension::builder`] or from a study. [`Suspension::pose_at`] answers for one position of
+//! the wheel. For everything else, [`Study::of`] makes a [`Study`] of it. The study holds the [`Motion`], the requested
+//! characteristics, the variables and the targets. It answers [`Study::curves`], [`Study::sweep`] and [`Study::tune`].
+//! No text or file is needed. The commands use the same objects and the same code.
 //!
 //! Figures are in the units of the column names (degrees, the suspension's length unit) and in the suspension's axes.
 

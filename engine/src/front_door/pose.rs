@@ -1,4 +1,4 @@
-//! One place of the wheel.
+//! One position of the wheel.
 
 use super::Error;
 use crate::characteristics::Characteristic;
@@ -33,8 +33,8 @@ impl SuspensionPose {
         self.points.iter().map(|(name, p)| (name.as_str(), *p))
     }
 
-    /// A characteristic, in the unit its column has ([`Characteristic::info`] has sign and formula). `None` for what
-    /// the suspension lacks the figures for, and for what has no value here (a swing arm whose centre is at infinity).
+    /// Value of a characteristic in the unit of its column; [`Characteristic::info`] gives sign and formula. `None` if the
+    /// suspension lacks a figure for it, or if it has no value here (a swing arm whose centre is at infinity).
     pub fn characteristic(&self, characteristic: Characteristic) -> Option<f64> {
         self.characteristics.get(&characteristic).copied()
     }

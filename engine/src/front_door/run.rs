@@ -1,4 +1,4 @@
-//! Carries out what a study asks for: curves, tuning, sweep.
+//! Runs a study: curves, tuning, sweep.
 
 use super::Error;
 use crate::curves::{Curves, curves};
@@ -156,7 +156,7 @@ impl Study {
         })
     }
 
-    /// An error if the study is of an axle; it says what answers for one.
+    /// Errors if the study is of an axle; `instead` names the function for axles.
     pub(super) fn refuse_of_axle(&self, instead: &'static str) -> Result<(), Error> {
         match self.axle {
             None => Ok(()),
@@ -165,7 +165,7 @@ impl Study {
     }
 }
 
-/// Refuses what the reader of studies would refuse.
+/// Refuses the same errors as the reader of studies.
 fn refuse_wrong(sampled: &Sampled) -> Result<(), Error> {
     let variables = &sampled.variables;
     if variables.is_empty() {

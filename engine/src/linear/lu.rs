@@ -1,5 +1,5 @@
-//! LU factorisation with partial pivoting: of the six closure equations, of those bordered by a tangent, of a certificate's
-//! twelve, of the paper's fifteen.
+//! LU factorisation with partial pivoting. It serves the six closure equations, the same bordered by a tangent, the
+//! twelve equations of a certificate, and the paper's fifteen.
 
 use crate::number::{Jet, Scalar, each};
 use std::array::from_fn;
@@ -249,7 +249,8 @@ mod tests {
         }
     }
 
-    /// As many as the paper has, in an order that pivoting exchanges: back to the right-hand side within a few roundings.
+    /// Solves fifteen equations, the paper's number, in an order that forces pivoting. The right-hand side returns within a
+    /// few roundings.
     #[test]
     fn fifteen_equations_are_solved_both_ways() {
         let mut seed = 0.3_f64;

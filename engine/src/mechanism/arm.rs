@@ -107,8 +107,8 @@ pub(super) mod tests {
     use super::*;
     use crate::number::{Dual, Jet};
 
-    /// The derivative of one pass backwards is that of dual numbers, also where the outer joint has left its
-    /// circle, and with its rate along a motion.
+    /// The gradient of one backward pass equals that of dual numbers, also after the outer joint has left its circle. So does
+    /// its rate along a motion.
     #[test]
     fn the_gradient_is_that_of_dual_numbers() {
         let at = |x: f64, y: f64, z: f64| {
@@ -129,7 +129,7 @@ pub(super) mod tests {
         });
     }
 
-    /// That the derivatives of an output by each of some points are those of dual numbers, and so are their rates.
+    /// Asserts that the derivatives of an output by some points, and their rates, equal those of dual numbers.
     pub(in crate::mechanism) fn assert_gradient<const K: usize>(
         inputs: [Vector3<Jet<f64, 2>>; K],
         found: [Vector3<Jet<f64, 2>>; K],

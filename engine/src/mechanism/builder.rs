@@ -8,11 +8,11 @@ use crate::number::Vector3;
 use hardpoint_study_file::names::nearest;
 use thiserror::Error;
 
-/// Why there is no suspension.
+/// Reason why there is no suspension.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum BuildError {
-    /// There is no topology of this name.
+    /// No topology has this name.
     #[error("there is no topology {0:?}; {hint}", hint = topologies(.0))]
     UnknownTopology(String),
     /// A hardpoint is unknown or missing.
@@ -26,9 +26,9 @@ pub enum BuildError {
     Number {
         /// The figure.
         what: String,
-        /// Its value.
+        /// Value of the figure.
         value: f64,
-        /// What it should be.
+        /// Expected range of the value.
         expected: &'static str,
     },
     /// Neither `spindle_inner` nor static camber and toe are given, or both are.
@@ -44,7 +44,7 @@ pub enum BuildError {
     Design(String),
 }
 
-/// The topology that was probably meant, and all there are.
+/// Suggests the topology that was probably meant, and lists all topologies.
 fn topologies(name: &str) -> String {
     let names = || Topology::ALL.iter().map(|topology| topology.name);
     let all = names().collect::<Vec<_>>().join(", ");
@@ -54,7 +54,7 @@ fn topologies(name: &str) -> String {
     }
 }
 
-/// After a hardpoint that is unknown: the one that was probably meant, or all there are.
+/// Suggests the hardpoint that was probably meant, or lists all hardpoints, after an unknown name.
 fn meant(fault: &HardpointFault) -> String {
     let HardpointFault::Unknown { topology, name } = fault else {
         return String::new();
@@ -104,8 +104,8 @@ pub struct SuspensionBuilder {
 }
 
 impl Suspension {
-    /// Begins a suspension of a topology ([`Topology::ALL`] has their names and hardpoints): a left wheel in
-    /// ISO 8855 axes and millimetres, until something else is said.
+    /// Begins a suspension of a topology. [`Topology::ALL`] holds their names and hardpoints. The defaults are a left wheel,
+    /// ISO 8855 axes and millimetres.
     pub fn builder(topology: &str) -> SuspensionBuilder {
         SuspensionBuilder {
             topology: topology.to_owned(),
@@ -164,7 +164,7 @@ impl SuspensionBuilder {
         self
     }
 
-    /// The suspension, whose design position nobody has solved yet.
+    /// Assembles the suspension; its design position has not been solved yet.
     pub(crate) fn assemble(self) -> Result<Suspension, BuildError> {
         let topology = Topology::named(&self.topology)
             .ok_or_else(|| BuildError::UnknownTopology(self.topology.clone()))?;

@@ -10,7 +10,7 @@ use crate::linear::lu::{Lu6, Matrix6, Vector6};
 use crate::model::{Mechanism, PointId};
 use crate::number::{Matrix3, Outlined, Real, Vector3, each};
 
-/// The sixth equation: what drives the mechanism, with its present value.
+/// The sixth equation: the drive with its present value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Driver<T> {
     /// Height of the wheel centre above its design position.
@@ -44,7 +44,7 @@ impl RowSet {
     }
 }
 
-/// Notes whether a derivative by one of these hardpoints is added.
+/// Records whether a derivative by one of these hardpoints is added.
 struct Touches<'a> {
     points: &'a [PointId],
     found: bool,
@@ -167,7 +167,7 @@ impl<T: Real> Closure<T> {
         self.residuals_inlined(at, driver)
     }
 
-    /// As [`Closure::residuals`], for SIMD lanes.
+    /// The same as [`Closure::residuals`], for SIMD lanes.
     #[inline(always)]
     pub(crate) fn residuals_inlined(&self, at: &Configuration<T>, driver: Driver<T>) -> Vector6<T> {
         let mut residuals = [at.rack.zero(); 6];
@@ -196,8 +196,7 @@ impl<T: Real> Closure<T> {
         wrenches
     }
 
-    /// The residual of one of the six equations and its row of the Jacobian, as [`Closure::wrenches`] has
-    /// it.
+    /// The residual of one of the six equations and its row of the Jacobian, as in [`Closure::wrenches`].
     #[inline(always)]
     pub(crate) fn row(
         &self,
@@ -220,8 +219,8 @@ impl<T: Real> Closure<T> {
         (residual, wrench)
     }
 
-    /// How the rows of [`Closure::wrenches`] change along a motion of the knuckle, the rack held; the sixth
-    /// is that of the travel.
+    /// Rates of the rows of [`Closure::wrenches`] along a motion of the knuckle, with the rack held. The sixth row is that of
+    /// the travel.
     #[inline(always)]
     pub(crate) fn wrench_rates(&self, at: &Configuration<T>, along: &Twist<T>) -> [Wrench<T>; 6] {
         let mut rates = [Wrench::zero(at.rack); 6];
@@ -249,7 +248,7 @@ impl<T: Real> Closure<T> {
         self.differential_inlined(rows, at, driver, weights, &mut sink);
     }
 
-    /// As [`Closure::differential`], for SIMD lanes.
+    /// The same as [`Closure::differential`], for SIMD lanes.
     #[inline(always)]
     pub(crate) fn differential_inlined(
         &self,
@@ -317,8 +316,8 @@ impl Closure<f64> {
         set
     }
 
-    /// One Newton step from a pose: the corrected pose, the size of the correction as a length (the
-    /// rotation counted at the distance `size`), and the factorised Jacobian it was made with.
+    /// One Newton step from a pose. Returns the corrected pose, the size of the correction as a length (a rotation counts at
+    /// the distance `size`), and the factorised Jacobian of the step.
     pub(crate) fn newton_step(
         &self,
         at: &Configuration<f64>,

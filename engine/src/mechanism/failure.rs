@@ -1,36 +1,36 @@
-//! Why there is no pose, or no design.
+//! Reasons why there is no pose, or no design.
 
 use crate::model::Rod;
 use crate::model::{Axis, Drive, Frame, LengthUnit, Mechanism, PointId};
 use std::error::Error;
 use std::fmt;
 
-/// Why a station has no pose.
+/// Reason why a station has no pose.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Failure {
     /// The drive cannot reach the value: the mechanism folds at `limit`.
     Unreachable {
-        /// What drives.
+        /// The drive.
         drive: Drive,
         /// The value at the fold.
         limit: f64,
-        /// Why it goes no further.
+        /// Reason for the fold.
         cause: LimitCause,
     },
     /// The rack cannot reach its displacement, at zero travel.
     RackUnreachable {
         /// The displacement at the fold, towards the kernel's +y.
         limit: f64,
-        /// Why it goes no further.
+        /// Reason for the fold.
         cause: LimitCause,
     },
     /// The pose was reached, but its derivatives do not exist there.
     Singular,
-    /// A proof was asked for and there is none.
+    /// A proof was requested but does not exist.
     Uncertified(Unproven),
-    /// The pose was reached, but a rocker that something asked for reads is at toggle there, or was before.
+    /// The pose was reached, but a rocker that a requested quantity reads is at its toggle there, or has passed it.
     Toggle(Rod),
-    /// The seed paper's drive asks for the arm's highest or lowest position, or beyond it.
+    /// The paper's drive asks for the arm's highest or lowest position, or for a position beyond it.
     DeadCentre,
     /// The formulation in point coordinates found no pose.
     PointCoordinates(FormulationFailure),
@@ -88,17 +88,17 @@ impl fmt::Display for FormulationFailure {
     }
 }
 
-/// Why a mechanism goes no further: the part that is singular by itself at the fold, or what stands still there
-/// although no part is (see `solve::cause`).
+/// Reason why a mechanism stops at a fold: the part that is singular there, or the quantity that is stationary there
+/// although no part is singular (see `solve::cause`).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LimitCause {
-    /// The tie rod's ends and the steering axis lie in one plane: it no longer holds the wheel's heading.
+    /// The tie rod's ends and the steering axis lie in one plane, so the tie rod no longer holds the wheel's heading.
     TieRodToggle,
     /// The upper arm is in line with the steering axis, seen along its own axis, and lets the knuckle swing.
     UpperArmStraight,
     /// The strut is square to the steering axis and lets the knuckle swing.
     StrutSquare,
-    /// Some of the links have become dependent on each other and leave the wheel carrier a freedom more.
+    /// Some of the links have become dependent on each other and leave the wheel carrier one more degree of freedom.
     DependentLinks,
     /// No part is singular: the wheel centre is at the highest point of its way.
     CentreHighest,
@@ -114,7 +114,7 @@ pub enum LimitCause {
 }
 
 impl LimitCause {
-    /// Whether a part is singular by itself.
+    /// Returns true if a part is singular.
     pub fn is_part(self) -> bool {
         matches!(
             self,
@@ -150,7 +150,7 @@ impl fmt::Display for LimitCause {
     }
 }
 
-/// How far a part is from being singular by itself.
+/// Distance of a part from its singular position.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PartMeasure {
     /// The part, named by the cause it would be if it were singular.
@@ -168,10 +168,10 @@ pub struct Toggle {
     pub rod: Rod,
 }
 
-/// Why nothing could be proved.
+/// Reason why nothing could be proved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unproven {
-    /// The pose is singular, or as good as singular in double precision.
+    /// The pose is singular, or singular within double precision.
     Singular,
     /// The residual is too large against the distance to the next solution: the inequality fails.
     TooClose,
@@ -189,7 +189,7 @@ impl fmt::Display for Unproven {
     }
 }
 
-/// Why a design cannot be solved at all.
+/// Reason why a design cannot be solved at all.
 #[derive(Clone, Debug, PartialEq)]
 pub enum DesignFault {
     /// A coordinate is not a finite number.
@@ -215,9 +215,9 @@ pub enum DesignFault {
     },
     /// Two points that a rod, a strut axis or the wheel's spin axis runs between coincide.
     Coincident {
-        /// One.
+        /// First point.
         first: PointId,
-        /// The other.
+        /// Second point.
         second: PointId,
     },
     /// The coordinates are so large, or the points so close to each other for their distance from the
@@ -232,7 +232,7 @@ pub enum DesignFault {
     PointCoordinates(FormulationFailure),
     /// The program lacks the formulation of this name.
     NoFormulation(&'static str),
-    /// Some combination of the constraints does not hold the knuckle, or the drive cannot move it.
+    /// The constraints are dependent and do not hold the knuckle, or the drive cannot move it.
     Singular,
 }
 
@@ -357,8 +357,8 @@ impl Failure {
     }
 }
 
-/// Lengths are in the unit of the hardpoints and the rack in the axes of the kernel, as a failure knows no others:
-/// [`Failure::describe`] does.
+/// Lengths are in the unit of the hardpoints, and the rack is in the kernel's axes, because a failure knows no others.
+/// [`Failure::describe`] uses those of a study.
 impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.words(None, 1.0))

@@ -1,13 +1,13 @@
 //! The ground under a wheel, in the frame of that wheel.
 //!
-//! The body does not move in its own axes; where it rolls, the ground tilts. With phi the roll of the body
-//! about +x (right wheel in jounce) normal and leftward direction of the ground are
+//! The body stays fixed in its own axes; when the body rolls, the ground tilts. Let phi be the roll of the body about
+//! +x (right wheel in jounce). The normal of the ground and its direction to the left are
 //!
 //! ```text
-//! n = (0, sin phi, cos phi),   e = (0, cos phi, -sin phi)
+//! n = (0, sin phi, cos phi),   e = (0, cos phi, -sin phi)           (1)
 //! ```
 //!
-//! In the kernel's frame of the right wheel, the mirror image, phi is -phi and e points outboard again. So
+//! The kernel's frame of the right wheel is the mirror image: phi becomes -phi, and e points outboard again. So
 //! every formula of a wheel is written once, with n and the outboard direction of the ground.
 
 use crate::number::{Real, Vector3, outlined};
@@ -17,7 +17,7 @@ use crate::number::{Real, Vector3, outlined};
 pub struct Ground<T> {
     /// Sine of the angle by which the ground falls off outboard.
     pub sine: T,
-    /// Its cosine.
+    /// Cosine of that angle.
     pub cosine: T,
 }
 
@@ -50,7 +50,7 @@ impl<T: Real> Ground<T> {
         }
     }
 
-    /// The same ground as the other wheel's frame has it.
+    /// The same ground in the other wheel's frame.
     #[inline(always)]
     pub fn mirrored(self) -> Self {
         Ground {
@@ -71,8 +71,8 @@ impl<T: Real> Ground<T> {
         Vector3::new(self.sine.zero(), self.cosine, -self.sine)
     }
 
-    /// From the wheel centre to the contact point, the lowest point over the ground of the disc of this
-    /// radius about the spin axis a: -R (n - (n.a) a)/|n - (n.a) a|.
+    /// Vector from the wheel centre to the contact point. The contact point is the lowest point above the ground of the disc
+    /// with this radius about the spin axis a: -R (n - (n.a) a)/|n - (n.a) a|.
     #[inline(always)]
     pub fn contact_lever(self, a: Vector3<T>, radius: f64) -> Vector3<T> {
         outlined!(

@@ -45,8 +45,8 @@ pub struct Configuration<'a, T> {
     pub pose: Pose<T>,
     /// Displacement of the rack, towards the kernel's +y.
     pub rack: T,
-    /// The knuckle's velocity per unit of rack displacement, the drive held. Known where the mechanism
-    /// has an instantaneous steering axis and something that reads it was asked for.
+    /// The knuckle's velocity per unit of rack displacement with the drive held. Known if the mechanism has an instantaneous
+    /// steering axis and a requested quantity reads it.
     pub steering: Option<Twist<T>>,
 }
 
@@ -71,7 +71,7 @@ impl<T: Real> Neg for Twist<T> {
 }
 
 impl<T> Twist<T> {
-    /// From the six components, the shift first.
+    /// Makes a twist of six components, the shift first.
     #[inline(always)]
     pub(crate) fn from_array([x, y, z, a, b, c]: [T; 6]) -> Self {
         Twist {
@@ -178,7 +178,7 @@ impl<'a, T: Real> Configuration<'a, T> {
         self.design[id.0]
     }
 
-    /// From the knuckle's origin to a knuckle point, in the design position.
+    /// Vector from the knuckle's origin to a knuckle point, in the design position.
     #[inline(always)]
     pub fn designed_lever(&self, id: PointId) -> Vector3<T> {
         self.designed(id) - self.designed(self.mechanism.origin)
@@ -192,7 +192,7 @@ impl<'a, T: Real> Configuration<'a, T> {
         )
     }
 
-    /// As [`Configuration::point`], for a point that is not on a rocker; inlined.
+    /// The same as [`Configuration::point`], inlined, for a point that is not on a rocker.
     #[inline(always)]
     pub(crate) fn place(&self, id: PointId) -> Vector3<T> {
         match self.mechanism.body(id) {
@@ -315,8 +315,7 @@ impl<'a, T: Real> Configuration<'a, T> {
         self.push_carried(arm.outer, by[4], sink);
     }
 
-    /// Present position and velocity of a point that stands on no rocker, from the velocity of the knuckle.
-    /// For SIMD lanes.
+    /// Position and velocity of a point that is not on a rocker, from the velocity of the knuckle. For SIMD lanes.
     #[inline(always)]
     pub(crate) fn moving_below_rockers(&self, id: PointId, motion: &Twist<T>) -> [Vector3<T>; 2] {
         match self.mechanism.body(id) {

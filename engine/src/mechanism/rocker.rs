@@ -1,38 +1,45 @@
 //! The angle to which a rod turns a rocker.
 //!
-//! A rocker is hinged about a line fixed in the vehicle, along the unit vector e, and turned by a rod, l in the
-//! design position, which keeps its length. With c the foot of the rod's inner end on the axis, r the lever from
-//! there to that end in the design position, t = e x r, d the way the rod's outer end has gone and q from where
-//! it is to c, the angle obeys
+//! A rocker turns about a line fixed in the vehicle, along the unit vector e. A rod of constant length turns it; the
+//! rod is the vector l in the design position. c is the foot of the rod's inner end on the axis, r the lever from c to
+//! that end in the design position, and t = e x r. d is the displacement of the rod's outer end, and q runs from this
+//! end to c. The angle obeys
 //!
 //! ```text
-//! |q + r cos + t sin| = |l| = |q + r + d|
-//! A cos + B sin = C,   A = q.r, B = q.t, C = A + E, E = l.d - d.d/2
-//! cos = (A C - B w)/H, sin = (B E + A (B + w))/H,   H = A^2 + B^2, w^2 = H - C^2 = B^2 - E (2 A + E)
+//! |q + r cos + t sin| = |l| = |q + r + d|                                                       (1)
+//! A cos + B sin = C,   A = q.r, B = q.t, C = A + E, E = l.d - d.d/2                             (2)
+//! cos = (A C - B w)/H, sin = (B E + A (B + w))/H                                                (3)
+//! H = A^2 + B^2, w^2 = H - C^2 = B^2 - E (2 A + E)                                              (4)
 //! ```
 //!
 //! In the design position E = 0, cos = 1 and sin = 0, so w = -B there, and w keeps that sign. |w| is the lever arm of
-//! the rod about the axis times |l|: |w|/(|r| |l|) is the rod's *leverage*, 1 where it stands square to the lever,
-//! 0 at toggle, where rod, lever and axis lie in one plane. A rocker goes no further than a toggle, and
-//! derivatives do not exist there.
+//! the rod about the axis times |l|. The ratio |w|/(|r| |l|) is the rod's *leverage*: 1 if the rod is square to the
+//! lever, 0 at toggle, where rod, lever and axis lie in one plane. A rocker stops at a toggle, and derivatives do not
+//! exist there.
 //!
 //! # Derivatives
 //!
-//! Let f be a point of the axis, x' = f + R (x - f) a point of the rocker and s' = n' - o' the rod from its outer to
-//! its inner end now. A change of axis and angle turns the rocker by the small rotation v = e dtheta + sin de +
-//! (1 - cos) e x de, with de normal to e, so
+//! Let f be a point of the axis, x' = f + R (x - f) a point of the rocker, and s' = n' - o' the rod from its outer end
+//! o' to its inner end n'. A change of axis and angle turns the rocker by the small rotation v, with de normal to e:
 //!
 //! ```text
-//! dx' = (1 - R) df + R dx + v x (x' - f)
-//! s'.(dn' - do') = l.(dn - do)                          the rod keeps its length
+//! v = e dtheta + sin de + (1 - cos) e x de                                                      (5)
+//! dx' = (1 - R) df + R dx + v x (x' - f)                                                        (6)
+//! s'.(dn' - do') = l.(dn - do), because the rod keeps its length                                (7)
 //! ```
 //!
-//! A gradient g at x' and a moment t about the axis are balanced by the tension k = (e.(x' - f) x g + t)/(e.(n' - f) x s')
-//! of the rod: with M = (x' - f) x g - k (n' - f) x s', and h = g - k s', the derivatives of g.x' + t theta are
+//! The tension k of the rod balances a gradient g at x' and a moment t about the axis:
 //!
 //! ```text
-//! by x: R'g    by n: k (l - R's')    by o: -k l    by o': k s'
-//! by f: h - R'h    by de: sin M + (1 - cos) M x e
+//! k = (e.(x' - f) x g + t)/(e.(n' - f) x s')                                                    (8)
+//! M = (x' - f) x g - k (n' - f) x s',   h = g - k s'                                            (9)
+//! ```
+//!
+//! The derivatives of g.x' + t theta are
+//!
+//! ```text
+//! by x: R'g    by n: k (l - R's')    by o: -k l    by o': k s'                                  (10)
+//! by f: h - R'h    by de: sin M + (1 - cos) M x e                                               (11)
 //! ```
 
 use super::pose::{Configuration, Sink, Twist};
@@ -166,7 +173,7 @@ struct Turning<T> {
 pub struct MovingPoint<T> {
     /// Present position.
     pub now: Vector3<T>,
-    /// Its velocity.
+    /// Velocity.
     pub rate: Vector3<T>,
     /// The square of the least leverage of the rockers it moves with; 1 without any.
     pub leverage_squared: T,
@@ -177,13 +184,13 @@ pub struct MovingPoint<T> {
 pub struct MovingAngle<T> {
     /// The angle, as [`Configuration::rocker_angle`] returns it.
     pub now: T,
-    /// Its rate.
+    /// Rate of change.
     pub rate: T,
     /// The square of the least leverage of this rocker and those that turn it.
     pub leverage_squared: T,
 }
 
-/// Rockers and what stands on them in SIMD lanes, with their velocities from that of the knuckle: nothing recursive.
+/// Rockers and their points in SIMD lanes, with velocities from the knuckle's; without recursion.
 impl<B: SimdReal> Configuration<'_, B> {
     #[inline(always)]
     fn turning(&self, id: RockerId, motion: &Twist<B>) -> Turning<B> {
@@ -217,7 +224,7 @@ impl<B: SimdReal> Configuration<'_, B> {
             let end = turn.moved(inner);
             let rod = end - outer;
             let speed = rod.dot(rate) / rod.dot(turn.axis.cross(end - first));
-            // So that NaN is kept.
+            // Keeps NaN.
             least = B::select(
                 least.less(turn.leverage_squared),
                 least,
@@ -299,14 +306,14 @@ impl<B: SimdReal> Configuration<'_, B> {
     }
 }
 
-/// Whether a rod's w^2/(r.r l.l), known to a few units of the last place, is large enough to leave six digits of a
-/// derivative. False for NaN.
+/// Returns true if w^2/(r.r l.l) of a rod, known to a few units in the last place, leaves six digits of a derivative.
+/// Returns false for NaN.
 #[inline]
 pub(crate) fn is_effective(ends: Ends<f64>) -> bool {
     Turn::of(ends).leverage_squared > DEGENERATE
 }
 
-/// Whether a rocker is away from its toggle in the design position, so that its rod can turn it.
+/// Returns true if a rocker is away from its toggle in the design position, so that its rod can turn it.
 pub fn has_leverage(rocker: &Rocker, design: &[Vector3<f64>]) -> bool {
     let outer = design[rocker.outer.0];
     let [first, second, inner] = [rocker.first, rocker.second, rocker.inner].map(|id| design[id.0]);
@@ -319,7 +326,7 @@ impl<T: Real> Configuration<'_, T> {
         self.ends_with(rocker, self.point(rocker.outer))
     }
 
-    /// The ends of a rod whose outer end is at `now`.
+    /// Ends of a rod whose outer end is at `now`.
     #[inline(always)]
     fn ends_with(&self, rocker: Rocker, now: Vector3<T>) -> Ends<T> {
         [
@@ -354,8 +361,8 @@ impl<T: Real> Configuration<'_, T> {
         )
     }
 
-    /// Adds the derivative of `gradient . rocker_point(id, point)` to the sink, but for that by the place of
-    /// the point in the design, which is returned.
+    /// Adds the derivative of `gradient . rocker_point(id, point)` to the sink, except the part by the point's own design
+    /// position, which it returns.
     #[inline(always)]
     pub(crate) fn push_rocker_point(
         &self,
@@ -394,7 +401,7 @@ impl<T: Real> Configuration<'_, T> {
         by_point
     }
 
-    /// The derivatives by the rod's ends, and the one by the point in the design, of what `seed` says.
+    /// Derivatives of the seed by the rod's ends, and by the design position of its point.
     #[inline(always)]
     fn rocker_gradient(&self, id: RockerId, seed: RockerSeed<T>) -> (Ends<T>, Vector3<T>) {
         let rocker = self.mechanism.rocker(id);
@@ -413,7 +420,7 @@ impl<T: Real> Configuration<'_, T> {
     }
 }
 
-/// What is differentiated: `gradient` times the present position of a point of the rocker, or a number times its angle.
+/// Quantity to differentiate: `gradient` times the position of a point of the rocker, or a number times its angle.
 enum RockerSeed<T> {
     Point {
         designed: Vector3<T>,

@@ -1,25 +1,25 @@
-//! Whether a rod keeps its leverage on the way of its outer end from one place to another.
+//! Proof that a rod keeps its leverage while its outer end moves from one place to another.
 //!
 //! In the notation of [`rocker`](super::rocker), with s the squared distance of the rod's outer end from the axis,
 //!
 //! ```text
-//! w^2 = r.r s - C^2,   C = (l.l - q.q - r.r)/2.
+//! w^2 = r.r s - C^2,   C = (l.l - q.q - r.r)/2.                                                 (1)
 //! ```
 //!
-//! Along the chord between two places, c apart, s and q.q are what is linear less at most c^2/4. With s and C
-//! linear w^2 is concave, least at an end. A path that is an arc of up to a sixth of a turn strays from its chord by
-//! less than d = c/7, which changes the square root of s by d and C by |q| d + d^2/2. So all the way, with the
-//! largest s, |q| and |C| of the two ends,
+//! Along the chord c between two places, s and q.q are linear functions less at most c^2/4. If s and C were linear,
+//! w^2 would be concave, with its minimum at an end. An arc of at most a sixth of a turn leaves its chord by less than
+//! d = c/7. That changes the square root of s by at most d, and C by at most |q| d + d^2/2. So along the whole arc, with
+//! the largest s, |q| and |C| of the two ends,
 //!
 //! ```text
-//! w^2 >= least w^2 - r.r (c^2/4 + 2 d sqrt s) - k (2 |C| + k),   k = c^2/8 + |q| d + d^2/2.
+//! w^2 >= least w^2 - r.r (c^2/4 + 2 d sqrt s) - k (2 |C| + k),   k = c^2/8 + |q| d + d^2/2.     (2)
 //! ```
 
 use super::rocker::Ends;
 use crate::number::{SimdReal, Vector3};
 
-/// How far an arc of a sixth of a turn strays from its chord, as a part of the chord: half the tangent of 15 degrees,
-/// and a little more.
+/// Largest distance of an arc of a sixth of a turn from its chord, as a share of the chord: half the tangent of 15
+/// degrees, and a little more.
 const STRAYING: f64 = 1.0 / 7.0;
 
 /// The place of a rod's outer end as seen from the rocker, in the numbers of the formula above.

@@ -1,8 +1,8 @@
-//! Whether hardpoints make a suspension: all there, distinct, arms and rockers that turn, a believable size,
-//! the right side.
+//! Checks that hardpoints form a suspension: complete, distinct, arms and rockers that can turn, a plausible size, and
+//! the correct side.
 //!
-//! The same checks serve the [builder](super::SuspensionBuilder) and studies, which add where in the file a
-//! fault is and what to do about it.
+//! The [builder](super::SuspensionBuilder) and studies share these checks. Studies add the place in the file and the
+//! remedy.
 
 use super::rocker::has_leverage;
 use crate::model::{Body, Group, LengthUnit, PointId, Suspension, Topology};
@@ -15,7 +15,7 @@ const COINCIDENT: f64 = 1e-9;
 /// wrong unit is a factor of a thousand.
 const PLAUSIBLE_SIZE: [f64; 2] = [0.005, 50.0];
 
-/// Why the hardpoints given are not those of a topology.
+/// Reason why the given hardpoints are not those of a topology.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum HardpointFault {
@@ -32,7 +32,7 @@ pub enum HardpointFault {
     Missing {
         /// The topology.
         topology: &'static str,
-        /// The missing ones, each with what it is.
+        /// Missing hardpoints, each with its description.
         missing: Vec<String>,
     },
     /// Two ways to make up a group are mixed.
@@ -42,21 +42,21 @@ pub enum HardpointFault {
         first: &'static str,
         /// The first hardpoint of the other way.
         second: &'static str,
-        /// What they make.
+        /// Name of the group.
         group: &'static str,
     },
     /// A group is not complete.
     #[error("missing for {group}: {}", .missing.join(", "))]
     Incomplete {
-        /// What the hardpoints make.
+        /// Name of the group.
         group: &'static str,
-        /// The missing ones, each with what it is.
+        /// Missing hardpoints, each with its description.
         missing: Vec<String>,
     },
 }
 
 impl HardpointFault {
-    /// What is missing of the hardpoints that a topology cannot do without.
+    /// Returns the required hardpoints of a topology that are missing.
     pub fn missing(
         topology: &'static Topology,
         is_given: impl Fn(&str) -> bool,
@@ -73,7 +73,7 @@ impl HardpointFault {
         })
     }
 
-    /// What is wrong with a group of which something is given.
+    /// Returns the fault of a group of which only a part is given.
     pub fn of_group(
         topology: &'static Topology,
         group: &'static Group,
@@ -81,7 +81,7 @@ impl HardpointFault {
     ) -> Option<HardpointFault> {
         let is_given = |name: &&str| given.contains(name);
         let count = |list: &[&'static str]| list.iter().filter(|name| is_given(name)).count();
-        // The list of which most is given, the first of several.
+        // The list with the most given hardpoints; the first one of several.
         let nearest = group.complete.iter().rev().max_by_key(|list| count(list));
         let list = nearest.filter(|list| count(list) > 0)?;
         let belongs = |name: &&str| group.complete.iter().any(|list| list.contains(name));
@@ -109,18 +109,18 @@ impl HardpointFault {
     }
 }
 
-/// Why hardpoints, all of them given, make no suspension.
+/// Reason why a complete set of hardpoints forms no suspension.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum GeometryFault {
     /// Two points that must be distinct are one.
     #[error("{second} coincides with {first}: {reason}")]
     Coincident {
-        /// One.
+        /// First point.
         first: String,
-        /// The other.
+        /// Second point.
         second: String,
-        /// Why they must be distinct.
+        /// Reason why they must be distinct.
         reason: &'static str,
     },
     /// An arm's outer joint is on the arm's axis.
@@ -130,19 +130,19 @@ pub enum GeometryFault {
         outer: String,
         /// A point of the axis.
         front: String,
-        /// Another one.
+        /// Second point of the axis.
         rear: String,
     },
-    /// A rod's end is on the axis of what it should turn.
+    /// A rod's end lies on the axis of the body that the rod should turn.
     #[error("{inner} is in line with {first} and {second}: it could not turn {turned}")]
     LeverInLine {
         /// The rod's end.
         inner: String,
         /// A point of the axis.
         first: String,
-        /// Another one.
+        /// Second point of the axis.
         second: String,
-        /// What should turn.
+        /// Body that should turn.
         turned: &'static str,
     },
     /// A rod is at toggle in the design position.
@@ -153,15 +153,15 @@ pub enum GeometryFault {
     LeverAtToggle {
         /// The kind of rod.
         rod: String,
-        /// The rod's end on what it turns.
+        /// The rod's end on the body that it turns.
         inner: String,
-        /// Its other end.
+        /// The rod's other end.
         outer: String,
         /// A point of the axis.
         first: String,
-        /// Another one.
+        /// Second point of the axis.
         second: String,
-        /// What should turn.
+        /// Body that should turn.
         turned: &'static str,
     },
     /// The suspension is too large or too small, in all likelihood for a wrong unit of length.
@@ -169,7 +169,7 @@ pub enum GeometryFault {
     ImplausibleSize {
         /// The largest distance of a hardpoint from the wheel carrier's origin.
         size: f64,
-        /// Its unit.
+        /// Unit of the size.
         unit: LengthUnit,
     },
     /// The wheel is not outboard of the body, so that side or axes must be wrong.
@@ -181,7 +181,7 @@ pub enum GeometryFault {
 }
 
 impl GeometryFault {
-    /// What is wrong with a suspension: the first kind of fault there is, since others follow from it.
+    /// Returns the faults of a suspension. Only the first kind of fault is reported, because other kinds follow from it.
     pub fn all_of(suspension: &Suspension) -> Vec<GeometryFault> {
         let checks = [
             distinct_points,

@@ -1,11 +1,12 @@
-//! What was done: counts of the steps that cost time.
+//! Counts of the steps that cost time.
 //!
-//! They say more than a clock: the same on every machine, and a study that asks for less must show it.
+//! Counts say more than a clock: they are the same on every machine, and a study that asks for less must show lower
+//! counts.
 
 use serde::{Deserialize, Serialize};
 use std::cell::Cell;
 
-/// Counts of what was done.
+/// Counts of steps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Work {
@@ -24,7 +25,7 @@ pub struct Work {
     pub gradient_rows: u64,
     /// Values of characteristics, each with its derivatives by the drive.
     pub characteristic_evaluations: u64,
-    /// Gradients of characteristics by what they read.
+    /// Gradients of characteristics by their inputs.
     pub characteristic_gradients: u64,
 }
 

@@ -1,8 +1,8 @@
-//! Axes: those of the study and those of the kernel.
+//! Axes of the study and axes of the kernel.
 //!
-//! The kernel only ever sees a left wheel in ISO 8855 axes (x forward, y left, z up). Other
-//! conventions and right-hand wheels differ by the signs of coordinates alone, so the change of frame
-//! is exact and a mirrored car gives mirrored results to the last bit.
+//! The kernel only sees a left wheel in ISO 8855 axes (x forward, y left, z up). Other conventions and right-hand wheels
+//! differ only in the signs of coordinates. So the change of frame is exact, and a mirrored car gives mirrored results
+//! to the last bit.
 
 use crate::number::Vector3;
 use std::ops::{Index, IndexMut};
@@ -51,7 +51,7 @@ impl<T> IndexMut<Axis> for Vector3<T> {
     }
 }
 
-/// Which side of the car the wheel is on.
+/// Side of the car that the wheel is on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Side {
     /// Left wheel.
@@ -61,10 +61,10 @@ pub enum Side {
 }
 
 impl Side {
-    /// Both.
+    /// Both sides, left first.
     pub const ALL: [Side; 2] = [Side::Left, Side::Right];
 
-    /// Its name in studies.
+    /// Name in studies.
     pub fn name(self) -> &'static str {
         ["left", "right"][self as usize]
     }
@@ -94,7 +94,7 @@ impl FrameConvention {
         FrameConvention::XRear,
     ];
 
-    /// Its name in studies.
+    /// Name in studies.
     pub fn name(self) -> &'static str {
         ["iso8855", "sae_j670", "x_rear"][self as usize]
     }
@@ -124,7 +124,7 @@ impl LengthUnit {
         }
     }
 
-    /// How many of it a metre has.
+    /// Number of these units in one metre.
     pub fn per_metre(self) -> f64 {
         match self {
             LengthUnit::Millimetre => 1000.0,

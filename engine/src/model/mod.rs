@@ -1,7 +1,7 @@
-//! What a suspension is: its hardpoints, the bodies they sit on and the constraints between them.
+//! Suspension model: hardpoints, the bodies they belong to, and the constraints between the bodies.
 //!
 //! A topology is data: a list of named hardpoints and of [`Constraint`]s that hold the knuckle. This
-//! module knows nothing of solving; adding a topology means adding one file here and naming it in
+//! module knows nothing about solving. A new topology is one new file here and one line in
 //! [`Topology::ALL`].
 
 mod double_wishbone;
@@ -63,7 +63,7 @@ pub struct Arm {
     pub outer: PointId,
 }
 
-/// What holds the knuckle. Together the constraints of a mechanism take five of its six freedoms.
+/// A constraint on the knuckle. Together the constraints of a mechanism remove five of its six degrees of freedom.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Constraint {
     /// A rod of fixed length between a chassis (or rack) point and a knuckle point. Takes one freedom;
@@ -90,7 +90,7 @@ pub enum Constraint {
     Revolute {
         /// A chassis point of the axis.
         first: PointId,
-        /// Another one.
+        /// A second chassis point of the axis.
         second: PointId,
     },
 }
@@ -125,7 +125,7 @@ pub enum SteeringAxis {
 /// The axis the wheel spins about, through the wheel centre.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SpinAxis {
-    /// From this knuckle point, inboard of the wheel, to the wheel centre.
+    /// Direction from this knuckle point, inboard of the wheel, to the wheel centre.
     From(PointId),
     /// Fixed in the knuckle with this outboard direction in the design position (from static camber
     /// and toe).
@@ -161,7 +161,7 @@ pub enum ClosedForm {
     DoubleWishbone,
 }
 
-/// What drives the mechanism.
+/// Input of the mechanism.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Drive {
     /// The height of the wheel centre above its design position.
@@ -183,7 +183,7 @@ pub struct Mechanism {
     pub constraints: Vec<Constraint>,
     /// Control arms; the first one is the one an arm-angle drive turns.
     pub arms: Vec<Arm>,
-    /// Rockers; the rod of one may stand on an earlier one.
+    /// Rockers. The rod of a rocker may be mounted on an earlier rocker.
     pub rockers: Vec<Rocker>,
     /// The knuckle point whose position, with the knuckle's rotation, describes the pose.
     pub origin: PointId,
@@ -191,7 +191,7 @@ pub struct Mechanism {
     pub wheel_centre: PointId,
     /// The wheel's spin axis.
     pub spin_axis: SpinAxis,
-    /// The steering axis; none for a wheel that cannot be steered.
+    /// The steering axis; `None` for a wheel that cannot be steered.
     pub steering_axis: Option<SteeringAxis>,
     /// The spring, where the topology has one.
     pub spring: Option<Spring>,
@@ -226,7 +226,7 @@ impl Mechanism {
         design.iter().fold(0.0, farthest).sqrt()
     }
 
-    /// The largest coordinates of a design, at least its size: what positions are rounded at.
+    /// The largest absolute coordinate of a design, at least its size. Rounding errors of positions scale with it.
     pub fn coordinate_scale(&self, design: &[Vector3<f64>]) -> f64 {
         let largest = |far: f64, p: &Vector3<f64>| far.max(p.norm_squared());
         design
@@ -252,7 +252,7 @@ impl Mechanism {
         arms.chain(constraints).chain(spin_axis)
     }
 
-    /// Whether two points keep their distance in every pose: those of one part, the ends of a rod, and the
+    /// Returns true if two points keep their distance in every pose: points of one body, the two ends of a rod, and the
     /// outer joint of an arm with the points of its axis.
     pub fn are_rigidly_joined(&self, a: PointId, b: PointId) -> bool {
         let are = |p: PointId, q: PointId| (a, b) == (p, q) || (b, a) == (p, q);

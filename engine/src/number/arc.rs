@@ -62,7 +62,7 @@ fn odd<B: SimdReal, const N: usize>(x: B, coefficients: &[f64; N]) -> B {
         before = x.lit(coefficients[k - 2]).plus_product(before, v);
         k -= 2;
     }
-    // What is left over when N is odd.
+    // An odd N leaves one coefficient over.
     let (even, odd) = if k == 1 {
         (x.lit(coefficients[0]).plus_product(last, v), before)
     } else {

@@ -8,8 +8,8 @@ pub const MOST_LANES: usize = 16;
 
 /// One or more independent numbers that take the same steps at the same time.
 ///
-/// Every operation is the IEEE one, lane by lane, so a lane's bits depend neither on its neighbours nor on
-/// how many there are. What depends on the values goes through [`SimdReal::select`].
+/// Every operation is the IEEE operation, lane by lane. A lane's bits depend neither on its neighbours nor on
+/// the number of lanes. Code that depends on the values goes through [`SimdReal::select`].
 pub trait SimdReal: Real {
     /// Numbers in the bundle.
     const LANES: usize;
@@ -43,14 +43,14 @@ pub trait SimdReal: Real {
     }
     /// `yes` where the mask is set, else `no`.
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
-    /// Whether the mask is set in every lane.
+    /// Returns true if the mask is set in every lane.
     fn all(mask: Self::Mask) -> bool;
-    /// Whether the mask is set in some lane.
+    /// Returns true if the mask is set in at least one lane.
     #[inline(always)]
     fn any(mask: Self::Mask) -> bool {
         !Self::all(!mask)
     }
-    /// Whether the mask is set in this lane.
+    /// Returns true if the mask is set in this lane.
     fn lane(mask: Self::Mask, lane: usize) -> bool;
     /// The number, or NaN for one that is not finite.
     #[inline(always)]

@@ -54,20 +54,20 @@ impl Interval {
         Interval::bounds(self.low.max(other.low), self.high.min(other.high))
     }
 
-    /// What both contain, if there is anything.
+    /// Intersection of the two intervals; `None` if they do not meet.
     #[inline]
     pub fn common(self, other: Self) -> Option<Self> {
         let (low, high) = (self.low.max(other.low), self.high.min(other.high));
         (low <= high).then(|| Interval::bounds(low, high))
     }
 
-    /// Whether zero lies outside.
+    /// Returns true if zero lies outside the interval.
     #[inline]
     pub fn excludes_zero(self) -> bool {
         self.low > 0.0 || self.high < 0.0
     }
 
-    /// From the lower to the upper bound.
+    /// Distance from the lower to the upper bound.
     #[inline]
     pub fn width(self) -> f64 {
         self.high - self.low
@@ -96,7 +96,7 @@ impl Interval {
             true => (self.low * factor, self.high * factor),
             false => (self.high * factor, self.low * factor),
         };
-        // Where a factor is not a number the whole line.
+        // If a factor is not a number, the result is the whole line.
         Interval::bounds(low.next_down(), high.next_up())
     }
 
@@ -129,7 +129,7 @@ fn around(corners: [f64; 4]) -> Interval {
     Interval::bounds(low.next_down(), high.next_up())
 }
 
-/// The rounding error of a sum, exactly, where nothing overflows.
+/// Exact rounding error of a sum, provided that nothing overflows.
 #[inline]
 fn sum_error(a: f64, b: f64, sum: f64) -> f64 {
     let part = sum - a;

@@ -70,7 +70,7 @@ impl<const N: usize> Jet<f64, N> {
         let rate = self.differentiated();
         let (s, c) = self.0[0].sin_cos();
         let (mut sine, mut cosine) = (Jet::constant(s), Jet::constant(c));
-        // One more coefficient is right after every pass, since each is the other's integral.
+        // Each series is the other's integral, so every pass makes one more coefficient right.
         for _ in 1..N {
             (sine, cosine) = (
                 Jet::integrated(s, cosine * rate),
@@ -156,9 +156,10 @@ impl<T: Real, const N: usize> Jet<T, N> {
     const IS_SINGLE: bool = N == 1;
     const IS_PAIR: bool = N == 2;
     const IS_LONG: bool = N > 2;
-    /// Whether angles are calls. Of a series in registers often the slope alone is wanted: inlined, the rest is left out.
+    /// Angles are function calls if true. Inlined code lets the compiler drop the value of a series in registers when only
+    /// its slope is used.
     const ANGLES_IN_CALLS: bool = T::IS_LARGE && (T::IS_NESTED || !T::IN_REGISTERS);
-    /// Whether products, quotients and roots are calls (see [`called`]).
+    /// Products, quotients and roots are function calls if true (see [`called`]).
     const LARGE: bool = (size_of::<Self>() > 16 || T::IS_LARGE) && !T::IN_REGISTERS;
 
     #[inline]

@@ -1,14 +1,16 @@
 //! SIMD registers as numbers.
 //!
-//! The instruction set is chosen when the program runs ([`Width`]): AVX-512 or AVX2 where the processor
-//! has it, two registers at a time since one chain of dependent operations leaves it idle; plain numbers
-//! elsewhere. [`Real::plus_product`] and [`Real::minus_product`] are rounded once, everything else is the
-//! IEEE operation, so every width yields the same bits. (Where plain numbers must do, the mathematical
-//! library's product and sum makes up for a processor's: the same bits, slowly.)
+//! The instruction set is chosen when the program runs ([`Width`]). It is AVX-512 or AVX2 where the processor
+//! has it, and plain numbers elsewhere. Two registers are worked on at a time, because one chain of dependent
+//! operations leaves the processor idle.
 //!
-//! What runs on [`Lanes`] must be inlined into the one function that is compiled for the instruction set:
-//! `#[inline(always)]` throughout, and no closures that the compiler might leave as calls. What is large is a function of
-//! its own by [`Real::outlined`].
+//! [`Real::plus_product`] and [`Real::minus_product`] round once. Everything else is the IEEE operation. So every
+//! width yields the same bits. (Plain numbers then use the mathematical library's fused product and sum: the same
+//! bits, slowly.)
+//!
+//! Code that runs on [`Lanes`] must be inlined into the one function that is compiled for the instruction set. Mark it
+//! `#[inline(always)]`, and use no closure that the compiler might leave as a call. [`Real::outlined`] turns a large
+//! piece into a function of its own.
 
 use super::registers::{Plain, Registers, Single};
 #[cfg(target_arch = "x86_64")]
@@ -179,10 +181,10 @@ logic!(BitAnd, bitand, and, other);
 logic!(BitOr, bitor, or, other);
 logic!(Not, not, not);
 
-/// How many numbers are worked on at a time.
+/// Number of numbers that are worked on at a time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Width {
-    /// One number: every processor.
+    /// One number: for every processor.
     Scalar,
     /// AVX2: registers of four.
     Avx2,
@@ -203,7 +205,7 @@ impl Width {
         }
     }
 
-    /// Whether this processor has it.
+    /// Returns true if this processor has the instructions.
     pub fn is_available(self) -> bool {
         match self {
             Width::Scalar => true,
@@ -237,7 +239,7 @@ impl Width {
         self.run(Count)
     }
 
-    /// Runs a task in lanes of this width, or one by one where the processor does not have it.
+    /// Runs a task in lanes of this width, or one number at a time if the processor lacks the instructions.
     pub fn run<T: SimdTask>(self, task: T) -> T::Output {
         #[cfg(target_arch = "x86_64")]
         match self {
@@ -256,8 +258,8 @@ impl Width {
         task.run(Lanes::splat(Single(Plain), 0.0))
     }
 
-    /// Runs a task on one number at a time, with the processor's products and sums where this width has them: the same bits
-    /// as in lanes. AVX-512 has nothing to add for one number, so it is compiled once less.
+    /// Runs a task on one number at a time, with the processor's fused products and sums if this width has them. The bits
+    /// are those of the lanes. AVX-512 adds nothing for one number, so no code is compiled for it here.
     pub fn run_one<T: SimdTask>(self, task: T) -> T::Output {
         #[cfg(target_arch = "x86_64")]
         if self != Width::Scalar
@@ -269,11 +271,11 @@ impl Width {
     }
 }
 
-/// Something to be done in lanes.
+/// A task that runs in lanes.
 pub trait SimdTask {
-    /// What it yields.
+    /// Result of the task.
     type Output;
-    /// Does it; `like` says in which kind of lanes. To be marked `#[inline(always)]`.
+    /// Runs the task. `like` is a sample of the number type. Mark the function `#[inline(always)]`.
     fn run<B: SimdReal>(self, like: B) -> Self::Output;
 }
 

@@ -40,15 +40,15 @@ pub trait Real:
     + Div<Output = Self>
     + Neg<Output = Self>
 {
-    /// Whether the number lives in SIMD registers: then everything done with it must be inlined into the
-    /// function that is compiled for them.
+    /// True if the number lives in SIMD registers. All of its arithmetic must then be inlined into the function that is
+    /// compiled for them.
     const IN_REGISTERS: bool = false;
-    /// Whether it is more than a plain number: what is made of several of it does its arithmetic in calls.
+    /// True if the number is more than a plain number. Types made of several such numbers do their arithmetic in calls.
     const IS_LARGE: bool = size_of::<Self>() > 8;
-    /// Whether it is made of derivatives of derivatives, whose arithmetic is calls (see `called`).
+    /// True if the number holds derivatives of derivatives. Its arithmetic is then done in calls (see `called`).
     const IS_NESTED: bool = false;
-    /// Whether two divisions may be one and some products: not of intervals, where one that contains zero would
-    /// take the other with it.
+    /// True if two divisions may become one division and some products. False for intervals: a divisor that contains zero
+    /// would spoil the other quotient, too.
     const SHARES_DIVISIONS: bool = true;
 
     /// The constant `value`, in the shape of `self` (all derivatives zero).
@@ -84,8 +84,8 @@ pub trait Real:
         }
     }
 
-    /// Does a piece of work in a function of its own, compiled for the instructions that the number is made for:
-    /// what is inlined into one function all takes the compiler long.
+    /// Runs a piece of work in a function of its own, compiled for the instructions of this number type. A single function
+    /// with everything inlined takes too long to compile.
     #[inline(always)]
     fn outlined<P: Outlined>(self, piece: P) -> P::Output {
         piece.work_outlined()
@@ -103,7 +103,7 @@ pub trait Real:
     fn zero(self) -> Self {
         self.lit(0.0)
     }
-    /// One, in the shape of `self`.
+    /// The number one, in the shape of `self`.
     #[inline(always)]
     fn one(self) -> Self {
         self.lit(1.0)
@@ -122,32 +122,31 @@ pub trait Real:
 
 /// A piece of work on numbers of one kind.
 pub trait Outlined: Sized {
-    /// Whether it is so small that numbers in registers may have it where it is called: each part of the crate then compiles
-    /// it for itself.
+    /// True if the piece is small enough to be inlined where it is called. Each part of the crate then compiles its own copy.
     const IS_SMALL: bool = false;
-    /// What it yields.
+    /// Result of the piece of work.
     type Output;
     /// Does it. To be marked `#[inline(always)]`.
     fn work(self) -> Self::Output;
-    /// Does it in a function of its own, compiled for no instruction set: as a method of the piece, with what stands around
-    /// the piece, so that a change elsewhere does not compile it again.
+    /// Runs the piece in a function of its own, compiled for no particular instruction set. It is a method of the piece, so
+    /// the compiler places it with the piece's module. A change in another module does not recompile it.
     #[inline(never)]
     fn work_outlined(self) -> Self::Output {
         self.work()
     }
 }
 
-/// Does an operation on large numbers in a function of its own: inlined everywhere, the arithmetic of long
-/// series and of derivatives of series would make the crate take minutes to compile. It is compiled for no instruction
-/// set: numbers in registers have [`Real::outlined`]. Products of series by that took a quarter longer: their operands are
-/// copied once more.
+/// Runs an operation on large numbers in a function of its own. Inlined arithmetic of long series and of derivatives of
+/// series would take minutes to compile. The function is compiled for no particular instruction set; numbers in
+/// registers have [`Real::outlined`] instead. (Products of series were a quarter slower that way, because it copies
+/// their operands once more.)
 #[inline(never)]
 pub(crate) fn called<A, R>(operands: A, operation: impl Fn(A) -> R) -> R {
     operation(operands)
 }
 
-/// As `array.map(f)`, in place: the standard library's is no small function, and a call wherever it is not compiled
-/// together with its caller.
+/// Maps an array like `array.map(f)`, but inlined. The standard library's version is not a small function. It remains a
+/// call unless it is compiled together with its caller.
 #[inline(always)]
 pub(crate) fn each<T: Copy, U: Copy, const N: usize>(array: &[T; N], f: impl Fn(T) -> U) -> [U; N] {
     let mut mapped = [f(array[0]); N];
@@ -185,7 +184,7 @@ macro_rules! outlined {
 }
 pub(crate) use outlined;
 
-/// One real number, perhaps with derivatives, whose value can be compared.
+/// One real number, possibly with derivatives, whose value can be compared.
 pub trait Scalar: Real {
     /// The value without its derivatives.
     fn value(self) -> f64;

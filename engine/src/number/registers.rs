@@ -1,17 +1,17 @@
-//! The operations of each instruction set, a pair of registers at a time: one chain of dependent operations leaves a
-//! processor idle most of the time, two of them, independent of each other, fill the gaps.
+//! Operations of each instruction set, on a pair of registers at a time. One chain of dependent operations leaves a
+//! processor idle most of the time; a second, independent chain fills the gaps.
 //!
-//! [`Single`] has one number at a time with the instructions of a set: for a chain of steps that wait for one another, which
-//! registers full of the same number would only make slower.
+//! [`Single`] is one number at a time with the instructions of a set. It serves chains of dependent steps, which
+//! registers full of the same number would only slow down.
 //!
-//! Written for each set ([`super::x86`]) and not over all of them: a product is then two instructions, where a function
-//! generic over the set is a tower of them, which costs the compiler more than everything that is done with it.
+//! The code is written once for each set ([`super::x86`]), not generically. A product is then two instructions. A generic
+//! function would be a stack of calls that costs the compiler more than all the arithmetic built on it.
 
 use std::fmt::Debug;
 
 /// Numbers side by side, and truth values of them.
 pub trait Registers: Copy + Debug {
-    /// How many numbers there are.
+    /// Number of numbers.
     const LANES: usize;
     /// The numbers.
     type Numbers: Copy + Debug;
@@ -46,11 +46,11 @@ pub trait Registers: Copy + Debug {
     fn less(self, a: Self::Numbers, b: Self::Numbers) -> Self::Truths;
     /// `yes` in lanes where `holds` is true, else `no`.
     fn select(self, holds: Self::Truths, yes: Self::Numbers, no: Self::Numbers) -> Self::Numbers;
-    /// Both hold.
+    /// Logical and, lane by lane.
     fn and(self, a: Self::Truths, b: Self::Truths) -> Self::Truths;
-    /// One holds.
+    /// Logical or, lane by lane.
     fn or(self, a: Self::Truths, b: Self::Truths) -> Self::Truths;
-    /// It does not hold.
+    /// Logical not, lane by lane.
     fn not(self, a: Self::Truths) -> Self::Truths;
     /// Lane by lane, the first one lowest: a bit that is set where it holds.
     fn bits(self, a: Self::Truths) -> u32;

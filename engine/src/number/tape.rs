@@ -27,12 +27,12 @@ impl Tape {
         self.note(value, [(0, 0.0); 2])
     }
 
-    /// How many numbers are on it: the index of the next one.
+    /// Number of entries on the tape, and index of the next one.
     pub fn len(&self) -> usize {
         self.nodes.borrow().len()
     }
 
-    /// Whether nothing is on it.
+    /// Returns true if the tape is empty.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -55,7 +55,7 @@ impl Tape {
         gradient[last] = 1.0;
         for index in (0..=last).rev() {
             let weight = gradient[index];
-            // Nothing flows through what the number does not depend on, even where its slope is unknown.
+            // A weight of zero passes nothing on, even if a slope is unknown.
             if weight == 0.0 {
                 continue;
             }
@@ -76,7 +76,7 @@ pub struct Tracked<'t> {
 }
 
 impl<'t> Tracked<'t> {
-    /// A number that depends on nothing.
+    /// A number that depends on no input.
     #[inline(always)]
     pub fn constant(value: f64) -> Self {
         Tracked {

@@ -47,13 +47,13 @@ impl<T> From<[T; 3]> for Vector3<T> {
 }
 
 impl<T: Real> Vector3<T> {
-    /// Whether sums are calls: those of nested numbers are, but for numbers in a few registers, whose sum is shorter
-    /// than a call.
+    /// True if sums are function calls: for nested numbers, except those in a few registers, whose sum is shorter than a
+    /// call.
     const ADDS_IN_CALLS: bool = T::IS_NESTED && !T::IN_REGISTERS;
 }
 
-/// The arithmetic itself. What runs in SIMD registers must be inlined, and closures are not by themselves: there these
-/// are what is done, and calls of them only for nested derivatives.
+/// The arithmetic itself. Code in SIMD registers must be inlined, and closures are not inlined reliably. There these
+/// functions are used directly; only nested derivatives call them.
 impl<T: Real> Vector3<T> {
     #[inline(always)]
     fn dot_here(self, other: Self) -> T {

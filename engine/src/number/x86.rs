@@ -1,13 +1,13 @@
-//! AVX2 and AVX-512 of x86 processors: functions compiled for them, and their registers of numbers. This is the one place
-//! where code runs that not every processor can run, and the one with `unsafe`.
+//! AVX2 and AVX-512 of x86 processors: functions compiled for them, and their registers of numbers. Only this file
+//! contains code that some processors cannot run, and only this file contains `unsafe`.
 //!
-//! Each set has a token ([`Avx512`], [`Avx2`]). Tokens come from `detect` alone, which asks the processor: who holds one
-//! runs on a processor with these instructions. That is the argument for every `unsafe` here, since pieces of work and
-//! operations on registers take the token. Loads and stores go through pointers into slices whose length has been checked.
+//! Each set has a token ([`Avx512`], [`Avx2`]). Only `detect` makes tokens, and it asks the processor first. Whoever holds
+//! a token therefore runs on a processor with these instructions. Every `unsafe` here rests on this argument, because
+//! pieces of work and operations on registers require the token. Loads and stores go through pointers into slices whose
+//! length has been checked.
 //!
-//! Pieces are compiled as methods of themselves, so with what stands around them: a changed formula compiles the lanes
-//! of that formula and no others. What is done with registers is inlined into such a piece, where each operation is one
-//! instruction.
+//! Each piece is compiled as a method of its own type, in the module of that type. A changed formula therefore compiles
+//! only the lanes of that formula. Operations on registers are inlined into the piece; each becomes one instruction.
 
 #![allow(
     unsafe_code,
@@ -26,7 +26,7 @@ macro_rules! instruction_set {
         pub(super) struct $set(());
 
         impl $set {
-            /// Its token, if this processor has the instructions.
+            /// Returns the token if this processor has the instructions.
             #[inline]
             pub(super) fn detect() -> Option<Self> {
                 ($(is_x86_feature_detected!($feature))&&+).then_some($set(()))
@@ -40,7 +40,7 @@ macro_rules! instruction_set {
             /// # Safety
             /// The processor has the instructions.
             unsafe fn own(self) -> Self::Output;
-            /// As the compiler likes it.
+            /// Runs the piece; the compiler decides whether to inline it.
             ///
             /// # Safety
             /// The processor has the instructions.
@@ -84,7 +84,7 @@ instruction_set!(
     Avx2, CompiledForAvx2: "avx2", "fma", "bmi1", "bmi2", "lzcnt", "popcnt"
 );
 
-/// The operations of a set with registers of `$width` numbers, from what they are on one register.
+/// Defines a set's operations on pairs of registers of `$width` numbers from its operations on one register.
 macro_rules! registers {
     ($set:ty, $width:literal, $register:ty, $mask:ty, $load:ident, $store:ident, {
         fn splat($value:ident) $splat:block

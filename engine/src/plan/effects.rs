@@ -1,4 +1,4 @@
-//! The effects a study may ask for, one by one: on or off, why, and what each costs.
+//! Effects that a study may request: on or off, the reason, and the cost of each.
 
 use super::Plan;
 use crate::characteristics::{Quantity, Slot};
@@ -11,19 +11,19 @@ use crate::study::{Order, Study, TimeLaw};
 pub struct Effect {
     /// Name of the effect.
     pub name: &'static str,
-    /// Whether it is computed.
+    /// True if it is computed.
     pub on: bool,
-    /// What is computed of it, in words; empty if it is off.
+    /// Description of the computed part; empty if it is off.
     pub what: String,
-    /// What in the study turned it on; empty if it is off.
+    /// Reason in the study that turned it on; empty if it is off.
     pub because: String,
-    /// Estimated cost, in poses without anything else: 0.5 makes a run half as long again. Zero where
-    /// the effect is off, whatever else is on.
+    /// Estimated cost relative to the position alone: 0.5 makes a run half as long again. Zero if the effect is off, whatever
+    /// else is on.
     pub cost: f64,
 }
 
-/// What effects cost per pose, in poses from the closed form of a strut, as `hardpoint bench effects`
-/// measured them there. Good to a factor of two: it depends on the machine, and on the topology.
+/// Costs of effects per pose, relative to a pose from the closed form of a strut, as `hardpoint bench effects` measured them.
+/// They hold within a factor of two, because they depend on the machine and the topology.
 mod cost {
     /// Six equations solved instead of the closed form.
     pub(super) const ITERATED_POSE: f64 = 7.0;
@@ -41,14 +41,14 @@ mod cost {
     pub(super) const ROCKER: f64 = 0.1;
     /// Factorising the equations of a pose with its support.
     pub(super) const BALANCE: f64 = 0.8;
-    /// One load, and its way through the links.
+    /// One load and its path through the links.
     pub(super) const LOAD: f64 = 0.3;
     /// Proving the pose and the step to it on intervals.
     pub(super) const CERTIFICATE: f64 = 1000.0;
 }
 
 impl Effect {
-    /// An effect with what it is, what turned it on and what it costs; off where there is none of it.
+    /// An effect with its description, reason and cost; off if `found` is `None`.
     fn of(name: &'static str, found: Option<(String, String, f64)>) -> Effect {
         let on = found.is_some();
         let (what, because, cost) = found.unwrap_or_default();
@@ -71,8 +71,7 @@ fn written(study: &Study, path: &[&str], text: &str) -> String {
 }
 
 impl Plan {
-    /// Every effect the program knows, in the order in which they build on each other. `study` is the
-    /// study the plan was made of.
+    /// Every effect that the program knows, in the order in which they build on each other. `study` is the study of the plan.
     pub fn effects(&self, study: &Study) -> Vec<Effect> {
         let written = |path: &[&str], text: &str| written(study, path, text);
         let mechanism = &study.suspension.mechanism;
@@ -171,7 +170,7 @@ impl Plan {
         effects
     }
 
-    /// A rocker, that of the spring or the anti-roll bar, where something moves it: what turns it, why, and the cost.
+    /// Description, reason and cost of a rocker (of the spring or the anti-roll bar) if a requested quantity moves with it.
     fn rocker(&self, study: &Study, id: RockerId) -> Option<(String, String, f64)> {
         let mechanism = &study.suspension.mechanism;
         let moves = |direct: &RockerId| {
@@ -215,7 +214,7 @@ impl Plan {
                     let key = format!("outputs.order = \"{}\"", order.name());
                     written(study, &["outputs", "order"], &key)
                 } else {
-                    // What is made of velocities takes one derivative more than the order that is reported.
+                    // A quantity made of velocities takes one derivative more than the reported order.
                     let of_velocities = self
                         .outputs
                         .iter()
@@ -235,7 +234,7 @@ impl Plan {
         })
     }
 
-    /// The gradients of outputs by hardpoints, where any are asked for.
+    /// Description, reason and cost of the gradients by hardpoints, if any are requested.
     fn gradients(&self, study: &Study) -> Option<(String, String, f64)> {
         if self.sensitivities.is_empty() {
             return None;

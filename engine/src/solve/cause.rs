@@ -55,7 +55,7 @@ use nalgebra::{Matrix5, SMatrix};
 pub(crate) const SINGULAR_PART: f64 = 1e-6;
 
 impl Curve<'_> {
-    /// Why the path turns back at a fold.
+    /// Returns the reason why the path turns back at a fold.
     pub(crate) fn cause(&self, fold: &CurvePoint) -> LimitCause {
         let at = self.configuration(fold);
         let nearest = nearest_part(&at);
@@ -85,7 +85,7 @@ impl Curve<'_> {
     }
 }
 
-/// The part that is nearest to being singular by itself; `None` for a mechanism without such parts.
+/// The part nearest to a singular position; `None` for a mechanism without such parts.
 pub(crate) fn nearest_part(at: &Configuration<f64>) -> Option<PartMeasure> {
     let measures = part_measures(at)?;
     measures

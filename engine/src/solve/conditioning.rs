@@ -46,7 +46,7 @@ impl Conditioning {
         rate_digits(self.number)
     }
 
-    /// Whether fewer than six digits are left in rates and sensitivities.
+    /// Returns true if rates and sensitivities have fewer than six correct digits.
     pub fn is_poor(&self) -> bool {
         self.digits() < LEAST_DIGITS
     }
@@ -97,9 +97,9 @@ impl Solver<'_> {
         })
     }
 
-    /// As [`Solver::configuration_series`], with the condition: from the factors of the Jacobian where it had to
-    /// be factorised; where the closed form gave the pose and is far from any singularity
-    /// ([`Conditioning::ESTIMATED`]) an estimate that costs next to nothing, and is right to within a factor of ten.
+    /// The same as [`Solver::configuration_series`], with the condition number. It comes from the factors of the Jacobian if
+    /// they are needed anyway. If the closed form gave the pose far from any singularity ([`Conditioning::ESTIMATED`]), an
+    /// estimate is used, which costs almost nothing and is right within a factor of ten.
     pub fn conditioned_series<'a, const N: usize>(
         &'a self,
         design_series: &'a DesignSeries<N>,

@@ -28,7 +28,7 @@ use crate::number::Jet;
 use crate::number::Vector3;
 use std::cmp::Ordering;
 
-/// Which quantity moves while the others are held.
+/// Quantity that moves while the others are held.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Moving {
     /// The drive.
@@ -68,7 +68,7 @@ pub(crate) struct CurvePoint {
     noise: f64,
 }
 
-/// How a path ended before its target.
+/// Reason why a path ended before its target.
 #[derive(Clone, Debug)]
 pub(crate) enum PathEnd {
     /// The path turns back at this point.
@@ -112,7 +112,7 @@ impl Curve<'_> {
         let mut here = self
             .at(pose, value, None, direction)
             .ok_or(PathEnd::Unresolved(value))?;
-        // Where the path is known badly, a correction may take it to before its start.
+        // Where the path is poorly known, a correction may lead to a place before its start.
         let unresolved = |at: &CurvePoint| {
             let gone = direction * (at.value() - value);
             PathEnd::Unresolved(if gone > 0.0 { at.value() } else { value })
@@ -314,7 +314,7 @@ impl Curve<'_> {
         None
     }
 
-    /// Whether the value may turn back and forth again between two points where it moves the same way.
+    /// Returns true if the value may turn back and forth between two points at which it moves the same way.
     fn may_turn_twice(&self, here: &CurvePoint, next: &CurvePoint, step: f64) -> bool {
         let within = |s: f64| s > 0.0 && s < step;
         here.moved[1] * next.moved[1] > 0.0
@@ -324,7 +324,7 @@ impl Curve<'_> {
 
     /// The fold between two points where the value moves opposite ways.
     fn fold(&self, before: &CurvePoint, after: &CurvePoint, step: f64) -> Option<CurvePoint> {
-        // By the secant from whichever is nearer.
+        // Secant from the nearer of the two points.
         let part = before.moved[1] / (before.moved[1] - after.moved[1]);
         let mut point = if part < 0.5 { *before } else { *after };
         let mut last = f64::INFINITY;
@@ -367,8 +367,8 @@ impl Curve<'_> {
         for _ in 0..40 {
             let [q, first, second] = point.moved.0;
             let short = target - q;
-            // q + first s + second s^2 = target, by the root without cancellation. Close to a fold
-            // there may be none by rounding alone: then its double root.
+            // Solves q + first s + second s^2 = target without cancellation. Close to a fold rounding may leave no root; the double
+            // root is then taken.
             let discriminant = (first * first + 4.0 * second * short).max(0.0);
             let length = 2.0 * short / (first + first.signum() * discriminant.sqrt());
             // Beside a fold a value that is right to rounding is not enough: the way still to go must be

@@ -26,7 +26,7 @@ pub use tracker::{
 };
 pub(crate) use tracker::{AlongTravel, SeriesDesign};
 
-/// Whether poses of this mechanism come from a closed form; if not, they come from six equations.
+/// Returns true if poses of this mechanism come from a closed form; otherwise they come from six equations.
 pub fn has_closed_form(mechanism: &crate::model::Mechanism) -> bool {
     closed_form::Roles::of(mechanism).is_some()
 }

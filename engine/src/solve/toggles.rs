@@ -1,4 +1,4 @@
-//! Rods that come to a toggle on the way.
+//! Rods that reach a toggle along the motion.
 
 use super::{Solver, StationOrder};
 use crate::mechanism::{Configuration, DesignFault, RodReach, is_effective};
@@ -7,13 +7,14 @@ use crate::number::{Jet, Real, each};
 use std::cell::{Cell, RefCell};
 use std::ops::ControlFlow;
 
-/// Parts into which the way between two stations is divided where a rod may have come to a toggle, and how often a part
-/// that is still open is divided again.
+/// Number of parts into which the way between two stations is divided if a rod may have reached a toggle, and number of
+/// times that an undecided part is divided again.
 const PARTS: usize = 16;
 const DEPTH: usize = 3;
 
-/// Watches rockers from station to station: outward from the design position, none goes beyond a toggle. Where a rod might
-/// have come to one between two stations and back, poses between them are looked at, down to 1/4096 of the way.
+/// Watches rockers from station to station, outward from the design position. A rocker never goes beyond a toggle. If a
+/// rod might have reached one between two stations and returned, poses between them are checked, down to 1/4096 of the
+/// way.
 #[derive(Clone, Debug, Default)]
 pub struct Toggles {
     watched: Vec<RockerId>,
@@ -70,7 +71,7 @@ impl Toggles {
         if self.watched.is_empty() {
             return Ok(());
         }
-        // Without a pose to begin with there will be none to note.
+        // Without a first pose there is nothing to note.
         let Ok((pose, point)) = solver.placed(drive, rack)? else {
             self.begin_with(0, Vec::new());
             return Ok(());
@@ -117,9 +118,9 @@ impl Toggles {
         self.rods_at_start.replace(rods);
     }
 
-    /// Looks at the next station of the visit, where the drive is `value` away from the visit's beginning; returns the
-    /// kind of rod of the first watched rocker that has come to a toggle there or before. `solver` is the one that
-    /// visits them.
+    /// Checks the next station of the visit, where the drive is `value` away from its beginning. Returns the kind of rod of
+    /// the first watched rocker that is at a toggle here or was at one before. `solver` is the solver that visits the
+    /// stations.
     pub fn note<const N: usize>(
         &self,
         solver: Option<&Solver>,
@@ -164,16 +165,15 @@ impl Toggles {
         first.map(|id| at.mechanism.rocker(*id).rod)
     }
 
-    /// Whether the rods of all rockers that are not in `stuck` surely keep their leverage on the way between two
-    /// places.
+    /// Returns true if the rods of all rockers outside `stuck` certainly keep their leverage between two places.
     fn keep_leverage(&self, from: &[RodReach<f64>], to: &[RodReach<f64>], stuck: Stuck) -> bool {
         let ends = from.iter().zip(to);
         let mut all = self.watched.iter().zip(ends);
         all.all(|(id, (from, to))| stuck & 1 << id.0 != 0 || from.keeps_leverage_to(to))
     }
 
-    /// Adds to `stuck` the rockers that come to a toggle on the way between two places. `look` finds what is seen at a
-    /// part of that way, given the rockers that are stuck before it; `ends` are the rods at both places.
+    /// Adds to `stuck` the rockers that reach a toggle between two places. `look` examines a part of the way, given the
+    /// rockers that are stuck before it. `ends` are the rods at both places.
     fn between(
         &self,
         look: &mut dyn FnMut(f64, Stuck) -> Option<Seen>,
@@ -203,13 +203,13 @@ impl Toggles {
         stuck
     }
 
-    /// Whether a rocker is at or beyond a toggle at the station last noted.
+    /// Returns true if a rocker was at or beyond a toggle at the last station noted.
     pub fn holds(&self, rocker: RockerId) -> bool {
         self.past.get().stuck & 1 << rocker.0 != 0
     }
 
-    /// What is seen in a pose. A rocker is at or beyond toggle if it was `before`, if it has no leverage, or if such a
-    /// rocker turns it. `now` takes the value of a number at this pose.
+    /// Rockers at or beyond a toggle in a pose: those in `before`, those without leverage, and those turned by such a rocker.
+    /// `now` converts a number to its value at this pose.
     fn seen<T: Real>(&self, at: &Configuration<T>, before: Stuck, now: impl Fn(T) -> f64) -> Seen {
         let mechanism = at.mechanism;
         let (mut stuck, mut rods) = (before, Vec::with_capacity(self.watched.len()));

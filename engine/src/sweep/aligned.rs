@@ -2,7 +2,7 @@
 
 use std::ops::{Deref, DerefMut};
 
-/// Bytes of a cache line, and numbers in it.
+/// Bytes in a cache line, and numbers in it.
 const LINE: usize = 64;
 const IN_LINE: usize = LINE / size_of::<f64>();
 
@@ -18,7 +18,7 @@ impl Aligned {
     /// `length` times the same number.
     pub(super) fn new(number: f64, length: usize) -> Self {
         let numbers = vec![number; length + IN_LINE - 1];
-        // Only the speed depends on the alignment.
+        // The alignment affects only the speed.
         let start = numbers.as_ptr().align_offset(LINE).min(IN_LINE - 1);
         Aligned {
             numbers,

@@ -30,10 +30,10 @@
 use super::{SweepRecord, SweepStatistics};
 use nalgebra::{DMatrix, DVector};
 
-/// Outputs whose spread is a smaller part of their size than this do not vary; it is rounding.
+/// An output whose relative spread is below this is constant up to rounding.
 const CONSTANT: f64 = 1e-12;
 
-/// What the variables do to one output.
+/// Effects of the variables on one output.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Effects {
     /// Mean over the designs.
@@ -46,7 +46,7 @@ pub struct Effects {
     pub of: Vec<Effect>,
 }
 
-/// What one variable does to one output.
+/// Effect of one variable on one output.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Effect {
     /// Change from one end of the variable's range to the other, in the plane of least squares.
@@ -128,8 +128,8 @@ impl Effects {
     }
 }
 
-/// The sum of squares of an output between the levels of a variable, and the number of levels that designs meet. With a
-/// plane, the sum of squares of what is left of the output when the plane is taken away.
+/// Sum of squares of an output between the levels of a variable, and the number of levels that contain designs. With a
+/// plane, the sum of squares of the output's remainder after the plane is subtracted.
 fn between_levels(
     statistics: &SweepStatistics,
     variable: usize,
@@ -154,10 +154,9 @@ fn between_levels(
     (between, met)
 }
 
-/// The sum of squares that a variable accounts for: its part of the plane, and what is between its levels of the
-/// sum of squares that the plane leaves.
+/// Sum of squares due to a variable: its part of the plane, and the part of the plane's remainder between its levels.
 fn share((between, met): (f64, f64), left: f64, linear: f64, n: f64) -> Option<f64> {
-    // With few designs for each level there is nothing to be told from chance.
+    // With few designs per level, nothing can be distinguished from chance.
     if n < 4.0 * met {
         return None;
     }

@@ -16,10 +16,10 @@ use crate::model::Suspension;
 use crate::number::{MOST_LANES, SimdReal, Vector3, Width};
 use crate::solve::Solver;
 
-/// The most designs in a block. Blocks are also the unit of sums, of shards and of resumption: designs
-/// number `k * BLOCK` and on always go together, whatever the threads do.
+/// Number of designs in a full block. Blocks are also the unit of sums, shards and resumption: the designs from
+/// `k * BLOCK` on always belong together, for any number of threads.
 pub const BLOCK: usize = 128;
-/// Designs whose values lie side by side, as they come out of the lanes.
+/// Designs whose values are stored side by side, as the lanes return them.
 pub(super) const SIDE_BY_SIDE: usize = MOST_LANES;
 const _: () = assert!(BLOCK.is_multiple_of(SIDE_BY_SIDE));
 
@@ -30,11 +30,11 @@ pub struct FailedStation {
     pub design: usize,
     /// Number of the station.
     pub station: usize,
-    /// Why it has no pose.
+    /// Reason for the missing pose.
     pub failure: StationFailure,
 }
 
-/// Why a station of a design has no pose, or none of what a rocker moves.
+/// Reason why a station of a design has no pose, or no value that moves with a rocker.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum StationFailure {
     /// The wheel of a study of one wheel has no pose.
@@ -62,8 +62,7 @@ impl std::fmt::Display for StationFailure {
     }
 }
 
-/// The values of up to [`BLOCK`] designs, in the kernel's frame, in radians and length units; NaN where
-/// there is none.
+/// Values of up to [`BLOCK`] designs, in the kernel's frame, in radians and length units; NaN if a value does not exist.
 #[derive(Clone, Debug)]
 pub struct Block {
     outputs: usize,
@@ -76,7 +75,7 @@ pub struct Block {
     /// `[design / SIDE_BY_SIDE][output][design % SIDE_BY_SIDE]`: derivatives by the drive in the design
     /// position; of an axle by each number that moves.
     slopes: Aligned,
-    /// By rising number of the design.
+    /// In rising order of the design's number.
     pub(super) failures: Vec<FailedStation>,
     /// Designs that cannot be solved at all, by rising number.
     pub(super) faults: Vec<(usize, DesignFault)>,
@@ -90,7 +89,7 @@ impl Block {
 
     /// Room for values as in [`Block::new`], with `gains` slopes per design.
     pub(super) fn with_gains(outputs: usize, stations: usize, gains: usize) -> Self {
-        // `from` points into the slopes, so that there is room for one even if no slope is asked for.
+        // `from` points into the slopes, so at least one must exist even if none is requested.
         let gains = gains.max(1);
         Block {
             outputs,
@@ -136,8 +135,7 @@ impl Block {
         })
     }
 
-    /// The derivative by the drive in the design position; NaN for what is made of velocities itself, unless a sweep
-    /// asks for it.
+    /// Derivative by the drive in the design position. NaN for a quantity made of velocities, unless the sweep requests it.
     #[inline]
     pub fn slope(&self, design: usize, output: usize) -> f64 {
         self.slopes[self.slope_place(design, output)]
@@ -207,17 +205,17 @@ impl Block {
     }
 }
 
-/// Hardpoints of left and of right wheels, design after design. The second slice is empty for a single wheel, and for
-/// an axle whose right wheel is the mirror image of the left one.
+/// Hardpoints of left and right wheels, design after design. The second slice is empty for a single wheel and for an axle
+/// whose right wheel mirrors the left.
 pub(crate) type Pairs<'d> = [&'d [Vector3<f64>]; 2];
 
-/// Solves designs in SIMD lanes.
+/// Solver of designs in SIMD lanes.
 pub(super) trait SolvesInLanes: Send {
-    /// Evaluates the designs of a block; the numbers of those left to be solved one by one are added to `fallback`.
+    /// Evaluates the designs of a block. Adds the numbers of the designs that remain for one-by-one solution to `fallback`.
     fn evaluate(&mut self, designs: Pairs<'_>, block: &mut Block, fallback: &mut Vec<usize>);
 }
 
-/// Solves designs one at a time.
+/// Solver of designs one at a time.
 pub(super) trait SolvesOneByOne: Send {
     /// Evaluates the designs of these numbers.
     fn evaluate(&mut self, designs: Pairs<'_>, numbers: &[usize], block: &mut Block);
@@ -225,21 +223,21 @@ pub(super) trait SolvesOneByOne: Send {
 
 /// Finds the slopes that take one derivative more than the values do.
 pub(super) trait FindsSlopes: Send {
-    /// Adds these slopes to a block whose values have been evaluated. A slope that is not found stays NaN.
+    /// Adds these slopes to a block with evaluated values. A slope that is not found stays NaN.
     fn evaluate(&mut self, designs: Pairs<'_>, block: &mut Block);
 }
 
-/// Evaluates blocks of designs, of a wheel or of an axle. One for each thread.
+/// Evaluator of blocks of designs, of a wheel or of an axle. Each thread has its own.
 ///
-/// Designs are solved in SIMD lanes where everything asked for can be read there. Designs that the tracker rejects, and
-/// all designs otherwise, are solved one by one by the scalar path. The choice depends on the design alone.
+/// Designs are solved in SIMD lanes if every requested quantity can be read there. Designs that the tracker rejects, and all
+/// designs otherwise, are solved one by one. The design alone decides which.
 pub struct Evaluator<'a> {
     /// Number of points of a wheel.
     points: usize,
     pub(super) lanes: Result<Box<dyn SolvesInLanes + 'a>, NotInLanes>,
     one_by_one: Box<dyn SolvesOneByOne + 'a>,
     pub(super) slopes: Option<Box<dyn FindsSlopes + 'a>>,
-    /// The axle, if it is one; it makes the right wheels of designs whose right hardpoints differ, in `rights`.
+    /// The axle, if the designs are of one. It makes the right wheels in `rights` if their hardpoints differ.
     pub(super) axle: Option<&'a Axle>,
     rights: Vec<Vector3<f64>>,
     /// Designs of the block left to be solved one by one, by number.
@@ -247,7 +245,7 @@ pub struct Evaluator<'a> {
 }
 
 impl<'a> Evaluator<'a> {
-    /// An evaluator of these quantities. An error says why the suspension's own design cannot be solved.
+    /// An evaluator of these quantities. Errors if the suspension's own design cannot be solved.
     pub fn new(
         suspension: &'a Suspension,
         stations: &'a Stations,
@@ -256,7 +254,7 @@ impl<'a> Evaluator<'a> {
         Evaluator::with_width(suspension, stations, quantities, Some(Width::widest()))
     }
 
-    /// As [`Evaluator::new`], in lanes of a width, or one by one alone.
+    /// The same as [`Evaluator::new`], with lanes of this width, or one by one only.
     pub fn with_width(
         suspension: &'a Suspension,
         stations: &'a Stations,
@@ -272,7 +270,7 @@ impl<'a> Evaluator<'a> {
         Ok(evaluator)
     }
 
-    /// As [`Evaluator::new`], every pose left to the continuation: more slowly to the same values, for comparison.
+    /// The same as [`Evaluator::new`], with every pose by the continuation: the same values, more slowly, for comparison.
     pub fn by_continuation(
         suspension: &'a Suspension,
         stations: &'a Stations,
@@ -311,7 +309,7 @@ impl<'a> Evaluator<'a> {
         }
     }
 
-    /// Why no design is solved in lanes; `None` if lanes are in use.
+    /// Reason why no design is solved in lanes; `None` if lanes are in use.
     pub fn not_in_lanes(&self) -> Option<NotInLanes> {
         self.lanes.as_ref().err().copied()
     }

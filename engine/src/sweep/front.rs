@@ -6,15 +6,15 @@ use serde::{Deserialize, Serialize};
 /// A design worth keeping, with its row.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Candidate {
-    /// Its number.
+    /// Number of the design.
     pub design: u64,
     /// Values of the variables.
     #[serde(with = "super::or_null")]
     pub variables: Vec<f64>,
-    /// Its outputs, NaN where there is no value.
+    /// Outputs of the design; NaN if a value does not exist.
     #[serde(with = "super::or_null")]
     pub outputs: Vec<f64>,
-    /// Why not every station was solved; `None` if every one was.
+    /// Reason why some station was not solved; `None` if all were solved.
     pub failing: Option<Failing>,
 }
 

@@ -65,7 +65,7 @@ struct QueueState<T, F, E> {
     /// Number of the next piece to begin, and the end of the range.
     next: u64,
     end: u64,
-    /// The first piece that has not been taken, and what has become of it and of those after it, as far as they are done.
+    /// The first piece that has not been taken, and the results of it and of later pieces, as far as they are done.
     first: u64,
     waiting: VecDeque<Option<Option<T>>>,
     /// Takes results; `None` while a thread is using it.
@@ -73,7 +73,7 @@ struct QueueState<T, F, E> {
     failed: Option<E>,
 }
 
-/// What a thread is to do.
+/// Next task of a thread.
 enum Turn<T, F> {
     Work(u64),
     Take(T, F),
@@ -84,7 +84,7 @@ impl<T, F, E> Queue<T, F, E> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// What to do next; `None` when there is no more.
+    /// Returns the next task; `None` if all work is done.
     fn turn(&self) -> Option<Turn<T, F>> {
         let mut state = self.state();
         loop {
@@ -112,10 +112,10 @@ impl<T, F, E> Queue<T, F, E> {
         }
     }
 
-    /// Notes the result of a piece that is done.
+    /// Stores the result of a finished piece.
     fn put(&self, number: u64, result: Option<T>) {
         let mut state = self.state();
-        // Nothing waits any more where it has ended early.
+        // Results after an early end are dropped.
         if let Some(place) = number.checked_sub(state.first)
             && let Some(entry) = state.waiting.get_mut(place as usize)
         {

@@ -8,16 +8,16 @@ use crate::model::Suspension;
 use crate::number::{MOST_LANES, SimdReal, SimdTask, Vector3, Width};
 use crate::solve::{Acceptance, Batch, LanePose, Visit};
 
-/// Why no design of a sweep is solved in SIMD lanes.
+/// Reason why no design of a sweep is solved in SIMD lanes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NotInLanes {
-    /// Designs were asked to be solved one by one.
+    /// The caller requested solution one by one.
     Asked,
     /// The drive, or the study's own design, is not one for the tracker.
     Mechanism,
     /// Two stations coincide, or one is out of all reach.
     Stations,
-    /// Something that is asked for cannot be read in lanes.
+    /// A requested quantity cannot be read in lanes.
     Reading,
     /// The wheels of an axle are moved by travels of their own, or their mean travel follows from a load.
     Travels,
@@ -39,7 +39,7 @@ impl NotInLanes {
     }
 }
 
-/// Solves as many designs at a time as the processor has lanes.
+/// Solver of as many designs at a time as the processor has lanes.
 pub(super) struct LaneSolver<'a> {
     width: Width,
     batch: Batch<'a>,
@@ -207,7 +207,7 @@ pub(crate) fn scatter<B: SimdReal>(
     }
 }
 
-/// What is done in the poses of a group. One type for both, so that the tracker is compiled once.
+/// Visitor of the poses of a group. One type for both tasks, so that the tracker is compiled once.
 pub(super) enum Visitor<'v, 'r, 't, B: SimdReal> {
     /// Values are read.
     Values(&'v mut Reading<'r, B>),

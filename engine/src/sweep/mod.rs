@@ -1,9 +1,8 @@
 //! Sweeps: many designs, in blocks, on all cores.
 //!
-//! [`Samples`] say what design number n is, [`Evaluator`] solves a block of designs, a [`Worker`] keeps
-//! a row of each, [`in_order()`] does that on all threads. Every block is summed up by itself and the sums
-//! are added in the order of the blocks ([`SweepStatistics`]), so that results are the same to the bit for any
-//! number of threads, in one run, in shards or resumed.
+//! [`Samples`] give the design of each number, [`Evaluator`] solves a block of designs, a [`Worker`] keeps a row of each, and
+//! [`in_order()`] does so on all threads. Each block is summed by itself, and the sums are added in the order of the blocks
+//! ([`SweepStatistics`]). So results are the same to the bit for any number of threads, in one run, in shards or resumed.
 
 mod aligned;
 mod axle;

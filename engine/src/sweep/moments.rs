@@ -99,7 +99,7 @@ impl Moments {
         }
     }
 
-    /// Whether both have the same number of sums of each kind.
+    /// Returns true if both have the same number of sums of each kind.
     pub(super) fn fits(&self, other: &Self) -> bool {
         let lengths = |m: &Self| [&m.u, &m.uu, &m.y, &m.yy, &m.uy].map(Vec::len);
         lengths(self) == lengths(other)
@@ -157,7 +157,7 @@ impl BinnedSums {
         }
     }
 
-    /// Whether both have the same number of sums of each kind.
+    /// Returns true if both have the same number of sums of each kind.
     pub(super) fn fits(&self, other: &Self) -> bool {
         let lengths = |l: &LevelSums| [l.counts.len(), l.sums.len(), l.places.len()];
         let (own, others) = (self.of.iter(), other.of.iter());
@@ -249,7 +249,7 @@ impl SaltelliSums {
         }
     }
 
-    /// Whether both have the same number of sums of each kind.
+    /// Returns true if both have the same number of sums of each kind.
     pub(super) fn fits(&self, other: &Self) -> bool {
         let lengths = |s: &Self| [&s.sum, &s.squares, &s.steps, &s.first, &s.total].map(Vec::len);
         lengths(self) == lengths(other)

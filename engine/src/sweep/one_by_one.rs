@@ -15,7 +15,7 @@ pub(super) struct OneByOne<'a, const N: usize> {
     stations: &'a Stations,
     quantities: &'a [Quantity],
     constants: Constants,
-    /// What the quantities read.
+    /// Inputs of the quantities.
     slots: Slots,
     /// The rockers each quantity moves with.
     rockers: Vec<Vec<RockerId>>,
@@ -58,7 +58,7 @@ impl<const N: usize> SolvesOneByOne for OneByOne<'_, N> {
             let design = &designs[0][number * points..(number + 1) * points];
             block.forget(number);
             if let Err(fault) = self.evaluate_design(number, design, block) {
-                // What was found before the fault showed is not to be used.
+                // Values from before the fault must not be used.
                 block.forget(number);
                 block.failures.retain(|f| f.design != number);
                 block.faults.push((number, fault));

@@ -1,4 +1,4 @@
-//! Numbers in JSON, which knows none that are not finite: there is null in their place, read as NaN.
+//! Numbers in JSON. A number that is not finite becomes null, and null is read as NaN.
 
 use serde::{Deserialize, Deserializer, Serializer};
 

@@ -1,4 +1,4 @@
-//! What a sweep computes for each design, and the workers that do it.
+//! Results of a sweep for each design, and the workers that compute them.
 
 use super::axle::AxleStations;
 use super::in_order;
@@ -20,10 +20,10 @@ use crate::study::{
 use std::borrow::Cow;
 use std::ops::{ControlFlow, Range};
 
-/// What a sweep computes for each design.
+/// Plan of the results for each design.
 #[derive(Clone, Debug)]
 pub struct SweepPlan<'s> {
-    /// Describes the results, as `sweep.json` has it.
+    /// Description of the results, as in `sweep.json`.
     pub record: SweepRecord,
     /// The stations at which each design is solved.
     pub stations: Stations,
@@ -31,8 +31,7 @@ pub struct SweepPlan<'s> {
     pub quantities: Vec<Quantity>,
     /// The columns of values, by quantity.
     pub values: Vec<Column>,
-    /// For each quantity: its derivative by the drive, unless it is a derivative itself; for an axle the derivatives
-    /// that are asked for.
+    /// For each quantity its derivative by the drive, unless it is a derivative itself. For an axle, the requested derivatives.
     gains: Vec<Vec<Gain>>,
     /// For an axle: its stations and quantities; `quantities` above is then unused.
     axle: Option<AxleStations<'s>>,
@@ -51,17 +50,17 @@ struct Gain {
     slope: usize,
 }
 
-/// A target with what it wants at each station.
+/// A target with its wanted value at each station.
 #[derive(Clone, Debug)]
 struct SweptTarget {
-    /// Its name in the names of columns.
+    /// Name of the target in column names.
     name: String,
     tolerance: f64,
     weight: f64,
     wishes: Vec<SweptWish>,
 }
 
-/// What is wanted of a quantity at a station, both by number.
+/// Wanted value of a quantity at a station, both by number.
 #[derive(Clone, Copy, Debug)]
 struct SweptWish {
     quantity: usize,
@@ -69,7 +68,7 @@ struct SweptWish {
     wanted: Sample,
 }
 
-/// Why a sweep cannot be begun.
+/// Reason why a sweep cannot begin.
 #[derive(Debug)]
 pub enum NotBegun {
     /// The file with the designs is wrong.
@@ -234,8 +233,8 @@ impl<'s> SweepPlan<'s> {
         })
     }
 
-    /// Solves blocks of the sweep on the threads of the current rayon pool and hands their rows to `take`, in order,
-    /// while it runs. Ends early, with everything before handed over, when `go_on` says so or `take` breaks.
+    /// Solves blocks of the sweep on the threads of the current rayon pool and passes their rows to `take`, in order, while it
+    /// runs. Ends early if `go_on` or `take` requests it; all earlier rows have then been passed on.
     pub fn run(
         &self,
         blocks: Range<u64>,
@@ -436,12 +435,12 @@ impl Worker<'_> {
         self.evaluator.one_by_one()
     }
 
-    /// Why no design is solved in SIMD lanes; `None` if lanes are in use.
+    /// Reason why no design is solved in SIMD lanes; `None` if lanes are in use.
     pub fn not_in_lanes(&self) -> Option<NotInLanes> {
         self.evaluator.not_in_lanes()
     }
 
-    /// The values behind the rows that were last asked for.
+    /// Values behind the most recent rows.
     pub fn block(&self) -> &Block {
         &self.block
     }

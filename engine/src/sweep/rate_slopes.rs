@@ -31,8 +31,8 @@ pub(super) struct RateSlopes<'a> {
 }
 
 impl<'a> RateSlopes<'a> {
-    /// Prepares the slopes of those velocity-dependent quantities for which `is_wanted` is true. Returns `None` if
-    /// there are none. Errors if the suspension's own design cannot be solved.
+    /// Prepares the slopes of the velocity-dependent quantities for which `is_wanted` is true. Returns `None` if none is.
+    /// Errors if the suspension's own design cannot be solved.
     pub(super) fn of(
         suspension: &'a Suspension,
         stations: &Stations,

@@ -1,7 +1,7 @@
 //! `sweep.json`: the description of a sweep, without its results.
 //!
-//! With the rows and statistics of its parts it is all that `--resume`, `hardpoint merge` and a page need: what
-//! each column is, how designs were sampled, how they are divided into parts.
+//! Together with the rows and statistics of its parts, it is all that `--resume`, `hardpoint merge` and a page need: the
+//! columns, the samples, and the division into parts.
 
 use super::BLOCK;
 use crate::axle::Coordinate;
@@ -11,8 +11,8 @@ use std::ops::Range;
 /// The form of the file. A reader takes no other.
 pub const FORM: u32 = 2;
 
-/// Blocks of a part. With 128 designs each a part is some tenths of a second of work for one core, and a row
-/// group of the usual size. It must not depend on the machine: parts are the same whoever does them.
+/// Blocks in a part. With 128 designs per block, a part is some tenths of a second of work for one core, and a row group of
+/// the usual size. It must not depend on the machine, because parts are the same wherever they are computed.
 pub const BLOCKS_OF_PART: u64 = 1024;
 
 /// The description of a sweep, without its results.
@@ -49,7 +49,7 @@ pub struct SweepRecord {
     pub outputs: Vec<OutputColumn>,
     /// The targets that designs are compared with.
     pub targets: Vec<TargetColumn>,
-    /// Whether there are curves of every design.
+    /// True if the sweep keeps the curves of every design.
     pub curves: bool,
     /// Ending of the files' names: `csv` or `parquet`.
     pub format: String,
@@ -58,7 +58,7 @@ pub struct SweepRecord {
 /// A variable and its column.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct VariableRecord {
-    /// Its column.
+    /// Column of the variable.
     pub column: String,
     /// Lowest value.
     pub low: f64,
@@ -66,7 +66,7 @@ pub struct VariableRecord {
     pub high: f64,
     /// Number of values in a grid.
     pub steps: Option<u64>,
-    /// Its value in the study's design.
+    /// Value in the study's design.
     pub at_design: f64,
     /// The coordinates it moves.
     pub moves: Vec<MoveRecord>,
@@ -79,11 +79,11 @@ pub struct MoveRecord {
     pub hardpoint: String,
     /// The axis.
     pub axis: String,
-    /// How far it moves per unit of the variable.
+    /// Displacement of the coordinate per unit of the variable.
     pub factor: f64,
 }
 
-/// Which number of an output a column holds.
+/// Number of an output in a column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Kind {
@@ -104,13 +104,13 @@ pub enum Kind {
 /// A column of results.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct OutputColumn {
-    /// Its name.
+    /// Name of the column.
     pub column: String,
     /// The output it is about, as in `camber`.
     pub output: String,
-    /// Which number of the output it holds.
+    /// Number of the output in this column.
     pub kind: Kind,
-    /// Its unit; empty for a plain number.
+    /// Unit of the column; empty for a plain number.
     pub unit: String,
     /// The value of the study's design, if it has one.
     pub at_design: Option<f64>,
@@ -144,7 +144,7 @@ impl SweepRecord {
         (self.method == "saltelli").then_some(self.variables.len() as u64 + 2)
     }
 
-    /// Whether its designs are of both wheels of an axle.
+    /// Returns true if the designs are of both wheels of an axle.
     pub fn is_of_axle(&self) -> bool {
         let drive = self.drive.rsplit_once('_').map_or("", |(key, _)| key);
         Coordinate::ALL.iter().any(|c| c.key() == drive)
@@ -166,7 +166,7 @@ impl SweepRecord {
         part * size..self.blocks().min((part + 1) * size)
     }
 
-    /// The parts of a shard, given its number, from 1, and the number of shards. There may be none.
+    /// Parts of a shard, from its number (from 1) and the number of shards. There may be none.
     pub fn parts_of(&self, [shard, shards]: [u64; 2]) -> Range<u64> {
         let parts = u128::from(self.parts());
         let up_to = |shard: u64| (parts * u128::from(shard) / u128::from(shards)) as u64;
@@ -178,7 +178,7 @@ impl SweepRecord {
         format!("{}-{}", self.digest, self.designs)
     }
 
-    /// Whether this sweep has the designs of `other` and further ones of the same sequence.
+    /// Returns true if this sweep has the designs of `other` and further ones of the same sequence.
     pub fn continues(&self, other: &SweepRecord) -> bool {
         let longer = SweepRecord {
             designs: self.designs,

@@ -1,4 +1,4 @@
-//! What is kept of the designs of a block: a row for each.
+//! Rows: the results that are kept of each design of a block.
 
 use super::evaluate::StationFailure;
 use crate::axle::AxleFailure;
@@ -10,7 +10,7 @@ use crate::model::{Drive, Mechanism};
 pub struct Rows {
     /// Number of the first design.
     pub first: u64,
-    /// Why each design was not solved at every station; `None` if it was.
+    /// For each design, the reason why some station was not solved; `None` if all were solved.
     pub failing: Vec<Option<Failing>>,
     /// `[design][variable]`
     pub variables: Vec<f64>,
@@ -18,12 +18,12 @@ pub struct Rows {
     pub outputs: Vec<f64>,
 }
 
-/// Why a design was not solved at every station.
+/// Reason why a design was not solved at every station.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Failing {
     /// The word in the `status` column.
     pub status: String,
-    /// Why, without numbers, so that equal reasons can be counted.
+    /// The reason without numbers, so that equal reasons can be counted.
     pub reason: String,
     /// Number of stations without a pose.
     pub stations: u64,
@@ -80,7 +80,7 @@ impl Failing {
     }
 }
 
-/// Why a station has no pose, without the value at which the mechanism folds.
+/// Reason why a station has no pose, without the value at which the mechanism folds.
 fn reason(failure: &Failure) -> String {
     match failure {
         Failure::Unreachable {

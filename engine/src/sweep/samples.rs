@@ -5,12 +5,12 @@ use crate::model::Frame;
 use crate::number::Vector3;
 use crate::study::{DesignTable, Sampled, Sampling, SweepVariable};
 
-/// Where the designs of a sweep come from, by number.
+/// Source of the designs of a sweep, by number.
 #[derive(Clone, Debug)]
 pub enum Samples {
     /// Sampled from ranges.
     Sampled(Sampled),
-    /// From a file.
+    /// Designs from a file.
     Table(DesignTable),
 }
 

@@ -52,9 +52,8 @@ fn key(dimension: usize, seed: u32) -> u64 {
     mixed((dimension as u64 + 1).wrapping_mul(STRIDE) ^ (u64::from(seed) << 32))
 }
 
-/// Where a permutation of `0..count` takes `index`: a Feistel network over the next even power of two,
-/// walked until it comes back into the range (J. Black, P. Rogaway, Ciphers with arbitrary finite
-/// domains, CT-RSA 2002).
+/// Image of `index` under a permutation of `0..count`: a Feistel network over the next even power of two, repeated until the
+/// result is in the range (J. Black, P. Rogaway, Ciphers with arbitrary finite domains, CT-RSA 2002).
 fn permuted(index: u64, count: u64, key: u64) -> u64 {
     let bits = (u64::BITS - (count - 1).leading_zeros()).max(2).div_ceil(2);
     let mask = (1_u64 << bits) - 1;

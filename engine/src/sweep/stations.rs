@@ -8,15 +8,15 @@ use crate::study::Motion;
 /// besides, for the design position and for targets.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stations {
-    /// What drives.
+    /// The drive.
     pub drive: Drive,
     /// Drive values and the order in which they are visited.
     pub station_order: StationOrder,
     /// Rack displacements, towards the kernel's +y.
     pub racks: Vec<f64>,
-    /// How many of the drive values are the motion's.
+    /// Number of drive values that belong to the motion.
     of_motion: usize,
-    /// How many of the rack displacements are the motion's.
+    /// Number of rack displacements that belong to the motion.
     racks_of_motion: usize,
     /// Index of the rack displacement at which the design position and targets are looked at.
     home: usize,

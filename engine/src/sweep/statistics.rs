@@ -1,15 +1,15 @@
-//! Statistics that can be added up: those of a block, of a run, of all shards.
+//! Statistics that can be added: of a block, of a run, of all shards.
 //!
-//! Statistics are made of the rows of one block. Those of a part absorb its blocks in their order, those of
-//! the sweep its parts in theirs. So every sum has one order of additions, whatever the threads and shards
-//! were, and whoever did a part. Written as JSON they come back to the bit.
+//! Statistics are made from the rows of one block. Those of a part absorb its blocks in their order, and those of the sweep
+//! absorb its parts in theirs. So every sum has one order of additions, for any threads, shards and machines. Statistics
+//! written as JSON return to the bit.
 
 use super::front::{Candidate, Front};
 use super::moments::{BinnedSums, Moments, SaltelliSums, Span};
 use super::{Rows, SweepRecord};
 use serde::{Deserialize, Serialize};
 
-/// How many of the best designs are kept, and how many examples of a failure.
+/// Number of best designs that are kept, and of examples of each failure.
 const KEPT: usize = 10;
 const EXAMPLES: usize = 5;
 
@@ -22,7 +22,7 @@ pub struct SweepStatistics {
     pub solved: u64,
     /// Number of designs that the SIMD lanes left to be solved one by one.
     pub one_by_one: u64,
-    /// Why the others were not solved at every station, in the order in which the reasons came up.
+    /// Reasons why other designs were not solved at every station, in order of first appearance.
     pub failures: Vec<FailureCount>,
     /// Range of each output.
     pub ranges: Vec<Option<OutputRange>>,
@@ -45,7 +45,7 @@ pub struct SweepStatistics {
 pub struct FailureCount {
     /// The word in the `status` column.
     pub status: String,
-    /// Why.
+    /// The reason.
     pub reason: String,
     /// Number of designs that failed for it.
     pub designs: u64,
@@ -152,7 +152,7 @@ impl SweepStatistics {
         statistics
     }
 
-    /// Whether these statistics have the shape of this sweep's.
+    /// Returns true if these statistics have the shape of this sweep's.
     pub fn are_of(&self, record: &SweepRecord) -> bool {
         let empty = SweepStatistics::empty(record);
         let [variables, outputs] = [record.variables.len(), record.outputs.len()];
@@ -235,7 +235,7 @@ impl OutputRange {
     }
 }
 
-/// Puts a design in its place among the best, if it is one of them; among equals the first stays first.
+/// Inserts a design among the best if it belongs there. Among equal designs the first remains first.
 fn keep_best(
     best: &mut Vec<Candidate>,
     misfit: usize,

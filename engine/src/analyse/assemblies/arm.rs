@@ -1,18 +1,20 @@
 //! All assemblies of a strut or a double wishbone: one turn of the lower arm.
 //!
-//! At an arm angle th there are at most four (module `closed_form`): a strut upright or inverted, or the
-//! upper arm on either side; the outer end of the tie rod on either side of its plane. On each of the four
-//! the travel is an explicit function f(th), so the assemblies are the roots of f(th) = travel over one
-//! turn of the arm. (The four of a strut together are one trigonometric polynomial of degree ten, so there
-//! are at most twenty.)
+//! At an arm angle th there are at most four (module `closed_form`): a strut upright or inverted, or the upper arm on
+//! either side; and the outer end of the tie rod on either side of its plane. For each of the four, the travel is an
+//! explicit function f(th). The assemblies are the roots of f(th) = travel over one turn of the arm. (The four functions of
+//! a strut together are one trigonometric polynomial of degree ten, so it has at most twenty roots.)
 //!
-//! They are isolated on intervals, f and f' enclosed by their mean-value forms about the middle m of a
-//! piece X, f(X) in f(m) + f'(X) (X - m), which shrink with the square of its width. A piece of the turn is
-//! dropped if f encloses no root there, or if upper end or tie-rod distance have no real value anywhere on
-//! it; if f' does not vanish on it there is at most one root, decided by the signs at its ends; if all its
-//! poses are closer to an assembly than any other can be, that is the only one; else it is halved. So none
-//! is missed, whatever the distance between two of them. What is narrower than [`NARROWEST`] and still
-//! undecided (a double root) goes to Newton's method on the closure equations.
+//! Intervals isolate the roots. Mean-value forms about the middle m of a piece X enclose f and f':
+//! f(X) in f(m) + f'(X) (X - m). Their excess width shrinks with the square of the piece's width. Each piece has one of these outcomes:
+//!
+//! - It is dropped if f encloses no root there, or if the upper end or the tie rod has no real place anywhere on it.
+//! - If f' does not vanish on it, there is at most one root, and the signs at the ends decide.
+//! - If all its poses are closer to a known assembly than any other assembly can be, that one is the only one.
+//! - Otherwise it is halved.
+//!
+//! So no root is missed, however close two of them are. A piece that is narrower than [`NARROWEST`] and still undecided (a
+//! double root) goes to Newton's method on the closure equations.
 
 use super::{Assembly, Search, Undecided};
 use crate::mechanism::Pose;
@@ -25,16 +27,16 @@ use std::f64::consts::PI;
 
 /// Pieces this narrow (rad) are not halved any further.
 const NARROWEST: f64 = 1e-10;
-/// Pieces looked at before giving up, for each of the four: a quarter of a second. An ordinary design takes 400; one whose
-/// arms are parallel, or whose tie rod's lever is a hundredth of its arm, 1,500.
+/// Largest number of pieces for each of the four functions: a quarter of a second. An ordinary design takes 400 pieces. A
+/// design with parallel arms, or with a tie rod's lever of a hundredth of its arm, takes 1,500.
 const MOST_PIECES: usize = 20_000;
-/// The width (rad) from which on Newton's method is tried where the closed form leaves a piece open, and
-/// how much narrower the piece must be for the next try.
+/// Width (rad) below which Newton's method is tried on an undecided piece, and the factor by which the piece must be
+/// narrower for the next try.
 const FIRST_TRY: f64 = 0.02;
 const NEXT_TRY: f64 = 0.1;
-/// How far from a toggle (rad) poses are tried where there is none.
+/// Offsets (rad) from a toggle at which poses are tried if there is none at the toggle.
 const BESIDE: [f64; 7] = [0.0, 1e-9, -1e-9, 1e-7, -1e-7, 1e-5, -1e-5];
-/// How far (rad) an assembly may be from the piece that it was looked for on.
+/// Largest distance (rad) of an assembly from the piece on which it was searched.
 const NEAR: f64 = 1e-4;
 
 type Value = Jet<Interval, 3>;
@@ -56,11 +58,11 @@ struct Branch {
     rack: f64,
 }
 
-/// What is known of a piece.
+/// Result for a piece.
 enum Verdict {
     /// No root.
     None,
-    /// One root.
+    /// Exactly one root.
     One,
     Open,
 }
@@ -84,7 +86,7 @@ impl Search<'_> {
 
     fn on_branch(&mut self, branch: &Branch) {
         let mut undecided: Vec<(f64, f64)> = Vec::new();
-        // Not halved at zero, where the design lies.
+        // The turn is not cut at zero, where the design lies.
         let cut = -PI + 0.1234;
         let half = |low: f64| Piece {
             low,
@@ -130,7 +132,7 @@ impl Search<'_> {
         }
         self.all.looked_at += looked_at;
         for (low, high) in undecided {
-            // A root of even order, or one at a toggle: as seen from the middle, or there is none.
+            // A root of even order, or a root at a toggle, or none.
             match self.beside(branch, 0.5 * (low + high)) {
                 Some(assembly) => self.add(assembly),
                 None => self.all.undecided.push(Undecided::ArmAngle(low, high)),
@@ -138,8 +140,7 @@ impl Search<'_> {
         }
     }
 
-    /// Whether all poses of a piece are next to one assembly: one that is known, or one that Newton's
-    /// method finds from here.
+    /// Returns true if all poses of a piece are next to one assembly: a known one, or one that Newton's method finds from here.
     fn settles(&mut self, branch: &Branch, low: f64, high: f64) -> bool {
         let poses = branch.poses(Interval::bounds(low, high));
         if self.is_settled(&poses) {
@@ -163,7 +164,7 @@ impl Search<'_> {
 }
 
 impl Branch {
-    /// Whether there is a root on a piece.
+    /// Decides whether a piece has a root.
     fn verdict(&self, low: f64, high: f64) -> Verdict {
         let piece = Interval::bounds(low, high);
         let (squares, miss) = self.miss(piece);
@@ -205,10 +206,9 @@ impl Branch {
         ([upper_square, state.toggle_square()[0]], miss)
     }
 
-    /// The mechanism on a piece, and the square of what holds its upper end. This square, and that of the tie-rod
-    /// end's distance from its plane, are small differences of large terms near their zeros, which may be double ones
-    /// (parallel arms come into line with each other and the steering axis): their mean-value forms are far narrower
-    /// than these.
+    /// The mechanism on a piece, and the square under the root for its upper end. This square and that of the tie-rod end's
+    /// distance from its plane are small differences of large terms near their zeros. These zeros may be double ones, where
+    /// parallel arms align with each other and the steering axis. Their mean-value forms are far narrower than these.
     fn state(&self, form: &ClosedForm<Value>, angle: Interval) -> (ArmState<Value>, Interval) {
         let middle = Interval::point(angle.middle());
         let around = angle - middle;
@@ -257,7 +257,7 @@ impl Branch {
         })
     }
 
-    /// The root on a piece with one, by bisection until Newton's method has nothing to fear.
+    /// The root on a piece that has exactly one, by bisection until Newton's method is safe.
     fn refined(&self, mut low: f64, mut high: f64) -> f64 {
         let at = |angle: f64| self.miss(Interval::point(angle)).1[0].value();
         let rising = at(high) > at(low);

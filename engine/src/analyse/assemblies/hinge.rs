@@ -1,14 +1,14 @@
-//! All assemblies of an arm on a hinge: two at most.
+//! All assemblies of an arm on a hinge: at most two.
 //!
-//! The wheel centre moves on a circle, at the height c + A cos th + B sin th. With H = A^2 + B^2 and C the
-//! height wanted above c,
+//! The wheel centre moves on a circle, at the height c + A cos th + B sin th. With H = A^2 + B^2 and the wanted height C
+//! above c,
 //!
 //! ```text
-//! th = atan2(B, A) +- acos(C/sqrt H)
+//! th = atan2(B, A) +- acos(C/sqrt H)                                              (1)
 //! ```
 //!
-//! There are two where C^2 < H, none where C^2 > H; where intervals cannot tell, the arm is at the end of
-//! its range and Newton's method says whether there is one.
+//! There are two assemblies if C^2 < H, and none if C^2 > H. If intervals cannot decide, the arm is at the end of its range,
+//! and Newton's method decides.
 
 use super::{Search, Undecided};
 use crate::mechanism::Pose;

@@ -1,13 +1,13 @@
-//! All assemblies of a design: every pose its lengths allow at a given travel, on whatever branch.
+//! All assemblies of a design: every pose that its lengths allow at a given travel, on any branch.
 //!
-//! A complete method for each kind of mechanism, none of which can miss an assembly:
+//! Each kind of mechanism has a complete method, which cannot miss an assembly:
 //!
-//! - [`arm`]: strut and double wishbone, by their closed form. One turn of the lower arm is searched on
-//!   intervals, for each side that upper end and tie rod can be on;
-//! - [`hinge`]: a semi-trailing arm, two points of a circle;
-//! - [`rods`]: a knuckle on rods, as of a five-link. All rotations are searched on intervals.
+//! - [`arm`]: strut and double wishbone, by their closed form. Intervals search one turn of the lower arm, for each side of
+//!   the upper end and of the tie rod.
+//! - [`hinge`]: a semi-trailing arm, two points of a circle.
+//! - [`rods`]: a knuckle on five rods. Intervals search all rotations.
 //!
-//! What they isolate goes to Newton's method on the closure equations and is proved by its certificate.
+//! Newton's method on the closure equations refines each isolated assembly, and its certificate proves it.
 
 mod arm;
 mod hinge;
@@ -24,7 +24,7 @@ use crate::solve::closed_form::Roles;
 use crate::solve::{Solver, StationOrder};
 use std::ops::ControlFlow;
 
-/// One way to assemble a design.
+/// One assembly of a design.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Assembly {
     /// Pose of the knuckle.
@@ -32,15 +32,15 @@ pub struct Assembly {
     /// Angle of the first arm from the design position (radians, positive raises its outer joint), where
     /// there is an arm.
     pub arm_angle: Option<f64>,
-    /// Whether each of the [`Assemblies::traits`] is as in the design; `None` where it is neither way.
+    /// For each of the [`Assemblies::traits`], true if the assembly has the design's variant; `None` at the border of two variants.
     pub branch: Vec<Option<bool>>,
     /// Position of the wheel centre.
     pub wheel_centre: Vector3<f64>,
-    /// Proof of the pose; `None` where it is as good as singular.
+    /// Proof of the pose; `None` if the pose is singular in double precision.
     pub certificate: Option<Certificate>,
 }
 
-/// Something that is one way or the other in an assembly, and neither way only where it changes.
+/// A feature of an assembly with two variants. Only at the border between them an assembly has neither.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AssemblyMode {
     /// A strut's mount above or below the foot of the ball joint on its axis.
@@ -49,7 +49,7 @@ pub enum AssemblyMode {
     UpperArm,
     /// The side of the plane through steering axis and rack joint on which the tie rod's end is.
     TieRod,
-    /// Whether an arm on a hinge rises or falls as it turns.
+    /// An arm on a hinge rises or falls as it turns.
     Arm,
     /// The sign of the determinant of the closure equations.
     Determinant,
@@ -106,8 +106,8 @@ pub enum Undecided {
 
 /// Starts of Newton's method where something is left undecided.
 const TRIES: usize = 400;
-/// An assembly that cannot be proved and is as near as this (in sizes) to another is taken for the same
-/// double one, whose place rounding leaves open to the square root of its relative size.
+/// Distance (in sizes) below which an assembly without proof counts as equal to another one. They are then one double
+/// assembly, whose place is uncertain by the square root of the rounding.
 const DOUBLE: f64 = 1e-5;
 /// Undecided places kept apart in the answer.
 const MOST_UNDECIDED: usize = 64;
@@ -134,7 +134,7 @@ fn merge(undecided: &mut Vec<Undecided>) {
 }
 
 impl Assembly {
-    /// How far the knuckle is turned from the design position (radians, 0 to pi).
+    /// Rotation of the knuckle from the design position (radians, 0 to pi).
     pub fn turn(&self) -> f64 {
         let [a, b, c] = self.pose.rotation.columns;
         let twice_sine = Vector3::new(b.z - c.y, c.x - a.z, a.y - b.x).norm();
@@ -147,7 +147,7 @@ impl Solver<'_> {
     /// kernel's +y). `None` for a mechanism that there is no complete method for.
     pub fn assemblies(&self, travel: f64, rack: f64) -> Option<Assemblies> {
         let mut search = Search::new(self, travel, rack);
-        // What is known is settled first: it must be found even where the search gives up.
+        // The known assembly comes first: it must be found even if the search gives up.
         search.take_connected();
         let mechanism = self.mechanism();
         match (Roles::of(mechanism), mechanism.constraints.as_slice()) {
@@ -181,7 +181,7 @@ struct Search<'a> {
     solver: &'a Solver<'a>,
     certifier: Certifier<'a>,
     point: MotionPoint<f64>,
-    /// The design with nothing rounded.
+    /// The design, without rounding.
     exact: Vec<Vector3<Interval>>,
     all: Assemblies,
 }
@@ -224,8 +224,8 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Newton's method from turns all over the sphere: what is left undecided may well be found, though not that
-    /// it is all.
+    /// Tries Newton's method from rotations all over the sphere. It often finds what remained undecided, but does not prove
+    /// that nothing else exists.
     fn try_others(&mut self) {
         let design = self.solver.design_pose();
         let starts: Vec<Pose<f64>> = self
@@ -247,7 +247,7 @@ impl<'a> Search<'a> {
             design.moved(Vector3::default(), axis * (0.5 * turn).tan())
         });
         for start in starts.into_iter().chain(turns) {
-            // Of assemblies without number, as of a design that can be turned about, none is proved.
+            // A design with a free rotation has infinitely many assemblies; none is proved.
             let found = self.assembly(&start);
             if let Some(assembly) = found.filter(|a| a.certificate.is_some()) {
                 self.add(assembly);
@@ -255,8 +255,8 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The assembly that Newton's method comes to from a pose. It may settle where there is none but
-    /// almost: what is not proved must at least obey the equations.
+    /// The assembly that Newton's method reaches from a pose. It may also settle near an assembly that almost exists. A result
+    /// without proof must at least satisfy the equations.
     fn assembly(&self, near: &Pose<f64>) -> Option<Assembly> {
         let pose = self.solver.polished(near, &self.point)?;
         let certificate = self.certifier.pose(&pose, &self.point).ok();
@@ -278,7 +278,7 @@ impl<'a> Search<'a> {
         })
     }
 
-    /// Whether a pose is as the design in each of the mechanism's traits.
+    /// For each of the mechanism's traits, true if a pose has the design's variant.
     fn branch(&self, now: &Configuration<f64>) -> Vec<Option<bool>> {
         let start = self.solver.design_pose();
         let design = self.solver.configuration(&start, 0.0);
@@ -289,8 +289,8 @@ impl<'a> Search<'a> {
         self.all.traits.iter().map(alike).collect()
     }
 
-    /// A number whose sign tells the two variants of `of` apart. `None` if the mechanism has no such mode, or if the
-    /// equations cannot be factorised there.
+    /// A number whose sign tells the two variants of `of` apart. `None` if the mechanism has no such feature, or if the equations
+    /// cannot be factorised there.
     fn sign(&self, of: AssemblyMode, at: &Configuration<f64>) -> Option<f64> {
         let mechanism = self.solver.mechanism();
         let roles = Roles::of(mechanism);
@@ -334,7 +334,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Whether all of these poses are so close to one proved assembly that no other is among them.
+    /// Returns true if all these poses are so close to one proved assembly that no other is among them.
     fn is_settled(&self, poses: &Pose<Interval>) -> bool {
         self.all.found.iter().any(|assembly| {
             let Some(proof) = assembly.certificate else {
@@ -366,7 +366,7 @@ fn velocity(at: &Configuration<f64>, arm: &Arm) -> Vector3<f64> {
     (at.point(arm.front) - from).cross(at.point(arm.outer) - from)
 }
 
-/// How far two poses are from each other, as a length.
+/// Distance of two poses, as a length.
 fn pose_distance(a: &Pose<f64>, b: &Pose<f64>, size: f64) -> f64 {
     let columns = a.rotation.columns.iter().zip(b.rotation.columns);
     let turned = columns.map(|(p, q)| (*p - q).norm()).fold(0.0, f64::max);

@@ -39,8 +39,8 @@ type Cell = [Interval; 6];
 const MOST_CELLS: usize = 500_000;
 /// Boxes that move no equation by more than this share of the size are not halved any further.
 const NARROWEST: f64 = 1e-9;
-/// Newton's method is tried in boxes that move no equation by more than this share of the size, and so
-/// often at the most: it takes ten times as long as a box, and only singular assemblies need it.
+/// Newton's method is tried in boxes that move no equation by more than this share of the size, and at most this often. It
+/// takes ten times as long as a box, and only singular assemblies need it.
 const FIRST_TRY: f64 = 1e-3;
 const MOST_TRIES: usize = 4000;
 /// Krawczyk's operator is repeated while it leaves no more than this part of a box's volume.
@@ -72,18 +72,18 @@ struct Chart {
     flip: [f64; 3],
 }
 
-/// What is known of a box.
+/// Result for a box.
 enum Verdict {
-    /// There is no assembly.
+    /// No assembly.
     None,
-    /// There is one, in this box.
+    /// Exactly one assembly, in this box.
     One(Cell),
     /// This part of the box is left, with the change of the equations that each variable can make.
     Open(Cell, [f64; 6]),
 }
 
 impl Search<'_> {
-    /// Finds the assemblies of a mechanism whose constraints are five rods; `None` for another.
+    /// Finds the assemblies of a mechanism whose constraints are five rods; `None` for other mechanisms.
     pub(crate) fn by_rods(&mut self) -> Option<()> {
         let mechanism = self.solver.mechanism();
         let (rods, origin) = (
@@ -151,7 +151,7 @@ impl Search<'_> {
                     continue;
                 }
                 let Interval { low, high } = cell[widest];
-                // Not in the middle, where the design may lie.
+                // The cut is not in the middle, where the design may lie.
                 let cut = low + 0.4871 * (high - low);
                 let (mut below, mut above) = (cell, cell);
                 below[widest] = Interval::bounds(low, cut);
@@ -178,7 +178,7 @@ impl Search<'_> {
         }
     }
 
-    /// Notes that nothing could be decided next to a pose, once for each place.
+    /// Records that nothing could be decided next to a pose, once for each place.
     fn leave_open(&mut self, pose: Pose<f64>) {
         let size = self.solver.size();
         let known = |u: &Undecided| match u {
@@ -193,7 +193,7 @@ impl Search<'_> {
     }
 }
 
-/// The five rods of a mechanism that has them and nothing else.
+/// The five rods of a mechanism that has five rods and no other constraint.
 fn rods(mechanism: &Mechanism, design: &[Vector3<Interval>], rack: f64) -> Option<[Rod; 5]> {
     let origin = design[mechanism.origin.0];
     let rod = |constraint: &Constraint| {
@@ -412,7 +412,7 @@ fn inverse(matrix: &[[Interval; 6]; 6]) -> Option<[[f64; 6]; 6]> {
     finite.then_some(rows)
 }
 
-/// The middle of some poses, a rotation but for their width.
+/// Middle of some poses. It is a rotation up to their width.
 fn middle(poses: &Pose<Interval>) -> Pose<f64> {
     let middle = poses.map(Interval::middle);
     Pose {

@@ -16,11 +16,11 @@ const MOST_STEPS: usize = 4096;
 const MOST_HALVINGS: usize = 40;
 
 impl Solver<'_> {
-    /// As [`Solver::for_each_pose`], with a proof of every pose: that it is right, and that it lies on the branch of
-    /// the design position. A pose that cannot be proved counts as a failure.
+    /// The same as [`Solver::for_each_pose`], with two proofs for every pose: it is right, and it lies on the branch of the design
+    /// position. A pose without proof counts as a failure.
     ///
     /// # Errors
-    /// If the design position itself is singular.
+    /// The design position is singular.
     pub fn for_each_certified_pose(
         &mut self,
         certifier: &Certifier,
@@ -77,7 +77,7 @@ impl Solver<'_> {
                     self.prove_path(certifier, from?, (pose, point))
                         .map_err(Failure::Uncertified)
                 });
-                // Beyond a gap in the proof there is none; what is unreachable ends the side anyway.
+                // Nothing is proved beyond a gap in the proof. An unreachable station ends the side anyway.
                 from = certified;
                 let shown = match &certified {
                     Ok(proved) => Ok((&proved.place.0, proved.certificate)),
@@ -101,7 +101,7 @@ impl Solver<'_> {
         if from.place == to {
             return Ok(from);
         }
-        // What is still to be proved to be on the branch, nearest last.
+        // Poses that remain to be proved to be on the branch, nearest last.
         let mut goals = vec![(Proved::new(certifier, to)?, 0)];
         for _ in 0..MOST_STEPS {
             let Some(&(goal, depth)) = goals.last() else {
@@ -150,7 +150,7 @@ impl Proved {
         Ok(Proved { place, certificate })
     }
 
-    /// Whether the straight line to another one is proved to run beside one branch.
+    /// Proves that the straight line to another pose runs beside one branch.
     fn reaches(&self, certifier: &Certifier, other: &Self) -> Result<(), Unproven> {
         let ((from, start), (to, end)) = (&self.place, &other.place);
         let errors = [self.certificate.error, other.certificate.error];

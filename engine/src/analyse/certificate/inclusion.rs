@@ -1,11 +1,11 @@
-//! All poses over an interval of the wheel travel, with their derivatives by it.
+//! All poses over an interval of the wheel travel, with their derivatives by the travel.
 //!
-//! The theorem holds for every travel z of an interval at once if F(x, z) is enclosed over it: there is one and only
-//! one x(z) within r+ of the pose that was looked at, and it is within r-. On that ball J is regular, since with
-//! Z = |1 - A J| over it Z < 1, so x(z) is differentiable, and J x' = -F_z gives
+//! If F(x, z) is enclosed over an interval, the theorem holds for every travel z of the interval at once. There is exactly
+//! one x(z) within r+ of the given pose, and it is within r-. On that ball Z = |1 - A J| < 1, so J is regular and x(z) is
+//! differentiable. From J x' = -F_z follows
 //!
 //! ```text
-//! x' = v + (1 - A J) x',   v = -A F_z     =>     |x' - v| <= Z |v|/(1 - Z)
+//! x' = v + (1 - A J) x',   v = -A F_z     =>     |x' - v| <= Z |v|/(1 - Z)        (1)
 //! ```
 
 use super::theorem::{defect, image, inverse, radii};
@@ -19,17 +19,17 @@ use std::array::from_fn;
 /// The poses at all travels of an interval.
 #[derive(Clone, Copy, Debug)]
 pub struct Inclusion {
-    /// What is proved of the pose that was looked at, against the exact one at any travel of the interval.
+    /// Bound on the difference between the given pose and the exact one at any travel of the interval.
     pub certificate: Certificate,
     /// Encloses every exact pose, and its derivative by the travel.
     pub pose: Pose<Jet<Interval, 2>>,
 }
 
 impl Certifier<'_> {
-    /// Encloses the poses beside a given one at every travel of an interval, the rack being exactly at `rack`.
+    /// Encloses the poses beside a given one at every travel of an interval, with the rack exactly at `rack`.
     ///
     /// # Errors
-    /// Why nothing could be proved; a shorter interval may do.
+    /// Reason why nothing could be proved; a shorter interval may succeed.
     pub fn over_travels(
         &self,
         pose: &Pose<f64>,
@@ -57,7 +57,7 @@ impl Certifier<'_> {
         let one = Interval::point(1.0);
         let defect = Interval::point(defect(&inverse, &jacobian));
         let left = one - defect;
-        // Never NaN: intervals have no such bounds.
+        // Never NaN: interval bounds are never NaN.
         if left.low <= 0.0 {
             return Err(Unproven::TooClose);
         }

@@ -52,7 +52,7 @@ use theorem::{Radii, image, inverse, radii};
 const N: usize = 12;
 type Square = [[f64; N]; N];
 
-/// What is proved of a pose.
+/// Proof of a pose.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Certificate {
     /// The exact pose is no further than this from the computed one: coordinates of the knuckle's
@@ -66,8 +66,8 @@ pub struct Certificate {
 }
 
 impl Certificate {
-    /// Bound on the distance between the exact and the computed position of a knuckle point at
-    /// `distance` from the knuckle's origin, not counting the rounding in forming it.
+    /// Bound on the distance between the exact and the computed position of a knuckle point at `distance` from the knuckle's
+    /// origin, without the rounding of the position itself.
     pub fn point_error(&self, distance: f64) -> f64 {
         // |dr| <= sqrt 3 e, |dR b| <= |dR|_F |b| <= 3 (e/scale) |b|.
         1.7321 * self.error + 3.0 * self.error / self.scale * distance
@@ -104,10 +104,10 @@ impl<'m> Certifier<'m> {
             .get_or_init(|| Quadratic::new(self.mechanism, &self.design, self.scale, drive))
     }
 
-    /// Proves a pose, the drive and the rack being exactly at `point`.
+    /// Proves a pose, with the drive and the rack exactly at `point`.
     ///
     /// # Errors
-    /// Why nothing could be proved.
+    /// Reason why nothing could be proved.
     pub fn pose(
         &self,
         pose: &Pose<f64>,
@@ -129,11 +129,11 @@ impl<'m> Certifier<'m> {
         }
     }
 
-    /// Proves that two poses, each proved already to within its one of `errors`, lie on one branch, with one and
-    /// only one solution beside every point of the straight line between them.
+    /// Proves that two poses lie on one branch, with exactly one solution beside every point of the straight line between them.
+    /// Each pose is proved already, to within its entry of `errors`.
     ///
     /// # Errors
-    /// Why nothing could be proved; a shorter step may do.
+    /// Reason why nothing could be proved; a shorter step may succeed.
     fn line(
         &self,
         (from, start): (&Pose<f64>, &MotionPoint<f64>),

@@ -1,14 +1,16 @@
 //! The twelve equations as a quadratic polynomial with interval coefficients.
 //!
-//! In the displacement z from the design position, of the pose's twelve numbers, the rack and the drive
-//! (its value, or sine and cosine - 1 of an angle), the equations are quadratic, with no remainder:
+//! Let z be the displacement from the design position: the pose's twelve numbers, the rack and the drive (its value, or
+//! sine and cosine - 1 of an angle). The equations are quadratic in z, without a remainder:
 //!
 //! ```text
-//! F(z) = F0 + J0 z + H(z, z)/2,   J(z) = J0 + H z,   F(z) = F0 + (J0 + J(z)) z/2
+//! F(z) = F0 + J0 z + H(z, z)/2                                                    (1)
+//! J(z) = J0 + H z                                                                 (2)
+//! F(z) = F0 + (J0 + J(z)) z/2                                                     (3)
 //! ```
 //!
-//! F0, J0 and H are enclosed once, by differentiating the closure's own equations twice. Evaluating the
-//! polynomial then takes some hundred products. Lengths are counted in the scale.
+//! F0, J0 and H are enclosed once, by differentiating the closure's own equations twice. Evaluating the polynomial then
+//! takes about a hundred products. Lengths are divided by the scale.
 
 use super::theorem::ROUNDING;
 use super::{N, Square};
@@ -136,7 +138,7 @@ impl Quadratic {
                 }
             }
         }
-        // Both orders of two variables count.
+        // Both orders of two different variables count.
         let of_pose = bends.iter().filter(|b| b.by <= b.and_by && b.and_by < N);
         let mut pose_bends: Vec<_> = of_pose
             .map(|b| {
@@ -172,7 +174,7 @@ impl Quadratic {
         self.displacement_over(pose, &point)
     }
 
-    /// As [`Quadratic::displacement`], with drive and rack anywhere in intervals.
+    /// The same as [`Quadratic::displacement`], with drive and rack anywhere in intervals.
     pub(crate) fn displacement_over(
         &self,
         pose: &Pose<f64>,
@@ -233,9 +235,8 @@ impl Quadratic {
         (values, gradients.map(by_pose))
     }
 
-    /// The equations on the straight line between two poses, the drive and the rack going evenly from one
-    /// motion point to the other: coefficients a, b, c with F within a + b t + c t^2 for 0 <= t <= 1, and
-    /// the Jacobian over the whole line.
+    /// The equations on the straight line between two poses, while drive and rack move evenly from one motion point to the other.
+    /// Returns coefficients a, b, c with F within a + b t + c t^2 for 0 <= t <= 1, and the Jacobian over the whole line.
     pub(crate) fn on_line(
         &self,
         [from, to]: [&Displacement; 2],
@@ -315,11 +316,11 @@ mod tests {
     use crate::study::Study;
     use std::path::Path;
 
-    /// What the certificate rests on: along any line through the pose's twelve numbers, the rack and the drive,
-    /// every closure equation is a polynomial of second degree. A row that is not has a third derivative.
+    /// The certificate assumes that every closure equation is a polynomial of second degree along any line through the pose's
+    /// twelve numbers, the rack and the drive. Another kind of row would have a third derivative.
     #[test]
     fn every_row_of_every_topology_is_quadratic() {
-        // Numbers in [-1, 1) with nothing special about them: a linear congruential sequence.
+        // Numbers in [-1, 1) from a linear congruential sequence.
         let mut state = 1_u64;
         let mut random = || {
             state = state

@@ -1,9 +1,9 @@
 //! One application of the theorem of Newton and Kantorovich.
 //!
-//! The sums with many terms, |A F|, |1 - A J| and |A H|, are formed in plain doubles from middles and radii, and
-//! what rounding may have made of them is added: with u the unit roundoff, a sum of n products is off by
-//! no more than n u/(1 - n u) times the sum of their absolute values (N. J. Higham, *Accuracy and
-//! Stability of Numerical Algorithms*, 3.1), and all sums here have at most sixteen.
+//! The sums with many terms, |A F|, |1 - A J| and |A H|, are formed in plain doubles from middles and radii, and a bound of
+//! the rounding error is added. With the unit roundoff u, a sum of n products is off by at most n u/(1 - n u) times the sum
+//! of their absolute values (N. J. Higham, *Accuracy and Stability of Numerical Algorithms*, 3.1). All sums here have at
+//! most sixteen terms.
 
 use super::quadratic::{Jacobian, PoseBend, middles, radius};
 use super::{N, Square};
@@ -32,7 +32,7 @@ pub(crate) fn radii(
     residual: f64,
 ) -> Result<Radii, Unproven> {
     let left = Interval::point(1.0) - Interval::point(defect(inverse, jacobian));
-    // Never NaN: intervals have no such bounds.
+    // Never NaN: interval bounds are never NaN.
     if left.low <= 0.0 {
         return Err(Unproven::Singular);
     }

@@ -1,14 +1,24 @@
 //! An arm held at an angle.
 //!
-//! With a0 and a from the axis to the outer joint, in the design position and now, and e the unit axis,
+//! Let a0 and a run from the axis to the outer joint, in the design position and now, let e be the unit axis and r the
+//! radius of the outer joint about it:
 //!
 //! ```text
-//! r^2 sin = e.(a0 x a),   r^2 cos = a.a0 - (a.e)(a0.e)
-//! F = (cos(wanted) r^2 sin - sin(wanted) r^2 cos)/r = r sin(angle - wanted)
+//! r^2 sin = e.(a0 x a),   r^2 cos = a.a0 - (a.e)(a0.e)                                (1)
+//! F = (cos(wanted) r^2 sin - sin(wanted) r^2 cos)/r = r sin(angle - wanted)           (2)
 //! ```
 //!
-//! The axis is taken so that a positive angle raises the outer joint, whichever way round its two
-//! points are named.
+//! A positive angle raises the outer joint, whatever the order of the axis points in the study.
+//!
+//! With c = cos(wanted)/r and s = sin(wanted)/r, both held fixed since they only scale the row, the derivatives are
+//!
+//! ```text
+//! by a:   c (e x a0) - s (a0 - e (a0.e))                                              (3)
+//! by a0:  c (a x e) - s (a - e (a.e))                                                 (4)
+//! by e:   c (a0 x a) + s (a (a0.e) + a0 (a.e)), its part normal to e                  (5)
+//! ```
+//!
+//! a and a0 start from the rear point of the axis, and e turns with the front point by (5) over the length of the axis.
 
 use crate::mechanism::Configuration;
 use crate::mechanism::DEGENERATE;
@@ -34,33 +44,35 @@ pub(crate) fn axis_ends(arm: Arm, design: &[Vector3<f64>]) -> (PointId, PointId)
     }
 }
 
-/// 1 where a positive turn about the axis from rear to front raises the outer joint, else -1.
+/// 1 if a positive turn about the axis from rear to front raises the outer joint, else -1.
 #[inline]
 fn sense<T: Real>(arm: Arm, design: &[Vector3<T>]) -> T {
     way(arm, design).z.sign()
 }
 
-/// The way of the outer joint in a turn about the axis from rear to front.
+/// Direction in which the outer joint moves when the arm turns about the axis from rear to front.
 #[inline]
 fn way<T: Real>(arm: Arm, design: &[Vector3<T>]) -> Vector3<T> {
     let rear = design[arm.rear.0];
     (design[arm.front.0] - rear).cross(design[arm.outer.0] - rear)
 }
 
-/// Whether an arm raises its outer joint in one direction of its turn and lowers it in the other. At dead
-/// centre the joint goes level at first, and which turn is positive would be a matter of rounding.
+/// Returns true if an arm raises its outer joint in one direction and lowers it in the other. At dead centre the joint
+/// first moves horizontally, so rounding would decide which direction is positive.
 pub fn raises_its_joint(arm: Arm, design: &[Vector3<f64>]) -> bool {
     let way = way(arm, design);
     way.z.abs() > DEGENERATE * way.norm()
 }
 
 impl<T: Real> ArmAngle<T> {
+    /// Equation (2).
     #[inline]
     pub(crate) fn residual(&self, at: &Configuration<T>) -> T {
         let arm = Turned::of(at);
         (self.cosine * arm.sine() - self.sine * arm.cosine()) * arm.inverse_radius
     }
 
+    /// Adds `weight` times the derivatives (3) to (5).
     #[inline(always)]
     pub(crate) fn differential(&self, at: &Configuration<T>, weight: T, sink: &mut impl Sink<T>) {
         let arm = Turned::of(at);
@@ -113,11 +125,13 @@ impl<T: Real> Turned<T> {
         }
     }
 
+    /// r^2 sin of (1).
     #[inline]
     fn sine(&self) -> T {
         self.axis.dot(self.designed.cross(self.now))
     }
 
+    /// r^2 cos of (1).
     #[inline]
     fn cosine(&self) -> T {
         self.now.dot(self.designed) - self.now.dot(self.axis) * self.designed.dot(self.axis)

@@ -1,14 +1,22 @@
 //! A rod between two ball joints.
 //!
-//! With d from the inner to the outer joint and d0 its design value,
+//! Let d run from the inner to the outer joint, d0 in the design position, and let o be the knuckle's origin and
+//! l = outer - o the lever of the outer joint:
 //!
 //! ```text
-//! F  = (d.d - d0.d0)/(2 |d0|)
-//! dF = d.(d outer - d inner)/|d0| - d0.(d outer0 - d inner0)/|d0|
+//! F  = (d.d - d0.d0)/(2 |d0|)                                               (1)
+//! dF = d.(d outer - d inner)/|d0| - d0.(d outer0 - d inner0)/|d0|           (2)
+//! f  = d/|d0|,   m = l x d/|d0|,   q = -d_y/|d0| if the rack carries inner  (3)
 //! ```
 //!
-//! Without a root F is quadratic in the pose and has no singular point; the factor 1/|d0| makes it a
-//! length and is held fixed (where F = 0 it does not matter).
+//! F has no square root, so it is quadratic in the pose and smooth everywhere. The factor 1/|d0| only scales the
+//! row to a length. It is held fixed in (2), which is exact where F = 0.
+//!
+//! Rates along the motion (v, w), from d' = v + w x l and l' = w x l:
+//!
+//! ```text
+//! f' = d'/|d0|,   m' = (l' x d + l x d')/|d0|,   q' = -d'_y/|d0|            (4)
+//! ```
 
 use crate::mechanism::pose::Sink;
 use crate::mechanism::{Configuration, Twist, Wrench};
@@ -21,6 +29,7 @@ use crate::number::Vector3;
 pub(crate) struct Link<T> {
     pub inner: PointId,
     pub outer: PointId,
+    /// d0.d0/2
     half_squared_length: T,
     /// 1/|d0|
     scale: T,
@@ -33,7 +42,7 @@ impl<T: Real> Link<T> {
         Link::of_squared_length(inner, outer, squared)
     }
 
-    /// A rod whose length is a dimension of its own.
+    /// A rod whose length is an independent dimension.
     #[inline(always)]
     pub(crate) fn of_squared_length(inner: PointId, outer: PointId, squared: T) -> Self {
         Link {
@@ -44,12 +53,14 @@ impl<T: Real> Link<T> {
         }
     }
 
+    /// Equation (1).
     #[inline(always)]
     pub(crate) fn residual(&self, at: &Configuration<T>) -> T {
         let d = at.carried(self.outer) - at.grounded(self.inner);
         (d.norm_squared().scaled(0.5) - self.half_squared_length) * self.scale
     }
 
+    /// Adds `weight` times (2).
     #[inline(always)]
     pub(crate) fn differential(&self, at: &Configuration<T>, weight: T, sink: &mut impl Sink<T>) {
         let (inner, outer) = (self.inner, self.outer);
@@ -62,6 +73,7 @@ impl<T: Real> Link<T> {
         sink.hardpoint(inner, designed);
     }
 
+    /// Equation (4).
     #[inline(always)]
     pub(crate) fn wrench_rate(&self, at: &Configuration<T>, along: &Twist<T>) -> Wrench<T> {
         let lever = at.pose.rotation.apply(at.designed_lever(self.outer));

@@ -1,14 +1,24 @@
-//! The closure equations, one file for each kind.
+//! Closure equations, one file for each kind of constraint.
 //!
-//! An equation is a residual F and, beside it, its differential
+//! A constraint has a residual F, in (1), and its differential:
 //!
 //! ```text
-//! dF = force . d(origin) + moment . d(rotation) + sum over hardpoints gradient . d(hardpoint)
+//! F(pose, rack, hardpoints) = 0                                                    (1)
+//! dF = f . d(origin) + m . d(rotation) + q d(rack) + sum over hardpoints g . dh    (2)
 //! ```
 //!
-//! Force and moment are a row of the 6x6 Jacobian: the Pluecker coordinates of the line along which the
-//! constraint acts. The gradients are the rest of the implicit function theorem. Rows are scaled to
-//! lengths, so that forces are about one and moments about one length.
+//! The force f and the moment m are a row of the 6x6 Jacobian: the Pluecker coordinates of the line along which
+//! the constraint acts. q is the force on the rack. The gradients g complete the implicit function theorem. Each
+//! row is scaled to a length, so forces are about one and moments about one length.
+//!
+//! Along a motion of the knuckle with velocity v of its origin and angular velocity w, a vector r that is fixed in
+//! the knuckle changes as in (3). The rates (4) of a wrench follow from (3) by the product rule, with the rack held.
+//! Each file derives its own.
+//!
+//! ```text
+//! r' = w x r                                                                       (3)
+//! (f, m, q)' = d/dt (f, m, q) along (v, w)                                         (4)
+//! ```
 
 mod arm_angle;
 mod link;
@@ -26,7 +36,7 @@ use crate::model::{Constraint, PointId};
 use crate::number::Real;
 use crate::number::Vector3;
 
-/// One scalar constraint, with everything of it that depends on the design alone.
+/// One scalar constraint, with all its terms that depend only on the design.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Row<T> {
     Link(Link<T>),
@@ -75,7 +85,7 @@ impl<T: Real> Row<T> {
         }
     }
 
-    /// F, as a length.
+    /// F of (1), as a length.
     #[inline(always)]
     pub(crate) fn residual(&self, at: &Configuration<T>) -> T {
         match self {
@@ -85,7 +95,7 @@ impl<T: Real> Row<T> {
         }
     }
 
-    /// Adds `weight` times the differential to the sink.
+    /// Adds `weight` times the differential (2) to the sink.
     #[inline(always)]
     pub(crate) fn differential(&self, at: &Configuration<T>, weight: T, sink: &mut impl Sink<T>) {
         match self {
@@ -95,8 +105,7 @@ impl<T: Real> Row<T> {
         }
     }
 
-    /// How force, moment and force along the rack of the differential change along a motion of the knuckle,
-    /// the rack held.
+    /// Rates (4) of force, moment and rack force along a motion of the knuckle, with the rack held.
     #[inline(always)]
     pub(crate) fn wrench_rate(&self, at: &Configuration<T>, along: &Twist<T>) -> Wrench<T> {
         match self {
@@ -108,8 +117,8 @@ impl<T: Real> Row<T> {
 }
 
 /// Two unit vectors that form a right-handed frame with the given one, without a branch (T. Duff et al.,
-/// "Building an Orthonormal Basis, Revisited", Journal of Computer Graphics Techniques 6(1), 2017). They depend smoothly on
-/// the vector as long as `sign` stays, which is the sign of its z or of that of a vector nearby.
+/// "Building an Orthonormal Basis, Revisited", Journal of Computer Graphics Techniques 6(1), 2017). `sign` is the sign of
+/// the z of this vector or of a nearby one. The result depends smoothly on the vector while `sign` does not change.
 #[inline(always)]
 fn normals<T: Real>(along: Vector3<T>, sign: T) -> [Vector3<T>; 2] {
     let Vector3 { x, y, z } = along;

@@ -1,18 +1,25 @@
 //! A hinge: the knuckle turns about the line through two chassis points.
 //!
-//! The point p of the knuckle that was at a chassis point c in the design position must not leave it
-//! along the direction n:
+//! The point p of the knuckle that coincides with a chassis point c in the design position must not leave c along
+//! the direction n. With l = p - o the lever of p about the knuckle's origin o:
 //!
 //! ```text
-//! F  = n.(p - c)
-//! dF = n.dp - n.dc
+//! F  = n.(p - c)                                                   (1)
+//! dF = n.dp - n.dc                                                 (2)
+//! f  = n,   m = l x n                                              (3)
 //! ```
 //!
-//! n is x, y and z for the first point of the axis; of the second, only the two directions normal to
-//! the axis are left to hold. These turn with the axis, but as p = c in every pose that adds nothing.
+//! For the first point of the axis, n is x, y and z. For the second point, n takes the two directions normal to the
+//! axis. These turn with the axis, but p = c in every pose, so that adds no term to (2).
 //!
-//! Where p lies in the knuckle is a dimension of it: a built arm has its bushes as it was made, wherever the
-//! body's points have come to lie.
+//! Rates along the motion (v, w), from l' = w x l and n fixed in the body:
+//!
+//! ```text
+//! f' = 0,   m' = (w x l) x n                                       (4)
+//! ```
+//!
+//! The place of p in the knuckle is a dimension of the knuckle. A built arm keeps its bushes where they were made,
+//! wherever the body's points are.
 
 use super::normals;
 use crate::mechanism::pose::Sink;
@@ -27,13 +34,13 @@ pub(crate) struct Pinned<T> {
     pub point: PointId,
     /// n
     pub direction: Vector3<T>,
-    /// From the origin of the undisplaced knuckle to p.
+    /// Vector from the origin of the undisplaced knuckle to p.
     lever: Vector3<T>,
 }
 
 impl<T: Real> Pinned<T> {
-    /// All five equations. `body` has the points of the body, `knuckle` every point where the undisplaced
-    /// knuckle carries it: both are the design's own, for a design; `origin` is the knuckle's.
+    /// All five equations. `body` holds the points of the body, `knuckle` every point where the undisplaced knuckle
+    /// carries it. For a design, both are its own points. `origin` is the knuckle's.
     #[inline(always)]
     pub(crate) fn all(
         first: PointId,
@@ -44,7 +51,7 @@ impl<T: Real> Pinned<T> {
     ) -> [Self; 5] {
         let axis = (body[second.0] - body[first.0]).normalised();
         let [x, y, z] = Matrix3::identity(axis.x).columns;
-        // The drawn axis has the sign: builds on either side of a level axis have normals near each other.
+        // The sign comes from the nominal axis, so that builds on either side of a level axis get nearby normals.
         let sign = (knuckle[second.0] - knuckle[first.0]).z.sign();
         let [across, other] = normals(axis, sign);
         let at_first = knuckle[first.0] - knuckle[origin.0];
@@ -67,12 +74,14 @@ impl<T: Real> Pinned<T> {
         }
     }
 
+    /// Equation (1).
     #[inline(always)]
     pub(crate) fn residual(&self, at: &Configuration<T>) -> T {
         let carried = at.pose.origin + at.pose.rotation.apply(self.lever);
         self.direction.dot(carried - at.designed(self.point))
     }
 
+    /// Adds `weight` times (2).
     #[inline(always)]
     pub(crate) fn differential(&self, at: &Configuration<T>, weight: T, sink: &mut impl Sink<T>) {
         let along = self.direction * weight;
@@ -83,6 +92,7 @@ impl<T: Real> Pinned<T> {
         sink.hardpoint(at.mechanism.origin, -in_knuckle);
     }
 
+    /// Equation (4).
     #[inline(always)]
     pub(crate) fn wrench_rate(&self, at: &Configuration<T>, along: &Twist<T>) -> Wrench<T> {
         let lever = at.pose.rotation.apply(self.lever);

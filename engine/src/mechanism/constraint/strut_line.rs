@@ -1,17 +1,26 @@
 //! A telescopic strut: its mount stays on a line fixed in the knuckle.
 //!
-//! With n one of two normals of the line, fixed in the knuckle, and g = top - origin,
+//! Let n be one of two normals of the line, fixed in the undisplaced knuckle, R the knuckle's rotation, o its origin,
+//! and g = top - o, g0 in the design position:
 //!
 //! ```text
-//! F  = R n . g - n . g0
-//! dF = R n . (d top - d origin) + (R n x g) . d(rotation) - n . (d top0 - d origin0) - c n . du
+//! F  = R n . g - n . g0                                                               (1)
+//! dF = R n . (d top - do) + (R n x g) . d(rotation) - n . (d top0 - do0) - c n . du   (2)
+//! c  = R u . g - u . g0                                                               (3)
+//! f  = -R n,   m = R n x g                                                            (4)
 //! ```
 //!
-//! u is the direction of the line and turns its normal with it, dn = -u (n.du); c = R u . g - u . g0 is
-//! how far the knuckle has slid along the line.
+//! u is the direction of the line. It turns its normal with it: dn = -u (n.du). c is the distance that the knuckle
+//! has slid along the line.
 //!
-//! n . g0 and u are dimensions of the knuckle: a built strut has them as its knuckle was made, wherever its
-//! mount has come to lie in the body.
+//! Rates along the motion (v, w), from (R n)' = w x R n and g' = -v, the mount being fixed in the body:
+//!
+//! ```text
+//! f' = -(w x R n),   m' = (w x R n) x g - R n x v                                     (5)
+//! ```
+//!
+//! n . g0 and u are dimensions of the knuckle. A built strut keeps them as its knuckle was made, wherever its mount
+//! is in the body.
 
 use super::normals;
 use crate::mechanism::pose::Sink;
@@ -37,8 +46,8 @@ pub(crate) struct StrutLine<T> {
 }
 
 impl<T: Real> StrutLine<T> {
-    /// Both equations. `knuckle` has every point where the undisplaced knuckle carries it: the design's own,
-    /// for a design; `origin` is the knuckle's.
+    /// Both equations. `knuckle` holds every point where the undisplaced knuckle carries it (for a design, its own points).
+    /// `origin` is the knuckle's.
     #[inline(always)]
     pub(crate) fn both(
         top: PointId,
@@ -69,12 +78,14 @@ impl<T: Real> StrutLine<T> {
         [across_first, across_second]
     }
 
+    /// Equation (1).
     #[inline(always)]
     pub(crate) fn residual(&self, at: &Configuration<T>) -> T {
         let gap = at.grounded(self.top) - at.pose.origin;
         at.pose.rotation.apply(self.normal).dot(gap) - self.offset
     }
 
+    /// Adds `weight` times (2), with the slide (3).
     #[inline(always)]
     pub(crate) fn differential(&self, at: &Configuration<T>, weight: T, sink: &mut impl Sink<T>) {
         let StrutLine { top, normal, .. } = *self;
@@ -91,6 +102,7 @@ impl<T: Real> StrutLine<T> {
         sink.hardpoint(self.lower, -by_direction);
     }
 
+    /// Equation (5).
     #[inline(always)]
     pub(crate) fn wrench_rate(&self, at: &Configuration<T>, along: &Twist<T>) -> Wrench<T> {
         let gap = at.grounded(self.top) - at.pose.origin;

@@ -42,7 +42,7 @@ pub(crate) struct Members<T> {
     tie_rod: Vector3<T>,
 }
 
-/// What the gradients of all outputs in a pose have in common.
+/// Terms that the gradients of all outputs in a pose share.
 pub(crate) struct Adjoint<'a, T> {
     roles: &'a Roles,
     members: &'a Members<T>,
@@ -105,7 +105,7 @@ struct Joint<T> {
 
 /// The upper end in a pose.
 enum UpperJoint<T> {
-    /// How far the knuckle has slid along the strut line, over the distance of the points that give the line's
+    /// Distance that the knuckle has slid along the strut line, divided by the distance of the points that give the line's
     /// direction.
     Strut(T),
     Arm(Joint<T>),
@@ -140,8 +140,7 @@ impl<T: Real> Legs<T> {
         }
     }
 
-    /// Adds to a gradient what the legs contribute by bearing `force`, and `rest`, which is what else the outer joint
-    /// contributes.
+    /// Adds the part of the legs that carry `force` to a gradient. `rest` is the remaining part of the outer joint.
     #[inline(always)]
     fn add(&self, at: &Joint<T>, force: Vector3<T>, rest: Vector3<T>, sink: &mut impl Sink<T>) {
         // The forces in the two legs add up to `force`; each is taken over the length of its leg.

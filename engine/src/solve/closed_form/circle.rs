@@ -16,7 +16,7 @@ impl<T: Real> Circle<T> {
     #[inline(always)]
     pub(crate) fn of(arm: Arm, design: &[Vector3<T>]) -> Self {
         let [front, rear, outer] = [design[arm.front.0], design[arm.rear.0], design[arm.outer.0]];
-        // About this axis a positive turn raises the joint (as `axis_ends` has it for one number).
+        // A positive turn about this axis raises the joint (as in `axis_ends` for one number).
         let lift = (front - rear).cross(outer - rear).z;
         let axis = (front - rear).normalised() * lift.sign();
         let centre = rear + axis * (outer - rear).dot(axis);

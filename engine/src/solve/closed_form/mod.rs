@@ -42,8 +42,7 @@ use crate::number::Jet;
 use crate::number::{Matrix3, Vector3};
 use crate::number::{Real, SimdReal};
 
-/// A knuckle vector x0 by what its image needs, for v = m + s u: its products with m, u, t0, m x t0 and
-/// u x t0.
+/// Products of a knuckle vector x0 that its image needs, for v = m + s u: with m, u, t0, m x t0 and u x t0.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Carried<T> {
     by_m: T,
@@ -214,8 +213,7 @@ impl<T: Real> ClosedForm<T> {
         self.at_knowing(cosine, sine, rack, None)
     }
 
-    /// As [`ClosedForm::at`], with a better value of [`ClosedForm::upper_square`] than the one that follows from the
-    /// angle.
+    /// The same as [`ClosedForm::at`], with a more accurate value of [`ClosedForm::upper_square`] than the angle gives.
     #[inline(always)]
     pub(crate) fn at_knowing(&self, cosine: T, sine: T, rack: T, square: Option<T>) -> ArmState<T> {
         let ball_joint = self.ball_joint.at(cosine, sine);
@@ -258,7 +256,7 @@ impl<T: Real> ClosedForm<T> {
         }
     }
 
-    /// As [`ClosedForm::at`], the angle given by the tangent of its half: no trigonometry is needed.
+    /// The same as [`ClosedForm::at`], for an angle given by the tangent of its half; needs no trigonometry.
     #[inline(always)]
     pub fn at_half_tangent(&self, tangent: T, rack: T) -> ArmState<T> {
         let inverse = tangent.one() / (tangent.one() + tangent.squared());
@@ -311,9 +309,9 @@ impl<T: Real> ClosedForm<T> {
 }
 
 impl<T: Real> ClosedForm<T> {
-    /// Another assembly of the same lengths: with `upper_across`, the upper end is on the other side (a strut the other
-    /// way up, with the mount below the foot; or w of the other sign); with `tie_rod_across`, the tie rod's end is on
-    /// the other side of its plane.
+    /// Another assembly of the same lengths. `upper_across` puts the upper end on the other side: a strut then hangs with its
+    /// mount below the foot, an upper arm takes the other sign of w. `tie_rod_across` puts the tie rod's end on the other side
+    /// of its plane.
     pub(crate) fn assembled(&self, upper_across: bool, tie_rod_across: bool) -> Self {
         let mut form = *self;
         if let (Upper::Arm { side, .. }, true) = (&mut form.upper, upper_across) {
@@ -341,16 +339,15 @@ impl<T: Real> ClosedForm<T> {
         }
     }
 
-    /// The square under the root of whatever holds the upper end, at the arm angle with this cosine and sine; negative
-    /// where the mechanism cannot be assembled.
+    /// Square under the root for the upper end, at the arm angle with this cosine and sine. It is negative where the mechanism
+    /// cannot be assembled.
     pub(crate) fn upper_square(&self, cosine: T, sine: T) -> T {
         self.upper.square(self.ball_joint.at(cosine, sine))
     }
 }
 
 impl ArmState<f64> {
-    /// Moves the tie rod's end into its plane where it has no real place: for a state at a toggle but
-    /// for rounding.
+    /// Moves the tie rod's end into its plane if it has no real place. For a state that is at a toggle up to rounding.
     pub(crate) fn at_toggle_if_beyond(&mut self) {
         if self.ga.is_nan() {
             self.ga = 0.0;
@@ -364,7 +361,7 @@ const LEAST: f64 = 0.0625;
 const LEAST_UPPER: f64 = 0.25;
 
 impl<B: SimdReal> ArmState<B> {
-    /// Lanes in which the closed form is well conditioned: nothing that it divides by is small. False for NaN.
+    /// Lanes in which the closed form is well conditioned, because no divisor is small. False for NaN.
     #[inline(always)]
     pub(crate) fn is_well_conditioned(&self) -> B::Mask {
         let least = self.ga.lit(LEAST);
@@ -405,9 +402,9 @@ impl<const N: usize> ArmState<Jet<f64, N>> {
 }
 
 impl<T: Real> ArmState<T> {
-    /// The squares that the closed form divides by or takes the root of, each with what makes it the
-    /// squared sine of an angle: of the steering arm against the plane through steering axis and rack
-    /// joint, of the rack joint and of the steering arm against the steering axis.
+    /// Squares that the closed form divides by or takes the root of. Each comes with the factor that makes it the squared sine
+    /// of an angle: steering arm to the plane through steering axis and rack joint, rack joint to steering axis, steering arm
+    /// to steering axis.
     #[inline(always)]
     pub(crate) fn squares(&self) -> [(T, T); 3] {
         [
@@ -422,8 +419,8 @@ impl<T: Real> ArmState<T> {
         self.toggle_square
     }
 
-    /// The margin of the upper end: how far it is from where it can no longer be reached (the length of a strut
-    /// from the foot of the ball joint's perpendicular to the mount, or a lever of the upper arm).
+    /// Margin of the upper end before it can no longer be reached: the length of a strut from the foot of the ball joint's
+    /// perpendicular to the mount, or a lever of the upper arm.
     #[inline(always)]
     pub(crate) fn upper_margin(&self) -> T {
         self.upper_margin
@@ -435,13 +432,13 @@ impl<T: Real> ArmState<T> {
         self.ball_joint
     }
 
-    /// From the lower end of the steering axis to the upper.
+    /// Vector from the lower to the upper end of the steering axis.
     #[inline(always)]
     pub(crate) fn steering_axis(&self) -> Vector3<T> {
         self.d
     }
 
-    /// From the lower ball joint to the tie rod's outer end: t.
+    /// Vector t from the lower ball joint to the tie rod's outer end.
     #[inline(always)]
     fn tie_rod_outer(&self) -> Vector3<T> {
         (self.d * self.al)

@@ -1,4 +1,4 @@
-//! Which hardpoint has which role in the closed form, and what makes a design degenerate there.
+//! Roles of the hardpoints in the closed form, and the degenerate designs.
 
 use super::ClosedForm;
 use super::upper::Upper;
@@ -85,14 +85,14 @@ impl Roles {
         }
     }
 
-    /// Whether the upper end is a strut's mount.
+    /// Returns true if the upper end is a strut's mount.
     pub(crate) fn is_strut(&self) -> bool {
         matches!(self.upper, UpperRoles::Strut { .. })
     }
 }
 
 impl ClosedForm<f64> {
-    /// Names what is degenerate in a design.
+    /// Reports a degenerate design by its cause.
     pub(crate) fn check(&self, roles: &Roles, design: &[Vector3<f64>]) -> Result<(), DesignFault> {
         let ball_joint = design[roles.lower_arm.outer.0];
         let to_upper = design[roles.upper_end().0] - ball_joint;

@@ -1,15 +1,14 @@
 //! The pose along the motion from the closed form, without linear algebra.
 //!
-//! With t the tangent of half the arm's angle, one evaluation on series in t gives the travel
-//! z(t0 + d) = z0 + z1 d + z2 d^2 + ... and the pose likewise. Along the motion z(t0 + d(s)) = z(s), so
-//! that the coefficients of d(s) follow one after the other,
+//! Let t be the tangent of half the arm's angle. One evaluation on series in t gives the travel
+//! z(t0 + d) = z0 + z1 d + z2 d^2 + ... and the pose. Along the motion z(t0 + d(s)) = z(s), so the coefficients of d(s)
+//! follow one after the other:
 //!
 //! ```text
-//! d_k = (z_k(s) - [sum_(j >= 2) z_j d^j]_k) / z1
+//! d_k = (z_k(s) - [sum_(j >= 2) z_j d^j]_k) / z1                                  (1)
 //! ```
 //!
-//! where the bracket has only the coefficients below d_k in it; the pose along the motion is its own series
-//! at d(s).
+//! The bracket contains only coefficients below d_k. The pose along the motion is its own series at d(s).
 
 use super::{ArmState, ClosedForm};
 use crate::derive::MotionPoint;
@@ -19,8 +18,8 @@ use crate::number::Jet;
 use crate::number::Real;
 
 impl ClosedForm<f64> {
-    /// The pose as a series along a motion with the rack held, from the tangent of half the arm's angle, and
-    /// the state it starts in. `None` where the series does not exist.
+    /// The pose as a series along a motion with the rack held, from the tangent of half the arm's angle, and its first state.
+    /// `None` if the series does not exist.
     pub(crate) fn pose_series<const N: usize>(
         &self,
         tangent: f64,
@@ -58,7 +57,7 @@ impl ClosedForm<f64> {
     }
 }
 
-/// The series at another one, whose constant is zero.
+/// Composes two series; the constant of the inner one is zero.
 #[inline]
 fn composed<const N: usize>(outer: Jet<f64, N>, inner: Jet<f64, N>) -> Jet<f64, N> {
     let mut sum = Jet::constant(outer[N - 1]);

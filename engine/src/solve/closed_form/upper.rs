@@ -135,7 +135,7 @@ impl<T: Real> Upper<T> {
         }
     }
 
-    /// d.d, which an arm's joint keeps: (m.m - a.a)/2 and a.a have it, too.
+    /// d.d, which an arm's joint keeps. (m.m - a.a)/2 and a.a contain it, too.
     #[inline(always)]
     pub(crate) fn length_squared(&self, d: Vector3<T>) -> T {
         match self {
@@ -160,7 +160,7 @@ impl<T: Real> Upper<T> {
         }
     }
 
-    /// The square of which the upper end takes the root: of the strut's length, or of the arm's lever.
+    /// Square under the root for the upper end: of the strut's length, or of the arm's lever.
     pub(crate) fn square(&self, ball_joint: Vector3<T>) -> T {
         match self {
             Upper::Strut {

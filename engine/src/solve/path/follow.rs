@@ -101,7 +101,7 @@ impl Solver<'_> {
         })
     }
 
-    /// Whether a pose obeys the closure equations to within their rounding.
+    /// Returns true if a pose satisfies the closure equations within their rounding.
     pub(crate) fn closes(&self, pose: &Pose<f64>, point: &MotionPoint<f64>) -> bool {
         let at = self.configuration(pose, point.rack);
         let residuals = self.closure.residuals(&at, point.driver());
@@ -187,7 +187,7 @@ pub(crate) fn predict(series: &Pose<Jet<f64, 3>>, step: f64) -> Pose<f64> {
     }
 }
 
-/// How far apart two poses are, the rotation counted at the distance `size`.
+/// Distance of two poses; a rotation counts at the distance `size`.
 pub(crate) fn distance(a: &Pose<f64>, b: &Pose<f64>, size: f64) -> f64 {
     let turned = a
         .rotation

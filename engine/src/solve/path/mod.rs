@@ -1,9 +1,9 @@
 //! Poses that are connected to the design position.
 //!
-//! A mechanism has many assemblies; the one meant is the one reached from the design position by moving
-//! it. So every pose is found by walking: the rack first, at zero travel, then the drive, station by
-//! station outward. The tracker walks as far as its guards let it; from the last station that it accepts
-//! the closure equations are followed with steps small enough that Newton's method cannot leave the branch.
+//! A mechanism has many assemblies. The wanted one is reached from the design position by moving the mechanism. So every
+//! pose is found by following a path: the rack first, at zero travel, then the drive, station by station outward. The
+//! tracker goes as far as its guards allow. From the last station that it accepts, the closure equations are followed
+//! with steps small enough that Newton's method cannot leave the branch.
 
 mod follow;
 mod series;
@@ -37,7 +37,7 @@ pub struct Solver<'m> {
     pub(crate) closure: Closure<f64>,
     form: Option<ClosedForm<f64>>,
     tracker: Option<PoseTracker<'m>>,
-    /// What the tracker found at the last visit.
+    /// Poses that the tracker found at the last visit.
     tracked: TrackedPoses,
     /// Series of the design, for predictions of the continuation; made when first needed.
     design_series: Option<DesignSeries<3>>,
@@ -48,7 +48,7 @@ pub struct Solver<'m> {
     pub(crate) work: WorkCounter,
 }
 
-/// Receives the number of a station and its pose, or the reason why there is none; may break off the visit.
+/// Callback with the number of a station and its pose, or the reason why it has none. It may end the visit.
 type Visitor<'v, 'm> =
     dyn FnMut(&Solver<'m>, usize, Result<&Pose<f64>, Failure>) -> ControlFlow<()> + 'v;
 
@@ -156,9 +156,8 @@ impl<'m> Solver<'m> {
         self.size
     }
 
-    /// Visits every station of the order with the rack at `rack` (towards the kernel's +y), outward
-    /// from the design position; `visit` gets the station's number and its pose or the reason there is
-    /// none, and may break off the visit.
+    /// Visits every station of the order with the rack at `rack` (towards the kernel's +y), outward from the design position.
+    /// `visit` receives the station's number and its pose, or the reason why it has none. It may end the visit.
     pub fn for_each_pose(
         &mut self,
         drive: Drive,
@@ -169,7 +168,7 @@ impl<'m> Solver<'m> {
         self.visit_stations(drive, station_order, rack, &mut visit)
     }
 
-    /// As [`Solver::for_each_pose`], compiled once for all visitors.
+    /// The same as [`Solver::for_each_pose`], compiled once for all visitors.
     fn visit_stations(
         &mut self,
         drive: Drive,
@@ -216,7 +215,7 @@ impl<'m> Solver<'m> {
         Ok(())
     }
 
-    /// Why the tracker left a station of the last visit to the continuation; `None` if it did not.
+    /// Reason why the tracker left a station of the last visit to the continuation; `None` if it did not.
     pub fn rejection(&self, station: usize) -> Option<Rejection> {
         self.tracked.poses.get(station)?.err()
     }

@@ -1,6 +1,6 @@
-//! What follows from a pose once it is found: its derivatives and its condition.
+//! Quantities that follow from a pose: its derivatives and its condition.
 //!
-//! All of it depends on the pose and the motion alone, not on how the pose was found or what was visited before.
+//! They depend only on the pose and the motion, not on the solver or on earlier stations.
 
 use super::Solver;
 use crate::derive::Factorised;
@@ -12,7 +12,7 @@ use crate::model::Drive;
 use crate::number::{Jet, Vector3};
 use crate::solve::tracker::{FARTHEST, STEEPEST};
 
-/// How many sizes from the origin the closed form keeps its accuracy.
+/// Distance from the origin, in sizes, up to which the closed form keeps its accuracy.
 const FAR: f64 = 1e3;
 /// Poses this close together, in sizes, are one; assemblies that are closer are near a toggle, where the
 /// closed form is not used.
@@ -99,7 +99,7 @@ impl Solver<'_> {
             }
         };
         let condition = form.condition(&state, size, rate);
-        // The value is the pose, whatever the order of the series.
+        // The value is the pose for every order of the series.
         let mut with_pose = pose.map(Jet::constant);
         with_pose.origin = with_constant(series.origin, pose.origin);
         for (k, column) in with_pose.rotation.columns.iter_mut().enumerate() {
@@ -108,7 +108,7 @@ impl Solver<'_> {
         Some((with_pose, condition))
     }
 
-    /// As [`Solver::configuration_series`], ready for sensitivities.
+    /// The same as [`Solver::configuration_series`], prepared for sensitivities.
     pub fn linearised<'a, const N: usize>(
         &'a self,
         design_series: &'a DesignSeries<N>,

@@ -1,8 +1,8 @@
-//! Which lanes the tracker accepts, and why it rejects the others.
+//! Lanes that the tracker accepts, and the reasons for rejecting the others.
 
 use crate::number::SimdReal;
 
-/// Why the tracker rejects a pose. The continuation takes over from the last pose that it accepts.
+/// Reason why the tracker rejects a pose. The continuation then continues from the last accepted pose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Rejection {
     /// A rod or an axis is too short to have a direction.
@@ -62,7 +62,7 @@ impl Rejection {
     }
 }
 
-/// Which lanes have passed every guard so far, and which guard each of the others failed first.
+/// Lanes that have passed every guard so far, and the first guard that each other lane failed.
 #[derive(Clone, Copy)]
 pub struct Acceptance<B: SimdReal> {
     accepted: B::Mask,
@@ -93,7 +93,7 @@ impl<B: SimdReal> Acceptance<B> {
         self.accepted
     }
 
-    /// Why a lane is rejected.
+    /// Reason why a lane is rejected.
     #[inline(always)]
     pub fn reason(&self, lane: usize) -> Option<Rejection> {
         match self.reason.in_lane(lane) {

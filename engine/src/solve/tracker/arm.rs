@@ -1,4 +1,4 @@
-//! One unknown: the tangent of half the angle of the lower arm, by the closed form.
+//! Designs with a closed form: one unknown, the tangent of half the angle of the lower arm.
 
 use super::pair::{Corrected, Linear, Wheel, WheelOnKnuckle};
 use super::route::{Leg, RouteStep};
@@ -17,7 +17,7 @@ use crate::solve::closed_form::Roles;
 use crate::solve::closed_form::{Adjoint, Members};
 use crate::solve::closed_form::{ArmState, Carrier, ClosedForm};
 
-/// How designs of a mechanism with a closed form are solved.
+/// Equations of a mechanism with a closed form.
 #[derive(Clone, Debug)]
 pub(crate) struct ByArm {
     roles: Roles,
@@ -103,8 +103,8 @@ impl<B: SimdReal> LanePose<B> for ArmPose<'_, B> {
         }
     }
 
-    /// Every lane: if the travel drives, the guards have checked the slope of the arm; if the arm's angle drives,
-    /// nothing turns fast.
+    /// True in every lane. If travel is the drive, the guards have checked the slope of the arm. If the arm's angle is the
+    /// drive, nothing turns fast.
     #[inline(always)]
     fn knows(&self, _: &LaneRates<B>) -> B::Mask {
         self.tangent.everywhere()
@@ -156,8 +156,8 @@ impl<B: SimdReal> LaneAdjoint<B> for Adjoint<'_, B> {
     }
 }
 
-/// The steepest slope of the half tangent by the travel, in sizes; an arm as long as the size has half of
-/// one. Beyond, a fold is near: rounding grows with the slope, and in rates with its cube.
+/// Steepest slope of the half tangent by travel, in 1/size; an arm as long as the size has a slope of one half. A steeper
+/// slope means that a fold is near: rounding errors grow with the slope, those of rates with its cube.
 pub(crate) const STEEPEST: f64 = 3.0;
 /// The farthest the arm may be turned, as the tangent of half the angle.
 pub(crate) const FARTHEST: f64 = 0.7;
@@ -314,7 +314,7 @@ impl<B: SimdReal, V: Visit<B>> PlaceEquations<B, 1> for ArmCorner<'_, '_, B, V> 
     #[inline(always)]
     fn predict(&mut self, place: &RouteStep, history: &[B]) -> [B; 1] {
         let like = history[0];
-        // Nothing of the place before need be kept in registers.
+        // Values of the previous place need not stay in registers.
         (self.step, self.missed) = (like.zero(), [like.zero(); 2]);
         if self.drive == Drive::ArmAngle {
             return [like.lit((0.5 * place.value).tan())];
@@ -326,8 +326,8 @@ impl<B: SimdReal, V: Visit<B>> PlaceEquations<B, 1> for ArmCorner<'_, '_, B, V> 
         predicted(place, history, [self.way.slope * place.along_slope])
     }
 
-    /// Makes two corrections at a time: one is always needed, and a branch that cannot be predicted would cost more
-    /// than the second. If the arm's angle drives there is nothing to solve.
+    /// Makes two corrections at a time. One is always needed, and an unpredictable branch would cost more than the second. If
+    /// the arm's angle is the drive, there is nothing to solve.
     #[inline(always)]
     fn correct(
         &mut self,
@@ -415,7 +415,7 @@ impl<B: SimdReal> BranchGuard<B> {
         }
     }
 
-    /// The guard of the next place on the leg, whose slope is the one over the step between the two.
+    /// Guard of the next place on the leg, with the slope divided by the step between the two places.
     #[inline(always)]
     fn next(&self, state: &ArmState<B>, tangent: B, inverse_step: B) -> Self {
         BranchGuard::start(state, tangent, (tangent - self.tangent) * inverse_step)
@@ -458,7 +458,7 @@ pub(super) struct ArmWheel<'w, 'd, B> {
     tolerance: f64,
     /// The state of the last linearisation or correction.
     state: ArmState<B>,
-    /// From the last linearisation: remaining travel error, and the derivative of the unknown (the half-angle tangent)
+    /// From the last linearisation: the remaining error of travel, and the derivative of the unknown (the half-angle tangent)
     /// by travel.
     missed: B,
     by_travel: B,

@@ -74,7 +74,7 @@ const FASTEST_TURN: f64 = 100.0;
 /// Corrections a lane may take to settle.
 const MOST_ROUNDS: usize = 5;
 
-/// How designs of any mechanism are solved.
+/// Equations of a mechanism without a closed form.
 #[derive(Clone, Debug)]
 pub(crate) struct ByLinkage {
     order: Order,
@@ -342,7 +342,7 @@ pub(crate) struct LinkagePose<'p, 'd, B> {
     linkage: &'p LinkageDesign<'d, B>,
     at: Configuration<'d, B>,
     travel: B,
-    /// Room for the equations about the pose; `is_linear` says whether they have been formed.
+    /// Storage for the equations linearised about the pose; `is_linear` tells whether they have been formed.
     linear: &'p RefCell<Linear<B>>,
     is_linear: Cell<bool>,
 }
@@ -400,7 +400,7 @@ impl<B: SimdReal> Linear<B> {
 }
 
 impl<B: SimdReal> LinkagePose<'_, '_, B> {
-    /// The equations about the pose, formed when first asked for.
+    /// The equations linearised about the pose, formed at the first request.
     #[inline(always)]
     fn linear(&self) -> Ref<'_, Linear<B>> {
         if !self.is_linear.replace(true) {
@@ -562,7 +562,7 @@ pub(crate) struct SeriesAdjoint<'p, B> {
     blocks: Blocks<Jet<B, 2>>,
 }
 
-/// Subtracts from a gradient what the closure equations contribute by a derivative by the pose.
+/// Subtracts the part of the closure equations in a derivative by the pose from a gradient.
 struct SubtractingSeries<'p, B> {
     adjoint: &'p SeriesAdjoint<'p, B>,
     wrench: &'p Wrench<Jet<B, 2>>,
@@ -590,7 +590,7 @@ impl<B: SimdReal> Outlined for SubtractingSeries<'_, B> {
 }
 
 impl<B: SimdReal> SeriesAdjoint<'_, B> {
-    /// As [`LaneAdjoint::subtract`], for series along the travel.
+    /// The same as [`LaneAdjoint::subtract`], for series along the travel.
     #[inline(always)]
     pub(crate) fn subtract(&self, wrench: &Wrench<Jet<B, 2>>, gradient: &mut [Vector3<Jet<B, 2>>]) {
         self.at.rack.0[0].outlined(SubtractingSeries {
@@ -770,8 +770,8 @@ impl<'w, 'd, B: SimdReal> NewtonSteps<'w, 'd, B> {
         is_less(step.shift * inverse_size, largest) & is_less(step.turn, largest)
     }
 
-    /// Checks the unknowns after a step. Returns the configuration, the lanes whose residuals are rounding, and the
-    /// unknowns corrected once more with the Jacobian at hand, for the sake of rates.
+    /// Checks the unknowns after a step. Returns the configuration, the lanes whose residuals are rounding, and the unknowns
+    /// after one more correction with the present Jacobian, which rates need.
     #[inline(always)]
     fn look(
         &mut self,
@@ -994,8 +994,8 @@ impl<B: SimdReal> Wheel<B, UNKNOWNS> for LinkageWheel<'_, '_, B> {
 }
 
 impl Order {
-    /// The order that complete pivoting finds, with moments divided by the size. `None` if the matrix is singular or as
-    /// good as singular.
+    /// The order found by complete pivoting, with moments divided by the size. `None` if the matrix is singular in double
+    /// precision.
     fn of(wrenches: &[Wrench<f64>; 6], size: f64) -> Option<Order> {
         let mut a = wrenches.map(|row| {
             let mut row = row.to_row();
@@ -1049,8 +1049,8 @@ impl<B: SimdReal> BranchGuard<B> {
         accepted.require(is_conditioned, Rejection::IllConditioned);
     }
 
-    /// Accepts lanes where no determinant has changed so much since the place before that it could have vanished
-    /// between the two, and where the knuckle has not turned far.
+    /// Accepts lanes in which no determinant could have vanished since the previous place and the knuckle has not turned far.
+    /// A determinant could have vanished if it changed too much.
     #[inline(always)]
     fn check_step(&self, before: &Self, accepted: &mut Acceptance<B>) {
         let [a, s] = self.determinants;
@@ -1062,7 +1062,7 @@ impl<B: SimdReal> BranchGuard<B> {
     }
 }
 
-/// Whether every component is less than a bound, whatever its sign.
+/// Returns the lanes in which the absolute value of every component is below a bound.
 #[inline(always)]
 fn is_less<B: SimdReal>(vector: Vector3<B>, bound: B) -> B::Mask {
     vector.x.abs().less(bound) & vector.y.abs().less(bound) & vector.z.abs().less(bound)

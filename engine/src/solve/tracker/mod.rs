@@ -1,27 +1,27 @@
-//! Many designs at a time, one in each lane.
+//! Tracks many designs at a time, one in each lane.
 //!
-//! All ordinary poses come from here: those of a sweep, a design in each lane, and those of a single design, one number at
-//! a time ([`poses`]). A mechanism with a closed form has one unknown ([`arm`]), any other one
-//! six ([`linkage`]), both wheels of an axle those of each and how their travels differ ([`pair`]); one loop solves for them all
-//! ([`track`](mod@track)). Along the travel the unknowns are predicted from the places visited; nearly always one
-//! correction is all it takes to get to rounding, elsewhere further steps follow. A lane is frozen once it has
-//! converged, so it does not matter what its neighbours still do.
+//! All ordinary poses come from here: those of a sweep, with a design in each lane, and those of a single design, one
+//! number at a time ([`poses`]). A mechanism with a closed form has one unknown ([`arm`]), any other one has six
+//! ([`linkage`]). Both wheels of an axle have the unknowns of each wheel and the difference of their travels ([`pair`]).
+//! One loop solves all of them ([`track`](mod@track)). Along the travel, the unknowns are predicted from the visited
+//! places. Almost always one correction reaches rounding; elsewhere more steps follow. A converged lane is frozen, so its
+//! neighbours do not affect it.
 //!
-//! Guards decide at every place which lanes are accepted. One that is not is rejected with a reason
-//! ([`Rejection`]) from there on to the end of its leg, up or down, and the continuation
-//! ([`Solver`](crate::solve::Solver)) takes over from the last station before. A lane is rejected where
+//! Guards decide at every place which lanes are accepted. A rejected lane gets a reason ([`Rejection`]) and stays rejected
+//! to the end of its leg, up or down. The continuation ([`Solver`](crate::solve::Solver)) then continues from the last
+//! accepted station. The tracker rejects a lane if
 //!
-//! - a rod has no length, or the iteration does not settle,
-//! - the mechanism is less than well conditioned,
-//! - what may not vanish, or the slope of the path, changes by more than half (or doubles) from one place to
-//!   the next: it could vanish in between. Of several factors that is their product, which vanishes with any,
-//! - the mechanism turns far, in one step or from the design position,
+//! - a rod has no length, or the iteration does not settle;
+//! - the mechanism is not well conditioned;
+//! - a number that must not vanish, or the slope of the path, changes by more than half (or doubles) from one place to
+//!   the next, because it could vanish in between. If there are several such factors, their product is guarded;
+//! - the mechanism turns far, in one step or from the design position;
 //! - a fold is near: an arm is steep, or a knuckle in six unknowns turns fast by the travel.
 //!
-//! Readers of poses reject what is not well known there: the axis of a knuckle that the rack hardly turns, or
-//! about an axis that lies flat, the angles of a wheel on its side, a rocker close to its toggle.
+//! Readers of poses reject quantities that are poorly determined: the axis of a knuckle that the rack hardly turns or
+//! that turns about a horizontal axis, the angles of a wheel on its side, a rocker close to its toggle.
 //!
-//! So a lane is either right or rejected; which of the two depends on its own design alone.
+//! So a lane is either right or rejected. Its own design alone decides which.
 
 mod acceptance;
 mod arm;
@@ -107,7 +107,7 @@ enum InKnuckle<B> {
 #[derive(Clone, Copy, Debug)]
 pub struct KnucklePoint<B>(KnuckleVector<B>);
 
-/// What the gradients in all poses of a design have in common; `None` for a mechanism without a closed form.
+/// Terms that the gradients in all poses of a design share; `None` for a mechanism without a closed form.
 pub struct LaneMembers<B>(Option<Members<B>>);
 
 impl<B: SimdReal> LaneDesign<'_, B> {
@@ -166,12 +166,12 @@ pub trait LanePose<B: SimdReal> {
 
 /// Makes gradients by the hardpoints in a pose (see [`Seeds`](crate::derive::Seeds)).
 pub trait LaneAdjoint<B: SimdReal> {
-    /// Subtracts from the gradient of an output, taken at a fixed pose, what the closure equations make of
-    /// its derivative by the pose.
+    /// Subtracts the effect of the closure equations from the gradient of an output that was taken at a fixed pose. `wrench` is
+    /// the output's derivative by the pose.
     fn subtract(&self, wrench: &Wrench<B>, gradient: &mut (impl Gradient<B> + ?Sized));
 }
 
-/// How the knuckle moves in a pose, by the drive.
+/// Motion of the knuckle in a pose, per unit of the drive.
 #[derive(Clone, Copy)]
 pub struct LaneRates<B> {
     origin: Vector3<B>,
@@ -255,7 +255,7 @@ impl<'a> Batch<'a> {
         })
     }
 
-    /// Whether the tracker visits every station. It does not if two stations coincide, or if one is out of all reach.
+    /// Returns true if the tracker visits every station. It leaves out stations that coincide or are far out of reach.
     pub fn is_complete(&self) -> bool {
         self.routes.iter().all(|route| route.is_complete)
     }
@@ -265,7 +265,7 @@ impl<'a> Batch<'a> {
         self.drive
     }
 
-    /// Whether `axis` is the steering axis that [`LanePose::steering_axis`] returns.
+    /// Returns true if `axis` is the steering axis that [`LanePose::steering_axis`] returns.
     pub fn steers_about(&self, axis: Option<SteeringAxis>) -> bool {
         match &self.way {
             Method::Arm(way) => axis == Some(way.steering_axis()),
@@ -323,7 +323,7 @@ impl<'a> Batch<'a> {
         }
     }
 
-    /// What the gradients in all poses of designs have in common. The design must be of this batch.
+    /// Terms that the gradients in all poses of designs share. The design must be of this batch.
     #[inline(always)]
     pub fn members<B: SimdReal>(&self, design: &LaneDesign<'_, B>) -> LaneMembers<B> {
         LaneMembers(match (&self.way, &design.form) {
@@ -457,8 +457,8 @@ impl Batch<'_> {
     }
 
     /// Visits the stations of a design that all lanes hold, a station in each lane. `history` is that of
-    /// [`Batch::track_one`], which must have accepted every station. The visitor gets the number of a group of stations
-    /// in place of a station's number. Lanes beyond the last station repeat it.
+    /// [`Batch::track_one`], which must have accepted every station. The visitor receives the number of a group of stations
+    /// instead of a station number. Lanes beyond the last station repeat it.
     #[inline(always)]
     pub fn revisit<B: SimdReal>(
         &self,
@@ -521,7 +521,7 @@ impl Batch<'_> {
     }
 }
 
-/// Whether `now` lies between half of and twice `before`, whatever its sign.
+/// Returns the lanes in which the size of `now` is between half and twice that of `before`.
 #[inline(always)]
 fn within_half<B: SimdReal>(now: B, before: B) -> B::Mask {
     ((now - (before + before)) * now.minus_product(before, before.lit(0.5))).less(before.zero())

@@ -1,19 +1,18 @@
 //! Both wheels of an axle at a time, an axle in each lane.
 //!
-//! In heave both wheels have the same travel, and each is found as it would be alone. With the body rolled by phi
-//! on a plane ground of normal n both contact points C are at one height over it, and the travels z = heave +- s
-//! follow from that:
+//! In heave both wheels have the same travel, and each is solved as a single wheel. In roll by the angle phi on a plane
+//! ground with normal n, both contact points C have the same height above it. The travels z = heave +- s follow from
 //!
 //! ```text
-//! f(s) = h_l(heave + s) - h_r(heave - s) = 0      h = n.C,  f_s = h_l' + h_r'
+//! f(s) = h_l(heave + s) - h_r(heave - s) = 0,    h = n.C                               (1)
+//! f_s  = h_l' + h_r'                                                                   (2)
 //! ```
 //!
-//! The poses of both wheels and s are predicted along the roll angle, as the pose of one wheel is along its
-//! travel, and corrected together: one step of Newton's method, with the closure equations and f linearised at the
-//! prediction, nearly always leaves nothing but rounding. C is the lowest point of the wheel, so that h' is
-//! n.C' with the wheel locked.
+//! The poses of both wheels and s are predicted along the roll angle, as the pose of one wheel is along its travel, and
+//! corrected together. One step of Newton's method, with the closure equations and f linearised at the prediction, almost
+//! always reaches rounding. C is the lowest point of the wheel, so h' is n.C' with the wheel locked.
 //!
-//! Beyond what is asked of each wheel, a lane is rejected where a contact point rises less than half as fast as
+//! In addition to the conditions for each wheel, a lane is rejected if a contact point rises less than half as fast as
 //! its wheel.
 
 use super::linkage::UNKNOWNS;
@@ -33,8 +32,8 @@ use crate::solve::StationOrder;
 const MOST_ROUNDS: usize = 5;
 /// The least rise of a contact point by the travel of its wheel.
 const LEAST_RISE: f64 = 0.5;
-/// How far apart the heights of both contact points may be, in tolerances of a length: a height is a sum of more
-/// roundings.
+/// Largest difference of the heights of both contact points, in tolerances of a length. A height is a sum of more
+/// roundings than a length.
 const OF_HEIGHTS: f64 = 4.0;
 
 /// The quantity whose values are the stations of a route.
@@ -203,7 +202,7 @@ impl<'a> PairBatch<'a> {
         })
     }
 
-    /// Whether every station is visited. One is not if it coincides with another, or if it is out of all reach.
+    /// Returns true if every station is visited. Stations that coincide or are far out of reach are left out.
     pub fn is_complete(&self) -> bool {
         self.routes.iter().all(|route| route.is_complete)
     }
@@ -304,7 +303,7 @@ impl<'a> PairBatch<'a> {
 struct BothWheels<'w, B: SimdReal, W, V, const N: usize> {
     batch: &'w PairBatch<'w>,
     wheels: [W; 2],
-    /// How far apart the heights of both contact points may be.
+    /// Largest difference of the heights of both contact points.
     level: B,
     /// Loaded radius of the wheels, if both stand on one ground.
     radius: Option<f64>,

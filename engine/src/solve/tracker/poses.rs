@@ -1,4 +1,4 @@
-//! Tracks a single design, one number at a time, since nothing is gained from lanes that all hold the same.
+//! Tracks a single design, one number at a time; lanes that all hold the same number would gain nothing.
 
 use super::{Acceptance, Batch, LanePose, Rejection, Visit};
 use crate::mechanism::Pose;
@@ -34,7 +34,7 @@ struct PreparedBatch<'m> {
 /// The poses of a design that the tracker found.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct TrackedPoses {
-    /// For each station its pose, or why the tracker has none.
+    /// Pose of each station, or the reason why the tracker has none.
     pub poses: Vec<Result<Pose<f64>, Rejection>>,
     /// Number of rounds of corrections.
     pub rounds: u64,
@@ -151,7 +151,7 @@ struct Tracking<'t, 'm> {
 }
 
 impl SimdTask for Tracking<'_, '_> {
-    /// Why the tracker did not get to the last station, above the design position and below it.
+    /// Reasons why the tracker did not reach the last station, above the design position and below it.
     type Output = [Option<Rejection>; 2];
 
     #[inline(always)]

@@ -1,17 +1,17 @@
-//! The way through the stations, and the weights by which each place is predicted from those before.
+//! The route through the stations, and the weights that predict each place from earlier ones.
 //!
-//! Places are visited outward from the design position, up and down in turn, so that a prediction has
-//! neighbours on both sides of the origin. It is the value at the new place of the polynomial through
-//! the nearest places visited (Lagrange's form), and so is the slope there the slope of one through fewer of
-//! them; the weights depend on the travels alone and are the same for every design.
+//! Places are visited outward from the design position, up and down in turn, so that a prediction has neighbours on both
+//! sides of the origin. The prediction is the value at the new place of the polynomial through the nearest visited places
+//! (Lagrange's form). The slope is predicted likewise, through fewer places. The weights depend only on the travels and
+//! are the same for every design.
 
 use crate::number::Jet;
 use crate::solve::StationOrder;
 
 /// Number of places from which values are predicted.
 const NEIGHBOURS: usize = 8;
-/// Number of places from which slopes are predicted. A slope only corrects what a prediction misses, so it need not be
-/// as good.
+/// Number of places from which slopes are predicted. A slope only corrects the error of a prediction, so fewer places
+/// suffice.
 const NEIGHBOURS_OF_SLOPE: usize = 4;
 /// A value that takes more steps is taken to be out of all reach, and left to the continuation.
 const MOST_STEPS: f64 = 1e3;
@@ -53,7 +53,7 @@ pub(crate) struct RouteStep {
     pub step: f64,
     /// Predicts the unknowns here, together with the three steps along slopes of the base design that follow.
     pub prediction: Stencil<NEIGHBOURS>,
-    /// Step of the drive along the slope by the drive: the first step has nothing else to be predicted from.
+    /// Step of the drive along the slope by the drive. The first step has no other prediction.
     pub along_slope: f64,
     /// Step of the rack along the slope by the rack.
     pub along_rack: f64,
@@ -68,14 +68,13 @@ pub(crate) struct RouteStep {
 #[derive(Clone, Debug)]
 pub(crate) struct Route {
     pub places: Vec<RouteStep>,
-    /// Whether the route visits every station. It leaves out a station with the same value as another, and one out of
-    /// all reach.
+    /// True if the route visits every station. It leaves out stations that coincide or are far out of reach.
     pub is_complete: bool,
 }
 
 impl Route {
-    /// The route through the stations in steps of the drive no longer than `longest`. Before, rack and heave go to
-    /// their values in steps of either no longer than `longest_of_lead`.
+    /// The route through the stations in steps of the drive of at most `longest`. Before it, rack and heave move to their
+    /// values in steps of at most `longest_of_lead`.
     pub(crate) fn through(
         station_order: &StationOrder,
         [rack, heave]: [f64; 2],

@@ -1,5 +1,5 @@
-//! The loop from place to place, whatever the unknowns are: they are predicted from the places before, corrected by
-//! Newton's method until the residuals are rounding, and guarded.
+//! The loop from place to place, for any unknowns. It predicts them from earlier places, corrects them by Newton's method
+//! until the residuals are rounding, and guards them.
 
 use super::route::{Leg, RouteStep, Stencil};
 use super::{Acceptance, Rejection};
@@ -8,7 +8,7 @@ use crate::number::SimdReal;
 /// The result of tracking a route.
 #[derive(Clone, Copy)]
 pub struct Tracked<B: SimdReal> {
-    /// Which lanes are accepted to the end, above the design position and below.
+    /// Lanes that are accepted to the end, above the design position and below.
     pub legs: [Acceptance<B>; 2],
     /// Rounds of corrections, of all lanes together.
     pub rounds: u64,
@@ -59,7 +59,7 @@ pub(super) trait PlaceEquations<B: SimdReal, const N: usize> {
     );
 }
 
-/// Visits every place. `history` must have room for the unknowns of all.
+/// Visits every place. `history` must hold the unknowns of all places.
 #[inline(always)]
 pub(super) fn track<B: SimdReal, const N: usize, E: PlaceEquations<B, N>>(
     equations: &mut E,
@@ -80,7 +80,7 @@ pub(super) fn track<B: SimdReal, const N: usize, E: PlaceEquations<B, N>>(
         let mut accepted = tracked.legs[side];
         let predicted = equations.predict(place, history);
         let here = &mut history[N * number..N * (number + 1)];
-        // Other places are predicted from this one, so it must hold numbers even if nothing was found.
+        // Later places are predicted from this one, so it must hold numbers even if no lane was accepted.
         if !B::any(accepted.lanes()) {
             here.copy_from_slice(&predicted);
             continue;
@@ -116,8 +116,8 @@ pub(super) fn track<B: SimdReal, const N: usize, E: PlaceEquations<B, N>>(
     tracked
 }
 
-/// The unknowns as predicted from the places before, plus `along_slopes`, a step along the slopes of the base design
-/// with which the first steps are predicted.
+/// The unknowns predicted from earlier places, plus `along_slopes`: a step along the slopes of the base design, which
+/// predicts the first steps.
 #[inline(always)]
 pub(super) fn predicted<B: SimdReal, const N: usize>(
     place: &RouteStep,

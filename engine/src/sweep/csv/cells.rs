@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::io::Write;
 
-/// Adds a number; nothing for NaN, which stands for no value.
+/// Appends a number; nothing for NaN, which marks a missing value.
 pub fn append_number(value: f64, to: &mut Vec<u8>) {
     if !value.is_nan() {
         to.extend_from_slice(zmij::Buffer::new().format(value).as_bytes());

@@ -8,15 +8,15 @@ use crate::sweep::{Block, SweepPlan};
 pub struct CurvesCsv {
     /// The first line.
     pub header: Vec<u8>,
-    /// By station of the motion: its number in a block, and its cells.
+    /// For each station of the motion, its number in a block and its cells.
     stations: Vec<(usize, Vec<u8>)>,
     factors: Vec<f64>,
     stations_of_block: usize,
 }
 
 impl CurvesCsv {
-    /// The curves of a sweep, of which a place of the motion is told by columns of these names; `stations` are the number
-    /// of each in a block and the values of these columns.
+    /// Curves of a sweep. `places` names the columns that give a place of the motion. `stations` holds the number of each
+    /// station in a block and the values of these columns.
     pub fn of(plan: &SweepPlan, places: Vec<String>, stations: Vec<(usize, Vec<f64>)>) -> Self {
         let mut names = vec!["design".to_owned()];
         names.extend(places);
@@ -38,7 +38,7 @@ impl CurvesCsv {
         }
     }
 
-    /// Adds the curves of a block whose first design has this number.
+    /// Appends the curves of a block whose first design has this number.
     pub fn append(&self, first: u64, block: &Block, to: &mut Vec<u8>) {
         let mut words: Vec<&'static str> = Vec::new();
         for design in 0..block.designs() {

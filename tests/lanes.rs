@@ -5,7 +5,8 @@
 
 mod support;
 
-use hardpoint::characteristics::{Characteristic, Constants, Need, Quantity, Unit, WheelReading};
+use hardpoint::ask::{Need, Unit};
+use hardpoint::characteristics::{Characteristic, Constants, Quantity, WheelReading};
 use hardpoint::derive::{DesignSeries, MotionPoint};
 use hardpoint::evaluate::{Evaluated, GradientEvaluator};
 use hardpoint::model::{Axis, Drive, PointId, SteeringAxis};
@@ -277,7 +278,7 @@ fn scale_of(quantity: Quantity, size: f64, unit_of_drive: f64) -> f64 {
     match c.info().unit {
         Unit::Length => size,
         Unit::AnglePerLength => 1.0 / size,
-        Unit::Angle | Unit::Percent | Unit::Ratio => 1.0,
+        _ => 1.0,
     }
 }
 

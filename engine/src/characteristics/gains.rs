@@ -154,7 +154,9 @@ macro_rules! gains {
                     source: "derivative of the angle by wheel travel, from the velocity analysis",
                     reads: &[Slot::$slot, Slot::$rate, Slot::CentreRate],
                     needs: <angles::$angle as Formula>::INFO.needs,
-                };
+                    ..Info::EMPTY
+                }
+                .of_wheel();
                 #[inline(always)]
                 fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
                     by_travel::<angles::$angle, T>(inputs)

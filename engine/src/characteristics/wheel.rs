@@ -156,7 +156,7 @@ impl Slot {
 
     /// Whether the slot is a velocity.
     #[inline]
-    pub fn is_rate(self) -> bool {
+    pub const fn is_rate(self) -> bool {
         matches!(
             self,
             Slot::SpinAxisRate

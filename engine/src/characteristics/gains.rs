@@ -4,7 +4,9 @@
 //! formula that could differ, and divides by the rise of the wheel centre. That makes it a derivative
 //! by wheel travel whatever drives the mechanism.
 
-use super::{Characteristic, Constants, Formula, Info, Inputs, Slot, Unit, Wheel, angles};
+use super::{
+    Characteristic, Constants, DesignWheel, Formula, Info, Inputs, Slot, Unit, Wheel, angles,
+};
 use crate::number::{Dual, Jet, Matrix3, Real, Vector3, outlined};
 use std::marker::PhantomData;
 
@@ -56,7 +58,7 @@ fn of_directions<T: Real>(
         },
         rate: nothing,
         turn: nothing.centre,
-        design: nothing,
+        design: DesignWheel::filled(nothing.centre.x),
         constants: Constants::default(),
     }
 }

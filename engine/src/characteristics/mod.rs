@@ -36,7 +36,8 @@ pub use lanes::{ByDirections, LaneInputs, LaneReader, LaneWheels};
 pub(crate) use measure::{Input, Vectors};
 pub use measure::{Measure, Stud};
 pub use quantity::Quantity;
-pub use wheel::{Inputs, Slot, Slots, Wheel};
+pub use wheel::{DesignWheel, Inputs, Slot, Slots, Wheel};
+pub(crate) use wheel::{NumberPart, VectorPart};
 pub use wheel_reading::WheelReading;
 
 use crate::model::{LengthUnit, Suspension};

@@ -6,7 +6,7 @@
 //! cheaper. What is not read stays as it was made, not a number, so that a formula which reads more than it declares has
 //! no value.
 
-use super::{Constants, Inputs, Slot, Slots, Wheel};
+use super::{Constants, DesignWheel, Inputs, Slot, Slots, Wheel};
 use crate::derive::DesignedSpinAxis;
 use crate::mechanism::Configuration;
 use crate::model::{Mechanism, PointId, RockerId};
@@ -79,7 +79,7 @@ impl<T: Real> Inputs<T> {
             now: wheel,
             rate: wheel,
             turn: wheel.centre,
-            design: wheel,
+            design: DesignWheel::filled(nothing),
             constants,
         }
     }
@@ -149,6 +149,12 @@ impl<T: Real> Inputs<T> {
         }
         if slots.contains(Slot::DesignCentre) {
             self.design.centre = design[mechanism.wheel_centre.0];
+        }
+        if slots.contains(Slot::DesignSpringLength)
+            && let Some(spring) = mechanism.spring
+        {
+            let along = design[spring.upper.0] - design[spring.lower.0];
+            self.design.spring_length = along.norm();
         }
     }
 

@@ -109,6 +109,14 @@ impl<T: Real, G: Gradient<T> + ?Sized> Outlined for Pushing<'_, '_, '_, '_, T, G
             Slot::Turn => seeds.turn(seed),
             Slot::DesignSpinAxis => seeds.designed_spin_axis(seed),
             Slot::DesignCentre => seeds.hardpoint(mechanism.wheel_centre, seed),
+            Slot::DesignSpringLength => {
+                if let Some(spring) = mechanism.spring {
+                    let along = at.designed(spring.upper) - at.designed(spring.lower);
+                    let by = along.normalised() * seed.x;
+                    seeds.hardpoint(spring.upper, by);
+                    seeds.hardpoint(spring.lower, -by);
+                }
+            }
         }
     }
 }

@@ -4,27 +4,153 @@ use super::Constants;
 use crate::mechanism::Ground;
 use crate::number::{Dual, Jet, Real, Vector3};
 
-/// Wheel and steering axis in one position, or their rates.
+/// The parts of a wheel, a line each: [`Wheel`] with its fields, and the names of these fields as data.
+macro_rules! wheel {
+    (
+        vectors { $($(#[$about_vector:meta])* $vector:ident: $Vector:ident;)* }
+        numbers { $($(#[$about_number:meta])* $number:ident: $Number:ident;)* }
+    ) => {
+        /// Wheel and steering axis in one position, or their derivatives. A part that is not read is NaN.
+        #[derive(Clone, Copy, Debug, PartialEq)]
+        pub struct Wheel<T> {
+            $($(#[$about_vector])* pub $vector: Vector3<T>,)*
+            $($(#[$about_number])* pub $number: T,)*
+        }
+
+        /// A part of a wheel that is a vector.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub enum VectorPart {
+            $($(#[$about_vector])* $Vector,)*
+        }
+
+        /// A part of a wheel that is a number.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub enum NumberPart {
+            $($(#[$about_number])* $Number,)*
+        }
+
+        impl<T> Wheel<T> {
+            /// The wheel whose parts these functions give, vectors first, in the order of the fields.
+            #[inline(always)]
+            pub(crate) fn of_parts(
+                vector: impl Fn(VectorPart) -> Vector3<T>,
+                number: impl Fn(NumberPart) -> T,
+            ) -> Self {
+                Wheel {
+                    $($vector: vector(VectorPart::$Vector),)*
+                    $($number: number(NumberPart::$Number),)*
+                }
+            }
+        }
+
+        impl<T: Copy> Wheel<T> {
+            /// A part that is a vector.
+            #[inline(always)]
+            pub(crate) fn vector(&self, part: VectorPart) -> Vector3<T> {
+                match part {
+                    $(VectorPart::$Vector => self.$vector,)*
+                }
+            }
+
+            /// A part that is a number.
+            #[inline(always)]
+            pub(crate) fn number(&self, part: NumberPart) -> T {
+                match part {
+                    $(NumberPart::$Number => self.$number,)*
+                }
+            }
+
+            /// The wheel over another kind of number. `f` takes vectors first, in the order of the fields.
+            #[inline(always)]
+            pub fn map<U>(&self, f: impl Fn(T) -> U + Copy) -> Wheel<U> {
+                Wheel {
+                    $($vector: self.$vector.map(f),)*
+                    $($number: f(self.$number),)*
+                }
+            }
+
+            /// The wheel of each number and its partner in another wheel.
+            #[inline(always)]
+            pub(crate) fn zip<U: Copy, V>(
+                &self,
+                other: &Wheel<U>,
+                f: impl Fn(T, U) -> V + Copy,
+            ) -> Wheel<V> {
+                Wheel {
+                    $($vector: self.$vector.zip(other.$vector, f),)*
+                    $($number: f(self.$number, other.$number),)*
+                }
+            }
+        }
+    };
+}
+
+wheel! {
+    vectors {
+        /// Unit vector along the spin axis, outboard.
+        spin_axis: SpinAxis;
+        /// Wheel centre.
+        centre: Centre;
+        /// A point of the steering axis.
+        steering_point: SteeringPoint;
+        /// Upward vector along the steering axis, of any length.
+        steering_direction: SteeringDirection;
+        /// Vector from the lower end of the spring or strut to its upper end.
+        spring: Spring;
+        /// The upper of the two knuckle points that give a strut its axis.
+        strut_upper: StrutUpper;
+    }
+    numbers {
+        /// Length of the spring or strut.
+        spring_length: SpringLength;
+        /// Angle of the spring's rocker from its design position.
+        rocker_angle: RockerAngle;
+        /// Angle of the anti-roll bar's lever from its design position.
+        bar_angle: BarAngle;
+    }
+}
+
+/// The wheel in the design position. A part that is not read is NaN.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Wheel<T> {
+pub struct DesignWheel<T> {
     /// Unit vector along the spin axis, outboard.
     pub spin_axis: Vector3<T>,
     /// Wheel centre.
     pub centre: Vector3<T>,
-    /// A point of the steering axis.
-    pub steering_point: Vector3<T>,
-    /// Along the steering axis, upward; not normalised.
-    pub steering_direction: Vector3<T>,
-    /// Length of the spring or strut; zero where there is none.
+    /// Length of the spring or strut.
     pub spring_length: T,
-    /// From the lower end of the spring or strut to its upper end.
-    pub spring: Vector3<T>,
-    /// Angle of the spring's rocker from its design position.
-    pub rocker_angle: T,
-    /// Angle of the anti-roll bar's lever from its design position.
-    pub bar_angle: T,
-    /// The upper of the two knuckle points that give a strut its axis; zero where the study gives none.
-    pub strut_upper: Vector3<T>,
+}
+
+impl<T: Copy> DesignWheel<T> {
+    /// The design wheel with the same number in every place.
+    #[inline(always)]
+    pub(crate) fn filled(number: T) -> Self {
+        let vector = Vector3::new(number, number, number);
+        DesignWheel {
+            spin_axis: vector,
+            centre: vector,
+            spring_length: number,
+        }
+    }
+
+    /// The contact point on level ground.
+    #[inline(always)]
+    pub(super) fn contact_point(&self, radius: f64) -> Vector3<T>
+    where
+        T: Real,
+    {
+        self.centre + Ground::level(self.spin_axis.x).contact_lever(self.spin_axis, radius)
+    }
+
+    /// The design wheel over another kind of number. `f` takes the numbers in the order of the fields.
+    #[inline(always)]
+    pub fn map<U>(&self, f: impl Fn(T) -> U + Copy) -> DesignWheel<U> {
+        DesignWheel {
+            spin_axis: self.spin_axis.map(f),
+            centre: self.centre.map(f),
+            spring_length: f(self.spring_length),
+        }
+    }
 }
 
 /// Everything a formula may read.
@@ -37,7 +163,7 @@ pub struct Inputs<T> {
     /// Angular velocity of the knuckle by the drive.
     pub turn: Vector3<T>,
     /// The wheel in the design position.
-    pub design: Wheel<T>,
+    pub design: DesignWheel<T>,
     /// Figures of the study.
     pub constants: Constants,
 }
@@ -103,6 +229,7 @@ slots! {
     Turn: vector turn;
     DesignSpinAxis: vector design.spin_axis;
     DesignCentre: vector design.centre;
+    DesignSpringLength: number design.spring_length;
 }
 
 /// Some of the slots.
@@ -182,53 +309,17 @@ impl Slot {
 }
 
 impl<T: Real> Wheel<T> {
-    /// A wheel in which every number is the same, for wheels that are not read.
+    /// The wheel with the same number in every place.
     #[inline(always)]
     pub(super) fn filled(number: T) -> Self {
         let vector = Vector3::new(number, number, number);
-        Wheel {
-            spin_axis: vector,
-            centre: vector,
-            steering_point: vector,
-            steering_direction: vector,
-            spring_length: number,
-            spring: vector,
-            rocker_angle: number,
-            bar_angle: number,
-            strut_upper: vector,
-        }
-    }
-
-    /// The wheel over another kind of number.
-    #[inline]
-    pub fn map<U>(&self, f: impl Fn(T) -> U + Copy) -> Wheel<U> {
-        Wheel {
-            spin_axis: self.spin_axis.map(f),
-            centre: self.centre.map(f),
-            steering_point: self.steering_point.map(f),
-            steering_direction: self.steering_direction.map(f),
-            spring_length: f(self.spring_length),
-            spring: self.spring.map(f),
-            rocker_angle: f(self.rocker_angle),
-            bar_angle: f(self.bar_angle),
-            strut_upper: self.strut_upper.map(f),
-        }
+        Wheel::of_parts(|_| vector, |_| number)
     }
 
     /// The wheel as a series, from its derivatives.
+    #[inline(always)]
     pub(super) fn with_rate(&self, rate: &Wheel<T>) -> Wheel<Jet<T, 2>> {
-        let pair = |value: T, rate: T| Jet([value, rate]);
-        Wheel {
-            spin_axis: self.spin_axis.with_rate(rate.spin_axis),
-            centre: self.centre.with_rate(rate.centre),
-            steering_point: self.steering_point.with_rate(rate.steering_point),
-            steering_direction: self.steering_direction.with_rate(rate.steering_direction),
-            spring_length: pair(self.spring_length, rate.spring_length),
-            spring: self.spring.with_rate(rate.spring),
-            rocker_angle: pair(self.rocker_angle, rate.rocker_angle),
-            bar_angle: pair(self.bar_angle, rate.bar_angle),
-            strut_upper: self.strut_upper.with_rate(rate.strut_upper),
-        }
+        self.zip(rate, |value, rate| Jet([value, rate]))
     }
 
     /// From the wheel centre to the contact point on level ground.
@@ -340,7 +431,11 @@ pub(super) mod tests {
             now: wheel(0.01),
             rate: wheel(0.3),
             turn: Vector3::new(5e-4, -1e-4, 8e-5),
-            design: wheel(0.0),
+            design: DesignWheel {
+                spin_axis: wheel(0.0).spin_axis,
+                centre: wheel(0.0).centre,
+                spring_length: wheel(0.0).spring_length,
+            },
             constants: Constants {
                 size: 800.0,
                 wheel_radius: 300.0,

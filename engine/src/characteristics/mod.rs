@@ -1,13 +1,11 @@
-//! The catalogue of wheel characteristics: name, unit, sign, what it depends on, one formula each.
+//! The catalogue of wheel characteristics: for each a name, a unit, a sign, its inputs and one formula.
 //!
-//! The catalogue drives everything that speaks of characteristics: validation of studies, the plan,
-//! column names, tables. A formula is written once, over [`Real`]; its derivatives by travel and by
-//! hardpoint come from running the same formula on other numbers. A new characteristic is one type in
-//! one of the files below and one line in `catalogue!`.
+//! The catalogue drives everything that names characteristics: validation of studies, the plan, column names, tables. A
+//! formula is written once, over [`Real`]. Running it on other numbers gives its derivatives by travel and by hardpoint. A new
+//! characteristic is one type in one of the files below and one line in `catalogue!`.
 //!
-//! Everything here is in the kernel's frame (a left wheel, x forward, y left and so outboard, z up);
-//! angles are in radians and lengths in the study's unit. Signs are therefore those of the table in
-//! [`Info::positive`], whichever side and axes the study uses.
+//! Everything here is in the kernel's frame: a left wheel, x forward, y left (outboard), z up. Angles are in radians and
+//! lengths in the study's unit. Signs therefore follow [`Info::positive`], for any side and axes of the study.
 
 mod angles;
 mod anti;
@@ -183,8 +181,8 @@ fn gradient_of<F: Formula, T: Real>(inputs: &Inputs<T>) -> Gradient<T> {
     let (zero, one) = (inputs.turn.x.zero(), inputs.turn.x.one());
     let mut seeded = match size_of::<T>() > size_of::<f64>() {
         true => constants(inputs, F::INFO.reads),
-        // In place the compiler leaves out what is not read: a Jacobian takes a fifth less. Of long series that would be
-        // code for seconds of compiling.
+        // Inlined, the compiler drops unread numbers, and a Jacobian takes a fifth less. For long series, inlining would take seconds
+        // of compile time.
         false => constants_here(inputs, F::INFO.reads),
     };
     let mut gradient = [inputs.turn.zero(); Slot::MOST];
@@ -228,8 +226,8 @@ mod tests {
         }
     }
 
-    /// A formula must not read what it does not declare: changing anything undeclared leaves the value
-    /// as it is, changing what is declared moves it.
+    /// A formula reads only its declared inputs: a change of any other input leaves the value, a change of a declared input moves
+    /// it.
     #[test]
     fn declared_dependencies_are_the_true_ones() {
         let plain = wheel::tests::sample();

@@ -6,7 +6,7 @@ use crate::mechanism::Configuration;
 use crate::number::{Outlined, Real, Vector3};
 
 impl Slot {
-    /// Adds a seed for what the slot reads; a rate's slot seeds what it is the rate of.
+    /// Adds a seed for the part behind the slot. The slot of a rate seeds the part itself.
     #[inline(always)]
     pub(crate) fn push<T: Real, G: Gradient<T> + ?Sized>(
         self,

@@ -1,4 +1,4 @@
-//! What the formulas read: the wheel, its steering axis and their rates.
+//! Inputs of formulas: the wheel, its steering axis and their rates.
 
 use super::Constants;
 use crate::mechanism::Ground;
@@ -30,7 +30,7 @@ macro_rules! wheel {
         }
 
         impl<T> Wheel<T> {
-            /// The wheel whose parts these functions give, vectors first, in the order of the fields.
+            /// The wheel with the parts that these functions return.
             #[inline(always)]
             pub(crate) fn of_parts(
                 vector: impl Fn(VectorPart) -> Vector3<T>,
@@ -171,8 +171,8 @@ pub struct Inputs<T> {
 /// The slots, a line each: whether it is a vector or a number, and where it is in [`Inputs`].
 macro_rules! slots {
     ($($slot:ident: $kind:ident $($place:ident).+;)*) => {
-        /// A part of [`Inputs`] that a formula may read; a number is its first component. The plan computes what the slots in
-        /// use need, and sensitivities are seeded slot by slot.
+        /// A part of [`Inputs`] that a formula may read; a number is its first component. The plan computes the parts behind the slots
+        /// in use, and sensitivities are seeded slot by slot.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         pub enum Slot {
             $(#[doc = concat!("`", stringify!($($place).+), "`, a ", stringify!($kind))] $slot,)*
@@ -190,8 +190,7 @@ macro_rules! slots {
                 }
             }
 
-            /// Makes this slot of `inputs` the independent variables, with a derivative by themselves of 1; of 0,
-            /// constants again.
+            /// Makes this slot of `inputs` the independent variables, with the derivative `by_itself` = 1; 0 makes them constants again.
             #[inline]
             pub(super) fn seed<T: Real>(self, inputs: &mut Inputs<Dual<T, 3>>, by_itself: T) {
                 match self {
@@ -232,7 +231,7 @@ slots! {
     DesignSpringLength: number design.spring_length;
 }
 
-/// Some of the slots.
+/// A set of slots.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Slots(u32);
 
@@ -240,19 +239,19 @@ impl Slots {
     /// Every slot.
     pub const ALL: Slots = Slots(u32::MAX);
 
-    /// Whether a slot is among them.
+    /// Returns true if the set contains a slot.
     #[inline]
     pub fn contains(self, slot: Slot) -> bool {
         self.0 & (1 << slot as u32) != 0
     }
 
-    /// Whether a quantity or its rate is among them.
+    /// Returns true if the set contains a quantity or its rate.
     #[inline]
     pub fn contain_either(self, now: Slot, rate: Slot) -> bool {
         self.contains(now) || self.contains(rate)
     }
 
-    /// Whether a part of the steering axis is among them.
+    /// Returns true if the set contains a part of the steering axis.
     #[inline]
     pub fn contain_steering_axis(self) -> bool {
         const PARTS: u32 = 1 << Slot::SteeringPoint as u32
@@ -281,7 +280,7 @@ impl Slot {
     /// The most slots one formula may read.
     pub const MOST: usize = 4;
 
-    /// Whether the slot is a velocity.
+    /// Returns true if the slot is a velocity.
     #[inline]
     pub const fn is_rate(self) -> bool {
         matches!(
@@ -295,14 +294,14 @@ impl Slot {
         )
     }
 
-    /// Whether the slot may move with a rocker: of springs, rockers and bars.
+    /// Returns true if the slot may move with a rocker: slots of springs, rockers and bars.
     pub(crate) fn may_turn(self) -> bool {
         use Slot::{BarAngle, BarAngleRate, RockerAngle, Spring, SpringLength, SpringLengthRate};
         let of_springs = matches!(self, Spring | SpringLength | SpringLengthRate);
         of_springs || matches!(self, RockerAngle | BarAngle | BarAngleRate)
     }
 
-    /// Whether the slot is a part of the steering axis.
+    /// Returns true if the slot is a part of the steering axis.
     pub fn is_of_steering_axis(self) -> bool {
         Slots::default().with(&[self]).contain_steering_axis()
     }
@@ -322,7 +321,7 @@ impl<T: Real> Wheel<T> {
         self.zip(rate, |value, rate| Jet([value, rate]))
     }
 
-    /// From the wheel centre to the contact point on level ground.
+    /// Vector from the wheel centre to the contact point on level ground.
     #[inline(always)]
     fn contact_lever(&self, radius: f64) -> Vector3<T> {
         Ground::level(self.spin_axis.x).contact_lever(self.spin_axis, radius)
@@ -356,7 +355,7 @@ impl<T: Real> Wheel<T> {
 }
 
 impl<T: Real> Inputs<T> {
-    /// These slots over another kind of number; everything else is `nothing`, a NaN.
+    /// These slots over another kind of number. Everything else is `nothing`, a NaN.
     #[inline(always)]
     pub(super) fn only<U: Real>(
         &self,
@@ -397,8 +396,8 @@ impl<T: Real> Inputs<T> {
         self.rate.centre + self.turn.cross(lever)
     }
 
-    /// Velocity of the point of the tyre that is at the contact point now, where the carrier takes this part of the
-    /// torque about the spin axis and a shaft the rest: W' + (w - (1 - part) (w.a) a) x (C - W).
+    /// Velocity of the point of the tyre at the contact point. The carrier takes the share `by_carrier` of the torque about the
+    /// spin axis, and a shaft takes the rest: W' + (w - (1 - by_carrier) (w.a) a) x (C - W).
     #[inline(always)]
     pub(super) fn tyre_velocity(&self, by_carrier: f64) -> Vector3<T> {
         let (axis, lever) = (
@@ -414,7 +413,7 @@ impl<T: Real> Inputs<T> {
 pub(super) mod tests {
     use super::*;
 
-    /// A wheel in a pose with nothing special about it.
+    /// A wheel in a generic pose.
     pub(crate) fn sample() -> Inputs<f64> {
         let wheel = |t: f64| Wheel {
             spin_axis: Vector3::new(0.02 + t, 1.0, 0.03 - t).normalised(),

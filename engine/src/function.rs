@@ -9,7 +9,8 @@
 mod axle;
 
 use self::axle::{AxleEvaluator, AxleFunction};
-use crate::characteristics::{Quantity, with_unit};
+use crate::ask::with_unit;
+use crate::characteristics::Quantity;
 use crate::evaluate::{Evaluated, GradientEvaluator};
 use crate::mechanism::DesignFault;
 use crate::model::{Axis, Drive, PointId, Suspension};

@@ -41,6 +41,7 @@
 
 #[doc(hidden)]
 pub mod analyse;
+pub mod ask;
 #[doc(hidden)]
 pub mod assembly;
 #[doc(hidden)]
@@ -88,8 +89,9 @@ pub use model::{
 pub use number::Vector3;
 
 // What is asked of them.
+pub use ask::{Info, Need, Unit};
 pub use axle::Axle;
-pub use characteristics::{Characteristic, Info, Measure, Need, Quantity, Unit};
+pub use characteristics::{Characteristic, Measure, Quantity};
 pub use study::{
     About, AxleSite, AxleStudy, Constraint, DesignTable, Designs, Drive, FileFormat, Formulation,
     Interpolation, Limit, Limited, Load, LoadPoint, Motion, Move, Optimise, Order, Outputs,

@@ -89,7 +89,7 @@ impl Plan {
                 quantity: Quantity::Characteristic(*c),
                 name: c.info().name.to_owned(),
                 unit: unit.suffix(length),
-                factor: unit.printed_factor(),
+                factor: unit.printed_factor(length),
                 highest,
             });
         }

@@ -97,7 +97,7 @@ pub(super) fn run(arguments: &AssembliesArguments) -> Result<Exit, Stop> {
             let value = configuration.as_ref().map(|configuration| {
                 let view = WheelReading::of(configuration, Constants::default());
                 let value = view.value(configuration, Quantity::Characteristic(*c))[0];
-                value * c.info().unit.printed_factor()
+                value * c.info().unit.printed_factor(suspension.length_unit)
             });
             let value = value.ok().filter(|v| v.is_finite());
             Cell::from(value.map(|v| Cell::figure(v, "deg")))

@@ -9,17 +9,17 @@ use super::message::{
 };
 use super::overview::rack_slider;
 use super::study_file::Opened;
+use crate::ask::with_unit;
 use crate::axle::{
     Axle, AxleCurves, AxleMotion, AxlePlan, Coordinate, Quantity, WheelMotion, axle_curves,
 };
-use crate::characteristics::with_unit;
 use crate::curves::{Frame, frames};
 use crate::mechanism::DesignFault;
 use crate::model::{Axis, LengthUnit, PointId, Side, Suspension};
 use crate::plan::Plan;
 use crate::report::{OutputRecord, axle_failures, axle_plausibility, plausibility};
 use crate::solve::StationOrder;
-use crate::study::{AxleStudy, Study, missing};
+use crate::study::{AxleStudy, Study};
 use std::time::Instant;
 
 /// The numbers a course has, each with a value where it is held at nothing.
@@ -91,7 +91,7 @@ pub(super) fn sliders(both: &AxleStudy) -> (Vec<Slider>, usize, Vec<f64>, Vec<f6
 
 /// The name of a quantity's column.
 pub(super) fn column(quantity: Quantity, length: LengthUnit) -> String {
-    with_unit(quantity.name(), &quantity.unit().suffix(length))
+    with_unit(quantity.name(), &quantity.info().unit.suffix(length))
 }
 
 /// The quantities that a study may ask for, of its axle.
@@ -104,24 +104,13 @@ pub(super) fn catalogue(study: &Study, both: &AxleStudy) -> Vec<CharacteristicOv
         let first = *quantities.first()?;
         Some(CharacteristicOverview {
             name,
-            unit: first.unit().suffix(axle.left.length_unit),
-            positive: first.positive(),
+            unit: first.info().unit.suffix(axle.left.length_unit),
+            positive: first.info().positive,
             asked: quantities.iter().any(|q| asked.contains(q)),
-            available: has_all(first, axle),
+            available: axle.has(first),
         })
     };
     Quantity::names().into_iter().filter_map(overview).collect()
-}
-
-/// Whether the study gives what a quantity needs.
-fn has_all(quantity: Quantity, axle: &Axle) -> bool {
-    match quantity {
-        Quantity::Corner(_, c) => c.info().needs.iter().all(|need| need.met_by(&axle.left)),
-        _ => {
-            let mut needs = quantity.needs().iter();
-            needs.all(|need| missing(*need, &axle.setup).is_none())
-        }
-    }
 }
 
 /// The plan with these quantities.
@@ -129,7 +118,7 @@ fn asking_for(plan: &AxlePlan, axle: &Axle, names: &[String]) -> Result<AxlePlan
     let mut quantities: Vec<Quantity> = Vec::new();
     for name in names {
         let named = Quantity::named(name);
-        if named.is_empty() || !named.iter().all(|q| has_all(*q, axle)) {
+        if named.is_empty() || !named.iter().all(|q| axle.has(*q)) {
             return Err(format!("this study has no {name}"));
         }
         let new = named.into_iter().filter(|q| !quantities.contains(q));

@@ -4,7 +4,8 @@
 //! `DESIGNS=1000000 cargo test --release --test it lanes:: -- --ignored --nocapture` is the long run.
 
 use crate::support::random::Random;
-use hardpoint::characteristics::{Characteristic, Constants, Need, Quantity, Unit, WheelReading};
+use hardpoint::ask::{Need, Unit};
+use hardpoint::characteristics::{Characteristic, Constants, Quantity, WheelReading};
 use hardpoint::derive::{DesignSeries, MotionPoint};
 use hardpoint::evaluate::{Evaluated, GradientEvaluator};
 use hardpoint::model::{Axis, Drive, PointId, SteeringAxis};
@@ -275,7 +276,7 @@ fn scale_of(quantity: Quantity, size: f64, unit_of_drive: f64) -> f64 {
     match c.info().unit {
         Unit::Length => size,
         Unit::AnglePerLength => 1.0 / size,
-        Unit::Angle | Unit::Percent | Unit::Ratio => 1.0,
+        _ => 1.0,
     }
 }
 

@@ -4,7 +4,8 @@ use crate::DoubleDouble;
 use crate::Unmeasurable;
 use crate::single::Single;
 use crate::trial::{Equations, SixEquations, solve};
-use hardpoint_engine::characteristics::{Characteristic, Constants, Inputs, Need, Slots};
+use hardpoint_engine::ask::Need;
+use hardpoint_engine::characteristics::{Characteristic, Constants, Inputs, Slots};
 use hardpoint_engine::mechanism::{Configuration, DesignFault, Failure, Pose};
 use hardpoint_engine::model::{Drive, SteeringAxis, Suspension};
 use hardpoint_engine::number::{Real, Scalar, Vector3};
@@ -180,19 +181,15 @@ impl<'s> Subject<'s> {
     pub fn characteristics(&self) -> Vec<Characteristic> {
         let mechanism = &self.suspension.mechanism;
         let has = |need: &Need| match need {
-            Need::WheelRadius => self.suspension.wheel_radius.is_some(),
             Need::SteeringAxis => {
                 matches!(mechanism.steering_axis, Some(SteeringAxis::Through { .. }))
             }
-            Need::Spring => mechanism.spring.is_some(),
-            Need::Rocker => mechanism.spring_rocker().is_some(),
-            Need::AntiRollBar => mechanism.anti_roll_bar().is_some(),
-            Need::StrutUpper => mechanism.strut_upper().is_some(),
-            Need::Wheelbase
-            | Need::CgHeight
-            | Need::FrontBraking
-            | Need::RearDrive
-            | Need::RearBrakingOrFrontDrive => false,
+            Need::WheelRadius
+            | Need::Spring
+            | Need::Rocker
+            | Need::AntiRollBar
+            | Need::StrutUpper => need.met_by(self.suspension),
+            _ => false,
         };
         let all = Characteristic::ALL.iter().copied();
         all.filter(|c| !c.info().reads_rates() && c.info().needs.iter().all(has))

@@ -10,7 +10,8 @@ use super::assembler::{Assembler, Reject};
 use super::derivatives::built_curves;
 use super::parts::{BuildParameter, Member};
 use super::rest::{Built, Direction, Rest};
-use crate::characteristics::{Characteristic, Unit};
+use crate::ask::Unit;
+use crate::characteristics::Characteristic;
 use crate::mechanism::DesignFault;
 use crate::plan::Plan;
 use crate::study::{Adjustment, Drive, Outputs, Setup, Study};
@@ -224,17 +225,18 @@ impl<'a> Problem<'a> {
         at_rest.motion.rack = vec![0.0];
         at_rest.motion.time = None;
         let on_spring = setup.adjust.iter().any(|a| lifts(a, study));
-        let millimetre = 1e-3 * study.suspension.length_unit.per_metre();
+        let length = study.suspension.length_unit;
+        let millimetre = 1e-3 * length.per_metre();
         let (mut statics, mut wanted, mut weights) = (Vec::new(), Vec::new(), Vec::new());
         for c in characteristics {
             let want = setup.want.iter().find(|want| want.characteristic == c);
             statics.push(Static::Characteristic(c));
-            wanted.push(want.map(|want| want.value * c.info().unit.printed_factor()));
+            wanted.push(want.map(|want| want.value * c.info().unit.printed_factor(length)));
             weights.push(match c.info().unit {
                 Unit::Angle => 10.0,
                 Unit::AnglePerLength => 10.0 / (0.01 / millimetre),
                 Unit::Length => 1.0 / millimetre,
-                Unit::Percent | Unit::Ratio => 1.0,
+                _ => 1.0,
             });
         }
         statics.push(Static::RideHeight);

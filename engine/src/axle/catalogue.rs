@@ -6,52 +6,10 @@
 use super::formulas::{loads, roll, steering};
 use super::reading::WheelParts;
 use super::state::AxleState;
-use super::unit::Unit;
-use crate::characteristics::{Characteristic, Slot, Unit as CornerUnit};
+use crate::ask::{Info, Need, Unit};
+use crate::characteristics::{Characteristic, Slot};
 use crate::model::Side;
 use crate::number::{Scalar, SimdReal, called};
-
-/// What a study must give for a quantity.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Need {
-    /// `[wheel] radius`
-    WheelRadius,
-    /// `[vehicle] wheelbase`
-    Wheelbase,
-    /// `[steering] c_factor`
-    CFactor,
-    /// `[spring]`, and a spring or strut in the topology.
-    Spring,
-    /// `[anti_roll_bar]`, and a bar with its drop link in the topology.
-    AntiRollBar,
-    /// `[tyre] rate`
-    TyreRate,
-    /// `[vehicle] sprung_mass`
-    SprungMass,
-    /// `[vehicle] unsprung_mass`
-    UnsprungMass,
-}
-
-/// What the catalogue says of a quantity.
-#[derive(Clone, Copy, Debug)]
-pub struct Info {
-    /// Name in studies and column names.
-    pub name: &'static str,
-    /// Kind of quantity.
-    pub unit: Unit,
-    /// When it is positive.
-    pub positive: &'static str,
-    /// The formula.
-    pub formula: &'static str,
-    /// Where the definition comes from.
-    pub source: &'static str,
-    /// What a study must give for it.
-    pub needs: &'static [Need],
-    /// Highest order of the derivatives by travel and rack that the value is made of.
-    pub rate_order: usize,
-    /// Whether it takes derivatives by the rack.
-    pub by_rack: bool,
-}
 
 /// Why a quantity has no value in a position that is solved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -90,17 +48,18 @@ impl Void {
     }
 }
 
-const ANGLE: Unit = Unit::Corner(CornerUnit::Angle);
-const LENGTH: Unit = Unit::Corner(CornerUnit::Length);
-const PERCENT: Unit = Unit::Corner(CornerUnit::Percent);
-const RATIO: Unit = Unit::Corner(CornerUnit::Ratio);
+const ANGLE: Unit = Unit::Angle;
+const LENGTH: Unit = Unit::Length;
+const PERCENT: Unit = Unit::Percent;
+const RATIO: Unit = Unit::Ratio;
 
 const ISO: &str = "ISO 8855";
 const VELOCITIES: &str = "velocities of the contact points; agrees with the statics of the links";
 const VIRTUAL_WORK: &str = "virtual work of springs and anti-roll bar; parts weigh nothing";
 
-/// The catalogue: variant, name, unit, what is positive, formula, source, needs, order of rates, by rack, whether sweeps
-/// have it in `lanes` or `one_by_one`, function, reason for which it may have no value. Functions for lanes are generic over
+/// Defines the catalogue. A line has the variant, name, unit, meaning of a positive value, formula, source, needs, slots of
+/// each wheel that it reads beside position and carrier, order of its derivatives, `by_rack` (axle only), `lanes` or
+/// `one_by_one` for sweeps, function, and a reason for having no value (axle only). Functions for lanes are generic over
 /// [`Real`](crate::number::Real) and inlined throughout.
 macro_rules! catalogue {
     (@is_for lanes) => { true };
@@ -108,9 +67,9 @@ macro_rules! catalogue {
     (@value lanes, $function:expr, $state:ident $(, $side:ident)?) => { $function($state $(, $side)?) };
     (@value one_by_one, $function:expr, $state:ident $(, $side:ident)?) => { $state.like().lit(f64::NAN) };
     (wheel { $($wheel:ident, $wname:literal, $wunit:expr, $wpositive:literal, $wformula:literal,
-        $wsource:expr, [$($wneed:ident),*], $worder:literal, $wlanes:ident, $wfunction:expr;)* }
+        $wsource:expr, [$($wneed:ident),*], [$($wreads:ident),*], $worder:literal, $wlanes:ident, $wfunction:expr;)* }
      axle { $($axle:ident, $name:literal, $unit:expr, $positive:literal, $formula:literal,
-        $source:expr, [$($need:ident),*], $order:literal, $rack:literal, $lanes:ident, $function:expr, $void:expr;)* }
+        $source:expr, [$($need:ident),*], [$($reads:ident),*], $order:literal, $rack:literal, $lanes:ident, $function:expr, $void:expr;)* }
     ) => {
         /// A quantity that each wheel has, beside the wheel characteristics.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -133,7 +92,7 @@ macro_rules! catalogue {
                 match self {
                     $(WheelQuantity::$wheel => &Info {
                         name: $wname, unit: $wunit, positive: $wpositive, formula: $wformula,
-                        source: $wsource, needs: &[$(Need::$wneed),*], rate_order: $worder,
+                        source: $wsource, reads: &[$(Slot::$wreads),*], needs: &[$(Need::$wneed),*], rate_order: $worder,
                         by_rack: false,
                     },)*
                 }
@@ -171,7 +130,7 @@ macro_rules! catalogue {
                 match self {
                     $(AxleQuantity::$axle => &Info {
                         name: $name, unit: $unit, positive: $positive, formula: $formula,
-                        source: $source, needs: &[$(Need::$need),*], rate_order: $order,
+                        source: $source, reads: &[$(Slot::$reads),*], needs: &[$(Need::$need),*], rate_order: $order,
                         by_rack: $rack,
                     },)*
                 }
@@ -211,44 +170,44 @@ macro_rules! catalogue {
 
 catalogue! {
     wheel {
-        Steer, "steer", ANGLE, "steered to the left, at both wheels", "-toe at the left, +toe at the right wheel", ISO, [], 0, lanes, steering::steer;
-        CamberToRoad, "camber_to_road", ANGLE, "top of the wheel outboard", "-asin(a.n)", ISO, [], 0, lanes, roll::camber_to_road;
-        JackingCoefficient, "jacking_coefficient", RATIO, "a side force inboard lifts the body", "(C'.o)/(C'.n), o outboard along the ground", VELOCITIES, [WheelRadius], 1, lanes, roll::jacking_coefficient;
-        SideForceJacking, "side_force_jacking", RATIO, "a side force inboard lifts the body", "(C'.o)/(C'.n), o across the wheel in the ground", VELOCITIES, [WheelRadius], 1, lanes, roll::side_force_jacking;
-        RollCamber, "roll_camber", Unit::AnglePerAngle, "camber grows with the roll angle", "d camber/d phi, mean travel held", "derivative along roll on a plane ground", [WheelRadius], 1, lanes, roll::roll_camber;
-        RollCamberToRoad, "roll_camber_to_road", Unit::AnglePerAngle, "camber to the road grows with the roll angle", "d camber_to_road/d phi, mean travel held", "derivative along roll on a plane ground", [WheelRadius], 1, lanes, roll::roll_camber_to_road;
-        WheelLoad, "wheel_load", Unit::Force, "pressed to the ground; below 0 the wheel would lift", "U_z/(n.C'), U the energy of springs and bar", VIRTUAL_WORK, [WheelRadius, Spring], 1, one_by_one, loads::wheel_load;
-        WheelRate, "wheel_rate", Unit::ForcePerLength, "the load grows as the wheel's pad rises", "load by height of a level pad, the spring alone", VIRTUAL_WORK, [WheelRadius, Spring], 2, one_by_one, loads::wheel_rate;
-        SpringForce, "spring_force", Unit::Force, "compressed", "force of the spring, bump stop included", "the spring's law", [Spring], 0, one_by_one, loads::spring_force;
-        WheelRollSteer, "roll_steer", Unit::AnglePerAngle, "steers to the left when rolled as in a left turn", "d steer/d phi, mean travel held", "derivative along roll on a plane ground; other tools take left jounce as positive roll", [WheelRadius], 1, lanes, steering::roll_steer;
+        Steer, "steer", ANGLE, "steered to the left, at both wheels", "-toe at the left, +toe at the right wheel", ISO, [], [], 0, lanes, steering::steer;
+        CamberToRoad, "camber_to_road", ANGLE, "top of the wheel outboard", "-asin(a.n)", ISO, [], [], 0, lanes, roll::camber_to_road;
+        JackingCoefficient, "jacking_coefficient", RATIO, "a side force inboard lifts the body", "(C'.o)/(C'.n), o outboard along the ground", VELOCITIES, [WheelRadius], [], 1, lanes, roll::jacking_coefficient;
+        SideForceJacking, "side_force_jacking", RATIO, "a side force inboard lifts the body", "(C'.o)/(C'.n), o across the wheel in the ground", VELOCITIES, [WheelRadius], [], 1, lanes, roll::side_force_jacking;
+        RollCamber, "roll_camber", Unit::AnglePerAngle, "camber grows with the roll angle", "d camber/d phi, mean travel held", "derivative along roll on a plane ground", [WheelRadius], [], 1, lanes, roll::roll_camber;
+        RollCamberToRoad, "roll_camber_to_road", Unit::AnglePerAngle, "camber to the road grows with the roll angle", "d camber_to_road/d phi, mean travel held", "derivative along roll on a plane ground", [WheelRadius], [], 1, lanes, roll::roll_camber_to_road;
+        WheelLoad, "wheel_load", Unit::Force, "pressed to the ground; below 0 the wheel would lift", "U_z/(n.C'), U the energy of springs and bar", VIRTUAL_WORK, [WheelRadius, SpringForce], [SpringLength, BarAngle], 1, one_by_one, loads::wheel_load;
+        WheelRate, "wheel_rate", Unit::ForcePerLength, "the load grows as the wheel's pad rises", "load by height of a level pad, the spring alone", VIRTUAL_WORK, [WheelRadius, SpringForce], [SpringLength], 2, one_by_one, loads::wheel_rate;
+        SpringForce, "spring_force", Unit::Force, "compressed", "force of the spring, bump stop included", "the spring's law", [SpringForce], [SpringLength], 0, one_by_one, loads::spring_force;
+        WheelRollSteer, "roll_steer", Unit::AnglePerAngle, "steers to the left when rolled as in a left turn", "d steer/d phi, mean travel held", "derivative along roll on a plane ground; other tools take left jounce as positive roll", [WheelRadius], [], 1, lanes, steering::roll_steer;
     }
     axle {
-        Track, "track", LENGTH, "always", "e.(C_l - C_r), contact points", ISO, [WheelRadius], 0, false, lanes, roll::track, None;
-        TrackChange, "track_change", LENGTH, "wider than in the design position", "track - track(design)", ISO, [WheelRadius], 0, false, lanes, roll::track_change, None;
-        RollAngle, "roll_angle", ANGLE, "right wheel in jounce, as in a left turn", "phi, of the body against the ground", ISO, [WheelRadius], 0, false, lanes, roll::roll_angle, None;
-        RollCentreHeight, "roll_centre_height", LENGTH, "above the ground", "track j_l j_r/(j_l + j_r), j jacking coefficients; on pads of different heights above their mean", VELOCITIES, [WheelRadius], 1, false, lanes, roll::roll_centre_height, Some(Void::ParallelNormals);
-        RollCentreLateral, "roll_centre_lateral", LENGTH, "to the left of midway between the contact points", "track (j_l - j_r)/(2 (j_l + j_r))", VELOCITIES, [WheelRadius], 1, false, lanes, roll::roll_centre_lateral, Some(Void::ParallelNormals);
-        ForceRollCentreHeight, "force_roll_centre_height", LENGTH, "above the ground", "track (j_l + j_r)/4: equal side forces", "SAE J670, the point at which a side force causes no roll", [WheelRadius], 1, false, lanes, roll::force_roll_centre_height, None;
-        RollCentreMigrationVertical, "roll_centre_migration_vertical", Unit::LengthPerAngle, "rises with the roll angle", "d roll_centre_height/d phi", VELOCITIES, [WheelRadius], 2, false, one_by_one, roll::roll_centre_migration_vertical, Some(Void::ParallelNormals);
-        RollCentreMigrationLateral, "roll_centre_migration_lateral", Unit::LengthPerAngle, "moves to the left with the roll angle", "d roll_centre_lateral/d phi", VELOCITIES, [WheelRadius], 2, false, one_by_one, roll::roll_centre_migration_lateral, Some(Void::ParallelNormals);
-        ForceRollCentreMigration, "force_roll_centre_migration", Unit::LengthPerAngle, "rises with the roll angle", "d force_roll_centre_height/d phi", VELOCITIES, [WheelRadius], 2, false, one_by_one, roll::force_roll_centre_migration, None;
-        JackingForceRatio, "jacking_force_ratio", RATIO, "lifts in a left turn", "(j_r - j_l)/2: equal side forces", VELOCITIES, [WheelRadius], 1, false, lanes, roll::jacking_force_ratio, None;
-        MeanSteer, "mean_steer", ANGLE, "to the left", "(steer_l + steer_r)/2", ISO, [], 0, false, lanes, steering::mean_steer, None;
-        AckermannError, "ackermann_error", ANGLE, "the outer wheel steers more than the ideal one", "o - ideal, ideal where the inner spin axis meets the other axle's line, seen from above", ISO, [Wheelbase], 0, false, lanes, steering::ackermann_error, None;
-        Ackermann, "ackermann", PERCENT, "the inner wheel steers more than the outer one", "100 (i - o)/(i - ideal)", ISO, [Wheelbase], 0, false, lanes, steering::ackermann, Some(Void::StraightAhead);
-        AckermannByInner, "ackermann_by_inner", PERCENT, "the inner wheel steers more than the outer one", "100 (i - o)/(ideal_inner - o), ideal_inner = atan2(L sin o, L cos o - T sin o), T of the wheel centres in the design position", "Simscape Vehicle Templates, sm_car_knc_calc_susp_metrics", [Wheelbase], 0, false, lanes, steering::ackermann_by_inner, Some(Void::StraightAhead);
-        AckermannByCotangents, "ackermann_by_cotangents", PERCENT, "the inner wheel steers more than the outer one", "100 L (cot o - cot i)/T, T of the wheel centres in the design position", "geometry of the turn", [Wheelbase], 0, false, lanes, steering::ackermann_by_cotangents, Some(Void::StraightAhead);
-        TurningCircle, "turning_circle", LENGTH, "always", "2 |C_o - Z| from above, Z midway between where the spin axes meet the other axle's line", ISO, [WheelRadius, Wheelbase], 0, false, lanes, steering::turning_circle, Some(Void::StraightAhead);
-        SteeringRatio, "steering_ratio", RATIO, "steering wheel and wheels turn the same way", "2 pi/(c d mean_steer/d rack), local", "angle of the steering wheel by mean steer", [WheelRadius, CFactor], 1, true, lanes, steering::steering_ratio, None;
-        RollSteer, "roll_steer", Unit::AnglePerAngle, "steers to the left when rolled as in a left turn", "d mean_steer/d phi, mean travel held", "derivative along roll on a plane ground; other tools take left jounce as positive roll", [WheelRadius], 1, false, lanes, steering::axle_roll_steer, None;
-        BarTorque, "anti_roll_bar_torque", Unit::Torque, "the left lever is pushed further", "k_b (b_l - b_r)", VIRTUAL_WORK, [AntiRollBar], 0, false, one_by_one, loads::bar_torque, None;
-        RollMoment, "roll_moment", Unit::Torque, "resists a positive roll angle", "track (F_r - F_l)/2", VIRTUAL_WORK, [WheelRadius, Spring], 1, false, one_by_one, loads::roll_moment, None;
-        RollStiffness, "roll_stiffness", Unit::TorquePerAngle, "always", "d roll_moment/d phi on a rig: body level, equal opposite travels on level pads, phi of the line through both contact points", "K&C rigs", [WheelRadius, Spring], 2, false, one_by_one, loads::roll_stiffness, None;
-        RollStiffnessOnRoad, "roll_stiffness_on_road", Unit::TorquePerAngle, "always", "d roll_moment/d phi on a plane ground, mean travel held", VIRTUAL_WORK, [WheelRadius, Spring], 2, false, one_by_one, loads::roll_stiffness_on_road, None;
-        RollStiffnessAtLoad, "roll_stiffness_at_load", Unit::TorquePerAngle, "always", "d roll_moment/d phi on a plane ground, the sum of the wheel loads held", VIRTUAL_WORK, [WheelRadius, Spring], 2, false, one_by_one, loads::roll_stiffness_at_load, None;
-        RideRate, "ride_rate", Unit::ForcePerLength, "always", "d(F_l + F_r)/d heave/2, with the tyre in series where [tyre] gives its rate", VIRTUAL_WORK, [WheelRadius, Spring], 2, false, one_by_one, loads::ride_rate, None;
-        RideFrequency, "ride_frequency", Unit::Frequency, "always", "sqrt(2 ride_rate/sprung mass)/(2 pi)", "natural frequency of the sprung mass in heave", [WheelRadius, Spring, SprungMass], 2, false, one_by_one, loads::ride_frequency, None;
-        WheelHopFrequency, "wheel_hop_frequency", Unit::Frequency, "always", "sqrt(2 (wheel rate + tyre rate)/unsprung mass)/(2 pi)", "natural frequency of the wheels, the body held", [WheelRadius, Spring, TyreRate, UnsprungMass], 2, false, one_by_one, loads::wheel_hop_frequency, None;
+        Track, "track", LENGTH, "always", "e.(C_l - C_r), contact points", ISO, [WheelRadius], [], 0, false, lanes, roll::track, None;
+        TrackChange, "track_change", LENGTH, "wider than in the design position", "track - track(design)", ISO, [WheelRadius], [], 0, false, lanes, roll::track_change, None;
+        RollAngle, "roll_angle", ANGLE, "right wheel in jounce, as in a left turn", "phi, of the body against the ground", ISO, [WheelRadius], [], 0, false, lanes, roll::roll_angle, None;
+        RollCentreHeight, "roll_centre_height", LENGTH, "above the ground", "track j_l j_r/(j_l + j_r), j jacking coefficients; on pads of different heights above their mean", VELOCITIES, [WheelRadius], [], 1, false, lanes, roll::roll_centre_height, Some(Void::ParallelNormals);
+        RollCentreLateral, "roll_centre_lateral", LENGTH, "to the left of midway between the contact points", "track (j_l - j_r)/(2 (j_l + j_r))", VELOCITIES, [WheelRadius], [], 1, false, lanes, roll::roll_centre_lateral, Some(Void::ParallelNormals);
+        ForceRollCentreHeight, "force_roll_centre_height", LENGTH, "above the ground", "track (j_l + j_r)/4: equal side forces", "SAE J670, the point at which a side force causes no roll", [WheelRadius], [], 1, false, lanes, roll::force_roll_centre_height, None;
+        RollCentreMigrationVertical, "roll_centre_migration_vertical", Unit::LengthPerAngle, "rises with the roll angle", "d roll_centre_height/d phi", VELOCITIES, [WheelRadius], [], 2, false, one_by_one, roll::roll_centre_migration_vertical, Some(Void::ParallelNormals);
+        RollCentreMigrationLateral, "roll_centre_migration_lateral", Unit::LengthPerAngle, "moves to the left with the roll angle", "d roll_centre_lateral/d phi", VELOCITIES, [WheelRadius], [], 2, false, one_by_one, roll::roll_centre_migration_lateral, Some(Void::ParallelNormals);
+        ForceRollCentreMigration, "force_roll_centre_migration", Unit::LengthPerAngle, "rises with the roll angle", "d force_roll_centre_height/d phi", VELOCITIES, [WheelRadius], [], 2, false, one_by_one, roll::force_roll_centre_migration, None;
+        JackingForceRatio, "jacking_force_ratio", RATIO, "lifts in a left turn", "(j_r - j_l)/2: equal side forces", VELOCITIES, [WheelRadius], [], 1, false, lanes, roll::jacking_force_ratio, None;
+        MeanSteer, "mean_steer", ANGLE, "to the left", "(steer_l + steer_r)/2", ISO, [], [], 0, false, lanes, steering::mean_steer, None;
+        AckermannError, "ackermann_error", ANGLE, "the outer wheel steers more than the ideal one", "o - ideal, ideal where the inner spin axis meets the other axle's line, seen from above", ISO, [Wheelbase], [], 0, false, lanes, steering::ackermann_error, None;
+        Ackermann, "ackermann", PERCENT, "the inner wheel steers more than the outer one", "100 (i - o)/(i - ideal)", ISO, [Wheelbase], [], 0, false, lanes, steering::ackermann, Some(Void::StraightAhead);
+        AckermannByInner, "ackermann_by_inner", PERCENT, "the inner wheel steers more than the outer one", "100 (i - o)/(ideal_inner - o), ideal_inner = atan2(L sin o, L cos o - T sin o), T of the wheel centres in the design position", "Simscape Vehicle Templates, sm_car_knc_calc_susp_metrics", [Wheelbase], [], 0, false, lanes, steering::ackermann_by_inner, Some(Void::StraightAhead);
+        AckermannByCotangents, "ackermann_by_cotangents", PERCENT, "the inner wheel steers more than the outer one", "100 L (cot o - cot i)/T, T of the wheel centres in the design position", "geometry of the turn", [Wheelbase], [], 0, false, lanes, steering::ackermann_by_cotangents, Some(Void::StraightAhead);
+        TurningCircle, "turning_circle", LENGTH, "always", "2 |C_o - Z| from above, Z midway between where the spin axes meet the other axle's line", ISO, [WheelRadius, Wheelbase], [], 0, false, lanes, steering::turning_circle, Some(Void::StraightAhead);
+        SteeringRatio, "steering_ratio", RATIO, "steering wheel and wheels turn the same way", "2 pi/(c d mean_steer/d rack), local", "angle of the steering wheel by mean steer", [WheelRadius, CFactor], [], 1, true, lanes, steering::steering_ratio, None;
+        RollSteer, "roll_steer", Unit::AnglePerAngle, "steers to the left when rolled as in a left turn", "d mean_steer/d phi, mean travel held", "derivative along roll on a plane ground; other tools take left jounce as positive roll", [WheelRadius], [], 1, false, lanes, steering::axle_roll_steer, None;
+        BarTorque, "anti_roll_bar_torque", Unit::Torque, "the left lever is pushed further", "k_b (b_l - b_r)", VIRTUAL_WORK, [BarRate], [BarAngle], 0, false, one_by_one, loads::bar_torque, None;
+        RollMoment, "roll_moment", Unit::Torque, "resists a positive roll angle", "track (F_r - F_l)/2", VIRTUAL_WORK, [WheelRadius, SpringForce], [SpringLength, BarAngle], 1, false, one_by_one, loads::roll_moment, None;
+        RollStiffness, "roll_stiffness", Unit::TorquePerAngle, "always", "d roll_moment/d phi on a rig: body level, equal opposite travels on level pads, phi of the line through both contact points", "K&C rigs", [WheelRadius, SpringForce], [SpringLength, BarAngle], 2, false, one_by_one, loads::roll_stiffness, None;
+        RollStiffnessOnRoad, "roll_stiffness_on_road", Unit::TorquePerAngle, "always", "d roll_moment/d phi on a plane ground, mean travel held", VIRTUAL_WORK, [WheelRadius, SpringForce], [SpringLength, BarAngle], 2, false, one_by_one, loads::roll_stiffness_on_road, None;
+        RollStiffnessAtLoad, "roll_stiffness_at_load", Unit::TorquePerAngle, "always", "d roll_moment/d phi on a plane ground, the sum of the wheel loads held", VIRTUAL_WORK, [WheelRadius, SpringForce], [SpringLength, BarAngle], 2, false, one_by_one, loads::roll_stiffness_at_load, None;
+        RideRate, "ride_rate", Unit::ForcePerLength, "always", "d(F_l + F_r)/d heave/2, with the tyre in series where [tyre] gives its rate", VIRTUAL_WORK, [WheelRadius, SpringForce], [SpringLength, BarAngle], 2, false, one_by_one, loads::ride_rate, None;
+        RideFrequency, "ride_frequency", Unit::Frequency, "always", "sqrt(2 ride_rate/sprung mass)/(2 pi)", "natural frequency of the sprung mass in heave", [WheelRadius, SpringForce, SprungMass], [SpringLength, BarAngle], 2, false, one_by_one, loads::ride_frequency, None;
+        WheelHopFrequency, "wheel_hop_frequency", Unit::Frequency, "always", "sqrt(2 (wheel rate + tyre rate)/unsprung mass)/(2 pi)", "natural frequency of the wheels, the body held", [WheelRadius, SpringForce, TyreRate, UnsprungMass], [SpringLength, BarAngle], 2, false, one_by_one, loads::wheel_hop_frequency, None;
     }
 }
 
@@ -303,58 +262,18 @@ impl Quantity {
         }
     }
 
-    /// The entry of the axle's own catalogue.
-    fn info(self) -> Result<&'static Info, Characteristic> {
+    /// Catalogue entry.
+    pub fn info(self) -> &'static Info {
         match self {
-            Quantity::Corner(_, c) => Err(c),
-            Quantity::Wheel(_, q) => Ok(q.info()),
-            Quantity::Axle(q) => Ok(q.info()),
+            Quantity::Corner(_, c) => c.info(),
+            Quantity::Wheel(_, q) => q.info(),
+            Quantity::Axle(q) => q.info(),
         }
-    }
-
-    /// Kind of quantity.
-    pub fn unit(self) -> Unit {
-        self.info()
-            .map_or_else(|c| Unit::Corner(c.info().unit), |info| info.unit)
-    }
-
-    /// When it is positive.
-    pub fn positive(self) -> &'static str {
-        self.info()
-            .map_or_else(|c| c.info().positive, |info| info.positive)
     }
 
     /// Highest order of the derivatives by travel and rack that the value is made of.
     pub fn rate_order(self) -> usize {
-        let own = self.info().map(|info| info.rate_order);
-        own.unwrap_or_else(|c| c.info().reads_rates() as usize)
-    }
-
-    /// Whether derivatives by the rack are taken.
-    pub fn takes_rack(self) -> bool {
-        self.info().is_ok_and(|info| info.by_rack)
-    }
-
-    /// The slots of each wheel that it reads, beside position and carrier.
-    pub fn reads(self) -> &'static [Slot] {
-        const SPRING: &[Slot] = &[Slot::SpringLength];
-        const SPRING_AND_BAR: &[Slot] = &[Slot::SpringLength, Slot::BarAngle];
-        let by_needs = |needs: &[Need]| match needs.contains(&Need::Spring) {
-            true => SPRING_AND_BAR,
-            false => &[],
-        };
-        match self {
-            Quantity::Corner(_, c) => c.info().reads,
-            Quantity::Wheel(_, WheelQuantity::SpringForce | WheelQuantity::WheelRate) => SPRING,
-            Quantity::Wheel(_, q) => by_needs(q.info().needs),
-            Quantity::Axle(AxleQuantity::BarTorque) => &[Slot::BarAngle],
-            Quantity::Axle(q) => by_needs(q.info().needs),
-        }
-    }
-
-    /// What a study must give for it, beside the needs of a wheel characteristic.
-    pub fn needs(self) -> &'static [Need] {
-        self.info().map_or(&[], |info| info.needs)
+        self.info().rate_order
     }
 
     /// The value.
@@ -375,7 +294,7 @@ impl Quantity {
             Quantity::Corner(own, _) | Quantity::Wheel(own, _) => own == side,
             Quantity::Axle(_) => true,
         };
-        of_side && self.reads().iter().any(|slot| slot.may_turn())
+        of_side && self.info().reads.iter().any(|slot| slot.may_turn())
     }
 
     /// How far apart in height both contact points may be on one plane, in tracks.

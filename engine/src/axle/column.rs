@@ -4,7 +4,7 @@ use super::reading::WheelParts;
 use super::state::{AxleState, Motion};
 use super::taylor::Taylor;
 use super::{Axle, AxlePlan, Quantity, Read, Void, WheelMotion};
-use crate::characteristics::with_unit;
+use crate::ask::with_unit;
 use crate::curves::Loads;
 use crate::model::{Axis, LengthUnit, PointId, Side};
 use crate::number::Jet;
@@ -150,7 +150,7 @@ impl AxleColumn {
     pub fn positive(&self) -> Option<&'static str> {
         match &self.of {
             _ if self.by.is_some() => None,
-            Of::Quantity(quantity) => Some(quantity.positive()),
+            Of::Quantity(quantity) => Some(quantity.info().positive),
             Of::Force { positive, .. } => Some(positive),
             Of::Point { .. } | Of::Turn(..) => None,
         }
@@ -245,7 +245,7 @@ impl AxlePlan {
             all.map(by).collect()
         };
         for quantity in &self.quantities {
-            let unit = quantity.unit();
+            let unit = quantity.info().unit;
             let (suffix, factor) = (unit.suffix(length), unit.printed_factor(length));
             let value = value(Of::Quantity(*quantity), suffix, factor);
             let derivatives = derivatives(&value);

@@ -1,17 +1,18 @@
 //! Quantities of many axles at a time, one in each lane.
 
 use super::formulas::{roll, steering};
-use super::reading::{
-    ALWAYS, BAR_ANGLE, CENTRE, DESIGN_CENTRE, DESIGN_SPIN_AXIS, ROCKER_ANGLE, SPIN_AXIS, SPRING,
-    SPRING_LENGTH, STEERING_DIRECTION, STEERING_POINT, STRUT_UPPER, WheelParts,
-};
+use super::reading::{ALWAYS, WheelParts};
 use super::state::{AxleState, Hold};
 use super::{Quantity, Void};
-use crate::characteristics::{Characteristic, Constants, Inputs, LaneInputs, Slots};
+use crate::characteristics::{
+    Characteristic, Constants, DesignWheel, Inputs, LaneInputs, NumberPart, Slots, VectorPart,
+    Wheel,
+};
 use crate::model::Side;
 use crate::number::{Outlined, SimdReal, Vector3, outlined};
 
-/// A wheel read in lanes: its parts and their first derivatives by travel; by the rack only those of the carrier.
+/// A wheel read in lanes: its parts and their first derivatives by travel. Derivatives by the rack are known of the
+/// carrier only.
 #[derive(Clone, Copy, Debug)]
 pub struct LaneWheel<'i, B> {
     inputs: &'i Inputs<B>,
@@ -36,27 +37,34 @@ impl<B: SimdReal> WheelParts<B> for LaneWheel<'_, B> {
     }
 
     #[inline(always)]
-    fn coefficient(&self, part: usize, powers: [usize; 2]) -> B {
-        outlined!(
-            [B: SimdReal] self.inputs.turn.x;
-            wheel: &'p LaneWheel<'p, B> = self, part: usize = part, powers: [usize; 2] = powers => B {
-                wheel.read(part, powers)
+    fn read_vector(&self, part: VectorPart, powers: [usize; 2]) -> Vector3<B> {
+        match (self.wheel(powers), powers, part) {
+            (Some(wheel), ..) => wheel.vector(part),
+            (None, [0, 1], VectorPart::Centre) => self.by_rack[0],
+            (None, [0, 1], VectorPart::SpinAxis) => {
+                self.by_rack[1].cross(self.inputs.now.spin_axis)
             }
-        )
+            _ => self.unknown(),
+        }
     }
 
     #[inline(always)]
-    fn vector(&self, first: usize, powers: [usize; 2]) -> Vector3<B> {
-        outlined!(
-            [B: SimdReal] self.inputs.turn.x;
-            wheel: &'p LaneWheel<'p, B> = self, first: usize = first, powers: [usize; 2] = powers => Vector3<B> {
-                Vector3::new(
-                    wheel.read(first, powers),
-                    wheel.read(first + 1, powers),
-                    wheel.read(first + 2, powers),
-                )
-            }
-        )
+    fn number(&self, part: NumberPart, powers: [usize; 2]) -> B {
+        match self.wheel(powers) {
+            Some(wheel) => wheel.number(part),
+            None => self.unknown().x,
+        }
+    }
+
+    /// Lanes know the angular velocities of the carrier, not its rotation.
+    #[inline(always)]
+    fn column(&self, _: usize, _: [usize; 2]) -> Vector3<B> {
+        self.unknown()
+    }
+
+    #[inline(always)]
+    fn design(&self) -> DesignWheel<B> {
+        self.inputs.design
     }
 
     #[inline(always)]
@@ -65,10 +73,7 @@ impl<B: SimdReal> WheelParts<B> for LaneWheel<'_, B> {
         match powers {
             [1, 0] => [inputs.rate.centre, inputs.turn],
             [0, 1] => *self.by_rack,
-            _ => {
-                let unknown = inputs.turn.x.lit(f64::NAN);
-                [Vector3::new(unknown, unknown, unknown); 2]
-            }
+            _ => [self.unknown(); 2],
         }
     }
 
@@ -82,38 +87,20 @@ impl<B: SimdReal> WheelParts<B> for LaneWheel<'_, B> {
 }
 
 impl<B: SimdReal> LaneWheel<'_, B> {
+    /// The wheel, or its derivatives by travel; `None` for other powers of travel and rack.
     #[inline(always)]
-    fn read(&self, part: usize, powers: [usize; 2]) -> B {
-        let inputs = self.inputs;
-        let unknown = inputs.turn.x.lit(f64::NAN);
-        let of = |first: usize, vector: Vector3<B>| match part - first {
-            0 => vector.x,
-            1 => vector.y,
-            _ => vector.z,
-        };
-        let wheel = match (powers, part) {
-            ([0, 0], _) => &inputs.now,
-            ([1, 0], _) => &inputs.rate,
-            ([0, 1], CENTRE..3) => return of(CENTRE, self.by_rack[0]),
-            ([0, 1], SPIN_AXIS..STEERING_POINT) => {
-                return of(SPIN_AXIS, self.by_rack[1].cross(inputs.now.spin_axis));
-            }
-            _ => return unknown,
-        };
-        match part {
-            CENTRE..3 => of(CENTRE, wheel.centre),
-            SPIN_AXIS..STEERING_POINT => of(SPIN_AXIS, wheel.spin_axis),
-            STEERING_POINT..STEERING_DIRECTION => of(STEERING_POINT, wheel.steering_point),
-            STEERING_DIRECTION..SPRING => of(STEERING_DIRECTION, wheel.steering_direction),
-            SPRING..STRUT_UPPER => of(SPRING, wheel.spring),
-            STRUT_UPPER..SPRING_LENGTH => of(STRUT_UPPER, wheel.strut_upper),
-            SPRING_LENGTH => wheel.spring_length,
-            ROCKER_ANGLE => wheel.rocker_angle,
-            BAR_ANGLE => wheel.bar_angle,
-            DESIGN_SPIN_AXIS..DESIGN_CENTRE => of(DESIGN_SPIN_AXIS, inputs.design.spin_axis),
-            DESIGN_CENTRE.. => of(DESIGN_CENTRE, inputs.design.centre),
-            _ => unknown,
+    fn wheel(&self, powers: [usize; 2]) -> Option<&Wheel<B>> {
+        match powers {
+            [0, 0] => Some(&self.inputs.now),
+            [1, 0] => Some(&self.inputs.rate),
+            _ => None,
         }
+    }
+
+    #[inline(always)]
+    fn unknown(&self) -> Vector3<B> {
+        let unknown = self.inputs.turn.x.lit(f64::NAN);
+        Vector3::new(unknown, unknown, unknown)
     }
 }
 

@@ -22,11 +22,10 @@ mod solver;
 mod spring;
 mod state;
 mod taylor;
-mod unit;
 
 pub use crate::mechanism::Ground;
 pub use axle_motion::{AxleMotion, WheelMotion};
-pub use catalogue::{AxleQuantity, Info, Need, Quantity, Void, WheelQuantity};
+pub use catalogue::{AxleQuantity, Quantity, Void, WheelQuantity};
 pub use certificate::{AxleCertifier, AxleProof};
 pub use column::{AxleColumn, Of};
 pub use coordinate::Coordinate;
@@ -40,8 +39,8 @@ pub use solver::{AxleFailure, AxleSolver, Placed, Placement, Read, WheelRead};
 pub use spring::{BumpStop, ForceCurve, Law, SpringLaw};
 pub use state::{AxleState, Hold, Motion, WheelState};
 pub use taylor::{Line, Taylor};
-pub use unit::Unit;
 
+use crate::ask::Need;
 use crate::characteristics::Slot;
 use crate::mechanism::DesignFault;
 use crate::model::{Frame, RockerId, Side, Suspension};
@@ -100,13 +99,34 @@ impl Axle {
         )
     }
 
+    /// Returns true if the study gives a figure or part.
+    pub fn meets(&self, need: Need) -> bool {
+        let setup = &self.setup;
+        match need {
+            Need::WheelRadius => setup.wheel_radius.is_some(),
+            Need::Wheelbase => setup.wheelbase.is_some(),
+            Need::CFactor => setup.c_factor.is_some(),
+            Need::SpringForce => setup.springs.is_some(),
+            Need::BarRate => setup.bar_rate.is_some(),
+            Need::TyreRate => setup.tyre_rate.is_some(),
+            Need::SprungMass => setup.sprung_mass.is_some(),
+            Need::UnsprungMass => setup.unsprung_mass.is_some(),
+            _ => need.met_by(&self.left),
+        }
+    }
+
+    /// Returns true if the study gives everything that a quantity requires.
+    pub fn has(&self, quantity: Quantity) -> bool {
+        quantity.info().needs.iter().all(|need| self.meets(*need))
+    }
+
     /// The rockers that quantities move with, on one side.
     fn rockers(&self, side: Side, quantities: &[Quantity]) -> Vec<RockerId> {
         let mechanism = &self.suspension(side).mechanism;
         let reads = |slots: &[Slot]| {
             quantities
                 .iter()
-                .any(|q| q.reads().iter().any(|s| slots.contains(s)))
+                .any(|q| q.info().reads.iter().any(|s| slots.contains(s)))
         };
         let mut rockers = Vec::new();
         if reads(&[Slot::Spring, Slot::SpringLength, Slot::SpringLengthRate]) {

@@ -1,75 +1,23 @@
 //! Reads one wheel as a function of its own travel and rack.
 //!
-//! Everything is in the kernel's frame of a left wheel; of a right wheel that is its mirror image.
+//! All of it is in the kernel's frame of a left wheel. A right wheel is read as its mirror image.
 
 use super::taylor::{Line, Taylor};
-use crate::characteristics::{Constants, Inputs, Slot, Slots, Wheel};
+use crate::characteristics::{
+    Constants, DesignWheel, Inputs, NumberPart, Slot, Slots, VectorPart, Wheel,
+};
 use crate::derive::{Linearised, MotionPoint, Seeds};
 use crate::mechanism::Configuration;
-use crate::model::{Drive, PointId};
+use crate::model::Drive;
 use crate::number::{Jet, Matrix3, Real, Tape, Tracked, Vector3, outlined};
-use std::ops::Range;
+use std::cell::Cell;
 
-/// Count of numbers that are read of a wheel.
-const PARTS: usize = 37;
-/// The most lines along which they are read, and the most coefficients along each.
+/// The most lines along which a wheel is read, the most coefficients along each, and the most numbers of a wheel.
 const MOST_LINES: usize = 4;
 const MOST_POWERS: usize = 4;
+const MOST_NUMBERS: usize = 37;
 
-pub(super) const CENTRE: usize = 0;
-/// The columns of the carrier's rotation, one after the other.
-const ROTATION: usize = 3;
-pub(super) const SPIN_AXIS: usize = 12;
-pub(super) const STEERING_POINT: usize = 15;
-pub(super) const STEERING_DIRECTION: usize = 18;
-pub(super) const SPRING: usize = 21;
-pub(super) const STRUT_UPPER: usize = 24;
-pub(super) const SPRING_LENGTH: usize = 27;
-pub(super) const ROCKER_ANGLE: usize = 28;
-pub(super) const BAR_ANGLE: usize = 29;
-/// From here on parts do not change in the motion.
-const DESIGN: usize = 30;
-pub(super) const DESIGN_SPIN_AXIS: usize = 30;
-pub(super) const DESIGN_CENTRE: usize = 33;
-const DESIGN_SPRING_LENGTH: usize = 36;
-
-/// The parts that a slot of the corner's catalogue is made of. All others come with every reading.
-fn parts_of(slot: Slot) -> Range<usize> {
-    match slot {
-        Slot::SpinAxis | Slot::SpinAxisRate => SPIN_AXIS..SPIN_AXIS + 3,
-        Slot::Centre | Slot::CentreRate => CENTRE..CENTRE + 3,
-        Slot::SteeringPoint => STEERING_POINT..STEERING_POINT + 3,
-        Slot::SteeringDirection | Slot::SteeringDirectionRate => {
-            STEERING_DIRECTION..STEERING_DIRECTION + 3
-        }
-        Slot::SpringLength | Slot::SpringLengthRate => SPRING_LENGTH..SPRING_LENGTH + 1,
-        Slot::Spring => SPRING..SPRING + 3,
-        Slot::RockerAngle => ROCKER_ANGLE..ROCKER_ANGLE + 1,
-        Slot::BarAngle | Slot::BarAngleRate => BAR_ANGLE..BAR_ANGLE + 1,
-        Slot::StrutUpper => STRUT_UPPER..STRUT_UPPER + 3,
-        Slot::Turn => ROTATION..ROTATION + 9,
-        Slot::DesignSpinAxis => DESIGN_SPIN_AXIS..DESIGN_SPIN_AXIS + 3,
-        Slot::DesignCentre => DESIGN_CENTRE..DESIGN_CENTRE + 3,
-    }
-}
-
-/// Slots whose seeds are vectors of parts, in the form the corner's catalogue seeds them.
-const SEEDED: [(Slot, usize); 12] = [
-    (Slot::Centre, CENTRE),
-    (Slot::SpinAxis, SPIN_AXIS),
-    (Slot::SteeringPoint, STEERING_POINT),
-    (Slot::SteeringDirection, STEERING_DIRECTION),
-    (Slot::Spring, SPRING),
-    (Slot::StrutUpper, STRUT_UPPER),
-    (Slot::SpringLength, SPRING_LENGTH),
-    (Slot::RockerAngle, ROCKER_ANGLE),
-    (Slot::BarAngle, BAR_ANGLE),
-    (Slot::DesignSpinAxis, DESIGN_SPIN_AXIS),
-    (Slot::DesignCentre, DESIGN_CENTRE),
-    (Slot::Turn, ROTATION),
-];
-
-/// What every axle reads of its wheels.
+/// Slots that every axle reads of its wheels.
 pub(super) const ALWAYS: &[Slot] = &[
     Slot::SpinAxis,
     Slot::Centre,
@@ -78,72 +26,112 @@ pub(super) const ALWAYS: &[Slot] = &[
     Slot::DesignCentre,
 ];
 
-/// Which parts are read.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// A wheel in one pose: its parts, the columns of its carrier's rotation, and its design.
+#[derive(Clone, Copy, Debug)]
+struct WheelPose<T> {
+    wheel: Wheel<T>,
+    rotation: [Vector3<T>; 3],
+    design: DesignWheel<T>,
+}
+
+impl<T: Copy> WheelPose<T> {
+    fn filled(number: T) -> Self {
+        let vector = Vector3::new(number, number, number);
+        WheelPose {
+            wheel: Wheel::of_parts(|_| vector, |_| number),
+            rotation: [vector; 3],
+            design: DesignWheel::filled(number),
+        }
+    }
+
+    /// The pose over another kind of number. `f` takes the numbers in a fixed order.
+    fn map<U>(&self, f: impl Fn(T) -> U + Copy) -> WheelPose<U> {
+        WheelPose {
+            wheel: self.wheel.map(f),
+            rotation: self.rotation.map(|column| column.map(f)),
+            design: self.design.map(f),
+        }
+    }
+}
+
+/// The parts that are read, and the order of their numbers on a tape.
+#[derive(Clone, Copy, Debug)]
 pub struct Parts {
     slots: Slots,
-    used: [bool; PARTS],
+    /// Place of each number that is read; `None` for the others.
+    places: WheelPose<Option<usize>>,
+    count: usize,
 }
 
 impl Parts {
     /// The parts of these slots, and those that every axle reads.
     pub fn of(slots: &[Slot]) -> Self {
-        let slots = Slots::default().with(ALWAYS).with(slots);
-        let mut used = [false; PARTS];
-        for slot in Slot::ALL.iter().filter(|slot| slots.contains(**slot)) {
-            used[parts_of(*slot)].fill(true);
+        let mut slots = Slots::default().with(ALWAYS).with(slots);
+        if slots.contain_either(Slot::SpringLength, Slot::SpringLengthRate) {
+            slots = slots.with(&[Slot::SpringLength, Slot::DesignSpringLength]);
         }
-        used[DESIGN_SPRING_LENGTH] = used[SPRING_LENGTH];
-        Parts { slots, used }
+        let vector = |part: VectorPart| match part {
+            VectorPart::SpinAxis => slots.contain_either(Slot::SpinAxis, Slot::SpinAxisRate),
+            VectorPart::Centre => slots.contain_either(Slot::Centre, Slot::CentreRate),
+            VectorPart::SteeringPoint => slots.contains(Slot::SteeringPoint),
+            VectorPart::SteeringDirection => {
+                slots.contain_either(Slot::SteeringDirection, Slot::SteeringDirectionRate)
+            }
+            VectorPart::Spring => slots.contains(Slot::Spring),
+            VectorPart::StrutUpper => slots.contains(Slot::StrutUpper),
+        };
+        let number = |part: NumberPart| match part {
+            NumberPart::SpringLength => slots.contains(Slot::SpringLength),
+            NumberPart::RockerAngle => slots.contains(Slot::RockerAngle),
+            NumberPart::BarAngle => slots.contain_either(Slot::BarAngle, Slot::BarAngleRate),
+        };
+        let all = |is_read: bool| Vector3::new(is_read, is_read, is_read);
+        let read = WheelPose {
+            wheel: Wheel::of_parts(|part| all(vector(part)), number),
+            rotation: [all(slots.contains(Slot::Turn)); 3],
+            design: DesignWheel {
+                spin_axis: all(slots.contains(Slot::DesignSpinAxis)),
+                centre: all(slots.contains(Slot::DesignCentre)),
+                spring_length: slots.contains(Slot::DesignSpringLength),
+            },
+        };
+        let next = Cell::new(0);
+        let places = read.map(|is_read: bool| {
+            let place = next.get();
+            next.set(place + is_read as usize);
+            is_read.then_some(place)
+        });
+        Parts {
+            slots,
+            places,
+            count: next.get(),
+        }
     }
 
-    /// Whether the steering axis is among them.
+    /// Returns true if the steering axis is among the parts.
     pub fn contain_steering_axis(&self) -> bool {
         self.slots.contain_steering_axis()
     }
-
-    fn indices(&self) -> impl Iterator<Item = usize> {
-        (0..PARTS).filter(|part| self.used[*part])
-    }
 }
 
-/// The parts along one line in travel and rack, as power series. What is not read is NaN.
+/// A wheel along one line in travel and rack, as power series. A part that is not read is NaN.
 #[derive(Clone, Copy, Debug)]
-pub struct Snapshot<const N: usize>([Jet<f64, N>; PARTS]);
+pub struct Snapshot<const N: usize>(WheelPose<Jet<f64, N>>);
 
 impl<const N: usize> Snapshot<N> {
     /// A snapshot with nothing read yet: all NaN.
     pub fn unknown() -> Self {
-        Snapshot([Jet::constant(f64::NAN); PARTS])
+        Snapshot(WheelPose::filled(Jet::constant(f64::NAN)))
     }
 
     /// Reads a configuration.
     pub fn of(at: &Configuration<Jet<f64, N>>, parts: &Parts) -> Self {
         let inputs = Inputs::without_rates(at, Constants::default(), parts.slots);
-        let mut values = [Jet::constant(f64::NAN); PARTS];
-        let mut set = |first: usize, v: Vector3<Jet<f64, N>>| {
-            values[first..first + 3].copy_from_slice(&v.to_array());
-        };
-        let Inputs { now, design, .. } = inputs;
-        set(CENTRE, now.centre);
-        for (i, column) in at.pose.rotation.columns.into_iter().enumerate() {
-            set(ROTATION + 3 * i, column);
-        }
-        set(SPIN_AXIS, now.spin_axis);
-        set(STEERING_POINT, now.steering_point);
-        set(STEERING_DIRECTION, now.steering_direction);
-        set(SPRING, now.spring);
-        set(STRUT_UPPER, now.strut_upper);
-        set(DESIGN_SPIN_AXIS, design.spin_axis);
-        set(DESIGN_CENTRE, design.centre);
-        values[SPRING_LENGTH] = now.spring_length;
-        values[ROCKER_ANGLE] = now.rocker_angle;
-        values[BAR_ANGLE] = now.bar_angle;
-        if let Some(spring) = at.mechanism.spring {
-            let along = at.designed(spring.upper) - at.designed(spring.lower);
-            values[DESIGN_SPRING_LENGTH] = along.norm();
-        }
-        Snapshot(values)
+        Snapshot(WheelPose {
+            wheel: inputs.now,
+            rotation: at.pose.rotation.columns,
+            design: inputs.design,
+        })
     }
 }
 
@@ -167,24 +155,81 @@ pub(super) fn along<const N: usize>(
     }
 }
 
-/// A wheel: its parts as functions of travel and rack.
+/// A wheel as a function of its travel and rack.
 #[derive(Clone, Copy, Debug)]
-pub struct Reading<T>([Taylor<T>; PARTS]);
+pub struct Reading<T> {
+    wheel: Wheel<Taylor<T>>,
+    /// Columns of the carrier's rotation from the design position.
+    rotation: [Vector3<Taylor<T>>; 3],
+    design: DesignWheel<T>,
+}
+
+impl<T: Real> Reading<T> {
+    /// The wheel whose moving numbers `moving` makes into polynomials, and whose fixed numbers `fixed` takes over.
+    fn made_of<U: Copy>(
+        pose: &WheelPose<U>,
+        moving: impl Fn(U) -> Taylor<T> + Copy,
+        fixed: impl Fn(U) -> T + Copy,
+    ) -> Self {
+        Reading {
+            wheel: pose.wheel.map(moving),
+            rotation: pose.rotation.map(|column| column.map(moving)),
+            design: pose.design.map(fixed),
+        }
+    }
+
+    /// The wheel about a point moved a little in travel; see [`Taylor::shifted`].
+    pub fn shifted(&self, travel: T) -> Self {
+        let shifted = |polynomial: Taylor<T>| polynomial.shifted(travel);
+        Reading {
+            wheel: self.wheel.map(shifted),
+            rotation: self.rotation.map(|column| column.map(shifted)),
+            design: self.design,
+        }
+    }
+}
 
 impl Reading<f64> {
-    /// The wheel as the series along the lines of [`Line::needed`] determine it.
+    /// The wheel that the series along the lines of [`Line::needed`] determine.
     pub fn of<const N: usize>(lines: &[Snapshot<N>]) -> Self {
-        let part = |part: usize| {
-            let mut series: [&[f64]; MOST_LINES] = [&[]; MOST_LINES];
-            for (series, line) in series.iter_mut().zip(lines) {
-                *series = &line.0[part].0;
-            }
-            match part {
-                DESIGN.. => Taylor::constant(series[0][0]),
-                _ => Taylor::through(&series[..lines.len()]),
-            }
+        let mut along = [WheelPose::filled(Jet::constant(f64::NAN)); MOST_LINES];
+        for (along, line) in along.iter_mut().zip(lines) {
+            *along = line.0;
+        }
+        let [first, second, third, fourth] = &along;
+        let pairs = zipped(&zipped(first, second), &zipped(third, fourth));
+        let moving = |((a, b), (c, d)): SeriesOfLines<N>| {
+            let series: [&[f64]; MOST_LINES] = [&a.0, &b.0, &c.0, &d.0];
+            Taylor::through(&series[..lines.len()])
         };
-        Reading(std::array::from_fn(part))
+        Reading::made_of(&pairs, moving, |((first, _), _): SeriesOfLines<N>| first[0])
+    }
+
+    /// Rotation of the carrier from the design position.
+    pub fn rotation(&self) -> Matrix3<f64> {
+        Matrix3 {
+            columns: [0, 1, 2].map(|i| self.column(i, [0, 0])),
+        }
+    }
+}
+
+/// The series of one number along up to four lines.
+type SeriesOfLines<const N: usize> = ((Jet<f64, N>, Jet<f64, N>), (Jet<f64, N>, Jet<f64, N>));
+
+/// Each number with its partner in another pose.
+fn zipped<T: Copy, U: Copy>(one: &WheelPose<T>, other: &WheelPose<U>) -> WheelPose<(T, U)> {
+    let pair = |a: T, b: U| (a, b);
+    let [x, y, z] = one.rotation;
+    let [u, v, w] = other.rotation;
+    let (a, b) = (&one.design, &other.design);
+    WheelPose {
+        wheel: one.wheel.zip(&other.wheel, pair),
+        rotation: [x.zip(u, pair), y.zip(v, pair), z.zip(w, pair)],
+        design: DesignWheel {
+            spin_axis: a.spin_axis.zip(b.spin_axis, pair),
+            centre: a.centre.zip(b.centre, pair),
+            spring_length: pair(a.spring_length, b.spring_length),
+        },
     }
 }
 
@@ -192,56 +237,51 @@ impl<const N: usize> Reading<Jet<f64, N>> {
     /// A wheel whose numbers are series in another variable than its motion. Its derivatives by travel and rack are
     /// unknown.
     pub fn without_rates(read: &Snapshot<N>) -> Self {
-        let part = |part: usize| match part {
-            DESIGN.. => Taylor::constant(read.0[part]),
-            _ => Taylor::through(&[&[read.0[part]]]),
-        };
-        Reading(std::array::from_fn(part))
+        let value = |series: Jet<f64, N>| Taylor::through(&[&[series]]);
+        Reading::made_of(&read.0, value, |series| series)
     }
 }
 
 impl<'t> Reading<Tracked<'t>> {
-    /// The wheel with every number an input on the tape, line by line, part by part, power by power.
+    /// The wheel with every number an input on the tape: line by line, part by part, power by power.
     pub fn on_tape<const N: usize>(tape: &'t Tape, lines: &[Snapshot<N>], parts: &Parts) -> Self {
         const { assert!(N <= MOST_POWERS) };
-        let mut inputs = [Tracked::constant(0.0); MOST_LINES * PARTS * MOST_POWERS];
-        let mut series = inputs.chunks_exact_mut(N);
-        for line in lines {
-            for (part, series) in parts.indices().zip(&mut series) {
-                for (input, value) in series.iter_mut().zip(line.0[part].0) {
-                    *input = tape.input(value);
+        let zero = Tracked::constant(0.0);
+        let mut inputs = [[zero; MOST_NUMBERS * MOST_POWERS]; MOST_LINES];
+        for (inputs, line) in inputs.iter_mut().zip(lines) {
+            let inputs = Cell::from_mut(&mut inputs[..]).as_slice_of_cells();
+            zipped(&parts.places, &line.0).map(|(place, series): (Option<usize>, Jet<f64, N>)| {
+                let Some(place) = place else { return };
+                for (input, value) in inputs[place * N..].iter().zip(series.0) {
+                    input.set(tape.input(value));
                 }
-            }
+            });
         }
-        Reading::of_inputs(&inputs, parts, lines.len(), N)
-    }
-
-    /// The wheel as these inputs on the tape determine it.
-    fn of_inputs(inputs: &[Tracked<'t>], parts: &Parts, lines: usize, powers: usize) -> Self {
-        let mut reading = [Taylor::unknown(Tracked::constant(0.0)); PARTS];
-        let count = parts.indices().count();
-        for (place, part) in parts.indices().enumerate() {
-            let series = |line: usize| &inputs[(line * count + place) * powers..][..powers];
-            let along: [&[Tracked]; MOST_LINES] = std::array::from_fn(series);
-            reading[part] = match part {
-                DESIGN.. => Taylor::constant(along[0][0]),
-                _ => Taylor::through(&along[..lines]),
+        let moving = |place: Option<usize>| {
+            let Some(place) = place else {
+                return Taylor::unknown(zero);
             };
-        }
-        Reading(reading)
+            let along = inputs.each_ref().map(|line| &line[place * N..][..N]);
+            Taylor::through(&along[..lines.len()])
+        };
+        let fixed = |place: Option<usize>| match place {
+            Some(place) => inputs[0][place * N],
+            None => zero.lit(f64::NAN),
+        };
+        Reading::made_of(&parts.places, moving, fixed)
     }
 }
 
 /// Count of numbers that a reading along `lines` lines puts on a tape.
 pub(super) fn inputs_on_tape<const N: usize>(parts: &Parts, lines: usize) -> usize {
-    parts.indices().count() * N * lines
+    parts.count * N * lines
 }
 
-/// The gradient by every hardpoint of an output whose derivatives by the numbers of one line are `by`, in
-/// the order of [`Reading::on_tape`]; added to `gradient`. `buffer` has a place for each point.
+/// Adds the gradient by every hardpoint of an output to `gradient`. `by` holds the output's derivatives by the numbers
+/// of one line, in the order of [`Reading::on_tape`]. `buffer` has a place for each point.
 ///
-/// An adjoint pass on series yields the series of S.u_p for any seed series S. With the derivative by the
-/// coefficient of e^k as the coefficient of e^(N-1-k) of S, the coefficient of e^(N-1) is the sum wanted.
+/// An adjoint pass on series yields the series of S.u_p for any seed series S. With the derivative by the coefficient of
+/// e^k as the coefficient of e^(N-1-k) of S, the coefficient of e^(N-1) is the wanted sum.
 pub(super) fn add_gradient<const N: usize>(
     linearised: &Linearised<'_, N>,
     parts: &Parts,
@@ -253,12 +293,10 @@ pub(super) fn add_gradient<const N: usize>(
         return;
     }
     let zero = Jet::constant(0.0);
-    let mut seeds = [zero; PARTS];
-    for (part, by) in parts.indices().zip(by.chunks_exact(N)) {
-        for (k, by) in by.iter().enumerate() {
-            seeds[part].0[N - 1 - k] = *by;
-        }
-    }
+    let seeds = parts.places.map(|place: Option<usize>| match place {
+        None => zero,
+        Some(place) => Jet(std::array::from_fn(|k| by[place * N + N - 1 - k])),
+    });
     buffer.fill(Vector3::new(zero, zero, zero));
     linearised.gradient(buffer, |sink| push(linearised, parts, &seeds, sink));
     for (total, series) in gradient.iter_mut().zip(buffer) {
@@ -266,66 +304,106 @@ pub(super) fn add_gradient<const N: usize>(
     }
 }
 
+/// Pushes the seeds of all parts that are read.
 fn push<const N: usize>(
     linearised: &Linearised<'_, N>,
     parts: &Parts,
-    seeds: &[Jet<f64, N>; PARTS],
+    seeds: &WheelPose<Jet<f64, N>>,
     sink: &mut Seeds<'_, '_, Jet<f64, N>>,
 ) {
-    let vector = |first: usize| Vector3::new(seeds[first], seeds[first + 1], seeds[first + 2]);
+    let WheelPose {
+        wheel,
+        rotation,
+        design,
+    } = seeds;
+    let places = &parts.places;
     let at = &linearised.at;
-    for (slot, first) in SEEDED {
-        let range = parts_of(slot);
-        if !parts.used[range.start] {
-            continue;
-        }
-        match slot {
-            // A turn d of the carrier moves a column c by d x c, so that g.(d x c) = d.(c x g).
-            Slot::Turn => {
-                for (i, column) in at.pose.rotation.columns.into_iter().enumerate() {
-                    sink.turn(column.cross(vector(first + 3 * i)));
-                }
-            }
-            _ if range.len() == 1 => {
-                let zero = Jet::constant(0.0);
-                slot.push(Vector3::new(seeds[first], zero, zero), at, sink);
-            }
-            _ => slot.push(vector(first), at, sink),
+    let zero = Jet::constant(0.0);
+    let number = |seed: Jet<f64, N>| Vector3::new(seed, zero, zero);
+    let vectors = [
+        (Slot::Centre, places.wheel.centre, wheel.centre),
+        (Slot::SpinAxis, places.wheel.spin_axis, wheel.spin_axis),
+        (
+            Slot::SteeringPoint,
+            places.wheel.steering_point,
+            wheel.steering_point,
+        ),
+        (
+            Slot::SteeringDirection,
+            places.wheel.steering_direction,
+            wheel.steering_direction,
+        ),
+        (Slot::Spring, places.wheel.spring, wheel.spring),
+        (
+            Slot::StrutUpper,
+            places.wheel.strut_upper,
+            wheel.strut_upper,
+        ),
+    ]
+    .map(|(slot, place, seed)| (slot, place.x, seed));
+    let numbers = [
+        (
+            Slot::SpringLength,
+            places.wheel.spring_length,
+            wheel.spring_length,
+        ),
+        (
+            Slot::RockerAngle,
+            places.wheel.rocker_angle,
+            wheel.rocker_angle,
+        ),
+        (Slot::BarAngle, places.wheel.bar_angle, wheel.bar_angle),
+    ]
+    .map(|(slot, place, seed)| (slot, place, number(seed)));
+    let of_design = [
+        (
+            Slot::DesignSpinAxis,
+            places.design.spin_axis.x,
+            design.spin_axis,
+        ),
+        (Slot::DesignCentre, places.design.centre.x, design.centre),
+    ];
+    let all = vectors.into_iter().chain(numbers).chain(of_design);
+    for (slot, place, seed) in all {
+        if place.is_some() {
+            slot.push(seed, at, sink);
         }
     }
-    if let (true, Some(spring)) = (parts.used[DESIGN_SPRING_LENGTH], at.mechanism.spring) {
-        let along = (at.designed(spring.upper) - at.designed(spring.lower)).normalised();
-        let by: Vector3<_> = along * seeds[DESIGN_SPRING_LENGTH];
-        let mut end = |id: PointId, by| sink.hardpoint(id, by);
-        end(spring.upper, by);
-        end(spring.lower, -by);
+    // A turn d of the carrier moves a column c by d x c, so that g.(d x c) = d.(c x g).
+    for (column, seed) in at.pose.rotation.columns.into_iter().zip(rotation) {
+        sink.turn(column.cross(*seed));
+    }
+    if places.design.spring_length.is_some() {
+        Slot::DesignSpringLength.push(number(design.spring_length), at, sink);
     }
 }
 
-/// What formulas read of one wheel: its parts as functions of its travel and the rack.
+/// The parts of one wheel as functions of its travel and the rack, for formulas.
 ///
-/// Vectors and twists are formed out of line, since formulas are full of them.
+/// Vectors and twists are formed out of line, because formulas use many of them.
 pub trait WheelParts<T: Real>: Copy {
-    /// The coefficient of a part with these powers of travel and rack; NaN where it is not known.
-    fn coefficient(&self, part: usize, powers: [usize; 2]) -> T;
+    /// A vector for powers `[0, 0]` of travel and rack, else its coefficient with these powers; NaN if it is unknown.
+    fn read_vector(&self, part: VectorPart, powers: [usize; 2]) -> Vector3<T>;
 
-    /// The value of a part.
-    #[inline(always)]
-    fn number(&self, part: usize) -> T {
-        self.coefficient(part, [0, 0])
-    }
+    /// A number for powers `[0, 0]` of travel and rack, else its coefficient with these powers; NaN if it is unknown.
+    fn number(&self, part: NumberPart, powers: [usize; 2]) -> T;
 
-    /// Three parts in a row as a vector, or their coefficients with these powers.
+    /// A column of the carrier's rotation, as [`WheelParts::read_vector`].
+    fn column(&self, i: usize, powers: [usize; 2]) -> Vector3<T>;
+
+    /// The wheel in the design position.
+    fn design(&self) -> DesignWheel<T>;
+
+    /// A number in the shape of the others.
+    fn like(&self) -> T;
+
+    /// The same as [`WheelParts::read_vector`], out of line.
     #[inline(always)]
-    fn vector(&self, first: usize, powers: [usize; 2]) -> Vector3<T> {
+    fn vector(&self, part: VectorPart, powers: [usize; 2]) -> Vector3<T> {
         outlined!(
             [T: Real, W: WheelParts<T>] self.like();
-            parts: &'p W = self, first: usize = first, powers: [usize; 2] = powers => Vector3<T> {
-                Vector3::new(
-                    parts.coefficient(first, powers),
-                    parts.coefficient(first + 1, powers),
-                    parts.coefficient(first + 2, powers),
-                )
+            parts: &'p W = self, part: VectorPart = part, powers: [usize; 2] = powers => Vector3<T> {
+                parts.read_vector(part, powers)
             }
         )
     }
@@ -333,55 +411,45 @@ pub trait WheelParts<T: Real>: Copy {
     /// Position of the wheel centre.
     #[inline(always)]
     fn centre(&self) -> Vector3<T> {
-        self.vector(CENTRE, [0, 0])
+        self.vector(VectorPart::Centre, [0, 0])
     }
 
-    /// How far the wheel centre is above its design position.
+    /// Height of the wheel centre above its design position.
     #[inline(always)]
     fn travel(&self) -> T {
-        self.centre().z - self.design_centre().z
+        self.centre().z - self.design().centre.z
     }
 
     /// Unit vector along the spin axis, outboard.
     #[inline(always)]
     fn spin_axis(&self) -> Vector3<T> {
-        self.vector(SPIN_AXIS, [0, 0])
-    }
-
-    /// Wheel centre in the design position.
-    #[inline(always)]
-    fn design_centre(&self) -> Vector3<T> {
-        self.vector(DESIGN_CENTRE, [0, 0])
-    }
-
-    /// Spin axis in the design position.
-    #[inline(always)]
-    fn design_spin_axis(&self) -> Vector3<T> {
-        self.vector(DESIGN_SPIN_AXIS, [0, 0])
+        self.vector(VectorPart::SpinAxis, [0, 0])
     }
 
     /// Length of spring or strut with its derivative by travel, and the length in the design position.
     #[inline(always)]
     fn spring_length(&self) -> (T, T, T) {
+        let part = NumberPart::SpringLength;
         (
-            self.number(SPRING_LENGTH),
-            self.coefficient(SPRING_LENGTH, [1, 0]),
-            self.number(DESIGN_SPRING_LENGTH),
+            self.number(part, [0, 0]),
+            self.number(part, [1, 0]),
+            self.design().spring_length,
         )
     }
 
     /// Angle of the anti-roll bar's lever and its derivative by travel.
     #[inline(always)]
     fn bar_angle(&self) -> (T, T) {
-        (self.number(BAR_ANGLE), self.coefficient(BAR_ANGLE, [1, 0]))
+        let part = NumberPart::BarAngle;
+        (self.number(part, [0, 0]), self.number(part, [1, 0]))
     }
 
     /// Point and direction of the steering axis.
     #[inline(always)]
     fn steering_axis(&self) -> (Vector3<T>, Vector3<T>) {
         (
-            self.vector(STEERING_POINT, [0, 0]),
-            self.vector(STEERING_DIRECTION, [0, 0]),
+            self.vector(VectorPart::SteeringPoint, [0, 0]),
+            self.vector(VectorPart::SteeringDirection, [0, 0]),
         )
     }
 
@@ -404,14 +472,13 @@ pub trait WheelParts<T: Real>: Copy {
         outlined!(
             [T: Real, W: WheelParts<T>] self.like();
             parts: &'p W = self, powers: [usize; 2] = powers => [Vector3<T>; 2] {
-                let rotation = parts.vector(ROTATION, [0, 0]);
-                let mut turn = rotation.cross(parts.vector(ROTATION, powers));
-                for first in [ROTATION + 3, ROTATION + 6] {
-                    let column = parts.vector(first, [0, 0]);
-                    turn = turn + column.cross(parts.vector(first, powers));
+                let first = parts.column(0, [0, 0]);
+                let mut turn = first.cross(parts.column(0, powers));
+                for i in [1, 2] {
+                    turn = turn + parts.column(i, [0, 0]).cross(parts.column(i, powers));
                 }
-                let half = rotation.x.lit(0.5);
-                [parts.vector(CENTRE, powers), turn * half]
+                let half = first.x.lit(0.5);
+                [parts.read_vector(VectorPart::Centre, powers), turn * half]
             }
         )
     }
@@ -419,23 +486,21 @@ pub trait WheelParts<T: Real>: Copy {
     /// The inputs of the characteristics catalogue.
     #[inline(always)]
     fn inputs(&self, constants: Constants) -> Inputs<T> {
-        let now = wheel(self, [0, 0]);
+        let wheel = |powers: [usize; 2]| {
+            Wheel::of_parts(
+                |part| self.vector(part, powers),
+                |part| self.number(part, powers),
+            )
+        };
         let [_, turn] = self.by_travel();
         Inputs {
-            design: Wheel {
-                spin_axis: self.design_spin_axis(),
-                centre: self.design_centre(),
-                ..now
-            },
-            now,
-            rate: wheel(self, [1, 0]),
+            now: wheel([0, 0]),
+            rate: wheel([1, 0]),
             turn,
+            design: self.design(),
             constants,
         }
     }
-
-    /// A number in the shape of the others.
-    fn like(&self) -> T;
 
     /// The wheel as series in a motion with these rates of travel and rack; `None` for a rack at rest. One degree less
     /// is known.
@@ -449,35 +514,36 @@ pub trait WheelParts<T: Real>: Copy {
     }
 }
 
-/// The wheel as the characteristics catalogue reads it: values for powers `[0, 0]`, derivatives for others.
-#[inline(always)]
-fn wheel<T: Real>(parts: &impl WheelParts<T>, powers: [usize; 2]) -> Wheel<T> {
-    Wheel {
-        spin_axis: parts.vector(SPIN_AXIS, powers),
-        centre: parts.vector(CENTRE, powers),
-        steering_point: parts.vector(STEERING_POINT, powers),
-        steering_direction: parts.vector(STEERING_DIRECTION, powers),
-        spring_length: parts.coefficient(SPRING_LENGTH, powers),
-        spring: parts.vector(SPRING, powers),
-        rocker_angle: parts.coefficient(ROCKER_ANGLE, powers),
-        bar_angle: parts.coefficient(BAR_ANGLE, powers),
-        strut_upper: parts.vector(STRUT_UPPER, powers),
-    }
-}
-
 impl<T: Real> WheelParts<T> for Reading<T> {
     #[inline(always)]
     fn like(&self) -> T {
-        self.0[CENTRE].coefficient([0, 0])
+        self.wheel.centre.x.coefficient([0, 0])
     }
 
     #[inline(always)]
-    fn coefficient(&self, part: usize, powers: [usize; 2]) -> T {
-        self.0[part].coefficient(powers)
+    fn read_vector(&self, part: VectorPart, powers: [usize; 2]) -> Vector3<T> {
+        self.wheel
+            .vector(part)
+            .map(|number| number.coefficient(powers))
+    }
+
+    #[inline(always)]
+    fn number(&self, part: NumberPart, powers: [usize; 2]) -> T {
+        self.wheel.number(part).coefficient(powers)
+    }
+
+    #[inline(always)]
+    fn column(&self, i: usize, powers: [usize; 2]) -> Vector3<T> {
+        self.rotation[i].map(|number| number.coefficient(powers))
+    }
+
+    #[inline(always)]
+    fn design(&self) -> DesignWheel<T> {
+        self.design
     }
 }
 
-/// A wheel that moves: its parts are formed as they are read.
+/// A wheel that moves. Its parts are formed when they are read.
 #[derive(Debug)]
 pub struct Moving<'w, W, T> {
     of: &'w W,
@@ -493,6 +559,22 @@ impl<W, T: Copy> Clone for Moving<'_, W, T> {
 
 impl<W, T: Copy> Copy for Moving<'_, W, T> {}
 
+impl<T: Real, W: WheelParts<T>> Moving<'_, W, T> {
+    /// A vector along the motion, from its coefficients.
+    #[inline(always)]
+    fn vector_series(
+        &self,
+        [i, j]: [usize; 2],
+        of: impl Fn([usize; 2]) -> Vector3<T>,
+    ) -> Vector3<Jet<T, 2>> {
+        let mut rate = of([i + 1, j]).map(|c| c.scaled((i + 1) as f64) * self.travel);
+        if let Some(rack) = self.rack {
+            rate = rate + of([i, j + 1]).map(|c| c.scaled((j + 1) as f64) * rack);
+        }
+        of([i, j]).with_rate(rate)
+    }
+}
+
 impl<T: Real, W: WheelParts<T>> WheelParts<Jet<T, 2>> for Moving<'_, W, T> {
     #[inline(always)]
     fn like(&self) -> Jet<T, 2> {
@@ -500,37 +582,27 @@ impl<T: Real, W: WheelParts<T>> WheelParts<Jet<T, 2>> for Moving<'_, W, T> {
     }
 
     #[inline(always)]
-    fn coefficient(&self, part: usize, [i, j]: [usize; 2]) -> Jet<T, 2> {
+    fn read_vector(&self, part: VectorPart, powers: [usize; 2]) -> Vector3<Jet<T, 2>> {
+        self.vector_series(powers, |powers| self.of.vector(part, powers))
+    }
+
+    #[inline(always)]
+    fn number(&self, part: NumberPart, [i, j]: [usize; 2]) -> Jet<T, 2> {
         let Moving { of, travel, rack } = self;
-        let value = of.coefficient(part, [i, j]);
-        if part >= DESIGN {
-            return Jet([value, value.zero()]);
-        }
-        let mut rate = of.coefficient(part, [i + 1, j]).scaled((i + 1) as f64) * *travel;
+        let mut rate = of.number(part, [i + 1, j]).scaled((i + 1) as f64) * *travel;
         if let Some(rack) = rack {
-            rate = rate + of.coefficient(part, [i, j + 1]).scaled((j + 1) as f64) * *rack;
+            rate = rate + of.number(part, [i, j + 1]).scaled((j + 1) as f64) * *rack;
         }
-        Jet([value, rate])
+        Jet([of.number(part, [i, j]), rate])
     }
-}
 
-impl<T: Real> Reading<T> {
-    /// The wheel about a point moved a little in travel; see [`Taylor::shifted`].
-    pub fn shifted(&self, travel: T) -> Self {
-        let part = |part: usize| match part {
-            DESIGN.. => self.0[part],
-            _ => self.0[part].shifted(travel),
-        };
-        Reading(std::array::from_fn(part))
+    #[inline(always)]
+    fn column(&self, i: usize, powers: [usize; 2]) -> Vector3<Jet<T, 2>> {
+        self.vector_series(powers, |powers| self.of.column(i, powers))
     }
-}
 
-/// The rotation of the carrier.
-impl Reading<f64> {
-    /// Rotation of the carrier from the design position.
-    pub fn rotation(&self) -> Matrix3<f64> {
-        Matrix3 {
-            columns: [0, 1, 2].map(|i| self.vector(ROTATION + 3 * i, [0, 0])),
-        }
+    #[inline(always)]
+    fn design(&self) -> DesignWheel<Jet<T, 2>> {
+        self.of.design().map(|value| Jet([value, value.zero()]))
     }
 }

@@ -626,10 +626,14 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         quantities: &[Quantity],
         by_rack: bool,
     ) -> Result<Self, (Side, DesignFault)> {
-        let slots: Vec<_> = quantities.iter().flat_map(|q| q.reads()).copied().collect();
+        let slots: Vec<_> = quantities
+            .iter()
+            .flat_map(|q| q.info().reads)
+            .copied()
+            .collect();
         let parts = Parts::of(&slots);
         let order = |q: &Quantity| q.rate_order();
-        let orders_by_rack = quantities.iter().filter(|q| q.takes_rack()).map(order);
+        let orders_by_rack = quantities.iter().filter(|q| q.info().by_rack).map(order);
         // Orders beyond those that the quantities need themselves are for derivatives along motions.
         let further = (N - 1).saturating_sub(quantities.iter().map(order).max().unwrap_or(0));
         let degree_with_rack = match by_rack {

@@ -1,28 +1,30 @@
-//! Anti-dive, anti-lift and anti-squat: how much of the load transfer in braking and driving goes
-//! through the arms instead of the springs.
+//! Anti-dive, anti-lift and anti-squat: the share of the load transfer that passes through the arms instead of the springs.
 //!
-//! By virtual work. A longitudinal force F acts on the tyre at the contact point C, and the wheel load changes by
-//! the load transfer N = F_total h/L. The torque of F about the spin axis a is taken either by the carrier
-//! (outboard brakes, hub motors, live axles), and the wheel moves as if locked to it; or by a shaft from the body
-//! (inboard brakes, drive shafts), and the wheel turns about a in its carrier so that it does not turn about a in
-//! the car. The point of the wheel at C then moves with
+//! The formulas follow from virtual work. A longitudinal force F acts on the tyre at the contact point C, and the wheel load
+//! changes by the load transfer N = F_total h/L. The torque of F about the spin axis a has one of two paths:
+//!
+//! - The carrier takes it (outboard brakes, hub motors, live axles). The wheel moves as if locked to the carrier.
+//! - A shaft from the body takes it (inboard brakes, drive shafts). The wheel turns about a in its carrier, so that it does
+//!   not turn about a in the car.
+//!
+//! The point of the wheel at C then moves with
 //!
 //! ```text
 //! by the carrier:  C' = W' + w x (C - W)
 //! by a shaft:      S' = W' + (w - (w.a) a) x (C - W)                                    (1)
 //! ```
 //!
-//! where W' and w are the velocity of the wheel centre and the angular velocity of the carrier by wheel travel.
-//! (The shaft is taken to lead along a: what its joints add where it does not is left out.) With V either of
-//! them, the springs are left with
+//! W' and w are the velocity of the wheel centre and the angular velocity of the carrier by wheel travel. (The shaft is assumed
+//! to lie along a. The effect of its joints at an angle is neglected.) With V either of them, the springs carry, upward on the
+//! wheel,
 //!
 //! ```text
 //! front, braking:  N - p F_total V_x/V_z      rear, braking:  -N - p F_total V_x/V_z
 //! front, drive:   -N + d F_total V_x/V_z      rear, drive:     N + d F_total V_x/V_z     (2)
 //! ```
 //!
-//! upward on the wheel, p and d being the axle's shares of the braking and of the drive force; V_x/V_z is the slope
-//! that a side view's instantaneous centre gives too. The percentages are what (2) is short of its load transfer.
+//! p and d are the axle's shares of the braking force and of the drive force. V_x/V_z is also the slope from a side view's
+//! instantaneous centre. The percentage is the part of the load transfer that is missing in (2).
 
 use super::instant_centre::CONTACT_VELOCITY;
 use super::{Inputs, Need, Unit, formulas};

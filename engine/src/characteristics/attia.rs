@@ -1,8 +1,7 @@
-//! The seed paper's kingpin and camber angles, under names of their own.
+//! The paper's kingpin and camber angles, under their own names.
 //!
-//! H. A. Attia, *Numerical Kinematic Analysis of the Standard Macpherson Motor-Vehicle Suspension
-//! System*, KSME International Journal 17 (2003), equations (16) and (17). They are what the paper
-//! defines, for comparison with it; an engineer who says kingpin inclination or camber means
+//! H. A. Attia, *Numerical Kinematic Analysis of the Standard Macpherson Motor-Vehicle Suspension System*, KSME International
+//! Journal 17 (2003), equations (16) and (17). They serve the comparison with the paper. The usual angles of an engineer are
 //! `kingpin_inclination` and `camber`.
 
 use super::{Need, Slot, Unit, formulas};

@@ -8,15 +8,15 @@ use crate::number::{Jet, Vector3};
 /// A force that carries a load. In the kernel's frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CarriedForce {
-    /// Where the load acts.
+    /// Point at which the load acts.
     pub at: LoadPoint,
     /// Force of the load.
     pub force: Vector3<f64>,
     /// Moment of the load, in units of force times length.
     pub moment: Vector3<f64>,
-    /// What keeps the suspension from moving under it.
+    /// Support that keeps the suspension from moving under the load.
     pub support: Support,
-    /// Which of the forces that carry the load.
+    /// The reaction.
     pub what: Carried,
 }
 
@@ -29,7 +29,7 @@ impl CarriedForce {
         self.support.rocker(mechanism)
     }
 
-    /// Its value along the series of a balance with its support, that `view` reads as well.
+    /// Value of the reaction along the series of a balance with its support, which `view` must have read.
     pub fn value<const N: usize>(
         &self,
         view: &WheelReading<N>,

@@ -2,11 +2,11 @@
 
 use crate::model::{AxlePosition, Suspension, TorquePath};
 
-/// Plain figures of the study that formulas read. Zero where the study does not give them; the plan
-/// sees to it that no formula is asked for without its [`super::Need`]s.
+/// Plain figures of the study that formulas read. A figure that the study does not give is zero. The plan ensures that no
+/// formula runs without its [needs](crate::ask::Need).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Constants {
-    /// Size of the mechanism as drawn.
+    /// Size of the mechanism in the design position.
     pub size: f64,
     /// Loaded radius of the wheel.
     pub wheel_radius: f64,
@@ -14,7 +14,7 @@ pub struct Constants {
     pub wheelbase: f64,
     /// Height of the centre of gravity.
     pub cg_height: f64,
-    /// Whether the axle is the front one.
+    /// True if the axle is the front axle.
     pub is_front: bool,
     /// This axle's share of the braking force.
     pub brake_share: f64,

@@ -1,10 +1,11 @@
 //! Gains: derivatives of the angles by wheel travel.
 //!
-//! A gain runs its angle's own formula on a first-order jet along the motion, so there is no second
-//! formula that could differ, and divides by the rise of the wheel centre. That makes it a derivative
-//! by wheel travel whatever drives the mechanism.
+//! A gain runs its angle's own formula on a first-order jet along the motion, so no second formula can differ. It divides by
+//! the rise of the wheel centre. It is therefore a derivative by wheel travel for any drive.
 
-use super::{Characteristic, Constants, Formula, Info, Inputs, Slot, Unit, Wheel, angles};
+use super::{
+    Characteristic, Constants, DesignWheel, Formula, Info, Inputs, Slot, Unit, Wheel, angles,
+};
 use crate::number::{Dual, Jet, Matrix3, Real, Vector3, outlined};
 use std::marker::PhantomData;
 
@@ -14,8 +15,8 @@ fn by_travel<F: Formula, T: Real>(inputs: &Inputs<T>) -> T {
     slope::<F, T>(inputs, rate.spin_axis, rate.steering_direction) / rate.centre.z
 }
 
-/// The rate of an angle while spin axis and steering direction change at these rates. An angle reads one of the two
-/// directions and nothing else.
+/// Rate of an angle when spin axis and steering direction change at these rates. An angle reads only one of the two
+/// directions.
 #[inline(always)]
 fn slope<F: Formula, T: Real>(
     inputs: &Inputs<T>,
@@ -56,7 +57,7 @@ fn of_directions<T: Real>(
         },
         rate: nothing,
         turn: nothing.centre,
-        design: nothing,
+        design: DesignWheel::filled(nothing.centre.x),
         constants: Constants::default(),
     }
 }
@@ -77,7 +78,7 @@ macro_rules! of_angle {
     };
 }
 
-/// Whether this is one of the four angles.
+/// Returns true if this is one of the four angles.
 pub(super) fn is_angle(c: Characteristic) -> bool {
     of_angle!(c, Angle => Angle::INFO.name).is_some()
 }
@@ -139,7 +140,7 @@ fn slope_outlined<F: Formula, T: Real>(inputs: &Inputs<T>, direction: Vector3<T>
     )
 }
 
-/// The gains, a line each: of which angle, its name, what is positive, the formula, and what it reads.
+/// Defines the gains, a line each: the angle, the name, the meaning of a positive value, the formula, and the inputs.
 macro_rules! gains {
     ($($gain:ident, $angle:ident, $name:literal, $positive:literal, $formula:literal, $slot:ident, $rate:ident;)*) => {
         $(
@@ -154,7 +155,9 @@ macro_rules! gains {
                     source: "derivative of the angle by wheel travel, from the velocity analysis",
                     reads: &[Slot::$slot, Slot::$rate, Slot::CentreRate],
                     needs: <angles::$angle as Formula>::INFO.needs,
-                };
+                    ..Info::EMPTY
+                }
+                .of_wheel();
                 #[inline(always)]
                 fn evaluate<T: Real>(inputs: &Inputs<T>) -> T {
                     by_travel::<angles::$angle, T>(inputs)

@@ -1,28 +1,27 @@
 //! Roll centre and swing arms, from the velocity of the contact point.
 //!
-//! C' is the velocity of the knuckle-fixed point at the contact point C and w the knuckle's angular
-//! velocity. In front view the instantaneous centre is the point whose velocity has no y and z
-//! component, so it lies w_x (y_C - y_ic) = C_z' inboard of C; in side view w_y (x_ic - x_C) = C_z'.
-//! All are taken from the true velocities, tie rod included; the construction with arm planes leaves
-//! the tie rod out and can differ by tens of millimetres.
+//! C' is the velocity of the knuckle-fixed point at the contact point C, and w is the knuckle's angular velocity. In front view
+//! the velocity of the instantaneous centre has no y and z component, so it lies w_x (y_C - y_ic) = C_z' inboard of C. In side
+//! view w_y (x_ic - x_C) = C_z'. All are taken from the true velocities, including the tie rod. The construction with arm
+//! planes ignores the tie rod and can differ by tens of millimetres.
 //!
-//! A wheel that does not turn in a view has its centre at infinity. What is computed of its angular velocity is rounding
-//! then, and a centre made of it would be anywhere: [`turning`] tells the two apart.
+//! A wheel that does not turn in a view has its centre at infinity. Its computed angular velocity is then rounding, and a
+//! centre from it could be anywhere. [`turning`] separates the two cases.
 
 use super::{Constants, Formula, Inputs, Need, Slot, Slots, Unit, WheelReading, formulas};
 use crate::mechanism::Configuration;
 use crate::model::Suspension;
 use crate::number::{Jet, Real, Vector3};
 
-/// What the velocity of the contact point depends on.
+/// Inputs of the velocity of the contact point.
 pub(super) const CONTACT_VELOCITY: &[Slot] = &[Slot::SpinAxis, Slot::CentreRate, Slot::Turn];
 
-/// How far away an instantaneous centre is told from one at infinity, in sizes of the mechanism. Rounding leaves a wheel
-/// that does not turn about 1e-16 of a turn over that size, and in badly conditioned poses up to a million times as much.
+/// Largest distance of an instantaneous centre, in sizes of the mechanism; a farther one counts as infinite. Rounding gives a
+/// wheel that does not turn about 1e-16 of a turn over the size, and up to a million times as much in badly conditioned poses.
 const FARTHEST_CENTRE: f64 = 1e10;
 
-/// The angular velocity in one view, in which the contact point has these velocities. It is zero, by which nothing can be
-/// divided, where the instantaneous centre would be farther than [`FARTHEST_CENTRE`].
+/// Angular velocity in one view, in which the contact point has these velocities. It is zero if the instantaneous centre is
+/// farther than [`FARTHEST_CENTRE`].
 #[inline(always)]
 fn turning<T: Real>(turn: T, velocity: [T; 2], size: f64) -> T {
     let [first, second] = velocity;

@@ -1,13 +1,11 @@
-//! The catalogue of wheel characteristics: name, unit, sign, what it depends on, one formula each.
+//! The catalogue of wheel characteristics: for each a name, a unit, a sign, its inputs and one formula.
 //!
-//! The catalogue drives everything that speaks of characteristics: validation of studies, the plan,
-//! column names, tables. A formula is written once, over [`Real`]; its derivatives by travel and by
-//! hardpoint come from running the same formula on other numbers. A new characteristic is one type in
-//! one of the files below and one line in `catalogue!`.
+//! The catalogue drives everything that names characteristics: validation of studies, the plan, column names, tables. A
+//! formula is written once, over [`Real`]. Running it on other numbers gives its derivatives by travel and by hardpoint. A new
+//! characteristic is one type in one of the files below and one line in `catalogue!`.
 //!
-//! Everything here is in the kernel's frame (a left wheel, x forward, y left and so outboard, z up);
-//! angles are in radians and lengths in the study's unit. Signs are therefore those of the table in
-//! [`Info::positive`], whichever side and axes the study uses.
+//! Everything here is in the kernel's frame: a left wheel, x forward, y left (outboard), z up. Angles are in radians and
+//! lengths in the study's unit. Signs therefore follow [`Info::positive`], for any side and axes of the study.
 
 mod angles;
 mod anti;
@@ -25,10 +23,10 @@ mod spring;
 mod steering;
 mod track;
 mod undefined;
-mod unit;
 mod wheel;
 mod wheel_reading;
 
+use crate::ask::{Info, Need, Unit, with_unit};
 pub use attia::{attia_camber, attia_kingpin};
 pub use carried::CarriedForce;
 pub use constants::Constants;
@@ -37,122 +35,13 @@ pub use lanes::{ByDirections, LaneInputs, LaneReader, LaneWheels};
 pub(crate) use measure::{Input, Vectors};
 pub use measure::{Measure, Stud};
 pub use quantity::Quantity;
-pub use unit::{Unit, with_unit};
-pub use wheel::{Inputs, Slot, Slots, Wheel};
+pub use wheel::{DesignWheel, Inputs, Slot, Slots, Wheel};
+pub(crate) use wheel::{NumberPart, VectorPart};
 pub use wheel_reading::WheelReading;
 
-use crate::model::{AxlePosition, Suspension};
+use crate::model::{LengthUnit, Suspension};
 use crate::number::{Dual, Real, Vector3, outlined};
 use std::marker::PhantomData;
-
-/// A figure beyond the hardpoints that a characteristic cannot do without.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Need {
-    /// `[wheel] radius`.
-    WheelRadius,
-    /// `[vehicle] wheelbase`.
-    Wheelbase,
-    /// `[vehicle] cg_height`.
-    CgHeight,
-    /// A braked front axle: `position`, `brakes` and `brake_share_front` in `[vehicle]`.
-    FrontBraking,
-    /// A driven rear axle: `position`, `drive_torque` and `drive_share_front`.
-    RearDrive,
-    /// A braked rear axle, or a driven front one.
-    RearBrakingOrFrontDrive,
-    /// A spring or strut in the topology.
-    Spring,
-    /// A rocker with its pushrod or pullrod.
-    Rocker,
-    /// An anti-roll bar with its drop link.
-    AntiRollBar,
-    /// A steering axis in the topology: a wheel that can be steered, or held against steering.
-    SteeringAxis,
-    /// `strut_upper` in `[suspension.hardpoints]`.
-    StrutUpper,
-}
-
-impl Need {
-    /// Whether a suspension has what is needed.
-    pub fn met_by(self, suspension: &Suspension) -> bool {
-        let (mechanism, vehicle) = (&suspension.mechanism, &suspension.vehicle);
-        let is_at = |axle: AxlePosition| vehicle.position == Some(axle);
-        // The share of this axle.
-        let has_share = |of_front: Option<f64>| match is_at(AxlePosition::Front) {
-            true => of_front.is_some_and(|share| share > 0.0),
-            false => of_front.is_some_and(|share| share < 1.0),
-        };
-        let is_braked = vehicle.brakes.is_some() && has_share(vehicle.brake_share_front);
-        let is_driven = vehicle.drive_torque.is_some() && has_share(vehicle.drive_share_front);
-        match self {
-            Need::WheelRadius => suspension.wheel_radius.is_some(),
-            Need::Wheelbase => vehicle.wheelbase.is_some(),
-            Need::CgHeight => vehicle.cg_height.is_some(),
-            Need::FrontBraking => is_at(AxlePosition::Front) && is_braked,
-            Need::RearDrive => is_at(AxlePosition::Rear) && is_driven,
-            Need::RearBrakingOrFrontDrive => {
-                (is_at(AxlePosition::Rear) && is_braked)
-                    || (is_at(AxlePosition::Front) && is_driven)
-            }
-            Need::Spring => mechanism.spring.is_some(),
-            Need::Rocker => mechanism.spring_rocker().is_some(),
-            Need::AntiRollBar => mechanism.anti_roll_bar().is_some(),
-            Need::SteeringAxis => mechanism.steering_axis.is_some(),
-            Need::StrutUpper => mechanism.strut_upper().is_some(),
-        }
-    }
-}
-
-impl Need {
-    /// What is needed, in words.
-    pub fn words(self) -> &'static str {
-        match self {
-            Need::WheelRadius => "the radius of the wheel",
-            Need::Wheelbase => "the wheelbase of the vehicle",
-            Need::CgHeight => "the height of the vehicle's centre of gravity",
-            Need::FrontBraking => "a braked front axle with its share of the braking",
-            Need::RearDrive => "a driven rear axle with its share of the drive",
-            Need::RearBrakingOrFrontDrive => "a braked rear axle or a driven front axle",
-            Need::Spring => "a spring or strut",
-            Need::Rocker => "a rocker with its pushrod or pullrod",
-            Need::AntiRollBar => "an anti-roll bar with its drop link",
-            Need::SteeringAxis => "a steering axis",
-            Need::StrutUpper => "the hardpoint strut_upper",
-        }
-    }
-}
-
-/// What the catalogue says of a characteristic.
-#[derive(Clone, Copy, Debug)]
-pub struct Info {
-    /// Name in studies and column names.
-    pub name: &'static str,
-    /// Kind of quantity.
-    pub unit: Unit,
-    /// When it is positive.
-    pub positive: &'static str,
-    /// The formula in the notation of the manual.
-    pub formula: &'static str,
-    /// Where the definition comes from.
-    pub source: &'static str,
-    /// What the formula reads.
-    pub reads: &'static [Slot],
-    /// What a study must give for it.
-    pub needs: &'static [Need],
-}
-
-impl Info {
-    /// Whether the formula reads velocities, so that the pose must be known with its rates.
-    #[inline]
-    pub fn reads_rates(&self) -> bool {
-        self.reads.iter().any(|slot| slot.is_rate())
-    }
-
-    /// Whether the formula reads the steering axis.
-    pub fn reads_steering_axis(&self) -> bool {
-        Slots::default().with(self.reads).contain_steering_axis()
-    }
-}
 
 /// One characteristic: its entry in the catalogue and its formula.
 trait Formula {
@@ -166,7 +55,8 @@ macro_rules! formulas {
         $(#[$about])*
         pub(super) struct $name;
         impl $crate::characteristics::Formula for $name {
-            const INFO: $crate::characteristics::Info = $crate::characteristics::Info { $($entry)* };
+            const INFO: $crate::ask::Info =
+                $crate::ask::Info { $($entry)* ..$crate::ask::Info::EMPTY }.of_wheel();
             #[inline(always)]
             fn evaluate<T: $crate::number::Real>($inputs: &$crate::characteristics::Inputs<T>) -> T {
                 $value
@@ -259,6 +149,12 @@ catalogue! {
 pub type Gradient<T> = [Vector3<T>; Slot::MOST];
 
 impl Characteristic {
+    /// The column name: the characteristic with its unit, like `camber_deg`.
+    pub fn column(self, length: LengthUnit) -> String {
+        let info = self.info();
+        with_unit(info.name, &info.unit.suffix(length))
+    }
+
     /// The characteristic of this name.
     pub fn named(name: &str) -> Option<Characteristic> {
         Self::ALL.iter().find(|c| c.info().name == name).copied()
@@ -286,8 +182,8 @@ fn gradient_of<F: Formula, T: Real>(inputs: &Inputs<T>) -> Gradient<T> {
     let (zero, one) = (inputs.turn.x.zero(), inputs.turn.x.one());
     let mut seeded = match size_of::<T>() > size_of::<f64>() {
         true => constants(inputs, F::INFO.reads),
-        // In place the compiler leaves out what is not read: a Jacobian takes a fifth less. Of long series that would be
-        // code for seconds of compiling.
+        // Inlined, the compiler drops unread numbers, and a Jacobian takes a fifth less. For long series, inlining would take seconds
+        // of compile time.
         false => constants_here(inputs, F::INFO.reads),
     };
     let mut gradient = [inputs.turn.zero(); Slot::MOST];
@@ -331,8 +227,8 @@ mod tests {
         }
     }
 
-    /// A formula must not read what it does not declare: changing anything undeclared leaves the value
-    /// as it is, changing what is declared moves it.
+    /// A formula reads only its declared inputs: a change of any other input leaves the value, a change of a declared input moves
+    /// it.
     #[test]
     fn declared_dependencies_are_the_true_ones() {
         let plain = wheel::tests::sample();

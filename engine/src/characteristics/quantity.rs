@@ -1,11 +1,11 @@
-//! Something that has a value in every pose.
+//! Quantities that have a value in every pose.
 
 use super::gains::angle_of_gain;
 use super::reading::Asked;
 use super::{Characteristic, Slot, Slots};
 use crate::model::{Axis, Mechanism, PointId, RockerId};
 
-/// Something that has a value in every pose. In the kernel's frame.
+/// A quantity that has a value in every pose, in the kernel's frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Quantity {
     /// A wheel characteristic.
@@ -29,7 +29,7 @@ impl Quantity {
         }
     }
 
-    /// The slots that the value is made of; none for coordinates, which are read off the configuration directly.
+    /// Slots that the formula reads; none for coordinates, which are read directly from the configuration.
     #[inline]
     pub fn reads(self) -> &'static [Slot] {
         match self {
@@ -49,13 +49,13 @@ impl Quantity {
         asked.rockers(mechanism).collect()
     }
 
-    /// Whether the quantity is a derivative by the drive as it stands, so that a change of the drive
-    /// changes its value. (Characteristics made of velocities are ratios of them.)
+    /// Returns true if the quantity is a derivative by the drive itself, so that another drive changes its value. (Characteristics
+    /// made of velocities are ratios of them.)
     pub fn is_rate(self) -> bool {
         matches!(self, Quantity::AngularVelocity(_))
     }
 
-    /// Whether the quantity is the derivative of an angle by travel.
+    /// Returns true if the quantity is the derivative of an angle by travel.
     pub fn is_gain(self) -> bool {
         match self {
             Quantity::Characteristic(c) => angle_of_gain(c).is_some(),

@@ -1,12 +1,11 @@
-//! The values that the slots of formulas have in a pose.
+//! Values of the slots of formulas in a pose.
 //!
-//! Written once, for every kind of number and of pose: [`Posed`] is what a pose has to tell of its parts, and
-//! [`Inputs::read`] puts together from it what formulas read. A configuration tells it in numbers of any kind (as series its
-//! parts have their velocities with them), and the poses of many designs in lanes have ways of their own, which are
-//! cheaper. What is not read stays as it was made, not a number, so that a formula which reads more than it declares has
-//! no value.
+//! This is written once for every kind of number and of pose. [`Posed`] gives the parts of a pose, and [`Inputs::read`] puts the
+//! inputs of formulas together from them. A configuration gives them in numbers of any kind; series contain the velocities.
+//! Poses of many designs in lanes have their own, cheaper way. A slot that is not read remains NaN, so a formula that reads an
+//! undeclared slot has no value.
 
-use super::{Constants, Inputs, Slot, Slots, Wheel};
+use super::{Constants, DesignWheel, Inputs, Slot, Slots, Wheel};
 use crate::derive::DesignedSpinAxis;
 use crate::mechanism::Configuration;
 use crate::model::{Mechanism, PointId, RockerId};
@@ -79,12 +78,12 @@ impl<T: Real> Inputs<T> {
             now: wheel,
             rate: wheel,
             turn: wheel.centre,
-            design: wheel,
+            design: DesignWheel::filled(nothing),
             constants,
         }
     }
 
-    /// Reads these slots off a pose, with their derivatives if the pose knows them.
+    /// Reads these slots from a pose, with their derivatives if the pose knows them.
     #[inline(always)]
     pub(super) fn read(&mut self, pose: &mut impl Posed<T>, mechanism: &Mechanism, slots: Slots) {
         let Inputs { now, rate, .. } = self;
@@ -150,6 +149,12 @@ impl<T: Real> Inputs<T> {
         if slots.contains(Slot::DesignCentre) {
             self.design.centre = design[mechanism.wheel_centre.0];
         }
+        if slots.contains(Slot::DesignSpringLength)
+            && let Some(spring) = mechanism.spring
+        {
+            let along = design[spring.upper.0] - design[spring.lower.0];
+            self.design.spring_length = along.norm();
+        }
     }
 
     /// Reads these slots off a configuration without its rates. The rates, and everything that is not among the slots,
@@ -160,7 +165,7 @@ impl<T: Real> Inputs<T> {
         Inputs::of_configuration(at, nothing, constants, slots)
     }
 
-    /// As [`Inputs::standing`], with `nothing` in place of NaN.
+    /// The same as [`Inputs::without_rates`], with `nothing` instead of NaN.
     #[inline(always)]
     pub(super) fn of_configuration(
         at: &Configuration<T>,
@@ -198,7 +203,7 @@ impl<T: Real> Posed<T> for &Configuration<'_, T> {
     }
 }
 
-/// A pose without numbers that notes which parts it is asked for.
+/// A pose without numbers that records the requested parts.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Asked {
     pub(super) points: Vec<PointId>,
@@ -255,7 +260,7 @@ mod tests {
     use std::cell::Cell;
     use std::path::Path;
 
-    /// A slot asked for alone is a number in the place where formulas read it, in a suspension that has its part.
+    /// Each slot, requested alone, puts a number where formulas read it, in a suspension that has its part.
     #[test]
     fn every_slot_is_read_to_where_it_is_kept() {
         let studies = Path::new(env!("CARGO_MANIFEST_DIR")).join("../studies");

@@ -6,7 +6,7 @@ use crate::mechanism::Configuration;
 use crate::number::{Outlined, Real, Vector3};
 
 impl Slot {
-    /// Adds a seed for what the slot reads; a rate's slot seeds what it is the rate of.
+    /// Adds a seed for the part behind the slot. The slot of a rate seeds the part itself.
     #[inline(always)]
     pub(crate) fn push<T: Real, G: Gradient<T> + ?Sized>(
         self,
@@ -109,6 +109,14 @@ impl<T: Real, G: Gradient<T> + ?Sized> Outlined for Pushing<'_, '_, '_, '_, T, G
             Slot::Turn => seeds.turn(seed),
             Slot::DesignSpinAxis => seeds.designed_spin_axis(seed),
             Slot::DesignCentre => seeds.hardpoint(mechanism.wheel_centre, seed),
+            Slot::DesignSpringLength => {
+                if let Some(spring) = mechanism.spring {
+                    let along = at.designed(spring.upper) - at.designed(spring.lower);
+                    let by = along.normalised() * seed.x;
+                    seeds.hardpoint(spring.upper, by);
+                    seeds.hardpoint(spring.lower, -by);
+                }
+            }
         }
     }
 }

@@ -1,7 +1,7 @@
-//! Where the steering axis lies beside the wheel.
+//! Position of the steering axis relative to the wheel.
 //!
-//! W wheel centre, C contact point, G where the steering axis meets the ground plane through C,
-//! T heading of the wheel in the ground plane, O outboard in the ground plane, normal to T.
+//! W is the wheel centre, C the contact point, G the point where the steering axis meets the ground plane through C, T the
+//! heading of the wheel in the ground plane, and O the outboard direction in the ground plane, normal to T.
 
 use super::{Inputs, Need, Slot, Unit, formulas};
 use crate::number::{Real, Vector3};
@@ -49,7 +49,7 @@ formulas! {
         contact_to_axis(inputs).dot(heading)
     };
 
-    /// Where the steering axis meets the ground, along the car.
+    /// Longitudinal position of the point where the steering axis meets the ground.
     SteeringAxisAtGroundLongitudinal {
         name: "steering_axis_at_ground_longitudinal",
         unit: Unit::Length,
@@ -60,7 +60,7 @@ formulas! {
         needs: &[Need::WheelRadius, Need::SteeringAxis],
     } = |inputs| inputs.now.steering_axis_at(inputs.contact_point().z).x;
 
-    /// Where it meets the ground, across the car.
+    /// Lateral position of that point.
     SteeringAxisAtGroundLateral {
         name: "steering_axis_at_ground_lateral",
         unit: Unit::Length,

@@ -3,7 +3,7 @@
 use super::Characteristic;
 
 impl Characteristic {
-    /// Where the formula has no value, as the end of a sentence.
+    /// Condition under which the formula has no value, as the end of a sentence.
     pub fn undefined_where(self) -> &'static str {
         use Characteristic as C;
         match self {

@@ -1,30 +1,156 @@
-//! What the formulas read: the wheel, its steering axis and their rates.
+//! Inputs of formulas: the wheel, its steering axis and their rates.
 
 use super::Constants;
 use crate::mechanism::Ground;
 use crate::number::{Dual, Jet, Real, Vector3};
 
-/// Wheel and steering axis in one position, or their rates.
+/// The parts of a wheel, a line each: [`Wheel`] with its fields, and the names of these fields as data.
+macro_rules! wheel {
+    (
+        vectors { $($(#[$about_vector:meta])* $vector:ident: $Vector:ident;)* }
+        numbers { $($(#[$about_number:meta])* $number:ident: $Number:ident;)* }
+    ) => {
+        /// Wheel and steering axis in one position, or their derivatives. A part that is not read is NaN.
+        #[derive(Clone, Copy, Debug, PartialEq)]
+        pub struct Wheel<T> {
+            $($(#[$about_vector])* pub $vector: Vector3<T>,)*
+            $($(#[$about_number])* pub $number: T,)*
+        }
+
+        /// A part of a wheel that is a vector.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub enum VectorPart {
+            $($(#[$about_vector])* $Vector,)*
+        }
+
+        /// A part of a wheel that is a number.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub enum NumberPart {
+            $($(#[$about_number])* $Number,)*
+        }
+
+        impl<T> Wheel<T> {
+            /// The wheel with the parts that these functions return.
+            #[inline(always)]
+            pub(crate) fn of_parts(
+                vector: impl Fn(VectorPart) -> Vector3<T>,
+                number: impl Fn(NumberPart) -> T,
+            ) -> Self {
+                Wheel {
+                    $($vector: vector(VectorPart::$Vector),)*
+                    $($number: number(NumberPart::$Number),)*
+                }
+            }
+        }
+
+        impl<T: Copy> Wheel<T> {
+            /// A part that is a vector.
+            #[inline(always)]
+            pub(crate) fn vector(&self, part: VectorPart) -> Vector3<T> {
+                match part {
+                    $(VectorPart::$Vector => self.$vector,)*
+                }
+            }
+
+            /// A part that is a number.
+            #[inline(always)]
+            pub(crate) fn number(&self, part: NumberPart) -> T {
+                match part {
+                    $(NumberPart::$Number => self.$number,)*
+                }
+            }
+
+            /// The wheel over another kind of number. `f` takes vectors first, in the order of the fields.
+            #[inline(always)]
+            pub fn map<U>(&self, f: impl Fn(T) -> U + Copy) -> Wheel<U> {
+                Wheel {
+                    $($vector: self.$vector.map(f),)*
+                    $($number: f(self.$number),)*
+                }
+            }
+
+            /// The wheel of each number and its partner in another wheel.
+            #[inline(always)]
+            pub(crate) fn zip<U: Copy, V>(
+                &self,
+                other: &Wheel<U>,
+                f: impl Fn(T, U) -> V + Copy,
+            ) -> Wheel<V> {
+                Wheel {
+                    $($vector: self.$vector.zip(other.$vector, f),)*
+                    $($number: f(self.$number, other.$number),)*
+                }
+            }
+        }
+    };
+}
+
+wheel! {
+    vectors {
+        /// Unit vector along the spin axis, outboard.
+        spin_axis: SpinAxis;
+        /// Wheel centre.
+        centre: Centre;
+        /// A point of the steering axis.
+        steering_point: SteeringPoint;
+        /// Upward vector along the steering axis, of any length.
+        steering_direction: SteeringDirection;
+        /// Vector from the lower end of the spring or strut to its upper end.
+        spring: Spring;
+        /// The upper of the two knuckle points that give a strut its axis.
+        strut_upper: StrutUpper;
+    }
+    numbers {
+        /// Length of the spring or strut.
+        spring_length: SpringLength;
+        /// Angle of the spring's rocker from its design position.
+        rocker_angle: RockerAngle;
+        /// Angle of the anti-roll bar's lever from its design position.
+        bar_angle: BarAngle;
+    }
+}
+
+/// The wheel in the design position. A part that is not read is NaN.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Wheel<T> {
+pub struct DesignWheel<T> {
     /// Unit vector along the spin axis, outboard.
     pub spin_axis: Vector3<T>,
     /// Wheel centre.
     pub centre: Vector3<T>,
-    /// A point of the steering axis.
-    pub steering_point: Vector3<T>,
-    /// Along the steering axis, upward; not normalised.
-    pub steering_direction: Vector3<T>,
-    /// Length of the spring or strut; zero where there is none.
+    /// Length of the spring or strut.
     pub spring_length: T,
-    /// From the lower end of the spring or strut to its upper end.
-    pub spring: Vector3<T>,
-    /// Angle of the spring's rocker from its design position.
-    pub rocker_angle: T,
-    /// Angle of the anti-roll bar's lever from its design position.
-    pub bar_angle: T,
-    /// The upper of the two knuckle points that give a strut its axis; zero where the study gives none.
-    pub strut_upper: Vector3<T>,
+}
+
+impl<T: Copy> DesignWheel<T> {
+    /// The design wheel with the same number in every place.
+    #[inline(always)]
+    pub(crate) fn filled(number: T) -> Self {
+        let vector = Vector3::new(number, number, number);
+        DesignWheel {
+            spin_axis: vector,
+            centre: vector,
+            spring_length: number,
+        }
+    }
+
+    /// The contact point on level ground.
+    #[inline(always)]
+    pub(super) fn contact_point(&self, radius: f64) -> Vector3<T>
+    where
+        T: Real,
+    {
+        self.centre + Ground::level(self.spin_axis.x).contact_lever(self.spin_axis, radius)
+    }
+
+    /// The design wheel over another kind of number. `f` takes the numbers in the order of the fields.
+    #[inline(always)]
+    pub fn map<U>(&self, f: impl Fn(T) -> U + Copy) -> DesignWheel<U> {
+        DesignWheel {
+            spin_axis: self.spin_axis.map(f),
+            centre: self.centre.map(f),
+            spring_length: f(self.spring_length),
+        }
+    }
 }
 
 /// Everything a formula may read.
@@ -37,7 +163,7 @@ pub struct Inputs<T> {
     /// Angular velocity of the knuckle by the drive.
     pub turn: Vector3<T>,
     /// The wheel in the design position.
-    pub design: Wheel<T>,
+    pub design: DesignWheel<T>,
     /// Figures of the study.
     pub constants: Constants,
 }
@@ -45,8 +171,8 @@ pub struct Inputs<T> {
 /// The slots, a line each: whether it is a vector or a number, and where it is in [`Inputs`].
 macro_rules! slots {
     ($($slot:ident: $kind:ident $($place:ident).+;)*) => {
-        /// A part of [`Inputs`] that a formula may read; a number is its first component. The plan computes what the slots in
-        /// use need, and sensitivities are seeded slot by slot.
+        /// A part of [`Inputs`] that a formula may read; a number is its first component. The plan computes the parts behind the slots
+        /// in use, and sensitivities are seeded slot by slot.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         pub enum Slot {
             $(#[doc = concat!("`", stringify!($($place).+), "`, a ", stringify!($kind))] $slot,)*
@@ -64,8 +190,7 @@ macro_rules! slots {
                 }
             }
 
-            /// Makes this slot of `inputs` the independent variables, with a derivative by themselves of 1; of 0,
-            /// constants again.
+            /// Makes this slot of `inputs` the independent variables, with the derivative `by_itself` = 1; 0 makes them constants again.
             #[inline]
             pub(super) fn seed<T: Real>(self, inputs: &mut Inputs<Dual<T, 3>>, by_itself: T) {
                 match self {
@@ -103,9 +228,10 @@ slots! {
     Turn: vector turn;
     DesignSpinAxis: vector design.spin_axis;
     DesignCentre: vector design.centre;
+    DesignSpringLength: number design.spring_length;
 }
 
-/// Some of the slots.
+/// A set of slots.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Slots(u32);
 
@@ -113,19 +239,19 @@ impl Slots {
     /// Every slot.
     pub const ALL: Slots = Slots(u32::MAX);
 
-    /// Whether a slot is among them.
+    /// Returns true if the set contains a slot.
     #[inline]
     pub fn contains(self, slot: Slot) -> bool {
         self.0 & (1 << slot as u32) != 0
     }
 
-    /// Whether a quantity or its rate is among them.
+    /// Returns true if the set contains a quantity or its rate.
     #[inline]
     pub fn contain_either(self, now: Slot, rate: Slot) -> bool {
         self.contains(now) || self.contains(rate)
     }
 
-    /// Whether a part of the steering axis is among them.
+    /// Returns true if the set contains a part of the steering axis.
     #[inline]
     pub fn contain_steering_axis(self) -> bool {
         const PARTS: u32 = 1 << Slot::SteeringPoint as u32
@@ -154,9 +280,9 @@ impl Slot {
     /// The most slots one formula may read.
     pub const MOST: usize = 4;
 
-    /// Whether the slot is a velocity.
+    /// Returns true if the slot is a velocity.
     #[inline]
-    pub fn is_rate(self) -> bool {
+    pub const fn is_rate(self) -> bool {
         matches!(
             self,
             Slot::SpinAxisRate
@@ -168,70 +294,34 @@ impl Slot {
         )
     }
 
-    /// Whether the slot may move with a rocker: of springs, rockers and bars.
+    /// Returns true if the slot may move with a rocker: slots of springs, rockers and bars.
     pub(crate) fn may_turn(self) -> bool {
         use Slot::{BarAngle, BarAngleRate, RockerAngle, Spring, SpringLength, SpringLengthRate};
         let of_springs = matches!(self, Spring | SpringLength | SpringLengthRate);
         of_springs || matches!(self, RockerAngle | BarAngle | BarAngleRate)
     }
 
-    /// Whether the slot is a part of the steering axis.
+    /// Returns true if the slot is a part of the steering axis.
     pub fn is_of_steering_axis(self) -> bool {
         Slots::default().with(&[self]).contain_steering_axis()
     }
 }
 
 impl<T: Real> Wheel<T> {
-    /// A wheel in which every number is the same, for wheels that are not read.
+    /// The wheel with the same number in every place.
     #[inline(always)]
     pub(super) fn filled(number: T) -> Self {
         let vector = Vector3::new(number, number, number);
-        Wheel {
-            spin_axis: vector,
-            centre: vector,
-            steering_point: vector,
-            steering_direction: vector,
-            spring_length: number,
-            spring: vector,
-            rocker_angle: number,
-            bar_angle: number,
-            strut_upper: vector,
-        }
-    }
-
-    /// The wheel over another kind of number.
-    #[inline]
-    pub fn map<U>(&self, f: impl Fn(T) -> U + Copy) -> Wheel<U> {
-        Wheel {
-            spin_axis: self.spin_axis.map(f),
-            centre: self.centre.map(f),
-            steering_point: self.steering_point.map(f),
-            steering_direction: self.steering_direction.map(f),
-            spring_length: f(self.spring_length),
-            spring: self.spring.map(f),
-            rocker_angle: f(self.rocker_angle),
-            bar_angle: f(self.bar_angle),
-            strut_upper: self.strut_upper.map(f),
-        }
+        Wheel::of_parts(|_| vector, |_| number)
     }
 
     /// The wheel as a series, from its derivatives.
+    #[inline(always)]
     pub(super) fn with_rate(&self, rate: &Wheel<T>) -> Wheel<Jet<T, 2>> {
-        let pair = |value: T, rate: T| Jet([value, rate]);
-        Wheel {
-            spin_axis: self.spin_axis.with_rate(rate.spin_axis),
-            centre: self.centre.with_rate(rate.centre),
-            steering_point: self.steering_point.with_rate(rate.steering_point),
-            steering_direction: self.steering_direction.with_rate(rate.steering_direction),
-            spring_length: pair(self.spring_length, rate.spring_length),
-            spring: self.spring.with_rate(rate.spring),
-            rocker_angle: pair(self.rocker_angle, rate.rocker_angle),
-            bar_angle: pair(self.bar_angle, rate.bar_angle),
-            strut_upper: self.strut_upper.with_rate(rate.strut_upper),
-        }
+        self.zip(rate, |value, rate| Jet([value, rate]))
     }
 
-    /// From the wheel centre to the contact point on level ground.
+    /// Vector from the wheel centre to the contact point on level ground.
     #[inline(always)]
     fn contact_lever(&self, radius: f64) -> Vector3<T> {
         Ground::level(self.spin_axis.x).contact_lever(self.spin_axis, radius)
@@ -265,7 +355,7 @@ impl<T: Real> Wheel<T> {
 }
 
 impl<T: Real> Inputs<T> {
-    /// These slots over another kind of number; everything else is `nothing`, a NaN.
+    /// These slots over another kind of number. Everything else is `nothing`, a NaN.
     #[inline(always)]
     pub(super) fn only<U: Real>(
         &self,
@@ -306,8 +396,8 @@ impl<T: Real> Inputs<T> {
         self.rate.centre + self.turn.cross(lever)
     }
 
-    /// Velocity of the point of the tyre that is at the contact point now, where the carrier takes this part of the
-    /// torque about the spin axis and a shaft the rest: W' + (w - (1 - part) (w.a) a) x (C - W).
+    /// Velocity of the point of the tyre at the contact point. The carrier takes the share `by_carrier` of the torque about the
+    /// spin axis, and a shaft takes the rest: W' + (w - (1 - by_carrier) (w.a) a) x (C - W).
     #[inline(always)]
     pub(super) fn tyre_velocity(&self, by_carrier: f64) -> Vector3<T> {
         let (axis, lever) = (
@@ -323,7 +413,7 @@ impl<T: Real> Inputs<T> {
 pub(super) mod tests {
     use super::*;
 
-    /// A wheel in a pose with nothing special about it.
+    /// A wheel in a generic pose.
     pub(crate) fn sample() -> Inputs<f64> {
         let wheel = |t: f64| Wheel {
             spin_axis: Vector3::new(0.02 + t, 1.0, 0.03 - t).normalised(),
@@ -340,7 +430,11 @@ pub(super) mod tests {
             now: wheel(0.01),
             rate: wheel(0.3),
             turn: Vector3::new(5e-4, -1e-4, 8e-5),
-            design: wheel(0.0),
+            design: DesignWheel {
+                spin_axis: wheel(0.0).spin_axis,
+                centre: wheel(0.0).centre,
+                spring_length: wheel(0.0).spring_length,
+            },
             constants: Constants {
                 size: 800.0,
                 wheel_radius: 300.0,

@@ -27,7 +27,7 @@ impl<const N: usize> WheelReading<N> {
         WheelReading::reading(at, constants, Slots::ALL)
     }
 
-    /// As [`WheelReading::of`], for quantities that read no more than these slots. The rest is not computed and is NaN.
+    /// The same as [`WheelReading::of`], for quantities that read only these slots. The rest is not computed and is NaN.
     pub fn reading(at: &Configuration<Jet<f64, N>>, constants: Constants, slots: Slots) -> Self {
         let nothing = Jet([f64::NAN; N]);
         let mut inputs = Inputs::of_configuration(at, nothing, constants, slots);
@@ -50,7 +50,7 @@ impl<const N: usize> WheelReading<N> {
         }
     }
 
-    /// What the formulas read.
+    /// The inputs of formulas.
     pub(super) fn inputs(&self) -> &Inputs<Jet<f64, N>> {
         &self.inputs
     }

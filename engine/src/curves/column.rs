@@ -1,6 +1,7 @@
 //! Columns of the results: names that tell a number's meaning and unit.
 
-use crate::characteristics::{Quantity, with_unit};
+use crate::ask::with_unit;
+use crate::characteristics::Quantity;
 use crate::model::{Axis, LengthUnit};
 use crate::plan::{Output, Plan};
 use crate::study::Drive;

@@ -29,6 +29,12 @@ impl<T> Vector3<T> {
     pub fn map<U>(self, mut f: impl FnMut(T) -> U) -> Vector3<U> {
         Vector3::new(f(self.x), f(self.y), f(self.z))
     }
+
+    /// The vector of each component and its partner in another vector.
+    #[inline(always)]
+    pub(crate) fn zip<U, V>(self, other: Vector3<U>, mut f: impl FnMut(T, U) -> V) -> Vector3<V> {
+        Vector3::new(f(self.x, other.x), f(self.y, other.y), f(self.z, other.z))
+    }
 }
 
 impl<T: Copy> Vector3<T> {

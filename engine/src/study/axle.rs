@@ -10,8 +10,8 @@ use super::right_wheel::{self, right_wheel};
 use super::suspension::{above_zero, positive};
 use super::value::{Number, Text, Values};
 use crate::axle::{
-    Axle, AxleMotion, AxlePlan, BumpStop, Coordinate, ForceCurve, Law, Need, Quantity, Setup,
-    SpringLaw, WheelMotion,
+    Axle, AxleMotion, AxlePlan, BumpStop, Coordinate, ForceCurve, Law, Quantity, Setup, SpringLaw,
+    WheelMotion,
 };
 use crate::characteristics::Constants;
 use crate::model::{Axis, Side, Suspension};
@@ -507,22 +507,7 @@ pub(super) fn quantities(text: &Text, problems: &mut Problems) -> Option<Vec<Qua
     choose(text, "quantity of an axle", &names, problems).map(Quantity::named)
 }
 
-/// What a study must give for something that a quantity needs, where it does not.
-pub fn missing(need: Need, setup: &Setup) -> Option<&'static str> {
-    let (is_given, what) = match need {
-        Need::WheelRadius => (setup.wheel_radius.is_some(), "radius in [wheel]"),
-        Need::Wheelbase => (setup.wheelbase.is_some(), "wheelbase in [vehicle]"),
-        Need::CFactor => (setup.c_factor.is_some(), "c_factor in [steering]"),
-        Need::Spring => (setup.springs.is_some(), "[spring]"),
-        Need::AntiRollBar => (setup.bar_rate.is_some(), "[anti_roll_bar]"),
-        Need::TyreRate => (setup.tyre_rate.is_some(), "[tyre]"),
-        Need::SprungMass => (setup.sprung_mass.is_some(), "sprung_mass in [vehicle]"),
-        Need::UnsprungMass => (setup.unsprung_mass.is_some(), "unsprung_mass in [vehicle]"),
-    };
-    (!is_given).then_some(what)
-}
-
-/// Whether the study gives all that a quantity needs; says what it does not.
+/// Returns true if the study gives everything that a quantity requires. Reports what is missing.
 pub(super) fn lacks_nothing(
     text: &Text,
     quantity: Quantity,
@@ -532,9 +517,10 @@ pub(super) fn lacks_nothing(
     if let Quantity::Corner(..) = quantity {
         return super::outputs::characteristic(text, &axle.left, problems).is_some();
     }
-    let needs = quantity.needs().iter();
+    let needs = quantity.info().needs.iter();
     let missing: Vec<_> = needs
-        .filter_map(|need| missing(*need, &axle.setup))
+        .filter(|need| !axle.meets(**need))
+        .filter_map(|need| need.key())
         .collect();
     if missing.is_empty() {
         return true;

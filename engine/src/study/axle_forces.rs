@@ -1,6 +1,6 @@
 //! Braking and drive in `[vehicle]`: what the anti-features need of it, and which of them an axle has.
 
-use crate::characteristics::Need;
+use crate::ask::Need;
 use crate::model::{AxlePosition, Vehicle};
 
 /// What braking or drive needs, and whether it is the braking or the drive that is meant; `None` for another need,

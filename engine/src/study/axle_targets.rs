@@ -8,8 +8,8 @@ use super::names::choose;
 use super::resolve::Context;
 use super::value::{Numbers, Text};
 use super::{About, Motion, Site, Subject, Target};
+use crate::ask::with_unit;
 use crate::axle::{Axle, AxleMotion, AxlePlan, Coordinate, Placement, Quantity};
-use crate::characteristics::with_unit;
 use crate::model::Side;
 use std::ops::Range as Span;
 use toml::Spanned;
@@ -230,7 +230,7 @@ fn subject(
         return None;
     }
     let length = study.axle.left.length_unit;
-    let unit = quantities[0].unit();
+    let unit = quantities[0].info().unit;
     let stem = match quantities.as_slice() {
         [one] => one.name(),
         _ => name.get_ref().clone(),

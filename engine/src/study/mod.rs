@@ -37,7 +37,6 @@ mod tolerance;
 pub use crate::analyse::LoadPoint;
 pub use crate::solve::Drive;
 pub use axle::AxleStudy;
-pub use axle::missing;
 pub use axle_targets::AxleSite;
 pub use designs_file::DesignTable;
 pub use hardpoint_study_file::error::{StudyError, StudyErrors};
@@ -49,6 +48,7 @@ pub use schema::schema;
 pub use sweep::MOST_DESIGNS;
 pub(crate) use sweep::MOST_EXCHANGED;
 
+use crate::ask::Unit;
 use crate::assembly::BuildParameter;
 use crate::characteristics::{Characteristic, Measure, Quantity};
 use crate::model::{Axis, Frame, LengthUnit, PointId, Side, Suspension};
@@ -446,7 +446,7 @@ pub struct Subject {
     /// Name, with the unit, as a column has it.
     pub column: String,
     /// Kind of quantity, from which its unit follows.
-    pub unit: crate::axle::Unit,
+    pub unit: Unit,
     /// The study's unit of length.
     pub length: LengthUnit,
     /// -1 where the study's axis points the other way than the kernel's.
@@ -468,7 +468,7 @@ impl Subject {
         Subject {
             about: About::Wheel(Measure::Quantity(Quantity::Characteristic(characteristic))),
             column: characteristic.column(length),
-            unit: crate::axle::Unit::Corner(characteristic.info().unit),
+            unit: characteristic.info().unit,
             length,
             sign: 1.0,
         }

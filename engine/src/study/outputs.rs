@@ -9,7 +9,8 @@ use super::resolve::each;
 use super::subject::point;
 use super::value::{Selection, Text};
 use super::{Order, Outputs};
-use crate::characteristics::{Characteristic, Need};
+use crate::ask::Need;
+use crate::characteristics::Characteristic;
 use crate::model::{PointId, Suspension};
 
 /// What a study without `[outputs]` gets: the angles of the wheel and of the steering axis, if there is
@@ -174,20 +175,6 @@ pub(super) fn characteristic(
         return problems.refuse(text.span(), message);
     }
     let vehicle = &suspension.vehicle;
-    // The key or part of a study that meets the need; `None` if no key does, or if the message is made below.
-    let key = |need: &Need| match need {
-        Need::WheelRadius => Some("radius in [wheel]"),
-        Need::Wheelbase => Some("wheelbase in [vehicle]"),
-        Need::CgHeight => Some("cg_height in [vehicle]"),
-        Need::Spring => Some("a spring or strut"),
-        Need::Rocker => Some("a rocker with its pushrod or pullrod"),
-        Need::AntiRollBar => Some("an anti-roll bar with its drop link"),
-        Need::StrutUpper => Some("strut_upper in [suspension.hardpoints]"),
-        Need::FrontBraking
-        | Need::RearDrive
-        | Need::RearBrakingOrFrontDrive
-        | Need::SteeringAxis => None,
-    };
     let needs = characteristic.info().needs;
     let forces = needs.iter().find(|need| {
         use Need::{FrontBraking, RearBrakingOrFrontDrive, RearDrive};
@@ -195,7 +182,7 @@ pub(super) fn characteristic(
     });
     let missing = needs.iter().filter(|need| !need.met_by(suspension));
     let missing: Vec<&str> = missing
-        .filter_map(key)
+        .filter_map(|need| need.key())
         .chain(
             forces
                 .into_iter()

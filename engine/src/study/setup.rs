@@ -45,7 +45,10 @@ pub(super) fn setup(
         let found = characteristic(name, context.suspension, problems)?;
         want.push(Want {
             characteristic: found,
-            value: found.info().unit.from_printed(number.value),
+            value: found
+                .info()
+                .unit
+                .from_printed(number.value, context.suspension.length_unit),
         });
     }
     // As the catalogue has them, whatever their order in the file.

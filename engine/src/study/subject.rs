@@ -8,7 +8,7 @@ use super::resolve::Context;
 use super::value::{MemberName, Numbers, Text};
 use super::{About, Site, Subject, file};
 use crate::analyse::{Support, members as carriers};
-use crate::axle::Unit;
+use crate::ask::Unit;
 use crate::characteristics::{CarriedForce, Measure, Quantity};
 use crate::model::{Constraint, PointId, Suspension};
 use toml::Spanned;
@@ -146,7 +146,7 @@ pub(super) fn subject(
         &written.length,
         &written.load,
     );
-    let length_unit = Unit::Corner(crate::characteristics::Unit::Length);
+    let length_unit = Unit::Length;
     let (about, column, kind, sign) = match given {
         (Some(name), None, None, None) => {
             let found = characteristic(name, suspension, problems)?;

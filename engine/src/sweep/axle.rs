@@ -78,9 +78,9 @@ impl<'s> AxleStations<'s> {
     pub(crate) fn columns(&self) -> Vec<Column> {
         let length = self.axle.left.length_unit;
         let column = |q: &Quantity| {
-            let unit = q.unit();
+            let unit = q.info().unit;
             let factor = unit.printed_factor(length);
-            Column::of_value(q.name(), unit.suffix(length), q.positive(), factor)
+            Column::of_value(q.name(), unit.suffix(length), q.info().positive, factor)
         };
         self.quantities.iter().map(column).collect()
     }

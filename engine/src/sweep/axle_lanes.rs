@@ -92,7 +92,7 @@ impl<'a> AxleLanes<'a> {
             return Err(NotInLanes::Stations);
         }
         let rates = quantities.iter().any(|q| q.rate_order() > 0);
-        let by_rack = quantities.iter().any(|q| q.takes_rack());
+        let by_rack = quantities.iter().any(|q| q.info().by_rack);
         let reader = |side: Side| {
             let slots = quantities.iter().map(|q| q.lane_slots(side));
             let slots = slots.fold(Slots::default(), Slots::and);

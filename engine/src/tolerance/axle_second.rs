@@ -113,7 +113,7 @@ impl<'p> DrawnPositions<'p> {
         let slots: Vec<_> = stations
             .quantities
             .iter()
-            .flat_map(|q| q.reads())
+            .flat_map(|q| q.info().reads)
             .copied()
             .collect();
         Ok(DrawnPositions {

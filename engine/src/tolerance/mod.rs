@@ -30,9 +30,10 @@ pub use expansion::{Expansion, HOLDS, Remainder};
 pub use monte_carlo::{MonteCarlo, Rejected, Spread, monte_carlo, monte_carlo_in};
 pub use yields::{BandYield, Ranking, Yields, rank};
 
+use crate::ask::Info;
 use crate::assembly::NoSetUp;
 use crate::axle::{Axle, Placement};
-use crate::characteristics::{Characteristic, Info, Quantity};
+use crate::characteristics::{Characteristic, Quantity};
 use crate::curves::Column;
 use crate::model::Side;
 use crate::study::{About, AxleStudy, Band, Study, Tolerance};
@@ -116,7 +117,7 @@ impl<'a> Problem<'a> {
                 positive,
                 ..
             } = c.info();
-            let factor = unit.printed_factor();
+            let factor = unit.printed_factor(length);
             Column::of_value((*name).to_owned(), unit.suffix(length), positive, factor)
         };
         Ok(Problem {

@@ -2,7 +2,8 @@
 
 use assert_cmd::Command;
 use hardpoint::Study;
-use hardpoint::axle::{AxleQuantity, Info, Need, WheelQuantity};
+use hardpoint::ask::{Info, Need};
+use hardpoint::axle::{AxleQuantity, WheelQuantity};
 use hardpoint::exchange::{Page, page_of_csv, point_rows, workbook};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -697,11 +698,12 @@ fn the_table_of_quantities_is_the_catalogue() {
         Need::WheelRadius => "radius",
         Need::Wheelbase => "wheelbase",
         Need::CFactor => "c_factor",
-        Need::Spring => "[spring]",
-        Need::AntiRollBar => "[anti_roll_bar]",
+        Need::SpringForce => "[spring]",
+        Need::BarRate => "[anti_roll_bar]",
         Need::TyreRate => "[tyre]",
         Need::SprungMass => "sprung_mass",
         Need::UnsprungMass => "unsprung_mass",
+        need => need.words(),
     };
     let row = |info: &Info, of: &str| {
         let needs: Vec<_> = info.needs.iter().map(need).collect();

@@ -48,20 +48,7 @@ fn study(name: &str, right: &str, motion: &str, by: f64) -> Study {
     let mut study =
         Study::from_text("swept.toml", &text, Path::new(".")).unwrap_or_else(|e| panic!("{e}"));
     let both = study.axle.as_mut().unwrap();
-    let setup = &both.axle.setup;
-    let has = |quantity: &Quantity| {
-        use hardpoint::axle::Need;
-        let given = |need: &Need| match need {
-            Need::WheelRadius => setup.wheel_radius.is_some(),
-            Need::Wheelbase => setup.wheelbase.is_some(),
-            Need::CFactor => setup.c_factor.is_some(),
-            _ => false,
-        };
-        match quantity {
-            Quantity::Corner(_, c) => c.info().needs.iter().all(|n| n.met_by(&study.suspension)),
-            _ => quantity.needs().iter().all(given),
-        }
-    };
+    let has = |quantity: &Quantity| both.axle.has(*quantity);
     let names = Quantity::names();
     let all = names.iter().flat_map(|name| Quantity::named(name));
     both.plan.quantities = all.filter(|q| q.is_for_lanes()).filter(has).collect();

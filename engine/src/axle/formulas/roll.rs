@@ -74,8 +74,8 @@ pub(crate) fn track_change<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -
 fn designed_half_track<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>, side: Side) -> T {
     let wheel = state.wheel(side);
     let level = Ground::level(state.like());
-    let lever = level.contact_lever(wheel.reading.design_spin_axis(), wheel.radius);
-    wheel.reading.design_centre().y + lever.y
+    let lever = level.contact_lever(wheel.reading.design().spin_axis, wheel.radius);
+    wheel.reading.design().centre.y + lever.y
 }
 
 /// Roll angle of the body.

@@ -107,7 +107,7 @@ impl<T: Real> Turn<T> {
         let side = mean_steer(state).scaled(forward).sign();
         let [left, right] = state.wheels();
         let [left_design, right_design] =
-            [left.reading.design_centre(), right.reading.design_centre()];
+            [left.reading.design().centre, right.reading.design().centre];
         // The wheels of the other axle are a wheelbase behind the design positions of these.
         let middle = (left_design.x + right_design.x).scaled(0.5);
         let (left_centre, right_centre) = (left.reading.centre(), right.reading.centre());
@@ -230,7 +230,7 @@ pub(crate) fn turn(state: &AxleState<f64>) -> Option<FromAbove> {
         let [cx, cy] = centres[side];
         [[cx - dx, cy - dy], [cx + dx, cy + dy]]
     });
-    let [left, right] = readings.map(|reading| reading.design_centre().x);
+    let [left, right] = readings.map(|reading| reading.design().centre.x);
     let other_axle = 0.5 * (left + right) - forward * wheelbase;
     let meets = (!is_straight_ahead(state)).then(|| {
         let turn = Turn::of(state);

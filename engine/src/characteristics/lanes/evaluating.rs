@@ -1,4 +1,4 @@
-//! Values of quantities and their derivatives by the drive, from what has been read.
+//! Values of quantities and their derivatives by the drive, from the inputs in lanes.
 
 use super::{EvaluationRule, LaneInputs, LaneReader};
 use crate::characteristics::gains::{by_drive, is_angle};
@@ -7,8 +7,7 @@ use crate::number::{Jet, Outlined, SimdReal, outlined};
 use std::hint::black_box;
 
 impl LaneReader<'_> {
-    /// Writes the values of all quantities, from what has been read, each `stride` numbers after the one
-    /// before; NaN where one is not finite.
+    /// Writes the values of all quantities, each `stride` numbers after the previous one; NaN if a value is not finite.
     #[inline(always)]
     pub fn values<B: SimdReal>(&self, read: &LaneInputs<B>, to: &mut [f64], stride: usize) {
         read.inputs.turn.x.outlined(Evaluating {
@@ -19,8 +18,8 @@ impl LaneReader<'_> {
         });
     }
 
-    /// Writes the derivatives of all quantities by the drive, as [`LaneReader::values`] does, from what has been read
-    /// with its rates. NaN for quantities that are made of velocities, whose derivatives would need accelerations.
+    /// Writes the derivatives of all quantities by the drive, like [`LaneReader::values`], from inputs with rates. NaN for
+    /// quantities made of velocities, whose derivatives would need accelerations.
     #[inline(always)]
     pub fn slopes<B: SimdReal>(&self, read: &LaneInputs<B>, to: &mut [f64], stride: usize) {
         let inputs = &read.inputs;
@@ -74,8 +73,8 @@ impl<B: SimdReal> Outlined for Evaluating<'_, B> {
     fn work(self) {
         let mut first = 0;
         for rule in self.rules {
-            // Else the compiler takes what does not depend on the characteristic out of the loop: the divisions
-            // and roots of every formula there is, for any one of them.
+            // Without this the compiler moves work that does not depend on the characteristic out of the loop: the divisions and roots
+            // of all formulas, for each of them.
             let read = black_box(self.read);
             let value = match rule {
                 EvaluationRule::Formula(c) => c.evaluate(&read.inputs),
@@ -91,7 +90,7 @@ impl<B: SimdReal> Outlined for Evaluating<'_, B> {
     }
 }
 
-/// What one lane holds, as series in the drive.
+/// One lane as series in the drive.
 #[inline(always)]
 fn series<B: SimdReal>(inputs: &Inputs<B>, lane: usize) -> Inputs<Jet<f64, 2>> {
     let one = inputs.map(

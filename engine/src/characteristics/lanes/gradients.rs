@@ -1,4 +1,4 @@
-//! Gradients of quantities by the hardpoints: what seeds an adjoint in lanes.
+//! Gradients of quantities by the hardpoints: seeds of an adjoint in lanes.
 
 use super::{LaneInputs, LaneReader, LaneWheels};
 use crate::characteristics::gains::{angle_of_gain, by_direction, by_direction_along};
@@ -9,8 +9,8 @@ use crate::model::{Axis, PointId, SteeringAxis};
 use crate::number::{Jet, MOST_LANES, Outlined, SimdReal, Vector3};
 
 impl LaneReader<'_> {
-    /// Whether lanes can provide the derivatives by the hardpoints. They cannot for an instantaneous steering axis, nor
-    /// for quantities made of velocities of springs and rockers.
+    /// Returns true if lanes provide the derivatives by the hardpoints. They do not for an instantaneous steering axis, nor for
+    /// quantities made of velocities of springs and rockers.
     pub fn has_gradients(&self) -> bool {
         let instantaneous = self.mechanism.steering_axis == Some(SteeringAxis::Instantaneous);
         let can_be_had = |q: &Quantity| {
@@ -21,17 +21,17 @@ impl LaneReader<'_> {
             && !(self.slots.contain_steering_axis() && instantaneous)
     }
 
-    /// Whether the quantity of this number is made of velocities: [`LaneReader::differentiate_rates`] is for those.
+    /// Returns true if the quantity of this number is made of velocities, so that [`LaneReader::differentiate_rates`] applies.
     #[inline(always)]
     pub fn is_of_rates(&self, number: usize) -> bool {
         self.of_rates[number]
     }
 
-    /// As [`LaneReader::differentiate`] of a quantity y(u, u') made of velocities, at a configuration along the travel: the
-    /// gradient by the hardpoints is the derivative by the travel, the coefficient 1, of what the seeds come to.
+    /// Differentiates a quantity y(u, u') made of velocities, at a configuration along the travel. The gradient by the hardpoints is
+    /// the derivative by the travel (coefficient 1) of the result of the seeds.
     ///
-    /// With h and g the derivatives of y by u and u', dy/dp = h.u_p + g.u_p' is that coefficient of S.u_p for the seed
-    /// S = g + h e, g and h taken as constants.
+    /// With h and g the derivatives of y by u and u', dy/dp = h.u_p + g.u_p' is that coefficient of S.u_p for the seed S = g + h e,
+    /// with g and h as constants.
     #[inline(always)]
     pub fn differentiate_rates<B: SimdReal, G: Gradient<Jet<B, 2>> + ?Sized>(
         &self,
@@ -99,13 +99,13 @@ impl LaneReader<'_> {
                 weight,
                 seeds,
             }),
-            // It is a velocity.
+            // An angular velocity has its own seed.
             Quantity::AngularVelocity(_) => {}
         }
     }
 }
 
-/// A derivative by the two directions that the angles read; none where it depends on neither.
+/// Derivatives by the two directions that the angles read; `None` for a direction that is not read.
 #[derive(Clone, Copy, Debug)]
 pub struct ByDirections<B> {
     spin_axis: Option<Vector3<B>>,
@@ -122,7 +122,7 @@ impl<B> Default for ByDirections<B> {
 }
 
 impl<B: SimdReal> ByDirections<B> {
-    /// What that makes of the configuration that the inputs have been read in.
+    /// Seeds the configuration from which the inputs were read.
     #[inline(always)]
     pub fn seed<G: Gradient<B> + ?Sized>(
         &self,
@@ -143,7 +143,7 @@ impl<B: SimdReal> ByDirections<B> {
     }
 }
 
-/// Seeds an adjoint with what a characteristic reads.
+/// Seeds an adjoint with the inputs of a characteristic.
 struct Seeding<'i, 'c, 's, 'a, B, G: ?Sized> {
     characteristic: Characteristic,
     weight: B,
@@ -163,7 +163,7 @@ impl<B: SimdReal, G: Gradient<B> + ?Sized> Outlined for Seeding<'_, '_, '_, '_, 
     }
 }
 
-/// Seeds an adjoint along the travel with what a quantity made of velocities reads.
+/// Seeds an adjoint along the travel with the inputs of a quantity made of velocities.
 struct SeedingRates<'i, 'c, 's, 'a, B, G: ?Sized> {
     quantity: Quantity,
     weight: B,

@@ -1,7 +1,7 @@
 //! Quantities of many designs at a time, one in each lane.
 //!
-//! Only what is asked for is formed; which that is has been decided when the reader is made, by the [`Slot`]s of
-//! the formulas. What is not read is NaN, so that a formula which reads more than it declares has no value.
+//! Only requested numbers are formed. The reader decides about them when it is made, by the [`Slot`]s of the formulas. A slot
+//! that is not read is NaN, so a formula that reads an undeclared slot has no value.
 
 mod evaluating;
 mod gradients;
@@ -24,33 +24,33 @@ use watching::RodsOnTheirWay;
 pub struct LaneReader<'a> {
     mechanism: &'a Mechanism,
     quantities: Vec<Quantity>,
-    /// How each of them is evaluated.
+    /// Evaluation rule of each quantity.
     rules: Vec<EvaluationRule>,
-    /// Which of them are made of velocities.
+    /// True for each quantity that is made of velocities.
     of_rates: Vec<bool>,
     constants: Constants,
     slots: Slots,
-    /// The points whose coordinates are read.
+    /// Points whose coordinates are read.
     points: Vec<PointId>,
     /// `carried`: all points on the knuckle that are read. `place[id]`: index in `carried` of the point `id` of the
     /// mechanism, or `None` if that point is not among them.
     carried: Vec<PointId>,
     place: Vec<Option<usize>>,
-    /// Whether anything off the knuckle is read: another body's point, or a rocker.
+    /// True if a part outside the knuckle is read: another body's point, or a rocker.
     reads_others: bool,
-    /// The rockers that what is read moves with, and those that turn them: their places take velocities.
+    /// Rockers that move a part that is read, and the rockers that turn them. Their positions need velocities.
     rockers: Vec<RockerId>,
     rates: bool,
-    /// Whether derivatives by the rack are read, too.
+    /// True if derivatives by the rack are read, too.
     by_rack: bool,
 }
 
-/// How a quantity is evaluated.
+/// Evaluation rule of a quantity.
 #[derive(Clone, Copy, Debug)]
 enum EvaluationRule {
-    /// By its own formula.
+    /// Its own formula.
     Formula(Characteristic),
-    /// As the slope of this angle by the drive. It is the angle's gain where the travel drives.
+    /// The slope of this angle by the drive. This is the angle's gain if the travel is the drive.
     Slope(Characteristic),
     /// A coordinate of one of the points.
     Coordinate(usize, Axis),
@@ -58,7 +58,7 @@ enum EvaluationRule {
     AngularVelocity(Axis),
 }
 
-/// What has been read of poses in lanes.
+/// Inputs read from poses in lanes.
 #[derive(Clone, Debug)]
 pub struct LaneInputs<B> {
     inputs: Inputs<B>,
@@ -82,14 +82,14 @@ impl<B> LaneInputs<B> {
         &self.inputs
     }
 
-    /// Velocity of the wheel centre and angular velocity by the rack, the travel held; NaN where it was not asked for.
+    /// Velocity of the wheel centre and angular velocity by the rack, with the travel held; NaN if not requested.
     #[inline(always)]
     pub fn by_rack(&self) -> &[Vector3<B>; 2] {
         &self.by_rack
     }
 }
 
-/// The designs whose characteristics are read.
+/// Designs whose characteristics are read.
 pub struct LaneWheels<B: SimdReal> {
     spin_axis: KnuckleVector<B>,
     designed_spin_axis: DesignedSpinAxis<B>,
@@ -203,7 +203,7 @@ impl<'a> LaneReader<'a> {
         self
     }
 
-    /// Whether poses have to be read in the order of the visit: rods of rockers are watched from station to station.
+    /// Returns true if poses must be read in the order of the visit, because rods of rockers are watched from station to station.
     #[inline]
     pub(crate) fn watches_rods(&self) -> bool {
         !self.rockers.is_empty()
@@ -221,7 +221,7 @@ impl<'a> LaneReader<'a> {
         &self.quantities
     }
 
-    /// Whether the quantities read velocities.
+    /// Returns true if the quantities read velocities.
     #[inline]
     pub fn reads_rates(&self) -> bool {
         self.rates
@@ -247,7 +247,7 @@ impl<'a> LaneReader<'a> {
         }
     }
 
-    /// Room for what is read, all of it NaN.
+    /// Storage for the inputs, all NaN.
     #[inline(always)]
     pub fn inputs<B: SimdReal>(&self, like: B) -> LaneInputs<B> {
         let unknown = like.lit(f64::NAN);

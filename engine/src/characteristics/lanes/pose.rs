@@ -16,9 +16,9 @@ const LEAST_LEVERAGE: f64 = 0.0625;
 const STEEPEST_SPIN_AXIS: f64 = 0.9;
 
 impl LaneReader<'_> {
-    /// What the formulas read in a pose, the rack where it is; with `rates`, the velocities of all of it.
-    /// Says which lanes are accepted: those where all of it is well known (the module of [`Batch`](crate::solve::Batch) has the
-    /// list), and no rod can have come to a toggle since the station before.
+    /// Reads the inputs of formulas from a pose, with their velocities if `rates` is true. Returns the accepted lanes: those in
+    /// which every input is well determined (see [`Batch`](crate::solve::Batch)), and in which no rod can have reached a toggle
+    /// since the previous station.
     #[inline(always)]
     pub fn read<B: SimdReal>(
         &self,

@@ -9,7 +9,7 @@ use crate::number::{Outlined, SimdReal};
 pub(super) struct RodsOnTheirWay<B> {
     /// At the first station and at the last.
     rods: Vec<[RodReach<B>; 2]>,
-    /// Whether a station at this rack displacement has been visited.
+    /// True if a station at this rack displacement has been visited.
     has_begun: bool,
 }
 
@@ -22,7 +22,7 @@ impl<B> RodsOnTheirWay<B> {
 }
 
 impl<B: SimdReal> RodsOnTheirWay<B> {
-    /// Starts with no rod seen yet for this number of rockers; `nothing` is a NaN.
+    /// A watch over this number of rockers that has seen no rod yet; `nothing` is a NaN.
     #[inline(always)]
     pub(super) fn of(rockers: usize, nothing: B) -> Self {
         RodsOnTheirWay {
@@ -31,8 +31,8 @@ impl<B: SimdReal> RodsOnTheirWay<B> {
         }
     }
 
-    /// Goes on to a pose, from how the knuckle moves there. Says in which lanes no rod can have come to a toggle since the
-    /// station before.
+    /// Advances to the next pose, given the motion of the knuckle there. Returns the lanes in which no rod can have reached a
+    /// toggle since the previous station.
     #[inline(always)]
     pub(super) fn watch(
         &mut self,

@@ -11,7 +11,8 @@ use super::subject::{force, length, member, point, site};
 use super::suspension::three;
 use super::value::{Number, Text};
 use super::{Constraint, Limited};
-use crate::characteristics::{Measure, Quantity, Unit};
+use crate::ask::Unit;
+use crate::characteristics::{Measure, Quantity};
 use crate::model::Suspension;
 use crate::number::Vector3;
 use std::ops::Range as Span;
@@ -216,26 +217,28 @@ impl Reader<'_> {
         let found = characteristic(name, self.suspension(), problems)?;
         let limits = self.needed_limits(problems)?;
         let unit = found.info().unit;
-        let visible = match unit {
-            Unit::Angle => 1.0,
-            Unit::Length => self.length_scale(),
-            Unit::AnglePerLength => 1e-3 / self.length_scale(),
-            Unit::Percent => 1.0,
-            Unit::Ratio => 0.01,
+        let millimetre = self.length_scale();
+        let (visible, symbol) = match unit {
+            Unit::Angle => (1.0, "deg"),
+            Unit::Length => (millimetre, "mm"),
+            Unit::AnglePerLength => (1e-3 / millimetre, "0.001 deg/mm"),
+            Unit::LengthPerAngle => (millimetre, "mm/deg"),
+            Unit::Percent => (1.0, "%"),
+            Unit::Ratio | Unit::AnglePerAngle => (0.01, "0.01"),
+            Unit::Force => (1.0, "N"),
+            Unit::ForcePerLength => (1.0 / millimetre, "N/mm"),
+            Unit::Torque => (1.0, "N m"),
+            Unit::TorquePerAngle => (1.0, "N m/deg"),
+            Unit::Frequency => (0.01, "0.01 Hz"),
         };
-        let symbol = match unit {
-            Unit::Angle => "deg",
-            Unit::Length => "mm",
-            Unit::AnglePerLength => "0.001 deg/mm",
-            Unit::Percent => "%",
-            Unit::Ratio => "0.01",
-        };
-        let [lower, upper] = limits.map(|limit| limit.map(|value| unit.from_printed(value)));
+        let length = self.suspension().length_unit;
+        let inside = |printed: f64| unit.from_printed(printed, length);
+        let [lower, upper] = limits.map(|limit| limit.map(inside));
         let of = Limited {
             of: Measure::Quantity(Quantity::Characteristic(found)),
             lower,
             upper,
-            scale: unit.from_printed(visible),
+            scale: inside(visible),
             unit: symbol.to_owned(),
         };
         Some((format!("{} {}", name.get_ref(), words(limits)), vec![of]))

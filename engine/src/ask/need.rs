@@ -1,0 +1,126 @@
+//! Figures and parts that quantities require.
+
+use crate::model::{AxlePosition, Suspension};
+
+/// A figure or part beyond the hardpoints that a quantity requires.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Need {
+    /// `[wheel] radius`.
+    WheelRadius,
+    /// `[vehicle] wheelbase`.
+    Wheelbase,
+    /// `[vehicle] cg_height`.
+    CgHeight,
+    /// A braked front axle: `position`, `brakes` and `brake_share_front` in `[vehicle]`.
+    FrontBraking,
+    /// A driven rear axle: `position`, `drive_torque` and `drive_share_front` in `[vehicle]`.
+    RearDrive,
+    /// A braked rear axle, or a driven front axle.
+    RearBrakingOrFrontDrive,
+    /// A spring or strut in the topology.
+    Spring,
+    /// A rocker with its pushrod or pullrod.
+    Rocker,
+    /// An anti-roll bar with its drop link.
+    AntiRollBar,
+    /// A steering axis in the topology: the wheel can be steered, or is held against steering.
+    SteeringAxis,
+    /// `strut_upper` in `[suspension.hardpoints]`.
+    StrutUpper,
+    /// `[steering] c_factor`.
+    CFactor,
+    /// `[spring]`, and a spring or strut in the topology.
+    SpringForce,
+    /// `[anti_roll_bar] rate`, and a bar with its drop link in the topology.
+    BarRate,
+    /// `[tyre] rate`.
+    TyreRate,
+    /// `[vehicle] sprung_mass`.
+    SprungMass,
+    /// `[vehicle] unsprung_mass`.
+    UnsprungMass,
+}
+
+impl Need {
+    /// Returns true if the suspension of one wheel meets the need. Figures of an axle are never met here; see
+    /// [`Axle::meets`](crate::axle::Axle::meets).
+    pub fn met_by(self, suspension: &Suspension) -> bool {
+        let (mechanism, vehicle) = (&suspension.mechanism, &suspension.vehicle);
+        let is_at = |axle: AxlePosition| vehicle.position == Some(axle);
+        let has_share = |of_front: Option<f64>| {
+            of_front.is_some_and(|share| match is_at(AxlePosition::Front) {
+                true => share > 0.0,
+                false => share < 1.0,
+            })
+        };
+        let is_braked = vehicle.brakes.is_some() && has_share(vehicle.brake_share_front);
+        let is_driven = vehicle.drive_torque.is_some() && has_share(vehicle.drive_share_front);
+        match self {
+            Need::WheelRadius => suspension.wheel_radius.is_some(),
+            Need::Wheelbase => vehicle.wheelbase.is_some(),
+            Need::CgHeight => vehicle.cg_height.is_some(),
+            Need::FrontBraking => is_at(AxlePosition::Front) && is_braked,
+            Need::RearDrive => is_at(AxlePosition::Rear) && is_driven,
+            Need::RearBrakingOrFrontDrive => {
+                (is_at(AxlePosition::Rear) && is_braked)
+                    || (is_at(AxlePosition::Front) && is_driven)
+            }
+            Need::Spring => mechanism.spring.is_some(),
+            Need::Rocker => mechanism.spring_rocker().is_some(),
+            Need::AntiRollBar => mechanism.anti_roll_bar().is_some(),
+            Need::SteeringAxis => mechanism.steering_axis.is_some(),
+            Need::StrutUpper => mechanism.strut_upper().is_some(),
+            Need::CFactor
+            | Need::SpringForce
+            | Need::BarRate
+            | Need::TyreRate
+            | Need::SprungMass
+            | Need::UnsprungMass => false,
+        }
+    }
+
+    /// Description of the figure or part, for messages of the library.
+    pub fn words(self) -> &'static str {
+        match self {
+            Need::WheelRadius => "the radius of the wheel",
+            Need::Wheelbase => "the wheelbase of the vehicle",
+            Need::CgHeight => "the height of the vehicle's centre of gravity",
+            Need::FrontBraking => "a braked front axle with its share of the braking",
+            Need::RearDrive => "a driven rear axle with its share of the drive",
+            Need::RearBrakingOrFrontDrive => "a braked rear axle or a driven front axle",
+            Need::Spring => "a spring or strut",
+            Need::Rocker => "a rocker with its pushrod or pullrod",
+            Need::AntiRollBar => "an anti-roll bar with its drop link",
+            Need::SteeringAxis => "a steering axis",
+            Need::StrutUpper => "the hardpoint strut_upper",
+            Need::CFactor => "the rack's displacement per turn of the steering wheel",
+            Need::SpringForce => "the force and rate of the spring",
+            Need::BarRate => "the rate of the anti-roll bar",
+            Need::TyreRate => "the rate of the tyre",
+            Need::SprungMass => "the sprung mass of the axle",
+            Need::UnsprungMass => "the unsprung mass of the axle",
+        }
+    }
+
+    /// The study's key or part that meets the need; `None` if more than one key does.
+    pub fn key(self) -> Option<&'static str> {
+        Some(match self {
+            Need::WheelRadius => "radius in [wheel]",
+            Need::Wheelbase => "wheelbase in [vehicle]",
+            Need::CgHeight => "cg_height in [vehicle]",
+            Need::StrutUpper => "strut_upper in [suspension.hardpoints]",
+            Need::CFactor => "c_factor in [steering]",
+            Need::SpringForce => "[spring]",
+            Need::BarRate => "[anti_roll_bar]",
+            Need::TyreRate => "[tyre]",
+            Need::SprungMass => "sprung_mass in [vehicle]",
+            Need::UnsprungMass => "unsprung_mass in [vehicle]",
+            Need::Spring | Need::Rocker | Need::AntiRollBar => self.words(),
+            Need::FrontBraking
+            | Need::RearDrive
+            | Need::RearBrakingOrFrontDrive
+            | Need::SteeringAxis => return None,
+        })
+    }
+}

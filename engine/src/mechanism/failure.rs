@@ -280,8 +280,8 @@ impl DesignFault {
                 "the design position cannot be solved in point coordinates: {failure}"
             ),
             DesignFault::NoFormulation(name) => format!(
-                "this program lacks formulation = \"{name}\"; \"knuckle_pose\" solves every topology (a Rust program \
-                 gets it from hardpoint_attia::register)"
+                "this program has no formulation = \"{name}\": use \"knuckle_pose\", or call hardpoint_attia::register() \
+                 before solving"
             ),
             DesignFault::Singular => {
                 "the design position is singular: the drive cannot move the wheel from it".to_owned()

@@ -186,6 +186,14 @@ impl Measure {
         }
     }
 
+    /// Whether the value is 1 less the cosine of an angle.
+    pub(crate) fn is_versine(&self) -> bool {
+        matches!(
+            self,
+            Measure::BallJoint { .. } | Measure::OuterShaftJoint(_) | Measure::InnerShaftJoint(_)
+        )
+    }
+
     /// The vectors that its formula reads, and their number; 0 if it is not geometry.
     pub(crate) fn inputs(&self, mechanism: &Mechanism) -> ([Input; MOST], usize) {
         let list = |given: &[Input]| {

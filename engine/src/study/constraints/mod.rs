@@ -111,7 +111,7 @@ impl Reader<'_> {
         self.context.suspension
     }
 
-    /// A length that anybody would see: a millimetre.
+    /// A millimetre in the study's unit: the smallest length that everyone sees.
     fn length_scale(&self) -> f64 {
         self.suspension().length_unit.per_metre() / 1000.0
     }
@@ -216,19 +216,13 @@ impl Reader<'_> {
         let found = characteristic(name, self.suspension(), problems)?;
         let limits = self.needed_limits(problems)?;
         let unit = found.info().unit;
-        let visible = match unit {
-            Unit::Angle => 1.0,
-            Unit::Length => self.length_scale(),
-            Unit::AnglePerLength => 1e-3 / self.length_scale(),
-            Unit::Percent => 1.0,
-            Unit::Ratio => 0.01,
-        };
-        let symbol = match unit {
-            Unit::Angle => "deg",
-            Unit::Length => "mm",
-            Unit::AnglePerLength => "0.001 deg/mm",
-            Unit::Percent => "%",
-            Unit::Ratio => "0.01",
+        let length = self.suspension().length_unit.symbol();
+        let (visible, symbol) = match unit {
+            Unit::Angle => (1.0, "deg".to_owned()),
+            Unit::Length => (self.length_scale(), length.to_owned()),
+            Unit::AnglePerLength => (1e-3 / self.length_scale(), format!("deg/{length}")),
+            Unit::Percent => (1.0, "%".to_owned()),
+            Unit::Ratio => (0.01, "1".to_owned()),
         };
         let [lower, upper] = limits.map(|limit| limit.map(|value| unit.from_printed(value)));
         let of = Limited {
@@ -236,7 +230,8 @@ impl Reader<'_> {
             lower,
             upper,
             scale: unit.from_printed(visible),
-            unit: symbol.to_owned(),
+            visible,
+            unit: symbol,
         };
         Some((format!("{} {}", name.get_ref(), words(limits)), vec![of]))
     }
@@ -252,7 +247,8 @@ impl Reader<'_> {
             lower: if is_turned { upper } else { lower },
             upper: if is_turned { lower } else { upper },
             scale: 10.0,
-            unit: "10 N".to_owned(),
+            visible: 10.0,
+            unit: "N".to_owned(),
         };
         Some((format!("{} {}", name.get_ref(), words(limits)), vec![of]))
     }
@@ -325,7 +321,8 @@ impl Reader<'_> {
             lower,
             upper,
             scale: self.length_scale(),
-            unit: "mm".to_owned(),
+            visible: self.length_scale(),
+            unit: self.suspension().length_unit.symbol().to_owned(),
         }
     }
 

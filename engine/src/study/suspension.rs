@@ -7,8 +7,8 @@ use super::names::{choose, choose_or, nearest};
 use super::value::{Number, Text};
 use crate::mechanism::HardpointFault;
 use crate::model::{
-    AxlePosition, Frame, FrameConvention, Group, LengthUnit, Mechanism, Point, Side, SpinAxis,
-    Suspension, Topology, TorquePath, Vehicle,
+    AxlePosition, Frame, FrameConvention, Group, LengthUnit, Mechanism, Point, PointId, Side,
+    SpinAxis, Suspension, Topology, TorquePath, Vehicle,
 };
 use crate::number::Vector3;
 use std::collections::BTreeMap;
@@ -39,7 +39,12 @@ pub(super) fn suspension(file: &File, problems: &mut Problems) -> Option<Suspens
         .filter_map(|point| given.iter().find(|g| g.name == point.name))
         .map(|g| frame.vector(g.position))
         .collect();
+    let seats = (0..design.len()).map(PointId);
+    mechanism.unsaid_seats = seats
+        .filter(|id| mechanism.possible_bodies(*id).len() > 1)
+        .collect();
     bodies(&section.bodies, &mut mechanism, problems)?;
+    mechanism.seat_drop_link(&design);
     spin_axis(file, &mut mechanism, &given, problems)?;
     let mut suspension = Suspension {
         mechanism,
@@ -170,7 +175,10 @@ pub(super) fn bodies(
         let possible = point.map_or(Vec::new(), |id| mechanism.possible_bodies(id));
         match point {
             Some(id) if !possible.is_empty() => match choose(body, "body", &possible, problems) {
-                Some(body) => mechanism.points[id.0].body = body,
+                Some(body) => {
+                    mechanism.points[id.0].body = body;
+                    mechanism.unsaid_seats.retain(|unsaid| *unsaid != id);
+                }
                 None => sound = false,
             },
             Some(_) => {

@@ -8,6 +8,7 @@ mod gradients;
 mod lanes;
 mod limits;
 mod loads;
+mod one_state;
 mod own;
 mod points;
 mod reference;

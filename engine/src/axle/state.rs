@@ -289,7 +289,7 @@ impl<'a, T: Real, W: WheelParts<T>> AxleState<'a, T, W> {
     }
 
     /// The derivative along a motion of a number of one wheel, from its derivatives by the wheel's own travel and rack.
-    pub(super) fn along(&self, motion: Motion, side: Side, [by_travel, by_rack]: [T; 2]) -> T {
+    pub fn along(&self, motion: Motion, side: Side, [by_travel, by_rack]: [T; 2]) -> T {
         let Rates { travel, rack, .. } = self.rates(motion);
         let by_travel = by_travel * travel[side as usize];
         match (rack, side) {

@@ -13,6 +13,7 @@ mod own;
 mod points;
 mod reference;
 mod right;
+mod springs;
 mod sweep;
 mod symmetry;
 mod tuning;

@@ -32,7 +32,7 @@ radius = {}
 travel = [{}, {}, 0.0, {}, {}]
 [outputs]
 characteristics = ["toe"]
-loads = ["kerb"]
+loads = [{{ name = "kerb", at = "wheel_centre", force = [-1500.0, 0.0, 6000.0] }}]
 [optimise]
 starts = 1
 good_enough = 0.0
@@ -46,7 +46,7 @@ targets = [
   {{ characteristic = "roll_centre_height", at = 0.0, value = {}, tolerance = {} }},
 ]
 constraints = [
-  {{ point = "tie_rod_outer", inside = {{ sphere = {{ centre = {}, radius = {} }} }} }},
+  {{ point = "tie_rod_outer", inside = {{ sphere = {{ centre = {}, radius = {} }} }}, at = "design" }},
   {{ length = "tie_rod", between = [{}, {}] }},
   {{ characteristic = "bump_steer", between = [{}, {}] }},
   {{ characteristic = "camber", between = [-6.0, 6.0] }},
@@ -135,7 +135,7 @@ fn margins_and_prices_are_in_the_study_s_unit() {
             }
         }
         // A reader sees the place with its unit, too.
-        let at = lists[1][0]["at"].as_f64().unwrap();
+        let at = lists[1][3]["at"].as_f64().unwrap();
         let place = format!("{} {unit}", as_written(at));
         assert!(table.contains(&place), "{place}: {table}");
     }

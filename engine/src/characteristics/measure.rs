@@ -296,10 +296,10 @@ impl Measure {
                 let p = v[0];
                 (p - p.lit(*over)).dot(p.lit(*normal))
             }
-            Measure::DistanceFrom(_, centre) => (v[0] - v[0].lit(*centre)).norm(),
+            Measure::DistanceFrom(_, centre) => length(v[0] - v[0].lit(*centre)),
             Measure::FromLine { through, along, .. } => {
                 let (p, along) = (v[0], v[0].lit(*along));
-                (p - p.lit(*through)).cross(along).norm()
+                length((p - p.lit(*through)).cross(along))
             }
             Measure::FromBox { middle, half, .. } => {
                 let away = (v[0] - v[0].lit(*middle)).to_array();
@@ -379,6 +379,16 @@ impl Measure {
 /// 1 less the cosine of the angle between two directions: without a kink where they are one, and without cancellation.
 fn versine<T: Scalar>(a: Vector3<T>, b: Vector3<T>) -> T {
     (a.normalised() - b.normalised()).norm_squared().scaled(0.5)
+}
+
+/// |v|, with the derivative 0 where v is 0: of the derivatives on all sides the mean.
+fn length<T: Scalar>(v: Vector3<T>) -> T {
+    let square = v.norm_squared();
+    if square.value() == 0.0 {
+        square
+    } else {
+        square.sqrt()
+    }
 }
 
 /// |x|; its derivative is that of the sign that x has.

@@ -151,7 +151,53 @@ fn margins_are_those_of_studs_fixed_in_the_carrier() {
     }
 }
 
-/// The steps of the angle at 0, where it has a kink: the margin there is the limit, and rows have a derivative.
+/// Angles of a drive shaft's joints from the coordinates of its ends and from the spin axis.
+#[test]
+fn margins_of_a_drive_shaft_are_degrees() {
+    let [inner, outer] = super::DRIVE_SHAFT;
+    let constraints = "optimise.constraints=[\
+        { articulation = \"drive_shaft_outer\", at_most = 31.0 }, \
+        { articulation = \"drive_shaft_inner\", at_most = 27.0 }]";
+    let motion = "motion.travel=[-60.0, 65.0]";
+    let study = edited(
+        "double_wishbone_front.toml",
+        &[inner, outer, motion, constraints],
+    );
+    let (suspension, optimise) = (&study.suspension, study.optimise.as_ref().unwrap());
+    let layout = TargetLayout::of(optimise, &study.motion, suspension);
+    let mut problem = Objective::new(suspension, &optimise.variables, &layout).unwrap();
+    let mut at = Assessment::new(&problem.shape());
+    let x = DVector::zeros(optimise.variables.len());
+    problem.assess(&x, &mut at).unwrap();
+    let (mechanism, design) = (&suspension.mechanism, &suspension.design);
+    let mut solver = Solver::new(mechanism, design).unwrap();
+    let order = StationOrder::through(&[-60.0, 65.0]);
+    let mut largest = [0.0_f64; 2];
+    solver
+        .for_each_pose(Drive::Travel, &order, 0.0, |_, _, pose| {
+            let at = Configuration::new(mechanism, design, *pose.unwrap(), 0.0);
+            let end = |name: &str| at.point(mechanism.point(name).unwrap());
+            let shaft = end("drive_shaft_outer") - end("drive_shaft_inner");
+            let across = Vector3::new(0.0, 1.0, 0.0);
+            let found = [angle(shaft, at.spin_axis()), angle(shaft, across)];
+            largest = std::array::from_fn(|k| largest[k].max(found[k]));
+            ControlFlow::Continue(())
+        })
+        .unwrap();
+    for (number, limit) in [31.0, 27.0].into_iter().enumerate() {
+        let labels = layout.labels().iter().enumerate();
+        let own = labels.filter(|(_, label)| label.constraint == number);
+        let margins = own.map(|(row, _)| layout.room(row, at.rows.residuals[row]));
+        let margin = margins.fold(f64::INFINITY, f64::min);
+        let wanted = limit - largest[number];
+        assert!(
+            largest[number] > 2.0 && (margin - wanted).abs() < 1e-9,
+            "{margin} {wanted}"
+        );
+    }
+}
+
+/// The angle has a kink at 0: the margin there is the limit, and the row has a derivative.
 #[test]
 fn a_joint_that_does_not_turn_has_its_whole_limit() {
     let constraint = "optimise.constraints=[{ articulation = \"lower_ball_joint\", at_most = 18.5, at = \"design\" }]";

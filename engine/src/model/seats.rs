@@ -40,6 +40,13 @@ impl Mechanism {
         is_doubtful.then_some([*own, *nearest])
     }
 
+    /// Notes that the bodies of all points are assumed that may stand on several.
+    pub fn assume_seats(&mut self) {
+        let points = (0..self.points.len()).map(PointId);
+        let may_choose = |id: &PointId| self.possible_bodies(*id).len() > 1;
+        self.unsaid_seats = points.filter(may_choose).collect();
+    }
+
     /// Puts the drop link of an anti-roll bar on the body that is clearly nearest to it, if a rocker is among the bodies
     /// that it may stand on and the study does not name its body. On the wrong body of these the bar turns ten times too
     /// little or too much.

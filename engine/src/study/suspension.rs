@@ -7,8 +7,8 @@ use super::names::{choose, choose_or, nearest};
 use super::value::{Number, Text};
 use crate::mechanism::HardpointFault;
 use crate::model::{
-    AxlePosition, Frame, FrameConvention, Group, LengthUnit, Mechanism, Point, PointId, Side,
-    SpinAxis, Suspension, Topology, TorquePath, Vehicle,
+    AxlePosition, Frame, FrameConvention, Group, LengthUnit, Mechanism, Point, Side, SpinAxis,
+    Suspension, Topology, TorquePath, Vehicle,
 };
 use crate::number::Vector3;
 use std::collections::BTreeMap;
@@ -39,10 +39,7 @@ pub(super) fn suspension(file: &File, problems: &mut Problems) -> Option<Suspens
         .filter_map(|point| given.iter().find(|g| g.name == point.name))
         .map(|g| frame.vector(g.position))
         .collect();
-    let seats = (0..design.len()).map(PointId);
-    mechanism.unsaid_seats = seats
-        .filter(|id| mechanism.possible_bodies(*id).len() > 1)
-        .collect();
+    mechanism.assume_seats();
     bodies(&section.bodies, &mut mechanism, problems)?;
     mechanism.seat_drop_link(&design);
     spin_axis(file, &mut mechanism, &given, problems)?;

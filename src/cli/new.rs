@@ -187,6 +187,12 @@ fn study(topology: &Topology, parts: &[Part]) -> Result<String, String> {
     if parts.contains(&Part::AntiRollBar) {
         let (places, carrier) = (&fitting.anti_roll_bar, fitting.carrier);
         text = with_points(&text, ANTI_ROLL_BAR, places, carrier, "anti_roll_bar_angle");
+        if parts.contains(&Part::Pushrod) {
+            // Beside a rocker a study must say where the drop link stands.
+            let body = carrier.replace(' ', "_");
+            let said = format!("\n[suspension.bodies]\ndrop_link_outer = \"{body}\"\n\n[wheel]");
+            text = text.replacen("\n[wheel]", &said, 1);
+        }
     }
     let steers = fitting.steers;
     if parts.contains(&Part::Sweep) {
@@ -357,6 +363,8 @@ mod tests {
                         .are_complete(),
                 };
                 assert!(complete, "{} {parts:?}", topology.name);
+                let mechanism = &study.suspension.mechanism;
+                assert_eq!(mechanism.unsaid_drop_link(), None, "{parts:?}");
                 assert_eq!(study.axle.is_some(), parts.contains(&Part::Axle));
                 assert_eq!(study.optimise.is_some(), parts.contains(&Part::Optimise));
                 assert_eq!(study.sweep.is_some(), parts.contains(&Part::Sweep));

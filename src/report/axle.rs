@@ -5,9 +5,10 @@ use super::completeness::Completeness;
 use super::failures::FailureRange;
 use super::files::csv_of;
 use super::ranges::Range;
-use super::{Cell, Table, optional, shortest};
+use super::{Cell, Table, brief, optional, shortest};
 use crate::axle::{
-    Axle, AxleCurves, AxlePlan, AxleProof, AxleStation, Coordinate, Placement, Void, WheelMotion,
+    Axle, AxleColumn, AxleCurves, AxlePlan, AxleProof, AxleStation, BeyondCurve, Coordinate,
+    ForcePart, Need, Placement, Void, WheelMotion,
 };
 use crate::curves::{Proof, Status};
 use crate::model::{Axis, Rod, Side};
@@ -201,10 +202,10 @@ pub fn axle_curves_csv(axle: &Axle, plan: &AxlePlan, curves: &AxleCurves) -> Vec
     })
 }
 
-/// `sensitivities.csv` of an axle.
+/// `sensitivities.csv` of an axle; names and units of outputs as in that of one wheel.
 pub fn axle_sensitivities_csv(axle: &Axle, plan: &AxlePlan, curves: &AxleCurves) -> Vec<u8> {
     let of_stations = StationColumns { plan, axle };
-    let length = axle.left.length_unit.symbol();
+    let length = axle.left.length_unit;
     csv_of(|writer| {
         let mut header = of_stations.names();
         header.extend(["output", "side", "hardpoint", "axis", "value", "unit"].map(str::to_owned));
@@ -214,17 +215,13 @@ pub fn axle_sensitivities_csv(axle: &Axle, plan: &AxlePlan, curves: &AxleCurves)
             let column = &curves.columns[s.column];
             let values = of_stations.values(s.station, station);
             let mut record: Vec<_> = values.into_iter().map(optional).collect();
-            let unit = match column.unit.is_empty() {
-                true => format!("per_{length}"),
-                false => format!("{}_per_{length}", column.unit),
-            };
             record.extend([
-                column.name.clone(),
+                column.output(),
                 s.side.map_or("both", |side| side.name()).to_owned(),
                 axle.left.mechanism.name(s.point).to_owned(),
                 s.axis.name().to_owned(),
                 optional(s.value),
-                unit,
+                column.unit_per(length),
             ]);
             writer.write_record(&record)?;
         }
@@ -467,5 +464,29 @@ pub fn axle_plausibility(axle: &Axle, curves: &AxleCurves, turns_against: bool) 
             shortest(load.round())
         ));
     }
+    let reads_springs = |column: &AxleColumn| {
+        column
+            .quantity()
+            .is_some_and(|quantity| quantity.needs().contains(&Need::Spring))
+    };
+    if curves.columns.iter().any(reads_springs) {
+        let beyond = axle.beyond_force_curves(curves);
+        remarks.extend(beyond.iter().map(|beyond| beyond_curve(axle, beyond)));
+    }
     remarks
+}
+
+/// A doubt about a spring or bump stop that is beyond an end of its force curve.
+fn beyond_curve(axle: &Axle, beyond: &BeyondCurve) -> String {
+    let unit = axle.left.length_unit.symbol();
+    let [value, end, travel] = [beyond.value, beyond.end, beyond.travel].map(brief);
+    let side = beyond.side.name();
+    let (part, is) = match beyond.part {
+        ForcePart::Spring => ("spring", format!("{value} {unit} long")),
+        ForcePart::BumpStop => ("bump stop", format!("compressed by {value} {unit}")),
+    };
+    format!(
+        "doubtful: {side} wheel at travel {travel} {unit}: the {part} is {is}, beyond the end of its force_curve at \
+         {end} {unit}. There its force follows the straight line through that end. Add points to the curve"
+    )
 }

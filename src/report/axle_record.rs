@@ -126,6 +126,7 @@ impl OutputRecord {
             Motion::Roll => "roll",
             Motion::Heave => "heave",
             Motion::Rack => "rack",
+            Motion::Steering => "steering",
             Motion::TravelLeft => "left travel",
             Motion::TravelRight => "right travel",
             Motion::OpposedTravels => "opposed travels",

@@ -2,11 +2,12 @@
 //! so, if seldom, so that doubts are only reported.
 
 use super::axle_plausibility;
+use super::figure::with_decimals;
 use crate::axle::{Axle, AxleCurves, AxlePlan, axle_curves};
 use crate::characteristics::{Characteristic, Constants, WheelReading};
 use crate::derive::{DesignSeries, MotionPoint};
 use crate::mechanism::DesignFault;
-use crate::model::{Body, Constraint, Drive, PointId, Rod, Side, SteeringAxis, Suspension};
+use crate::model::{Body, Constraint, Drive, PointId, Rod, Seat, Side, SteeringAxis, Suspension};
 use crate::number::{Jet, Vector3};
 use crate::solve::Solver;
 use crate::study::{AxleStudy, Designs, Move, Study};
@@ -30,6 +31,7 @@ pub fn plausibility(suspension: &Suspension) -> Result<Vec<String>, DesignFault>
         found: Vec::new(),
     };
     remarks.rods();
+    remarks.seats();
     remarks.front_and_rear();
     remarks.steering_axis();
     remarks.figures();
@@ -165,6 +167,52 @@ impl<'a> PlausibilityRemarks<'a> {
                 let [inner, outer] = [inner, outer].map(|id| self.name(id));
                 self.say(format!(
                     "{inner} is outboard of {outer}. Are they swapped, or has one of them the wrong sign?"
+                ));
+            }
+        }
+    }
+
+    /// Bodies that the study does not name: that of a drop link beside a rocker, and those of points that are clearly nearer
+    /// to another body.
+    fn seats(&mut self) {
+        let Suspension {
+            mechanism,
+            design,
+            length_unit,
+            ..
+        } = self.suspension;
+        let away = |seat: &Seat| {
+            let (body, unit) = (seat.name.replace('_', " "), length_unit.symbol());
+            // Two digits tell which body is meant.
+            let decimals = (1.0 - seat.distance.log10().floor()).clamp(0.0, 12.0) as usize;
+            format!(
+                "{body} ({} {unit} away)",
+                with_decimals(seat.distance, decimals)
+            )
+        };
+        let drop_link = mechanism.unsaid_drop_link();
+        for id in mechanism.unsaid_seats.iter().copied() {
+            let name = self.name(id);
+            let seats = mechanism.seats(design, id);
+            let Some(own) = seats.iter().find(|seat| seat.body == mechanism.body(id)) else {
+                continue;
+            };
+            let say = |body: &str| format!("[suspension.bodies] {name} = \"{body}\"");
+            if drop_link == Some(id) {
+                let others = seats.iter().filter(|seat| seat.body != own.body);
+                let others: Vec<String> = others.map(away).collect();
+                self.say(format!(
+                    "the study does not say on which body {name} stands. Assumed: {}; others: {}. Name it: {}",
+                    away(own),
+                    others.join(", "),
+                    say(own.name)
+                ));
+            } else if let Some([own, nearest]) = mechanism.doubtful_seat(design, id) {
+                self.say(format!(
+                    "{name} is assumed on the {}, but the {} is nearer. Name its body: {}",
+                    away(&own),
+                    away(&nearest),
+                    say(nearest.name)
                 ));
             }
         }

@@ -103,19 +103,62 @@ struct TargetSummary {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct ConstraintSummary {
     name: String,
-    /// What is left to the nearest limit; negative where it is violated.
+    /// Margin to the nearest limit in `unit`; negative if it is violated.
     room: f64,
     unit: String,
-    /// Drive value where that is.
+    /// Drive value with the least margin.
     at: Option<f64>,
-    /// By how many tolerances the misfit would fall for a limit one unit further.
+    /// Unit of `at`.
+    #[serde(default)]
+    at_unit: String,
+    /// Tolerances of misfit that a limit one unit further would save.
     price: Option<f64>,
+    /// Absent in summaries of older versions, whose units are millimetres and degrees.
+    #[serde(default)]
+    status: Option<ConstraintStatus>,
+}
+
+/// How a constraint is kept.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum ConstraintStatus {
+    /// With margin to every limit.
+    Kept,
+    /// At a limit.
+    Binds,
+    Violated,
+}
+
+impl ConstraintStatus {
+    /// The status of a margin, in units that are visible: a millimetre, a degree.
+    fn of(margin: f64) -> Self {
+        match margin {
+            margin if margin < -VISIBLE => ConstraintStatus::Violated,
+            margin if margin < BINDING => ConstraintStatus::Binds,
+            _ => ConstraintStatus::Kept,
+        }
+    }
+}
+
+impl ConstraintSummary {
+    fn status(&self) -> ConstraintStatus {
+        self.status
+            .unwrap_or_else(|| ConstraintStatus::of(self.room))
+    }
+
+    /// The drive value with the least margin, with its unit.
+    fn place(&self) -> Cell {
+        Cell::by(self.at, |at| with_unit(at, &self.at_unit))
+    }
 }
 
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct AddedStations {
     target: String,
     at: Vec<f64>,
+    /// Unit of `at`.
+    #[serde(default)]
+    unit: String,
 }
 
 /// In tolerances.
@@ -123,8 +166,11 @@ struct AddedStations {
 struct DeviationSummary {
     rms: f64,
     worst: f64,
-    /// Travel in the study's unit, or arm angle in degrees.
+    /// Travel in the study's unit, or arm angle in degrees; for an axle the number that the target is over.
     worst_at: f64,
+    /// Unit of `worst_at`.
+    #[serde(default)]
+    worst_at_unit: String,
     /// Rack displacement there, in the study's axes.
     #[serde(default)]
     worst_rack: f64,
@@ -195,12 +241,15 @@ impl TuningSummary {
                     .as_ref()
                     .and_then(|site| site.motion.as_ref());
                 let drive = motion.map_or(study.motion.drive, |(_, motion)| motion.drive);
+                let part = &constraint.parts[0];
                 ConstraintSummary {
                     name: constraint.name.clone(),
                     room: found.room + 0.0,
-                    unit: constraint.parts[0].unit.clone(),
+                    unit: part.unit.clone(),
                     at: found.at.map(|at| drive.printed(at)),
+                    at_unit: drive.unit(suspension.length_unit).to_owned(),
                     price: found.price,
+                    status: Some(ConstraintStatus::of(found.room / part.visible)),
                 }
             };
             outcomes.map(summary).collect()
@@ -213,6 +262,7 @@ impl TuningSummary {
                 .iter()
                 .map(|at| t.printed_at(drive, *at))
                 .collect(),
+            unit: t.unit_at(drive, suspension.length_unit).to_owned(),
         });
         let targets = optimise.targets.iter().enumerate().map(|(k, target)| {
             let deviation = |fulfilment: &Fulfilment| {
@@ -221,6 +271,7 @@ impl TuningSummary {
                     rms: d.rms,
                     worst: d.worst,
                     worst_at: target.printed_at(drive, d.worst_at),
+                    worst_at_unit: target.unit_at(drive, suspension.length_unit).to_owned(),
                     worst_rack: suspension.frame.sign(Axis::Y) * d.worst_rack + 0.0,
                 }
             };
@@ -394,21 +445,24 @@ impl TuningSummary {
             "worst after",
             "at",
         ];
-        let programs = ["worst before", "worst before at", "weight"].map(Column::for_programs);
+        let programs = ["worst before", "worst before at", "weight", "at unit"];
+        let programs = programs.map(Column::for_programs);
         let mut table = Table::with_columns(readers.map(Column::from).into_iter().chain(programs));
         let cell = |value: Option<f64>| Cell::by(value, hundredths);
         for t in &self.targets {
             let (before, after) = (t.before.as_ref(), t.after.as_ref());
+            let unit = after.map_or("", |d| d.worst_at_unit.as_str());
             table.push([
                 Cell::from(t.output.as_str()),
                 t.tolerance.into(),
                 cell(before.map(|d| d.rms)),
                 cell(after.map(|d| d.rms)),
                 cell(after.map(|d| d.worst)),
-                Cell::by(after.map(|d| d.worst_at), as_written),
+                Cell::by(after.map(|d| d.worst_at), |at| with_unit(at, unit)),
                 before.map(|d| d.worst).into(),
                 before.map(|d| d.worst_at).into(),
                 t.weight.into(),
+                unit.into(),
             ]);
         }
         table
@@ -425,7 +479,8 @@ impl TuningSummary {
         let targets = self.targets.iter().enumerate();
         let missed = targets.filter_map(|(number, t)| {
             let after = t.after.as_ref().filter(|d| d.worst.abs() > 1.0)?;
-            let (by, at) = (hundredths(after.worst.abs()), as_written(after.worst_at));
+            let by = hundredths(after.worst.abs());
+            let at = with_unit(after.worst_at, &after.worst_at_unit);
             Some((number, &*t.output, format!("{by} tolerances at {at}")))
         });
         missed.collect()
@@ -436,24 +491,28 @@ impl TuningSummary {
         if self.constraints.is_empty() {
             return None;
         }
-        let mut table = Table::new(["constraint", "room", "unit", "at", "kept", "price"]);
+        let columns = ["constraint", "room", "unit", "at", "kept", "price"].map(Column::from);
+        let programs = [Column::for_programs("at unit")];
+        let mut table = Table::with_columns(columns.into_iter().chain(programs));
         for c in &self.constraints {
-            let kept = match c.room {
-                room if is_violated(room) => Some("VIOLATED".to_owned()),
-                room if room < BINDING => Some("binds".to_owned()),
-                _ => None,
+            let status = c.status();
+            let kept = match status {
+                ConstraintStatus::Violated => Some("VIOLATED".to_owned()),
+                ConstraintStatus::Binds => Some("binds".to_owned()),
+                ConstraintStatus::Kept => None,
             };
-            let brief = |room: f64| match room.abs() < BINDING {
-                true => "0".to_owned(),
-                false => brief(room),
+            let brief = |margin: f64| match status {
+                ConstraintStatus::Binds => "0".to_owned(),
+                _ => brief(margin),
             };
             table.push([
                 Cell::from(c.name.as_str()),
                 Cell::by(c.room, brief),
                 c.unit.as_str().into(),
-                Cell::by(c.at, as_written),
+                c.place(),
                 kept.into(),
                 c.price.into(),
+                c.at_unit.as_str().into(),
             ]);
         }
         Some(table)
@@ -462,7 +521,7 @@ impl TuningSummary {
     /// The constraints that are violated, by their rows in [`TuningSummary::constraints_table`].
     pub fn violated(&self) -> Vec<usize> {
         let rows = self.constraints.iter().enumerate();
-        let violated = rows.filter(|(_, c)| is_violated(c.room));
+        let violated = rows.filter(|(_, c)| c.status() == ConstraintStatus::Violated);
         violated.map(|(row, _)| row).collect()
     }
 
@@ -472,9 +531,10 @@ impl TuningSummary {
         for added in &self.added_stations {
             let at: Vec<String> = added.at.iter().map(|at| as_written(*at)).collect();
             remarks.push(format!(
-                "{} has fewer stations of the motion than its curve has points: compared at {} as well",
+                "{} has fewer stations of the motion than its curve has points: compared at {}{} as well",
                 added.target,
-                at.join(", ")
+                at.join(", "),
+                if added.unit.is_empty() { String::new() } else { format!(" {}", added.unit) }
             ));
         }
         for target in &self.unmoved {
@@ -661,11 +721,15 @@ const FEW_STARTS: usize = 8;
 
 /// Constraints violated by less than this (a millimetre, a degree are 1) are kept.
 const VISIBLE: f64 = 1e-6;
-/// Constraints with less room than this bind.
+/// Constraints with less margin than this bind.
 const BINDING: f64 = 1e-6;
 
-fn is_violated(room: f64) -> bool {
-    room < -VISIBLE
+/// A number with its unit; without one in summaries of older versions, which do not name it.
+fn with_unit(value: f64, unit: &str) -> String {
+    match unit {
+        "" => as_written(value),
+        unit => format!("{} {unit}", as_written(value)),
+    }
 }
 
 /// A misfit for reading: two decimals, or its order of magnitude.

@@ -209,15 +209,17 @@ pub(super) struct TargetMisfit {
     pub rms: f64,
     pub worst: f64,
     pub worst_at: f64,
+    pub worst_at_unit: &'static str,
     pub gradient: Coordinates,
 }
 
 #[derive(Serialize)]
 pub(super) struct ConstraintRoom {
     pub name: String,
-    /// Room to the limit; negative if it is violated.
+    /// Margin to the nearest limit in `unit`; negative if it is violated.
     pub room: f64,
     pub unit: String,
+    pub is_violated: bool,
 }
 
 /// The influence of a coordinate on each column: derivatives, station by station.

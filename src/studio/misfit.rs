@@ -18,8 +18,11 @@ use super::message::{ConstraintRoom, Coordinates, Misfit, TargetMisfit};
 use super::study_file::Opened;
 use crate::mechanism::DesignFault;
 use crate::optimise::{Assessment, TargetLayout, assessed};
-use crate::study::{Drive, Optimise, Study};
+use crate::study::{Optimise, Study};
 use nalgebra::{DMatrix, DVector};
+
+/// Constraints violated by less than this, in visible units such as a millimetre, are kept.
+const VIOLATED: f64 = 1e-6;
 
 /// The misfit of a design, if its study has targets.
 pub(super) fn misfit(opened: &Opened, study: &Study) -> Result<Option<Misfit>, DesignFault> {
@@ -31,9 +34,8 @@ pub(super) fn misfit(opened: &Opened, study: &Study) -> Result<Option<Misfit>, D
     let has_own = optimise.axle.as_ref().is_some_and(|a| a.right.is_some());
     let own = has_own.then(|| TargetLayout::of(optimise, &study.motion, suspension));
     let found = assessed(suspension, &opened.every, own.as_ref().unwrap_or(layout))?;
-    let drive = study.motion.drive;
     Ok(Some(match found {
-        Ok(found) => of_assessment(optimise, layout, drive, &found),
+        Ok(found) => of_assessment(study, optimise, layout, &found),
         Err(infeasible) => Misfit {
             value: None,
             reason: Some(infeasible.to_string()),
@@ -45,11 +47,12 @@ pub(super) fn misfit(opened: &Opened, study: &Study) -> Result<Option<Misfit>, D
 }
 
 fn of_assessment(
+    study: &Study,
     optimise: &Optimise,
     layout: &TargetLayout,
-    drive: Drive,
     found: &Assessment,
 ) -> Misfit {
+    let (drive, length) = (study.motion.drive, study.suspension.length_unit);
     let (residuals, jacobian) = (&found.goal.residuals, &found.goal.jacobian);
     let value = found.goal.misfit();
     let of_rows = layout.targets_of_rows();
@@ -63,13 +66,12 @@ fn of_assessment(
             .collect();
         let share = layout.share(number);
         let target = &optimise.targets[number];
-        let motion = target.site.motion.as_ref();
-        let drive = motion.map_or(drive, |(_, motion)| motion.drive);
         TargetMisfit {
             column: target.of.column.clone(),
             rms: deviation.rms,
             worst: deviation.worst,
-            worst_at: drive.printed(deviation.worst_at),
+            worst_at: target.printed_at(drive, deviation.worst_at),
+            worst_at_unit: target.unit_at(drive, length),
             gradient: gradient(
                 residuals,
                 jacobian,
@@ -109,7 +111,7 @@ fn gradient(
         .collect()
 }
 
-/// The least room of each constraint over all stations at which it is looked at.
+/// The least margin of each constraint over all stations at which it is checked.
 fn rooms(optimise: &Optimise, layout: &TargetLayout, rows: &DVector<f64>) -> Vec<ConstraintRoom> {
     let constraints = optimise.constraints.iter().enumerate();
     let room = |number: usize| {
@@ -119,10 +121,14 @@ fn rooms(optimise: &Optimise, layout: &TargetLayout, rows: &DVector<f64>) -> Vec
             .fold(f64::INFINITY, f64::min)
     };
     constraints
-        .map(|(number, constraint)| ConstraintRoom {
-            name: constraint.name.clone(),
-            room: room(number) + 0.0,
-            unit: constraint.parts[0].unit.clone(),
+        .map(|(number, constraint)| {
+            let (room, part) = (room(number), &constraint.parts[0]);
+            ConstraintRoom {
+                name: constraint.name.clone(),
+                room: room + 0.0,
+                unit: part.unit.clone(),
+                is_violated: room < -VIOLATED * part.visible,
+            }
         })
         .collect()
 }

@@ -54,6 +54,98 @@ const POINTS: (&str, &str) = (
     "points = [\"pushrod_outer\", \"spring_lower\"]\nsensitivities = [\"pushrod_inner\"]",
 );
 
+/// A drop link whose body the study does not name stands on the body that is clearly nearest, and that is said; named, it
+/// stands where the study says, and nothing is said. On the lower arm the bar of this study would turn less than half as far.
+#[test]
+fn a_drop_link_beside_a_rocker_is_never_assumed_silently() {
+    let said = "drop_link_outer = \"rocker\"";
+    let ratio = |text: &str| {
+        let (study, found, _) = run(text);
+        let columns = &found.columns;
+        let ratio = columns
+            .iter()
+            .position(|c| c.output == "anti_roll_bar_motion_ratio");
+        let middle = &found.stations[found.stations.len() / 2];
+        let doubts = hardpoint::report::plausibility(&study.suspension).unwrap();
+        (middle.values[ratio.unwrap()].unwrap(), doubts)
+    };
+    let outputs = (
+        "characteristics",
+        "characteristics = [\"anti_roll_bar_motion_ratio\"]",
+    );
+    let named = with_lines(&[outputs]);
+    assert!(named.contains(said));
+    let (wanted, doubts) = ratio(&named);
+    assert!(
+        !doubts.iter().any(|d| d.contains("drop_link_outer")),
+        "{doubts:?}"
+    );
+    let (unnamed, doubts) = ratio(&named.replace(said, ""));
+    assert_eq!(unnamed, wanted);
+    let doubt = doubts
+        .iter()
+        .find(|d| d.contains("drop_link_outer"))
+        .unwrap();
+    for words in [
+        "Assumed: rocker",
+        "lower arm",
+        "[suspension.bodies]",
+        " mm away",
+    ] {
+        assert!(doubt.contains(words), "{doubt}");
+    }
+    let on_arm = named.replace(said, "drop_link_outer = \"lower_arm\"");
+    let (arm, doubts) = ratio(&on_arm);
+    assert!(
+        !doubts.iter().any(|d| d.contains("drop_link_outer")),
+        "{doubts:?}"
+    );
+    assert!(wanted.abs() > 2.0 * arm.abs(), "{wanted} {arm}");
+    // Beside the lower arm it stands on that, and it is said as well.
+    let low = named
+        .replace(said, "")
+        .replace("[ -30.0,  160.0,  420.0]", "[ -30.0,  430.0,  150.0]")
+        .replace("[ -30.0,  155.0,  330.0]", "[ -30.0,  425.0,  330.0]");
+    let study = read(&low).unwrap();
+    let mechanism = &study.suspension.mechanism;
+    let link = mechanism.point("drop_link_outer").unwrap();
+    assert!(matches!(
+        mechanism.body(link),
+        hardpoint::model::Body::Arm(_)
+    ));
+    let doubts = hardpoint::report::plausibility(&study.suspension).unwrap();
+    assert!(
+        doubts.iter().any(|d| d.contains("Assumed: lower arm")),
+        "{doubts:?}"
+    );
+}
+
+/// A pushrod whose body the study does not name, far from the usual one and near to another, is doubted.
+#[test]
+fn a_rod_far_from_its_assumed_body_is_doubted() {
+    let doubts = |text: &str| {
+        let study = read(text).unwrap_or_else(|e| panic!("{e}"));
+        let doubts = hardpoint::report::plausibility(&study.suspension).unwrap();
+        doubts
+            .into_iter()
+            .filter(|d| d.contains("pushrod_outer"))
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(doubts(&sample()), Vec::<String>::new());
+    let high = ("pushrod_outer ", "pushrod_outer = [-5.0, 500.0, 359.0]");
+    let text = with_lines(&[high]);
+    let said = doubts(&text);
+    assert!(
+        said[0].contains("nearer") && said[0].contains("upper arm"),
+        "{said:?}"
+    );
+    let named = text.replace(
+        "\n[suspension.bodies]\n",
+        "\n[suspension.bodies]\npushrod_outer = \"upper_arm\"\n",
+    );
+    assert_eq!(doubts(&named), Vec::<String>::new());
+}
+
 /// The rod fits where its length lies between the least and the largest distance from its outer end to the
 /// circle of its inner one. Beyond, the wheel still has a pose; what the rocker moves has no values.
 #[test]

@@ -5,7 +5,7 @@ use super::state::{AxleState, Motion};
 use super::taylor::Taylor;
 use super::{Axle, AxlePlan, Quantity, Read, Void, WheelMotion};
 use crate::ask::with_unit;
-use crate::curves::Loads;
+use crate::curves::{Loads, per};
 use crate::model::{Axis, LengthUnit, PointId, Side};
 use crate::number::Jet;
 
@@ -144,6 +144,11 @@ impl AxleColumn {
             Of::Point { name, .. } | Of::Force { name, .. } => name.clone(),
             Of::Turn(side, axis) => format!("{}_knuckle_omega_{}", side.name(), axis.name()),
         }
+    }
+
+    /// The unit of this column's derivative by a hardpoint coordinate.
+    pub fn unit_per(&self, length: LengthUnit) -> String {
+        per(&self.unit, length.symbol(), 1)
     }
 
     /// When it is positive, in words; `None` for derivatives.

@@ -43,12 +43,20 @@ impl Coordinate {
         }
     }
 
+    /// The unit of its values as the study writes them.
+    pub fn unit(self, length: LengthUnit) -> &'static str {
+        match self {
+            Coordinate::Roll | Coordinate::SteeringWheel => "deg",
+            Coordinate::Heave
+            | Coordinate::TravelLeft
+            | Coordinate::TravelRight
+            | Coordinate::Rack => length.symbol(),
+        }
+    }
+
     /// Its column in results.
     pub fn column(self, length: LengthUnit) -> String {
-        match self {
-            Coordinate::Roll | Coordinate::SteeringWheel => format!("{}_deg", self.key()),
-            _ => format!("{}_{}", self.key(), length.symbol()),
-        }
+        format!("{}_{}", self.key(), self.unit(length))
     }
 
     /// Converts a value as the study writes it (degrees, lengths along the study's axes) to one of a [`AxleMotion`]. The

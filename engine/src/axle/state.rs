@@ -12,6 +12,10 @@
 //! ```
 //!
 //! since C is the lowest point: its own motion in the wheel does not change its height.
+//!
+//! A position on a plane may be asked for by its roll angle and mean travel, by both travels, or at a load. Derivatives
+//! along [`Motion::Rack`] depend on that, since they hold what the station gives. Formulas of the catalogue must not: they
+//! use the other motions.
 
 use super::Quantity;
 use super::reading::{Moving, Reading, WheelParts};
@@ -36,10 +40,14 @@ pub enum Hold {
 pub enum Motion {
     /// Roll of the body, mean travel and rack held; by the angle in radians.
     Roll,
-    /// Mean travel of the wheel centres, roll and rack held.
+    /// Mean travel of the wheel centres, by half the sum of both. The rack is held, and on a plane the roll angle; on pads
+    /// both travels change equally.
     Heave,
-    /// Displacement of the rack towards the left wheel, the rest held.
+    /// Displacement of the rack towards the left wheel. The other numbers that the station gives are held.
     Rack,
+    /// The same displacement, whatever numbers the station gives: on a plane the roll angle and the mean travel are held,
+    /// on pads both travels.
+    Steering,
     /// Travel of the left wheel, the rest held.
     TravelLeft,
     /// Travel of the right wheel, the rest held.
@@ -200,6 +208,16 @@ impl<'a, T: Real, W: WheelParts<T>> AxleState<'a, T, W> {
         }
     }
 
+    /// The same wheels on the plane under both, whatever numbers the station gives: the roll angle and the mean travel
+    /// are what motions hold.
+    #[inline(always)]
+    pub fn on_plane(&self) -> Self {
+        AxleState {
+            hold: Hold::MeanTravel,
+            ..*self
+        }
+    }
+
     /// How much higher the left contact point is than the right one, along the normal of the ground: 0 on a
     /// plane.
     #[inline(always)]
@@ -213,6 +231,14 @@ impl<'a, T: Real, W: WheelParts<T>> AxleState<'a, T, W> {
     fn rises(&self) -> [T; 2] {
         let [left, right] = self.wheels();
         [left.rise(), right.rise()]
+    }
+
+    /// The derivative of [`AxleState::mismatch`] by the rack, both travels held. The right wheel's own rack moves the
+    /// other way, so that the difference becomes a sum.
+    #[inline(always)]
+    fn mismatch_by_rack(&self) -> T {
+        let [left, right] = self.wheels();
+        left.rise_by_rack() + right.rise_by_rack()
     }
 
     #[inline(always)]
@@ -230,34 +256,32 @@ impl<'a, T: Real, W: WheelParts<T>> AxleState<'a, T, W> {
                 rates.travel = [difference, -difference];
                 rates.roll = one;
             }
-            (Motion::Heave, Hold::MeanTravel) => {
+            (Motion::Heave, Hold::TravelsOnPads) => rates.travel = [one; 2],
+            (Motion::Heave, Hold::MeanTravel | Hold::TravelsOnPlane) => {
                 let [left, right] = self.rises();
                 let share = (one + one) / (left + right);
                 rates.travel = [right * share, left * share];
             }
-            (Motion::Heave, _) => rates.travel = [one; 2],
             (Motion::TravelLeft, _) => rates.travel = [one, zero],
             (Motion::TravelRight, _) => rates.travel = [zero, one],
             (Motion::OpposedTravels, _) => rates.travel = [-one, one],
-            (Motion::Rack, hold) => {
+            (Motion::Rack | Motion::Steering, Hold::TravelsOnPads) => rates.rack = Some(one),
+            (Motion::Rack, Hold::TravelsOnPlane) => {
                 rates.rack = Some(one);
-                // The right wheel's own rack moves the other way, so that a difference becomes a sum.
-                let [left, right] = self.wheels();
-                match hold {
-                    Hold::MeanTravel => {
-                        let by_rack = left.rise_by_rack() + right.rise_by_rack();
-                        let difference = -by_rack / (left.rise() + right.rise());
-                        rates.travel = [difference, -difference];
-                    }
-                    Hold::TravelsOnPlane => {
-                        let by_rack = left.rise_by_rack() + right.rise_by_rack();
-                        rates.roll = -by_rack / self.track();
-                    }
-                    Hold::TravelsOnPads => {}
-                }
+                rates.roll = -self.mismatch_by_rack() / self.track();
+            }
+            (Motion::Rack | Motion::Steering, Hold::MeanTravel | Hold::TravelsOnPlane) => {
+                rates.rack = Some(one);
+                let [left, right] = self.rises();
+                let difference = -self.mismatch_by_rack() / (left + right);
+                rates.travel = [difference, -difference];
             }
         }
-        if self.hold == Hold::TravelsOnPlane && !matches!(motion, Motion::Roll | Motion::Rack) {
+        let is_one_sided = matches!(
+            motion,
+            Motion::TravelLeft | Motion::TravelRight | Motion::OpposedTravels
+        );
+        if self.hold == Hold::TravelsOnPlane && is_one_sided {
             let [left, right] = self.rises();
             rates.roll = -(left * rates.travel[0] - right * rates.travel[1]) / self.track();
         }
@@ -265,7 +289,7 @@ impl<'a, T: Real, W: WheelParts<T>> AxleState<'a, T, W> {
     }
 
     /// The derivative along a motion of a number of one wheel, from its derivatives by the wheel's own travel and rack.
-    pub(super) fn along(&self, motion: Motion, side: Side, [by_travel, by_rack]: [T; 2]) -> T {
+    pub fn along(&self, motion: Motion, side: Side, [by_travel, by_rack]: [T; 2]) -> T {
         let Rates { travel, rack, .. } = self.rates(motion);
         let by_travel = by_travel * travel[side as usize];
         match (rack, side) {

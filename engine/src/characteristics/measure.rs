@@ -186,6 +186,14 @@ impl Measure {
         }
     }
 
+    /// Whether the value is 1 less the cosine of an angle.
+    pub(crate) fn is_versine(&self) -> bool {
+        matches!(
+            self,
+            Measure::BallJoint { .. } | Measure::OuterShaftJoint(_) | Measure::InnerShaftJoint(_)
+        )
+    }
+
     /// The vectors that its formula reads, and their number; 0 if it is not geometry.
     pub(crate) fn inputs(&self, mechanism: &Mechanism) -> ([Input; MOST], usize) {
         let list = |given: &[Input]| {
@@ -288,10 +296,10 @@ impl Measure {
                 let p = v[0];
                 (p - p.lit(*over)).dot(p.lit(*normal))
             }
-            Measure::DistanceFrom(_, centre) => (v[0] - v[0].lit(*centre)).norm(),
+            Measure::DistanceFrom(_, centre) => length(v[0] - v[0].lit(*centre)),
             Measure::FromLine { through, along, .. } => {
                 let (p, along) = (v[0], v[0].lit(*along));
-                (p - p.lit(*through)).cross(along).norm()
+                length((p - p.lit(*through)).cross(along))
             }
             Measure::FromBox { middle, half, .. } => {
                 let away = (v[0] - v[0].lit(*middle)).to_array();
@@ -371,6 +379,16 @@ impl Measure {
 /// 1 less the cosine of the angle between two directions: without a kink where they are one, and without cancellation.
 fn versine<T: Scalar>(a: Vector3<T>, b: Vector3<T>) -> T {
     (a.normalised() - b.normalised()).norm_squared().scaled(0.5)
+}
+
+/// |v|, with the derivative 0 where v is 0: of the derivatives on all sides the mean.
+fn length<T: Scalar>(v: Vector3<T>) -> T {
+    let square = v.norm_squared();
+    if square.value() == 0.0 {
+        square
+    } else {
+        square.sqrt()
+    }
 }
 
 /// |x|; its derivative is that of the sign that x has.

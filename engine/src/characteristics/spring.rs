@@ -59,7 +59,7 @@ formulas! {
     AntiRollBarAngle {
         name: "anti_roll_bar_angle",
         unit: Unit::Angle,
-        positive: "drop link pushes the lever from its design position",
+        positive: "drop link pushes the lever from its design position; negative where it pulls, as in jounce with the lever below drop_link_outer",
         formula: "b, the turn of the anti-roll bar's lever about the bar's axis from its design position",
         source: "closed form of the loop of drop link and lever",
         reads: &[Slot::BarAngle],
@@ -70,7 +70,7 @@ formulas! {
     AntiRollBarMotionRatio {
         name: "anti_roll_bar_motion_ratio",
         unit: Unit::AnglePerLength,
-        positive: "drop link pushes the lever in jounce",
+        positive: "drop link pushes the lever in jounce; negative where it pulls",
         formula: "b'/W_z', b the angle of the anti-roll bar: lever angle per wheel travel",
         source: INSTALLATION,
         reads: &[Slot::BarAngleRate, Slot::CentreRate],

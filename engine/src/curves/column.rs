@@ -111,7 +111,7 @@ fn velocity_name(coordinate: &str, axis: Axis, order: usize) -> String {
 
 /// `unit` divided by the `power`-th power of `by`: `deg`, `mm`, 2 -> `deg_per_mm2`, and
 /// `deg_per_mm`, `mm`, 1 -> `deg_per_mm2`.
-fn per(unit: &str, by: &str, power: usize) -> String {
+pub(crate) fn per(unit: &str, by: &str, power: usize) -> String {
     if power == 0 {
         return unit.to_owned();
     }

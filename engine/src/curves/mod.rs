@@ -12,6 +12,7 @@ mod run;
 pub mod thinned;
 
 pub use column::Column;
+pub(crate) use column::per;
 pub use drive_law::DriveLaw;
 pub use frames::{Frame, OtherWheel, Placement, Turn, frames};
 pub use influence::{Influence, influences};

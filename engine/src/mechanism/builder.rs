@@ -194,10 +194,12 @@ impl SuspensionBuilder {
         };
         let position = |name: &str| given.iter().find(|(known, _)| *known == name);
         let design = mechanism.points.iter();
-        let design = design
+        let design: Vec<_> = design
             .filter_map(|point| position(&point.name))
             .map(|(_, position)| frame.vector(*position))
             .collect();
+        mechanism.assume_seats();
+        mechanism.seat_drop_link(&design);
         let suspension = Suspension {
             mechanism,
             design,

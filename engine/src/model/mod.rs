@@ -9,11 +9,13 @@ mod five_link;
 mod frame;
 mod macpherson;
 mod rocker;
+mod seats;
 mod semi_trailing_arm;
 mod topology;
 
 pub use frame::{Axis, Frame, FrameConvention, LengthUnit, Side};
 pub use rocker::{Rocker, RockerId, Rod};
+pub use seats::Seat;
 pub use topology::{Group, Hardpoint, Topology};
 
 use crate::number::Vector3;
@@ -179,6 +181,8 @@ pub struct Mechanism {
     pub points: Vec<Point>,
     /// The bodies a study may put points on, with their names.
     pub bodies: Vec<(&'static str, Body)>,
+    /// The points that may stand on several bodies and whose body the study does not name: it is assumed.
+    pub unsaid_seats: Vec<PointId>,
     /// Five scalar constraints in all.
     pub constraints: Vec<Constraint>,
     /// Control arms; the first one is the one an arm-angle drive turns.

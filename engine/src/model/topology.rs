@@ -144,6 +144,7 @@ impl Given {
                 .copied()
                 .chain(rocker::bodies(&rockers))
                 .collect(),
+            unsaid_seats: Vec::new(),
             constraints: Vec::new(),
             arms: Vec::new(),
             rockers,

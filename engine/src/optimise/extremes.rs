@@ -57,7 +57,7 @@ pub(super) fn searches(
             sign,
             rows: places,
         } = extremes;
-        let scale = sign / parts[*part].scale;
+        let scale = sign / parts[*part].limited.scale;
         let at = |k: usize| {
             let station = places[k].0;
             (leg.order.values()[station], values[*part][station])

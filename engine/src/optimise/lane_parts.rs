@@ -3,8 +3,9 @@
 //! Lanes tell where points are and how they move with the variables, as coordinates, and the spin axis by its angles. From
 //! these a formula's derivatives lead to the variables by the chain rule, station by station.
 
+use super::carried_triangle::CarriedTriangle;
 use crate::characteristics::{Characteristic, Input, Measure, Quantity, Stud, Vectors};
-use crate::model::{Axis, Mechanism, PointId};
+use crate::model::{Axis, Body, PointId, Suspension};
 use crate::number::Vector3;
 use crate::sweep::{Jacobians, place_of};
 
@@ -26,10 +27,13 @@ pub(super) enum Source {
     Between([[usize; 3]; 2]),
     /// Camber and toe.
     SpinAxis([usize; 2]),
-    /// From the first of these points to the second in the design position; the second alone without a first.
-    Designed(Option<PointId>, PointId),
-    /// What never moves.
-    Fixed(Vector3<f64>),
+    /// A direction of the design position that turns with the wheel carrier: the coordinates of three points of the
+    /// carrier, and these points.
+    Carried([[usize; 3]; 3], [PointId; 3], Stud),
+    /// Position of a point in the design position.
+    Designed(PointId),
+    /// A direction in the design position.
+    DesignedStud(Stud),
 }
 
 impl LanePart {
@@ -37,7 +41,7 @@ impl LanePart {
     /// cannot provide it.
     pub(super) fn of(
         measure: &Measure,
-        mechanism: &Mechanism,
+        suspension: &Suspension,
         quantities: &mut Vec<Quantity>,
     ) -> Option<Self> {
         match measure {
@@ -47,9 +51,9 @@ impl LanePart {
             Measure::Carried(_) => return None,
             _ => {}
         }
-        let (inputs, count) = measure.inputs(mechanism);
+        let (inputs, count) = measure.inputs(&suspension.mechanism);
         let sources = inputs[..count].iter();
-        let sources = sources.map(|input| Source::of(*input, quantities));
+        let sources = sources.map(|input| Source::of(*input, suspension, quantities));
         Some(LanePart::Formula(
             measure.clone(),
             sources.collect::<Option<_>>()?,
@@ -93,6 +97,31 @@ pub(super) struct Moving<'d> {
 }
 
 impl Moving<'_> {
+    fn at(&self, PointId(point): PointId) -> Vector3<f64> {
+        self.design[point]
+    }
+
+    /// A stud in the design position.
+    fn stud(&self, stud: Stud) -> Vector3<f64> {
+        match stud {
+            Stud::Between(from, to) => self.at(to) - self.at(from),
+            Stud::Along(direction) => direction,
+        }
+    }
+
+    /// How a stud in the design position changes with a variable.
+    fn stud_along(&self, column: usize, stud: Stud) -> Vector3<f64> {
+        match stud {
+            Stud::Between(from, to) => self.along(column, to) - self.along(column, from),
+            Stud::Along(_) => Vector3::default(),
+        }
+    }
+
+    /// Three points of the wheel carrier, now at these places.
+    fn triangle(&self, corners: [PointId; 3], now: [Vector3<f64>; 3]) -> CarriedTriangle {
+        CarriedTriangle::new(corners.map(|id| self.at(id)), now)
+    }
+
     fn along(&self, column: usize, PointId(point): PointId) -> Vector3<f64> {
         let first = 3 * (column * self.design.len() + point);
         Vector3::new(
@@ -104,29 +133,32 @@ impl Moving<'_> {
 }
 
 impl Source {
-    /// The source of a vector that a formula reads. `None` for a stud given by its direction alone: it turns with the
-    /// wheel carrier, and no coordinate that lanes provide tells how.
-    fn of(input: Input, quantities: &mut Vec<Quantity>) -> Option<Self> {
+    /// The source of a vector that a formula reads. `None` if a stud turns with a carrier whose points lie on a line.
+    fn of(input: Input, suspension: &Suspension, quantities: &mut Vec<Quantity>) -> Option<Self> {
+        let is_carried = |id: PointId| suspension.mechanism.body(id) == Body::Knuckle;
         let mut point =
             |id| Axis::ALL.map(|axis| place_of(quantities, Quantity::Coordinate(id, axis)));
         Some(match input {
             Input::Now(id) => Source::Point(point(id)),
-            Input::StudNow(Stud::Between(from, to)) => Source::Between([from, to].map(point)),
-            Input::StudNow(Stud::Along(_)) => return None,
+            Input::StudNow(Stud::Between(from, to)) if is_carried(from) && is_carried(to) => {
+                Source::Between([from, to].map(point))
+            }
+            Input::StudNow(stud) => {
+                let corners = CarriedTriangle::corners(suspension)?;
+                Source::Carried(corners.map(point), corners, stud)
+            }
             Input::SpinAxis => {
                 let angles = [Characteristic::Camber, Characteristic::Toe];
                 let angles = angles.map(Quantity::Characteristic);
                 Source::SpinAxis(angles.map(|angle| place_of(quantities, angle)))
             }
-            Input::Designed(id) => Source::Designed(None, id),
-            Input::StudDesigned(Stud::Between(from, to)) => Source::Designed(Some(from), to),
-            Input::StudDesigned(Stud::Along(direction)) => Source::Fixed(direction),
+            Input::Designed(id) => Source::Designed(id),
+            Input::StudDesigned(stud) => Source::DesignedStud(stud),
         })
     }
 
     fn value(&self, found: &Jacobians<'_>, lane: usize, moving: &Moving<'_>) -> Vector3<f64> {
         let point = |numbers: [usize; 3]| Vector3::from(numbers.map(|n| found.value(lane, n)));
-        let designed = |PointId(id): PointId| moving.design[id];
         match *self {
             Source::Point(numbers) => point(numbers),
             Source::Between([from, to]) => point(to) - point(from),
@@ -135,13 +167,16 @@ impl Source {
                 let [camber, toe] = numbers.map(|n| found.value(lane, n).sin_cos());
                 Vector3::new(camber.1 * toe.0, camber.1 * toe.1, -camber.0)
             }
-            Source::Designed(None, id) => designed(id),
-            Source::Designed(Some(from), to) => designed(to) - designed(from),
-            Source::Fixed(direction) => direction,
+            Source::Carried(numbers, corners, stud) => {
+                let triangle = moving.triangle(corners, numbers.map(point));
+                triangle.turned(moving.stud(stud))
+            }
+            Source::Designed(id) => moving.at(id),
+            Source::DesignedStud(stud) => moving.stud(stud),
         }
     }
 
-    /// Adds what a derivative by the vector comes to by the variables.
+    /// Adds the derivatives by the variables that a derivative by the vector makes.
     fn add_slopes(
         &self,
         by: Vector3<f64>,
@@ -150,7 +185,7 @@ impl Source {
         moving: &Moving<'_>,
         slopes: &mut [f64],
     ) {
-        // Of numbers in lanes, each with what it counts.
+        // Adds derivatives of numbers in lanes, each with its weight.
         let mut add = |numbers: &[usize], weights: [f64; 3]| {
             for (number, weight) in numbers.iter().zip(weights) {
                 for (column, slope) in slopes.iter_mut().enumerate() {
@@ -170,14 +205,33 @@ impl Source {
                 let by_toe = camber.1 * (by.x * toe.1 - by.y * toe.0);
                 add(&numbers, [by_camber, by_toe, 0.0]);
             }
-            Source::Designed(from, to) => {
+            Source::Carried(numbers, corners, stud) => {
+                let point =
+                    |numbers: [usize; 3]| Vector3::from(numbers.map(|n| found.value(lane, n)));
+                let triangle = moving.triangle(corners, numbers.map(point));
+                let forces = triangle.by_corners(triangle.turned(moving.stud(stud)), by);
+                for (numbers, force) in numbers.iter().zip(forces) {
+                    add(numbers, force.to_array());
+                }
+                let designed = forces.map(|force| -triangle.turned_back(force));
+                let by_stud = triangle.turned_back(by);
                 for (column, slope) in slopes.iter_mut().enumerate() {
-                    let from = from.map(|from| moving.along(column, from));
-                    let along = moving.along(column, to) - from.unwrap_or_default();
-                    *slope += by.dot(along);
+                    *slope += by_stud.dot(moving.stud_along(column, stud));
+                    for (corner, by) in corners.into_iter().zip(designed) {
+                        *slope += by.dot(moving.along(column, corner));
+                    }
                 }
             }
-            Source::Fixed(_) => {}
+            Source::Designed(id) => {
+                for (column, slope) in slopes.iter_mut().enumerate() {
+                    *slope += by.dot(moving.along(column, id));
+                }
+            }
+            Source::DesignedStud(stud) => {
+                for (column, slope) in slopes.iter_mut().enumerate() {
+                    *slope += by.dot(moving.stud_along(column, stud));
+                }
+            }
         }
     }
 }

@@ -64,7 +64,7 @@ impl<'a> LaneRows<'a> {
             let parts = layout
                 .parts
                 .iter()
-                .map(|part| LanePart::of(&part.of, &suspension.mechanism, &mut read));
+                .map(|part| LanePart::of(&part.limited.of, suspension, &mut read));
             let parts: Option<Vec<LanePart>> = parts.collect();
             if let (Some(parts), Some(legs)) = (parts, of(&read, true)) {
                 (rows.parts, rows.legs) = (Some(parts), legs);
@@ -138,7 +138,7 @@ impl<'a> LaneRows<'a> {
                 for check in &leg.checks[*station] {
                     let value = parts[check.part].read(found, lane, &moving, slopes);
                     values[check.part][*station] = value;
-                    check.write(&layout.parts[check.part], value, slopes, rows);
+                    check.write(&layout.parts[check.part].limited, value, slopes, rows);
                 }
             }
         })

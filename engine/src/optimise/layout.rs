@@ -6,7 +6,7 @@ use super::trade::Aim;
 use crate::characteristics::{Measure, Slots};
 use crate::model::{Axis, Drive, Frame, Mechanism, Suspension};
 use crate::solve::StationOrder;
-use crate::study::{Motion, Optimise, Sample, Site, Target};
+use crate::study::{Limited, Motion, Optimise, Sample, Site, Target};
 use crate::sweep::place_of;
 use nalgebra::DVector;
 
@@ -49,7 +49,7 @@ pub(super) struct Check {
 
 impl Check {
     /// Writes the rows of the limits, from the value of the part and its derivatives by the variables.
-    pub(super) fn write(&self, of: &Part, found: f64, slopes: &[f64], rows: &mut Linearisation) {
+    pub(super) fn write(&self, of: &Limited, found: f64, slopes: &[f64], rows: &mut Linearisation) {
         let limits = [
             (self.lower, of.lower, -1.0),
             (self.upper, of.upper, 1.0),
@@ -93,10 +93,7 @@ pub(super) struct Part {
     pub constraint: usize,
     /// Whether it is looked at in the design position alone.
     is_at_design: bool,
-    pub of: Measure,
-    pub lower: Option<f64>,
-    pub upper: Option<f64>,
-    pub scale: f64,
+    pub limited: Limited,
 }
 
 /// What a row of the constraints stands for.
@@ -289,7 +286,10 @@ impl TargetLayout {
                 measures.len().saturating_sub(1)
             })
             .collect();
-        let is_equality = |part: &Part| part.lower.is_some() && part.lower == part.upper;
+        let is_equality = |part: &Part| {
+            let Limited { lower, upper, .. } = part.limited;
+            lower.is_some() && lower == upper
+        };
         let label = |part: usize, is_upper: bool, leg: usize, station: usize| RowLabel {
             constraint: parts[part].constraint,
             part,
@@ -328,8 +328,8 @@ impl TargetLayout {
                 };
                 checks[station].push(Check {
                     part,
-                    lower: row(parts[part].lower, false),
-                    upper: row(parts[part].upper, true),
+                    lower: row(parts[part].limited.lower, false),
+                    upper: row(parts[part].limited.upper, true),
                     equal,
                 });
             }
@@ -358,7 +358,7 @@ impl TargetLayout {
                 extremes,
             });
         }
-        let all = || measures.iter().chain(parts.iter().map(|p| &p.of));
+        let all = || measures.iter().chain(parts.iter().map(|p| &p.limited.of));
         TargetLayout {
             rate_order: all().map(Measure::rate_order).max().unwrap_or(0),
             reads: Slots::of(all().map(|m| m.reads())),
@@ -384,12 +384,19 @@ impl TargetLayout {
         self.rows * self.builds
     }
 
-    /// Room between a row's value and its limit, in the constraint's unit; negative if the limit is violated.
+    /// Margin between a row's value and its limit, in the constraint's unit; negative if the limit is violated.
     pub fn room(&self, row: usize, value: f64) -> f64 {
-        match row < self.equalities {
-            true => -value.abs(),
-            false => -value,
+        let part = &self.parts[self.labels[row].part].limited;
+        if row < self.equalities {
+            part.margin(value.abs())
+        } else {
+            part.margin(value)
         }
+    }
+
+    /// Change of a row's limit, in the constraint's unit, that changes the row by 1 where the limit binds.
+    pub fn visible(&self, row: usize) -> f64 {
+        self.parts[self.labels[row].part].limited.visible
     }
 
     /// What the rows of the constraints stand for, equalities first.
@@ -492,10 +499,7 @@ fn parts(optimise: &Optimise, mechanism: &Mechanism) -> Vec<Part> {
         constraint.parts.iter().map(move |part| Part {
             constraint: number,
             is_at_design: constraint.site.is_none() || part.of.is_fixed(mechanism),
-            of: part.of.clone(),
-            lower: part.lower,
-            upper: part.upper,
-            scale: part.scale,
+            limited: part.clone(),
         })
     });
     parts.collect()

@@ -19,6 +19,7 @@ mod bounded_least_squares;
 mod bounds;
 mod builds;
 mod carried;
+mod carried_triangle;
 mod choices;
 mod constrained;
 mod extremes;

@@ -189,7 +189,7 @@ impl<const N: usize> ReadStations for Reader<N> {
                 return Ok(());
             };
             for check in &leg.checks[station] {
-                let part = &layout.parts[check.part];
+                let part = &layout.parts[check.part].limited;
                 let found = read(&part.of, &view, &linearised, solver.size())[0];
                 failed = failed.take().or_else(|| uncarried(&part.of, found, place));
                 values[check.part][station] = found;
@@ -342,7 +342,7 @@ impl<'a> Objective<'a> {
             points.extend(variable.turn.iter().flat_map(|turn| &turn.points));
         }
         let mechanism = &suspension.mechanism;
-        let parts = layout.parts.iter().map(|part| &part.of);
+        let parts = layout.parts.iter().map(|part| &part.limited.of);
         let all = || layout.measures.iter().chain(parts.clone());
         let rockers = all().flat_map(|measure| measure.rockers(mechanism));
         let has_extremes = layout.legs.iter().any(|leg| !leg.extremes.is_empty());
@@ -645,7 +645,7 @@ impl<'a> Objective<'a> {
                 let motion = place.along_drive::<3>();
                 let linearised = solver.linearised(&reader.series, pose, &motion)?;
                 let Extremes { part, sign, .. } = &leg.extremes[search.of];
-                let part = &layout.parts[*part];
+                let part = &layout.parts[*part].limited;
                 let limit = if *sign > 0.0 { part.upper } else { part.lower };
                 let limit = limit.expect("an extreme is sought for a limit");
                 let scale = sign / part.scale;

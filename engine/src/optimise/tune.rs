@@ -460,7 +460,7 @@ impl<'a> Tuner<'a> {
                 .iter()
                 .enumerate()
                 .filter(|(_, l)| l.constraint == number);
-            let (mut room, mut at, mut pull) = (f64::INFINITY, None, 0.0);
+            let (mut room, mut at, mut pull, mut visible) = (f64::INFINITY, None, 0.0, 1.0);
             for (row, label) in own {
                 let value = state.values[row];
                 let left = self.layout.room(row, value);
@@ -471,12 +471,13 @@ impl<'a> Tuner<'a> {
                     at = (values.len() > 1).then(|| values[label.station]);
                 }
                 pull += state.multipliers.as_ref().map_or(0.0, |m| m[row].abs());
+                visible = self.layout.visible(row);
             }
             let price = pull / (count * fit.misfit());
             ConstraintOutcome {
                 room,
                 at,
-                price: (price > 1e-6).then_some(price),
+                price: (price > 1e-6).then_some(price / visible),
             }
         };
         constraints.map(outcome).collect()

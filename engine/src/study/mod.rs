@@ -566,6 +566,15 @@ impl Target {
         }
     }
 
+    /// Unit of [`Target::printed_at`].
+    pub fn unit_at(&self, drive: Drive, length: LengthUnit) -> &'static str {
+        match (&self.site.axle, &self.site.motion) {
+            (Some(site), _) => site.over.unit(length),
+            (None, Some((_, motion))) => motion.drive.unit(length),
+            (None, None) => drive.unit(length),
+        }
+    }
+
     /// Whether it is about a characteristic in the study's own motion: what sweeps compare.
     pub fn is_in_motion(&self) -> bool {
         self.site == Site::default() && self.of.as_characteristic().is_some()
@@ -642,10 +651,26 @@ pub struct Limited {
     pub lower: Option<f64>,
     /// Upper limit; `None` for no limit. Equal to `lower`, it makes an equality.
     pub upper: Option<f64>,
-    /// Change of the measure that counts as one `unit`, such as a millimetre or a degree; residuals are in these.
+    /// Change of the measure that counts as 1 in the rows of a tuning: a visible one, such as a millimetre or a degree.
     pub scale: f64,
-    /// Name of the unit in which room and violation are printed.
+    /// The same change in `unit`.
+    pub visible: f64,
+    /// Unit of the limits as the study writes them, which margins and prices have too. "1" for a plain number.
     pub unit: String,
+}
+
+impl Limited {
+    /// Margin between the measure and one of its limits in `unit`, from the value of the limit's row:
+    /// (measure - limit)/scale, with the opposite sign for a lower limit. Negative if the limit is violated.
+    pub(crate) fn margin(&self, row: f64) -> f64 {
+        match (self.of.is_versine(), self.upper) {
+            (true, Some(limit)) => {
+                let angle = |versine: f64| 2.0 * (0.5 * versine).clamp(0.0, 1.0).sqrt().asin();
+                (angle(limit) - angle(limit + row * self.scale)).to_degrees()
+            }
+            _ => -row * self.visible,
+        }
+    }
 }
 
 /// How a curve runs between its points.

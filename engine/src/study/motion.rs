@@ -38,12 +38,18 @@ impl Drive {
         self != Drive::Travel
     }
 
+    /// The unit of its values as written.
+    pub fn unit(self, length: LengthUnit) -> &'static str {
+        if self.is_angle() {
+            "deg"
+        } else {
+            length.symbol()
+        }
+    }
+
     /// The name of its column, with the unit.
     pub fn column(self, length: LengthUnit) -> String {
-        match self.is_angle() {
-            true => format!("{}_deg", self.key()),
-            false => format!("{}_{}", self.key(), length.symbol()),
-        }
+        format!("{}_{}", self.key(), self.unit(length))
     }
 
     /// The kernel's drive that it moves.

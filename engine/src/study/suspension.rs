@@ -39,7 +39,9 @@ pub(super) fn suspension(file: &File, problems: &mut Problems) -> Option<Suspens
         .filter_map(|point| given.iter().find(|g| g.name == point.name))
         .map(|g| frame.vector(g.position))
         .collect();
+    mechanism.assume_seats();
     bodies(&section.bodies, &mut mechanism, problems)?;
+    mechanism.seat_drop_link(&design);
     spin_axis(file, &mut mechanism, &given, problems)?;
     let mut suspension = Suspension {
         mechanism,
@@ -170,7 +172,10 @@ pub(super) fn bodies(
         let possible = point.map_or(Vec::new(), |id| mechanism.possible_bodies(id));
         match point {
             Some(id) if !possible.is_empty() => match choose(body, "body", &possible, problems) {
-                Some(body) => mechanism.points[id.0].body = body,
+                Some(body) => {
+                    mechanism.points[id.0].body = body;
+                    mechanism.unsaid_seats.retain(|unsaid| *unsaid != id);
+                }
                 None => sound = false,
             },
             Some(_) => {

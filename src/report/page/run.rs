@@ -272,7 +272,7 @@ fn constraints(tuning: &TuningSummary) -> String {
     let violated = tuning.violated();
     let mark = |row| violated.contains(&row).then_some("unmet");
     let mut shown = tuning.constraints_table().map_or_else(String::new, |of| {
-        let about = "What must hold, and the room that is left; the price of a limit in tolerances of misfit per unit.";
+        let about = "Constraints with the margin to each limit; the price is in tolerances of misfit per unit of the limit.";
         format!(r#"<p class="note">{about}</p>{}"#, table(&of, mark))
     });
     for remark in tuning.remarks() {

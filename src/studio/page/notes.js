@@ -22,7 +22,7 @@ const figures = () => {
     facts.push(fact('Misfit', is, changed ? `from ${brief(before, 3)}` : 'tolerances', misfit.value === null));
     const met = misfit.targets.filter((t) => t.rms <= 1).length;
     if (misfit.targets.length) facts.push(fact('Within tolerance', `${met} of ${misfit.targets.length}`, 'targets', met < misfit.targets.length));
-    const broken = misfit.constraints.filter((c) => c.room < -1e-6).length;
+    const broken = misfit.constraints.filter((c) => c.is_violated).length;
     if (misfit.constraints.length) facts.push(fact('Constraints', broken ? `${broken} violated` : 'kept', '', broken > 0));
   }
   if (state.answer) {
@@ -42,12 +42,12 @@ const targets = () => {
   const body = misfit.targets.map((t, k) => html('tr', { class: state.arrows === k ? 'selected' : null },
     html('th', { scope: 'row' }, html('button', { class: 'name', text: words(t.column), title: 'Arrows for this target', on: { click: () => { state.arrows = state.arrows === k ? null : k; emit('options'); } } })),
     html('td', { class: `number ${t.rms > 1 ? 'bad' : ''}`, text: brief(t.rms, 3) }),
-    html('td', { class: 'number', text: brief(t.worst, 3) }), html('td', { class: 'number', text: brief(t.worst_at, 4) })));
+    html('td', { class: 'number', text: brief(t.worst, 3) }), html('td', { class: 'number', text: `${brief(t.worst_at, 4)} ${t.worst_at_unit}` })));
   const found = [panel('Targets', table(['target, in tolerances', 'rms', 'worst', 'at'], body))];
   if (misfit.constraints.length) {
     const rows = misfit.constraints.map((c) => html('tr', {}, html('th', { scope: 'row', text: c.name }),
-      html('td', { class: `number ${c.room < -1e-6 ? 'bad' : ''}`, text: `${brief(c.room, 3)} ${c.unit}` })));
-    found.push(panel('Constraints', table(['constraint', 'room'], rows)));
+      html('td', { class: `number ${c.is_violated ? 'bad' : ''}`, text: `${brief(c.room, 3)} ${c.unit}` })));
+    found.push(panel('Constraints', table(['constraint', 'margin'], rows)));
   }
   return found;
 };

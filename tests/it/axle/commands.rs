@@ -90,10 +90,50 @@ fn sample_axles_are_solved_and_written() {
     let [path, directory] = [&path, &sensitivities].map(|p| p.to_str().unwrap());
     run(&["solve", path, "--out", directory], 0);
     let csv = fs::read_to_string(sensitivities.join("sensitivities.csv")).unwrap();
-    assert!(
-        csv.contains(",roll_steer_deg_per_deg,left,toe_link_inner,z,"),
-        "{csv}"
-    );
+    assert!(csv.contains(",roll_steer,left,toe_link_inner,z,"), "{csv}");
+    // Outputs and units are written as in the sensitivities of one wheel.
+    let path = study("double_wishbone_solve.toml");
+    let (corner, axle) = (folder("corner"), csv);
+    let outputs = "outputs={ characteristics = [\"camber\", \"motion_ratio\"], sensitivities = [\"wheel_centre\"] }";
+    let arguments = [
+        "solve",
+        path.to_str().unwrap(),
+        "--set",
+        outputs,
+        "--out",
+        corner.to_str().unwrap(),
+    ];
+    run(&arguments, 0);
+    let corner = fs::read_to_string(corner.join("sensitivities.csv")).unwrap();
+    let written = |csv: &str| {
+        let rows: Vec<Vec<String>> = csv
+            .lines()
+            .map(|l| l.split(',').map(str::to_owned).collect())
+            .collect();
+        let column = |name: &str| rows[0].iter().position(|n| n == name).unwrap();
+        let (output, unit) = (column("output"), column("unit"));
+        let of = rows
+            .iter()
+            .skip(1)
+            .map(|row| (row[output].clone(), row[unit].clone()));
+        of.collect::<std::collections::BTreeSet<_>>()
+    };
+    let pair = |output: &str, unit: &str| (output.to_owned(), unit.to_owned());
+    assert!(written(&corner).contains(&pair("camber", "deg_per_mm")));
+    assert!(written(&corner).contains(&pair("motion_ratio", "per_mm")));
+    let axle = written(&axle);
+    for (output, unit) in [
+        ("left_camber_to_road", "deg_per_mm"),
+        ("roll_steer", "deg_per_deg_per_mm"),
+        ("track_change", "mm_per_mm"),
+        ("roll_centre_height", "mm_per_mm"),
+        ("left_wheel_load", "N_per_mm"),
+    ] {
+        assert!(
+            axle.contains(&pair(output, unit)),
+            "{output} {unit}: {axle:?}"
+        );
+    }
 }
 
 #[test]

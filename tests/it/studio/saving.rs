@@ -120,6 +120,45 @@ fn gradients_of_the_misfit_are_its_slopes() {
     }
 }
 
+/// Margins are in the unit in which the study writes the limits: the same numbers read as inches have the same margins, in
+/// inches, and only angles stay in degrees.
+#[test]
+fn margins_have_the_unit_of_the_study() {
+    // At two stations no extremes are sought between stations, which are sought near limits only.
+    let sample = sample("formula_student_front.toml");
+    let lines = sample.lines().map(|line| match line.split_once(" = ") {
+        Some(("travel", _)) => "travel = [-30.0, 30.0]",
+        _ => line,
+    });
+    let text = lines.collect::<Vec<_>>().join("\n");
+    let inches = text.replace("length_unit = \"mm\"", "length_unit = \"in\"");
+    assert_ne!(text, inches);
+    let [mm, inches] = [text, inches].map(|text| {
+        let served = Served::of(&text);
+        let answer = solve(&served, &served.moved("tie_rod_inner", 2, 0.0));
+        answer["misfit"].clone()
+    });
+    let of = |misfit: &Value, list: &str| misfit[list].as_array().unwrap().clone();
+    let pairs = || {
+        let inches = of(&inches, "constraints");
+        of(&mm, "constraints").into_iter().zip(inches)
+    };
+    assert!(pairs().count() >= 5);
+    for (mm, inches) in pairs() {
+        let margins = [&mm, &inches].map(|c| c["room"].as_f64().unwrap());
+        assert!((margins[0] - margins[1]).abs() < 1e-9, "{mm} {inches}");
+        let is_angle = mm["name"].as_str().unwrap().contains("articulation");
+        let units = if is_angle { ["deg"; 2] } else { ["mm", "in"] };
+        assert_eq!([&mm["unit"], &inches["unit"]], units, "{mm}");
+        assert_eq!(mm["is_violated"], json!(margins[0] < 0.0));
+    }
+    for (misfit, unit) in [(&mm, "mm"), (&inches, "in")] {
+        for target in of(misfit, "targets") {
+            assert_eq!(target["worst_at_unit"], unit, "{target}");
+        }
+    }
+}
+
 /// What a coordinate does to a curve, against the curves themselves.
 #[test]
 fn influences_are_slopes_of_the_curves() {

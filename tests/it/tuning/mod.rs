@@ -1,8 +1,10 @@
 //! A planted geometry comes back.
 
+mod articulation;
 mod builds;
 mod constraints;
 mod minima;
+mod units;
 
 use hardpoint::optimise::{
     Assessment, Constrained, Control, Objective, TargetLayout, front, moved_design, price_list,

@@ -47,7 +47,7 @@ pub(crate) fn wheel_load<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>, s
     }
 }
 
-/// Load that a wheel gains as its pad rises, the spring alone.
+/// Load that a wheel gains as its pad rises, by its spring alone: body level, the other wheel still, neither bar nor tyre.
 pub(crate) fn wheel_rate<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>, side: Side) -> T {
     let motion = match side {
         Side::Left => Motion::TravelLeft,
@@ -76,8 +76,8 @@ pub(crate) fn roll_moment<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) 
     (state.track() * (right - left)).scaled(0.5)
 }
 
-/// Roll moment by roll angle on a rig: body held level, wheels on level pads moved equally and oppositely. The
-/// roll angle is what a rig takes for it, that of the line through both contact points.
+/// Roll moment by roll angle on a rig: body and rack held, wheels on level pads moved equally and oppositely. The roll
+/// angle is that of the line through both contact points, as rigs measure it.
 pub(crate) fn roll_stiffness<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     let pads = state.on_pads();
     let rig = pads.moving(Motion::OpposedTravels);
@@ -85,19 +85,21 @@ pub(crate) fn roll_stiffness<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W
     roll_moment(&rig)[1] / angle[1]
 }
 
-/// The same on the road, mean travel held.
+/// Roll moment by roll angle on a plane ground, mean travel and rack held.
 pub(crate) fn roll_stiffness_on_road<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     roll_moment(&state.moving(Motion::Roll))[1]
 }
 
-/// The same, the sum of the wheel loads held.
+/// Roll moment by roll angle on a plane ground, the sum of the wheel loads and the rack held.
 pub(crate) fn roll_stiffness_at_load<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
-    let (rolling, heaving) = (state.moving(Motion::Roll), state.moving(Motion::Heave));
+    let plane = state.on_plane();
+    let (rolling, heaving) = (plane.moving(Motion::Roll), plane.moving(Motion::Heave));
     let sinking = axle_load(&rolling)[1] / axle_load(&heaving)[1];
     roll_moment(&rolling)[1] - roll_moment(&heaving)[1] * sinking
 }
 
-/// Half the load that the axle gains by heave of the wheel centres, in series with a tyre.
+/// Half the load that the axle gains by heave of the wheel centres, in series with a tyre. The rack is held, on a plane
+/// ground the roll angle too; on pads both travels change equally.
 pub(crate) fn ride_rate<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     let rate = axle_load(&state.moving(Motion::Heave))[1].scaled(0.5);
     match state.setup.tyre_rate {

@@ -49,11 +49,12 @@ pub(crate) fn axle_roll_steer<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>
     mean_steer(&state.moving(Motion::Roll))[1]
 }
 
-/// Angle of the steering wheel by mean steer.
+/// Angle of the steering wheel by mean steer: on a plane ground with roll angle and mean travel held, on pads with both
+/// travels held.
 #[inline(always)]
 pub(crate) fn steering_ratio<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     let per_angle = state.setup.c_factor.unwrap_or(f64::NAN) / (2.0 * PI);
-    let by_rack = mean_steer(&state.moving(Motion::Rack))[1];
+    let by_rack = mean_steer(&state.moving(Motion::Steering))[1];
     by_rack.one() / by_rack.scaled(per_angle)
 }
 

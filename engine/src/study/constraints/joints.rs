@@ -36,12 +36,14 @@ impl Reader<'_> {
                 most.value
             )
         };
-        // Half the angle's sine does not cancel: 1 - cos a = 2 sin^2(a/2).
+        // The versine 1 - cos a = 2 sin^2(a/2) is smooth where the angle itself has a kink, at 0. Its row changes by 1 per
+        // degree at the limit, so that the price of a limit is per degree; `Limited::margin` converts the rest of the way.
         let versine = |of| Limited {
             of,
             lower: None,
             upper: Some(2.0 * (0.5 * angle).sin().powi(2)),
             scale: angle.sin() * degree,
+            visible: 1.0,
             unit: "deg".to_owned(),
         };
         if let Some(of) = self.shaft_joint(name, joint, problems)? {
@@ -69,6 +71,7 @@ impl Reader<'_> {
                 lower: Some(-angle),
                 upper: Some(angle),
                 scale: degree,
+                visible: 1.0,
                 unit: "deg".to_owned(),
             },
             _ => {
@@ -128,7 +131,8 @@ impl Reader<'_> {
         Some((format!("plunge of {name} {}", words(limits)), vec![of]))
     }
 
-    /// The stud of a joint: as the study has it, or along the steering axis.
+    /// The stud of a joint, fixed in the wheel carrier: in the design position it has the direction of
+    /// `[suspension.studs]`, or that of the steering axis.
     fn stud(&self, name: &Text, joint: PointId, problems: &mut Problems) -> Option<Stud> {
         let mechanism = &self.suspension().mechanism;
         let studs = &self.context.file.suspension.studs;

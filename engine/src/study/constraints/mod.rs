@@ -112,7 +112,7 @@ impl Reader<'_> {
         self.context.suspension
     }
 
-    /// A length that anybody would see: a millimetre.
+    /// A millimetre in the study's unit: the smallest length that everyone sees.
     fn length_scale(&self) -> f64 {
         self.suspension().length_unit.per_metre() / 1000.0
     }
@@ -218,20 +218,21 @@ impl Reader<'_> {
         let limits = self.needed_limits(problems)?;
         let unit = found.info().unit;
         let millimetre = self.length_scale();
-        let (visible, symbol) = match unit {
-            Unit::Angle => (1.0, "deg"),
-            Unit::Length => (millimetre, "mm"),
-            Unit::AnglePerLength => (1e-3 / millimetre, "0.001 deg/mm"),
-            Unit::LengthPerAngle => (millimetre, "mm/deg"),
-            Unit::Percent => (1.0, "%"),
-            Unit::Ratio | Unit::AnglePerAngle => (0.01, "0.01"),
-            Unit::Force => (1.0, "N"),
-            Unit::ForcePerLength => (1.0 / millimetre, "N/mm"),
-            Unit::Torque => (1.0, "N m"),
-            Unit::TorquePerAngle => (1.0, "N m/deg"),
-            Unit::Frequency => (0.01, "0.01 Hz"),
-        };
         let length = self.suspension().length_unit;
+        let symbol = length.symbol();
+        let (visible, symbol) = match unit {
+            Unit::Angle => (1.0, "deg".to_owned()),
+            Unit::Length => (millimetre, symbol.to_owned()),
+            Unit::AnglePerLength => (1e-3 / millimetre, format!("deg/{symbol}")),
+            Unit::LengthPerAngle => (millimetre, format!("{symbol}/deg")),
+            Unit::Percent => (1.0, "%".to_owned()),
+            Unit::Ratio | Unit::AnglePerAngle => (0.01, "1".to_owned()),
+            Unit::Force => (1.0, "N".to_owned()),
+            Unit::ForcePerLength => (1.0 / millimetre, format!("N/{symbol}")),
+            Unit::Torque => (1.0, "N m".to_owned()),
+            Unit::TorquePerAngle => (1.0, "N m/deg".to_owned()),
+            Unit::Frequency => (0.01, "Hz".to_owned()),
+        };
         let inside = |printed: f64| unit.from_printed(printed, length);
         let [lower, upper] = limits.map(|limit| limit.map(inside));
         let of = Limited {
@@ -239,7 +240,8 @@ impl Reader<'_> {
             lower,
             upper,
             scale: inside(visible),
-            unit: symbol.to_owned(),
+            visible,
+            unit: symbol,
         };
         Some((format!("{} {}", name.get_ref(), words(limits)), vec![of]))
     }
@@ -255,7 +257,8 @@ impl Reader<'_> {
             lower: if is_turned { upper } else { lower },
             upper: if is_turned { lower } else { upper },
             scale: 10.0,
-            unit: "10 N".to_owned(),
+            visible: 10.0,
+            unit: "N".to_owned(),
         };
         Some((format!("{} {}", name.get_ref(), words(limits)), vec![of]))
     }
@@ -328,7 +331,8 @@ impl Reader<'_> {
             lower,
             upper,
             scale: self.length_scale(),
-            unit: "mm".to_owned(),
+            visible: self.length_scale(),
+            unit: self.suspension().length_unit.symbol().to_owned(),
         }
     }
 

@@ -1,0 +1,109 @@
+//! Positions in which a spring or bump stop is beyond the ends of its force curve.
+
+use super::spring::{ForceCurve, Law};
+use super::{Axle, AxleCurves};
+use crate::mechanism::Configuration;
+use crate::model::Side;
+
+/// The part whose force a curve gives.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ForcePart {
+    /// The spring, over its length.
+    Spring,
+    /// The bump stop, over its compression.
+    BumpStop,
+}
+
+/// The position that is farthest beyond an end of a force curve.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BeyondCurve {
+    /// Which wheel.
+    pub side: Side,
+    /// Which part.
+    pub part: ForcePart,
+    /// Length or compression, in the study's unit.
+    pub value: f64,
+    /// The end of the curve.
+    pub end: f64,
+    /// Travel of the wheel.
+    pub travel: f64,
+}
+
+impl BeyondCurve {
+    fn distance(&self) -> f64 {
+        (self.value - self.end).abs()
+    }
+}
+
+impl Axle {
+    /// For each force curve of each wheel and each of its ends, the station that is farthest beyond it.
+    pub fn beyond_force_curves(&self, curves: &AxleCurves) -> Vec<BeyondCurve> {
+        let mut found: Vec<BeyondCurve> = Vec::new();
+        for station in &curves.stations {
+            let Ok(placed) = &station.placed else {
+                continue;
+            };
+            for side in Side::ALL {
+                let travel = placed.travels[side as usize];
+                let rack = placed.rack * side.sign();
+                let pose = placed.poses()[side as usize];
+                let beyond = self.beyond_at(side, pose, rack);
+                for (part, value, end) in beyond.into_iter().flatten() {
+                    let here = BeyondCurve {
+                        side,
+                        part,
+                        value,
+                        end,
+                        travel,
+                    };
+                    let same = |b: &&mut BeyondCurve| (b.side, b.part, b.end) == (side, part, end);
+                    match found.iter_mut().find(same) {
+                        Some(known) if known.distance() < here.distance() => *known = here,
+                        Some(_) => {}
+                        None => found.push(here),
+                    }
+                }
+            }
+        }
+        found
+    }
+
+    /// The parts of a wheel that are beyond an end of their curve in a pose: value and end.
+    fn beyond_at(
+        &self,
+        side: Side,
+        pose: crate::mechanism::Pose<f64>,
+        rack: f64,
+    ) -> [Option<(ForcePart, f64, f64)>; 2] {
+        let wheel = self.suspension(side);
+        let (Some(spring), Some(springs)) = (wheel.mechanism.spring, &self.setup.springs) else {
+            return [None; 2];
+        };
+        let law = &springs[side as usize];
+        let at = Configuration::new(&wheel.mechanism, &wheel.design, pose, rack);
+        let length = (at.point(spring.upper) - at.point(spring.lower)).norm();
+        let design = (at.designed(spring.upper) - at.designed(spring.lower)).norm();
+        let of_spring = match &law.spring {
+            Law::Curve(curve) => beyond(curve, length).map(|end| (ForcePart::Spring, length, end)),
+            Law::Linear { .. } => None,
+        };
+        let stop = law.bump_stop.as_ref().and_then(|stop| {
+            let compression = design - length - stop.gap;
+            let end = beyond(&stop.curve, compression).filter(|_| compression > 0.0)?;
+            Some((ForcePart::BumpStop, compression, end))
+        });
+        [of_spring, stop]
+    }
+}
+
+/// The end that a value is beyond.
+fn beyond(curve: &ForceCurve, value: f64) -> Option<f64> {
+    let (first, last) = (curve.points().first()?[0], curve.points().last()?[0]);
+    if value < first {
+        Some(first)
+    } else if value > last {
+        Some(last)
+    } else {
+        None
+    }
+}

@@ -1,0 +1,103 @@
+//! The bodies that ends of springs and rods stand on, where a study does not say.
+
+use super::{Body, Mechanism, PointId};
+use crate::number::Vector3;
+
+/// A body is taken in place of the usual one if the point is less than this share of the distance away.
+const CLEARLY_NEARER: f64 = 0.5;
+
+/// A body that a point may stand on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Seat {
+    /// Name of the body in studies.
+    pub name: &'static str,
+    /// The body.
+    pub body: Body,
+    /// Distance of the point from the straight lines between the body's other points, in the design position.
+    pub distance: f64,
+}
+
+impl Mechanism {
+    /// The bodies that a hardpoint may stand on, with its distance from each, nearest first.
+    pub fn seats(&self, design: &[Vector3<f64>], id: PointId) -> Vec<Seat> {
+        let possible = self.possible_bodies(id).into_iter();
+        let seat = |(name, body)| Seat {
+            name,
+            body,
+            distance: self.distance(design, id, body),
+        };
+        let mut seats: Vec<Seat> = possible.map(seat).collect();
+        seats.sort_by(|a, b| a.distance.total_cmp(&b.distance));
+        seats
+    }
+
+    /// The seat of a hardpoint, and the nearest one if it is another one and clearly nearer.
+    pub fn doubtful_seat(&self, design: &[Vector3<f64>], id: PointId) -> Option<[Seat; 2]> {
+        let seats = self.seats(design, id);
+        let own = seats.iter().find(|seat| seat.body == self.body(id))?;
+        let nearest = seats.first()?;
+        let is_doubtful = nearest.distance < CLEARLY_NEARER * own.distance;
+        is_doubtful.then_some([*own, *nearest])
+    }
+
+    /// Notes that the bodies of all points are assumed that may stand on several.
+    pub fn assume_seats(&mut self) {
+        let points = (0..self.points.len()).map(PointId);
+        let may_choose = |id: &PointId| self.possible_bodies(*id).len() > 1;
+        self.unsaid_seats = points.filter(may_choose).collect();
+    }
+
+    /// Puts the drop link of an anti-roll bar on the body that is clearly nearest to it, if a rocker is among the bodies
+    /// that it may stand on and the study does not name its body. On the wrong body of these the bar turns ten times too
+    /// little or too much.
+    pub fn seat_drop_link(&mut self, design: &[Vector3<f64>]) {
+        if let Some(id) = self.unsaid_drop_link()
+            && let Some([_, nearest]) = self.doubtful_seat(design, id)
+        {
+            self.points[id.0].body = nearest.body;
+        }
+    }
+
+    /// The outer end of the drop link, if a rocker is among the bodies that it may stand on and the study does not name
+    /// its body.
+    pub fn unsaid_drop_link(&self) -> Option<PointId> {
+        self.spring_rocker()?;
+        let id = self.rocker(self.anti_roll_bar()?).outer;
+        self.unsaid_seats.contains(&id).then_some(id)
+    }
+
+    fn distance(&self, design: &[Vector3<f64>], id: PointId, body: Body) -> f64 {
+        let own = (0..self.points.len()).map(PointId);
+        let mut points: Vec<PointId> = own.filter(|point| self.body(*point) == body).collect();
+        match body {
+            Body::Arm(arm) => {
+                let arm = self.arms[arm.0];
+                points.extend([arm.front, arm.rear, arm.outer]);
+            }
+            Body::Rocker(rocker) => {
+                let rocker = self.rocker(rocker);
+                points.extend([rocker.first, rocker.second]);
+            }
+            Body::Chassis | Body::Rack | Body::Knuckle | Body::StrutRod(_) => {}
+        }
+        points.retain(|point| *point != id);
+        let at = |point: PointId| design[point.0];
+        let mut least = f64::INFINITY;
+        for (k, a) in points.iter().enumerate() {
+            for b in &points[k..] {
+                least = least.min(from_segment(at(id), [at(*a), at(*b)]));
+            }
+        }
+        least
+    }
+}
+
+/// Distance of a point from a segment, whose ends may coincide.
+fn from_segment(point: Vector3<f64>, [a, b]: [Vector3<f64>; 2]) -> f64 {
+    let (along, away) = (b - a, point - a);
+    let share = match along.norm_squared() {
+        0.0 => 0.0,
+        square => (along.dot(away) / square).clamp(0.0, 1.0),
+    };
+    (away - along * share).norm()
+}

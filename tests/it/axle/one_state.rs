@@ -1,0 +1,265 @@
+//! A position on a plane ground has one value of each quantity, whatever numbers ask for it.
+
+use super::reference::condition;
+use super::tuning::study;
+use hardpoint::axle::{Axle, AxleSolver, AxleState, Motion, Placement, Quantity, Unit};
+use hardpoint::characteristics::Unit as CornerUnit;
+use hardpoint::model::Side;
+use std::collections::BTreeMap;
+
+/// An axle and its name.
+type Named = (&'static str, Axle);
+
+/// Axles of struts, links and wishbones with rockers, the first as its mirror image, all others with different sides.
+fn axles() -> [Named; 4] {
+    let of = |name, changes: &[(&str, &str)]| study(name, changes).axle.unwrap().axle;
+    let lopsided = "[axle.right.hardpoints]\ntie_rod_outer = [-133.0, -687.0, 244.0]\n\
+        lower_ball_joint = [9.0, -701.0, 193.0]\nstrut_top = [-31.0, -579.0, 846.0]\n\
+        [axle.right.spring]\nrate = 36.0\n\n[steering]";
+    let figures = "[tyre]\nrate = 210.0\n\n[wheel]";
+    let masses = "[vehicle]\nsprung_mass = 640.0\nunsprung_mass = 90.0\ncg_height = 560.0\nbrakes = \"outboard\"\n\
+        brake_share_front = 0.65\ndrive_torque = \"shafts\"\ndrive_share_front = 0.2";
+    let wishbones = "[axle.right.hardpoints]\nupper_ball_joint = [-5.0, -542.0, 369.0]\n\
+        pushrod_inner = [0.0, -262.0, 452.0]\n\n[steering]\nc_factor = 80.0\n\n[spring]\nrate = 60.0\nforce = 2500.0\n\n\
+        [anti_roll_bar]\nrate = 4.0e5\n\n[tyre]\nrate = 120.0\n\n[vehicle]\nwheelbase = 1550.0\nsprung_mass = 130.0\n\
+        unsprung_mass = 20.0\ncg_height = 290.0\nposition = \"front\"\nbrakes = \"outboard\"\n\
+        brake_share_front = 0.65\ndrive_torque = \"shafts\"\ndrive_share_front = 0.3\n\n[wheel]";
+    let pushrod = std::fs::read_to_string(concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/studies/double_wishbone_pushrod.toml"
+    ));
+    let pushrod = pushrod.unwrap();
+    let head = &pushrod[..pushrod.find("[wheel]").unwrap()];
+    let text = format!("{head}{wishbones}\nradius = 255.0\n\n[motion]\nroll = 0.0\n");
+    let wishbone = hardpoint::study::Study::from_text("wishbone.toml", &text, ".".as_ref());
+    let wishbone = wishbone.unwrap_or_else(|e| panic!("{e}\n{text}"));
+    [
+        (
+            "struts",
+            of(
+                "macpherson_axle",
+                &[(
+                    "strut_lower ",
+                    "strut_upper = [-23.0, 599.0, 610.0]\nstrut_lower ",
+                )],
+            ),
+        ),
+        (
+            "different struts",
+            of(
+                "macpherson_axle",
+                &[
+                    (
+                        "right = \"mirrored\"               # or [axle.right.hardpoints]: those that are not the mirror image, with their true y",
+                        "",
+                    ),
+                    ("[steering]", lopsided),
+                ],
+            ),
+        ),
+        (
+            "different links",
+            of(
+                "five_link_axle",
+                &[("[wheel]", figures), ("[vehicle]", masses)],
+            ),
+        ),
+        ("different wishbones", wishbone.axle.unwrap().axle),
+    ]
+}
+
+/// The quantities that have a value in a state.
+fn quantities(axle: &Axle) -> Vec<Quantity> {
+    let all = Quantity::names().into_iter().flat_map(Quantity::named);
+    let has = |quantity: &Quantity| match quantity {
+        Quantity::Corner(side, c) => {
+            let wheel = axle.suspension(*side);
+            c.info().needs.iter().all(|need| need.met_by(wheel))
+        }
+        _ => true,
+    };
+    all.filter(has).collect()
+}
+
+/// The size of numbers of a kind, in mm, N and rad.
+fn natural(unit: Unit) -> f64 {
+    match unit {
+        Unit::Corner(CornerUnit::Angle | CornerUnit::Ratio) | Unit::AnglePerAngle => 1.0,
+        Unit::Corner(CornerUnit::Length) | Unit::LengthPerAngle => 1e3,
+        Unit::Corner(CornerUnit::AnglePerLength) => 1e-3,
+        Unit::Corner(CornerUnit::Percent) => 100.0,
+        Unit::Force => 1e4,
+        Unit::ForcePerLength => 1e2,
+        Unit::Torque => 1e7,
+        Unit::TorquePerAngle => 1e8,
+        _ => 1.0,
+    }
+}
+
+/// Every quantity of the catalogue, by roll and heave, by both travels, and at a load.
+#[test]
+fn quantities_do_not_depend_on_how_a_position_is_asked_for() {
+    let mut worst: BTreeMap<String, (f64, String)> = BTreeMap::new();
+    for (name, axle) in axles() {
+        let all = quantities(&axle);
+        let mut solver = AxleSolver::<3>::new(&axle, &all, true).unwrap();
+        let steers = axle.setup.c_factor.is_some();
+        let mut moved = 0.0_f64;
+        for (heave, roll, rack) in [
+            (0.0, 0.4, 0.0),
+            (6.0, -2.1, 9.0),
+            (-8.0, 1.6, -14.0),
+            (3.0, 2.4, 20.0),
+        ] {
+            let (roll, rack) = (f64::to_radians(roll), if steers { rack } else { 0.0 });
+            let at_load = Placement::AtLoad { heave, roll, rack };
+            let travels = solver.place(&at_load).unwrap().travels;
+            let mean = 0.5 * (travels[0] + travels[1]);
+            moved = moved.max((mean - heave).abs());
+            let by_roll = Placement::Roll {
+                heave: mean,
+                roll,
+                rack,
+            };
+            let by_travels = Placement::Travels {
+                travels,
+                rack,
+                on_plane: true,
+            };
+            let [wanted, others @ ..] = [by_roll, by_travels, at_load].map(|placement| {
+                let placed = solver.place(&placement).unwrap();
+                solver.read(&placed).unwrap()
+            });
+            for other in &others {
+                for quantity in &all {
+                    let values = [&wanted, other].map(|read| read.value(*quantity));
+                    let [a, b] = match values {
+                        [Ok(a), Ok(b)] => [a, b],
+                        [Err(a), Err(b)] if a == b => continue,
+                        different => panic!("{name} {quantity:?}: {different:?}"),
+                    };
+                    let size = natural(quantity.unit()).max(a.abs());
+                    let size = size * condition(&quantity.name(), &wanted.state);
+                    let entry = worst.entry(quantity.name()).or_default();
+                    if (a - b).abs() / size >= entry.0 {
+                        *entry = ((a - b).abs() / size, format!("{name}: {a} {b}"));
+                    }
+                }
+            }
+        }
+        assert!(moved > 1e-3, "{name}: the load changes the mean travel");
+    }
+    for (quantity, (deviation, values)) in &worst {
+        println!("{quantity}: {deviation:.1e} ({values})");
+    }
+    // Every quantity of the catalogue was compared.
+    let compared =
+        |name: &str| worst.contains_key(name) || worst.contains_key(&format!("left_{name}"));
+    let names = Quantity::names().into_iter();
+    let missing: Vec<&str> = names.filter(|name| !compared(name)).collect();
+    assert!(missing.is_empty(), "{missing:?}");
+    for (quantity, (deviation, values)) in worst {
+        assert!(deviation < 1e-11, "{quantity}: {deviation:e}, {values}");
+    }
+}
+
+/// A position of a road car's axle, against an independent calculation to twelve digits.
+#[test]
+fn the_stiffness_at_a_load_is_that_of_an_independent_calculation() {
+    let (_, axle) = axles().into_iter().next().unwrap();
+    let stiffness = Quantity::named("roll_stiffness_at_load")[0];
+    let mut solver = AxleSolver::<3>::new(&axle, &[stiffness], false).unwrap();
+    let factor = stiffness.unit().printed_factor(axle.left.length_unit);
+    for placement in [
+        Placement::Travels {
+            travels: [-40.0, 55.0],
+            rack: 20.0,
+            on_plane: true,
+        },
+        Placement::Roll {
+            heave: 7.5,
+            roll: 3.590_033_913_604_249_f64.to_radians(),
+            rack: 20.0,
+        },
+    ] {
+        let placed = solver.place(&placement).unwrap();
+        let found = stiffness.evaluate(&solver.read(&placed).unwrap().state) * factor;
+        assert!(
+            (found - 1_799.118_246_07).abs() < 1e-8,
+            "{placement}: {found}"
+        );
+    }
+}
+
+/// Where both wheels stand on level pads at one height they stand on a plane: quantities along roll are those of the plane
+/// also if the axle's sides differ.
+#[test]
+fn level_pads_at_one_height_are_a_plane() {
+    for (name, axle) in axles() {
+        let named = |name: &&str| Quantity::named(name);
+        let sought: Vec<Quantity> = [
+            "roll_stiffness_at_load",
+            "roll_stiffness_on_road",
+            "roll_steer",
+        ]
+        .iter()
+        .flat_map(named)
+        .collect();
+        let mut solver = AxleSolver::<3>::new(&axle, &sought, false).unwrap();
+        let mut values = |placement: Placement| {
+            let placed = solver.place(&placement).unwrap();
+            let state: AxleState<f64> = solver.read(&placed).unwrap().state;
+            let values = sought
+                .iter()
+                .map(|q| q.evaluate(&state))
+                .collect::<Vec<_>>();
+            (placed.travels, values)
+        };
+        let level = |heave| Placement::Roll {
+            heave,
+            roll: 0.0,
+            rack: 0.0,
+        };
+        let (travels, plane) = values(level(-5.0));
+        let (_, pads) = values(Placement::Travels {
+            travels,
+            rack: 0.0,
+            on_plane: false,
+        });
+        for ((a, b), quantity) in plane.iter().zip(&pads).zip(&sought) {
+            assert!(
+                (a - b).abs() <= 1e-11 * a.abs().max(1e-3),
+                "{name} {quantity:?}: {a} {b}"
+            );
+        }
+    }
+}
+
+/// Heave on a plane keeps the roll angle, also where both travels are given; the rack then keeps what the station gives.
+#[test]
+fn motions_hold_what_they_say() {
+    let (_, axle) = axles().into_iter().nth(1).unwrap();
+    let roll = Quantity::named("roll_angle");
+    let mut solver = AxleSolver::<3>::new(&axle, &roll, true).unwrap();
+    let placement = Placement::Travels {
+        travels: [-12.0, 18.0],
+        rack: 6.0,
+        on_plane: true,
+    };
+    let placed = solver.place(&placement).unwrap();
+    let state = solver.read(&placed).unwrap().state;
+    let by = |motion: Motion| {
+        let moving = state.moving(motion);
+        let travels = Side::ALL.map(|side| state.along(motion, side, [1.0, 0.0]));
+        (roll[0].evaluate(&moving)[1], travels, moving.mismatch()[1])
+    };
+    let (turn, [left, right], mismatch) = by(Motion::Heave);
+    assert!(turn == 0.0 && (left + right - 2.0).abs() < 1e-14 && left != right);
+    assert!(mismatch.abs() < 1e-13, "{mismatch}");
+    let (turn, [left, right], mismatch) = by(Motion::Steering);
+    assert!(turn == 0.0 && (left + right).abs() < 1e-14 && left != 0.0);
+    assert!(mismatch.abs() < 1e-13, "{mismatch}");
+    let (turn, travels, mismatch) = by(Motion::Rack);
+    assert!(turn != 0.0 && travels == [0.0, 0.0]);
+    assert!(mismatch.abs() < 1e-13, "{mismatch}");
+}

@@ -2,11 +2,12 @@
 
 mod builds;
 mod constraints;
+mod intervals;
 mod minima;
 
 use hardpoint::optimise::{
-    Assessment, Constrained, Control, Objective, TargetLayout, front, moved_design, price_list,
-    tune,
+    Assessment, ConfidenceInterval, Constrained, Control, Objective, TargetLayout, front,
+    moved_design, price_list, tune,
 };
 use hardpoint::study::{Interpolation, Optimise, Study, Target, Variable, Wanted};
 use std::path::Path;
@@ -693,8 +694,10 @@ fn coverage(fits: usize) -> Vec<f64> {
         let best = tuning.best.unwrap();
         let errors = best.errors.expect("a fit that ended at a minimum");
         for (j, held) in held.iter_mut().enumerate() {
-            let error = errors.errors[j].expect("well determined");
-            *held += usize::from((best.offsets[j] + away[j]).abs() <= error.interval);
+            let ConfidenceInterval::TwoSided { lower, upper } = errors.intervals[j] else {
+                panic!("well determined");
+            };
+            *held += usize::from((lower..=upper).contains(&-away[j]));
         }
     }
     held.into_iter()

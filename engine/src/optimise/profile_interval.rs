@@ -64,6 +64,8 @@ const OUTSIDE: f64 = 0.05;
 const EVALUATIONS: usize = 6;
 /// An end that moves by less than this share of its distance from the estimate is at rest.
 const AT_REST: f64 = 0.01;
+/// An interval that takes this share of the range determines nothing.
+const NEARLY_ALL: f64 = 0.95;
 /// Rounds in which an end and its quantile are settled.
 const SETTLING: usize = 2;
 /// Bounds within this many standard errors change the distribution of T.
@@ -85,7 +87,7 @@ pub enum ConfidenceInterval {
     AtMost(f64),
     /// The variable is at its upper bound, and no smaller than this.
     AtLeast(f64),
-    /// Every value of its range is admitted.
+    /// Every value of its range is admitted, or nearly every one; or the measurements do not see the variable.
     NotDetermined,
 }
 
@@ -122,7 +124,7 @@ impl Solved<'_> {
             end.unwrap_or(bound)
         };
         let (lower, upper) = (end(low), end(high));
-        if lower == low && upper == high {
+        if upper - lower >= NEARLY_ALL * (high - low) {
             ConfidenceInterval::NotDetermined
         } else if value <= low {
             ConfidenceInterval::AtMost(upper)

@@ -26,7 +26,8 @@
 //! ```
 //!
 //! which is 1 where all weights are. Beside bounds it depends on the variables that are free: the larger of the ratio
-//! with all of them and of that with those between their bounds is taken. Intervals keep the ranges of all variables ([`profile_interval`](super::profile_interval)).
+//! with all of them and of that with those between their bounds is taken. Intervals keep the ranges of all variables
+//! ([`profile_interval`](super::profile_interval)).
 
 use super::identifiability::right_singular_vectors;
 use super::profile_interval::{ConfidenceInterval, Solved};
@@ -174,6 +175,9 @@ impl StandardErrors {
             simulated: SimulatedFits::new(at, bounds, weights),
         };
         let interval = |j: usize| {
+            if all.unseen[j] {
+                return ConfidenceInterval::NotDetermined;
+            }
             let held = held.as_ref().map_or(0.0, |held| held.ratio(j));
             let ratio = all.ratio(j).max(held).sqrt();
             solved.interval(j, [scatter, ratio], &mut evaluate)

@@ -333,6 +333,11 @@ fn intervals_are_written_and_printed() {
                 assert!(lower < 6.0 && said.contains(">= +"), "{said}");
                 assert!(variable["interval"].is_null());
             }
+            (Some("lower"), [None, Some(upper)]) => {
+                assert_eq!(word, "at_most");
+                assert!(upper > -6.0 && said.contains("<= -"), "{said}");
+                assert!(variable["interval"].is_null());
+            }
             other => panic!("{other:?}: {variable}"),
         }
         words.push(word);

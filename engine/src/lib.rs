@@ -105,8 +105,8 @@ pub use front_door::{Error, SuspensionPose, SweepControl};
 pub use function::{DesignFunction, DesignStatus, DesignVariable, Evaluation, FunctionError};
 pub use mechanism::{DesignFault, Failure, LimitCause, Unproven, Work};
 pub use optimise::{
-    Best, ConstraintOutcome, Control, Deviation, Direction, Fit, Fulfilment, Identifiability,
-    Infeasible, Iteration, Multistart, ProgressCallback, StandardError, StandardErrors, Start,
+    Best, ConfidenceInterval, ConstraintOutcome, Control, Deviation, Direction, Fit, Fulfilment,
+    Identifiability, Infeasible, Iteration, Multistart, ProgressCallback, StandardErrors, Start,
     Termination, Tuning,
 };
 pub use solve::Rejection;

@@ -4,6 +4,7 @@ use crate::errors::failure;
 use crate::study::Study;
 use crate::threads::on_threads;
 use hardpoint::optimise::{Control, TargetLayout, evaluated, tune};
+use hardpoint::report::FittedOffset;
 use hardpoint::study::{Optimise, Variable};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1};
 use pyo3::prelude::*;
@@ -51,6 +52,18 @@ pub(crate) fn optimise<'py>(
             let targets: Vec<(f64, f64, f64)> =
                 targets.map(|t| (t.rms, t.worst, t.worst_at)).collect();
             result.set_item("targets", targets)?;
+            if let Some(errors) = &best.errors {
+                let fitted = errors.intervals.iter().map(|i| FittedOffset::from(*i));
+                let fitted: Vec<(&str, Option<f64>, Option<f64>)> = fitted
+                    .map(|fitted| {
+                        let [lower, upper] = fitted.ends();
+                        (fitted.word(), lower, upper)
+                    })
+                    .collect();
+                result.set_item("scatter", errors.scatter)?;
+                result.set_item("standard_errors", errors.sigmas.clone())?;
+                result.set_item("intervals", fitted)?;
+            }
             let text = own.with_points_of(&own.moved(&best.offsets));
             result.set_item("text", text)?;
         }

@@ -3,6 +3,7 @@
 use super::accuracy::{CertificateSummary, ConditionSummary};
 use super::choices::PriceRecord;
 use super::figure::{as_written, brief, with_decimals};
+use super::fitted::FittedOffset;
 use super::table::{Cell, Column, Table};
 use super::text::counted;
 use super::yields::YieldRecord;
@@ -86,9 +87,12 @@ struct VariableSummary {
     /// For a fit: the standard error.
     #[serde(default)]
     standard_error: Option<f64>,
-    /// For a fit: half the interval that holds the truth in 95 of 100 fits.
+    /// For a fit: half the interval that holds the truth in 95 of 100 fits, where it has two sides.
     #[serde(default)]
     interval: Option<f64>,
+    /// For a fit: that interval of the offset.
+    #[serde(flatten, skip_serializing_if = "Option::is_none")]
+    fitted: Option<FittedOffset>,
 }
 
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -193,13 +197,14 @@ impl TuningSummary {
         let suspension = &study.suspension;
         let best = tuning.best.as_ref();
         let fit = tuning.starts.best_fit();
-        let error = |k: usize| best.and_then(|b| b.errors.as_ref()?.errors[k]);
+        let errors = best.and_then(|b| b.errors.as_ref());
         let variables = optimise.variables.iter().enumerate().map(|(k, v)| {
             let coordinate = |design: &[crate::number::Vector3<f64>]| {
                 let (axis, first) = (v.axis()?, v.moves.first()?);
                 let point = suspension.frame.vector(design[first.point.0]).to_array();
                 Some(point[axis as usize])
             };
+            let fitted = errors.map(|e| FittedOffset::from(e.intervals[k]));
             let unit = if v.turn.is_some() { ", deg" } else { "" };
             let axis = format!("{}{unit}", v.way());
             VariableSummary {
@@ -214,8 +219,9 @@ impl TuningSummary {
                     ActiveBound::Lower => Some("lower".to_owned()),
                     ActiveBound::Upper => Some("upper".to_owned()),
                 }),
-                standard_error: error(k).map(|e| e.sigma),
-                interval: error(k).map(|e| e.interval),
+                standard_error: errors.and_then(|e| e.sigmas[k]),
+                interval: fitted.and_then(|fitted| fitted.half()),
+                fitted,
             }
         });
         let drive = study.motion.drive;
@@ -394,17 +400,16 @@ impl TuningSummary {
         let range = Column::for_readers("range");
         let ends = ["range min", "range max"].map(Column::for_programs);
         let columns = columns.into_iter().chain([range]).chain(ends);
-        let interval = self.scatter.map(|_| Column::from("95 % +-"));
+        let is_fit = self.variables.iter().any(|v| v.fitted.is_some());
+        let interval = is_fit.then(FittedOffset::columns).into_iter().flatten();
         let columns = columns.chain(["bound".into()]).chain(interval);
         let mut table = Table::with_columns(columns).keyed(2);
         for v in &self.variables {
             // A fit shows no more digits than it knows: two of the standard error.
-            let brief = |value: f64| match v.standard_error {
-                Some(sigma) if sigma > 0.0 => {
-                    let decimals = (1.0 - sigma.log10().floor()).clamp(0.0, 12.0);
-                    with_decimals(value, decimals as usize)
-                }
-                _ => brief(value),
+            let decimals = v.fitted.and_then(|fitted| fitted.decimals(v.offset));
+            let known = decimals.filter(|_| v.at_bound.is_none());
+            let brief = |value: f64| {
+                known.map_or_else(|| brief(value), |decimals| with_decimals(value, decimals))
             };
             let moved = Cell::by(v.offset, |offset| match brief(offset) {
                 text if offset > 0.0 => format!("+{text}"),
@@ -424,12 +429,7 @@ impl TuningSummary {
                 high.into(),
                 bound.into(),
             ];
-            if self.scatter.is_some() {
-                row.push(match v.interval {
-                    Some(interval) => Cell::by(interval, brief),
-                    None => Cell::from("not determined"),
-                });
-            }
+            row.extend(v.fitted.iter().flat_map(|fitted| fitted.cells(decimals)));
             table.push_row(row);
         }
         table
@@ -542,13 +542,7 @@ impl TuningSummary {
                 "no variable moves {target}: it stays as far from its target as it is"
             ));
         }
-        if let Some(scatter) = self.scatter {
-            remarks.push(format!(
-                "measurements scatter by {} of their tolerances about the fit; with 95 % each coordinate is \
-                 within the interval beside it, one \"not determined\" anywhere in its range",
-                brief(scatter)
-            ));
-        }
+        remarks.extend(self.fit_remarks());
         for (first, second, correlation) in self.correlations.iter().take(3) {
             remarks.push(format!(
                 "the measurements hardly tell {first} from {second}: correlation {correlation:.3}"
@@ -571,6 +565,41 @@ impl TuningSummary {
                 "these cannot be kept together: {}",
                 several.join("; ")
             )),
+        }
+        remarks
+    }
+
+    /// Sentences on the intervals of a fit.
+    fn fit_remarks(&self) -> Vec<String> {
+        let Some(scatter) = self.scatter else {
+            return Vec::new();
+        };
+        let mut remarks = vec![format!(
+            "measurements scatter by {} of their tolerances about the fit; the true move is within the interval \
+             \"moved, 95 %\" with 95 % confidence, if the truth lies within all ranges; \"not determined\": anywhere \
+             in its range",
+            brief(scatter)
+        )];
+        if self.variables.iter().any(|v| v.at_bound.is_some()) {
+            remarks.push(
+                "a variable at its bound is not known: its interval is one-sided, and the intervals of the others \
+                 allow for every value that it may have"
+                    .to_owned(),
+            );
+        }
+        let reaches = |v: &&VariableSummary| {
+            let ends = v.fitted.map_or([None; 2], |fitted| fitted.ends());
+            v.at_bound.is_none() && (ends[0] == Some(v.range[0]) || ends[1] == Some(v.range[1]))
+        };
+        let reaching = self.variables.iter().filter(reaches);
+        let reaching: Vec<String> = reaching
+            .map(|v| format!("{}.{}", v.hardpoint, v.axis))
+            .collect();
+        if !reaching.is_empty() {
+            remarks.push(format!(
+                "only the range, not the measurements, limits one side of {}",
+                reaching.join(", ")
+            ));
         }
         remarks
     }

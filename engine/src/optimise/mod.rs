@@ -39,8 +39,12 @@ mod objective;
 mod options;
 mod pool;
 mod problem;
+mod profile;
+mod profile_interval;
 mod qr;
+mod simulated_fits;
 mod standard_errors;
+mod student;
 #[cfg(test)]
 mod test_problems;
 #[cfg(test)]
@@ -64,5 +68,6 @@ pub use multistart::{Multistart, Start, multistart, starting_point};
 pub use objective::Objective;
 pub use options::Options;
 pub use problem::{Infeasible, LeastSquares, Linearisation};
-pub use standard_errors::{StandardError, StandardErrors};
+pub use profile_interval::ConfidenceInterval;
+pub use standard_errors::StandardErrors;
 pub use tune::{Best, ConstraintOutcome, Fulfilment, Tuning, tune};

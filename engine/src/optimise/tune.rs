@@ -444,7 +444,11 @@ impl<'a> Tuner<'a> {
         }
         let of = self.layout.targets_of_rows();
         let weights: Vec<f64> = of.iter().map(|target| self.layout.share(*target)).collect();
-        StandardErrors::of(&fit.evaluation, &fit.active_bounds, &self.bounds, &weights)
+        let mut problem = self.problem();
+        let evaluate = |x: &DVector<f64>, into: &mut Linearisation| {
+            LeastSquares::evaluate(&mut problem, x, into).is_ok() && into.check().is_ok()
+        };
+        StandardErrors::of(&fit.x, &fit.evaluation, &self.bounds, &weights, evaluate)
     }
 
     /// How each constraint is kept.

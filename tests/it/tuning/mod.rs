@@ -3,12 +3,13 @@
 mod articulation;
 mod builds;
 mod constraints;
+mod intervals;
 mod minima;
 mod units;
 
 use hardpoint::optimise::{
-    Assessment, Constrained, Control, Objective, TargetLayout, front, moved_design, price_list,
-    tune,
+    Assessment, ConfidenceInterval, Constrained, Control, Objective, TargetLayout, front,
+    moved_design, price_list, tune,
 };
 use hardpoint::study::{Interpolation, Optimise, Study, Target, Variable, Wanted};
 use std::path::Path;
@@ -695,8 +696,10 @@ fn coverage(fits: usize) -> Vec<f64> {
         let best = tuning.best.unwrap();
         let errors = best.errors.expect("a fit that ended at a minimum");
         for (j, held) in held.iter_mut().enumerate() {
-            let error = errors.errors[j].expect("well determined");
-            *held += usize::from((best.offsets[j] + away[j]).abs() <= error.interval);
+            let ConfidenceInterval::TwoSided { lower, upper } = errors.intervals[j] else {
+                panic!("well determined");
+            };
+            *held += usize::from((lower..=upper).contains(&-away[j]));
         }
     }
     held.into_iter()

@@ -1,0 +1,167 @@
+//! The least squares of a linear fit for each value of one variable, the others within their ranges.
+
+use super::qr::{scale_columns, triangularise};
+use super::{BoundedLeastSquares, Bounds, Linearisation};
+use nalgebra::{DMatrix, DVector};
+
+/// Trials of the search for an end.
+const TRIALS: usize = 60;
+/// Damping of the bounded problems, relative to the largest column: it decides directions that are not seen.
+const DAMPING: f64 = 1e-10;
+
+/// The profile of a variable, (1) of [`profile_interval`](super::profile_interval), of residuals linearised at a point.
+pub(super) struct Profile<'a> {
+    point: &'a DVector<f64>,
+    bounds: &'a Bounds,
+    variable: usize,
+    others: Vec<usize>,
+    /// The triangle of the others' columns of J, scaled by the ranges.
+    triangle: DMatrix<f64>,
+    /// The column of the variable after the same rotations, and its diagonal entry.
+    column: DVector<f64>,
+    diagonal: f64,
+    /// The residuals after the same rotations, in the same parts.
+    offset: DVector<f64>,
+    last: f64,
+    /// The square sum that no move changes.
+    rest: f64,
+    /// Ends of the ranges of the others from the point, in fractions of the ranges.
+    lower: Vec<f64>,
+    upper: Vec<f64>,
+    damping: f64,
+}
+
+impl<'a> Profile<'a> {
+    pub(super) fn new(
+        point: &'a DVector<f64>,
+        at: &Linearisation,
+        bounds: &'a Bounds,
+        variable: usize,
+    ) -> Self {
+        let n = bounds.variables();
+        let others: Vec<usize> = (0..n).filter(|j| *j != variable).collect();
+        let order = [&others[..], &[variable]].concat();
+        let widths: Vec<f64> = order.iter().map(|j| bounds.width()[*j]).collect();
+        let rows = at.residuals.len().max(n);
+        let mut matrix = Vec::new();
+        let ordered = at.jacobian.select_columns(&order);
+        scale_columns(&ordered, &widths, rows, &mut matrix);
+        let mut vector = at.residuals.as_slice().to_vec();
+        vector.resize(rows, 0.0);
+        triangularise(&mut matrix, rows, &mut vector);
+        let entry = |i: usize, j: usize| if i <= j { matrix[j * rows + i] } else { 0.0 };
+        let fraction = |bound: &DVector<f64>| {
+            let of = |j: &usize| (bound[*j] - point[*j]) / bounds.width()[*j];
+            others.iter().map(of).collect()
+        };
+        let triangle = DMatrix::from_fn(n - 1, n - 1, entry);
+        let largest = triangle.column_iter().map(|c| c.norm_squared());
+        Profile {
+            point,
+            bounds,
+            variable,
+            column: DVector::from_fn(n - 1, |i, _| entry(i, n - 1)),
+            diagonal: entry(n - 1, n - 1),
+            offset: DVector::from_fn(n - 1, |i, _| vector[i]),
+            last: vector[n - 1],
+            rest: vector[n..].iter().map(|r| r * r).sum(),
+            lower: fraction(bounds.lower()),
+            upper: fraction(bounds.upper()),
+            damping: DAMPING * DAMPING * largest.fold(f64::MIN_POSITIVE, f64::max),
+            others,
+            triangle,
+        }
+    }
+
+    /// The least of |R v + offset|^2 over moves v of the others between two bounds, with the move there.
+    fn least(&self, offset: &DVector<f64>, lower: &[f64], upper: &[f64]) -> (f64, DVector<f64>) {
+        let n = self.others.len();
+        if n == 0 {
+            return (0.0, DVector::zeros(0));
+        }
+        let mut solver = BoundedLeastSquares::new(n, n);
+        solver.reduce(&self.triangle, &DVector::repeat(n, 1.0), offset);
+        solver.solve(self.damping, lower, upper);
+        let moves = DVector::from_column_slice(solver.step());
+        ((&self.triangle * &moves + offset).norm_squared(), moves)
+    }
+
+    /// The move of the variable to a value, in fractions of its range.
+    fn fraction(&self, value: f64) -> f64 {
+        (value - self.point[self.variable]) / self.bounds.width()[self.variable]
+    }
+
+    /// S_j(c) of (1), and the moves of the others.
+    fn squares(&self, value: f64) -> (f64, DVector<f64>) {
+        let own = self.fraction(value);
+        let offset = &self.offset + &self.column * own;
+        let (squares, moves) = self.least(&offset, &self.lower, &self.upper);
+        let last = self.last + self.diagonal * own;
+        (self.rest + last * last + squares, moves)
+    }
+
+    /// The root of the least |J (x - point)|^2 over points x of the box with this value of the variable.
+    pub(super) fn distance(&self, value: f64) -> f64 {
+        let own = self.fraction(value);
+        let (squares, _) = self.least(&(&self.column * own), &self.lower, &self.upper);
+        (squares + (self.diagonal * own).powi(2)).sqrt()
+    }
+
+    /// The value between `from` and `bound` at which the least squares reach a level, with the point there; `None` if
+    /// they do not reach it at the bound, or are above it from the beginning. The search is Illinois's (M. Dowell,
+    /// P. Jarratt, A modified regula falsi method, BIT 11, 1971), on the root of the rise above the beginning.
+    pub(super) fn end(&self, from: f64, bound: f64, level: f64) -> Option<(f64, DVector<f64>)> {
+        let first = self.squares(from).0;
+        if first > level || self.squares(bound).0 <= level {
+            return None;
+        }
+        let height = (level - first).sqrt();
+        let excess = |value: f64| {
+            let (squares, moves) = self.squares(value);
+            ((squares - first).max(0.0).sqrt() - height, moves)
+        };
+        let (mut inside, mut outside) = (from, bound);
+        let (mut low, mut high) = (-height, excess(bound).0);
+        let mut was_inside = None;
+        for _ in 0..TRIALS {
+            let slope = (outside - inside) / (high - low);
+            let value = if high > low {
+                outside - high * slope
+            } else {
+                inside
+            };
+            let (found, moves) = excess(value);
+            let is_inside = found <= 0.0;
+            let repeats = was_inside == Some(is_inside);
+            if is_inside {
+                (inside, low) = (value, found);
+                high *= if repeats { 0.5 } else { 1.0 };
+            } else {
+                (outside, high) = (value, found);
+                low *= if repeats { 0.5 } else { 1.0 };
+            }
+            was_inside = Some(is_inside);
+            let is_close = (outside - inside).abs() <= 1e-9 * (outside - from).abs();
+            if found.abs() <= 1e-9 * height || is_close {
+                return Some((value, self.place(value, &moves)));
+            }
+        }
+        let (_, moves) = excess(outside);
+        Some((outside, self.place(outside, &moves)))
+    }
+
+    /// The point of the least squares for a value.
+    pub(super) fn point(&self, value: f64) -> DVector<f64> {
+        self.place(value, &self.squares(value).1)
+    }
+
+    /// The point of these moves.
+    fn place(&self, value: f64, moves: &DVector<f64>) -> DVector<f64> {
+        let mut x = self.point.clone();
+        x[self.variable] = value;
+        for (place, &j) in self.others.iter().enumerate() {
+            x[j] += moves[place] * self.bounds.width()[j];
+        }
+        self.bounds.nearest(&x)
+    }
+}

@@ -1,0 +1,212 @@
+//! The confidence interval of a variable of a fit, with the ranges of all variables kept.
+//!
+//! The measurements are y = f(x0) + e, with normal errors e of one unknown variance and a truth x0 **within the
+//! ranges** l <= x0 <= u. That is an assumption: no interval within the ranges can hold a truth outside of them. r(x)
+//! are the residuals of the fit, S its least square sum, found at x^, and s^2 the variance of a residual. The least
+//! squares for a value c of variable j are its *profile*, and T measures how much worse c fits:
+//!
+//! ```text
+//! S_j(c) = min { |r(x)|^2 : l <= x <= u, x_j = c }                                         (1)
+//! T_j(c) = (S_j(c) - S) / (k_j s^2)                                                        (2)
+//! ```
+//!
+//! k_j is 1 but for weights ([`StandardErrors`](super::StandardErrors)). The interval is all c with
+//!
+//! ```text
+//! T_j(c) <= q_j(c)^2                                                                       (3)
+//! ```
+//!
+//! The other variables move within their ranges in (1). So a variable that ended at its bound is no known number: its
+//! error widens the intervals of the others. Without a bound in reach, T_j is Student's t squared with the freedoms of
+//! s^2, q is its 97.5 % quantile, and (3) is the usual interval of linear regression.
+//!
+//! Near a bound of x_j itself, T is smaller than t^2, since x^_j cannot follow the errors across the bound. Let d be the
+//! distance from c to the bound in standard deviations. An error t that would carry the estimate beyond the bound
+//! (t > d) leaves it there, so that T is only t^2 - (t - d)^2 = d (2 t - d). Hence
+//!
+//! ```text
+//! P(T > q^2, errors towards this bound) = P(t > q)                    if q <= d
+//!                                       = P(t > (q^2 + d^2) / (2 d))  if q > d             (4)
+//! P of the lower bound + P of the upper bound = 5 %                   defines q_j(c)       (5)
+//! ```
+//!
+//! Thus q is the two-sided quantile (97.5 %) far from the bounds, and the one-sided one (95 %) at a bound: the interval
+//! passes from two-sided to one-sided without a choice made after looking at the data, which would lose coverage
+//! (G. J. Feldman, R. D. Cousins, Unified approach to the classical statistical analysis of small signals, Physical
+//! Review D 57, 1998). With x(c) the place of (1), the distance keeps the ranges of the others as well:
+//!
+//! ```text
+//! d^2 = min { |J (x - x(c))|^2 : l <= x <= u, x_j = the bound } / (k_j s^2)                (6)
+//! ```
+//!
+//! (5) is exact for a linear fit of which only x_j can reach a bound. Bounds of the other variables make T a mixture of
+//! chi-squares whose weights depend on the unknown x0 (S. G. Self, K.-Y. Liang, Asymptotic properties of maximum
+//! likelihood estimators and likelihood ratio tests under nonstandard conditions, J. Am. Stat. Assoc. 82, 1987). So T is
+//! simulated too, by fits of the linear model to errors of known seed about x(c)
+//! ([`SimulatedFits`](super::simulated_fits::SimulatedFits)). Simulation takes x(c) for x0, which may make q too small;
+//! (5) disregards the others' bounds, which may do so as well. The larger of the two is taken. Where no variable has a
+//! bound within four standard errors, neither is needed, and q is the two-sided quantile.
+//!
+//! For a linear r, (1) is a bounded linear least-squares problem, convex and piecewise quadratic in c: a bracketing
+//! search finds the end of (3). The true r is taken at the place x(c) of that end, with its Jacobian, and the end is
+//! sought again, until it no longer moves. There, (1) holds for the true r. An end that does not come to rest within
+//! the budget, or where there are no residuals, is moved to the end of the range, where it is right by assumption.
+
+use super::profile::Profile;
+use super::simulated_fits::SimulatedFits;
+use super::student::{Student, root};
+use super::{Bounds, Linearisation};
+use nalgebra::DVector;
+
+/// Probability that the interval does not hold the truth.
+const OUTSIDE: f64 = 0.05;
+/// Evaluations for each end of an interval.
+const EVALUATIONS: usize = 6;
+/// An end that moves by less than this share of its distance from the estimate is at rest.
+const AT_REST: f64 = 0.01;
+/// An interval that takes this share of the range determines nothing.
+const NEARLY_ALL: f64 = 0.95;
+/// Rounds in which an end and its quantile are settled.
+const SETTLING: usize = 2;
+/// Bounds within this many standard errors change the distribution of T.
+const IN_REACH: f64 = 4.0;
+/// A smaller scatter, in tolerances, is rounding.
+const RESOLUTION: f64 = 1e-9;
+
+/// Set of values of a variable that the measurements admit, with 95 %.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ConfidenceInterval {
+    /// The variable is between its bounds. One of the ends may be that of its range.
+    TwoSided {
+        /// Its lowest value.
+        lower: f64,
+        /// Its highest value.
+        upper: f64,
+    },
+    /// The variable is at its lower bound, and no larger than this.
+    AtMost(f64),
+    /// The variable is at its upper bound, and no smaller than this.
+    AtLeast(f64),
+    /// Every value of its range is admitted, or nearly every one; or the measurements do not see the variable.
+    NotDetermined,
+}
+
+/// A fit whose intervals are sought.
+pub(super) struct Solved<'a> {
+    pub x: &'a DVector<f64>,
+    pub at: &'a Linearisation,
+    pub bounds: &'a Bounds,
+    /// The distribution of the errors.
+    pub student: Student,
+    /// Standard errors with all variables free; `None` where there is none.
+    pub errors: &'a [Option<f64>],
+    pub simulated: SimulatedFits<'a>,
+}
+
+/// Writes the residuals of a point, and says whether there are any.
+type Evaluate<'e> = dyn FnMut(&DVector<f64>, &mut Linearisation) -> bool + 'e;
+
+impl Solved<'_> {
+    /// The interval (3) of a variable, with s and the root of k_j.
+    pub(super) fn interval(
+        &self,
+        variable: usize,
+        scale: [f64; 2],
+        evaluate: &mut Evaluate<'_>,
+    ) -> ConfidenceInterval {
+        let [low, high] = [self.bounds.lower(), self.bounds.upper()].map(|bound| bound[variable]);
+        let value = self.x[variable];
+        let mut end = |bound: f64| {
+            if value == bound {
+                return bound;
+            }
+            let end = self.end(variable, bound, scale, evaluate);
+            end.unwrap_or(bound)
+        };
+        let (lower, upper) = (end(low), end(high));
+        if upper - lower >= NEARLY_ALL * (high - low) {
+            ConfidenceInterval::NotDetermined
+        } else if value <= low {
+            ConfidenceInterval::AtMost(upper)
+        } else if value >= high {
+            ConfidenceInterval::AtLeast(lower)
+        } else {
+            ConfidenceInterval::TwoSided { lower, upper }
+        }
+    }
+
+    /// The end of the interval on the side of a bound; `None` if the bound is admitted, or if no end is found.
+    fn end(
+        &self,
+        variable: usize,
+        bound: f64,
+        [scatter, ratio]: [f64; 2],
+        evaluate: &mut Evaluate<'_>,
+    ) -> Option<f64> {
+        let from = self.x[variable];
+        let deviation = ratio * scatter.max(RESOLUTION);
+        let least = self.at.residuals.norm_squared();
+        let level = |quantile: f64| least + (quantile * deviation).powi(2);
+        // The quantile is settled in the linear model first: that takes no evaluations.
+        let linear = Profile::new(self.x, self.at, self.bounds, variable);
+        let mut quantile = self.student.quantile(0.5 * OUTSIDE);
+        for _ in 0..SETTLING {
+            let found = linear.end(from, bound, level(quantile));
+            let x = found.map_or_else(|| linear.point(bound), |(_, x)| x);
+            quantile = self.quantile(variable, &x, deviation, ratio);
+        }
+        let (mut end, mut x) = linear.end(from, bound, level(quantile))?;
+        let mut at = self.at.clone();
+        for _ in 0..EVALUATIONS {
+            if !evaluate(&x, &mut at) {
+                return None;
+            }
+            let model = Profile::new(&x, &at, self.bounds, variable);
+            let (next, place) = model.end(from, bound, level(quantile))?;
+            if (next - end).abs() <= AT_REST * (next - from).abs() {
+                return Some(next);
+            }
+            (end, x) = (next, place);
+        }
+        None
+    }
+
+    /// q of (3) for a variable that has the value of `x`, the others being where (1) has them.
+    fn quantile(&self, variable: usize, x: &DVector<f64>, deviation: f64, ratio: f64) -> f64 {
+        let bounds = [self.bounds.lower(), self.bounds.upper()];
+        let is_near = |at: &DVector<f64>, j: usize| {
+            let room = bounds.map(|bound| (bound[j] - at[j]).abs());
+            let error = self.errors[j].unwrap_or(f64::INFINITY);
+            room[0].min(room[1]) < IN_REACH * error
+        };
+        let is_near = |j: usize| is_near(x, j) || is_near(self.x, j);
+        if !(0..x.len()).any(is_near) {
+            return self.student.quantile(0.5 * OUTSIDE);
+        }
+        let profile = Profile::new(x, self.at, self.bounds, variable);
+        let distances = bounds.map(|bound| profile.distance(bound[variable]) / deviation);
+        let alone = threshold(&self.student, distances);
+        let scatter = deviation / ratio;
+        let simulated = self.simulated.quantile(variable, x, scatter, 1.0 - OUTSIDE);
+        alone.max(simulated / ratio)
+    }
+}
+
+/// The quantile q of (5), of a value with these distances to its bounds in standard deviations.
+fn threshold(student: &Student, distances: [f64; 2]) -> f64 {
+    let two_sided = student.quantile(0.5 * OUTSIDE);
+    if distances.iter().all(|d| *d >= two_sided) {
+        return two_sided;
+    }
+    let tail = |q: f64, d: f64| {
+        if q <= d {
+            student.tail(q)
+        } else if d > 0.0 {
+            student.tail((q * q + d * d) / (2.0 * d))
+        } else {
+            0.0
+        }
+    };
+    let outside = |q: f64| distances.iter().map(|d| tail(q, *d)).sum::<f64>();
+    root(0.0, two_sided, |q| outside(q) > OUTSIDE)
+}

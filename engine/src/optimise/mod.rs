@@ -24,6 +24,7 @@ mod constrained;
 mod extremes;
 mod fit;
 mod fit_record;
+mod fixed;
 mod front;
 mod identifiability;
 mod lane_builds;
@@ -34,12 +35,14 @@ mod levenberg_marquardt;
 mod local_model;
 mod moves;
 mod multistart;
+mod nearest;
 mod objective;
 mod options;
 mod pool;
 mod problem;
 mod qr;
 mod standard_errors;
+mod stationarity;
 #[cfg(test)]
 mod test_problems;
 #[cfg(test)]
@@ -64,4 +67,4 @@ pub use objective::Objective;
 pub use options::Options;
 pub use problem::{Infeasible, LeastSquares, Linearisation};
 pub use standard_errors::{StandardError, StandardErrors};
-pub use tune::{Best, ConstraintOutcome, Fulfilment, Tuning, tune};
+pub use tune::{Best, ConstraintOutcome, Fulfilment, Price, Tuning, tune};

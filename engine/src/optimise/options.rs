@@ -19,6 +19,8 @@ pub struct Options {
     pub gradient_below: f64,
     /// iterations >= this.
     pub max_iterations: u64,
+    /// evaluations >= this. The default is ten for each iteration; most iterations take one.
+    pub max_evaluations: u64,
 }
 
 impl Default for Options {
@@ -29,6 +31,7 @@ impl Default for Options {
             step_below: 16.0 * f64::EPSILON,
             gradient_below: 64.0 * f64::EPSILON,
             max_iterations: 200,
+            max_evaluations: 2000,
         }
     }
 }

@@ -2,8 +2,10 @@
 
 use super::super::active_set::{ActiveSet, Held, Outcome, Rows};
 use super::super::qr::{dot, scale_columns, triangularise, triangularise_within};
+use super::super::stationarity::{CONVERGED, Pushes, Scale};
 use super::super::{Bounds, Linearisation};
-use super::Assessment;
+use super::movable::Movable;
+use super::{Assessment, KEPT, Shape};
 use nalgebra::DVector;
 
 /// Damping relative to the largest pivot: directions that neither goal nor rows see stay put.
@@ -12,6 +14,16 @@ const DAMPING: f64 = 1e-7;
 const LEVEL_MET: f64 = 1e-7;
 /// The most programs that a multiplier of the level is searched with.
 const SECANTS: usize = 30;
+/// The most programs of one step, those of all levels together.
+const PROGRAMS: usize = 300;
+/// Duplicate rows agree to this, a hundredth of what counts as kept.
+const SLACK: f64 = 1e-9;
+/// The most shifts that make a matrix positive definite, each ten times the one before.
+const SHIFTS: usize = 40;
+/// A level binds where it is met to this share of itself.
+const BINDING_LEVEL: f64 = 1e-6;
+/// A variable this near to its bound, in half ranges, is at it.
+const ON_BOUND: f64 = 1e-12;
 
 /// |A d + a|^2 as |R d + q|^2 + rest.
 #[derive(Clone, Debug, Default)]
@@ -98,6 +110,24 @@ pub(super) enum Proposal {
     Relaxed { remaining: f64, culprits: Vec<Held> },
 }
 
+/// Multipliers at the end of a run.
+#[derive(Clone, Debug)]
+pub(super) struct Settled {
+    /// Residual of the optimality conditions.
+    pub residual: f64,
+    /// Other multipliers of the rows, if they balance the slope as well.
+    pub alternatives: Option<Vec<f64>>,
+}
+
+/// A constraint that binds.
+#[derive(Clone, Copy, Debug)]
+enum Push {
+    Row(usize),
+    Level(usize),
+    /// A variable at a bound: -1 at the lower one, 1 at the upper one.
+    Bound(usize, f64),
+}
+
 /// The model with its workspace.
 pub(super) struct ConvexModel<'a> {
     bounds: &'a Bounds,
@@ -105,11 +135,20 @@ pub(super) struct ConvexModel<'a> {
     equalities: usize,
     levels: Vec<f64>,
     goal: Squares,
+    /// Numbers of residuals of the goal, and the norm of its residuals.
+    residuals: usize,
+    norm: f64,
     /// Level by level.
     held: Vec<Squares>,
     /// Rows as they are, their gradients scaled.
     normals: Vec<f64>,
     offsets: Vec<f64>,
+    /// Whether a row says anything about steps.
+    speaks: Vec<bool>,
+    /// Equalities among the rows kept.
+    kept_equalities: usize,
+    /// Programs left for this step.
+    programs: usize,
     /// The rows that can be violated, by number, and their entries.
     kept: Vec<usize>,
     kept_normals: Vec<f64>,
@@ -139,17 +178,22 @@ pub(super) struct ConvexModel<'a> {
 
 impl<'a> ConvexModel<'a> {
     /// Room for a problem.
-    pub(super) fn new(bounds: &'a Bounds, equalities: usize, rows: usize, levels: &[f64]) -> Self {
-        let n = bounds.variables();
+    pub(super) fn new(bounds: &'a Bounds, shape: &Shape) -> Self {
+        let (n, rows) = (bounds.variables(), shape.rows);
+        let levels: Vec<f64> = shape.levels.iter().map(|level| level.1).collect();
         ConvexModel {
             bounds,
             half: bounds.width().iter().map(|w| 0.5 * w).collect(),
-            equalities,
-            levels: levels.to_vec(),
+            equalities: shape.equalities,
             goal: Squares::new(n),
+            residuals: shape.goal,
+            norm: 0.0,
             held: vec![Squares::new(n); levels.len()],
             normals: vec![0.0; rows * n],
             offsets: vec![0.0; rows],
+            speaks: vec![true; rows],
+            kept_equalities: 0,
+            programs: 0,
             kept: Vec::with_capacity(rows),
             kept_normals: Vec::with_capacity(rows * n),
             kept_offsets: Vec::with_capacity(rows),
@@ -165,6 +209,7 @@ impl<'a> ConvexModel<'a> {
             level_multipliers: vec![0.0; levels.len()],
             weights: vec![0.0; levels.len()],
             last_weights: vec![None; levels.len()],
+            levels,
             curvature: Curvature::new(n),
             across: Vec::new(),
             matrix: Vec::new(),
@@ -173,9 +218,21 @@ impl<'a> ConvexModel<'a> {
         }
     }
 
-    /// Makes this the model about `x`.
-    pub(super) fn build(&mut self, x: &DVector<f64>, at: &Assessment) {
+    /// Makes this the model about `x`, without the rows that stand still.
+    pub(super) fn build(&mut self, x: &DVector<f64>, at: &Assessment, movable: Option<&Movable>) {
         let n = x.len();
+        self.norm = at.goal.residuals.norm();
+        for (row, speaks) in self.speaks.iter_mut().enumerate() {
+            let value = at.rows.residuals[row];
+            let missed = match row < self.equalities {
+                true => value.abs() > KEPT,
+                false => value > KEPT,
+            };
+            // A row that moves elsewhere, stands still here and is violated keeps the step from mending it.
+            *speaks = movable.is_none_or(|movable| {
+                movable.takes_part(row) && (missed || movable.moves_at(row, &at.rows, self.bounds))
+            });
+        }
         self.goal.reduce(&at.goal, &self.half, &mut self.matrix);
         for (held, level) in self.held.iter_mut().zip(&at.levels) {
             held.reduce(level, &self.half, &mut self.matrix);
@@ -229,6 +286,9 @@ impl<'a> ConvexModel<'a> {
         self.kept_normals.clear();
         self.kept_offsets.clear();
         for (row, offset) in self.offsets.iter().enumerate() {
+            if !self.speaks[row] {
+                continue;
+            }
             let normal = &self.normals[row * n..][..n];
             let reach = || {
                 let bounds = self.lower.iter().zip(&self.upper);
@@ -241,12 +301,15 @@ impl<'a> ConvexModel<'a> {
                 self.kept_offsets.push(*offset);
             }
         }
+        let equalities = self.kept.iter().filter(|row| **row < self.equalities);
+        self.kept_equalities = equalities.count();
     }
 
     fn propose(&mut self, curved: bool) -> Proposal {
         let mut proposal = Proposal::Optimal;
         self.across = if curved { self.held_rows() } else { Vec::new() };
         self.weights.fill(0.0);
+        self.programs = PROGRAMS;
         if self.program(curved) != Outcome::Solved {
             let (remaining, culprits) = self.relax();
             proposal = Proposal::Relaxed {
@@ -342,7 +405,8 @@ impl<'a> ConvexModel<'a> {
         let rows = Rows {
             normals: &self.kept_normals,
             offsets: &self.kept_offsets,
-            equalities: self.equalities,
+            equalities: self.kept_equalities,
+            slack: SLACK,
         };
         let (lower, upper) = (&self.lower, &self.upper);
         let outcome = self
@@ -400,6 +464,11 @@ impl<'a> ConvexModel<'a> {
         let mut high: Option<(f64, f64)> = None;
         let mut weight = self.last_weights[k].unwrap_or(scale);
         for _ in 0..SECANTS {
+            // Levels within levels multiply: together they have a budget of their own.
+            if self.programs == 0 {
+                break;
+            }
+            self.programs -= 1;
             self.weights[k] = weight;
             self.weights[k + 1..].fill(0.0);
             if self.program(curved) != Outcome::Solved {
@@ -440,7 +509,11 @@ impl<'a> ConvexModel<'a> {
         let n = self.half.len();
         let worst = self.kept_offsets.iter().enumerate();
         let worst = worst.fold(0.0_f64, |worst, (k, c)| {
-            worst.max(if k < self.equalities { c.abs() } else { *c })
+            worst.max(if k < self.kept_equalities {
+                c.abs()
+            } else {
+                *c
+            })
         });
         let worst = worst.max(f64::MIN_POSITIVE.sqrt());
         // Variables d and t, violations at most t times the worst there is: |t|^2 + (small |d|)^2.
@@ -450,8 +523,9 @@ impl<'a> ConvexModel<'a> {
             triangle[k * (n + 1) + k] = small;
         }
         triangle[(n + 1) * (n + 1) - 1] = 1.0;
-        let mut normals = Vec::with_capacity((self.kept.len() + self.equalities) * (n + 1));
-        let mut offsets = Vec::with_capacity(self.kept.len() + self.equalities);
+        let twice = self.kept.len() + self.kept_equalities;
+        let mut normals = Vec::with_capacity(twice * (n + 1));
+        let mut offsets = Vec::with_capacity(twice);
         let mut of = Vec::with_capacity(offsets.capacity());
         let mut push = |sign: f64, k: usize, normal: &[f64], offset: f64| {
             normals.extend(normal.iter().map(|a| sign * a));
@@ -462,7 +536,7 @@ impl<'a> ConvexModel<'a> {
         for (k, offset) in self.kept_offsets.iter().enumerate() {
             let normal = &self.kept_normals[k * n..][..n];
             push(1.0, k, normal, *offset);
-            if k < self.equalities {
+            if k < self.kept_equalities {
                 push(-1.0, k, normal, *offset);
             }
         }
@@ -470,6 +544,7 @@ impl<'a> ConvexModel<'a> {
             normals: &normals,
             offsets: &offsets,
             equalities: 0,
+            slack: 0.0,
         };
         let lower: Vec<f64> = self.lower.iter().copied().chain([0.0]).collect();
         let upper: Vec<f64> = self.upper.iter().copied().chain([2.0]).collect();
@@ -499,7 +574,7 @@ impl<'a> ConvexModel<'a> {
         let mut remaining: f64 = 0.0;
         for (k, offset) in self.kept_offsets.iter_mut().enumerate() {
             let value = dot(&self.kept_normals[k * n..][..n], d) + *offset;
-            let excess = if k < self.equalities {
+            let excess = if k < self.kept_equalities {
                 value
             } else {
                 value.max(0.0)
@@ -554,10 +629,89 @@ impl<'a> ConvexModel<'a> {
             left = left.max(sum.abs());
             size = size.max(most);
         }
-        // Against the largest slope the residuals could have, where they are nearly at right angles.
-        let steepest =
-            self.goal.largest_pivot() * self.goal.norm_after(&vec![0.0; n], &mut vec![0.0; n]);
-        left / size.max(steepest).max(f64::MIN_POSITIVE)
+        self.scale().residual(left, size)
+    }
+
+    /// The scale of the goal.
+    fn scale(&self) -> Scale {
+        let pivot = self.goal.largest_pivot();
+        Scale::new(pivot, self.residuals, self.norm, self.half.len())
+    }
+
+    /// Improves the multipliers of the end of a run: where those of the last program do not balance the slope, those
+    /// that balance it best, over the gradients here and `beside`, are taken.
+    pub(super) fn settle_multipliers(&mut self, beside: Option<&Assessment>) -> Settled {
+        let n = self.half.len();
+        let slope: Vec<f64> = (0..n).map(|j| self.goal.gradient(j)).collect();
+        let (mut pushes, mut of) = self.pushes();
+        let scale = self.scale();
+        let mut found = pushes.balance(&slope, scale);
+        if found.residual >= CONVERGED
+            && let Some(beside) = beside
+        {
+            for k in 0..of.len() {
+                let Push::Row(row) = of[k] else { continue };
+                let entries = beside.rows.jacobian.row(row);
+                let normal = entries.iter().zip(&self.half).map(|(a, half)| a * half);
+                pushes.add(&normal.collect::<Vec<_>>(), row < self.equalities);
+                of.push(Push::Row(row));
+            }
+            found = pushes.balance(&slope, scale);
+        }
+        let before = self.imbalance();
+        let mut rows = vec![0.0; self.offsets.len()];
+        for (push, multiplier) in of.iter().zip(&found.multipliers) {
+            if let Push::Row(row) = push {
+                rows[*row] += multiplier;
+            }
+        }
+        if before >= CONVERGED && found.residual < before {
+            self.clear_multipliers();
+            self.row_multipliers.copy_from_slice(&rows);
+            for (push, multiplier) in of.iter().zip(&found.multipliers) {
+                match push {
+                    Push::Row(_) => {}
+                    Push::Level(k) => self.level_multipliers[*k] = *multiplier,
+                    Push::Bound(j, sign) => self.bound_multipliers[*j] += sign * multiplier,
+                }
+            }
+        }
+        Settled {
+            residual: before.min(found.residual),
+            alternatives: (found.residual < CONVERGED).then_some(rows),
+        }
+    }
+
+    /// Gradients of all that binds, and of what each is.
+    fn pushes(&self) -> (Pushes, Vec<Push>) {
+        let n = self.half.len();
+        let (mut pushes, mut of) = (Pushes::default(), Vec::new());
+        for (row, value) in self.offsets.iter().enumerate() {
+            let is_equality = row < self.equalities;
+            if self.speaks[row] && (is_equality || *value >= -KEPT) {
+                pushes.add(&self.normals[row * n..][..n], is_equality);
+                of.push(Push::Row(row));
+            }
+        }
+        let (still, mut scratch) = (vec![0.0; n], vec![0.0; n]);
+        for (k, held) in self.held.iter().enumerate() {
+            if held.norm_after(&still, &mut scratch) >= (1.0 - BINDING_LEVEL) * self.levels[k] {
+                let gradient: Vec<f64> = (0..n).map(|j| held.gradient(j)).collect();
+                pushes.add(&gradient, false);
+                of.push(Push::Level(k));
+            }
+        }
+        for j in 0..n {
+            for (room, sign) in [(self.room_below[j], -1.0), (self.room_above[j], 1.0)] {
+                if room.abs() <= ON_BOUND {
+                    let mut normal = vec![0.0; n];
+                    normal[j] = sign;
+                    pushes.add(&normal, false);
+                    of.push(Push::Bound(j, sign));
+                }
+            }
+        }
+        (pushes, of)
     }
 
     /// Learns the curvature from an accepted step to `after`, under the multipliers of the last program.
@@ -638,7 +792,10 @@ impl Curvature {
         let image = self.image(d);
         let off: Vec<f64> = y.iter().zip(&image).map(|(y, s)| y - s).collect();
         let along = dot(&off, d);
-        if along.abs() <= 1e-8 * (dot(&off, &off) * dot(d, d)).sqrt() {
+        let size = (dot(&off, &off) * dot(d, d)).sqrt();
+        // Also where something is not a number.
+        let is_sound = along.is_finite() && along.abs() > 1e-8 * size;
+        if !is_sound {
             return;
         }
         for j in 0..n {
@@ -666,7 +823,11 @@ impl Curvature {
         }
         let trace = (0..n).fold(0.0, |most: f64, k| most.max(square[k * n + k].abs()));
         for (normal, c) in held {
-            let weight = ACROSS * trace / dot(normal, normal).max(f64::MIN_POSITIVE);
+            let square_of_normal = dot(normal, normal);
+            if square_of_normal < f64::MIN_POSITIVE {
+                continue;
+            }
+            let weight = ACROSS * trace / square_of_normal;
             for j in 0..n {
                 slope[j] += weight * c * normal[j];
                 for i in 0..n {
@@ -675,11 +836,16 @@ impl Curvature {
             }
         }
         let mut shift = 1e-13 * trace.max(f64::MIN_POSITIVE);
-        let factor = loop {
-            match cholesky(&square, n, shift) {
-                Some(factor) => break factor,
-                None => shift *= 10.0,
-            }
+        let mut shifts = std::iter::repeat_with(|| {
+            let by = shift;
+            shift *= 10.0;
+            by
+        });
+        let mut shifts = shifts.by_ref().take(SHIFTS);
+        // Not a number never becomes positive: then the curvature is left out.
+        let Some(factor) = shifts.find_map(|by| cholesky(&square, n, by)) else {
+            self.in_use = false;
+            return;
         };
         triangle.copy_from_slice(&factor);
         // R^T q = slope.

@@ -3,6 +3,7 @@
 mod builds;
 mod constraints;
 mod minima;
+mod mixes;
 
 use hardpoint::optimise::{
     Assessment, Constrained, Control, Objective, TargetLayout, front, moved_design, price_list,

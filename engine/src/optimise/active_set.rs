@@ -724,6 +724,7 @@ mod tests {
             normals: &normals,
             offsets: &[1.0, -5.0, 2.0],
             equalities: 0,
+            slack: 0.0,
         };
         let mut method = ActiveSet::new(3);
         let triangle = DMatrix::<f64>::identity(3, 3);

@@ -7,7 +7,8 @@
 //!
 //! A residual stands still where a move across the range of any variable changes it by less than [`UNMOVED`]. It is
 //! looked at where the tuning begins and at every evaluation; if one moves after all, the tuning is run again with it.
-//! Residuals that are zero need no such care: a band pulls nothing from within, and counts once it is left.
+//! Only residuals that miss by more than a tolerance are held out: smaller ones hide nothing. So bands stay in, which pull
+//! nothing from within and count once they are left.
 
 use super::constrained::{Assessment, Constrained, Shape};
 use super::{Bounds, Fit, Infeasible, LeastSquares, Linearisation, Termination};
@@ -18,6 +19,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// the rounding of curves that are some thousand tolerances high, a thousand times amplified.
 pub(super) const UNMOVED: f64 = 1e-9;
 
+/// A residual above this, in tolerances, is missed.
+const MISSED: f64 = 1.0;
+
 /// Whether a move across the range of some variable changes a residual.
 pub(super) fn moves(at: &Linearisation, row: usize, bounds: &Bounds) -> bool {
     let entries = at.jacobian.row(row);
@@ -25,7 +29,7 @@ pub(super) fn moves(at: &Linearisation, row: usize, bounds: &Bounds) -> bool {
     entries.any(|(j, width)| (j * width).abs() > UNMOVED)
 }
 
-/// Residuals that are not zero and that no variable moves.
+/// Residuals that are missed and that no variable moves.
 #[derive(Debug, Default)]
 pub(super) struct FixedRows {
     /// Row, value, and whether it was seen to move.
@@ -36,7 +40,7 @@ impl FixedRows {
     /// The rows that stand still at a point.
     pub(super) fn at(at: &Linearisation, bounds: &Bounds) -> Self {
         let rows = at.residuals.iter().enumerate();
-        let rows = rows.filter(|(row, value)| **value != 0.0 && !moves(at, *row, bounds));
+        let rows = rows.filter(|(row, value)| value.abs() > MISSED && !moves(at, *row, bounds));
         let rows = rows.map(|(row, value)| (row, *value, AtomicBool::new(false)));
         FixedRows {
             rows: rows.collect(),
@@ -45,6 +49,11 @@ impl FixedRows {
 
     pub(super) fn is_empty(&self) -> bool {
         self.rows.is_empty()
+    }
+
+    /// Sum of their squares.
+    pub(super) fn square(&self) -> f64 {
+        self.rows.iter().map(|(_, value, _)| value * value).sum()
     }
 
     /// Those that were never seen to move; `None` if these are all.
@@ -76,7 +85,7 @@ impl FixedRows {
         if self.is_empty() {
             return;
         }
-        let square: f64 = self.rows.iter().map(|(_, value, _)| value * value).sum();
+        let square = self.square();
         for (row, value, _) in &self.rows {
             fit.evaluation.residuals[*row] = *value;
         }

@@ -2,10 +2,10 @@
 //!
 //! From where the misfit was lowered to, the distance from the design is lowered while the misfit stays below a level
 //! m and the constraints are kept. One run from there usually converges. If it ends infeasible, with an error or at a
-//! budget, more runs are made: from the study's own design, and down a ladder of levels between the misfit that was
-//! found and m, each rung from the end of the one before. An answer for a lower level serves the higher one, so the
-//! nearest of all answers is taken. If its run did not converge, the design is not known to be the nearest, and the
-//! termination says so.
+//! budget, more runs are made, with steps that stay near the level: once more from there; along a ladder of levels
+//! between the misfit that was found and m, each rung from the end of the one before; and from the study's own design.
+//! An answer for a lower level serves the higher one, so the nearest of all answers is taken. If no run for m converged,
+//! the design is not known to be the nearest, and the termination says so.
 
 use super::constrained::{Assessment, Constrained, ConstrainedFit, KEPT, constrained_fit};
 use super::fixed::{FixedRows, Without};
@@ -18,6 +18,8 @@ use nalgebra::DVector;
 const NO_MOVE: f64 = 1e-9;
 /// Rungs of the ladder, as shares of the way from the misfit that was found to the level.
 const RUNGS: [f64; 4] = [0.25, 0.5, 0.75, 1.0];
+/// Share of the level by which a step of a further run may exceed it.
+const NEAR_LEVEL: f64 = 0.2;
 /// Shorter by less than this share is as near.
 const AS_NEAR: f64 = 1e-9;
 
@@ -51,6 +53,7 @@ impl Search<'_, '_> {
         from: &DVector<f64>,
         misfit: f64,
         known: Option<&Linearisation>,
+        options: &Options,
     ) -> Option<DVector<f64>> {
         let tuner = self.tuner;
         let problem = Without {
@@ -63,7 +66,6 @@ impl Search<'_, '_> {
         if let Some(known) = known {
             near = near.knowing(from, known);
         }
-        let options = self.level.options;
         let found = constrained_fit(
             self.index,
             near,
@@ -102,22 +104,30 @@ impl Search<'_, '_> {
             || self.ended == Some(Termination::Interrupted)
     }
 
-    /// Tries other ways than the straight one from `x`, where the misfit is `misfit`.
-    fn try_again(&mut self, x: &DVector<f64>, misfit: f64) {
-        let design = self.tuner.bounds.nearest(&self.tuner.design);
-        self.run(&design, self.level.misfit, None);
+    /// Tries other ways than the first one from `x`, where the misfit is `misfit`.
+    fn try_again(&mut self, x: &DVector<f64>, misfit: f64, most: f64) {
+        let level = self.level.misfit;
+        let near = Options {
+            violation_below: NEAR_LEVEL * level,
+            ..self.level.options.clone()
+        };
+        self.run(x, level, None, &near);
         let mut from = x.clone();
         for share in RUNGS {
-            if self.ended == Some(Termination::Interrupted) {
+            if self.is_over(most) {
                 return;
             }
             let rung = match share {
-                1.0 => self.level.misfit,
-                share => misfit + share * (self.level.misfit - misfit),
+                1.0 => level,
+                share => misfit + share * (level - misfit),
             };
-            if let Some(next) = self.run(&from, rung, None) {
+            if let Some(next) = self.run(&from, rung, None, &near) {
                 from = next;
             }
+        }
+        if !self.is_over(most) {
+            let design = self.tuner.bounds.nearest(&self.tuner.design);
+            self.run(&design, level, None, self.level.options);
         }
     }
 }
@@ -136,9 +146,9 @@ impl Tuner<'_> {
         };
         let most = search.distance.of(&fit.x);
         let known = fit.constraints.is_none().then_some(&fit.evaluation);
-        search.run(&fit.x, level.misfit, known);
+        search.run(&fit.x, level.misfit, known, level.options);
         if !search.is_over(most) {
-            search.try_again(&fit.x, fit.misfit());
+            search.try_again(&fit.x, fit.misfit(), most);
         }
         let Search {
             mut history,

@@ -313,14 +313,14 @@ impl<'a> Tuner<'a> {
         if let Some(least) = least
             && optimise.good_enough > 0.0
         {
-            let is_good = least <= optimise.good_enough;
+            let good = self.good_enough_without(fixed);
+            let is_good = least <= good;
+            let misfit = if is_good { good } else { AS_GOOD * least };
+            let count = self.layout.residuals() as f64;
+            let total = (misfit * misfit + fixed.square() / count).sqrt();
             let level = Level {
-                misfit: if is_good {
-                    optimise.good_enough
-                } else {
-                    AS_GOOD * least
-                },
-                is_good_enough: is_good && fixed.is_empty(),
+                misfit,
+                is_good_enough: total <= optimise.good_enough * (1.0 + 1e-9),
                 fixed,
                 options: &options,
             };
@@ -344,8 +344,19 @@ impl<'a> Tuner<'a> {
                 fit.termination = Termination::GoodEnoughNotKnownNearest;
             }
         }
-        let best = self.choose(&starts, least);
+        let best = self.choose(&starts, least, self.good_enough_without(fixed));
         Multistart { starts, best }
+    }
+
+    /// The misfit that is good enough for the residuals that variables move: together with the others it is
+    /// `good_enough`, if it can be.
+    fn good_enough_without(&self, fixed: &FixedRows) -> f64 {
+        let good = self.optimise.good_enough;
+        let rest = good * good - fixed.square() / self.layout.residuals() as f64;
+        match rest > 0.0 {
+            true => rest.sqrt(),
+            false => good,
+        }
     }
 
     /// Lowers the misfit from every start, until it is good enough or a minimum.
@@ -357,7 +368,7 @@ impl<'a> Tuner<'a> {
     ) -> Vec<super::Start> {
         let optimise = self.optimise;
         let until_good = Options {
-            misfit_below: options.misfit_below.max(optimise.good_enough),
+            misfit_below: options.misfit_below.max(self.good_enough_without(fixed)),
             ..options.clone()
         };
         let first = |index: usize, x: &DVector<f64>| {
@@ -366,7 +377,7 @@ impl<'a> Tuner<'a> {
                 return fit(index, problem, bounds, x, &until_good, self.control);
             }
             let fit = constrained_fit(index, problem, bounds, x, &until_good, self.control)?;
-            let good = fit.at.goal.misfit() <= optimise.good_enough;
+            let good = fit.at.goal.misfit() <= until_good.misfit_below;
             Ok(self.as_fit(fit, !good))
         };
         let run = |numbers| {
@@ -424,13 +435,13 @@ impl<'a> Tuner<'a> {
     /// Chooses a start: the nearest of those that keep the constraints and are good enough; if none is good enough, the
     /// nearest of those that are as good as the best; if none keeps the constraints, the one that violates them least.
     /// `least` is the least misfit of those that keep them.
-    fn choose(&self, starts: &[super::Start], least: Option<f64>) -> Option<usize> {
+    fn choose(&self, starts: &[super::Start], least: Option<f64>, good: f64) -> Option<usize> {
         let Some(least) = least else {
             let by_violation =
                 |a: &(usize, &Fit), b: &(usize, &Fit)| a.1.violation().total_cmp(&b.1.violation());
             return fits(starts).min_by(by_violation).map(|(index, _)| index);
         };
-        let good = match self.optimise.good_enough {
+        let good = match good {
             0.0 => least * (1.0 + 1e-9),
             good if least <= good => good * (1.0 + 1e-6),
             _ => least * AS_GOOD * (1.0 + 1e-6),

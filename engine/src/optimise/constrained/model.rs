@@ -640,21 +640,21 @@ impl<'a> ConvexModel<'a> {
 
     /// Improves the multipliers of the end of a run: where those of the last program do not balance the slope, those
     /// that balance it best, over the gradients here and `beside`, are taken.
-    pub(super) fn settle_multipliers(&mut self, beside: Option<&Assessment>) -> Settled {
+    pub(super) fn settle_multipliers(&mut self, beside: &[Linearisation]) -> Settled {
         let n = self.half.len();
         let slope: Vec<f64> = (0..n).map(|j| self.goal.gradient(j)).collect();
         let (mut pushes, mut of) = self.pushes();
         let scale = self.scale();
         let mut found = pushes.balance(&slope, scale);
-        if found.residual >= CONVERGED
-            && let Some(beside) = beside
-        {
+        if found.residual >= CONVERGED && !beside.is_empty() {
             for k in 0..of.len() {
                 let Push::Row(row) = of[k] else { continue };
-                let entries = beside.rows.jacobian.row(row);
-                let normal = entries.iter().zip(&self.half).map(|(a, half)| a * half);
-                pushes.add(&normal.collect::<Vec<_>>(), row < self.equalities);
-                of.push(Push::Row(row));
+                for side in beside {
+                    let entries = side.jacobian.row(row);
+                    let normal = entries.iter().zip(&self.half).map(|(a, half)| a * half);
+                    pushes.add(&normal.collect::<Vec<_>>(), row < self.equalities);
+                    of.push(Push::Row(row));
+                }
             }
             found = pushes.balance(&slope, scale);
         }

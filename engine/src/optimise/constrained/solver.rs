@@ -25,7 +25,9 @@ const ACCEPTABLE: f64 = 1e-4;
 const POOR: f64 = 0.25;
 const GOOD: f64 = 0.75;
 /// A refused trial this near, in half ranges, tells the slopes on the other side of a kink.
-const BESIDE: f64 = 1e-5;
+const BESIDE: f64 = 1e-6;
+/// The most refused trials that are kept for that.
+const SIDES: usize = 4;
 /// Iterations after which the estimate of the curvature is put to use.
 const CURVED_FROM: u64 = 7;
 /// The most trials of an iteration. Each is at most half as long as the one before.
@@ -97,8 +99,9 @@ pub fn constrained_fit(
         current: Assessment::new(&shape),
         trial: Assessment::new(&shape),
         trial_x: DVector::zeros(n),
-        beside: None,
-        filter: Filter::new(0.0),
+        beside: Vec::new(),
+        gone: 0.0,
+        filter: Filter::new(0.0, f64::INFINITY),
         radius: FIRST_RADIUS,
         culprits: Vec::new(),
     };
@@ -117,9 +120,10 @@ struct SequentialConvex<'a> {
     current: Assessment,
     trial: Assessment,
     trial_x: DVector<f64>,
-    /// The refused trial nearest to the current point, with its distance in half ranges: on the other side of a kink,
-    /// where there is one.
-    beside: Option<(f64, Assessment)>,
+    /// Rows at the latest refused trials near the current point: on other sides of a kink, if there is one.
+    beside: Vec<Linearisation>,
+    /// Way gone since the first of them, in half ranges.
+    gone: f64,
     filter: Filter,
     radius: f64,
     culprits: Vec<Held>,
@@ -130,8 +134,7 @@ impl SequentialConvex<'_> {
         let x = state.param.expect("the state was given its start");
         // Multipliers of the end itself, not of the step that led there.
         self.model.solve(WHOLE, false);
-        let beside = self.beside.take().map(|(_, beside)| beside);
-        let settled = self.model.settle_multipliers(beside.as_ref());
+        let settled = self.model.settle_multipliers(&self.beside);
         let imbalance = settled.residual;
         let [rows, levels] = self.model.multipliers().map(<[f64]>::to_vec);
         let violation = self.pair(&self.current)[1];
@@ -180,25 +183,25 @@ impl SequentialConvex<'_> {
     fn count_new_rows(&mut self, x: &DVector<f64>) {
         self.rebuild_model(x);
         let [_, violation] = self.pair(&self.current);
-        self.filter = Filter::new(violation);
+        self.filter = Filter::new(violation, self.record.options.violation_below);
     }
 
-    /// Keeps the refused trial, so far away in half ranges, if it is the nearest.
+    /// Keeps the rows of the refused trial if it is near; the oldest make room.
     fn keep_beside(&mut self, length: f64) {
-        if length > BESIDE
-            || self
-                .beside
-                .as_ref()
-                .is_some_and(|(most, _)| *most <= length)
-        {
-            return;
-        }
-        match &mut self.beside {
-            Some((most, kept)) => {
-                *most = length;
-                kept.clone_from(&self.trial);
+        if length <= BESIDE {
+            if self.beside.len() == SIDES {
+                self.beside.remove(0);
             }
-            None => self.beside = Some((length, self.trial.clone())),
+            self.beside.push(self.trial.rows.clone());
+        }
+    }
+
+    /// Forgets refused trials after a step of this length that leads away from them.
+    fn leave_beside(&mut self, length: f64) {
+        self.gone += length;
+        if self.gone > BESIDE {
+            self.beside.clear();
+            self.gone = 0.0;
         }
     }
 
@@ -247,7 +250,7 @@ impl<P: Constrained> Solver<P, ArgminState> for SequentialConvex<'_> {
         self.movable = Some(Movable::new(&self.limits, rows, bounds));
         self.rebuild_model(x);
         let [cost, violation] = self.pair(&self.current);
-        self.filter = Filter::new(violation);
+        self.filter = Filter::new(violation, self.record.options.violation_below);
         self.record.add(x, Iteration::at(self.reported()));
         Ok((state.cost(cost), None))
     }
@@ -368,7 +371,7 @@ impl<P: Constrained> Solver<P, ArgminState> for SequentialConvex<'_> {
             self.model.learn(&self.current, &self.trial);
             std::mem::swap(&mut x, &mut self.trial_x);
             std::mem::swap(&mut self.current, &mut self.trial);
-            self.beside = None;
+            self.leave_beside(length);
             self.rebuild_model(&x);
             break;
         }

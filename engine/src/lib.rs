@@ -106,8 +106,8 @@ pub use function::{DesignFunction, DesignStatus, DesignVariable, Evaluation, Fun
 pub use mechanism::{DesignFault, Failure, LimitCause, Unproven, Work};
 pub use optimise::{
     Best, ConstraintOutcome, Control, Deviation, Direction, Fit, Fulfilment, Identifiability,
-    Infeasible, Iteration, Multistart, ProgressCallback, StandardError, StandardErrors, Start,
-    Termination, Tuning,
+    Infeasible, Iteration, Multistart, Price, ProgressCallback, StandardError, StandardErrors,
+    Start, Termination, Tuning,
 };
 pub use solve::Rejection;
 pub use sweep::{Failing, Rows};

@@ -4,6 +4,7 @@ mod builds;
 mod constraints;
 mod minima;
 mod mixes;
+mod still;
 
 use hardpoint::optimise::{
     Assessment, Constrained, Control, Objective, TargetLayout, front, moved_design, price_list,

@@ -84,7 +84,10 @@ fn curve(values: impl Iterator<Item = f64>) -> String {
 
 /// Values of a characteristic at the travels.
 fn column(curves: &Curves, name: &str) -> Vec<f64> {
-    let index = curves.columns.iter().position(|c| c.name == name).unwrap();
+    // The shortest name that begins so has the unit alone behind it.
+    let columns = curves.columns.iter().enumerate();
+    let own = columns.filter(|(_, c)| c.name.starts_with(name));
+    let (index, _) = own.min_by_key(|(_, c)| c.name.len()).unwrap();
     let stations = curves.stations.iter();
     stations.map(|s| s.values[index].unwrap()).collect()
 }

@@ -42,6 +42,7 @@ mod pool;
 mod problem;
 mod qr;
 mod standard_errors;
+mod starts;
 mod stationarity;
 #[cfg(test)]
 mod test_problems;

@@ -35,6 +35,7 @@
 //! Rows that no variable moves are left out ([`movable`]). A run has converged where its multipliers balance the slope
 //! ([`stationarity`](super::stationarity)).
 
+mod curvature;
 mod filter;
 mod model;
 mod movable;

@@ -168,7 +168,7 @@ fn drawn(file: &'static str, draw: &mut Draw, kind: Kind) -> (Vec<String>, Vec<&
         .filter(|k| all[*k].0 != "wheel_centre")
         .flat_map(|k| [0, 1, 2].map(|axis| (k, axis)))
         .collect();
-    let count = 1 + draw.of(if kind == Kind::Kept { 7 } else { 6 });
+    let count = 2 + draw.of(6);
     let mut variables = Vec::new();
     let mut moved = Vec::new();
     for _ in 0..count.min(coordinates.len()) {
@@ -189,7 +189,7 @@ fn drawn(file: &'static str, draw: &mut Draw, kind: Kind) -> (Vec<String>, Vec<&
     for k in 0..1 + draw.of(3) {
         let (name, tolerance) = CHARACTERISTICS[(first + k) % CHARACTERISTICS.len()];
         let values = column(&curves, name);
-        let (shift, tilt) = (draw.off(6.0 * tolerance), draw.off(0.1 * tolerance));
+        let (shift, tilt) = (draw.off(10.0 * tolerance), draw.off(0.1 * tolerance));
         let wanted = || {
             values
                 .iter()
@@ -323,11 +323,12 @@ fn constraints(
                 )
             }
             _ => {
-                let mut four = vec![a];
-                for k in 0..3 {
-                    four.push((b + k * 2 + 1) % all.len());
-                }
-                four.dedup();
+                let other = |k: usize| (a + 1 + (b + k) % (all.len() - 1)) % all.len();
+                let four: Vec<usize> = match all.len() > 3 {
+                    true => vec![a, other(0), other(1), other(2)],
+                    // A plane holds any three points.
+                    false => (0..all.len()).collect(),
+                };
                 let names: Vec<String> =
                     four.iter().map(|k| format!("\"{}\"", all[*k].0)).collect();
                 (

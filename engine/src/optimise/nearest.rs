@@ -2,8 +2,9 @@
 //!
 //! From where the misfit was lowered to, the distance from the design is lowered while the misfit stays below a level
 //! m and the constraints are kept. One run from there usually converges. If it ends infeasible, with an error or at a
-//! budget, more runs are made, with steps that stay near the level: once more from there; along a ladder of levels
-//! between the misfit that was found and m, each rung from the end of the one before; and from the study's own design.
+//! budget, more runs are made: along a ladder of levels between the misfit that was found and m, each rung from the end of
+//! the one before, and from the study's own design. Steps that would exceed the level by far are refused on all but the
+//! last.
 //! An answer for a lower level serves the higher one, so the nearest of all answers is taken. If no run for m converged,
 //! the design is not known to be the nearest, and the termination says so.
 
@@ -18,8 +19,12 @@ use nalgebra::DVector;
 const NO_MOVE: f64 = 1e-9;
 /// Rungs of the ladder, as shares of the way from the misfit that was found to the level.
 const RUNGS: [f64; 4] = [0.25, 0.5, 0.75, 1.0];
-/// Share of the level by which a step of a further run may exceed it.
+/// Share of the level by which a step may exceed it: farther steps lead into other valleys.
 const NEAR_LEVEL: f64 = 0.2;
+/// Shares of [`Options::max_evaluations`] that all runs, the first, and each of the others may take.
+const ALL_RUNS: f64 = 0.12;
+const FIRST_RUN: f64 = 0.04;
+const OTHER_RUNS: f64 = 0.02;
 /// Shorter by less than this share is as near.
 const AS_NEAR: f64 = 1e-9;
 
@@ -44,6 +49,8 @@ struct Search<'s, 'a> {
     best: Option<(f64, ConstrainedFit, bool)>,
     /// Why the last run ended.
     ended: Option<Termination>,
+    /// Evaluations left.
+    left: u64,
 }
 
 impl Search<'_, '_> {
@@ -56,6 +63,13 @@ impl Search<'_, '_> {
         options: &Options,
     ) -> Option<DVector<f64>> {
         let tuner = self.tuner;
+        let options = Options {
+            max_evaluations: options.max_evaluations.min(self.left),
+            ..options.clone()
+        };
+        if self.left == 0 {
+            return None;
+        }
         let problem = Without {
             problem: tuner.problem(),
             fixed: self.level.fixed,
@@ -71,10 +85,13 @@ impl Search<'_, '_> {
             near,
             &tuner.bounds,
             from,
-            options,
+            &options,
             tuner.control,
         );
+        // The start is evaluated even if nothing else is.
+        self.left -= 1;
         let mut found = found.ok()?;
+        self.left = self.left.saturating_sub(found.evaluations() - 1);
         if known.is_some()
             && let Some(first) = found.history.first_mut()
         {
@@ -102,16 +119,23 @@ impl Search<'_, '_> {
         let near = self.best.as_ref();
         near.is_some_and(|(distance, _, known)| *known && *distance <= most * (1.0 + AS_NEAR))
             || self.ended == Some(Termination::Interrupted)
+            || self.left == 0
+    }
+
+    /// Options of a run that takes up to a share of the evaluations.
+    fn options(&self, share: f64, violation_below: f64) -> Options {
+        let all = self.level.options.max_evaluations as f64;
+        Options {
+            violation_below,
+            max_evaluations: (share * all) as u64,
+            ..self.level.options.clone()
+        }
     }
 
     /// Tries other ways than the first one from `x`, where the misfit is `misfit`.
     fn try_again(&mut self, x: &DVector<f64>, misfit: f64, most: f64) {
         let level = self.level.misfit;
-        let near = Options {
-            violation_below: NEAR_LEVEL * level,
-            ..self.level.options.clone()
-        };
-        self.run(x, level, None, &near);
+        let near = self.options(OTHER_RUNS, NEAR_LEVEL * level);
         let mut from = x.clone();
         for share in RUNGS {
             if self.is_over(most) {
@@ -127,7 +151,8 @@ impl Search<'_, '_> {
         }
         if !self.is_over(most) {
             let design = self.tuner.bounds.nearest(&self.tuner.design);
-            self.run(&design, level, None, self.level.options);
+            let far = self.options(FIRST_RUN, f64::INFINITY);
+            self.run(&design, level, None, &far);
         }
     }
 }
@@ -143,10 +168,12 @@ impl Tuner<'_> {
             history: Vec::new(),
             best: None,
             ended: None,
+            left: (ALL_RUNS * level.options.max_evaluations as f64).max(1.0) as u64,
         };
         let most = search.distance.of(&fit.x);
         let known = fit.constraints.is_none().then_some(&fit.evaluation);
-        search.run(&fit.x, level.misfit, known, level.options);
+        let near = search.options(FIRST_RUN, NEAR_LEVEL * level.misfit);
+        search.run(&fit.x, level.misfit, known, &near);
         if !search.is_over(most) {
             search.try_again(&fit.x, fit.misfit(), most);
         }

@@ -11,7 +11,7 @@
 //! norm). It is 0 at a minimum and of order one elsewhere; a run has converged where it is below [`CONVERGED`].
 //!
 //! A slope is a sum of products, so it is never exactly zero. Residuals have the rounding [`Options::misfit_below`], and
-//! variables the rounding [`Options::step_below`] of their ranges; what these leave of the slope counts as zero.
+//! no method takes steps below its resolution of the variables; what these leave of the slope counts as zero.
 //!
 //! Multipliers come from non-negative least squares: they leave the least of (1). Where gradients depend on one another
 //! several sets of multipliers do; the smallest is taken. At a kink a row has several gradients, and the same least
@@ -35,19 +35,28 @@ pub(super) struct Scale {
     rounding: f64,
 }
 
+/// Squared residuals, in half ranges of the variables.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Sizes {
+    /// Number of residuals and their norm.
+    pub residuals: usize,
+    pub norm: f64,
+    /// The largest pivot of their scaled Jacobian, and its longest column.
+    pub pivot: f64,
+    pub longest: f64,
+    /// Number of variables, and the shortest step of each.
+    pub variables: usize,
+    pub resolution: f64,
+}
+
 impl Scale {
-    /// The scale of half the squared `residuals` of this norm, whose Jacobian has this largest pivot, in half ranges.
-    pub(super) fn new(pivot: f64, residuals: usize, norm: f64, variables: usize) -> Self {
-        let Options {
-            misfit_below,
-            step_below,
-            ..
-        } = Options::default();
-        let of_residuals = misfit_below * (residuals as f64).sqrt();
-        let of_variables = pivot * step_below * (variables as f64).sqrt();
+    /// The scale of half the squared residuals.
+    pub(super) fn new(of: Sizes) -> Self {
+        let of_residuals = Options::default().misfit_below * (of.residuals as f64).sqrt();
+        let of_variables = of.longest * of.resolution * (of.variables as f64).sqrt();
         Scale {
-            steepest: pivot * norm,
-            rounding: pivot * (of_residuals + of_variables),
+            steepest: of.pivot * of.norm,
+            rounding: of.longest * (of_residuals + of_variables),
         }
     }
 
@@ -69,9 +78,11 @@ pub(super) fn between_bounds(
     bounds: &Bounds,
     pivot: f64,
 ) -> f64 {
-    let (mut left, mut most) = (0.0_f64, 0.0_f64);
+    let (mut left, mut most, mut longest) = (0.0_f64, 0.0_f64, 0.0_f64);
     for (j, column) in at.jacobian.column_iter().enumerate() {
-        let slope = 0.5 * bounds.width()[j] * column.dot(&at.residuals);
+        let half = 0.5 * bounds.width()[j];
+        let slope = half * column.dot(&at.residuals);
+        longest = longest.max(half * column.norm());
         let blocked = (slope > 0.0 && x[j] <= bounds.lower()[j])
             || (slope < 0.0 && x[j] >= bounds.upper()[j]);
         most = most.max(slope.abs());
@@ -79,8 +90,16 @@ pub(super) fn between_bounds(
             left = left.max(slope.abs());
         }
     }
-    let (residuals, norm) = (at.residuals.len(), at.residuals.norm());
-    Scale::new(pivot, residuals, norm, x.len()).residual(left, most)
+    let sizes = Sizes {
+        residuals: at.residuals.len(),
+        norm: at.residuals.norm(),
+        pivot,
+        longest,
+        variables: x.len(),
+        // In half ranges.
+        resolution: 2.0 * Options::default().step_below,
+    };
+    Scale::new(sizes).residual(left, most)
 }
 
 /// Gradients of what binds, in half ranges.
@@ -153,11 +172,23 @@ mod tests {
     use super::*;
     use crate::optimise::test_problems::Noise;
 
+    /// The scale of one residual of size 1 with slopes of size 1.
+    fn plain(variables: usize) -> Scale {
+        Scale::new(Sizes {
+            residuals: 1,
+            norm: 1.0,
+            pivot: 1.0,
+            longest: 1.0,
+            variables,
+            resolution: 1e-12,
+        })
+    }
+
     /// Slopes made of random gradients with known multipliers are balanced, and with the opposite signs they are not.
     #[test]
     fn planted_multipliers_balance_and_those_of_the_wrong_sign_do_not() {
         let mut noise = Noise::new(11);
-        let scale = Scale::new(1.0, 1, 1.0, 5);
+        let scale = plain(5);
         for round in 0..50 {
             let mut pushes = Pushes::default();
             let mut slope = vec![0.0; 5];
@@ -183,7 +214,7 @@ mod tests {
     /// Of |x| + |y| in a corner each kink has two gradients, and 0 is among their mixtures.
     #[test]
     fn gradients_on_both_sides_of_a_kink_balance_together() {
-        let scale = Scale::new(1.0, 1, 1.0, 2);
+        let scale = plain(2);
         let mut pushes = Pushes::default();
         pushes.add(&[1.0, 0.3], false);
         assert!(pushes.balance(&[-0.2, 1.0], scale).residual > 0.1);
@@ -198,7 +229,7 @@ mod tests {
         let mut pushes = Pushes::default();
         pushes.add(&[1.0, 2.0], false);
         pushes.add(&[1.0, 2.0], false);
-        let found = pushes.balance(&[-4.0, -8.0], Scale::new(1.0, 1, 1.0, 2));
+        let found = pushes.balance(&[-4.0, -8.0], plain(2));
         assert!((found.multipliers[0] - 2.0).abs() < 1e-6, "{found:?}");
         assert!((found.multipliers[1] - 2.0).abs() < 1e-6, "{found:?}");
     }

@@ -2,10 +2,11 @@
 
 use super::super::active_set::{ActiveSet, Held, Outcome, Rows};
 use super::super::qr::{dot, scale_columns, triangularise, triangularise_within};
-use super::super::stationarity::{CONVERGED, Pushes, Scale};
+use super::super::stationarity::{CONVERGED, Pushes, Scale, Sizes};
 use super::super::{Bounds, Linearisation};
 use super::curvature::Curvature;
 use super::movable::Movable;
+use super::solver::RESOLUTION;
 use super::{Assessment, KEPT, Shape};
 use nalgebra::DVector;
 
@@ -62,6 +63,11 @@ impl Squares {
     fn largest_pivot(&self) -> f64 {
         let n = self.offset.len();
         (0..n).fold(0.0, |most, k| self.triangle[k * n + k].abs().max(most))
+    }
+
+    fn longest_column(&self) -> f64 {
+        let columns = self.triangle.chunks_exact(self.offset.len());
+        columns.fold(0.0, |most, column| dot(column, column).sqrt().max(most))
     }
 
     /// R d, into `to`.
@@ -630,8 +636,14 @@ impl<'a> ConvexModel<'a> {
 
     /// The scale of the goal.
     fn scale(&self) -> Scale {
-        let pivot = self.goal.largest_pivot();
-        Scale::new(pivot, self.residuals, self.norm, self.half.len())
+        Scale::new(Sizes {
+            residuals: self.residuals,
+            norm: self.norm,
+            pivot: self.goal.largest_pivot(),
+            longest: self.goal.longest_column(),
+            variables: self.half.len(),
+            resolution: RESOLUTION,
+        })
     }
 
     /// Improves the multipliers of the end of a run: where those of the last program do not balance the slope, those

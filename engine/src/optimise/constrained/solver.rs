@@ -30,6 +30,8 @@ const BESIDE: f64 = 1e-6;
 const SIDES: usize = 4;
 /// Iterations after which the estimate of the curvature is put to use.
 const CURVED_FROM: u64 = 7;
+/// A step this short, in half ranges, is none: programs are solved to no more digits.
+pub(super) const RESOLUTION: f64 = 1e-12;
 /// The most trials of an iteration. Each is at most half as long as the one before.
 const TRIALS: usize = 60;
 /// A violation that the model cannot lower by more than this share of it does not shrink.
@@ -138,7 +140,13 @@ impl SequentialConvex<'_> {
         let imbalance = settled.residual;
         let [rows, levels] = self.model.multipliers().map(<[f64]>::to_vec);
         let violation = self.pair(&self.current)[1];
-        let (termination, history) = self.record.finished(imbalance);
+        // Where rows are violated there is no minimum, however well multipliers balance.
+        let checked = if violation <= KEPT {
+            imbalance
+        } else {
+            f64::INFINITY
+        };
+        let (termination, history) = self.record.finished(checked);
         ConstrainedFit {
             violation,
             movable: self.movable.map_or(Vec::new(), Movable::into_taking_part),
@@ -286,7 +294,8 @@ impl<P: Constrained> Solver<P, ArgminState> for SequentialConvex<'_> {
             }
             // Rounding may keep the radius from falling: then the step is as short as it gets.
             trials += 1;
-            let is_still = length <= self.record.options.step_below.max(1e-12) || trials > TRIALS;
+            let is_still =
+                length <= self.record.options.step_below.max(RESOLUTION) || trials > TRIALS;
             let is_balanced = proposal == Proposal::Optimal
                 && from[1] <= KEPT
                 && length < self.radius

@@ -317,32 +317,6 @@ fn multipliers_of_equal_rows_are_known_to_be_open() {
     }
 }
 
-/// The minimum at a kink of a row, of which each side has its own slope, is known to be one.
-#[test]
-fn a_minimum_at_a_kink_balances_with_the_slopes_of_both_sides() {
-    let at = |x: &[f64]| {
-        let goal = vec![
-            (x[1] - 2.0, vec![0.0, 1.0]),
-            (0.5 * (x[0] - 0.5), vec![0.5, 0.0]),
-        ];
-        let side = if x[0] >= 0.2 { 1.0 } else { -1.0 };
-        let row = (x[1] + side * (x[0] - 0.2) - 1.0, vec![side, 1.0]);
-        [goal, vec![], vec![row]]
-    };
-    for start in [[-1.0, 0.0], [1.0, 0.3], [0.1, -2.0]] {
-        let fit = solve(&start, &[[-3.0, 3.0]; 2], 0, f64::INFINITY, at);
-        near(&fit.x, &[0.2, 1.0], 1e-5);
-        assert!(
-            fit.imbalance < 1e-6,
-            "{start:?}: {} {}",
-            fit.imbalance,
-            fit.termination
-        );
-        assert!(fit.termination.at_minimum(), "{}", fit.termination);
-        assert!(fit.evaluations() < 400, "{}", fit.evaluations());
-    }
-}
-
 /// A request to stop is heard at the next evaluation, and a budget is kept, in trials that are refused, too.
 #[test]
 fn evaluations_end_at_a_request_and_at_their_budget() {

@@ -2,7 +2,7 @@
 //!
 //! From where the misfit was lowered to, the distance from the design is lowered while the misfit stays below a level
 //! m and the constraints are kept. One run from there usually converges. If it ends infeasible, with an error or at a
-//! budget, more runs are made: along a ladder of levels between the misfit that was found and m, each rung from the end of
+//! budget, more runs are made: on from its end, if that is feasible; along a ladder of levels between the misfit that was found and m, each rung from the end of
 //! the one before, and from the study's own design. Steps that would exceed the level by far are refused on all but the
 //! last.
 //! An answer for a lower level serves the higher one, so the nearest of all answers is taken. If no run for m converged,
@@ -22,9 +22,9 @@ const RUNGS: [f64; 4] = [0.25, 0.5, 0.75, 1.0];
 /// Share of the level by which a step may exceed it: farther steps lead into other valleys.
 const NEAR_LEVEL: f64 = 0.2;
 /// Shares of [`Options::max_evaluations`] that all runs, the first, and each of the others may take.
-const ALL_RUNS: f64 = 0.12;
-const FIRST_RUN: f64 = 0.04;
-const OTHER_RUNS: f64 = 0.02;
+const ALL_RUNS: f64 = 0.04;
+const FIRST_RUN: f64 = 0.02;
+const OTHER_RUNS: f64 = 0.01;
 /// Shorter by less than this share is as near.
 const AS_NEAR: f64 = 1e-9;
 
@@ -136,6 +136,10 @@ impl Search<'_, '_> {
     fn try_again(&mut self, x: &DVector<f64>, misfit: f64, most: f64) {
         let level = self.level.misfit;
         let near = self.options(OTHER_RUNS, NEAR_LEVEL * level);
+        if let Some((_, found, _)) = &self.best {
+            let from = found.x.clone();
+            self.run(&from, level, None, &near);
+        }
         let mut from = x.clone();
         for share in RUNGS {
             if self.is_over(most) {

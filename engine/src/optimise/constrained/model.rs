@@ -12,10 +12,13 @@ use nalgebra::DVector;
 
 /// Damping relative to the largest pivot: directions that neither goal nor rows see stay put.
 const DAMPING: f64 = 1e-7;
-/// The level is met to this share of itself.
+/// A level is met to this share of itself, and in any case to a tenth of what counts as kept.
 const LEVEL_MET: f64 = 1e-7;
 /// The most programs that a multiplier of the level is searched with.
 const SECANTS: usize = 30;
+/// What damping grows by, and how often, where a program that has a solution is not solved.
+const MORE_DAMPING: f64 = 100.0;
+const DAMPINGS: usize = 3;
 /// The most programs of one step, those of all levels together.
 const PROGRAMS: usize = 300;
 /// Duplicate rows agree to this, a hundredth of what counts as kept.
@@ -136,6 +139,8 @@ pub(super) struct ConvexModel<'a> {
     half: Vec<f64>,
     equalities: usize,
     levels: Vec<f64>,
+    /// Logarithms of the ratios to the levels up to which these count as met.
+    met: Vec<f64>,
     goal: Squares,
     /// Numbers of residuals of the goal, and the norm of its residuals.
     residuals: usize,
@@ -149,8 +154,9 @@ pub(super) struct ConvexModel<'a> {
     speaks: Vec<bool>,
     /// Equalities among the rows kept.
     kept_equalities: usize,
-    /// Programs left for this step.
+    /// Programs left for this step, and their damping relative to the largest pivot.
     programs: usize,
+    damping: f64,
     /// The rows that can be violated, by number, and their entries.
     kept: Vec<usize>,
     kept_normals: Vec<f64>,
@@ -161,6 +167,8 @@ pub(super) struct ConvexModel<'a> {
     room_above: Vec<f64>,
     method: ActiveSet,
     elastic: ActiveSet,
+    /// Point that the rows were relaxed to.
+    relaxed: Vec<f64>,
     step: Vec<f64>,
     /// Multipliers of rows, and of bounds (negative at a lower one), of the last program.
     row_multipliers: Vec<f64>,
@@ -187,6 +195,13 @@ impl<'a> ConvexModel<'a> {
             bounds,
             half: bounds.width().iter().map(|w| 0.5 * w).collect(),
             equalities: shape.equalities,
+            met: shape
+                .levels
+                .iter()
+                .map(|(count, level)| {
+                    LEVEL_MET.min(0.1 * KEPT * (*count as f64).sqrt() / level.max(1e-12))
+                })
+                .collect(),
             goal: Squares::new(n),
             residuals: shape.goal,
             norm: 0.0,
@@ -196,6 +211,7 @@ impl<'a> ConvexModel<'a> {
             speaks: vec![true; rows],
             kept_equalities: 0,
             programs: 0,
+            damping: DAMPING,
             kept: Vec::with_capacity(rows),
             kept_normals: Vec::with_capacity(rows * n),
             kept_offsets: Vec::with_capacity(rows),
@@ -205,6 +221,7 @@ impl<'a> ConvexModel<'a> {
             room_above: vec![0.0; n],
             method: ActiveSet::new(n),
             elastic: ActiveSet::new(n + 1),
+            relaxed: vec![0.0; n],
             step: vec![0.0; n],
             row_multipliers: vec![0.0; rows],
             bound_multipliers: vec![0.0; n],
@@ -312,16 +329,26 @@ impl<'a> ConvexModel<'a> {
         self.across = if curved { self.held_rows() } else { Vec::new() };
         self.weights.fill(0.0);
         self.programs = PROGRAMS;
-        if self.program(curved) != Outcome::Solved {
+        self.damping = DAMPING;
+        let mut outcome = self.program(curved);
+        // The point itself keeps the rows: where no step is found, rounding is in the way.
+        let is_kept = self.worst() <= KEPT;
+        for _ in 0..DAMPINGS {
+            if outcome == Outcome::Solved || !is_kept {
+                break;
+            }
+            self.damping *= MORE_DAMPING;
+            outcome = self.program(curved);
+        }
+        if outcome != Outcome::Solved {
             let (remaining, culprits) = self.relax();
             proposal = Proposal::Relaxed {
                 remaining,
                 culprits,
             };
             if self.program(curved) != Outcome::Solved {
-                // What the relaxation found obeys the relaxed rows, though it is no minimum.
-                self.step
-                    .copy_from_slice(&self.elastic.step()[..self.half.len()]);
+                // The relaxed rows are kept there, though it is no minimum.
+                self.step.copy_from_slice(&self.relaxed);
                 self.clear_multipliers();
                 return proposal;
             }
@@ -372,7 +399,11 @@ impl<'a> ConvexModel<'a> {
         let pivot = weighed().fold(self.goal.largest_pivot(), |most, (w, held)| {
             most.max(w.sqrt() * held.largest_pivot())
         });
-        let damping = if pivot > 0.0 { DAMPING * pivot } else { 1.0 };
+        let damping = if pivot > 0.0 {
+            self.damping * pivot
+        } else {
+            1.0
+        };
         // Row by row, the triangles' rows one after the other's: columns stay short.
         self.matrix.clear();
         self.matrix.resize(n * rows, 0.0);
@@ -453,7 +484,7 @@ impl<'a> ConvexModel<'a> {
             return;
         }
         self.meet_levels(k + 1, curved);
-        if self.excess(k) <= LEVEL_MET {
+        if self.excess(k) <= self.met[k] {
             return;
         }
         let scale = self.goal.largest_pivot() / self.held[k].largest_pivot();
@@ -478,7 +509,7 @@ impl<'a> ConvexModel<'a> {
             }
             self.meet_levels(k + 1, curved);
             let at = (weight.ln(), self.excess(k));
-            if at.1.abs() <= LEVEL_MET {
+            if at.1.abs() <= self.met[k] {
                 break;
             }
             match at.1 > 0.0 {
@@ -505,19 +536,28 @@ impl<'a> ConvexModel<'a> {
         }
     }
 
-    /// The least largest violation of the kept rows within the bounds, and the rows that keep it from
-    /// being less; relaxes the rows to what they are at the point found.
-    fn relax(&mut self) -> (f64, Vec<Held>) {
-        let n = self.half.len();
-        let worst = self.kept_offsets.iter().enumerate();
-        let worst = worst.fold(0.0_f64, |worst, (k, c)| {
+    /// The largest violation of the kept rows at the point itself.
+    fn worst(&self) -> f64 {
+        let rows = self.kept_offsets.iter().enumerate();
+        rows.fold(0.0_f64, |worst, (k, c)| {
             worst.max(if k < self.kept_equalities {
                 c.abs()
             } else {
                 *c
             })
-        });
-        let worst = worst.max(f64::MIN_POSITIVE.sqrt());
+        })
+    }
+
+    /// The least largest violation of the kept rows within the bounds, and the rows that keep it from
+    /// being less; relaxes the rows to what they are at the point found.
+    fn relax(&mut self) -> (f64, Vec<Held>) {
+        let n = self.half.len();
+        let worst = self.worst();
+        if worst <= KEPT {
+            // Rounding is in the way: the point itself is as good as any.
+            self.relaxed.fill(0.0);
+            return (self.relax_rows(), Vec::new());
+        }
         // Variables d and t, violations at most t times the worst there is: |t|^2 + (small |d|)^2.
         let small = 1e-5;
         let mut triangle = vec![0.0; (n + 1) * (n + 1)];
@@ -552,7 +592,10 @@ impl<'a> ConvexModel<'a> {
         let upper: Vec<f64> = self.upper.iter().copied().chain([2.0]).collect();
         let offset = vec![0.0; n + 1];
         let outcome = self.elastic.solve(&triangle, &offset, rows, &lower, &upper);
-        debug_assert!(!matches!(outcome, Outcome::Infeasible(_)), "{outcome:?}");
+        if outcome != Outcome::Solved {
+            self.relaxed.fill(0.0);
+            return (self.relax_rows(), Vec::new());
+        }
         let mut culprits: Vec<Held> = Vec::new();
         for (held, multiplier) in self.elastic.multipliers() {
             if multiplier < 1e-9 {
@@ -572,7 +615,14 @@ impl<'a> ConvexModel<'a> {
         }
         culprits.sort_unstable();
         culprits.dedup();
-        let d = &self.elastic.step()[..n];
+        self.relaxed.copy_from_slice(&self.elastic.step()[..n]);
+        (self.relax_rows(), culprits)
+    }
+
+    /// Relaxes the kept rows to what they are at the relaxed point. Returns the largest violation there.
+    fn relax_rows(&mut self) -> f64 {
+        let n = self.half.len();
+        let d = &self.relaxed;
         let mut remaining: f64 = 0.0;
         for (k, offset) in self.kept_offsets.iter_mut().enumerate() {
             let value = dot(&self.kept_normals[k * n..][..n], d) + *offset;
@@ -584,7 +634,7 @@ impl<'a> ConvexModel<'a> {
             remaining = remaining.max(excess.abs());
             *offset -= excess + 1e-12 * excess.abs();
         }
-        (remaining, culprits)
+        remaining
     }
 
     /// The largest component of the step, in half ranges.

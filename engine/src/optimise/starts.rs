@@ -92,6 +92,7 @@ impl<'a> Tuner<'a> {
             each.for_each(|(index, start)| {
                 if let Ok(fit) = &mut start.outcome
                     && fit.is_feasible()
+                    && fit.termination != Termination::Interrupted
                     && fit.misfit() <= level.misfit
                 {
                     self.draw_near(index, fit, level);

@@ -525,24 +525,26 @@ fn three_hundred_rising_levels_are_no_farther() {
 fn against_slsqp(seed: u64, numbers: std::ops::Range<u64>) {
     let (mut compared, mut others) = (0, 0);
     for number in numbers {
-        let random = Random::of(Mix::new(seed, number, Kind::Degenerate).study);
-        let design = DVector::zeros(random.bounds.variables());
-        let ours = random.ours(&design);
-        let theirs = slsqp(&random, &design);
+        let mix = Mix::new(seed, number, Kind::Degenerate);
+        let tuning = mix.tuned(0.0);
+        let ours = tuning.starts.best_fit().unwrap();
+        let random = Random::of(mix.study);
+        let theirs = slsqp(&random, &DVector::zeros(random.bounds.variables()));
         if !theirs.is_feasible() {
             continue;
         }
-        assert!(ours.is_feasible(), "{number}: {}", ours.termination);
         compared += 1;
-        let misfit = ours.at.goal.misfit();
+        assert!(ours.is_feasible(), "{number}: {}", ours.ended());
+        let misfit = ours.misfit();
         if misfit > theirs.misfit * (1.0 + 1e-6) + 1e-9 {
             others += 1;
             let again = random.ours(&theirs.x);
             println!(
                 "{number}: {misfit} above {}, {}",
-                theirs.misfit, ours.termination
+                theirs.misfit,
+                ours.ended()
             );
-            assert!(ours.imbalance < 1e-6, "{number}: {}", ours.imbalance);
+            assert!(ours.residual < 1e-6, "{number}: {}", ours.residual);
             assert!(
                 again.at.goal.misfit() <= theirs.misfit * (1.0 + 1e-6),
                 "{number}"

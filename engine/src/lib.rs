@@ -106,8 +106,8 @@ pub use function::{DesignFunction, DesignStatus, DesignVariable, Evaluation, Fun
 pub use mechanism::{DesignFault, Failure, LimitCause, Unproven, Work};
 pub use optimise::{
     Best, ConfidenceInterval, ConstraintOutcome, Control, Deviation, Direction, Fit, Fulfilment,
-    Identifiability, Infeasible, Iteration, Multistart, ProgressCallback, StandardErrors, Start,
-    Termination, Tuning,
+    Identifiability, Infeasible, Iteration, Multistart, Price, ProgressCallback, StandardErrors,
+    Start, Termination, Tuning,
 };
 pub use solve::Rejection;
 pub use sweep::{Failing, Rows};

@@ -9,7 +9,9 @@ use super::text::counted;
 use super::yields::YieldRecord;
 use crate::curves::Curves;
 use crate::model::Axis;
-use crate::optimise::{ActiveBound, ConstraintOutcome, Fit, Fulfilment, Termination, Tuning};
+use crate::optimise::{
+    ActiveBound, ConstraintOutcome, Fit, Fulfilment, Infeasible, Price, Termination, Tuning,
+};
 use crate::study::{Optimise, Study};
 use serde::{Deserialize, Serialize};
 
@@ -26,6 +28,10 @@ pub struct TuningSummary {
     design_failure: Option<String>,
     misfit_after: Option<f64>,
     best_start: Option<usize>,
+    /// Residual of the optimality conditions at the tuned design, relative to the sizes of their terms; below 1e-6 the
+    /// tuning has converged.
+    #[serde(default)]
+    kkt_residual: Option<f64>,
     variables: Vec<VariableSummary>,
     targets: Vec<TargetSummary>,
     starts: Vec<StartSummary>,
@@ -49,6 +55,9 @@ pub struct TuningSummary {
     /// Targets that are missed and that no variable moves.
     #[serde(default)]
     unmoved: Vec<String>,
+    /// Constraints that are violated and that no variable moves.
+    #[serde(default)]
+    unmoved_constraints: Vec<String>,
     /// Constraints that exclude one another.
     #[serde(default)]
     contradiction: Vec<String>,
@@ -120,6 +129,9 @@ struct ConstraintSummary {
     /// Absent in summaries of older versions, whose units are millimetres and degrees.
     #[serde(default)]
     status: Option<ConstraintStatus>,
+    /// True if the price is open, because binding limits depend on one another.
+    #[serde(default)]
+    price_not_determined: bool,
 }
 
 /// How a constraint is kept.
@@ -189,6 +201,9 @@ struct StartSummary {
     iterations: Option<u64>,
     evaluations: Option<u64>,
     misfit: Option<f64>,
+    /// As `kkt_residual` of the summary, where this start ended.
+    #[serde(default)]
+    kkt_residual: Option<f64>,
 }
 
 impl TuningSummary {
@@ -254,7 +269,8 @@ impl TuningSummary {
                     unit: part.unit.clone(),
                     at: found.at.map(|at| drive.printed(at)),
                     at_unit: drive.unit(suspension.length_unit).to_owned(),
-                    price: found.price,
+                    price: found.price.per_unit(),
+                    price_not_determined: found.price == Price::NotDetermined,
                     status: Some(ConstraintStatus::of(found.room / part.visible)),
                 }
             };
@@ -297,10 +313,11 @@ impl TuningSummary {
             .map(|(number, start)| {
                 let offsets = start.x.iter().map(|v| v + 0.0).collect();
                 let fit = start.outcome.as_ref();
-                let ended = fit.map_or_else(
-                    |infeasible| format!("not begun: {infeasible}"),
-                    |fit| fit.termination.to_string(),
-                );
+                let ended = match fit {
+                    Ok(fit) => fit.ended(),
+                    Err(Infeasible::Interrupted) => Termination::Interrupted.to_string(),
+                    Err(infeasible) => format!("not begun: {infeasible}"),
+                };
                 let fit = fit.ok();
                 StartSummary {
                     start: number,
@@ -309,9 +326,12 @@ impl TuningSummary {
                     iterations: fit.map(|fit| fit.history.last().map_or(0, |i| i.iteration)),
                     evaluations: fit.map(Fit::evaluations),
                     misfit: fit.map(Fit::misfit),
+                    kkt_residual: fit.map(|fit| fit.residual),
                 }
             });
         let unmoved = tuning.unmoved.iter();
+        let named = |c: &usize| optimise.constraints[*c].name.clone();
+        let unmoved_constraints = tuning.unmoved_constraints.iter().map(named).collect();
         let contradiction = tuning.contradiction.iter();
         let contradiction = contradiction.map(|c| optimise.constraints[*c].name.clone());
         TuningSummary {
@@ -323,6 +343,7 @@ impl TuningSummary {
             design_failure: tuning.before.as_ref().err().map(ToString::to_string),
             misfit_after: best.map(|b| b.after.misfit),
             best_start: tuning.starts.best,
+            kkt_residual: fit.map(|fit| fit.residual),
             variables: variables.collect(),
             targets: targets.collect(),
             starts: starts.collect(),
@@ -351,6 +372,7 @@ impl TuningSummary {
             good_enough: optimise.good_enough,
             constraints,
             unmoved: unmoved.map(|t| name(&optimise.targets[*t])).collect(),
+            unmoved_constraints,
             contradiction: contradiction.collect(),
             added_stations: added.collect(),
             prices: Vec::new(),
@@ -511,7 +533,10 @@ impl TuningSummary {
                 c.unit.as_str().into(),
                 c.place(),
                 kept.into(),
-                c.price.into(),
+                match c.price_not_determined {
+                    true => Cell::from("not determined"),
+                    false => c.price.into(),
+                },
                 c.at_unit.as_str().into(),
             ]);
         }
@@ -540,6 +565,12 @@ impl TuningSummary {
         for target in &self.unmoved {
             remarks.push(format!(
                 "no variable moves {target}: it stays as far from its target as it is"
+            ));
+        }
+        for constraint in &self.unmoved_constraints {
+            remarks.push(format!(
+                "no variable moves this constraint, which stays violated: {constraint}. Add a variable that moves it, or \
+                 change its limit"
             ));
         }
         remarks.extend(self.fit_remarks());

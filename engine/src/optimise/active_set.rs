@@ -47,9 +47,12 @@ pub struct Rows<'a> {
     pub offsets: &'a [f64],
     /// How many of the rows must vanish; the others must not be positive.
     pub equalities: usize,
+    /// Violation, in the unit of the rows, up to which a row counts as kept when its gradient depends on the gradients
+    /// of the constraints held. Duplicate rows agree up to rounding only; without this they exclude one another.
+    pub slack: f64,
 }
 
-/// What came of a program.
+/// Outcome of a program.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Outcome {
     /// The step is its minimum.
@@ -89,6 +92,11 @@ pub struct ActiveSet {
 const ROUNDING: f64 = 1e-13;
 /// A gradient of which less than this share (squared) is outside of those held depends on them.
 const DEPENDENT: f64 = 1e-25;
+/// The same share for a row that is violated by no more than [`Rows::slack`]: duplicate rows differ by the rounding of
+/// their gradients.
+const NEARLY_DEPENDENT: f64 = 1e-18;
+/// Share of [`Rows::slack`] up to which any row counts as kept.
+const UNFELT: f64 = 1e-2;
 /// A constraint that depends on those held counts as kept when it is violated by no more than this share
 /// of its terms: the point is known to no more digits where R is badly conditioned.
 const MARGINAL: f64 = 1e-9;
@@ -196,13 +204,16 @@ impl ActiveSet {
         self.project();
         let (gain, size) = self.gain();
         let slack = -value.abs();
-        if gain <= DEPENDENT * size {
-            if -slack <= MARGINAL * self.terms(Held::Row(row), rows) {
+        if depends(gain, size, -slack, rows) {
+            if -slack <= rows.slack.max(MARGINAL * self.terms(Held::Row(row), rows)) {
                 return Ok(());
             }
             return Err(self.exclusion(Held::Row(row)));
         }
         let length = -slack / gain;
+        if !length.is_finite() {
+            return Err(Outcome::Stalled);
+        }
         self.advance(length, length);
         self.hold(Held::Row(row), -sign, length);
         Ok(())
@@ -220,7 +231,7 @@ impl ActiveSet {
         for row in rows.equalities..rows.offsets.len() {
             let (a, c) = (&rows.normals[row * n..][..n], rows.offsets[row]);
             let value = dot(a, &self.step) + c;
-            if value > 0.0 && !self.is_held[row] {
+            if value > UNFELT * rows.slack && !self.is_held[row] {
                 let terms = a.iter().zip(&self.step).map(|(a, d)| (a * d).abs());
                 // A row without a gradient that is violated cannot be mended: it is found out next.
                 let norm = self.norms[row].max(f64::MIN_POSITIVE);
@@ -257,10 +268,11 @@ impl ActiveSet {
             }
         }
         let (mut slack, mut multiplier) = (slack, 0.0);
-        loop {
+        // Every round but the last lets one constraint go.
+        for _ in 0..=n {
             self.project();
             let (gain, size) = self.gain();
-            let dependent = gain <= DEPENDENT * size || self.held.len() == n;
+            let dependent = depends(gain, size, -slack, rows) || self.held.len() == n;
             let full = if dependent {
                 f64::INFINITY
             } else {
@@ -280,7 +292,7 @@ impl ActiveSet {
                 }
             }
             if dependent && nearest.is_none() {
-                if -slack <= MARGINAL * self.terms(constraint, rows) {
+                if -slack <= rows.slack.max(MARGINAL * self.terms(constraint, rows)) {
                     let place = self.place_of(constraint);
                     self.is_held[place] = true;
                     return Ok(());
@@ -288,6 +300,9 @@ impl ActiveSet {
                 return Err(self.exclusion(constraint));
             }
             let length = full.min(partial);
+            if !length.is_finite() {
+                return Err(Outcome::Stalled);
+            }
             let moved = if dependent { 0.0 } else { length };
             self.advance(moved, length);
             multiplier += length;
@@ -298,6 +313,7 @@ impl ActiveSet {
             slack += moved * gain;
             self.release(nearest.expect("the length is that of one held"));
         }
+        Err(Outcome::Stalled)
     }
 
     /// The sum of the sizes of what makes up a constraint's value.
@@ -427,6 +443,16 @@ impl ActiveSet {
     }
 }
 
+/// Whether a gradient depends on the gradients held: `gain` of its squared `size` is outside of them, and its constraint
+/// lacks `lack`.
+fn depends(gain: f64, size: f64, lack: f64, rows: Rows<'_>) -> bool {
+    let share = match lack <= rows.slack {
+        true => NEARLY_DEPENDENT,
+        false => DEPENDENT,
+    };
+    gain <= share * size
+}
+
 /// Turns the columns `k - 1` and `k` of a matrix with columns of n entries.
 fn rotate(matrix: &mut [f64], n: usize, k: usize, cosine: f64, sine: f64) {
     let (before, from) = matrix.split_at_mut(k * n);
@@ -514,6 +540,7 @@ mod tests {
                 normals: &normals,
                 offsets: self.offsets.as_slice(),
                 equalities: self.equalities,
+                slack: 0.0,
             };
             let (triangle, offset) = (self.triangle.as_slice(), self.offset.as_slice());
             let (lower, upper) = (self.lower.as_slice(), self.upper.as_slice());
@@ -697,6 +724,7 @@ mod tests {
             normals: &normals,
             offsets: &[1.0, -5.0, 2.0],
             equalities: 0,
+            slack: 0.0,
         };
         let mut method = ActiveSet::new(3);
         let triangle = DMatrix::<f64>::identity(3, 3);

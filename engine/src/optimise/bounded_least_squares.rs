@@ -152,6 +152,12 @@ impl BoundedLeastSquares {
         &self.norms
     }
 
+    /// The largest pivot of the scaled J.
+    pub fn largest_pivot(&self) -> f64 {
+        let n = self.variables;
+        (0..n).fold(0.0, |most, k| self.triangle[k * n + k].abs().max(most))
+    }
+
     /// Half the derivative of |J W s + r|^2 by s_j at s = 0.
     pub fn gradient(&self, j: usize) -> f64 {
         dot(self.column(j), &self.offset)
@@ -205,7 +211,8 @@ impl BoundedLeastSquares {
 
     /// Moves to the minimum over the free variables, holding those whose bounds are in the way.
     fn descend(&mut self, damping: f64, lower: &[f64], upper: &[f64]) {
-        loop {
+        // Every round but the last holds one variable more.
+        for _ in 0..=self.variables {
             self.solve_free(damping);
             let mut fraction = 1.0;
             let mut nearest = None;

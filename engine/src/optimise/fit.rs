@@ -2,6 +2,7 @@
 
 use super::constrained::KEPT;
 use super::fit_record::{evaluations, execute};
+use super::stationarity::CONVERGED;
 use super::{
     ActiveBound, Bounds, Held, Infeasible, LeastSquares, LevenbergMarquardt, Linearisation, Options,
 };
@@ -12,7 +13,7 @@ use std::sync::atomic::AtomicBool;
 /// Means to stop a run, and to watch it.
 #[derive(Clone, Copy, Default)]
 pub struct Control<'a> {
-    /// Once true, the run ends after the iteration under way, with what it has.
+    /// Once true, the run ends before its next evaluation, with what it has.
     pub interrupt: Option<&'a AtomicBool>,
     /// Called after each iteration; where several starts run in parallel, from their threads.
     pub watch: Option<&'a ProgressCallback<'a>>,
@@ -63,6 +64,8 @@ impl Iteration {
 pub enum Termination {
     /// The misfit is not above [`Options::misfit_below`].
     MisfitReached,
+    /// The misfit of the targets that variables move is not above [`Options::misfit_below`]; others are missed.
+    MovedTargetsMet,
     /// No step lowers the cost by more than [`Options::reduction_below`] of it.
     NoFurtherDescent,
     /// The step would be shorter than [`Options::step_below`].
@@ -76,10 +79,19 @@ pub enum Termination {
     NearestGoodEnough,
     /// No design is good enough. This one is as good as the best, and no other one nearby that is moves less.
     NearestOfTheBest,
+    /// The design is good enough, but the search for a nearer one did not converge.
+    GoodEnoughNotKnownNearest,
+    /// No design is good enough. This one is as good as the best, but the search for a nearer one did not converge.
+    BestNotKnownNearest,
+    /// No step lowers the cost by more than [`Options::reduction_below`] of it, or it would be shorter than
+    /// [`Options::step_below`], yet the optimality conditions are not met.
+    NotStationary,
     /// No small move lessens the violation of the constraints.
     ConstraintsExcludeEachOther,
     /// [`Options::max_iterations`] iterations were made.
     IterationLimit,
+    /// [`Options::max_evaluations`] evaluations were made.
+    EvaluationLimit,
     /// The run was asked to stop.
     Interrupted,
 }
@@ -89,15 +101,35 @@ impl Termination {
     pub fn at_minimum(&self) -> bool {
         match self {
             Termination::MisfitReached
+            | Termination::MovedTargetsMet
             | Termination::NoFurtherDescent
             | Termination::StepBelowResolution
             | Termination::NearestGoodEnough
             | Termination::NearestOfTheBest
             | Termination::Stationary => true,
             Termination::NoFeasibleStep(_)
+            | Termination::NotStationary
+            | Termination::GoodEnoughNotKnownNearest
+            | Termination::BestNotKnownNearest
             | Termination::ConstraintsExcludeEachOther
             | Termination::IterationLimit
+            | Termination::EvaluationLimit
             | Termination::Interrupted => false,
+        }
+    }
+
+    /// The same end, seen with the residual of the optimality conditions: only where that is below [`CONVERGED`] it is
+    /// a minimum.
+    pub(super) fn checked(self, residual: f64) -> Self {
+        match self {
+            Termination::NoFurtherDescent
+            | Termination::StepBelowResolution
+            | Termination::Stationary
+                if residual >= CONVERGED =>
+            {
+                Termination::NotStationary
+            }
+            end => end,
         }
     }
 }
@@ -106,14 +138,21 @@ impl fmt::Display for Termination {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Termination::MisfitReached => "converged: the targets are met",
+            Termination::MovedTargetsMet => {
+                "converged: the targets that variables move are met, the others are missed"
+            }
             Termination::NoFurtherDescent => "converged: no further descent",
             Termination::StepBelowResolution => "converged: the step is below resolution",
             Termination::Stationary => "converged: stationary between the bounds",
             Termination::NoFeasibleStep(reason) => return write!(f, "no feasible step: {reason}"),
             Termination::NearestGoodEnough => "converged: the nearest design that is good enough",
             Termination::NearestOfTheBest => "converged: the nearest of the best designs",
+            Termination::GoodEnoughNotKnownNearest => "good enough, not known to be the nearest",
+            Termination::BestNotKnownNearest => "as good as the best, not known to be the nearest",
+            Termination::NotStationary => "not converged: no step goes on, the slope is not zero",
             Termination::ConstraintsExcludeEachOther => "the constraints exclude one another",
             Termination::IterationLimit => "the limit of iterations was reached",
+            Termination::EvaluationLimit => "the limit of evaluations was reached",
             Termination::Interrupted => "interrupted",
         })
     }
@@ -130,6 +169,9 @@ pub struct Fit {
     pub active_bounds: Vec<ActiveBound>,
     /// Why it ended.
     pub termination: Termination,
+    /// Residual of the optimality conditions of what was minimised last, relative to the sizes of their terms: the
+    /// misfit, or the distance from the design at a limited misfit. 0 at a minimum.
+    pub residual: f64,
     /// The start and every iteration after it.
     pub history: Vec<Iteration>,
     /// How the constraints are kept, if there are any.
@@ -143,9 +185,13 @@ pub struct ConstraintState {
     pub values: DVector<f64>,
     /// The largest violation.
     pub violation: f64,
+    /// Rows that some variable moves; the others count neither as kept nor as violated.
+    pub movable: Vec<bool>,
     /// The derivative of half the sum of squared residuals by each row's limit, negated; `None` if the run did not end
     /// at a minimum of that sum.
     pub multipliers: Option<Vec<f64>>,
+    /// Other multipliers that are as good: gradients that depend on one another share the push out in any way.
+    pub alternatives: Option<Vec<f64>>,
     /// Rows and bounds that exclude one another, if there are such.
     pub culprits: Vec<Held>,
 }
@@ -159,6 +205,18 @@ impl Fit {
     /// Whether the constraints, if there are any, are kept.
     pub fn is_feasible(&self) -> bool {
         self.violation() <= KEPT
+    }
+
+    /// Why it ended, in words, with the residual of the optimality conditions where it did not converge.
+    pub fn ended(&self) -> String {
+        let is_short = matches!(
+            self.termination,
+            Termination::Interrupted | Termination::ConstraintsExcludeEachOther
+        );
+        match self.termination.at_minimum() || is_short {
+            true => self.termination.to_string(),
+            false => format!("{} (KKT residual {:.1e})", self.termination, self.residual),
+        }
     }
 
     /// The root mean square of the residuals.

@@ -48,6 +48,7 @@ pub(super) struct FitRecord<'a> {
     start: usize,
     termination: Option<Termination>,
     history: Vec<Iteration>,
+    evaluations: u64,
 }
 
 impl<'a> FitRecord<'a> {
@@ -65,7 +66,33 @@ impl<'a> FitRecord<'a> {
             start,
             termination: None,
             history: Vec::new(),
+            evaluations: 0,
         }
+    }
+
+    /// Whether one evaluation more may be made. Every evaluation is counted here, and a request to stop is heard here:
+    /// if none may be made, the run has ended.
+    pub(super) fn may_evaluate(&mut self) -> bool {
+        if self.is_interrupted() {
+            self.termination = Some(Termination::Interrupted);
+            return false;
+        }
+        if self.evaluations >= self.options.max_evaluations {
+            self.termination = Some(Termination::EvaluationLimit);
+            return false;
+        }
+        self.evaluations += 1;
+        true
+    }
+
+    fn is_interrupted(&self) -> bool {
+        let flag = self.control.interrupt;
+        flag.is_some_and(|flag| flag.load(Ordering::Relaxed))
+    }
+
+    /// Whether the run has ended.
+    pub(super) fn has_ended(&self) -> bool {
+        self.termination.is_some()
     }
 
     /// Ends the run after the iteration under way.
@@ -73,10 +100,10 @@ impl<'a> FitRecord<'a> {
         self.termination = Some(reason);
     }
 
-    /// Why the run ended, and its iterations.
-    pub(super) fn finished(self) -> (Termination, Vec<Iteration>) {
+    /// Why the run ended, given its residual of the optimality conditions, and its iterations.
+    pub(super) fn finished(self, residual: f64) -> (Termination, Vec<Iteration>) {
         let reason = self.termination.expect("a run ends for a reason");
-        (reason, self.history)
+        (reason.checked(residual), self.history)
     }
 
     /// Records an iteration that ended at `x`, for the history and for who watches; argmin's own log would be for its
@@ -96,8 +123,7 @@ impl<'a> FitRecord<'a> {
     /// Whether the run goes on: argmin asks after every iteration.
     pub(super) fn status(&mut self, state: &ArgminState) -> TerminationStatus {
         if self.termination.is_none() {
-            let interrupted = self.control.interrupt;
-            if interrupted.is_some_and(|flag| flag.load(Ordering::Relaxed)) {
+            if self.is_interrupted() {
                 self.termination = Some(Termination::Interrupted);
             } else if state.iter >= self.options.max_iterations {
                 self.termination = Some(Termination::IterationLimit);

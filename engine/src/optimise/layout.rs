@@ -399,6 +399,20 @@ impl TargetLayout {
         self.parts[self.labels[row].part].limited.visible
     }
 
+    /// Sizes of the limits that the rows of the constraints are measured from, in the rows' unit.
+    pub(super) fn row_limits(&self) -> Vec<f64> {
+        let limit = |label: &RowLabel| {
+            let part = &self.parts[label.part].limited;
+            let limit = if label.is_upper {
+                part.upper
+            } else {
+                part.lower
+            };
+            limit.map_or(0.0, |limit| (limit / part.scale).abs())
+        };
+        self.labels.iter().map(limit).collect()
+    }
+
     /// What the rows of the constraints stand for, equalities first.
     pub fn labels(&self) -> &[RowLabel] {
         &self.labels

@@ -40,6 +40,7 @@
 
 use super::fit_record::{ArgminState, FitRecord, of};
 use super::local_model::LocalModel;
+use super::stationarity::{CONVERGED, between_bounds};
 use super::{
     Bounds, Control, Fit, Infeasible, Iteration, LeastSquares, Linearisation, Options, Termination,
 };
@@ -105,15 +106,22 @@ impl<'a> LevenbergMarquardt<'a> {
     pub(super) fn into_fit(self, state: ArgminState) -> Fit {
         let x = state.param.expect("the state was given its start");
         let active_bounds = self.record.bounds.active_bounds(&x);
-        let (termination, history) = self.record.finished();
+        let residual = self.residual(&self.current, &x);
+        let (termination, history) = self.record.finished(residual);
         Fit {
             active_bounds,
+            residual,
             x,
             evaluation: self.current,
             termination,
             history,
             constraints: None,
         }
+    }
+
+    /// The residual of the optimality conditions at a point.
+    fn residual(&self, at: &Linearisation, x: &DVector<f64>) -> f64 {
+        between_bounds(at, x, self.record.bounds, 0.5 * self.model.scale())
     }
 
     /// Prepares the model at the current point and tests whether that is a minimum.
@@ -171,6 +179,9 @@ impl<'a> LevenbergMarquardt<'a> {
             model.build(x, &self.trial.jacobian, &self.excess);
             model.solve(damping);
             if self.trial.cost() <= goal || model.step_length() > 0.5 * length {
+                return (evaluations, Ok(()));
+            }
+            if !self.record.may_evaluate() {
                 return (evaluations, Ok(()));
             }
             length = model.step_length();
@@ -240,6 +251,9 @@ impl<P: LeastSquares> Solver<P, ArgminState> for LevenbergMarquardt<'_> {
                 });
                 break;
             }
+            if !self.record.may_evaluate() {
+                break;
+            }
             self.model.step_from(&x, &mut self.trial_x);
             evaluations += 1;
             if let Err(reason) = self.evaluate_trial(problem) {
@@ -252,15 +266,18 @@ impl<P: LeastSquares> Solver<P, ArgminState> for LevenbergMarquardt<'_> {
             let predicted = self.model.predicted_reduction();
             let found = cost - self.trial.cost();
             // A damped step that does little is no minimum yet: an undamped one must do little, too.
-            let at_end = obstacle.is_none()
+            let is_negligible = obstacle.is_none()
                 && predicted <= negligible
                 && found.abs() <= negligible
                 && self.undamped_reduction(drift, damping) <= negligible;
+            // Nor is a point whose slope still shows, as long as steps descend at all.
+            let at_end = is_negligible
+                && (found <= 0.0 || self.residual(&self.trial, &self.trial_x) < CONVERGED);
             if at_end {
                 self.record.end(Termination::NoFurtherDescent);
             }
             let acceptable = |found: f64| found > 0.0 && found >= ACCEPTABLE * predicted;
-            let mut accepted = acceptable(found) || (at_end && found > 0.0);
+            let mut accepted = acceptable(found) || (is_negligible && found > 0.0);
             if !accepted && !at_end {
                 let goal = cost - POOR * predicted;
                 let (more, outcome) = self.correct(problem, &x, damping, goal);
@@ -278,11 +295,11 @@ impl<P: LeastSquares> Solver<P, ArgminState> for LevenbergMarquardt<'_> {
                 step = self.record.bounds.distance(&x, &self.trial_x);
                 std::mem::swap(&mut x, &mut self.trial_x);
                 std::mem::swap(&mut self.current, &mut self.trial);
-                if !at_end {
+                if !self.record.has_ended() {
                     self.rebuild_model(&x);
                 }
             }
-            if accepted || at_end {
+            if accepted || self.record.has_ended() {
                 break;
             }
             self.model.shorten(&mut damping);

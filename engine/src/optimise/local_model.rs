@@ -49,10 +49,15 @@ impl<'a> LocalModel<'a> {
     /// Raises the damping until the step is at most half as long as it is.
     pub(super) fn shorten(&mut self, damping: &mut f64) {
         let length = self.step_length();
-        // Growing growth, as the damping may be many decades below where it begins to tell.
+        *damping = damping.max(f64::MIN_POSITIVE);
+        // Growing growth, as the damping may be many decades below where it begins to tell. After 64 rounds it has grown
+        // by more than the largest number.
         let mut growth = 4.0;
-        while self.step_length() > 0.5 * length {
-            *damping *= growth;
+        for _ in 0..64 {
+            if self.step_length() <= 0.5 * length {
+                break;
+            }
+            *damping = (*damping * growth).min(f64::MAX);
             growth *= 2.0;
             self.solve(*damping);
         }
@@ -98,6 +103,11 @@ impl<'a> LocalModel<'a> {
                 (slope > 0.0 && self.lower[j] == 0.0) || (slope < 0.0 && self.upper[j] == 0.0);
             blocked || slope.abs() <= cosine * size * column
         })
+    }
+
+    /// The scale that residuals of the optimality conditions are measured in.
+    pub(super) fn scale(&self) -> f64 {
+        self.subproblem.largest_pivot()
     }
 
     /// Norm of the longest column of the scaled Jacobian.

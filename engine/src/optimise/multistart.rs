@@ -6,6 +6,7 @@ use crate::sweep::sobol;
 use nalgebra::DVector;
 use rayon::prelude::*;
 use std::ops::Range;
+use std::sync::atomic::Ordering;
 
 /// Misfits closer than this fraction of the least are the same: runs that end at one minimum agree
 /// in it to about [`Options::reduction_below`].
@@ -53,7 +54,7 @@ pub fn multistart<P: LeastSquares>(
     control: Control<'_>,
 ) -> Multistart {
     let run = |index, x: &DVector<f64>| fit(index, problem(), bounds, x, options, control);
-    let starts = every_start(0..starts, bounds, design, seed, run);
+    let starts = every_start(0..starts, bounds, design, seed, control, run);
     let best = least_misfit(&starts).and_then(|least| {
         let good = (least * (1.0 + SAME_MISFIT)).max(options.misfit_below);
         let distance = |x: &DVector<f64>| bounds.distance(design, x);
@@ -62,17 +63,22 @@ pub fn multistart<P: LeastSquares>(
     Multistart { starts, best }
 }
 
-/// Runs the starts of these numbers in parallel.
+/// Runs the starts of these numbers in parallel. After a request to stop none but the first begins.
 pub(super) fn every_start(
     numbers: Range<usize>,
     bounds: &Bounds,
     design: &DVector<f64>,
     seed: u32,
+    control: Control<'_>,
     run: impl Fn(usize, &DVector<f64>) -> Result<Fit, Infeasible> + Sync,
 ) -> Vec<Start> {
     let run = |index| {
         let x = starting_point(bounds, design, index, seed);
-        let outcome = run(index, &x);
+        let flag = control.interrupt.filter(|_| index > 0);
+        let outcome = match flag.is_some_and(|flag| flag.load(Ordering::Relaxed)) {
+            true => Err(Infeasible::Interrupted),
+            false => run(index, &x),
+        };
         Start { x, outcome }
     };
     numbers.into_par_iter().map(run).collect()

@@ -700,6 +700,10 @@ impl Constrained for Objective<'_> {
         }
     }
 
+    fn row_limits(&self) -> Vec<f64> {
+        self.layout.row_limits()
+    }
+
     fn assess(&mut self, x: &DVector<f64>, into: &mut Assessment) -> Result<(), Infeasible> {
         self.evaluate_all(x, &mut into.goal, Some(&mut into.rows))
     }

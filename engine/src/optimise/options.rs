@@ -19,6 +19,12 @@ pub struct Options {
     pub gradient_below: f64,
     /// iterations >= this.
     pub max_iterations: u64,
+    /// Violation, in the unit of the rows, up to which a step under constraints may go if it lowers the goal. The default,
+    /// infinity, bears a hundred times that of the start. A small one keeps a run that begins where everything is kept
+    /// from leaping into another valley.
+    pub violation_below: f64,
+    /// evaluations >= this. The default is ten for each iteration; most iterations take one.
+    pub max_evaluations: u64,
 }
 
 impl Default for Options {
@@ -29,6 +35,8 @@ impl Default for Options {
             step_below: 16.0 * f64::EPSILON,
             gradient_below: 64.0 * f64::EPSILON,
             max_iterations: 200,
+            violation_below: f64::INFINITY,
+            max_evaluations: 2000,
         }
     }
 }

@@ -72,6 +72,10 @@ impl<P: Constrained> Constrained for Lent<'_, P> {
         self.get().shape()
     }
 
+    fn row_limits(&self) -> Vec<f64> {
+        self.get().row_limits()
+    }
+
     fn assess(&mut self, x: &DVector<f64>, into: &mut Assessment) -> Result<(), Infeasible> {
         self.get_mut().assess(x, into)
     }

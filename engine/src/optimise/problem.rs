@@ -85,6 +85,9 @@ pub enum Infeasible {
     /// The problem says so: it cannot be assembled, or does not reach where it has to.
     #[error("{0}")]
     Refused(String),
+    /// The run was asked to stop before it looked.
+    #[error("interrupted")]
+    Interrupted,
     /// A residual is not a usable number.
     #[error("residual {row} is {value}")]
     Residual {

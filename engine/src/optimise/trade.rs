@@ -141,6 +141,10 @@ impl<P: Constrained> Constrained for Trade<'_, P> {
         }
     }
 
+    fn row_limits(&self) -> Vec<f64> {
+        self.problem.row_limits()
+    }
+
     fn assess(&mut self, x: &DVector<f64>, into: &mut Assessment) -> Result<(), Infeasible> {
         if self.known.take().is_none_or(|known| known != *x) {
             self.problem.assess(x, &mut self.assessment)?;

@@ -5,15 +5,16 @@
 //! the designs with a misfit up to m then goes back towards the study's own as far as m and the constraints
 //! let it; and of these the nearest is kept. With `good_enough = 0` the least misfit is what is wanted.
 
-use super::constrained::{Constrained, ConstrainedFit, constrained_fit};
-use super::fit::fit;
-use super::multistart::{every_start, fits, least_misfit, nearest};
+use super::constrained::{KEPT, constrained_fit};
+use super::fixed::moves;
+use super::multistart::fits;
 use super::pool::{Lent, Pool};
-use super::trade::{Aim, Distance, Trade};
+use super::starts::STARTS_BEFORE_REFUSAL;
+use super::trade::{Aim, Distance};
 use super::{
-    Bounds, ConstraintState, Control, Deviation, Fit, Held, Identifiability, Infeasible,
-    LeastSquares, Linearisation, Multistart, Objective, Options, StandardErrors, TargetLayout,
-    Termination, moved_design, multistart,
+    Bounds, Control, Deviation, Fit, Held, Identifiability, Infeasible, LeastSquares,
+    Linearisation, Multistart, Objective, Options, StandardErrors, TargetLayout, Termination,
+    moved_design,
 };
 use crate::assembly::Assembler;
 use crate::mechanism::DesignFault;
@@ -22,22 +23,14 @@ use crate::number::{Vector3, Width};
 use crate::study::{Motion, Optimise};
 use crate::threads::on_large_stacks;
 use nalgebra::DVector;
-use rayon::prelude::*;
 
 /// A direction in which a move across the whole range changes the misfit by less than this (in
 /// tolerances) is one that the targets do not see.
 const UNSEEN: f64 = 0.01;
-/// If no design is good enough, designs count as being as good as the best up to this ratio of misfits.
-const AS_GOOD: f64 = 1.01;
-/// Moves shorter than this share of the range do not count as moves.
-const NO_MOVE: f64 = 1e-9;
-/// A target that a move across the range of any variable changes by less than this (in tolerances) is one
-/// that nothing moves.
-const UNMOVED: f64 = 1e-9;
+/// Prices that differ by less than this share of them are the same.
+const SAME_PRICE: f64 = 0.05;
 /// The most directions that targets do not see that are tried out.
 const TRIED_OUT: usize = 8;
-/// Number of starts that are tried before constraints are said to exclude one another.
-const STARTS_BEFORE_REFUSAL: usize = 4;
 
 /// The result of a tuning.
 #[derive(Clone, Debug)]
@@ -50,6 +43,8 @@ pub struct Tuning {
     pub best: Option<Best>,
     /// Targets that are missed and that no variable moves.
     pub unmoved: Vec<usize>,
+    /// Constraints that are violated by rows that no variable moves, by number: they stay as they are.
+    pub unmoved_constraints: Vec<usize>,
     /// Constraints that exclude one another, by number: none of them could be left out. Empty where all can
     /// be kept.
     pub contradiction: Vec<usize>,
@@ -90,9 +85,29 @@ pub struct ConstraintOutcome {
     /// Drive value of the station with the least room, or next to it; `None` if the constraint does not change along
     /// the motion.
     pub at: Option<f64>,
-    /// By how much, in tolerances, the misfit would fall if the limit were one unit further; `None` if the limit does
-    /// not bind, or if the misfit is good enough anyway.
-    pub price: Option<f64>,
+    /// Price of its limits.
+    pub price: Price,
+}
+
+/// By how much, in tolerances, the misfit would fall if a limit were one unit further.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Price {
+    /// The limit does not bind, or the misfit is good enough anyway.
+    Nothing,
+    /// Tolerances per unit of the constraint.
+    PerUnit(f64),
+    /// The limit binds together with others whose gradients depend on one another: how they share the price is open.
+    NotDetermined,
+}
+
+impl Price {
+    /// Tolerances per unit of the constraint, if there is a price and it is determined.
+    pub fn per_unit(self) -> Option<f64> {
+        match self {
+            Price::PerUnit(price) => Some(price),
+            Price::Nothing | Price::NotDetermined => None,
+        }
+    }
 }
 
 /// Tunes a suspension. Errors if the design itself cannot be solved.
@@ -210,7 +225,7 @@ impl<'a> Tuner<'a> {
         let before = LeastSquares::evaluate(&mut probe, &self.design, &mut evaluation);
         let at_design = before.as_ref().ok().map(|()| evaluation.clone());
         let before = before.map(|()| self.fulfilment(&evaluation));
-        let starts = self.starts();
+        let starts = self.starts(at_design.as_ref());
         let best = starts.best_fit().map(|fit| self.best(fit));
         let contradiction = match &best {
             Some(_) if !starts.best_fit().is_some_and(Fit::is_feasible) => {
@@ -225,128 +240,14 @@ impl<'a> Tuner<'a> {
             .map_or(Vec::new(), |best| self.unmoved(best, &seen));
         Ok(Tuning {
             before,
+            unmoved_constraints: starts
+                .best_fit()
+                .map_or(Vec::new(), |fit| self.unmoved_constraints(fit)),
             starts,
             best,
             unmoved,
             contradiction,
         })
-    }
-
-    /// Runs every start, and chooses.
-    fn starts(&self) -> Multistart {
-        let optimise = self.optimise;
-        let options = self.options();
-        let is_constrained = !self.layout.labels().is_empty();
-        if !is_constrained && optimise.good_enough == 0.0 {
-            return multistart(
-                || self.problem(),
-                &self.bounds,
-                &self.design,
-                optimise.starts,
-                optimise.seed,
-                &options,
-                self.control,
-            );
-        }
-        let until_good = Options {
-            misfit_below: options.misfit_below.max(optimise.good_enough),
-            ..options.clone()
-        };
-        let first = |index: usize, x: &DVector<f64>| {
-            let (problem, bounds) = (self.problem(), &self.bounds);
-            if !is_constrained {
-                return fit(index, problem, bounds, x, &until_good, self.control);
-            }
-            let fit = constrained_fit(index, problem, bounds, x, &until_good, self.control)?;
-            let good = fit.at.goal.misfit() <= optimise.good_enough;
-            Ok(self.as_fit(fit, !good))
-        };
-        let run = |numbers| every_start(numbers, &self.bounds, &self.design, optimise.seed, first);
-        let mut starts = run(0..optimise.starts);
-        if least_misfit(&starts).is_none() && starts.len() < STARTS_BEFORE_REFUSAL {
-            starts.extend(run(starts.len()..STARTS_BEFORE_REFUSAL));
-        }
-        let least = least_misfit(&starts);
-        if let Some(least) = least
-            && optimise.good_enough > 0.0
-        {
-            let misfit = match least <= optimise.good_enough {
-                true => optimise.good_enough,
-                false => AS_GOOD * least,
-            };
-            starts
-                .par_iter_mut()
-                .enumerate()
-                .for_each(|(index, start)| {
-                    if let Ok(fit) = &mut start.outcome
-                        && fit.is_feasible()
-                        && fit.misfit() <= misfit
-                    {
-                        self.draw_near(index, fit, misfit, &options);
-                    }
-                });
-        }
-        let best = self.choose(&starts, least);
-        Multistart { starts, best }
-    }
-
-    /// Moves a fit as near to the design as a misfit and the constraints let it.
-    fn draw_near(&self, index: usize, fit: &mut Fit, misfit: f64, options: &Options) {
-        let (distance, movement) = (self.distance(), Aim::movement());
-        let all = self.all_targets();
-        let mut near = Trade::new(self.problem(), &distance, &movement, vec![(&all, misfit)]);
-        let is_known = fit.constraints.is_none();
-        if is_known {
-            near = near.knowing(&fit.x, &fit.evaluation);
-        }
-        let Ok(mut found) =
-            constrained_fit(index, near, &self.bounds, &fit.x, options, self.control)
-        else {
-            return;
-        };
-        if !found.is_feasible() || distance.of(&found.x) > distance.of(&fit.x) {
-            return;
-        }
-        // What is as good as unmoved is unmoved.
-        let mut x = found.x.clone();
-        for j in 0..x.len() {
-            if (x[j] - self.design[j]).abs() <= NO_MOVE * self.bounds.width()[j] {
-                x[j] = self.design[j];
-            }
-        }
-        let (targets, rows) = if x == found.x {
-            // What is held to a level are all targets.
-            (found.at.levels.swap_remove(0), found.at.rows)
-        } else {
-            let mut problem = self.problem();
-            let mut at = super::Assessment::new(&problem.shape());
-            if problem.assess(&x, &mut at).is_err() || at.check().is_err() {
-                return;
-            }
-            (at.goal, at.rows)
-        };
-        let is_good_enough = misfit <= self.optimise.good_enough;
-        let ended = match found.termination.at_minimum() {
-            true if is_good_enough => Termination::NearestGoodEnough,
-            true => Termination::NearestOfTheBest,
-            false => found.termination.clone(),
-        };
-        let steps = fit.history.last().map_or(0, |i| i.iteration);
-        for iteration in &mut found.history {
-            iteration.iteration += steps + 1;
-        }
-        if is_known && let Some(first) = found.history.first_mut() {
-            first.evaluations = 0;
-        }
-        fit.active_bounds = self.bounds.active_bounds(&x);
-        fit.x = x;
-        fit.evaluation = targets;
-        fit.termination = ended;
-        fit.history.append(&mut found.history);
-        if let Some(state) = &mut fit.constraints {
-            state.values = rows.residuals;
-            state.violation = found.violation;
-        }
     }
 
     /// The move from the design in fractions of the ranges, weighed by the costs.
@@ -361,45 +262,11 @@ impl<'a> Tuner<'a> {
         Aim::misfit((0..rows).collect(), (rows as f64).sqrt())
     }
 
-    /// Chooses a start: the nearest of those that keep the constraints and are good enough; if none is good enough, the
-    /// nearest of those that are as good as the best; if none keeps the constraints, the one that violates them least.
-    /// `least` is the least misfit of those that keep them.
-    fn choose(&self, starts: &[super::Start], least: Option<f64>) -> Option<usize> {
-        let Some(least) = least else {
-            let by_violation =
-                |a: &(usize, &Fit), b: &(usize, &Fit)| a.1.violation().total_cmp(&b.1.violation());
-            return fits(starts).min_by(by_violation).map(|(index, _)| index);
-        };
-        let good = match self.optimise.good_enough {
-            0.0 => least * (1.0 + 1e-9),
-            good if least <= good => good * (1.0 + 1e-6),
-            _ => least * AS_GOOD * (1.0 + 1e-6),
-        };
-        let distance = self.distance();
-        nearest(starts, good, |x| distance.of(x), 1e-6)
-    }
-
-    fn as_fit(&self, fit: ConstrainedFit, at_minimum: bool) -> Fit {
-        let is_minimum = at_minimum && fit.termination.at_minimum();
-        Fit {
-            active_bounds: self.bounds.active_bounds(&fit.x),
-            x: fit.x,
-            evaluation: fit.at.goal,
-            termination: fit.termination,
-            history: fit.history,
-            constraints: Some(ConstraintState {
-                values: fit.at.rows.residuals,
-                violation: fit.violation,
-                multipliers: is_minimum.then_some(fit.multipliers),
-                culprits: fit.culprits,
-            }),
-        }
-    }
-
     /// The options that say when a run ends.
     pub(super) fn options(&self) -> Options {
         Options {
             max_iterations: self.optimise.max_iterations,
+            max_evaluations: self.optimise.max_iterations.saturating_mul(10),
             ..Options::default()
         }
     }
@@ -430,6 +297,10 @@ impl<'a> Tuner<'a> {
         let mut evaluation = Linearisation::new(self.layout.residuals(), fit.x.len());
         for direction in found.unseen.iter_mut().take(TRIED_OUT) {
             direction.try_out(&fit.x, fit.misfit(), &self.bounds, |x| {
+                let flag = self.control.interrupt;
+                if flag.is_some_and(|flag| flag.load(std::sync::atomic::Ordering::Relaxed)) {
+                    return None;
+                }
                 LeastSquares::evaluate(&mut problem, x, &mut evaluation).ok()?;
                 Some(evaluation.misfit())
             });
@@ -464,7 +335,7 @@ impl<'a> Tuner<'a> {
                 .iter()
                 .enumerate()
                 .filter(|(_, l)| l.constraint == number);
-            let (mut room, mut at, mut pull, mut visible) = (f64::INFINITY, None, 0.0, 1.0);
+            let (mut room, mut at, mut pulls, mut visible) = (f64::INFINITY, None, [0.0; 2], 1.0);
             for (row, label) in own {
                 let value = state.values[row];
                 let left = self.layout.room(row, value);
@@ -474,30 +345,48 @@ impl<'a> Tuner<'a> {
                     let values = leg.order.values();
                     at = (values.len() > 1).then(|| values[label.station]);
                 }
-                pull += state.multipliers.as_ref().map_or(0.0, |m| m[row].abs());
                 visible = self.layout.visible(row);
+                // A limit with margin costs nothing.
+                if left <= KEPT * visible && state.movable[row] {
+                    let of = |m: &Option<Vec<f64>>| m.as_ref().map(|m| m[row].abs());
+                    let first = of(&state.multipliers).unwrap_or(0.0);
+                    let other = of(&state.alternatives).unwrap_or(first);
+                    pulls[0] += first;
+                    pulls[1] += other;
+                }
             }
-            let price = pull / (count * fit.misfit());
-            ConstraintOutcome {
-                room,
-                at,
-                price: (price > 1e-6).then_some(price / visible),
-            }
+            let [price, other] = pulls.map(|pull| pull / (count * fit.misfit()));
+            let most = price.max(other);
+            let price = if most.is_nan() || most <= 1e-6 {
+                Price::Nothing
+            } else if (price - other).abs() > SAME_PRICE * most {
+                Price::NotDetermined
+            } else {
+                Price::PerUnit(price / visible)
+            };
+            ConstraintOutcome { room, at, price }
         };
         constraints.map(outcome).collect()
+    }
+
+    /// Constraints with a row that is violated and that no variable moves.
+    fn unmoved_constraints(&self, fit: &Fit) -> Vec<usize> {
+        let Some(state) = &fit.constraints else {
+            return Vec::new();
+        };
+        let labels = self.layout.labels().iter().enumerate();
+        let is_missed = |row: usize| self.layout.room(row, state.values[row]) < -KEPT;
+        let missed = labels.filter(|(row, _)| !state.movable[*row] && is_missed(*row));
+        let mut missed: Vec<usize> = missed.map(|(_, label)| label.constraint).collect();
+        missed.sort_unstable();
+        missed.dedup();
+        missed
     }
 
     /// Targets that are missed and that no variable moves, anywhere they were looked at.
     fn unmoved(&self, best: &Best, seen: &[&Linearisation]) -> Vec<usize> {
         let of = self.layout.targets_of_rows();
-        let moves = |evaluation: &Linearisation, row: usize| {
-            let entries = evaluation.jacobian.row(row);
-            let widths = self.bounds.width().iter();
-            entries
-                .iter()
-                .zip(widths)
-                .any(|(j, width)| (j * width).abs() > UNMOVED)
-        };
+        let moves = |evaluation: &Linearisation, row: usize| moves(evaluation, row, &self.bounds);
         let targets = best.after.targets.iter().enumerate();
         let missed = targets
             .filter(|(_, deviation)| deviation.rms > 1e-6)
@@ -560,7 +449,8 @@ impl<'a> Tuner<'a> {
             };
             let options = Options::default();
             let fit = constrained_fit(0, problem, &self.bounds, &start.x, &options, control);
-            fit.is_ok_and(|fit| fit.is_feasible())
+            // A run that was interrupted says nothing.
+            fit.is_ok_and(|fit| fit.is_feasible() || fit.termination == Termination::Interrupted)
         })
     }
 }

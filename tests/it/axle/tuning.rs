@@ -167,7 +167,7 @@ fn constraints_hold_through_a_motion_of_the_wheel() {
         .with_overrides("axle.toml", &edits.map(str::to_owned))
         .unwrap();
     let best = study.tune(Control::default()).unwrap().best.unwrap();
-    assert!(best.constraints[0].price.unwrap() > 1.0);
+    assert!(best.constraints[0].price.per_unit().unwrap() > 1.0);
     let tuned = hardpoint::model::Suspension {
         design: best.design,
         ..study.suspension.clone()

@@ -19,10 +19,10 @@ const KEPT: f64 = 1e-7;
 
 /// A random tuning of a strut or wishbone: two to twelve variables, two curves or a curve and a band, and constraints
 /// through 41 stations, their limits such that one random design just keeps them.
-struct Random {
+pub(super) struct Random {
     study: Study,
-    layout: TargetLayout,
-    bounds: Bounds,
+    pub(super) layout: TargetLayout,
+    pub(super) bounds: Bounds,
 }
 
 /// A kind of constraint with its limits, in mm and degrees.
@@ -239,7 +239,7 @@ impl Random {
         with(&curves, &limits)
     }
 
-    fn of(study: Study) -> Self {
+    pub(super) fn of(study: Study) -> Self {
         let optimise = study.optimise.as_ref().unwrap();
         let layout = TargetLayout::of(optimise, &study.motion, &study.suspension);
         let ranges: Vec<[f64; 2]> = optimise.variables.iter().map(|v| v.range).collect();
@@ -282,7 +282,7 @@ impl Random {
         parts.map(|l| l.part).min().unwrap()
     }
 
-    fn ours(&self, from: &DVector<f64>) -> ConstrainedFit {
+    pub(super) fn ours(&self, from: &DVector<f64>) -> ConstrainedFit {
         let (options, control) = (Options::default(), Control::default());
         constrained_fit(0, self.problem(), &self.bounds, from, &options, control).unwrap()
     }
@@ -290,9 +290,9 @@ impl Random {
 
 /// Where a method of another kind ended.
 #[derive(Clone, Debug)]
-struct End {
-    x: DVector<f64>,
-    misfit: f64,
+pub(super) struct End {
+    pub(super) x: DVector<f64>,
+    pub(super) misfit: f64,
     violation: f64,
     /// How far every point it looked at was from there, in half ranges.
     away: Vec<f64>,
@@ -308,7 +308,7 @@ impl End {
         last.map_or(1, |k| k as u64 + 2).min(self.away.len() as u64)
     }
 
-    fn is_feasible(&self) -> bool {
+    pub(super) fn is_feasible(&self) -> bool {
         self.violation <= KEPT
     }
 }
@@ -401,7 +401,7 @@ impl<'p> Looked<'p> {
 }
 
 /// From `start` by the crate `slsqp`, in half ranges, ended by its own criteria at ten digits.
-fn slsqp(random: &Random, start: &DVector<f64>) -> End {
+pub(super) fn slsqp(random: &Random, start: &DVector<f64>) -> End {
     let looked = RefCell::new(Looked::new(random));
     let n = start.len();
     let half = looked.borrow().half.clone();

@@ -5,6 +5,8 @@ mod builds;
 mod constraints;
 mod intervals;
 mod minima;
+mod mixes;
+mod still;
 mod units;
 
 use hardpoint::optimise::{

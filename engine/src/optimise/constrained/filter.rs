@@ -1,4 +1,4 @@
-//! What a step must be better than.
+//! The filter: pairs of goal and violation that a step must improve on.
 
 /// Pairs of goal and violation that were passed.
 #[derive(Clone, Debug)]
@@ -12,11 +12,11 @@ pub(super) struct Filter {
 const MARGIN: f64 = 1e-5;
 
 impl Filter {
-    /// Nothing passed; violations up to a hundred times that of the start are bearable.
-    pub(super) fn new(violation: f64) -> Self {
+    /// An empty filter, which bears violations up to a hundred times that of the start, and up to `most` beyond it.
+    pub(super) fn new(violation: f64, most: f64) -> Self {
         Filter {
             passed: Vec::new(),
-            most: 100.0 * violation.max(1.0),
+            most: (100.0 * violation.max(1.0)).min(violation + most),
         }
     }
 
@@ -42,7 +42,7 @@ mod tests {
 
     #[test]
     fn a_pair_must_be_better_than_each_passed_in_one_of_the_two() {
-        let mut filter = Filter::new(1.0);
+        let mut filter = Filter::new(1.0, f64::INFINITY);
         filter.pass(10.0, 1.0);
         filter.pass(20.0, 0.1);
         assert!(filter.accepts(15.0, 0.5));
@@ -51,5 +51,6 @@ mod tests {
         assert!(!filter.accepts(15.0, 2.0));
         assert!(!filter.accepts(20.0, 0.1));
         assert!(!filter.accepts(0.0, 101.0));
+        assert!(!Filter::new(0.0, 0.1).accepts(0.0, 0.2));
     }
 }

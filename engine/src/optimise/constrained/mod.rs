@@ -31,9 +31,14 @@
 //! tried before it is shortened. Where the rows of (1) exclude one another, they are relaxed by what the
 //! most violated of them must at least be; and if that is no less than the violation is already, no small
 //! move lessens it, and the run ends with the rows that are to blame.
+//!
+//! Rows that no variable moves are left out ([`movable`]). A run has converged where its multipliers balance the slope
+//! ([`stationarity`](super::stationarity)).
 
+mod curvature;
 mod filter;
 mod model;
+mod movable;
 mod solver;
 #[cfg(test)]
 mod tests;
@@ -48,6 +53,11 @@ use nalgebra::DVector;
 pub trait Constrained {
     /// How large it is.
     fn shape(&self) -> Shape;
+
+    /// Sizes of the limits that the rows are measured from, in the rows' unit; they tell the rounding of a row.
+    fn row_limits(&self) -> Vec<f64> {
+        vec![0.0; self.shape().rows]
+    }
 
     /// Writes everything at `x`, with its exact derivatives. It must depend on `x` alone.
     fn assess(&mut self, x: &DVector<f64>, into: &mut Assessment) -> Result<(), Infeasible>;
@@ -99,7 +109,18 @@ impl Assessment {
 
     /// The largest violation of a row, and of a level as a mean over its residuals.
     pub fn violation(&self, equalities: usize, levels: &[f64]) -> f64 {
+        self.violation_of(equalities, levels, |_| true)
+    }
+
+    /// The same, of some of the rows.
+    pub fn violation_of(
+        &self,
+        equalities: usize,
+        levels: &[f64],
+        counts: impl Fn(usize) -> bool,
+    ) -> f64 {
         let rows = self.rows.residuals.iter().enumerate();
+        let rows = rows.filter(|(i, _)| counts(*i));
         let rows = rows.map(|(i, c)| if i < equalities { c.abs() } else { *c });
         let above = self.levels.iter().zip(levels).map(|(held, level)| {
             let count = held.residuals.len().max(1) as f64;

@@ -2,16 +2,31 @@
 
 use super::super::active_set::{ActiveSet, Held, Outcome, Rows};
 use super::super::qr::{dot, scale_columns, triangularise, triangularise_within};
+use super::super::stationarity::{CONVERGED, Pushes, Scale, Sizes};
 use super::super::{Bounds, Linearisation};
-use super::Assessment;
+use super::curvature::Curvature;
+use super::movable::Movable;
+use super::solver::RESOLUTION;
+use super::{Assessment, KEPT, Shape};
 use nalgebra::DVector;
 
 /// Damping relative to the largest pivot: directions that neither goal nor rows see stay put.
 const DAMPING: f64 = 1e-7;
-/// The level is met to this share of itself.
+/// A level is met to this share of itself, and in any case to a tenth of what counts as kept.
 const LEVEL_MET: f64 = 1e-7;
 /// The most programs that a multiplier of the level is searched with.
 const SECANTS: usize = 30;
+/// What damping grows by, and how often, where a program that has a solution is not solved.
+const MORE_DAMPING: f64 = 100.0;
+const DAMPINGS: usize = 3;
+/// The most programs of one step, those of all levels together.
+const PROGRAMS: usize = 300;
+/// Duplicate rows agree to this, a hundredth of what counts as kept.
+const SLACK: f64 = 1e-9;
+/// A level binds where it is met to this share of itself.
+const BINDING_LEVEL: f64 = 1e-6;
+/// A variable this near to its bound, in half ranges, is at it.
+const ON_BOUND: f64 = 1e-12;
 
 /// |A d + a|^2 as |R d + q|^2 + rest.
 #[derive(Clone, Debug, Default)]
@@ -53,6 +68,11 @@ impl Squares {
         (0..n).fold(0.0, |most, k| self.triangle[k * n + k].abs().max(most))
     }
 
+    fn longest_column(&self) -> f64 {
+        let columns = self.triangle.chunks_exact(self.offset.len());
+        columns.fold(0.0, |most, column| dot(column, column).sqrt().max(most))
+    }
+
     /// R d, into `to`.
     fn image(&self, d: &[f64], to: &mut [f64]) {
         to.fill(0.0);
@@ -85,9 +105,6 @@ impl Squares {
     }
 }
 
-/// How stiff a program with curvature is across the rows that it holds, in largest diagonals.
-const ACROSS: f64 = 4.0;
-
 /// How a step came about.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Proposal {
@@ -98,18 +115,48 @@ pub(super) enum Proposal {
     Relaxed { remaining: f64, culprits: Vec<Held> },
 }
 
+/// Multipliers at the end of a run.
+#[derive(Clone, Debug)]
+pub(super) struct Settled {
+    /// Residual of the optimality conditions.
+    pub residual: f64,
+    /// Other multipliers of the rows, if they balance the slope as well.
+    pub alternatives: Option<Vec<f64>>,
+}
+
+/// A constraint that binds.
+#[derive(Clone, Copy, Debug)]
+enum Push {
+    Row(usize),
+    Level(usize),
+    /// A variable at a bound: -1 at the lower one, 1 at the upper one.
+    Bound(usize, f64),
+}
+
 /// The model with its workspace.
 pub(super) struct ConvexModel<'a> {
     bounds: &'a Bounds,
     half: Vec<f64>,
     equalities: usize,
     levels: Vec<f64>,
+    /// Logarithms of the ratios to the levels up to which these count as met.
+    met: Vec<f64>,
     goal: Squares,
+    /// Numbers of residuals of the goal, and the norm of its residuals.
+    residuals: usize,
+    norm: f64,
     /// Level by level.
     held: Vec<Squares>,
     /// Rows as they are, their gradients scaled.
     normals: Vec<f64>,
     offsets: Vec<f64>,
+    /// Whether a row says anything about steps.
+    speaks: Vec<bool>,
+    /// Equalities among the rows kept.
+    kept_equalities: usize,
+    /// Programs left for this step, and their damping relative to the largest pivot.
+    programs: usize,
+    damping: f64,
     /// The rows that can be violated, by number, and their entries.
     kept: Vec<usize>,
     kept_normals: Vec<f64>,
@@ -120,6 +167,8 @@ pub(super) struct ConvexModel<'a> {
     room_above: Vec<f64>,
     method: ActiveSet,
     elastic: ActiveSet,
+    /// Point that the rows were relaxed to.
+    relaxed: Vec<f64>,
     step: Vec<f64>,
     /// Multipliers of rows, and of bounds (negative at a lower one), of the last program.
     row_multipliers: Vec<f64>,
@@ -139,17 +188,30 @@ pub(super) struct ConvexModel<'a> {
 
 impl<'a> ConvexModel<'a> {
     /// Room for a problem.
-    pub(super) fn new(bounds: &'a Bounds, equalities: usize, rows: usize, levels: &[f64]) -> Self {
-        let n = bounds.variables();
+    pub(super) fn new(bounds: &'a Bounds, shape: &Shape) -> Self {
+        let (n, rows) = (bounds.variables(), shape.rows);
+        let levels: Vec<f64> = shape.levels.iter().map(|level| level.1).collect();
         ConvexModel {
             bounds,
             half: bounds.width().iter().map(|w| 0.5 * w).collect(),
-            equalities,
-            levels: levels.to_vec(),
+            equalities: shape.equalities,
+            met: shape
+                .levels
+                .iter()
+                .map(|(count, level)| {
+                    LEVEL_MET.min(0.1 * KEPT * (*count as f64).sqrt() / level.max(1e-12))
+                })
+                .collect(),
             goal: Squares::new(n),
+            residuals: shape.goal,
+            norm: 0.0,
             held: vec![Squares::new(n); levels.len()],
             normals: vec![0.0; rows * n],
             offsets: vec![0.0; rows],
+            speaks: vec![true; rows],
+            kept_equalities: 0,
+            programs: 0,
+            damping: DAMPING,
             kept: Vec::with_capacity(rows),
             kept_normals: Vec::with_capacity(rows * n),
             kept_offsets: Vec::with_capacity(rows),
@@ -159,12 +221,14 @@ impl<'a> ConvexModel<'a> {
             room_above: vec![0.0; n],
             method: ActiveSet::new(n),
             elastic: ActiveSet::new(n + 1),
+            relaxed: vec![0.0; n],
             step: vec![0.0; n],
             row_multipliers: vec![0.0; rows],
             bound_multipliers: vec![0.0; n],
             level_multipliers: vec![0.0; levels.len()],
             weights: vec![0.0; levels.len()],
             last_weights: vec![None; levels.len()],
+            levels,
             curvature: Curvature::new(n),
             across: Vec::new(),
             matrix: Vec::new(),
@@ -173,9 +237,21 @@ impl<'a> ConvexModel<'a> {
         }
     }
 
-    /// Makes this the model about `x`.
-    pub(super) fn build(&mut self, x: &DVector<f64>, at: &Assessment) {
+    /// Makes this the model about `x`, without the rows that stand still.
+    pub(super) fn build(&mut self, x: &DVector<f64>, at: &Assessment, movable: Option<&Movable>) {
         let n = x.len();
+        self.norm = at.goal.residuals.norm();
+        for (row, speaks) in self.speaks.iter_mut().enumerate() {
+            let value = at.rows.residuals[row];
+            let missed = match row < self.equalities {
+                true => value.abs() > KEPT,
+                false => value > KEPT,
+            };
+            // A row that moves elsewhere, stands still here and is violated keeps the step from mending it.
+            *speaks = movable.is_none_or(|movable| {
+                movable.takes_part(row) && (missed || movable.moves_at(row, &at.rows, self.bounds))
+            });
+        }
         self.goal.reduce(&at.goal, &self.half, &mut self.matrix);
         for (held, level) in self.held.iter_mut().zip(&at.levels) {
             held.reduce(level, &self.half, &mut self.matrix);
@@ -229,6 +305,9 @@ impl<'a> ConvexModel<'a> {
         self.kept_normals.clear();
         self.kept_offsets.clear();
         for (row, offset) in self.offsets.iter().enumerate() {
+            if !self.speaks[row] {
+                continue;
+            }
             let normal = &self.normals[row * n..][..n];
             let reach = || {
                 let bounds = self.lower.iter().zip(&self.upper);
@@ -241,22 +320,35 @@ impl<'a> ConvexModel<'a> {
                 self.kept_offsets.push(*offset);
             }
         }
+        let equalities = self.kept.iter().filter(|row| **row < self.equalities);
+        self.kept_equalities = equalities.count();
     }
 
     fn propose(&mut self, curved: bool) -> Proposal {
         let mut proposal = Proposal::Optimal;
         self.across = if curved { self.held_rows() } else { Vec::new() };
         self.weights.fill(0.0);
-        if self.program(curved) != Outcome::Solved {
+        self.programs = PROGRAMS;
+        self.damping = DAMPING;
+        let mut outcome = self.program(curved);
+        // The point itself keeps the rows: where no step is found, rounding is in the way.
+        let is_kept = self.worst() <= KEPT;
+        for _ in 0..DAMPINGS {
+            if outcome == Outcome::Solved || !is_kept {
+                break;
+            }
+            self.damping *= MORE_DAMPING;
+            outcome = self.program(curved);
+        }
+        if outcome != Outcome::Solved {
             let (remaining, culprits) = self.relax();
             proposal = Proposal::Relaxed {
                 remaining,
                 culprits,
             };
             if self.program(curved) != Outcome::Solved {
-                // What the relaxation found obeys the relaxed rows, though it is no minimum.
-                self.step
-                    .copy_from_slice(&self.elastic.step()[..self.half.len()]);
+                // The relaxed rows are kept there, though it is no minimum.
+                self.step.copy_from_slice(&self.relaxed);
                 self.clear_multipliers();
                 return proposal;
             }
@@ -307,7 +399,11 @@ impl<'a> ConvexModel<'a> {
         let pivot = weighed().fold(self.goal.largest_pivot(), |most, (w, held)| {
             most.max(w.sqrt() * held.largest_pivot())
         });
-        let damping = if pivot > 0.0 { DAMPING * pivot } else { 1.0 };
+        let damping = if pivot > 0.0 {
+            self.damping * pivot
+        } else {
+            1.0
+        };
         // Row by row, the triangles' rows one after the other's: columns stay short.
         self.matrix.clear();
         self.matrix.resize(n * rows, 0.0);
@@ -342,7 +438,8 @@ impl<'a> ConvexModel<'a> {
         let rows = Rows {
             normals: &self.kept_normals,
             offsets: &self.kept_offsets,
-            equalities: self.equalities,
+            equalities: self.kept_equalities,
+            slack: SLACK,
         };
         let (lower, upper) = (&self.lower, &self.upper);
         let outcome = self
@@ -387,7 +484,7 @@ impl<'a> ConvexModel<'a> {
             return;
         }
         self.meet_levels(k + 1, curved);
-        if self.excess(k) <= LEVEL_MET {
+        if self.excess(k) <= self.met[k] {
             return;
         }
         let scale = self.goal.largest_pivot() / self.held[k].largest_pivot();
@@ -400,6 +497,11 @@ impl<'a> ConvexModel<'a> {
         let mut high: Option<(f64, f64)> = None;
         let mut weight = self.last_weights[k].unwrap_or(scale);
         for _ in 0..SECANTS {
+            // Levels within levels multiply: together they have a budget of their own.
+            if self.programs == 0 {
+                break;
+            }
+            self.programs -= 1;
             self.weights[k] = weight;
             self.weights[k + 1..].fill(0.0);
             if self.program(curved) != Outcome::Solved {
@@ -407,7 +509,7 @@ impl<'a> ConvexModel<'a> {
             }
             self.meet_levels(k + 1, curved);
             let at = (weight.ln(), self.excess(k));
-            if at.1.abs() <= LEVEL_MET {
+            if at.1.abs() <= self.met[k] {
                 break;
             }
             match at.1 > 0.0 {
@@ -434,15 +536,28 @@ impl<'a> ConvexModel<'a> {
         }
     }
 
+    /// The largest violation of the kept rows at the point itself.
+    fn worst(&self) -> f64 {
+        let rows = self.kept_offsets.iter().enumerate();
+        rows.fold(0.0_f64, |worst, (k, c)| {
+            worst.max(if k < self.kept_equalities {
+                c.abs()
+            } else {
+                *c
+            })
+        })
+    }
+
     /// The least largest violation of the kept rows within the bounds, and the rows that keep it from
     /// being less; relaxes the rows to what they are at the point found.
     fn relax(&mut self) -> (f64, Vec<Held>) {
         let n = self.half.len();
-        let worst = self.kept_offsets.iter().enumerate();
-        let worst = worst.fold(0.0_f64, |worst, (k, c)| {
-            worst.max(if k < self.equalities { c.abs() } else { *c })
-        });
-        let worst = worst.max(f64::MIN_POSITIVE.sqrt());
+        let worst = self.worst();
+        if worst <= KEPT {
+            // Rounding is in the way: the point itself is as good as any.
+            self.relaxed.fill(0.0);
+            return (self.relax_rows(), Vec::new());
+        }
         // Variables d and t, violations at most t times the worst there is: |t|^2 + (small |d|)^2.
         let small = 1e-5;
         let mut triangle = vec![0.0; (n + 1) * (n + 1)];
@@ -450,8 +565,9 @@ impl<'a> ConvexModel<'a> {
             triangle[k * (n + 1) + k] = small;
         }
         triangle[(n + 1) * (n + 1) - 1] = 1.0;
-        let mut normals = Vec::with_capacity((self.kept.len() + self.equalities) * (n + 1));
-        let mut offsets = Vec::with_capacity(self.kept.len() + self.equalities);
+        let twice = self.kept.len() + self.kept_equalities;
+        let mut normals = Vec::with_capacity(twice * (n + 1));
+        let mut offsets = Vec::with_capacity(twice);
         let mut of = Vec::with_capacity(offsets.capacity());
         let mut push = |sign: f64, k: usize, normal: &[f64], offset: f64| {
             normals.extend(normal.iter().map(|a| sign * a));
@@ -462,7 +578,7 @@ impl<'a> ConvexModel<'a> {
         for (k, offset) in self.kept_offsets.iter().enumerate() {
             let normal = &self.kept_normals[k * n..][..n];
             push(1.0, k, normal, *offset);
-            if k < self.equalities {
+            if k < self.kept_equalities {
                 push(-1.0, k, normal, *offset);
             }
         }
@@ -470,12 +586,16 @@ impl<'a> ConvexModel<'a> {
             normals: &normals,
             offsets: &offsets,
             equalities: 0,
+            slack: 0.0,
         };
         let lower: Vec<f64> = self.lower.iter().copied().chain([0.0]).collect();
         let upper: Vec<f64> = self.upper.iter().copied().chain([2.0]).collect();
         let offset = vec![0.0; n + 1];
         let outcome = self.elastic.solve(&triangle, &offset, rows, &lower, &upper);
-        debug_assert!(!matches!(outcome, Outcome::Infeasible(_)), "{outcome:?}");
+        if outcome != Outcome::Solved {
+            self.relaxed.fill(0.0);
+            return (self.relax_rows(), Vec::new());
+        }
         let mut culprits: Vec<Held> = Vec::new();
         for (held, multiplier) in self.elastic.multipliers() {
             if multiplier < 1e-9 {
@@ -495,11 +615,18 @@ impl<'a> ConvexModel<'a> {
         }
         culprits.sort_unstable();
         culprits.dedup();
-        let d = &self.elastic.step()[..n];
+        self.relaxed.copy_from_slice(&self.elastic.step()[..n]);
+        (self.relax_rows(), culprits)
+    }
+
+    /// Relaxes the kept rows to what they are at the relaxed point. Returns the largest violation there.
+    fn relax_rows(&mut self) -> f64 {
+        let n = self.half.len();
+        let d = &self.relaxed;
         let mut remaining: f64 = 0.0;
         for (k, offset) in self.kept_offsets.iter_mut().enumerate() {
             let value = dot(&self.kept_normals[k * n..][..n], d) + *offset;
-            let excess = if k < self.equalities {
+            let excess = if k < self.kept_equalities {
                 value
             } else {
                 value.max(0.0)
@@ -507,7 +634,7 @@ impl<'a> ConvexModel<'a> {
             remaining = remaining.max(excess.abs());
             *offset -= excess + 1e-12 * excess.abs();
         }
-        (remaining, culprits)
+        remaining
     }
 
     /// The largest component of the step, in half ranges.
@@ -554,10 +681,95 @@ impl<'a> ConvexModel<'a> {
             left = left.max(sum.abs());
             size = size.max(most);
         }
-        // Against the largest slope the residuals could have, where they are nearly at right angles.
-        let steepest =
-            self.goal.largest_pivot() * self.goal.norm_after(&vec![0.0; n], &mut vec![0.0; n]);
-        left / size.max(steepest).max(f64::MIN_POSITIVE)
+        self.scale().residual(left, size)
+    }
+
+    /// The scale of the goal.
+    fn scale(&self) -> Scale {
+        Scale::new(Sizes {
+            residuals: self.residuals,
+            norm: self.norm,
+            pivot: self.goal.largest_pivot(),
+            longest: self.goal.longest_column(),
+            variables: self.half.len(),
+            resolution: RESOLUTION,
+        })
+    }
+
+    /// Improves the multipliers of the end of a run: where those of the last program do not balance the slope, those
+    /// that balance it best, over the gradients here and `beside`, are taken.
+    pub(super) fn settle_multipliers(&mut self, beside: &[Linearisation]) -> Settled {
+        let n = self.half.len();
+        let slope: Vec<f64> = (0..n).map(|j| self.goal.gradient(j)).collect();
+        let (mut pushes, mut of) = self.pushes();
+        let scale = self.scale();
+        let mut found = pushes.balance(&slope, scale);
+        if found.residual >= CONVERGED && !beside.is_empty() {
+            for k in 0..of.len() {
+                let Push::Row(row) = of[k] else { continue };
+                for side in beside {
+                    let entries = side.jacobian.row(row);
+                    let normal = entries.iter().zip(&self.half).map(|(a, half)| a * half);
+                    pushes.add(&normal.collect::<Vec<_>>(), row < self.equalities);
+                    of.push(Push::Row(row));
+                }
+            }
+            found = pushes.balance(&slope, scale);
+        }
+        let before = self.imbalance();
+        let mut rows = vec![0.0; self.offsets.len()];
+        for (push, multiplier) in of.iter().zip(&found.multipliers) {
+            if let Push::Row(row) = push {
+                rows[*row] += multiplier;
+            }
+        }
+        if before >= CONVERGED && found.residual < before {
+            self.clear_multipliers();
+            self.row_multipliers.copy_from_slice(&rows);
+            for (push, multiplier) in of.iter().zip(&found.multipliers) {
+                match push {
+                    Push::Row(_) => {}
+                    Push::Level(k) => self.level_multipliers[*k] = *multiplier,
+                    Push::Bound(j, sign) => self.bound_multipliers[*j] += sign * multiplier,
+                }
+            }
+        }
+        Settled {
+            residual: before.min(found.residual),
+            alternatives: (found.residual < CONVERGED).then_some(rows),
+        }
+    }
+
+    /// Gradients of all that binds, and of what each is.
+    fn pushes(&self) -> (Pushes, Vec<Push>) {
+        let n = self.half.len();
+        let (mut pushes, mut of) = (Pushes::default(), Vec::new());
+        for (row, value) in self.offsets.iter().enumerate() {
+            let is_equality = row < self.equalities;
+            if self.speaks[row] && (is_equality || *value >= -KEPT) {
+                pushes.add(&self.normals[row * n..][..n], is_equality);
+                of.push(Push::Row(row));
+            }
+        }
+        let (still, mut scratch) = (vec![0.0; n], vec![0.0; n]);
+        for (k, held) in self.held.iter().enumerate() {
+            if held.norm_after(&still, &mut scratch) >= (1.0 - BINDING_LEVEL) * self.levels[k] {
+                let gradient: Vec<f64> = (0..n).map(|j| held.gradient(j)).collect();
+                pushes.add(&gradient, false);
+                of.push(Push::Level(k));
+            }
+        }
+        for j in 0..n {
+            for (room, sign) in [(self.room_below[j], -1.0), (self.room_above[j], 1.0)] {
+                if room.abs() <= ON_BOUND {
+                    let mut normal = vec![0.0; n];
+                    normal[j] = sign;
+                    pushes.add(&normal, false);
+                    of.push(Push::Bound(j, sign));
+                }
+            }
+        }
+        (pushes, of)
     }
 
     /// Learns the curvature from an accepted step to `after`, under the multipliers of the last program.
@@ -599,116 +811,4 @@ impl<'a> ConvexModel<'a> {
             };
         }
     }
-}
-
-/// A symmetric rank-one estimate of the curvature that squares of linear models leave out.
-struct Curvature {
-    variables: usize,
-    /// S, column after column.
-    matrix: Vec<f64>,
-    /// Whether S is in use.
-    in_use: bool,
-}
-
-impl Curvature {
-    fn new(variables: usize) -> Self {
-        Curvature {
-            variables,
-            matrix: vec![0.0; variables * variables],
-            in_use: false,
-        }
-    }
-
-    fn image(&self, d: &[f64]) -> Vec<f64> {
-        let rows = self.matrix.chunks_exact(self.variables);
-        rows.map(|row| dot(row, d)).collect()
-    }
-
-    /// d . S d, where S is in use.
-    fn quadratic(&self, d: &[f64]) -> f64 {
-        match self.in_use {
-            true => dot(&self.image(d), d),
-            false => 0.0,
-        }
-    }
-
-    /// S d = y from now on, S changed by a matrix of rank one.
-    fn learn(&mut self, d: &[f64], y: &[f64]) {
-        let n = self.variables;
-        let image = self.image(d);
-        let off: Vec<f64> = y.iter().zip(&image).map(|(y, s)| y - s).collect();
-        let along = dot(&off, d);
-        if along.abs() <= 1e-8 * (dot(&off, &off) * dot(d, d)).sqrt() {
-            return;
-        }
-        for j in 0..n {
-            for i in 0..n {
-                self.matrix[j * n + i] += off[i] * off[j] / along;
-            }
-        }
-    }
-
-    /// Replaces R and q by those of R^T R + S, made positive definite by a shift, with the same slope.
-    ///
-    /// At a minimum under constraints R^T R + S need be positive along the rows that are held alone. Across them the
-    /// square of each, w (a.d + c)^2 / 2, is added: where the row is held it is nothing, and its multiplier stays. A
-    /// shift in its place would slow down every direction.
-    fn add_to(&mut self, held: &[(Vec<f64>, f64)], triangle: &mut [f64], offset: &mut [f64]) {
-        let n = self.variables;
-        self.in_use = true;
-        let columns: Vec<&[f64]> = triangle.chunks_exact(n).collect();
-        let mut slope: Vec<f64> = columns.iter().map(|column| dot(column, offset)).collect();
-        let mut square = vec![0.0; n * n];
-        for j in 0..n {
-            for i in 0..n {
-                square[j * n + i] = dot(columns[i], columns[j]) + self.matrix[j * n + i];
-            }
-        }
-        let trace = (0..n).fold(0.0, |most: f64, k| most.max(square[k * n + k].abs()));
-        for (normal, c) in held {
-            let weight = ACROSS * trace / dot(normal, normal).max(f64::MIN_POSITIVE);
-            for j in 0..n {
-                slope[j] += weight * c * normal[j];
-                for i in 0..n {
-                    square[j * n + i] += weight * normal[i] * normal[j];
-                }
-            }
-        }
-        let mut shift = 1e-13 * trace.max(f64::MIN_POSITIVE);
-        let factor = loop {
-            match cholesky(&square, n, shift) {
-                Some(factor) => break factor,
-                None => shift *= 10.0,
-            }
-        };
-        triangle.copy_from_slice(&factor);
-        // R^T q = slope.
-        for k in 0..n {
-            let column = &factor[k * n..];
-            offset[k] = (slope[k] - dot(&column[..k], &offset[..k])) / column[k];
-        }
-    }
-}
-
-/// R with R^T R = `square` + `shift`, column after column; `None` where that is not positive definite.
-fn cholesky(square: &[f64], n: usize, shift: f64) -> Option<Vec<f64>> {
-    let mut factor = vec![0.0; n * n];
-    for j in 0..n {
-        for i in 0..=j {
-            let (before, column) = factor.split_at(j * n);
-            let other = if i < j { &before[i * n..] } else { column };
-            let sum = square[j * n + i] - dot(&other[..i], &column[..i]);
-            factor[j * n + i] = match i < j {
-                true => sum / factor[i * n + i],
-                false => {
-                    let pivot = sum + shift;
-                    if pivot.is_nan() || pivot <= 0.1 * shift {
-                        return None;
-                    }
-                    pivot.sqrt()
-                }
-            };
-        }
-    }
-    Some(factor)
 }

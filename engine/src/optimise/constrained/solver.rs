@@ -5,6 +5,7 @@ use super::super::fit_record::{ArgminState, FitRecord, evaluations, execute, of}
 use super::super::{Bounds, Control, Infeasible, Iteration, Linearisation, Options, Termination};
 use super::filter::Filter;
 use super::model::{ConvexModel, Proposal};
+use super::movable::Movable;
 use super::{Assessment, Constrained};
 use argmin::core::{Error, KV, Problem, Solver, TerminationStatus};
 use nalgebra::DVector;
@@ -23,8 +24,16 @@ const WHOLE: f64 = 4.0;
 const ACCEPTABLE: f64 = 1e-4;
 const POOR: f64 = 0.25;
 const GOOD: f64 = 0.75;
+/// A refused trial this near, in half ranges, tells the slopes on the other side of a kink.
+const BESIDE: f64 = 1e-6;
+/// The most refused trials that are kept for that.
+const SIDES: usize = 4;
 /// Iterations after which the estimate of the curvature is put to use.
 const CURVED_FROM: u64 = 7;
+/// A step this short, in half ranges, is none: programs are solved to no more digits.
+pub(super) const RESOLUTION: f64 = 1e-12;
+/// The most trials of an iteration. Each is at most half as long as the one before.
+const TRIALS: usize = 60;
 /// A violation that the model cannot lower by more than this share of it does not shrink.
 const STUCK: f64 = 1e-4;
 
@@ -35,14 +44,19 @@ pub struct ConstrainedFit {
     pub x: DVector<f64>,
     /// Everything there.
     pub at: Assessment,
-    /// The largest violation there.
+    /// The largest violation there, of the rows that some variable moves.
     pub violation: f64,
+    /// Rows that some variable moves, wherever the run looked.
+    pub movable: Vec<bool>,
     /// The derivative of half the squared goal by each row's limit, negated: not negative but for rows
     /// that must vanish.
     pub multipliers: Vec<f64>,
     /// Likewise by half the square of each level.
     pub level_multipliers: Vec<f64>,
-    /// How far slopes and multipliers are from balance, relative to their sizes.
+    /// Other multipliers of the rows that are as good: gradients that depend on one another share the push out in any
+    /// way.
+    pub alternatives: Option<Vec<f64>>,
+    /// Residual of the optimality conditions: how far slopes and multipliers are from balance, relative to their sizes.
     pub imbalance: f64,
     /// Rows that exclude one another about x, where there are such.
     pub culprits: Vec<Held>,
@@ -80,12 +94,16 @@ pub fn constrained_fit(
     let solver = SequentialConvex {
         record: FitRecord::new(bounds, options, control, index),
         equalities: shape.equalities,
-        model: ConvexModel::new(bounds, shape.equalities, shape.rows, &levels),
+        model: ConvexModel::new(bounds, &shape),
+        limits: problem.row_limits(),
+        movable: None,
         levels,
         current: Assessment::new(&shape),
         trial: Assessment::new(&shape),
         trial_x: DVector::zeros(n),
-        filter: Filter::new(0.0),
+        beside: Vec::new(),
+        gone: 0.0,
+        filter: Filter::new(0.0, f64::INFINITY),
         radius: FIRST_RADIUS,
         culprits: Vec::new(),
     };
@@ -97,10 +115,17 @@ struct SequentialConvex<'a> {
     record: FitRecord<'a>,
     equalities: usize,
     levels: Vec<f64>,
+    /// Limits of the rows, and which rows take part once a run has begun.
+    limits: Vec<f64>,
+    movable: Option<Movable>,
     model: ConvexModel<'a>,
     current: Assessment,
     trial: Assessment,
     trial_x: DVector<f64>,
+    /// Rows at the latest refused trials near the current point: on other sides of a kink, if there is one.
+    beside: Vec<Linearisation>,
+    /// Way gone since the first of them, in half ranges.
+    gone: f64,
     filter: Filter,
     radius: f64,
     culprits: Vec<Held>,
@@ -111,11 +136,21 @@ impl SequentialConvex<'_> {
         let x = state.param.expect("the state was given its start");
         // Multipliers of the end itself, not of the step that led there.
         self.model.solve(WHOLE, false);
-        let imbalance = self.model.imbalance();
+        let settled = self.model.settle_multipliers(&self.beside);
+        let imbalance = settled.residual;
         let [rows, levels] = self.model.multipliers().map(<[f64]>::to_vec);
-        let (termination, history) = self.record.finished();
+        let violation = self.pair(&self.current)[1];
+        // Where rows are violated there is no minimum, however well multipliers balance.
+        let checked = if violation <= KEPT {
+            imbalance
+        } else {
+            f64::INFINITY
+        };
+        let (termination, history) = self.record.finished(checked);
         ConstrainedFit {
-            violation: self.current.violation(self.equalities, &self.levels),
+            violation,
+            movable: self.movable.map_or(Vec::new(), Movable::into_taking_part),
+            alternatives: settled.alternatives,
             multipliers: rows,
             level_multipliers: levels,
             imbalance,
@@ -134,17 +169,54 @@ impl SequentialConvex<'_> {
 
     /// Goal and violation of a point.
     fn pair(&self, of: &Assessment) -> [f64; 2] {
-        [of.goal.cost(), of.violation(self.equalities, &self.levels)]
+        let counts = |row| self.takes_part(row);
+        let violation = of.violation_of(self.equalities, &self.levels, counts);
+        [of.goal.cost(), violation]
     }
 
-    fn evaluate_trial(&mut self, problem: &mut impl Constrained) -> Result<(), Infeasible> {
+    /// Whether some variable moves a row, as far as is known.
+    fn takes_part(&self, row: usize) -> bool {
+        self.movable.as_ref().is_none_or(|m| m.takes_part(row))
+    }
+
+    /// Evaluates the trial, and looks there for rows that move. Returns whether there are new ones.
+    fn evaluate_trial(&mut self, problem: &mut impl Constrained) -> Result<bool, Infeasible> {
         problem.assess(&self.trial_x, &mut self.trial)?;
-        self.trial.check()
+        self.trial.check()?;
+        let (rows, bounds) = (&self.trial.rows, self.record.bounds);
+        Ok(self.movable.as_mut().is_some_and(|m| m.look(rows, bounds)))
+    }
+
+    /// Takes rows into account that were not known to move: the filter begins anew, as violations are others now.
+    fn count_new_rows(&mut self, x: &DVector<f64>) {
+        self.rebuild_model(x);
+        let [_, violation] = self.pair(&self.current);
+        self.filter = Filter::new(violation, self.record.options.violation_below);
+    }
+
+    /// Keeps the rows of the refused trial if it is near; the oldest make room.
+    fn keep_beside(&mut self, length: f64) {
+        if length <= BESIDE {
+            if self.beside.len() == SIDES {
+                self.beside.remove(0);
+            }
+            self.beside.push(self.trial.rows.clone());
+        }
+    }
+
+    /// Forgets refused trials after a step of this length that leads away from them.
+    fn leave_beside(&mut self, length: f64) {
+        self.gone += length;
+        if self.gone > BESIDE {
+            self.beside.clear();
+            self.gone = 0.0;
+        }
     }
 
     /// Prepares the model at the current point.
     fn rebuild_model(&mut self, x: &DVector<f64>) {
-        self.model.build(x, &self.current);
+        let movable = self.movable.as_ref();
+        self.model.build(x, &self.current, movable);
         let [_, violation] = self.pair(&self.current);
         if self.current.goal.misfit() <= self.record.options.misfit_below && violation <= KEPT {
             self.record.end(Termination::MisfitReached);
@@ -182,9 +254,11 @@ impl<P: Constrained> Solver<P, ArgminState> for SequentialConvex<'_> {
         let x = state.param.as_ref().expect("the state was given its start");
         problem.assess(x, &mut self.current)?;
         self.current.check()?;
+        let (rows, bounds) = (&self.current.rows, self.record.bounds);
+        self.movable = Some(Movable::new(&self.limits, rows, bounds));
         self.rebuild_model(x);
         let [cost, violation] = self.pair(&self.current);
-        self.filter = Filter::new(violation);
+        self.filter = Filter::new(violation, self.record.options.violation_below);
         self.record.add(x, Iteration::at(self.reported()));
         Ok((state.cost(cost), None))
     }
@@ -196,12 +270,13 @@ impl<P: Constrained> Solver<P, ArgminState> for SequentialConvex<'_> {
     ) -> Result<(ArgminState, Option<KV>), Error> {
         let problem = of(problem);
         let mut x = state.take_param().expect("the state was given its start");
-        let from = self.pair(&self.current);
+        let mut from = self.pair(&self.current);
         let curved = state.iter >= CURVED_FROM;
         let negligible = self.record.options.reduction_below * NEGLIGIBLE * from[0];
         let (mut evaluations, mut infeasible) = (0, 0);
         let mut obstacle = None;
         let mut step = 0.0;
+        let mut trials = 0;
         loop {
             let proposal = self.model.solve(self.radius, curved);
             let length = self.model.largest_component();
@@ -217,7 +292,10 @@ impl<P: Constrained> Solver<P, ArgminState> for SequentialConvex<'_> {
                 self.record.end(Termination::ConstraintsExcludeEachOther);
                 break;
             }
-            let is_still = length <= self.record.options.step_below.max(1e-12);
+            // Rounding may keep the radius from falling: then the step is as short as it gets.
+            trials += 1;
+            let is_still =
+                length <= self.record.options.step_below.max(RESOLUTION) || trials > TRIALS;
             let is_balanced = proposal == Proposal::Optimal
                 && from[1] <= KEPT
                 && length < self.radius
@@ -234,13 +312,24 @@ impl<P: Constrained> Solver<P, ArgminState> for SequentialConvex<'_> {
                 self.record.end(Termination::NoFurtherDescent);
                 break;
             }
+            if !self.record.may_evaluate() {
+                break;
+            }
             self.model.step_from(&x, &mut self.trial_x);
             evaluations += 1;
-            if let Err(reason) = self.evaluate_trial(problem) {
-                infeasible += 1;
-                obstacle = Some(reason);
-                self.radius = 0.3 * length;
-                continue;
+            match self.evaluate_trial(problem) {
+                Ok(false) => {}
+                Ok(true) => {
+                    self.count_new_rows(&x);
+                    from = self.pair(&self.current);
+                    continue;
+                }
+                Err(reason) => {
+                    infeasible += 1;
+                    obstacle = Some(reason);
+                    self.radius = 0.3 * length;
+                    continue;
+                }
             }
             let mut accepted = self.is_better(from, predicted);
             if is_balanced && obstacle.is_none() {
@@ -252,16 +341,28 @@ impl<P: Constrained> Solver<P, ArgminState> for SequentialConvex<'_> {
             if !accepted && self.pair(&self.trial)[1] > from[1].max(KEPT) {
                 // Curvature of the rows is in the way.
                 let corrected = self.model.solve_corrected(&self.trial, curved);
-                if corrected == Proposal::Optimal && self.model.largest_component() > 0.0 {
+                if corrected == Proposal::Optimal
+                    && self.model.largest_component() > 0.0
+                    && self.record.may_evaluate()
+                {
                     self.model.step_from(&x, &mut self.trial_x);
                     evaluations += 1;
                     match self.evaluate_trial(problem) {
-                        Ok(()) => accepted = self.is_better(from, predicted),
+                        Ok(false) => accepted = self.is_better(from, predicted),
+                        Ok(true) => {
+                            self.count_new_rows(&x);
+                            from = self.pair(&self.current);
+                            continue;
+                        }
                         Err(_) => infeasible += 1,
                     }
                 }
             }
+            if self.record.has_ended() && !accepted {
+                break;
+            }
             if !accepted {
+                self.keep_beside(length);
                 self.radius = (0.3 * length).min(0.5 * self.radius);
                 continue;
             }
@@ -279,6 +380,7 @@ impl<P: Constrained> Solver<P, ArgminState> for SequentialConvex<'_> {
             self.model.learn(&self.current, &self.trial);
             std::mem::swap(&mut x, &mut self.trial_x);
             std::mem::swap(&mut self.current, &mut self.trial);
+            self.leave_beside(length);
             self.rebuild_model(&x);
             break;
         }

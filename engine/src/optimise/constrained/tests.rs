@@ -218,3 +218,145 @@ fn curvature_is_learnt_where_residuals_are_large() {
     assert!((sum - 85_822.2).abs() < 0.1, "{sum} {}", fit.termination);
     assert!(fit.evaluations() < 60, "{}", fit.evaluations());
 }
+
+/// Rosenbrock's valley in a disc, with rows that nothing moves, at their limits and beyond, as rounding leaves them.
+fn beside_still_rows(noise: f64, missed: f64, equalities: usize) -> ConstrainedFit {
+    let at = move |x: &[f64]| {
+        let goal = vec![
+            (10.0 * (x[1] - x[0] * x[0]), vec![-20.0 * x[0], 10.0]),
+            (1.0 - x[0], vec![-1.0, 0.0]),
+        ];
+        let disc = x[0] * x[0] + x[1] * x[1] - 1.0;
+        let still = (noise, vec![noise, -noise]);
+        let far = (missed, vec![0.0, noise]);
+        let rows = vec![
+            still.clone(),
+            still,
+            far,
+            (disc, vec![2.0 * x[0], 2.0 * x[1]]),
+        ];
+        [goal, vec![], rows]
+    };
+    let ranges = [[-3.0, 3.0]; 2];
+    solve(&[-1.2, 1.0], &ranges, equalities, f64::INFINITY, at)
+}
+
+/// Rows that nothing moves change neither the minimum nor its multipliers, whatever rounding makes of them.
+#[test]
+fn rows_that_stand_still_change_nothing() {
+    for noise in [0.0, 1e-300, 1e-17, -1e-17, 1e-13] {
+        for missed in [-1.0, 0.0, noise, 5.0] {
+            for equalities in [0, 2, 3] {
+                let fit = beside_still_rows(noise, missed, equalities);
+                near(&fit.x, &[0.786_415_154_172, 0.617_698_316_529], 1e-8);
+                assert!(
+                    fit.is_feasible() && fit.termination.at_minimum(),
+                    "{}",
+                    fit.termination
+                );
+                assert!(fit.imbalance < 1e-6, "{noise} {missed}: {}", fit.imbalance);
+                assert_eq!(fit.multipliers[..3], [0.0; 3]);
+                assert!(fit.multipliers[3] > 0.0);
+                assert_eq!(fit.movable, [false, false, false, true]);
+                assert!(fit.evaluations() < 60);
+            }
+        }
+    }
+}
+
+/// A row whose slope vanishes where the run begins, and that binds elsewhere, is not lost.
+#[test]
+fn a_row_that_begins_to_move_is_counted() {
+    // x1^2 <= 1/4 from x1 = 0; the goal wants x = (1, 2).
+    let at = |x: &[f64]| {
+        let goal = vec![(x[0] - 1.0, vec![1.0, 0.0]), (x[1] - 2.0, vec![0.0, 1.0])];
+        let row = (x[1] * x[1] - 0.25, vec![0.0, 2.0 * x[1]]);
+        [goal, vec![], vec![row]]
+    };
+    let fit = solve(&[0.0, 0.0], &[[-3.0, 3.0]; 2], 0, f64::INFINITY, at);
+    near(&fit.x, &[1.0, 0.5], 1e-7);
+    assert!(
+        fit.is_feasible() && fit.termination.at_minimum(),
+        "{}",
+        fit.termination
+    );
+    assert!(
+        (fit.multipliers[0] - 1.5).abs() < 1e-5,
+        "{:?}",
+        fit.multipliers
+    );
+}
+
+/// The same row three times: the minimum is found, and other multipliers are as good.
+#[test]
+fn multipliers_of_equal_rows_are_known_to_be_open() {
+    for wobble in [0.0, 1e-16, 1e-13] {
+        let at = move |x: &[f64]| {
+            let goal = vec![(x[0] - 1.0, vec![1.0, 0.0]), (x[1] - 2.0, vec![0.0, 1.0])];
+            let row = |k: f64| (x[0] + x[1] - 1.0 + k * wobble, vec![1.0 + k * wobble, 1.0]);
+            [goal, vec![], vec![row(0.0), row(1.0), row(-1.0)]]
+        };
+        let fit = solve(&[0.0, 0.0], &[[-3.0, 3.0]; 2], 0, f64::INFINITY, at);
+        near(&fit.x, &[0.0, 1.0], 1e-7);
+        assert!(
+            fit.termination.at_minimum() && fit.imbalance < 1e-6,
+            "{wobble}: {} {}",
+            fit.termination,
+            fit.imbalance
+        );
+        let sum: f64 = fit.multipliers.iter().sum();
+        assert!((sum - 1.0).abs() < 1e-6, "{:?}", fit.multipliers);
+        let other = fit.alternatives.unwrap();
+        assert!((other.iter().sum::<f64>() - 1.0).abs() < 1e-6, "{other:?}");
+        let apart = fit
+            .multipliers
+            .iter()
+            .zip(&other)
+            .map(|(a, b)| (a - b).abs());
+        assert!(apart.fold(0.0, f64::max) > 0.1, "{other:?}");
+    }
+}
+
+/// A request to stop is heard at the next evaluation, and a budget is kept, in trials that are refused, too.
+#[test]
+fn evaluations_end_at_a_request_and_at_their_budget() {
+    use std::cell::Cell;
+    use std::sync::atomic::{AtomicBool, Ordering};
+    for stop_at in [1, 2, 5, 9] {
+        for by_flag in [true, false] {
+            let (flag, count) = (AtomicBool::new(false), Cell::new(0_u64));
+            let at = |x: &[f64]| {
+                count.set(count.get() + 1);
+                // One look for the shape.
+                if by_flag && count.get() == stop_at + 1 {
+                    flag.store(true, Ordering::Relaxed);
+                }
+                let goal = vec![
+                    (100.0 * (x[1] - x[0] * x[0]), vec![-200.0 * x[0], 100.0]),
+                    (1.0 - x[0], vec![-1.0, 0.0]),
+                ];
+                let disc = x[0] * x[0] + x[1] * x[1] - 1.0;
+                [goal, vec![], vec![(disc, vec![2.0 * x[0], 2.0 * x[1]])]]
+            };
+            let problem = stated(&[-1.2, 1.0], 0, f64::INFINITY, at);
+            let bounds = Bounds::new(&[[-3.0, 3.0]; 2]).unwrap();
+            let options = Options {
+                max_evaluations: if by_flag { 2000 } else { stop_at - 1 },
+                ..Options::default()
+            };
+            let control = Control {
+                interrupt: Some(&flag),
+                watch: None,
+            };
+            let start = DVector::from_column_slice(&[-1.2, 1.0]);
+            let fit = constrained_fit(0, problem, &bounds, &start, &options, control).unwrap();
+            assert_eq!(count.get(), stop_at + 1);
+            assert_eq!(fit.evaluations(), stop_at);
+            let wanted = match by_flag {
+                true => Termination::Interrupted,
+                false => Termination::EvaluationLimit,
+            };
+            assert_eq!(fit.termination, wanted);
+        }
+    }
+}

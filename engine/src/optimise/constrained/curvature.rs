@@ -1,0 +1,137 @@
+//! The curvature that squares of linear models leave out, estimated from steps.
+
+use super::super::qr::dot;
+
+/// How stiff a program with curvature is across the rows that it holds, in largest diagonals.
+const ACROSS: f64 = 4.0;
+/// The most shifts that make a matrix positive definite, each ten times the one before.
+const SHIFTS: usize = 40;
+
+/// A symmetric rank-one estimate of the curvature that squares of linear models leave out.
+pub(super) struct Curvature {
+    variables: usize,
+    /// S, column after column.
+    matrix: Vec<f64>,
+    /// Whether S is in use.
+    in_use: bool,
+}
+
+impl Curvature {
+    pub(super) fn new(variables: usize) -> Self {
+        Curvature {
+            variables,
+            matrix: vec![0.0; variables * variables],
+            in_use: false,
+        }
+    }
+
+    fn image(&self, d: &[f64]) -> Vec<f64> {
+        let rows = self.matrix.chunks_exact(self.variables);
+        rows.map(|row| dot(row, d)).collect()
+    }
+
+    /// d . S d, where S is in use.
+    pub(super) fn quadratic(&self, d: &[f64]) -> f64 {
+        match self.in_use {
+            true => dot(&self.image(d), d),
+            false => 0.0,
+        }
+    }
+
+    /// S d = y from now on, S changed by a matrix of rank one.
+    pub(super) fn learn(&mut self, d: &[f64], y: &[f64]) {
+        let n = self.variables;
+        let image = self.image(d);
+        let off: Vec<f64> = y.iter().zip(&image).map(|(y, s)| y - s).collect();
+        let along = dot(&off, d);
+        let size = (dot(&off, &off) * dot(d, d)).sqrt();
+        // Also where something is not a number.
+        let is_sound = along.is_finite() && along.abs() > 1e-8 * size;
+        if !is_sound {
+            return;
+        }
+        for j in 0..n {
+            for i in 0..n {
+                self.matrix[j * n + i] += off[i] * off[j] / along;
+            }
+        }
+    }
+
+    /// Replaces R and q by those of R^T R + S, made positive definite by a shift, with the same slope.
+    ///
+    /// At a minimum under constraints R^T R + S need be positive along the rows that are held alone. Across them the
+    /// square of each, w (a.d + c)^2 / 2, is added: where the row is held it is nothing, and its multiplier stays. A
+    /// shift in its place would slow down every direction.
+    pub(super) fn add_to(
+        &mut self,
+        held: &[(Vec<f64>, f64)],
+        triangle: &mut [f64],
+        offset: &mut [f64],
+    ) {
+        let n = self.variables;
+        self.in_use = true;
+        let columns: Vec<&[f64]> = triangle.chunks_exact(n).collect();
+        let mut slope: Vec<f64> = columns.iter().map(|column| dot(column, offset)).collect();
+        let mut square = vec![0.0; n * n];
+        for j in 0..n {
+            for i in 0..n {
+                square[j * n + i] = dot(columns[i], columns[j]) + self.matrix[j * n + i];
+            }
+        }
+        let trace = (0..n).fold(0.0, |most: f64, k| most.max(square[k * n + k].abs()));
+        for (normal, c) in held {
+            let square_of_normal = dot(normal, normal);
+            if square_of_normal < f64::MIN_POSITIVE {
+                continue;
+            }
+            let weight = ACROSS * trace / square_of_normal;
+            for j in 0..n {
+                slope[j] += weight * c * normal[j];
+                for i in 0..n {
+                    square[j * n + i] += weight * normal[i] * normal[j];
+                }
+            }
+        }
+        let mut shift = 1e-13 * trace.max(f64::MIN_POSITIVE);
+        let mut shifts = std::iter::repeat_with(|| {
+            let by = shift;
+            shift *= 10.0;
+            by
+        });
+        let mut shifts = shifts.by_ref().take(SHIFTS);
+        // Not a number never becomes positive: then the curvature is left out.
+        let Some(factor) = shifts.find_map(|by| cholesky(&square, n, by)) else {
+            self.in_use = false;
+            return;
+        };
+        triangle.copy_from_slice(&factor);
+        // R^T q = slope.
+        for k in 0..n {
+            let column = &factor[k * n..];
+            offset[k] = (slope[k] - dot(&column[..k], &offset[..k])) / column[k];
+        }
+    }
+}
+
+/// R with R^T R = `square` + `shift`, column after column; `None` where that is not positive definite.
+fn cholesky(square: &[f64], n: usize, shift: f64) -> Option<Vec<f64>> {
+    let mut factor = vec![0.0; n * n];
+    for j in 0..n {
+        for i in 0..=j {
+            let (before, column) = factor.split_at(j * n);
+            let other = if i < j { &before[i * n..] } else { column };
+            let sum = square[j * n + i] - dot(&other[..i], &column[..i]);
+            factor[j * n + i] = match i < j {
+                true => sum / factor[i * n + i],
+                false => {
+                    let pivot = sum + shift;
+                    if pivot.is_nan() || pivot <= 0.1 * shift {
+                        return None;
+                    }
+                    pivot.sqrt()
+                }
+            };
+        }
+    }
+    Some(factor)
+}

@@ -1,0 +1,91 @@
+//! Rows that some variable moves, and rows that none does.
+//!
+//! A row without a slope says nothing about steps: if it is kept it is kept whatever they are, and if it is violated no
+//! step mends it. Its gradient is not exactly zero, though: it is the rounding of its computation, and a program that
+//! takes it for a gradient divides by it. A row *stands still* at a point where a move of all variables across their
+//! ranges changes it, to first order, by no more than its rounding,
+//!
+//! ```text
+//! sum_j |a_j| width_j <= max(1e-9, 256 e (|value| + 2 |limit|)),     e: the machine precision            (1)
+//! ```
+//!
+//! Rows are in units that anybody sees, a millimetre or a degree, and come from coordinates of up to ten thousand of
+//! them by some hundreds of operations: 1e-9, a hundredth of what counts as kept, is their rounding. The second term
+//! is that of values larger than that.
+//!
+//! A row that stands still where a run begins may move elsewhere. So it is looked at again at every evaluation, also of
+//! trials that are refused, and takes part from the first at which it moves, or at which its value differs by more than
+//! (1). The violation of a run is that of the rows that take part. Rows that never do are left to the caller, who names
+//! those that are violated.
+
+use super::super::{Bounds, Linearisation};
+
+/// Rounding of a row, in its unit.
+const ROUNDING: f64 = 1e-9;
+/// Rounding of a row, relative to its value.
+const RELATIVE_ROUNDING: f64 = 256.0 * f64::EPSILON;
+
+/// Which rows take part in a run.
+#[derive(Clone, Debug)]
+pub(super) struct Movable {
+    /// Rounding of each row by (1).
+    rounding: Vec<f64>,
+    takes_part: Vec<bool>,
+    /// Values at the start.
+    first: Vec<f64>,
+    standing: usize,
+}
+
+impl Movable {
+    /// The rows of a problem with these limits, looked at where a run begins.
+    pub(super) fn new(limits: &[f64], start: &Linearisation, bounds: &Bounds) -> Self {
+        let values = start.residuals.iter().zip(limits);
+        let rounding = values.map(|(value, limit)| {
+            ROUNDING.max(RELATIVE_ROUNDING * (value.abs() + 2.0 * limit.abs()))
+        });
+        let mut movable = Movable {
+            rounding: rounding.collect(),
+            takes_part: vec![false; limits.len()],
+            first: start.residuals.as_slice().to_vec(),
+            standing: limits.len(),
+        };
+        movable.look(start, bounds);
+        movable
+    }
+
+    /// Looks at the rows at another point. Returns whether more of them take part than before.
+    pub(super) fn look(&mut self, at: &Linearisation, bounds: &Bounds) -> bool {
+        if self.standing == 0 {
+            return false;
+        }
+        let before = self.standing;
+        for row in 0..self.takes_part.len() {
+            if self.takes_part[row] {
+                continue;
+            }
+            let changed = (at.residuals[row] - self.first[row]).abs() > self.rounding[row];
+            if changed || self.moves_at(row, at, bounds) {
+                self.takes_part[row] = true;
+                self.standing -= 1;
+            }
+        }
+        self.standing < before
+    }
+
+    /// Whether a row takes part.
+    pub(super) fn takes_part(&self, row: usize) -> bool {
+        self.takes_part[row]
+    }
+
+    /// Whether some variable moves a row at a point.
+    pub(super) fn moves_at(&self, row: usize, at: &Linearisation, bounds: &Bounds) -> bool {
+        let slopes = at.jacobian.row(row);
+        let slopes = slopes.iter().zip(bounds.width().iter());
+        slopes.map(|(a, width)| (a * width).abs()).sum::<f64>() > self.rounding[row]
+    }
+
+    /// The rows that take part, one by one.
+    pub(super) fn into_taking_part(self) -> Vec<bool> {
+        self.takes_part
+    }
+}

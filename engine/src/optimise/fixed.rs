@@ -1,0 +1,140 @@
+//! Residuals that no variable moves, held out of a tuning.
+//!
+//! A target that nothing moves adds a constant to the squared misfit. If it is missed by far, that constant hides the
+//! other targets: a run that stops where the misfit falls by a small share of itself stops too early, and designs a
+//! hundredth worse than the best may miss everything else. So such a residual counts as zero while a tuning runs and is
+//! put back afterwards, when the target is named.
+//!
+//! A residual stands still where a move across the range of any variable changes it by less than [`UNMOVED`]. It is
+//! looked at where the tuning begins and at every evaluation; if one moves after all, the tuning is run again with it.
+//! Only residuals that miss by more than a tolerance are held out: smaller ones hide nothing. So bands stay in, which pull
+//! nothing from within and count once they are left.
+
+use super::constrained::{Assessment, Constrained, Shape};
+use super::{Bounds, Fit, Infeasible, LeastSquares, Linearisation, Termination};
+use nalgebra::DVector;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// A residual that a move across the range of any variable changes by less than this (in tolerances) stands still: it is
+/// the rounding of curves that are some thousand tolerances high, a thousand times amplified.
+pub(super) const UNMOVED: f64 = 1e-9;
+
+/// A residual above this, in tolerances, is missed.
+const MISSED: f64 = 1.0;
+
+/// Whether a move across the range of some variable changes a residual.
+pub(super) fn moves(at: &Linearisation, row: usize, bounds: &Bounds) -> bool {
+    let entries = at.jacobian.row(row);
+    let mut entries = entries.iter().zip(bounds.width().iter());
+    entries.any(|(j, width)| (j * width).abs() > UNMOVED)
+}
+
+/// Residuals that are missed and that no variable moves.
+#[derive(Debug, Default)]
+pub(super) struct FixedRows {
+    /// Row, value, and whether it was seen to move.
+    rows: Vec<(usize, f64, AtomicBool)>,
+}
+
+impl FixedRows {
+    /// The rows that stand still at a point.
+    pub(super) fn at(at: &Linearisation, bounds: &Bounds) -> Self {
+        let rows = at.residuals.iter().enumerate();
+        let rows = rows.filter(|(row, value)| value.abs() > MISSED && !moves(at, *row, bounds));
+        let rows = rows.map(|(row, value)| (row, *value, AtomicBool::new(false)));
+        FixedRows {
+            rows: rows.collect(),
+        }
+    }
+
+    pub(super) fn is_empty(&self) -> bool {
+        self.rows.is_empty()
+    }
+
+    /// Sum of their squares.
+    pub(super) fn square(&self) -> f64 {
+        self.rows.iter().map(|(_, value, _)| value * value).sum()
+    }
+
+    /// Those that were never seen to move; `None` if these are all.
+    pub(super) fn without_moved(&self) -> Option<Self> {
+        let has_moved = |moved: &AtomicBool| moved.load(Ordering::Relaxed);
+        if !self.rows.iter().any(|(.., moved)| has_moved(moved)) {
+            return None;
+        }
+        let rows = self.rows.iter().filter(|(.., moved)| !has_moved(moved));
+        let rows = rows.map(|(row, value, _)| (*row, *value, AtomicBool::new(false)));
+        Some(FixedRows {
+            rows: rows.collect(),
+        })
+    }
+
+    /// Sets the residuals to zero, and notes those that move.
+    fn take_out(&self, at: &mut Linearisation, bounds: &Bounds) {
+        for (row, _, moved) in &self.rows {
+            if moves(at, *row, bounds) {
+                moved.store(true, Ordering::Relaxed);
+            }
+            at.residuals[*row] = 0.0;
+            at.jacobian.row_mut(*row).fill(0.0);
+        }
+    }
+
+    /// Puts the residuals back into a fit.
+    pub(super) fn put_back(&self, fit: &mut Fit) {
+        if self.is_empty() {
+            return;
+        }
+        let square = self.square();
+        for (row, value, _) in &self.rows {
+            fit.evaluation.residuals[*row] = *value;
+        }
+        let count = fit.evaluation.residuals.len() as f64;
+        for iteration in &mut fit.history {
+            iteration.cost += 0.5 * square;
+            iteration.misfit = (2.0 * iteration.cost / count).sqrt();
+        }
+        if fit.termination == Termination::MisfitReached {
+            fit.termination = Termination::MovedTargetsMet;
+        }
+    }
+}
+
+/// A problem without the residuals that no variable moves.
+pub(super) struct Without<'a, P> {
+    pub problem: P,
+    pub fixed: &'a FixedRows,
+    pub bounds: &'a Bounds,
+}
+
+impl<P: LeastSquares> LeastSquares for Without<'_, P> {
+    fn variables(&self) -> usize {
+        self.problem.variables()
+    }
+
+    fn residuals(&self) -> usize {
+        self.problem.residuals()
+    }
+
+    fn evaluate(&mut self, x: &DVector<f64>, into: &mut Linearisation) -> Result<(), Infeasible> {
+        self.problem.evaluate(x, into)?;
+        self.fixed.take_out(into, self.bounds);
+        Ok(())
+    }
+}
+
+impl<P: Constrained> Constrained for Without<'_, P> {
+    fn shape(&self) -> Shape {
+        self.problem.shape()
+    }
+
+    fn row_limits(&self) -> Vec<f64> {
+        self.problem.row_limits()
+    }
+
+    fn assess(&mut self, x: &DVector<f64>, into: &mut Assessment) -> Result<(), Infeasible> {
+        self.problem.assess(x, into)?;
+        self.fixed.take_out(&mut into.goal, self.bounds);
+        Ok(())
+    }
+}

@@ -1,0 +1,263 @@
+//! The way back from a good design towards the study's own.
+//!
+//! From where the misfit was lowered to, the distance from the design is lowered while the misfit stays below a level
+//! m and the constraints are kept. One run from there usually converges. If it ends infeasible, with an error or at a
+//! budget, more runs are made: on from its end, if that is feasible; along a ladder of levels between the misfit that was found and m, each rung from the end of
+//! the one before, and from the study's own design. Steps that would exceed the level by far are refused on all but the
+//! last.
+//! An answer for a lower level serves the higher one, so the nearest of all answers is taken. If no run for m converged,
+//! the design is not known to be the nearest, and the termination says so.
+
+use super::constrained::{Assessment, Constrained, ConstrainedFit, KEPT, constrained_fit};
+use super::fixed::{FixedRows, Without};
+use super::trade::{Aim, Distance, Trade};
+use super::tune::Tuner;
+use super::{Fit, Iteration, Linearisation, Options, Termination};
+use nalgebra::DVector;
+
+/// Moves shorter than this share of the range do not count as moves.
+const NO_MOVE: f64 = 1e-9;
+/// Rungs of the ladder, as shares of the way from the misfit that was found to the level.
+const RUNGS: [f64; 4] = [0.25, 0.5, 0.75, 1.0];
+/// Share of the level by which a step may exceed it: farther steps lead into other valleys.
+const NEAR_LEVEL: f64 = 0.2;
+/// Shares of [`Options::max_evaluations`] that all runs, the first, and each of the others may take.
+const ALL_RUNS: f64 = 0.04;
+const FIRST_RUN: f64 = 0.02;
+const OTHER_RUNS: f64 = 0.01;
+/// Shorter by less than this share is as near.
+const AS_NEAR: f64 = 1e-9;
+
+/// Destination of a way back.
+#[derive(Clone, Copy)]
+pub(super) struct Level<'l> {
+    pub misfit: f64,
+    /// Whether designs at the level are good enough; otherwise they are as good as the best.
+    pub is_good_enough: bool,
+    pub fixed: &'l FixedRows,
+    pub options: &'l Options,
+}
+
+/// Runs of a way back.
+struct Search<'s, 'a> {
+    tuner: &'s Tuner<'a>,
+    index: usize,
+    level: Level<'s>,
+    distance: Distance<'s>,
+    history: Vec<Iteration>,
+    /// The nearest design found that keeps the level and the constraints, and whether it is known to be the nearest.
+    best: Option<(f64, ConstrainedFit, bool)>,
+    /// Why the last run ended.
+    ended: Option<Termination>,
+    /// Evaluations left.
+    left: u64,
+}
+
+impl Search<'_, '_> {
+    /// Makes a run at a misfit. Returns where it ended, if it keeps the misfit and the constraints there.
+    fn run(
+        &mut self,
+        from: &DVector<f64>,
+        misfit: f64,
+        known: Option<&Linearisation>,
+        options: &Options,
+    ) -> Option<DVector<f64>> {
+        let tuner = self.tuner;
+        let options = Options {
+            max_evaluations: options.max_evaluations.min(self.left),
+            ..options.clone()
+        };
+        if self.left == 0 {
+            return None;
+        }
+        let problem = Without {
+            problem: tuner.problem(),
+            fixed: self.level.fixed,
+            bounds: &tuner.bounds,
+        };
+        let (all, movement) = (tuner.all_targets(), Aim::movement());
+        let mut near = Trade::new(problem, &self.distance, &movement, vec![(&all, misfit)]);
+        if let Some(known) = known {
+            near = near.knowing(from, known);
+        }
+        let found = constrained_fit(
+            self.index,
+            near,
+            &tuner.bounds,
+            from,
+            &options,
+            tuner.control,
+        );
+        // The start is evaluated even if nothing else is.
+        self.left -= 1;
+        let mut found = found.ok()?;
+        self.left = self.left.saturating_sub(found.evaluations() - 1);
+        if known.is_some()
+            && let Some(first) = found.history.first_mut()
+        {
+            first.evaluations = 0;
+        }
+        self.history.append(&mut found.history);
+        self.ended = Some(found.termination.clone());
+        if !found.is_feasible() {
+            return None;
+        }
+        let is_known = found.termination.at_minimum() && misfit >= self.level.misfit;
+        let (distance, x) = (self.distance.of(&found.x), found.x.clone());
+        let is_better = self.best.as_ref().is_none_or(|(least, _, was_known)| {
+            let as_near = distance <= least * (1.0 + AS_NEAR);
+            distance < least * (1.0 - AS_NEAR) || (as_near && is_known && !was_known)
+        });
+        if is_better {
+            self.best = Some((distance, found, is_known));
+        }
+        Some(x)
+    }
+
+    /// Whether the nearest design is known, or the search has to stop.
+    fn is_over(&self, most: f64) -> bool {
+        let near = self.best.as_ref();
+        near.is_some_and(|(distance, _, known)| *known && *distance <= most * (1.0 + AS_NEAR))
+            || self.ended == Some(Termination::Interrupted)
+            || self.left == 0
+    }
+
+    /// Options of a run that takes up to a share of the evaluations.
+    fn options(&self, share: f64, violation_below: f64) -> Options {
+        let all = self.level.options.max_evaluations as f64;
+        Options {
+            violation_below,
+            max_evaluations: (share * all) as u64,
+            ..self.level.options.clone()
+        }
+    }
+
+    /// Tries other ways than the first one from `x`, where the misfit is `misfit`.
+    fn try_again(&mut self, x: &DVector<f64>, misfit: f64, most: f64) {
+        let level = self.level.misfit;
+        let near = self.options(OTHER_RUNS, NEAR_LEVEL * level);
+        if let Some((_, found, _)) = &self.best {
+            let from = found.x.clone();
+            self.run(&from, level, None, &near);
+        }
+        let mut from = x.clone();
+        for share in RUNGS {
+            if self.is_over(most) {
+                return;
+            }
+            let rung = match share {
+                1.0 => level,
+                share => misfit + share * (level - misfit),
+            };
+            if let Some(next) = self.run(&from, rung, None, &near) {
+                from = next;
+            }
+        }
+        if !self.is_over(most) {
+            let design = self.tuner.bounds.nearest(&self.tuner.design);
+            let far = self.options(FIRST_RUN, f64::INFINITY);
+            self.run(&design, level, None, &far);
+        }
+    }
+}
+
+impl Tuner<'_> {
+    /// Moves a fit as near to the design as a level and the constraints let it.
+    pub(super) fn draw_near(&self, index: usize, fit: &mut Fit, level: Level<'_>) {
+        let mut search = Search {
+            tuner: self,
+            index,
+            level,
+            distance: self.distance(),
+            history: Vec::new(),
+            best: None,
+            ended: None,
+            left: (ALL_RUNS * level.options.max_evaluations as f64).max(1.0) as u64,
+        };
+        let most = search.distance.of(&fit.x);
+        let known = fit.constraints.is_none().then_some(&fit.evaluation);
+        let near = search.options(FIRST_RUN, NEAR_LEVEL * level.misfit);
+        search.run(&fit.x, level.misfit, known, &near);
+        if !search.is_over(most) {
+            search.try_again(&fit.x, fit.misfit(), most);
+        }
+        let Search {
+            mut history,
+            best,
+            ended,
+            ..
+        } = search;
+        let steps = fit.history.last().map_or(0, |i| i.iteration);
+        for (k, iteration) in history.iter_mut().enumerate() {
+            iteration.iteration = steps + 1 + k as u64;
+        }
+        fit.history.append(&mut history);
+        let near = best.filter(|(distance, ..)| *distance <= most);
+        let is_known = near.as_ref().is_some_and(|(.., known)| *known);
+        fit.termination = match (ended, is_known, level.is_good_enough) {
+            (Some(Termination::Interrupted), false, _) => Termination::Interrupted,
+            (_, true, true) => Termination::NearestGoodEnough,
+            (_, true, false) => Termination::NearestOfTheBest,
+            (_, false, true) => Termination::GoodEnoughNotKnownNearest,
+            (_, false, false) => Termination::BestNotKnownNearest,
+        };
+        if let Some((_, found, _)) = near {
+            self.take_near(fit, found, level);
+        }
+    }
+
+    /// Takes the design that a way back led to.
+    fn take_near(&self, fit: &mut Fit, mut found: ConstrainedFit, level: Level<'_>) {
+        let mut violation = found.violation;
+        let (x, targets, rows) = match self.unmoved_exactly(&found, level) {
+            Some((x, at, kept)) => {
+                violation = kept;
+                (x, at.goal, at.rows)
+            }
+            // All targets are what is held to a level.
+            None => (found.x, found.at.levels.swap_remove(0), found.at.rows),
+        };
+        fit.active_bounds = self.bounds.active_bounds(&x);
+        fit.x = x;
+        fit.evaluation = targets;
+        fit.residual = found.imbalance;
+        if let Some(state) = &mut fit.constraints {
+            state.values = rows.residuals;
+            state.violation = violation;
+            for (all, own) in state.movable.iter_mut().zip(found.movable) {
+                *all |= own;
+            }
+        }
+    }
+
+    /// The design found, with variables that are as good as unmoved put back exactly, if there are such and the level
+    /// and the constraints are kept there.
+    fn unmoved_exactly(
+        &self,
+        found: &ConstrainedFit,
+        level: Level<'_>,
+    ) -> Option<(DVector<f64>, Assessment, f64)> {
+        let mut x = found.x.clone();
+        for j in 0..x.len() {
+            if (x[j] - self.design[j]).abs() <= NO_MOVE * self.bounds.width()[j] {
+                x[j] = self.design[j];
+            }
+        }
+        if x == found.x {
+            return None;
+        }
+        let mut problem = Without {
+            problem: self.problem(),
+            fixed: level.fixed,
+            bounds: &self.bounds,
+        };
+        let shape = problem.shape();
+        let mut at = Assessment::new(&shape);
+        problem.assess(&x, &mut at).ok()?;
+        at.check().ok()?;
+        let counts = |row: usize| found.movable.get(row).copied().unwrap_or(true);
+        let violation = at.violation_of(shape.equalities, &[], counts);
+        let is_kept = violation <= KEPT && at.goal.misfit() <= level.misfit + KEPT;
+        is_kept.then_some((x, at, violation))
+    }
+}

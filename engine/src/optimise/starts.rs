@@ -1,0 +1,220 @@
+//! The starts of a tuning: runs from several points, and the choice among where they end.
+
+use super::constrained::{ConstrainedFit, constrained_fit};
+use super::fit::fit;
+use super::fixed::{FixedRows, Without};
+use super::multistart::{every_start, fits, least_misfit, nearest};
+use super::nearest::Level;
+use super::pool::Lent;
+use super::tune::Tuner;
+use super::{
+    ConstraintState, Fit, Linearisation, Multistart, Objective, Options, Start, Termination,
+    multistart,
+};
+use nalgebra::DVector;
+use rayon::prelude::*;
+
+/// If no design is good enough, designs count as being as good as the best up to this ratio of misfits.
+const AS_GOOD: f64 = 1.01;
+/// The most times that starts are run again because a residual moves that stood still at the design.
+const ROUNDS: usize = 3;
+/// Number of starts that are tried before constraints are said to exclude one another.
+pub(super) const STARTS_BEFORE_REFUSAL: usize = 4;
+
+impl<'a> Tuner<'a> {
+    /// Runs every start, and chooses. Residuals that stand still at the design are left out; those that turn out to move
+    /// elsewhere come back, and the starts are run again.
+    pub(super) fn starts(&self, at_design: Option<&Linearisation>) -> Multistart {
+        let mut fixed =
+            at_design.map_or_else(FixedRows::default, |at| FixedRows::at(at, &self.bounds));
+        let mut starts = self.starts_without(&fixed);
+        for round in 1..=ROUNDS {
+            let Some(fewer) = fixed.without_moved() else {
+                break;
+            };
+            fixed = if round < ROUNDS {
+                fewer
+            } else {
+                FixedRows::default()
+            };
+            starts = self.starts_without(&fixed);
+        }
+        for start in &mut starts.starts {
+            if let Ok(fit) = &mut start.outcome {
+                fixed.put_back(fit);
+            }
+        }
+        starts
+    }
+
+    /// The problem without some residuals.
+    fn problem_without<'f>(&'f self, fixed: &'f FixedRows) -> Without<'f, Lent<'f, Objective<'a>>> {
+        Without {
+            problem: self.problem(),
+            fixed,
+            bounds: &self.bounds,
+        }
+    }
+
+    /// Runs every start without the residuals that stand still, and chooses.
+    fn starts_without(&self, fixed: &FixedRows) -> Multistart {
+        let optimise = self.optimise;
+        let options = self.options();
+        let is_constrained = !self.layout.labels().is_empty();
+        if !is_constrained && optimise.good_enough == 0.0 {
+            return multistart(
+                || self.problem_without(fixed),
+                &self.bounds,
+                &self.design,
+                optimise.starts,
+                optimise.seed,
+                &options,
+                self.control,
+            );
+        }
+        let mut starts = self.lowered(fixed, &options, is_constrained);
+        let least = least_misfit(&starts);
+        if let Some(least) = least
+            && optimise.good_enough > 0.0
+        {
+            let good = self.good_enough_without(fixed);
+            let is_good = least <= good;
+            let misfit = if is_good { good } else { AS_GOOD * least };
+            let count = self.layout.residuals() as f64;
+            let total = (misfit * misfit + fixed.square() / count).sqrt();
+            let level = Level {
+                misfit,
+                is_good_enough: total <= optimise.good_enough * (1.0 + 1e-9),
+                fixed,
+                options: &options,
+            };
+            let each = starts.par_iter_mut().enumerate();
+            each.for_each(|(index, start)| {
+                if let Ok(fit) = &mut start.outcome
+                    && fit.is_feasible()
+                    && fit.termination != Termination::Interrupted
+                    && fit.misfit() <= level.misfit
+                {
+                    self.draw_near(index, fit, level);
+                }
+            });
+            self.count_moving_rows(&mut starts);
+        }
+        // A run that stopped at a misfit that is good enough has not met the targets.
+        for start in &mut starts {
+            if let Ok(fit) = &mut start.outcome
+                && fit.termination == Termination::MisfitReached
+                && fit.misfit() > options.misfit_below
+            {
+                fit.termination = Termination::GoodEnoughNotKnownNearest;
+            }
+        }
+        let best = self.choose(&starts, least, self.good_enough_without(fixed));
+        Multistart { starts, best }
+    }
+
+    /// The misfit that is good enough for the residuals that variables move: together with the others it is
+    /// `good_enough`, if it can be.
+    fn good_enough_without(&self, fixed: &FixedRows) -> f64 {
+        let good = self.optimise.good_enough;
+        let rest = good * good - fixed.square() / self.layout.residuals() as f64;
+        match rest > 0.0 {
+            true => rest.sqrt(),
+            false => good,
+        }
+    }
+
+    /// Lowers the misfit from every start, until it is good enough or a minimum.
+    fn lowered(&self, fixed: &FixedRows, options: &Options, is_constrained: bool) -> Vec<Start> {
+        let optimise = self.optimise;
+        let until_good = Options {
+            misfit_below: options.misfit_below.max(self.good_enough_without(fixed)),
+            ..options.clone()
+        };
+        let first = |index: usize, x: &DVector<f64>| {
+            let (problem, bounds) = (self.problem_without(fixed), &self.bounds);
+            if !is_constrained {
+                return fit(index, problem, bounds, x, &until_good, self.control);
+            }
+            let fit = constrained_fit(index, problem, bounds, x, &until_good, self.control)?;
+            let good = fit.at.goal.misfit() <= until_good.misfit_below;
+            Ok(self.as_fit(fit, !good))
+        };
+        let run = |numbers| {
+            let (bounds, design, seed) = (&self.bounds, &self.design, optimise.seed);
+            every_start(numbers, bounds, design, seed, self.control, first)
+        };
+        let mut starts = run(0..optimise.starts);
+        self.count_moving_rows(&mut starts);
+        if least_misfit(&starts).is_none() && starts.len() < STARTS_BEFORE_REFUSAL {
+            starts.extend(run(starts.len()..STARTS_BEFORE_REFUSAL));
+            self.count_moving_rows(&mut starts);
+        }
+        starts
+    }
+
+    /// Counts a row in every start if some variable moves it in one of them.
+    fn count_moving_rows(&self, starts: &mut [Start]) {
+        let states =
+            |(_, fit): (usize, &'_ Fit)| fit.constraints.clone().map(|state| state.movable);
+        let mut moving = vec![false; self.layout.labels().len()];
+        for own in fits(starts).filter_map(states) {
+            for (all, own) in moving.iter_mut().zip(own) {
+                *all |= own;
+            }
+        }
+        for start in starts {
+            let Ok(fit) = &mut start.outcome else {
+                continue;
+            };
+            let Some(state) = &mut fit.constraints else {
+                continue;
+            };
+            if state.movable != moving {
+                let values = state.values.iter().enumerate();
+                let counted = values.filter(|(row, _)| moving[*row]);
+                let violations = counted.map(|(row, value)| -self.layout.room(row, *value));
+                state.violation = violations.fold(0.0, f64::max);
+                state.movable.clone_from(&moving);
+            }
+        }
+    }
+
+    /// Chooses a start: the nearest of those that keep the constraints and are good enough; if none is good enough, the
+    /// nearest of those that are as good as the best; if none keeps the constraints, the one that violates them least.
+    /// `least` is the least misfit of those that keep them.
+    fn choose(&self, starts: &[Start], least: Option<f64>, good: f64) -> Option<usize> {
+        let Some(least) = least else {
+            let by_violation =
+                |a: &(usize, &Fit), b: &(usize, &Fit)| a.1.violation().total_cmp(&b.1.violation());
+            return fits(starts).min_by(by_violation).map(|(index, _)| index);
+        };
+        let good = match good {
+            0.0 => least * (1.0 + 1e-9),
+            good if least <= good => good * (1.0 + 1e-6),
+            _ => least * AS_GOOD * (1.0 + 1e-6),
+        };
+        let distance = self.distance();
+        nearest(starts, good, |x| distance.of(x), 1e-6)
+    }
+
+    fn as_fit(&self, fit: ConstrainedFit, at_minimum: bool) -> Fit {
+        let is_minimum = at_minimum && fit.termination.at_minimum();
+        Fit {
+            active_bounds: self.bounds.active_bounds(&fit.x),
+            x: fit.x,
+            evaluation: fit.at.goal,
+            termination: fit.termination,
+            residual: fit.imbalance,
+            history: fit.history,
+            constraints: Some(ConstraintState {
+                values: fit.at.rows.residuals,
+                violation: fit.violation,
+                movable: fit.movable,
+                multipliers: is_minimum.then_some(fit.multipliers),
+                alternatives: fit.alternatives.filter(|_| is_minimum),
+                culprits: fit.culprits,
+            }),
+        }
+    }
+}

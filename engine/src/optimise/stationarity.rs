@@ -1,0 +1,236 @@
+//! Residual of the optimality conditions, the measure of a minimum.
+//!
+//! At a minimum of f under rows c <= 0, levels and bounds, multipliers that are not negative balance the slope of f:
+//!
+//! ```text
+//! g + sum_i m_i a_i = 0      g, a_i: gradients in half ranges of the variables, of f and of what binds       (1)
+//! ```
+//!
+//! The residual is the largest component that is left of (1), relative to the larger of two sizes: the largest term of
+//! (1), and the largest slope that the squared residuals could have (largest pivot of their scaled Jacobian times their
+//! norm). It is 0 at a minimum and of order one elsewhere; a run has converged where it is below [`CONVERGED`].
+//!
+//! A slope is a sum of products, so it is never exactly zero. Residuals have the rounding [`Options::misfit_below`], and
+//! no method takes steps below its resolution of the variables; what these leave of the slope counts as zero.
+//!
+//! Multipliers come from non-negative least squares: they leave the least of (1). Where gradients depend on one another
+//! several sets of multipliers do; the smallest is taken. At a kink a row has several gradients, and the same least
+//! squares over all of them yield the least-norm subgradient.
+
+use super::{BoundedLeastSquares, Bounds, Linearisation, Options};
+use nalgebra::{DMatrix, DVector};
+
+/// A run has converged where the residual of the optimality conditions is below this.
+pub(super) const CONVERGED: f64 = 1e-6;
+/// Damping of the least squares for multipliers, whose columns have length 1: gradients count as dependent where less
+/// than the root of this is outside of the others.
+const DEPENDENT: f64 = 1e-18;
+
+/// Sizes that slopes are compared with.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Scale {
+    /// The largest slope that the squared residuals could have.
+    steepest: f64,
+    /// A slope that is rounding.
+    rounding: f64,
+}
+
+/// Squared residuals, in half ranges of the variables.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Sizes {
+    /// Number of residuals and their norm.
+    pub residuals: usize,
+    pub norm: f64,
+    /// The largest pivot of their scaled Jacobian, and its longest column.
+    pub pivot: f64,
+    pub longest: f64,
+    /// Number of variables, and the shortest step of each.
+    pub variables: usize,
+    pub resolution: f64,
+}
+
+impl Scale {
+    /// The scale of half the squared residuals.
+    pub(super) fn new(of: Sizes) -> Self {
+        let of_residuals = Options::default().misfit_below * (of.residuals as f64).sqrt();
+        let of_variables = of.longest * of.resolution * (of.variables as f64).sqrt();
+        Scale {
+            steepest: of.pivot * of.norm,
+            rounding: of.longest * (of_residuals + of_variables),
+        }
+    }
+
+    /// The residual of the optimality conditions, of which `left` is left and `most` is the largest term.
+    pub(super) fn residual(self, left: f64, most: f64) -> f64 {
+        let size = most.max(self.steepest).max(f64::MIN_POSITIVE);
+        match left.is_nan() {
+            true => f64::INFINITY,
+            false => (left - self.rounding).max(0.0) / size,
+        }
+    }
+}
+
+/// The residual of the optimality conditions between bounds alone, where the scaled Jacobian has this largest pivot, in
+/// half ranges.
+pub(super) fn between_bounds(
+    at: &Linearisation,
+    x: &DVector<f64>,
+    bounds: &Bounds,
+    pivot: f64,
+) -> f64 {
+    let (mut left, mut most, mut longest) = (0.0_f64, 0.0_f64, 0.0_f64);
+    for (j, column) in at.jacobian.column_iter().enumerate() {
+        let half = 0.5 * bounds.width()[j];
+        let slope = half * column.dot(&at.residuals);
+        longest = longest.max(half * column.norm());
+        let blocked = (slope > 0.0 && x[j] <= bounds.lower()[j])
+            || (slope < 0.0 && x[j] >= bounds.upper()[j]);
+        most = most.max(slope.abs());
+        if !blocked {
+            left = left.max(slope.abs());
+        }
+    }
+    let sizes = Sizes {
+        residuals: at.residuals.len(),
+        norm: at.residuals.norm(),
+        pivot,
+        longest,
+        variables: x.len(),
+        // In half ranges.
+        resolution: 2.0 * Options::default().step_below,
+    };
+    Scale::new(sizes).residual(left, most)
+}
+
+/// Gradients of what binds, in half ranges.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Pushes {
+    gradients: Vec<f64>,
+    /// Whether the multiplier may have either sign.
+    is_free: Vec<bool>,
+}
+
+/// Multipliers that balance a slope best.
+#[derive(Clone, Debug)]
+pub(super) struct Balance {
+    pub residual: f64,
+    /// Push by push.
+    pub multipliers: Vec<f64>,
+}
+
+impl Pushes {
+    /// Adds the gradient of a row; `is_free` says that it must vanish.
+    pub(super) fn add(&mut self, gradient: &[f64], is_free: bool) {
+        self.gradients.extend_from_slice(gradient);
+        self.is_free.push(is_free);
+    }
+
+    /// The multipliers that leave the least of (1), the smallest of them.
+    pub(super) fn balance(&self, slope: &[f64], scale: Scale) -> Balance {
+        let (n, count) = (slope.len(), self.is_free.len());
+        let most = |of: &[f64]| of.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+        if count == 0 {
+            return Balance {
+                residual: scale.residual(most(slope), most(slope)),
+                multipliers: Vec::new(),
+            };
+        }
+        let columns = DMatrix::from_column_slice(n, count, &self.gradients);
+        let norms = columns.column_iter().map(|c| c.norm());
+        let width: Vec<f64> = norms
+            .map(|norm| if norm > 0.0 { 1.0 / norm } else { 0.0 })
+            .collect();
+        let width = DVector::from_vec(width);
+        let mut squares = BoundedLeastSquares::new(count, n);
+        squares.reduce(&columns, &width, &DVector::from_column_slice(slope));
+        let lower = self.is_free.iter();
+        let lower: Vec<f64> = lower
+            .map(|free| if *free { f64::NEG_INFINITY } else { 0.0 })
+            .collect();
+        squares.solve(DEPENDENT, &lower, &vec![f64::INFINITY; count]);
+        let multipliers: Vec<f64> = squares
+            .step()
+            .iter()
+            .zip(width.iter())
+            .map(|(s, w)| s * w)
+            .collect();
+        let mut sum = DVector::from_column_slice(slope);
+        let mut largest = most(slope);
+        for (column, multiplier) in columns.column_iter().zip(&multipliers) {
+            sum.axpy(*multiplier, &column, 1.0);
+            largest = largest.max(multiplier.abs() * column.amax());
+        }
+        Balance {
+            residual: scale.residual(sum.amax(), largest),
+            multipliers,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::optimise::test_problems::Noise;
+
+    /// The scale of one residual of size 1 with slopes of size 1.
+    fn plain(variables: usize) -> Scale {
+        Scale::new(Sizes {
+            residuals: 1,
+            norm: 1.0,
+            pivot: 1.0,
+            longest: 1.0,
+            variables,
+            resolution: 1e-12,
+        })
+    }
+
+    /// Slopes made of random gradients with known multipliers are balanced, and with the opposite signs they are not.
+    #[test]
+    fn planted_multipliers_balance_and_those_of_the_wrong_sign_do_not() {
+        let mut noise = Noise::new(11);
+        let scale = plain(5);
+        for round in 0..50 {
+            let mut pushes = Pushes::default();
+            let mut slope = vec![0.0; 5];
+            for row in 0..3 {
+                let gradient: Vec<f64> = (0..5).map(|_| noise.next()).collect();
+                let multiplier = 0.1 + noise.next().abs();
+                for (slope, a) in slope.iter_mut().zip(&gradient) {
+                    *slope -= multiplier * a;
+                }
+                pushes.add(&gradient, false);
+                // Every second row twice.
+                if (round + row) % 2 == 0 {
+                    pushes.add(&gradient, false);
+                }
+            }
+            let found = pushes.balance(&slope, scale);
+            assert!(found.residual < 1e-12, "{round}: {}", found.residual);
+            let turned: Vec<f64> = slope.iter().map(|s| -s).collect();
+            assert!(pushes.balance(&turned, scale).residual > 1e-3);
+        }
+    }
+
+    /// Of |x| + |y| in a corner each kink has two gradients, and 0 is among their mixtures.
+    #[test]
+    fn gradients_on_both_sides_of_a_kink_balance_together() {
+        let scale = plain(2);
+        let mut pushes = Pushes::default();
+        pushes.add(&[1.0, 0.3], false);
+        assert!(pushes.balance(&[-0.2, 1.0], scale).residual > 0.1);
+        pushes.add(&[-1.0, -0.7], false);
+        pushes.add(&[1.0, -1.0], false);
+        assert!(pushes.balance(&[-0.2, 1.0], scale).residual < 1e-12);
+    }
+
+    /// A multiplier of two equal gradients is shared out evenly: it is not determined.
+    #[test]
+    fn equal_gradients_share_their_multiplier() {
+        let mut pushes = Pushes::default();
+        pushes.add(&[1.0, 2.0], false);
+        pushes.add(&[1.0, 2.0], false);
+        let found = pushes.balance(&[-4.0, -8.0], plain(2));
+        assert!((found.multipliers[0] - 2.0).abs() < 1e-6, "{found:?}");
+        assert!((found.multipliers[1] - 2.0).abs() < 1e-6, "{found:?}");
+    }
+}

@@ -1,0 +1,562 @@
+//! Random mixes of targets and constraints over all topologies: with rows that no variable moves, rows that depend on
+//! one another, and rows that exclude one another.
+
+use super::minima::{Random, slsqp};
+use super::noise;
+use hardpoint::curves::Curves;
+use hardpoint::optimise::{Control, Fit, Tuning, tune};
+use hardpoint::study::{Optimise, Study};
+use nalgebra::DVector;
+use std::path::Path;
+
+const FILES: [&str; 4] = [
+    "macpherson_front.toml",
+    "double_wishbone_front.toml",
+    "five_link_rear.toml",
+    "semi_trailing_arm_rear.toml",
+];
+/// Characteristics that every topology has, with tolerances in the study's units.
+const CHARACTERISTICS: [(&str, f64); 5] = [
+    ("camber", 0.05),
+    ("toe", 0.02),
+    ("camber_gain", 0.0005),
+    ("bump_steer", 0.0005),
+    ("roll_centre_height", 2.0),
+];
+const TRAVELS: [f64; 7] = [-45.0, -30.0, -15.0, 0.0, 15.0, 30.0, 45.0];
+
+/// A generator of repeatable numbers.
+struct Draw(u64);
+
+impl Draw {
+    fn new(seed: u64, number: u64) -> Self {
+        let mut draw = Draw(seed ^ (number + 1).wrapping_mul(0xD134_2543_DE82_EF95));
+        draw.of(1);
+        draw
+    }
+
+    /// Between -`by` and `by`.
+    fn off(&mut self, by: f64) -> f64 {
+        by * noise(&mut self.0)
+    }
+
+    /// Between `low` and `high`.
+    fn between(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * (0.5 + self.off(0.5))
+    }
+
+    /// One of this many.
+    fn of(&mut self, count: usize) -> usize {
+        (self.between(0.0, count as f64) as usize).min(count - 1)
+    }
+}
+
+/// Rules about what a mix may contain.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Kind {
+    /// Anything, also what cannot be kept.
+    Any,
+    /// Constraints that the study's own design keeps, all of what variables move.
+    Kept,
+    /// The same, with at least one row that nothing moves or that depends on another.
+    Degenerate,
+}
+
+/// A random tuning.
+pub(super) struct Mix {
+    pub study: Study,
+    pub file: &'static str,
+    /// Overrides of the file.
+    pub overrides: Vec<String>,
+    /// Kinds of its constraints.
+    pub kinds: Vec<&'static str>,
+}
+
+fn read(file: &str, overrides: &[String]) -> Option<Study> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies");
+    Study::read(&path.join(file), overrides).ok()
+}
+
+/// A curve as a study writes it.
+fn curve(values: impl Iterator<Item = f64>) -> String {
+    let knots = TRAVELS.iter().zip(values);
+    let knots: Vec<String> = knots.map(|(t, v)| format!("[{t}, {v}]")).collect();
+    format!("[{}]", knots.join(", "))
+}
+
+/// Values of a characteristic at the travels.
+fn column(curves: &Curves, name: &str) -> Vec<f64> {
+    // The shortest name that begins so has the unit alone behind it.
+    let columns = curves.columns.iter().enumerate();
+    let own = columns.filter(|(_, c)| c.name.starts_with(name));
+    let (index, _) = own.min_by_key(|(_, c)| c.name.len()).unwrap();
+    let stations = curves.stations.iter();
+    stations.map(|s| s.values[index].unwrap()).collect()
+}
+
+/// A wheel's points that can be moved, with their coordinates in the study's axes.
+fn points(plain: &Study) -> Vec<(String, [f64; 3])> {
+    let suspension = &plain.suspension;
+    let names = suspension.mechanism.points.iter().map(|p| p.name.clone());
+    let places = suspension
+        .design
+        .iter()
+        .map(|p| suspension.frame.vector(*p).to_array());
+    let is_own = |name: &str| !name.starts_with("spindle");
+    names.zip(places).filter(|(name, _)| is_own(name)).collect()
+}
+
+fn apart(a: [f64; 3], b: [f64; 3]) -> f64 {
+    let squares = (0..3).map(|k| (a[k] - b[k]).powi(2));
+    squares.sum::<f64>().sqrt()
+}
+
+impl Mix {
+    /// The mix of a number; the seed is stated by the test.
+    pub(super) fn new(seed: u64, number: u64, kind: Kind) -> Self {
+        let file = FILES[number as usize % FILES.len()];
+        for attempt in 0..20 {
+            let mut draw = Draw::new(seed.wrapping_add(attempt * 7919), number);
+            let (overrides, kinds) = drawn(file, &mut draw, kind);
+            if let Some(study) = read(file, &overrides) {
+                return Mix {
+                    study,
+                    file,
+                    overrides,
+                    kinds,
+                };
+            }
+        }
+        panic!("{number}: no study can be read");
+    }
+
+    pub(super) fn tuned(&self, good_enough: f64) -> Tuning {
+        let mut optimise = self.study.optimise.clone().unwrap();
+        optimise.good_enough = good_enough;
+        self.tuned_as(&optimise)
+    }
+
+    fn tuned_as(&self, optimise: &Optimise) -> Tuning {
+        let suspension = &self.study.suspension;
+        tune(suspension, &self.study.motion, optimise, Control::default()).unwrap()
+    }
+
+    /// The move from the design, in ranges.
+    pub(super) fn distance(&self, fit: &Fit) -> f64 {
+        let variables = &self.study.optimise.as_ref().unwrap().variables;
+        let moves = fit.x.iter().zip(variables);
+        let squares = moves.map(|(x, v)| v.cost * (x / (v.range[1] - v.range[0])).powi(2));
+        squares.sum::<f64>().sqrt()
+    }
+}
+
+/// Overrides that make a mix of a file.
+fn drawn(file: &'static str, draw: &mut Draw, kind: Kind) -> (Vec<String>, Vec<&'static str>) {
+    let travels: Vec<String> = TRAVELS.iter().map(|t| format!("{t:?}")).collect();
+    let names: Vec<String> = CHARACTERISTICS
+        .iter()
+        .map(|(n, _)| format!("\"{n}\""))
+        .collect();
+    let mut overrides = vec![
+        format!("motion.travel=[{}]", travels.join(", ")),
+        format!("outputs.characteristics=[{}]", names.join(", ")),
+    ];
+    let plain = read(file, &overrides).unwrap();
+    let plan = hardpoint::plan::Plan::with_targets(&plain);
+    let curves = hardpoint::curves::curves(&plain.suspension, &plan).unwrap();
+    let all = points(&plain);
+    // Variables.
+    let mut coordinates: Vec<(usize, usize)> = (0..all.len())
+        .filter(|k| all[*k].0 != "wheel_centre")
+        .flat_map(|k| [0, 1, 2].map(|axis| (k, axis)))
+        .collect();
+    let count = 2 + draw.of(6);
+    let mut variables = Vec::new();
+    let mut moved = Vec::new();
+    for _ in 0..count.min(coordinates.len()) {
+        let (k, axis) = coordinates.swap_remove(draw.of(coordinates.len()));
+        let by = draw.between(4.0, 20.0);
+        variables.push(format!(
+            "{{ hardpoint = \"{}\", axis = \"{}\", range = [{}, {by}] }}",
+            all[k].0,
+            ["x", "y", "z"][axis],
+            -by
+        ));
+        moved.push(k);
+    }
+    overrides.push(format!("optimise.variables=[{}]", variables.join(", ")));
+    // Targets.
+    let mut targets = Vec::new();
+    let first = draw.of(CHARACTERISTICS.len());
+    for k in 0..1 + draw.of(3) {
+        let (name, tolerance) = CHARACTERISTICS[(first + k) % CHARACTERISTICS.len()];
+        let values = column(&curves, name);
+        let (shift, tilt) = (draw.off(10.0 * tolerance), draw.off(0.1 * tolerance));
+        let wanted = || {
+            values
+                .iter()
+                .zip(TRAVELS)
+                .map(|(v, t)| v + shift + tilt * t)
+        };
+        let wanted = match draw.of(3) {
+            0 => format!("at = 0.0, value = {}", values[3] + shift),
+            1 => format!("points = {}", curve(wanted())),
+            _ => {
+                let half = 1.5 * tolerance;
+                let (low, high) = (wanted().map(|v| v - half), wanted().map(|v| v + half));
+                format!("between = [{}, {}]", curve(low), curve(high))
+            }
+        };
+        targets.push(format!(
+            "{{ characteristic = \"{name}\", {wanted}, tolerance = {tolerance} }}"
+        ));
+    }
+    overrides.push(format!("optimise.targets=[{}]", targets.join(", ")));
+    let (constraints, kinds) = constraints(draw, kind, &all, &moved, &curves);
+    overrides.push(format!("optimise.constraints=[{}]", constraints.join(", ")));
+    overrides.push("optimise.starts=1".to_owned());
+    (overrides, kinds)
+}
+
+/// Random constraints, with the kind of each.
+fn constraints(
+    draw: &mut Draw,
+    kind: Kind,
+    all: &[(String, [f64; 3])],
+    moved: &[usize],
+    curves: &Curves,
+) -> (Vec<String>, Vec<&'static str>) {
+    let still: Vec<usize> = (0..all.len()).filter(|k| !moved.contains(k)).collect();
+    let (mut written, mut kinds): (Vec<String>, Vec<&'static str>) = (Vec::new(), Vec::new());
+    let degenerate = kind != Kind::Kept;
+    for place in 0..1 + draw.of(5) {
+        let a = moved[draw.of(moved.len())];
+        let b = (a + 1 + draw.of(all.len() - 1)) % all.len();
+        let pair = format!("length = [\"{}\", \"{}\"]", all[a].0, all[b].0);
+        let long = apart(all[a].1, all[b].1);
+        let slack = draw.between(0.0, 6.0);
+        let choice = match (kind, place) {
+            (Kind::Degenerate, 0) => 6 + draw.of(2),
+            (Kind::Any, _) => draw.of(11),
+            // Without equalities, which the other solver does not take.
+            (Kind::Degenerate, _) => 1 + draw.of(5),
+            _ => draw.of(6),
+        };
+        let (text, name) = match choice {
+            0 => (format!("{pair}, kept = true, at = \"design\""), "kept"),
+            1 | 2 => {
+                let (low, high) = (long - slack, long + draw.between(0.0, 4.0));
+                (
+                    format!("{pair}, between = [{low}, {high}], at = \"design\""),
+                    "length",
+                )
+            }
+            3 => {
+                let centre = all[a].1;
+                let low = centre.map(|c| c - draw.between(0.0, 8.0));
+                let high = centre.map(|c| c + draw.between(0.0, 8.0));
+                let name = &all[a].0;
+                let text = format!(
+                    "point = \"{name}\", inside = {{ box = [{low:?}, {high:?}] }}, at = \"design\""
+                );
+                (text, "box")
+            }
+            4 => {
+                let (name, tolerance) = CHARACTERISTICS[draw.of(2)];
+                let values = column(curves, name);
+                let least = values.iter().copied().fold(f64::INFINITY, f64::min);
+                let most = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+                let low = least - draw.between(0.0, 6.0) * tolerance;
+                let high = most + draw.between(0.0, 6.0) * tolerance;
+                (
+                    format!("characteristic = \"{name}\", between = [{low}, {high}]"),
+                    "band",
+                )
+            }
+            5 => {
+                let centre = all[a].1.map(|c| c + draw.off(3.0));
+                let radius = apart(centre, all[a].1) + draw.between(0.0, 6.0);
+                let name = &all[a].0;
+                let text = format!(
+                    "point = \"{name}\", inside = {{ sphere = {{ centre = {centre:?}, radius = {radius} }} }}, at = \"design\""
+                );
+                (text, "sphere")
+            }
+            // Lengths that nothing moves, at their limits.
+            6 if degenerate && still.len() > 1 => {
+                let (c, d) = (still[0], still[1 + draw.of(still.len() - 1)]);
+                let long = apart(all[c].1, all[d].1);
+                let limit = match draw.of(3) {
+                    0 if kind == Kind::Any => "kept = true".to_owned(),
+                    0 | 1 => format!("at_most = {long}"),
+                    _ => format!("between = [{long}, {}]", long + 1.0),
+                };
+                let text = format!(
+                    "length = [\"{}\", \"{}\"], {limit}, at = \"design\"",
+                    all[c].0, all[d].0
+                );
+                (text, "still")
+            }
+            // Twice the same.
+            7 | 6 => match (written.last(), kind) {
+                (Some(last), _) => (last.clone(), "twice"),
+                (None, _) => {
+                    let text = format!("{pair}, at_most = {}, at = \"design\"", long + slack);
+                    written.push(format!("{{ {text} }}"));
+                    kinds.push("length");
+                    (text, "twice")
+                }
+            },
+            // Nothing moves it, and it is missed.
+            8 if still.len() > 1 => {
+                let (c, d) = (still[0], still[1 + draw.of(still.len() - 1)]);
+                let most = apart(all[c].1, all[d].1) - draw.between(0.5, 5.0);
+                let text = format!(
+                    "length = [\"{}\", \"{}\"], at_most = {most}, at = \"design\"",
+                    all[c].0, all[d].0
+                );
+                (text, "missed")
+            }
+            9 => {
+                let text = format!("{pair}, at_most = {}, at = \"design\"", long - 1.0);
+                written.push(format!("{{ {text} }}"));
+                kinds.push("short");
+                (
+                    format!("{pair}, at_least = {}, at = \"design\"", long + 1.0),
+                    "contradiction",
+                )
+            }
+            _ => {
+                let other = |k: usize| (a + 1 + (b + k) % (all.len() - 1)) % all.len();
+                let four: Vec<usize> = match all.len() > 3 {
+                    true => vec![a, other(0), other(1), other(2)],
+                    // A plane holds any three points.
+                    false => (0..all.len()).collect(),
+                };
+                let names: Vec<String> =
+                    four.iter().map(|k| format!("\"{}\"", all[*k].0)).collect();
+                (
+                    format!("coplanar = [{}], at = \"design\"", names.join(", ")),
+                    "coplanar",
+                )
+            }
+        };
+        // A text that came with braces is a copy.
+        written.push(match text.starts_with('{') {
+            true => text,
+            false => format!("{{ {text} }}"),
+        });
+        kinds.push(name);
+    }
+    (written, kinds)
+}
+
+/// Outcomes of many mixes.
+#[derive(Default)]
+struct Tally {
+    evaluations: Vec<u64>,
+    feasible: usize,
+    converged: usize,
+    failed: Vec<String>,
+}
+
+/// Tunes mixes and counts how they end.
+fn tally(seed: u64, numbers: std::ops::Range<u64>) -> Tally {
+    let mut tally = Tally::default();
+    let out = std::env::var("HARDPOINT_MIXES").ok();
+    let mut lines = String::new();
+    for number in numbers {
+        let mix = Mix::new(seed, number, Kind::Any);
+        let good_enough = [0.0, 0.0, 0.1, 0.0, 1.0][number as usize % 5];
+        let tuning = mix.tuned(good_enough);
+        let Some(fit) = tuning.starts.best_fit() else {
+            panic!("{number}: {:?}", tuning.starts.starts[0].outcome);
+        };
+        let most = tuning.starts.starts.iter();
+        let most = most.filter_map(|s| s.outcome.as_ref().ok().map(Fit::evaluations));
+        tally.evaluations.push(most.max().unwrap());
+        let is_feasible = fit.is_feasible();
+        let converged = fit.termination.at_minimum() && fit.residual < 1e-6;
+        let is_met = fit.termination.at_minimum() && fit.misfit() < 1e-11;
+        if is_feasible {
+            tally.feasible += 1;
+            if converged || is_met {
+                tally.converged += 1;
+            } else {
+                tally.failed.push(format!(
+                    "{number} {} {:?}: {} evaluations, {}",
+                    mix.file,
+                    mix.kinds,
+                    fit.evaluations(),
+                    fit.ended()
+                ));
+            }
+        }
+        lines += &format!(
+            "{number}\t{}\t{good_enough}\t{}\t{:e}\t{}\t{:e}\t{}\t{}\n",
+            mix.file,
+            is_feasible,
+            fit.misfit(),
+            fit.evaluations(),
+            fit.residual,
+            fit.ended(),
+            mix.overrides.join("\u{1}")
+        );
+    }
+    if let Some(path) = out {
+        std::fs::write(path, lines).unwrap();
+    }
+    tally.evaluations.sort_unstable();
+    tally
+}
+
+fn check(tally: &Tally, least_share: f64) {
+    let median = tally.evaluations[tally.evaluations.len() / 2].max(1);
+    let most = *tally.evaluations.last().unwrap();
+    println!(
+        "{} mixes: median {median} evaluations, most {most}; {} feasible, {} converged",
+        tally.evaluations.len(),
+        tally.feasible,
+        tally.converged
+    );
+    for line in &tally.failed {
+        println!("  {line}");
+    }
+    // Most end within twenty times the median; a few follow a narrow valley of misfits far below a tolerance.
+    let many = tally
+        .evaluations
+        .iter()
+        .filter(|e| **e > 20 * median)
+        .count();
+    println!("{many} took more than 20 times the median");
+    assert!(many * 200 <= tally.evaluations.len(), "{many}");
+    assert!(most <= 50 * median, "{most} evaluations, median {median}");
+    assert!(tally.converged as f64 >= least_share * tally.feasible as f64);
+}
+
+/// Forty mixes of seed 1: all end, and those that can be kept converge.
+#[test]
+fn mixes_end_and_converge() {
+    check(&tally(1, 0..40), 0.97);
+}
+
+/// A thousand mixes of seed 2.
+#[test]
+#[ignore = "takes minutes; .ci/long"]
+fn a_thousand_mixes_end_and_converge() {
+    check(&tally(2, 0..1000), 0.97);
+}
+
+/// Rising levels of `good_enough`: how often the distance grows, and how often it is said that it may.
+fn rising_levels(seed: u64, problems: std::ops::Range<u64>, levels: usize) -> [usize; 4] {
+    let (mut grown, mut silent, mut labelled, mut count) = (0, 0, 0, 0);
+    for number in problems {
+        let mix = Mix::new(seed, number, Kind::Kept);
+        let least = mix.tuned(0.0);
+        let least = least.starts.best_fit().unwrap().misfit();
+        let Ok(before) = &mix.tuned(0.0).before else {
+            continue;
+        };
+        let before = before.misfit;
+        let mut last: Option<(f64, bool)> = None;
+        for k in 0..levels {
+            let share = (k as f64 + 0.5) / levels as f64;
+            let level = (least + 1e-3) * 1.02 + share * (before - least).max(0.0);
+            let tuning = mix.tuned(level);
+            let fit = tuning.starts.best_fit().unwrap();
+            let distance = mix.distance(fit);
+            let unsure = fit.ended().contains("not known");
+            count += 1;
+            labelled += usize::from(unsure);
+            assert!(
+                fit.misfit() <= level + 1e-6,
+                "{number} {level}: {}",
+                fit.misfit()
+            );
+            if let Some((nearest, was_unsure)) = last
+                && distance > nearest + 1e-6
+            {
+                grown += 1;
+                silent += usize::from(!unsure && !was_unsure);
+                println!(
+                    "{number} {} level {level}: {nearest} -> {distance}, {}, {:?}",
+                    mix.file,
+                    fit.ended(),
+                    mix.kinds
+                );
+            }
+            if unsure {
+                println!(
+                    "{number} {} level {level}: {} evaluations, {}",
+                    mix.file,
+                    fit.evaluations(),
+                    fit.ended()
+                );
+            }
+            let nearest = last.map_or(distance, |(nearest, _)| nearest.min(distance));
+            last = Some((nearest, unsure));
+        }
+    }
+    println!(
+        "{count} levels: {grown} grow, {silent} of them silently; {labelled} not known to be the nearest"
+    );
+    [count, grown, silent, labelled]
+}
+
+/// With a rising level the design kept comes nearer: eight problems of seed 4.
+#[test]
+fn a_higher_level_is_no_farther() {
+    let [count, grown, silent, labelled] = rising_levels(4, 0..8, 5);
+    assert!(grown == 0 && silent == 0, "{grown} of {count}");
+    assert!(labelled * 100 <= 3 * count, "{labelled} of {count}");
+}
+
+/// Three hundred rising levels of thirty problems of seed 4.
+#[test]
+#[ignore = "takes minutes; .ci/long"]
+fn three_hundred_rising_levels_are_no_farther() {
+    let [count, grown, silent, labelled] = rising_levels(4, 0..30, 10);
+    assert!(grown <= 3 && silent == 0, "{grown} of {count}");
+    assert!(labelled * 100 <= 3 * count, "{labelled} of {count}");
+}
+
+/// Misfits of cases with rows that nothing moves or that depend on one another, against the crate `slsqp` from the same
+/// design: none is above it, unless our method, begun at its end, stays there, so that it is another minimum.
+fn against_slsqp(seed: u64, numbers: std::ops::Range<u64>) {
+    let (mut compared, mut others) = (0, 0);
+    for number in numbers {
+        let mix = Mix::new(seed, number, Kind::Degenerate);
+        let tuning = mix.tuned(0.0);
+        let ours = tuning.starts.best_fit().unwrap();
+        let random = Random::of(mix.study);
+        let theirs = slsqp(&random, &DVector::zeros(random.bounds.variables()));
+        if !theirs.is_feasible() {
+            continue;
+        }
+        compared += 1;
+        assert!(ours.is_feasible(), "{number}: {}", ours.ended());
+        let misfit = ours.misfit();
+        if misfit > theirs.misfit * (1.0 + 1e-6) + 1e-9 {
+            others += 1;
+            let again = random.ours(&theirs.x);
+            println!(
+                "{number}: {misfit} above {}, {}",
+                theirs.misfit,
+                ours.ended()
+            );
+            assert!(ours.residual < 1e-6, "{number}: {}", ours.residual);
+            assert!(
+                again.at.goal.misfit() <= theirs.misfit * (1.0 + 1e-6),
+                "{number}"
+            );
+        }
+    }
+    println!("{compared} compared, {others} other minima");
+    assert!(compared > 0);
+}
+
+/// Forty cases of seed 5.
+#[test]
+fn no_misfit_is_above_that_of_slsqp() {
+    against_slsqp(5, 0..40);
+}

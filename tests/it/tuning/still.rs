@@ -1,0 +1,156 @@
+//! Constraints and targets that no variable moves, and the way back to the nearest design.
+
+use super::edited;
+use hardpoint::optimise::{Control, Fit, Price, Tuning, tune};
+use hardpoint::study::Study;
+use std::path::Path;
+
+const ROCKER: &str = "double_wishbone_rocker.toml";
+
+fn tuned(study: &Study) -> Tuning {
+    let optimise = study.optimise.as_ref().unwrap();
+    let (suspension, motion) = (&study.suspension, &study.motion);
+    tune(suspension, motion, optimise, Control::default()).unwrap()
+}
+
+/// A study of `tests/data/own/tuning`.
+fn stored(name: &str, overrides: &[&str]) -> Study {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/own/tuning");
+    let overrides: Vec<String> = overrides.iter().map(|o| (*o).to_owned()).collect();
+    Study::read(&path.join(name), &overrides).unwrap_or_else(|e| panic!("{e}"))
+}
+
+fn best(tuning: &Tuning) -> &Fit {
+    tuning.starts.best_fit().unwrap()
+}
+
+fn assert_converged(fit: &Fit) {
+    assert!(
+        fit.is_feasible() && fit.termination.at_minimum(),
+        "{}",
+        fit.ended()
+    );
+    assert!(fit.residual < 1e-6, "{}", fit.residual);
+}
+
+/// The squared move from the design, in ranges.
+fn moved(study: &Study, fit: &Fit) -> f64 {
+    let variables = &study.optimise.as_ref().unwrap().variables;
+    let moves = fit.x.iter().zip(variables);
+    moves
+        .map(|(x, v)| v.cost * (x / (v.range[1] - v.range[0])).powi(2))
+        .sum()
+}
+
+/// Constraints that nothing moves, kept at their limits, leave a tuning as it is without them.
+#[test]
+fn kept_constraints_that_stand_still_change_nothing() {
+    let plain = tuned(&edited(ROCKER, &[]));
+    for constraint in [
+        "{ length = \"lower_arm_front\", kept = true }",
+        "{ length = \"tie_rod\", kept = true }",
+        "{ coplanar = [\"pushrod_outer\", \"pushrod_inner\", \"spring_lower\", \"spring_upper\"] }",
+    ] {
+        let study = edited(ROCKER, &[&format!("optimise.constraints=[{constraint}]")]);
+        let tuning = tuned(&study);
+        let fit = best(&tuning);
+        assert_converged(fit);
+        assert!(fit.evaluations() < 40, "{}", fit.evaluations());
+        // Two methods approach the same design, each to the digits where it stops.
+        assert!(
+            (fit.misfit() - best(&plain).misfit()).abs() < 1e-6,
+            "{constraint}"
+        );
+        assert!((moved(&study, fit) - moved(&study, best(&plain))).abs() < 1e-6);
+        assert!(tuning.unmoved_constraints.is_empty() && tuning.contradiction.is_empty());
+        let outcome = tuning.best.as_ref().unwrap().constraints[0];
+        assert!(outcome.room.abs() < 1e-7 && outcome.price == Price::Nothing);
+    }
+    let carrier = tuned(&stored("kept_length_of_the_carrier.toml", &[]));
+    assert_converged(best(&carrier));
+    assert!(best(&carrier).evaluations() < 60);
+}
+
+/// A constraint that nothing moves and that is violated is named; the rest is tuned as without it.
+#[test]
+fn a_violated_constraint_that_stands_still_is_named() {
+    let plain = tuned(&edited(ROCKER, &[]));
+    let constraints = "optimise.constraints=[\
+        { length = [\"spring_lower\", \"pushrod_inner\"], at_least = 1.0 }, \
+        { length = \"tie_rod\", at_most = 300.0 }]";
+    let study = edited(ROCKER, &[constraints]);
+    let tuning = tuned(&study);
+    assert_eq!(tuning.unmoved_constraints, [1]);
+    assert!(tuning.contradiction.is_empty());
+    let found = tuning.best.as_ref().unwrap();
+    assert!(found.constraints[1].room < -1.0);
+    assert_converged(best(&tuning));
+    assert!((moved(&study, best(&tuning)) - moved(&study, best(&plain))).abs() < 1e-6);
+}
+
+/// A length of the carrier that nothing moves once stopped the search short of the optimum, and had a price.
+#[test]
+fn a_length_that_stands_still_hides_no_optimum() {
+    let wrong = tuned(&stored("unmovable_length_wrong_optimum.toml", &[]));
+    let fit = best(&wrong);
+    assert_converged(fit);
+    // By IPOPT, to the digits that are known of it.
+    assert!(fit.misfit() < 0.378_535, "{}", fit.misfit());
+    let outcomes = &wrong.best.as_ref().unwrap().constraints;
+    assert!(
+        outcomes
+            .iter()
+            .all(|c| c.room < 1e-6 || c.price == Price::Nothing)
+    );
+    assert_converged(best(&tuned(&stored("unmovable_length_hangs.toml", &[]))));
+}
+
+/// A target that nothing moves, missed by a hundred tolerances, changes neither the optimum of the others nor how near
+/// to it counts as good.
+#[test]
+fn a_missed_target_that_stands_still_hides_no_other() {
+    // Toe in the design position is set there, whatever moves.
+    let other = "{ characteristic = \"camber_gain\", at = 0.0, value = -0.03, tolerance = 0.0005 }";
+    let still = "{ characteristic = \"toe\", at = 0.0, value = 5.0, tolerance = 0.05 }";
+    for good_enough in ["optimise.good_enough=0.0", "optimise.good_enough=0.5"] {
+        let with = |targets: &[&str]| {
+            let targets = format!("optimise.targets=[{}]", targets.join(", "));
+            tuned(&edited(
+                "double_wishbone_front.toml",
+                &[&targets, good_enough],
+            ))
+        };
+        let (alone, both) = (with(&[other]), with(&[other, still]));
+        assert_eq!(both.unmoved, [1]);
+        let (alone, both) = (alone.best.unwrap(), both.best.unwrap());
+        let [alone, both] = [alone, both].map(|best| best.after.targets[0].rms);
+        // The level of the misfit is that of both targets: of one alone it is up to the root of two as much.
+        assert!(
+            both <= 0.5 * 2.0_f64.sqrt() + 1e-6,
+            "{good_enough}: {alone} {both}"
+        );
+        assert!(
+            good_enough.ends_with("0.5") || both < 1e-6,
+            "{good_enough}: {alone} {both}"
+        );
+    }
+}
+
+/// Three tunings whose way back once failed: the distances that IPOPT finds, squared, are reached.
+#[test]
+fn ways_back_that_failed_reach_the_nearest_design() {
+    for (name, least) in [
+        ("nearest_not_reached_five_link.toml", 0.280),
+        ("nearest_not_reached_strut.toml", 0.052),
+        ("nearest_not_reached_wishbone.toml", 0.086),
+    ] {
+        let study = stored(name, &[]);
+        let tuning = tuned(&study);
+        let fit = best(&tuning);
+        assert_converged(fit);
+        let found = moved(&study, fit);
+        // IPOPT's figures have three digits.
+        assert!(found < least + 0.0005, "{name}: {found}");
+        assert!(fit.ended().contains("nearest"), "{}", fit.ended());
+    }
+}

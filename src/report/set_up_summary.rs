@@ -44,8 +44,10 @@ pub struct StaticRecord {
     pub miss_rounded: Option<f64>,
     /// Error that half steps of shims and half sixteenths of turns may leave: up to it `miss_rounded` counts as met.
     pub allowed_rounded: f64,
-    /// Whether both errors count as met.
+    /// Whether `miss` counts as met.
     pub met: bool,
+    /// Whether `miss_rounded` counts as met.
+    pub met_rounded: bool,
 }
 
 /// An adjustment.
@@ -77,7 +79,8 @@ impl SetUpSummary {
     /// Summary of the set-up that was found for a study.
     pub fn of(study: &Study, setup: &Setup, found: &SetUp) -> Self {
         let length = study.suspension.length_unit;
-        let (misses, rounded, met) = (found.misses(), found.misses_rounded(), found.met());
+        let (misses, rounded) = (found.misses(), found.misses_rounded());
+        let (met, met_rounded) = (found.met(), found.met_rounded());
         let statics = found.statics.iter().enumerate();
         let statics = statics.map(|(i, value)| StaticRecord {
             column: static_column(*value, length),
@@ -91,6 +94,7 @@ impl SetUpSummary {
             miss_rounded: rounded[i],
             allowed_rounded: found.allowed_rounded[i],
             met: met[i],
+            met_rounded: met_rounded[i],
         });
         let adjustments = found.order.iter().enumerate();
         let adjustments = adjustments.map(|(place, k)| {
@@ -229,36 +233,44 @@ impl SetUpSummary {
         tables.collect()
     }
 
-    /// Wanted values with the computed and the rounded result of each.
+    /// Wanted values with their results, a row with the computed and one with the rounded amounts.
     pub fn results(&self) -> Table {
-        let mut table = Table::new([
+        let header = [
             "static value",
+            "amounts",
             "wanted",
-            "computed",
+            "value",
             "error",
-            "rounded",
-            "error rounded",
             "allowed",
             "met",
-        ]);
+        ];
+        let mut table = Table::new(header);
         for s in self.statics.iter().filter(|s| s.wanted.is_some()) {
             let name = match s.kept {
                 true => format!("{} (kept)", s.column),
                 false => s.column.clone(),
             };
-            let mut row = vec![Cell::from(name)];
-            let numbers = [s.wanted, s.set, s.miss, s.set_rounded, s.miss_rounded];
-            row.extend(numbers.into_iter().map(figure));
-            row.push(figure(Some(s.allowed_rounded)));
-            row.push(s.met.into());
-            table.push_row(row);
+            let mut push = |head: [Cell; 2], value, miss, allowed, met: bool| {
+                let numbers = [s.wanted, value, miss, Some(allowed)].map(figure);
+                table.push_row(head.into_iter().chain(numbers).chain([met.into()]));
+            };
+            let head = [Cell::from(name.as_str()), "computed".into()];
+            push(head, s.set, s.miss, s.allowed, s.met);
+            let head = [Cell::repeated(&name), "rounded".into()];
+            push(
+                head,
+                s.set_rounded,
+                s.miss_rounded,
+                s.allowed_rounded,
+                s.met_rounded,
+            );
         }
-        table
+        table.keyed(2)
     }
 
     /// Static values that miss their aims by more than half steps.
     pub fn not_met(&self) -> impl Iterator<Item = &StaticRecord> {
-        self.statics.iter().filter(|s| !s.met)
+        self.statics.iter().filter(|s| !(s.met && s.met_rounded))
     }
 }
 

@@ -169,7 +169,11 @@ fn half_steps_of_shims_do_not_fail_a_set_up() {
     assert!(!found.is_met());
     let toe = Static::Characteristic(Characteristic::Toe);
     let place = found.statics.iter().position(|s| *s == toe).unwrap();
-    assert!(!found.met()[place] && found.misses()[place].unwrap().abs() > 1.0);
+    assert!(
+        !found.met()[place]
+            && !found.met_rounded()[place]
+            && found.misses()[place].unwrap().abs() > 1.0
+    );
 }
 
 /// An aim out of reach is named with the value at which it ends; aims in reach are not.
@@ -199,7 +203,8 @@ fn aims_out_of_reach_are_named_alone() {
         assert_eq!(missed.len(), 1, "{missed:?}");
         assert_eq!(missed[0].of, Static::Characteristic(name));
         assert!((missed[0].wanted - sought).abs() < 1e-9);
-        assert!((missed[0].value - sought).abs() > 1.0, "{missed:?}");
+        // A wheel on its side has a camber of 90 degrees, and none has more.
+        assert!((missed[0].value - sought).abs() > 0.29, "{missed:?}");
     }
 }
 

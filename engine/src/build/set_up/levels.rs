@@ -5,15 +5,15 @@ use super::{AdjustedSuspension, NoSetUp};
 use nalgebra::{DMatrix, DVector};
 
 /// The most steps of Newton's method.
-pub(super) const MOST_STEPS: usize = 40;
+const MOST_STEPS: usize = 40;
 /// Effects below this part of the largest are directions that no aim feels.
-pub(super) const FLAT: f64 = 1e-8;
+const FLAT: f64 = 1e-8;
 /// Steps up to this, in parts of the size, do not change the parts.
-pub(super) const STILL: f64 = 1e-14;
+const STILL: f64 = 1e-14;
 /// Steps up to this that make nothing better are rounding.
-pub(super) const ROUNDING: f64 = 1e-7;
+const ROUNDING: f64 = 1e-7;
 /// The smallest part of a step that is tried.
-pub(super) const SHORTEST: f64 = 1e-3;
+const SHORTEST: f64 = 1e-3;
 
 /// Who meets which aim.
 #[derive(Clone, Debug)]
@@ -53,27 +53,94 @@ pub(super) fn felt(mut rows: DMatrix<f64>) -> Vec<usize> {
     taken
 }
 
+/// End of an iteration.
+pub(super) enum End {
+    /// The aims are met, or as near as least squares can bring them.
+    Settled(AdjustedSuspension),
+    /// No step brings the aims nearer.
+    Stuck(AdjustedSuspension),
+}
+
 impl Problem<'_> {
-    /// Meets some aims by some adjustments, the smallest of those that do: Newton's method (2), halved where the parts do not go
-    /// together or the errors grow.
+    /// Meets some aims by some adjustments, or names the aims that are out of reach.
     pub(super) fn meet(
+        &self,
+        state: AdjustedSuspension,
+        aims: &[usize],
+        adjustments: &[usize],
+    ) -> Result<AdjustedSuspension, NoSetUp> {
+        self.settle(state, aims, |state, aims| {
+            self.newton(state, aims, adjustments)
+        })
+    }
+
+    /// Runs an iteration for some aims. Where it ends short of them, leaves out the aim with the largest error, one after
+    /// the other, until the others are met, and names those that are missed.
+    pub(super) fn settle(
+        &self,
+        state: AdjustedSuspension,
+        aims: &[usize],
+        iteration: impl Fn(AdjustedSuspension, &[usize]) -> End,
+    ) -> Result<AdjustedSuspension, NoSetUp> {
+        let mut left = aims.to_vec();
+        let mut ended = iteration(state, &left);
+        loop {
+            match ended {
+                End::Settled(state) if left.len() == aims.len() => return Ok(state),
+                End::Settled(state) => return Err(self.out_of_reach(&state, aims)),
+                End::Stuck(state) => {
+                    let errors = self.errors(&state, &left);
+                    // An error without a value is the largest.
+                    let sizes = errors
+                        .iter()
+                        .map(|e| if e.is_nan() { f64::INFINITY } else { e.abs() });
+                    let worst = sizes.enumerate().max_by(|a, b| a.1.total_cmp(&b.1));
+                    match worst {
+                        Some((worst, _)) if left.len() > 1 => drop(left.remove(worst)),
+                        _ => return Err(self.out_of_reach(&state, aims)),
+                    }
+                    ended = iteration(state, &left);
+                }
+            }
+        }
+    }
+
+    /// Newton's method (2), the smallest of the steps that meet the aims, halved where the parts do not go together or the
+    /// errors grow.
+    pub(super) fn newton(
+        &self,
+        state: AdjustedSuspension,
+        aims: &[usize],
+        adjustments: &[usize],
+    ) -> End {
+        if aims.is_empty() || adjustments.is_empty() {
+            return End::Settled(state);
+        }
+        let step = |state: &AdjustedSuspension, errors: &DVector<f64>| {
+            least_step(self.effects(state, aims, adjustments), errors)
+        };
+        self.iterate(state, aims, adjustments, step, |amounts| {
+            self.state(amounts).ok()
+        })
+    }
+
+    /// Takes steps of some adjustments until they are still. A trial gives the state of changed amounts.
+    pub(super) fn iterate(
         &self,
         mut state: AdjustedSuspension,
         aims: &[usize],
         adjustments: &[usize],
-    ) -> Result<AdjustedSuspension, NoSetUp> {
-        if aims.is_empty() || adjustments.is_empty() {
-            return Ok(state);
-        }
+        step: impl Fn(&AdjustedSuspension, &DVector<f64>) -> Option<DVector<f64>>,
+        trial: impl Fn(&[f64]) -> Option<AdjustedSuspension>,
+    ) -> End {
         let size = self.assembler.suspension().size();
         for _ in 0..MOST_STEPS {
             let errors = self.errors(&state, aims);
-            let effects = self.effects(&state, aims, adjustments);
-            let Some(step) = least_step(effects, &errors) else {
-                return Err(self.out_of_reach(&state, aims));
+            let Some(step) = step(&state, &errors) else {
+                return End::Stuck(state);
             };
             if step.norm() <= STILL * size {
-                return Ok(state);
+                return End::Settled(state);
             }
             let mut share = 1.0;
             let next = loop {
@@ -81,7 +148,7 @@ impl Problem<'_> {
                 for (k, adjustment) in adjustments.iter().enumerate() {
                     amounts[*adjustment] -= share * step[k];
                 }
-                if let Ok(next) = self.state(&amounts)
+                if let Some(next) = trial(&amounts)
                     && self.errors(&next, aims).norm() <= errors.norm()
                 {
                     break Some(next);
@@ -93,11 +160,11 @@ impl Problem<'_> {
             };
             match next {
                 Some(next) => state = next,
-                None if step.norm() <= ROUNDING * size => return Ok(state),
-                None => break,
+                None if step.norm() <= ROUNDING * size => return End::Settled(state),
+                None => return End::Stuck(state),
             }
         }
-        Err(self.out_of_reach(&state, aims))
+        End::Stuck(state)
     }
 }
 

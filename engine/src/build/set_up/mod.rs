@@ -53,6 +53,9 @@
 //!
 //! then the one with the least `phi`, then the one with the smallest adjustment.
 //!
+//! Where (2) or (5) ends short of its aims, the aim with the largest error is left where it is and the others are met
+//! from there; so what is named as out of reach is not what only waited for it.
+//!
 //! A mechanic fits shims first, then turns the threads; the thread that moves toe most comes last. He turns by
 //! sixteenths of a turn. The state so rounded is assembled, too, and its errors are bounded as in (7), with half a
 //! sixteenth of each thread.
@@ -256,26 +259,29 @@ impl SetUp {
             .collect()
     }
 
-    /// Whether each aim is met: exactly but for half steps of shims, and with the rounded amounts but for half a
-    /// sixteenth of a turn as well. A value without an aim is met.
+    /// Whether each aim is met with the amounts not rounded, but for half steps of shims. A value without an aim is met.
     pub fn met(&self) -> Vec<bool> {
-        let within = |error: Option<f64>, allowed: f64| {
-            error.is_none_or(|error| error.abs() <= MET + allowed)
-        };
-        let exact = self.misses().into_iter().zip(&self.allowed);
-        let rounded = self.misses_rounded().into_iter().zip(&self.allowed_rounded);
-        exact
-            .zip(rounded)
-            .map(|((exact, half), (rounded, half_rounded))| {
-                within(exact, *half) && within(rounded, *half_rounded)
-            })
-            .collect()
+        within(&self.misses(), &self.allowed)
     }
 
-    /// Whether every aim is met.
-    pub fn is_met(&self) -> bool {
-        self.met().into_iter().all(|met| met)
+    /// Whether each aim is met with the rounded amounts, but for half steps of shims and half sixteenths of turns.
+    pub fn met_rounded(&self) -> Vec<bool> {
+        within(&self.misses_rounded(), &self.allowed_rounded)
     }
+
+    /// Whether every aim is met with both.
+    pub fn is_met(&self) -> bool {
+        let mut met = self.met().into_iter().chain(self.met_rounded());
+        met.all(|met| met)
+    }
+}
+
+/// Whether each error is at most what is allowed, but for rounding.
+fn within(errors: &[Option<f64>], allowed: &[f64]) -> Vec<bool> {
+    let pairs = errors.iter().zip(allowed);
+    pairs
+        .map(|(error, allowed)| error.is_none_or(|error| error.abs() <= MET + allowed))
+        .collect()
 }
 
 /// Whether an adjustment is continuous: not made of whole shims.

@@ -1,9 +1,9 @@
 //! The second level: shims serve the aims that threads do not meet, and come whole.
 
-use super::levels::{Levels, MOST_STEPS, ROUNDING, SHORTEST, STILL, least_step};
+use super::levels::{End, Levels, least_step};
 use super::problem::Problem;
 use super::{AdjustedSuspension, MET, NoSetUp};
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 
 /// Shims of which both neighbours are looked at: 2^10 of them are ranked. The others are rounded.
 const MOST_ENUMERATED: usize = 10;
@@ -59,53 +59,29 @@ impl Problem<'_> {
     /// Gauss and Newton's method (5) over shims of any thickness; every trial meets the aims of the threads.
     fn serve(
         &self,
-        mut state: AdjustedSuspension,
+        state: AdjustedSuspension,
         levels: &Levels,
     ) -> Result<AdjustedSuspension, NoSetUp> {
         if levels.shims.is_empty() {
             return Ok(state);
         }
-        let size = self.assembler.suspension().size();
-        for _ in 0..MOST_STEPS {
-            let errors = self.errors(&state, &levels.rest);
-            let Some(step) = least_step(self.reduced_effects(levels, &state), &errors) else {
-                return Err(self.out_of_reach(&state, &levels.rest));
+        self.settle(state, &levels.rest, |state, aims| {
+            let mut levels = levels.clone();
+            levels.rest = aims.to_vec();
+            let step = |state: &AdjustedSuspension, errors: &DVector<f64>| {
+                least_step(self.reduced_effects(&levels, state), errors)
             };
-            if step.norm() <= STILL * size {
-                return Ok(state);
-            }
-            let mut share = 1.0;
-            let next = loop {
-                let mut amounts = state.amounts.clone();
-                for (k, shim) in levels.shims.iter().enumerate() {
-                    amounts[*shim] -= share * step[k];
-                }
-                if let Ok(next) = self.with_threads(&amounts, levels)
-                    && self.errors(&next, &levels.rest).norm() <= errors.norm()
-                {
-                    break Some(next);
-                }
-                share *= 0.5;
-                if share < SHORTEST {
-                    break None;
-                }
+            let trial = |amounts: &[f64]| match self.with_threads(amounts, &levels) {
+                Ok(End::Settled(state)) => Some(state),
+                Ok(End::Stuck(_)) | Err(_) => None,
             };
-            match next {
-                Some(next) => state = next,
-                None if step.norm() <= ROUNDING * size => return Ok(state),
-                None => break,
-            }
-        }
-        Err(self.out_of_reach(&state, &levels.rest))
+            self.iterate(state, aims, &levels.shims, step, trial)
+        })
     }
 
     /// The state with these shims, in which the threads meet their aims: `X(z)` of equation (2).
-    fn with_threads(
-        &self,
-        amounts: &[f64],
-        levels: &Levels,
-    ) -> Result<AdjustedSuspension, NoSetUp> {
-        self.meet(self.state(amounts)?, &levels.exact, &levels.threads)
+    fn with_threads(&self, amounts: &[f64], levels: &Levels) -> Result<End, NoSetUp> {
+        Ok(self.newton(self.state(amounts)?, &levels.exact, &levels.threads))
     }
 
     /// The best state with whole shims about a state with real ones.
@@ -118,7 +94,11 @@ impl Problem<'_> {
         let mut refused = None;
         for amounts in self.neighbours(real, levels) {
             let state = match self.with_threads(&amounts, levels) {
-                Ok(state) => state,
+                Ok(End::Settled(state)) => state,
+                Ok(End::Stuck(state)) => {
+                    refused.get_or_insert(self.out_of_reach(&state, &levels.exact));
+                    continue;
+                }
                 Err(reason) => {
                     refused.get_or_insert(reason);
                     continue;

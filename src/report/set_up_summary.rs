@@ -214,7 +214,7 @@ impl SetUpSummary {
     /// Static values of the design and after each step, with computed amounts: tables of a few steps, narrow enough not to
     /// break a name.
     pub fn values_after_steps(&self) -> Vec<Table> {
-        const MOST: usize = 6;
+        const MOST: usize = 5;
         let drawn = self.statics.iter().map(|s| s.drawn).collect();
         let mut columns: Vec<(String, Vec<Option<f64>>)> = vec![("as drawn".to_owned(), drawn)];
         for (number, a) in self.adjustments.iter().enumerate() {

@@ -354,7 +354,7 @@ fn turns(turns: f64) -> String {
     let mut of = PARTS_OF_A_TURN as u64;
     let whole = parts / of;
     parts %= of;
-    while parts > 0 && parts % 2 == 0 {
+    while parts > 0 && parts.is_multiple_of(2) {
         (parts, of) = (parts / 2, of / 2);
     }
     let unit = if whole > 1 || (whole == 1 && parts > 0) {

@@ -74,8 +74,12 @@ def _run(command: str, study: Study, out: Place | None, threads: int | None) -> 
 
 
 def setup(study: Study, out: Place | None = None) -> Run:
-    """The adjustments that give the static values that [setup] wants: tables "setup" (the steps), "effects" (what each
-    adjustment does), "curves"; `summary["met"]` says whether it can be met."""
+    """Solves for the adjustments that give the static values that [setup] wants.
+
+    Tables: "setup" (the instructions and the static values after each step), "effects" (effect of each adjustment) and
+    "curves". `summary["met"]` says whether every wanted value is met but for half steps of shims and turns. Each of
+    `summary["statics"]` has its value and error with the computed amounts (`set`, `miss`) and with those rounded to what
+    a mechanic can make (`set_rounded`, `miss_rounded`). `ride_height_change` is positive where the car becomes higher."""
     return _run("setup", study, out, None)
 
 

@@ -82,7 +82,19 @@ def test_tolerances_and_set_up():
     assert {"tolerance", "contributors", "curves"} <= set(found) and found["tolerance"].rows > 0
     assert found.summary
     steps = hp.setup(study)
-    assert steps["setup"].rows > 0 and steps.summary["met"] in (True, False)
+    assert steps["setup"].rows > 0 and steps.summary["met"] is True
+    wanted = [value for value in steps.summary["statics"] if value["wanted"] is not None]
+    assert {value["column"] for value in wanted} == {"camber_deg", "toe_deg"}
+    for value in wanted:
+        assert abs(value["miss"]) < 1e-9 and abs(value["miss_rounded"]) <= value["allowed_rounded"]
+    pushrod = hp.load(
+        STUDIES / "double_wishbone_tolerance.toml",
+        {"setup": {"adjust": [{"length": "pushrod", "per_turn": 2.5}], "ride_height_change": 4.0}},
+    )
+    raised = hp.setup(pushrod).summary
+    assert raised["adjustments"][0]["instruction"].startswith("lengthen")
+    height = raised["statics"][-1]
+    assert height["column"] == "ride_height_change_mm" and abs(height["set"] - 4.0) < 1e-9
     with pytest.raises(hp.HardpointError, match="tolerance"):
         hp.tolerance(hp.loads(hp.template("macpherson")))
 

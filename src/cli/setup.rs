@@ -20,8 +20,8 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     };
     if arguments.report || arguments.plots.is_some() {
         return Err(Stop::wrong_input(
-            "--report and --plots are of `hardpoint solve`, `sweep`, `optimise` and `tolerance`: a set-up \
-             is tables and curves.csv",
+            "`hardpoint setup` writes tables and curves.csv, without --report and --plots; those are options of \
+             `solve`, `sweep`, `optimise` and `tolerance`",
         ));
     }
     let fault = |fault| design_fault(&study, path, &fault);
@@ -34,7 +34,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     let output = Output::open(arguments, &study, "setup")?;
     let summary = SetUpSummary::of(&study, setup, &found);
 
-    // Curves about the new ride height, in every output of the study.
+    // Curves about the new resting position, in every output of the study.
     let mut adjusted = study.clone();
     adjusted.suspension = found.last().built.suspension.clone();
     adjusted.formulation = crate::study::Formulation::KnucklePose;
@@ -57,22 +57,60 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
 
     let topology = study.suspension.mechanism.topology.name;
     output.say(&format!("{}: {topology}\n", study.name))?;
-    output.text_only("\nwhat each adjustment does\n\n")?;
-    output.table("effects", &summary.effects_table())?;
-    output.text_only("\nset up, in this order\n\n")?;
-    output.table("steps", &summary.steps_table())?;
-    for (column, miss) in summary.missed() {
-        let left = format!("{column} is missed by {}", crate::report::brief(miss));
-        match summary.met {
-            true => output.say(&format!("\n{left}: shims come in steps\n"))?,
-            false => output.say_failure(&format!("\nnot met: {left}\n"))?,
-        }
-    }
+    print(&output, &summary)?;
     output.print_files(&files)?;
     Ok(Exit::of(complete && summary.met))
 }
 
-/// Says why there is no set-up, and what each adjustment does to the parts as drawn.
+/// Prints the summary: to a reader in narrow tables, to a program in two.
+fn print(output: &Output, summary: &SetUpSummary) -> Result<(), Stop> {
+    print_effects(output, summary)?;
+    if !output.is_text() {
+        output.table("steps", &summary.steps_table())?;
+    }
+    let width = terminal::width();
+    output
+        .text_only("\nset up, in this order (amounts rounded to what a mechanic can make)\n\n")?;
+    output.text_only(&summary.instructions().text(width))?;
+    output.text_only("\nstatic values after each step, with computed amounts\n")?;
+    for table in summary.values_after_steps() {
+        output.text_only(&format!("\n{}", table.text(width)))?;
+    }
+    let results = summary.results();
+    if !results.is_empty() {
+        output.text_only("\nwanted values, with computed and with rounded amounts\n\n")?;
+        output.text_only(&results.text(width))?;
+        output.text_only(
+            "\nAllowed error: half a step of the shims, half a sixteenth of a turn of the threads. \
+             ride_height_change is positive where the car becomes higher.\n",
+        )?;
+    }
+    for s in summary.not_met() {
+        let (Some(wanted), Some(set), Some(rounded)) = (s.wanted, s.set, s.set_rounded) else {
+            continue;
+        };
+        output.say_failure(&format!(
+            "\nnot met: {} ends at {} ({} with rounded amounts), not {}\n",
+            s.column,
+            brief(set),
+            brief(rounded),
+            brief(wanted)
+        ))?;
+    }
+    Ok(())
+}
+
+/// Prints the effects of the adjustments.
+fn print_effects(output: &Output, summary: &SetUpSummary) -> Result<(), Stop> {
+    if output.is_text() {
+        output.text_only("\nwhat each adjustment does\n\n")?;
+        output.text_only(&summary.effects_for_readers().text(terminal::width()))
+    } else {
+        output.table("effects", &summary.effects_table())
+    }
+}
+
+/// Says why there is no set-up, and what each adjustment does to the design.
 fn not_met(
     arguments: &RunArguments,
     study: &Study,
@@ -101,22 +139,23 @@ fn not_met(
             let missed: Vec<String> = missed.iter().map(words).collect();
             format!("what is wanted cannot be met: {}", missed.join("; "))
         }
-        NoSetUp::Unsettled => "what is wanted cannot be met".to_owned(),
+        NoSetUp::Unsettled => {
+            "what is wanted cannot be met: the adjustments move none of it".to_owned()
+        }
     };
     let reason = format!("{}: {reason}", arguments.study.study.display());
     let Ok(drawn) = SetUp::drawn(study, setup, assembler) else {
         return Err(Stop::not_met(reason));
     };
-    let effects = SetUpSummary::of(study, setup, &drawn).effects_table();
+    let summary = SetUpSummary::of(study, setup, &drawn);
     let output = Output::open(arguments, study, "setup")?;
     for former in ["curves.csv", "setup.csv", "summary.json"] {
         output.without(former)?;
     }
-    output.file("effects.csv", effects.csv(None).as_bytes())?;
+    output.file("effects.csv", summary.effects_table().csv(None).as_bytes())?;
     output.finish()?;
     terminal::eprint(&format!("error: {reason}\n"));
-    output.text_only("what each adjustment does\n\n")?;
-    output.table("effects", &effects)?;
+    print_effects(&output, &summary)?;
     output.print_files(&["effects.csv"])?;
     Ok(Exit::Incomplete)
 }

@@ -1,10 +1,10 @@
-//! The result of a set-up: the effect of a length unit or a turn of each adjustment, and the steps to the wanted
-//! values.
+//! Result of a set-up: effects of the adjustments, instructions for a mechanic, and errors before and after rounding.
 
-use super::table::{Cell, Table};
-use crate::assembly::{SetUp, Static};
+use super::table::{Cell, Column, Table};
+use super::text::counted;
+use crate::assembly::{Aim, BuildParameter, PARTS_OF_A_TURN, SetUp, Static};
 use crate::model::LengthUnit;
-use crate::study::{Setup, Study};
+use crate::study::{Adjustment, Increment, Setup, Study};
 use serde::Serialize;
 
 /// A set-up in numbers.
@@ -12,7 +12,7 @@ use serde::Serialize;
 pub struct SetUpSummary {
     /// Name of the study.
     pub study: String,
-    /// Whether every wanted value is met, but for whole steps of shims.
+    /// Whether every aim is met, with the computed and with the rounded amounts, but for half steps.
     pub met: bool,
     /// Static values.
     pub statics: Vec<StaticRecord>,
@@ -26,14 +26,28 @@ pub struct SetUpSummary {
 pub struct StaticRecord {
     /// Name with unit.
     pub column: String,
-    /// The value with the parts as drawn.
+    /// Value of the design.
     pub drawn: Option<f64>,
-    /// The value with the parts adjusted.
+    /// Value with the computed amounts.
     pub set: Option<f64>,
-    /// The wanted value, if there is one.
+    /// Wanted value, if there is one.
     pub wanted: Option<f64>,
-    /// The value set minus the wanted one.
+    /// Whether the study wants nothing and the set-up keeps the design's value, which then is `wanted`.
+    pub kept: bool,
+    /// Computed value minus the wanted one.
     pub miss: Option<f64>,
+    /// Error that half steps of shims may leave: up to it `miss` counts as met.
+    pub allowed: f64,
+    /// Value with the rounded amounts.
+    pub set_rounded: Option<f64>,
+    /// This value minus the wanted one.
+    pub miss_rounded: Option<f64>,
+    /// Error that half steps of shims and half sixteenths of turns may leave: up to it `miss_rounded` counts as met.
+    pub allowed_rounded: f64,
+    /// Whether `miss` counts as met.
+    pub met: bool,
+    /// Whether `miss_rounded` counts as met.
+    pub met_rounded: bool,
 }
 
 /// An adjustment.
@@ -41,17 +55,23 @@ pub struct StaticRecord {
 pub struct AdjustmentRecord {
     /// Name.
     pub adjustment: String,
-    /// Amount of the adjustment, in length units.
+    /// Instruction for a mechanic, by the rounded amount: "shorten 1/16 turn".
+    pub instruction: String,
+    /// Computed amount, in length units.
     pub amount: f64,
     /// The same amount in turns, if it is made by a thread.
     pub turns: Option<f64>,
-    /// In shims.
+    /// Number of shims: more than 0 to add, less than 0 to remove.
     pub shims: Option<f64>,
-    /// Change of each static value by a length unit of it, about the parts as drawn.
+    /// Amount that a mechanic can make, in length units.
+    pub amount_rounded: f64,
+    /// The same in turns.
+    pub turns_rounded: Option<f64>,
+    /// Change of each static value by a length unit of it, about the design.
     pub by_length: Vec<Option<f64>>,
     /// Change of each static value by a turn of it.
     pub by_turn: Option<Vec<Option<f64>>>,
-    /// The static values once this has been done.
+    /// Static values after this step, with computed amounts.
     pub after: Vec<Option<f64>>,
 }
 
@@ -59,32 +79,27 @@ impl SetUpSummary {
     /// Summary of the set-up that was found for a study.
     pub fn of(study: &Study, setup: &Setup, found: &SetUp) -> Self {
         let length = study.suspension.length_unit;
-        let finite = |v: f64| v.is_finite().then_some(v + 0.0);
-        let columns = found.statics.iter().map(|s| static_column(*s, length));
-        let misses = found.misses();
-        let statics = columns.enumerate().map(|(i, column)| StaticRecord {
-            column,
+        let (misses, rounded) = (found.misses(), found.misses_rounded());
+        let (met, met_rounded) = (found.met(), found.met_rounded());
+        let statics = found.statics.iter().enumerate();
+        let statics = statics.map(|(i, value)| StaticRecord {
+            column: static_column(*value, length),
             drawn: finite(found.drawn.values[i]),
             set: finite(found.last().values[i]),
-            wanted: found.wanted[i],
+            wanted: found.aims[i].value().map(|v| v + 0.0),
+            kept: matches!(found.aims[i], Aim::Kept(_)),
             miss: misses[i],
+            allowed: found.allowed[i],
+            set_rounded: finite(found.rounded.values[i]),
+            miss_rounded: rounded[i],
+            allowed_rounded: found.allowed_rounded[i],
+            met: met[i],
+            met_rounded: met_rounded[i],
         });
-        let adjustments = setup.adjust.iter().enumerate();
-        let adjustments = adjustments.map(|(k, adjustment)| {
-            let after = found.steps.get(k).unwrap_or(&found.drawn);
-            let amount = found.last().amounts[k] + 0.0;
-            let by = &found.drawn.by[k];
-            AdjustmentRecord {
-                adjustment: adjustment.name.clone(),
-                amount,
-                turns: adjustment.per_turn.map(|per| amount / per),
-                shims: adjustment.step.map(|step| (amount / step).round()),
-                by_length: by.iter().map(|v| finite(*v)).collect(),
-                by_turn: adjustment
-                    .per_turn
-                    .map(|per| by.iter().map(|v| finite(v * per)).collect()),
-                after: after.values.iter().map(|v| finite(*v)).collect(),
-            }
+        let adjustments = found.order.iter().enumerate();
+        let adjustments = adjustments.map(|(place, k)| {
+            let after = found.steps.get(place).unwrap_or(&found.drawn);
+            adjustment_record(&setup.adjust[*k], *k, found, &after.values, length)
         });
         SetUpSummary {
             study: study.name.clone(),
@@ -95,7 +110,7 @@ impl SetUpSummary {
         }
     }
 
-    /// A table of the effects of a length unit, or a turn, of each adjustment.
+    /// Effects of a length unit and of a turn of each adjustment: a row for each adjustment, for programs.
     pub fn effects_table(&self) -> Table {
         let columns = ["adjustment", "per"].map(str::to_owned);
         let statics = self.statics.iter().map(|s| s.column.clone());
@@ -114,37 +129,243 @@ impl SetUpSummary {
         table.keyed(2)
     }
 
-    /// A table of the adjustments to make, step by step, with the static values after each.
+    /// The same for a reader: a row for each static value of each adjustment, so that no name is ever broken.
+    pub fn effects_for_readers(&self) -> Table {
+        let has_turns = self.adjustments.iter().any(|a| a.by_turn.is_some());
+        let mut header = vec!["adjustment".to_owned(), "static value".to_owned()];
+        header.push(format!("per {}", self.unit));
+        if has_turns {
+            header.push("per turn".to_owned());
+        }
+        let mut table = Table::with_columns(header);
+        for adjustment in &self.adjustments {
+            for (i, value) in self.statics.iter().enumerate() {
+                let name = adjustment.adjustment.as_str();
+                let mut row = vec![if i == 0 {
+                    name.into()
+                } else {
+                    Cell::repeated(name)
+                }];
+                row.push(value.column.as_str().into());
+                row.push(figure(adjustment.by_length[i]));
+                if has_turns {
+                    row.push(figure(adjustment.by_turn.as_ref().and_then(|by| by[i])));
+                }
+                table.push_row(row);
+            }
+        }
+        table.keyed(2)
+    }
+
+    /// Adjustments to make, step by step, with the static values after each, for programs.
     pub fn steps_table(&self) -> Table {
         let amount = format!("amount {}", self.unit);
         let columns = ["step".to_owned(), amount, "turns".into(), "shims".into()];
         let statics = self.statics.iter().map(|s| s.column.clone());
-        let mut table = Table::with_columns(columns.into_iter().chain(statics));
-        let row = |name: &str, amounts: [Option<f64>; 3], values: Vec<Option<f64>>| {
-            let head = [Cell::from(name)];
-            let numbers = amounts.into_iter().chain(values).map(figure);
-            head.into_iter().chain(numbers).collect::<Vec<_>>()
+        let rounded = [
+            format!("amount rounded {}", self.unit),
+            "turns rounded".into(),
+            "instruction".into(),
+        ];
+        let columns = columns.into_iter().chain(statics).chain(rounded);
+        let mut table = Table::with_columns(columns);
+        let row = |name: &str, a: Option<&AdjustmentRecord>, values: Vec<Option<f64>>| {
+            let amounts = [a.map(|a| a.amount), a.and_then(|a| a.turns)];
+            let amounts = amounts.into_iter().chain([a.and_then(|a| a.shims)]);
+            let rounded = [a.map(|a| a.amount_rounded), a.and_then(|a| a.turns_rounded)];
+            let numbers = amounts.chain(values).chain(rounded).map(figure);
+            let instruction = a.map(|a| a.instruction.as_str());
+            let cells = [Cell::from(name)].into_iter().chain(numbers);
+            cells.chain([instruction.into()]).collect::<Vec<_>>()
         };
-        let drawn = self.statics.iter().map(|s| s.drawn).collect();
-        table.push_row(row("as drawn", [None; 3], drawn));
+        let of = |f: fn(&StaticRecord) -> Option<f64>| self.statics.iter().map(f).collect();
+        table.push_row(row("as drawn", None, of(|s| s.drawn)));
         for a in &self.adjustments {
-            let amounts = [Some(a.amount), a.turns, a.shims];
-            table.push_row(row(&a.adjustment, amounts, a.after.clone()));
+            table.push_row(row(&a.adjustment, Some(a), a.after.clone()));
         }
-        let wanted: Vec<_> = self.statics.iter().map(|s| s.wanted).collect();
-        if wanted.iter().any(Option::is_some) {
-            table.push_row(row("wanted", [None; 3], wanted));
+        if self.statics.iter().any(|s| s.wanted.is_some()) {
+            table.push_row(row("wanted", None, of(|s| s.wanted)));
+        }
+        table.push_row(row("rounded", None, of(|s| s.set_rounded)));
+        table
+    }
+
+    /// Instructions for a mechanic, one row for each place.
+    pub fn instructions(&self) -> Table {
+        let amount = format!("computed {}", self.unit);
+        let has_turns = self.adjustments.iter().any(|a| a.turns.is_some());
+        let mut header = vec!["step".to_owned(), "adjustment".into(), "do".into(), amount];
+        if has_turns {
+            header.push("computed turns".to_owned());
+        }
+        let mut table = Table::with_columns(header);
+        for (number, a) in self.adjustments.iter().enumerate() {
+            let mut row: Vec<Cell> = vec![(number + 1).into(), a.adjustment.as_str().into()];
+            row.push(a.instruction.as_str().into());
+            row.push(figure(Some(a.amount)));
+            if has_turns {
+                row.push(figure(a.turns));
+            }
+            table.push_row(row);
         }
         table
     }
 
-    /// Wanted values that are missed by more than rounding, each with by how much.
-    pub fn missed(&self) -> impl Iterator<Item = (&str, f64)> {
-        let missed = self
-            .statics
-            .iter()
-            .filter_map(|s| Some((&*s.column, s.miss?)));
-        missed.filter(|(_, miss)| miss.abs() > 1e-6)
+    /// Static values of the design and after each step, with computed amounts: tables of a few steps, narrow enough not to
+    /// break a name.
+    pub fn values_after_steps(&self) -> Vec<Table> {
+        const MOST: usize = 5;
+        let drawn = self.statics.iter().map(|s| s.drawn).collect();
+        let mut columns: Vec<(String, Vec<Option<f64>>)> = vec![("as drawn".to_owned(), drawn)];
+        for (number, a) in self.adjustments.iter().enumerate() {
+            columns.push((format!("step {}", number + 1), a.after.clone()));
+        }
+        let tables = columns.chunks(MOST).map(|columns| {
+            let header = columns.iter().map(|(name, _)| name.clone());
+            let header = ["static value".to_owned()].into_iter().chain(header);
+            let mut table = Table::with_columns(header.map(Column::from));
+            for (i, value) in self.statics.iter().enumerate() {
+                let cells = columns.iter().map(|(_, values)| figure(values[i]));
+                table.push_row([value.column.as_str().into()].into_iter().chain(cells));
+            }
+            table
+        });
+        tables.collect()
+    }
+
+    /// Wanted values with their results, a row with the computed and one with the rounded amounts.
+    pub fn results(&self) -> Table {
+        let header = [
+            "static value",
+            "amounts",
+            "wanted",
+            "value",
+            "error",
+            "allowed",
+            "met",
+        ];
+        let mut table = Table::new(header);
+        for s in self.statics.iter().filter(|s| s.wanted.is_some()) {
+            let name = match s.kept {
+                true => format!("{} (kept)", s.column),
+                false => s.column.clone(),
+            };
+            let mut push = |head: [Cell; 2], value, miss, allowed, met: bool| {
+                let numbers = [s.wanted, value, miss, Some(allowed)].map(figure);
+                table.push_row(head.into_iter().chain(numbers).chain([met.into()]));
+            };
+            let head = [Cell::from(name.as_str()), "computed".into()];
+            push(head, s.set, s.miss, s.allowed, s.met);
+            let head = [Cell::repeated(&name), "rounded".into()];
+            push(
+                head,
+                s.set_rounded,
+                s.miss_rounded,
+                s.allowed_rounded,
+                s.met_rounded,
+            );
+        }
+        table.keyed(2)
+    }
+
+    /// Static values that miss their aims by more than half steps.
+    pub fn not_met(&self) -> impl Iterator<Item = &StaticRecord> {
+        self.statics.iter().filter(|s| !(s.met && s.met_rounded))
+    }
+}
+
+fn finite(value: f64) -> Option<f64> {
+    value.is_finite().then_some(value + 0.0)
+}
+
+fn adjustment_record(
+    adjustment: &Adjustment,
+    k: usize,
+    found: &SetUp,
+    after: &[f64],
+    length: LengthUnit,
+) -> AdjustmentRecord {
+    let amount = found.last().amounts[k] + 0.0;
+    let amount_rounded = found.rounded.amounts[k] + 0.0;
+    let by = &found.drawn.by[k];
+    let turn = match adjustment.increment {
+        Increment::Thread { per_turn } => Some(per_turn),
+        Increment::Shims { .. } | Increment::Free => None,
+    };
+    AdjustmentRecord {
+        adjustment: adjustment.name.clone(),
+        instruction: instruction(adjustment, amount_rounded, length),
+        amount,
+        turns: turn.map(|turn| amount / turn),
+        shims: match adjustment.increment {
+            Increment::Shims { step } => Some((amount / step).round() + 0.0),
+            Increment::Thread { .. } | Increment::Free => None,
+        },
+        amount_rounded,
+        turns_rounded: turn.map(|turn| amount_rounded / turn),
+        by_length: by.iter().map(|v| finite(*v)).collect(),
+        by_turn: turn.map(|turn| by.iter().map(|v| finite(v * turn)).collect()),
+        after: after.iter().map(|v| finite(*v)).collect(),
+    }
+}
+
+/// What a mechanic does: "shorten 1 3/16 turns", "add 3 shims: 1.5 mm towards +y".
+fn instruction(adjustment: &Adjustment, amount: f64, length: LengthUnit) -> String {
+    let size = |amount: f64| {
+        // A multiple of a decimal step: without the digits of rounding.
+        let text = format!("{:.6}", amount.abs());
+        let text = text.trim_end_matches('0').trim_end_matches('.');
+        format!("{text} {}", length.symbol())
+    };
+    if amount == 0.0 {
+        return "leave as it is".to_owned();
+    }
+    let sign = if amount > 0.0 { "+" } else { "-" };
+    let (verb, way) = match adjustment.change.0 {
+        BuildParameter::Length(_) if amount > 0.0 => ("lengthen", String::new()),
+        BuildParameter::Length(_) => ("shorten", String::new()),
+        BuildParameter::Coordinate(_, axis) => ("move", format!(" towards {sign}{}", axis.name())),
+    };
+    match adjustment.increment {
+        Increment::Thread { per_turn } => {
+            format!("{verb} {}{way}", turns((amount / per_turn).abs()))
+        }
+        Increment::Free => format!("{verb} by {}{way}", size(amount)),
+        Increment::Shims { step } => {
+            let number = (amount / step).round().abs() as u64;
+            let change = if amount > 0.0 { "add" } else { "remove" };
+            let way = match adjustment.change.0 {
+                BuildParameter::Length(_) if amount > 0.0 => " longer".to_owned(),
+                BuildParameter::Length(_) => " shorter".to_owned(),
+                BuildParameter::Coordinate(..) => way,
+            };
+            format!(
+                "{change} {}: {}{way}",
+                counted(number, "shim"),
+                size(amount)
+            )
+        }
+    }
+}
+
+/// A number of turns in sixteenths: "1/16 turn", "1 turn", "2 3/8 turns".
+fn turns(turns: f64) -> String {
+    let mut parts = (turns * PARTS_OF_A_TURN).round() as u64;
+    let mut of = PARTS_OF_A_TURN as u64;
+    let whole = parts / of;
+    parts %= of;
+    while parts > 0 && parts.is_multiple_of(2) {
+        (parts, of) = (parts / 2, of / 2);
+    }
+    let unit = if whole > 1 || (whole == 1 && parts > 0) {
+        "turns"
+    } else {
+        "turn"
+    };
+    match (whole, parts) {
+        (_, 0) => format!("{whole} {unit}"),
+        (0, _) => format!("{parts}/{of} {unit}"),
+        _ => format!("{whole} {parts}/{of} {unit}"),
     }
 }
 
@@ -152,14 +373,37 @@ impl SetUpSummary {
 pub fn static_column(value: Static, length: LengthUnit) -> String {
     match value {
         Static::Characteristic(c) => c.column(length),
-        Static::RideHeight => format!("ride_height_{}", length.symbol()),
+        Static::RideHeightChange => format!("ride_height_change_{}", length.symbol()),
     }
 }
 
-/// A number with a few digits to a reader; what is rounding is 0.
+/// A number with a few digits to a reader; rounding is shown as 0.
 fn figure(value: Option<f64>) -> Cell {
-    Cell::by(value, |value| match value.abs() < 1e-9 {
-        true => "0".to_owned(),
-        false => super::brief(value),
+    Cell::by(value, |value| {
+        if value.abs() < 1e-9 {
+            "0".to_owned()
+        } else {
+            super::brief(value)
+        }
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::turns;
+
+    #[test]
+    fn turns_are_reduced_sixteenths() {
+        let cases = [
+            (0.0625, "1/16 turn"),
+            (0.5, "1/2 turn"),
+            (1.0, "1 turn"),
+            (1.0625, "1 1/16 turns"),
+            (2.375, "2 3/8 turns"),
+            (3.0, "3 turns"),
+        ];
+        for (number, text) in cases {
+            assert_eq!(turns(number), text);
+        }
+    }
 }

@@ -456,12 +456,14 @@ pub struct Target {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Setup {
-    /// Adjustments, in the order in which a mechanic makes them.
+    /// Adjustments.
     pub adjust: Spanned<Vec<Spanned<Adjustment>>>,
     /// Wanted static values by characteristic.
     pub want: Option<BTreeMap<Text, Number>>,
-    /// Travel of the new resting position.
-    pub ride_height: Option<Number>,
+    /// Wanted change of the ride height, positive where the car becomes higher,
+    pub ride_height_change: Option<Number>,
+    /// or the wheel travel of the new resting position, its negative.
+    pub travel: Option<Number>,
 }
 
 /// An element of `adjust`.

@@ -3,6 +3,7 @@
 use crate::error::{Source, StudyError, StudyErrors};
 use crate::file::File;
 use crate::names::nearest;
+use crate::value::Number;
 use std::sync::Arc;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -21,8 +22,12 @@ pub fn parse(source: &Arc<Source>) -> Result<File, StudyErrors> {
         // A section that is missing altogether has no place.
         let span = error.span().filter(|span| *span != root.span());
         let place = span.clone().and_then(|span| text.get(span)).unwrap_or("");
-        let (message, help) = in_plain_words(error.message(), place);
         let key = span.as_ref().and_then(|span| key_at(text, span.start));
+        let replaced = replaced_key(root.get_ref(), text, key.as_deref(), error.message());
+        let (message, help) = match replaced {
+            Some(message) => (message, None),
+            None => in_plain_words(error.message(), place),
+        };
         let mut error = StudyError::new(source.clone(), span, message);
         error.key_named(key);
         if let Some(help) = help {
@@ -31,6 +36,29 @@ pub fn parse(source: &Arc<Source>) -> Result<File, StudyErrors> {
         error
     })?;
     Ok(file)
+}
+
+/// Explains a key that version 0.1 had and that another one replaces.
+fn replaced_key(root: &DeTable, text: &str, key: Option<&str>, message: &str) -> Option<String> {
+    if key != Some("setup.ride_height") || !message.starts_with("unknown field `ride_height`") {
+        return None;
+    }
+    let DeValue::Table(section) = root.get("setup")?.get_ref() else {
+        return None;
+    };
+    let written = text.get(section.get("ride_height")?.span())?;
+    // With its underscores, as in 1_000.0, it is a number of TOML alone.
+    let number = Number::parsed(&written.replace('_', "")).ok();
+    Some(match number {
+        Some(travel) => format!(
+            "ride_height meant wheel travel until 0.1: write travel = {:?} or ride_height_change = {:?}",
+            travel,
+            0.0 - travel
+        ),
+        None => "ride_height meant wheel travel until 0.1: write travel or ride_height_change, which has the \
+                 opposite sign"
+            .to_owned(),
+    })
 }
 
 /// Path of the key whose name or value is at this byte, like `optimise.variables[0].range`.

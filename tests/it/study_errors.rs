@@ -479,6 +479,42 @@ fn curve_files() {
     assert_eq!(again, Study { inputs, ..study });
 }
 
+/// The key that meant wheel travel until 0.1 is refused with what it now is, in both signs.
+#[test]
+fn the_old_ride_height_is_explained_with_its_own_value() {
+    for (written, said) in [
+        ("5.0", "write travel = 5.0 or ride_height_change = -5.0"),
+        ("-0.2", "write travel = -0.2 or ride_height_change = 0.2"),
+        ("7", "write travel = 7.0 or ride_height_change = -7.0"),
+        ("0", "write travel = 0.0 or ride_height_change = 0.0"),
+    ] {
+        let setup =
+            format!("[setup]\nadjust = [{{ length = \"tie_rod\" }}]\nride_height = {written}\n");
+        let errors = read(&format!("{GOOD}{setup}")).unwrap_err();
+        let error = &errors.all()[0];
+        let lines = GOOD.matches('\n').count() + 3;
+        assert_eq!(
+            error.position().map(|(line, _)| line),
+            Some(lines),
+            "{errors}"
+        );
+        assert_eq!(error.path(), Some("setup.ride_height"));
+        assert_eq!(
+            error.message(),
+            format!("ride_height meant wheel travel until 0.1: {said}")
+        );
+    }
+    let setup =
+        "[setup]\nadjust = [{ length = \"tie_rod\" }]\ntravel = 5.0\nride_height_change = -5.0\n";
+    let errors = read(&format!("{GOOD}{setup}")).unwrap_err();
+    let message = errors.all()[0].message();
+    assert!(
+        message.contains("expected ride_height_change or travel, found both"),
+        "{errors}"
+    );
+    assert_eq!(errors.all()[0].path(), Some("setup.travel"));
+}
+
 #[test]
 fn overrides_that_do_not_fit() {
     let directory = tempfile::tempdir().unwrap();

@@ -32,4 +32,4 @@ pub use assembler::{Assembler, Reject};
 pub use derivatives::{BuiltCurves, built_curves};
 pub use parts::{BuildParameter, Member, Parts};
 pub use rest::{Built, Direction, Rest};
-pub use set_up::{AdjustedSuspension, Miss, NoSetUp, SetUp, Static};
+pub use set_up::{AdjustedSuspension, Aim, Miss, NoSetUp, PARTS_OF_A_TURN, SetUp, Static};

@@ -686,12 +686,13 @@ pub enum Interpolation {
 /// A set-up.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Setup {
-    /// What may be adjusted, in the order a mechanic does it; at least one.
+    /// Adjustments, at least one.
     pub adjust: Vec<Adjustment>,
     /// Wanted static values.
     pub want: Vec<Want>,
-    /// Travel of the new resting position.
-    pub ride_height: Option<f64>,
+    /// Wanted change of the ride height, in study units: positive where the car becomes higher. The wheel travel of the
+    /// new resting position is its negative.
+    pub ride_height_change: Option<f64>,
 }
 
 /// Something that can be adjusted.
@@ -701,10 +702,25 @@ pub struct Adjustment {
     pub name: String,
     /// The dimension, and how much it changes in the kernel's frame per unit of the adjustment.
     pub change: (BuildParameter, f64),
-    /// How much longer one turn makes a rod with a thread at both ends.
-    pub per_turn: Option<f64>,
-    /// Thickness of the thinnest shim.
-    pub step: Option<f64>,
+    /// Sizes in which it comes.
+    pub increment: Increment,
+}
+
+/// Sizes in which an adjustment comes, in study units.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Increment {
+    /// A thread: continuous, made in parts of a turn.
+    Thread {
+        /// Change of length by one turn, of both threads together.
+        per_turn: f64,
+    },
+    /// Whole shims.
+    Shims {
+        /// Thickness of the thinnest shim.
+        step: f64,
+    },
+    /// Any amount, as of a slotted plate.
+    Free,
 }
 
 /// A wanted static value, in radians or length units.

@@ -6,7 +6,7 @@ use super::members::{coordinate, member};
 use super::outputs::characteristic;
 use super::resolve::Context;
 use super::suspension::positive;
-use super::{Adjustment, Setup, Want};
+use super::{Adjustment, Increment, Setup, Want};
 use crate::assembly::BuildParameter;
 use toml::Spanned;
 
@@ -51,7 +51,7 @@ pub(super) fn setup(
                 .from_printed(number.value, context.suspension.length_unit),
         });
     }
-    // As the catalogue has them, whatever their order in the file.
+    // In the order of the catalogue, whatever their order in the file.
     want.sort_by_key(|want| want.characteristic);
     Some(Setup {
         adjust: adjust
@@ -59,8 +59,24 @@ pub(super) fn setup(
             .collect::<Option<_>>()
             .filter(|a: &Vec<_>| !a.is_empty())?,
         want,
-        ride_height: section.ride_height.as_ref().map(|n| n.value),
+        ride_height_change: ride_height_change(section, problems),
     })
+}
+
+/// Wanted change of the ride height: as written, or the negative of the written travel.
+fn ride_height_change(section: &file::Setup, problems: &mut Problems) -> Option<f64> {
+    match (&section.ride_height_change, &section.travel) {
+        (Some(change), Some(travel)) => {
+            let message = "expected ride_height_change or travel, found both: ride_height_change is positive where \
+                           the car becomes higher, travel is its negative";
+            let error = problems.add(travel.span.clone(), message);
+            error.related(change.span.clone(), "ride_height_change");
+            None
+        }
+        (Some(change), None) => Some(change.value),
+        (None, Some(travel)) => Some(0.0 - travel.value),
+        (None, None) => None,
+    }
 }
 
 fn adjustment(
@@ -104,10 +120,14 @@ fn adjustment(
         let message = "expected per_turn, of a thread, or step, of shims, found both";
         problems.add(per_turn.span.clone(), message);
     }
+    let increment = match (per_turn?, step?) {
+        (Some(per_turn), _) => Increment::Thread { per_turn },
+        (None, Some(step)) => Increment::Shims { step },
+        (None, None) => Increment::Free,
+    };
     Some(Adjustment {
         name,
         change,
-        per_turn: per_turn?,
-        step: step?,
+        increment,
     })
 }

@@ -2,21 +2,21 @@
 //!
 //! A PNG must not depend on the fonts of a machine, which may have none. Its letters are those of DejaVu
 //! Sans, whose licence (Bitstream Vera's) is permissive, from a crate that carries nothing else; most
-//! other fonts that crates carry are under the Open Font License, or belong to somebody's user interface.
-//! They are drawn as paths before `resvg` sees the picture. `resvg` has text of its own, with shaping and
-//! right-to-left scripts, at three times its compile time and a dozen more crates: labels of axes and
-//! names of designs do not need it. What the font lacks is drawn as its box.
+//! other fonts in crates are under the Open Font License, or belong to a user interface.
+//! [`glyphs`](super::glyphs) reads their outlines, and they are drawn as paths before `resvg` sees the picture. `resvg` has text
+//! of its own, with shaping and right-to-left scripts, at three times its compile time and a dozen more crates: labels of
+//! axes and names of designs do not need it. A character that the font lacks is drawn as its box.
 
+use super::glyphs::{Command, Font};
 use super::panel::number;
 use std::fmt::Write;
-use ttf_parser::{Face, GlyphId, OutlineBuilder};
 
 /// How words are written.
 pub(super) enum Lettering {
     /// As text.
     Text,
     /// As outlines of a font.
-    Outlines(Box<Face<'static>>),
+    Outlines(Font<'static>),
 }
 
 /// Which part of words is at their place.
@@ -74,15 +74,15 @@ const LABEL_SIZE: f64 = 13.0;
 impl Lettering {
     /// Letters as outlines.
     pub(super) fn outlines() -> Self {
-        let face = Face::parse(dejavu::sans::regular(), 0);
-        Lettering::Outlines(Box::new(face.expect("the crate carries a font")))
+        let font = Font::new(dejavu::sans::regular());
+        Lettering::Outlines(font.expect("the crate carries a font"))
     }
 
     /// Adds words to a picture.
     pub(super) fn write(&self, svg: &mut String, words: &Words) {
         match self {
             Lettering::Text => write_text(svg, words),
-            Lettering::Outlines(face) => write_outlines(svg, words, face),
+            Lettering::Outlines(font) => write_outlines(svg, words, font),
         }
     }
 }
@@ -106,14 +106,14 @@ fn write_text(svg: &mut String, words: &Words) {
     );
 }
 
-fn write_outlines(svg: &mut String, words: &Words, face: &Face) {
+fn write_outlines(svg: &mut String, words: &Words, font: &Font) {
     let size = if words.label { LABEL_SIZE } else { SIZE };
-    let scale = OUTLINE_SHARE * size / f64::from(face.units_per_em());
+    let scale = OUTLINE_SHARE * size / f64::from(font.units_per_em);
     let mut path = Outline::default();
     for letter in words.text.chars() {
-        let glyph = face.glyph_index(letter).unwrap_or(GlyphId(0));
-        face.outline_glyph(glyph, &mut path);
-        path.pen += i32::from(face.glyph_hor_advance(glyph).unwrap_or(0));
+        let glyph = font.glyph(letter);
+        font.draw(glyph, &mut |command| path.draw(command));
+        path.pen += i32::from(font.advance(glyph));
     }
     let before = match words.anchor {
         Anchor::Start => 0,
@@ -144,6 +144,15 @@ struct Outline {
 }
 
 impl Outline {
+    fn draw(&mut self, command: Command) {
+        match command {
+            Command::Move(point) => self.add('M', [point]),
+            Command::Line(point) => self.add('L', [point]),
+            Command::Curve(control, point) => self.add('Q', [control, point]),
+            Command::Close => self.commands.push('Z'),
+        }
+    }
+
     fn add<const N: usize>(&mut self, command: char, places: [[f32; 2]; N]) {
         self.commands.push(command);
         for [x, y] in places {
@@ -155,28 +164,6 @@ impl Outline {
                 y.round()
             );
         }
-    }
-}
-
-impl OutlineBuilder for Outline {
-    fn move_to(&mut self, x: f32, y: f32) {
-        self.add('M', [[x, y]]);
-    }
-
-    fn line_to(&mut self, x: f32, y: f32) {
-        self.add('L', [[x, y]]);
-    }
-
-    fn quad_to(&mut self, x1: f32, y1: f32, x: f32, y: f32) {
-        self.add('Q', [[x1, y1], [x, y]]);
-    }
-
-    fn curve_to(&mut self, x1: f32, y1: f32, x2: f32, y2: f32, x: f32, y: f32) {
-        self.add('C', [[x1, y1], [x2, y2], [x, y]]);
-    }
-
-    fn close(&mut self) {
-        self.commands.push('Z');
     }
 }
 

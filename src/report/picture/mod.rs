@@ -2,6 +2,7 @@
 //! at twice its size, which is the SVG drawn by `resvg` with its text as outlines.
 
 mod drawn_target;
+mod glyphs;
 mod lettering;
 mod panel;
 mod raster;

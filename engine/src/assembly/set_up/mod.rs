@@ -1,0 +1,290 @@
+//! Set-ups: adjustments that give wanted static values.
+//!
+//! Threads turn continuously and shims come whole. So threads meet exactly what they can meet, whatever the shims do,
+//! and shims serve the rest. An error of a shim is never shared with a value that a thread can meet.
+//!
+//! Notation: `x` are the amounts of threads and other continuous adjustments, `z` those of shims (`z_k = s_k m_k`, step
+//! `s_k`, whole `m_k`), `w(x, z)` the static values of the mechanism assembled anew, `b` their aims, and `W = D dw` the
+//! exact derivatives, weighted by `D`: a tenth of a degree counts as much as a millimetre.
+//!
+//! *Aims of the threads.* The threads can meet as many aims as `W_x` has rank. Gram-Schmidt with pivoting over its rows
+//! takes them one by one, each time the aim that the threads still move most:
+//!
+//! ```text
+//! i = argmax |w_i|,   u = w_i / |w_i|,   w_j <- w_j - (w_j . u) u                      (1)
+//! ```
+//!
+//! until no row is left that counts. `S` are the aims taken, `R` the others. A tie rod so takes toe, a pushrod the ride
+//! height.
+//!
+//! *First level.* Newton's method meets `S` by the threads; more threads than aims make the smallest adjustment:
+//!
+//! ```text
+//! x <- x - W_Sx^+ D (w_S - b_S)        which defines x = X(z)                           (2)
+//! ```
+//!
+//! *Second level.* Shims minimise the errors of `R` along `X(z)`; `G` is a Schur complement:
+//!
+//! ```text
+//! phi(z) = |r(z)|^2,   r(z) = D (w_R(X(z), z) - b_R)                                    (3)
+//! G = dr/dz = W_Rz - W_Rx W_Sx^+ W_Sz                                                   (4)
+//! ```
+//!
+//! First `z` is real. Gauss and Newton's method, of which every trial meets (2):
+//!
+//! ```text
+//! z <- z - G^+ r                                                                        (5)
+//! ```
+//!
+//! If the threads meet every aim, `R` is empty. Then (2) over threads and shims together gives the smallest adjustment.
+//!
+//! *Whole shims.* About the real optimum `z0`, the `m_k` are `floor(z0_k / s_k)` or one more. At most 2^10 neighbours are
+//! ranked by the linear model, ties by their distance from `z0`:
+//!
+//! ```text
+//! |r(z0) + G (z - z0)|^2                                                                (6)
+//! ```
+//!
+//! The eight best and the nearest are assembled and meet (2). Those come first whose errors are at most half a step:
+//!
+//! ```text
+//! |r_i| <= sum over shims of s_k |G_ik| / 2                                             (7)
+//! ```
+//!
+//! then the one with the least `phi`, then the one with the smallest adjustment.
+//!
+//! Where (2) or (5) ends short of its aims, the aim with the largest error is left where it is and the others are met
+//! from there; so what is named as out of reach is not what only waited for it.
+//!
+//! A mechanic fits shims first, then turns the threads; the thread that moves toe most comes last. He turns by
+//! sixteenths of a turn. The state so rounded is assembled, too, and its errors are bounded as in (7), with half a
+//! sixteenth of each thread.
+
+mod levels;
+mod problem;
+mod shims;
+
+use super::assembler::{Assembler, Reject};
+use super::rest::Built;
+use crate::characteristics::Characteristic;
+use crate::mechanism::DesignFault;
+use crate::study::{Increment, Setup, Study};
+use problem::Problem;
+
+/// Largest adjustment, relative to the size of the suspension.
+const FARTHEST: f64 = 0.1;
+/// Rounding of a static value, in degrees or length units.
+const MET: f64 = 1e-9;
+/// Sixteenths: the parts of a turn in which a mechanic turns a thread.
+pub const PARTS_OF_A_TURN: f64 = 16.0;
+
+/// A quantity of the resting position.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Static {
+    /// A characteristic at travel 0.
+    Characteristic(Characteristic),
+    /// Change of the ride height since the design: positive where the car is higher. It is the negative of the wheel
+    /// travel of the resting position.
+    RideHeightChange,
+}
+
+/// A suspension at rest with its parts adjusted.
+#[derive(Clone, Debug)]
+pub struct AdjustedSuspension {
+    /// Amount of each adjustment, in the order of the study.
+    pub amounts: Vec<f64>,
+    /// The assembled parts.
+    pub built: Built,
+    /// Static values, in printed units.
+    pub values: Vec<f64>,
+    /// Derivatives of the static values, by adjustment and value.
+    pub by: Vec<Vec<f64>>,
+}
+
+/// Aim of a static value.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Aim {
+    /// The study wants this value, in printed units.
+    Wanted(f64),
+    /// Nothing is wanted: the value of the design is kept, since an adjustment is there for it.
+    Kept(f64),
+    /// Nothing is wanted, and the value may change.
+    Free,
+}
+
+impl Aim {
+    /// The value to meet; `None` if the value may change.
+    pub fn value(self) -> Option<f64> {
+        match self {
+            Aim::Wanted(value) | Aim::Kept(value) => Some(value),
+            Aim::Free => None,
+        }
+    }
+}
+
+/// A solved set-up.
+#[derive(Clone, Debug)]
+pub struct SetUp {
+    /// Static values: camber, toe, caster and bump steer if they exist, further ones that are wanted, and the change of
+    /// ride height.
+    pub statics: Vec<Static>,
+    /// Aim of each static value.
+    pub aims: Vec<Aim>,
+    /// The state of the design, at the wanted ride height if no adjustment sets it.
+    pub drawn: AdjustedSuspension,
+    /// Adjustments in the order a mechanic does them: shims, threads, the thread of toe last.
+    pub order: Vec<usize>,
+    /// The state after each adjustment, in this order. Amounts are not rounded, but for whole shims.
+    pub steps: Vec<AdjustedSuspension>,
+    /// The state with amounts that a mechanic can make: whole shims, sixteenths of turns, hundredths of a millimetre.
+    pub rounded: AdjustedSuspension,
+    /// Error of each value that half steps of shims may leave.
+    pub allowed: Vec<f64>,
+    /// The same with half a sixteenth of a turn of each thread.
+    pub allowed_rounded: Vec<f64>,
+}
+
+/// A missed aim.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Miss {
+    /// The static value.
+    pub of: Static,
+    /// Value at which it ends, in printed units.
+    pub value: f64,
+    /// Wanted value, in printed units.
+    pub wanted: f64,
+}
+
+/// Reason for which a set-up has no answer.
+#[derive(Clone, Debug, PartialEq)]
+pub enum NoSetUp {
+    /// The parts of the design, or parts a little adjusted, cannot be put together.
+    Reject(Reject),
+    /// The assembled parts are no design that moves.
+    Fault(DesignFault),
+    /// No adjustment moves what is to be held.
+    Unsettled,
+    /// These aims are beyond what the adjustments reach.
+    OutOfReach(Vec<Miss>),
+    /// The aims take an adjustment that no workshop makes: more than a tenth of the suspension's size.
+    Absurd {
+        /// Number of the adjustment.
+        adjustment: usize,
+        /// Its amount.
+        amount: f64,
+    },
+}
+
+impl From<Reject> for NoSetUp {
+    fn from(reject: Reject) -> Self {
+        NoSetUp::Reject(reject)
+    }
+}
+
+impl From<DesignFault> for NoSetUp {
+    fn from(fault: DesignFault) -> Self {
+        NoSetUp::Fault(fault)
+    }
+}
+
+impl SetUp {
+    /// Solves for the adjustments that give what a study wants.
+    pub fn solve(study: &Study, setup: &Setup, assembler: &Assembler) -> Result<SetUp, NoSetUp> {
+        let (problem, drawn) = Problem::of(study, setup, assembler)?;
+        let (state, levels) = problem.solve(&drawn)?;
+        let most = FARTHEST * assembler.suspension().size();
+        let mut amounts = state.amounts.iter().copied().enumerate();
+        if let Some((adjustment, amount)) = amounts.find(|(_, amount)| amount.abs() > most) {
+            return Err(NoSetUp::Absurd { adjustment, amount });
+        }
+        let order = problem.order(&drawn);
+        let mut amounts = vec![0.0; order.len()];
+        let mut steps = Vec::with_capacity(order.len());
+        for adjustment in &order {
+            amounts[*adjustment] = state.amounts[*adjustment];
+            steps.push(problem.state(&amounts)?);
+        }
+        let increments = setup.adjust.iter().map(|a| a.increment);
+        let rounded: Vec<f64> = increments
+            .zip(&state.amounts)
+            .map(|(increment, amount)| problem.rounded(increment, *amount))
+            .collect();
+        let allowed = problem.half_steps(&levels, &state);
+        Ok(SetUp {
+            allowed_rounded: problem.with_half_turns(&allowed, &state),
+            allowed,
+            rounded: problem.state(&rounded)?,
+            drawn,
+            order,
+            steps,
+            statics: problem.statics,
+            aims: problem.aims,
+        })
+    }
+
+    /// Returns the design's state and what each adjustment does to it: also if there is no set-up.
+    pub fn drawn(study: &Study, setup: &Setup, assembler: &Assembler) -> Result<SetUp, NoSetUp> {
+        let (problem, drawn) = Problem::of(study, setup, assembler)?;
+        Ok(SetUp {
+            allowed: vec![0.0; problem.statics.len()],
+            allowed_rounded: vec![0.0; problem.statics.len()],
+            rounded: drawn.clone(),
+            order: problem.order(&drawn),
+            steps: Vec::new(),
+            drawn,
+            statics: problem.statics,
+            aims: problem.aims,
+        })
+    }
+
+    /// The state after all adjustments, not rounded.
+    pub fn last(&self) -> &AdjustedSuspension {
+        self.steps.last().unwrap_or(&self.drawn)
+    }
+
+    /// Error of each value that has an aim, with the amounts not rounded: value minus aim.
+    pub fn misses(&self) -> Vec<Option<f64>> {
+        self.errors(self.last())
+    }
+
+    /// The same with the amounts that a mechanic can make.
+    pub fn misses_rounded(&self) -> Vec<Option<f64>> {
+        self.errors(&self.rounded)
+    }
+
+    fn errors(&self, state: &AdjustedSuspension) -> Vec<Option<f64>> {
+        let values = state.values.iter().zip(&self.aims);
+        values
+            .map(|(value, aim)| Some(value - aim.value()?))
+            .collect()
+    }
+
+    /// Whether each aim is met with the amounts not rounded, but for half steps of shims. A value without an aim is met.
+    pub fn met(&self) -> Vec<bool> {
+        within(&self.misses(), &self.allowed)
+    }
+
+    /// Whether each aim is met with the rounded amounts, but for half steps of shims and half sixteenths of turns.
+    pub fn met_rounded(&self) -> Vec<bool> {
+        within(&self.misses_rounded(), &self.allowed_rounded)
+    }
+
+    /// Whether every aim is met with both.
+    pub fn is_met(&self) -> bool {
+        let mut met = self.met().into_iter().chain(self.met_rounded());
+        met.all(|met| met)
+    }
+}
+
+/// Whether each error is at most what is allowed, but for rounding.
+fn within(errors: &[Option<f64>], allowed: &[f64]) -> Vec<bool> {
+    let pairs = errors.iter().zip(allowed);
+    pairs
+        .map(|(error, allowed)| error.is_none_or(|error| error.abs() <= MET + allowed))
+        .collect()
+}
+
+/// Whether an adjustment is continuous: not made of whole shims.
+fn is_continuous(increment: Increment) -> bool {
+    !matches!(increment, Increment::Shims { .. })
+}

@@ -1,0 +1,323 @@
+//! The static values of a set-up, their aims, and states of the adjusted suspension.
+
+use super::levels::{Levels, felt};
+use super::{AdjustedSuspension, Aim, MET, Miss, NoSetUp, PARTS_OF_A_TURN, Static, is_continuous};
+use crate::ask::Unit;
+use crate::assembly::assembler::Assembler;
+use crate::assembly::derivatives::built_curves;
+use crate::assembly::parts::{BuildParameter, Member};
+use crate::assembly::rest::{Direction, Rest};
+use crate::characteristics::Characteristic;
+use crate::plan::Plan;
+use crate::study::{Adjustment, Drive, Increment, Outputs, Setup, Study};
+use nalgebra::{DMatrix, DVector};
+
+/// Errors that half steps allow may be so much larger than their slopes say: steps are curved.
+const CURVED: f64 = 1.01;
+
+/// A set-up to solve.
+pub(super) struct Problem<'a> {
+    pub(super) assembler: &'a Assembler,
+    directions: Vec<[(BuildParameter, f64); 1]>,
+    pub(super) increments: Vec<Increment>,
+    plan: Plan,
+    rest: Rest,
+    pub(super) statics: Vec<Static>,
+    pub(super) aims: Vec<Aim>,
+    /// Weight of each value's error, per unit in which it is printed: 10 per degree, 1 per millimetre.
+    pub(super) weights: Vec<f64>,
+    /// A millimetre in length units.
+    millimetre: f64,
+}
+
+impl<'a> Problem<'a> {
+    /// The set-up of a study, and the state of its design.
+    pub(super) fn of(
+        study: &Study,
+        setup: &Setup,
+        assembler: &'a Assembler,
+    ) -> Result<(Self, AdjustedSuspension), NoSetUp> {
+        let characteristics = characteristics(study, setup);
+        let lifts = setup.adjust.iter().any(|a| lifts(a, study));
+        let length = study.suspension.length_unit;
+        let millimetre = 1e-3 * length.per_metre();
+        let (mut statics, mut aims, mut weights) = (Vec::new(), Vec::new(), Vec::new());
+        for c in &characteristics {
+            let want = setup.want.iter().find(|want| want.characteristic == *c);
+            let wanted =
+                |want: &crate::study::Want| want.value * c.info().unit.printed_factor(length);
+            statics.push(Static::Characteristic(*c));
+            aims.push(want.map_or(Aim::Free, |want| Aim::Wanted(wanted(want))));
+            weights.push(match c.info().unit {
+                Unit::Angle => 10.0,
+                Unit::AnglePerLength => 10.0 / (0.01 / millimetre),
+                Unit::Length => 1.0 / millimetre,
+                _ => 1.0,
+            });
+        }
+        statics.push(Static::RideHeightChange);
+        // With one adjustment there is nothing that could keep the height while it does something else.
+        aims.push(match setup.ride_height_change {
+            Some(change) if lifts => Aim::Wanted(change),
+            None if lifts && setup.adjust.len() > 1 => Aim::Kept(0.0),
+            _ => Aim::Free,
+        });
+        weights.push(1.0 / millimetre);
+        let travel = -setup.ride_height_change.unwrap_or(0.0);
+        let mut problem = Problem {
+            assembler,
+            directions: setup.adjust.iter().map(|a| [a.change]).collect(),
+            increments: setup.adjust.iter().map(|a| a.increment).collect(),
+            plan: Plan::of(&at_rest(study, assembler, characteristics)),
+            rest: if lifts {
+                Rest::Spring(0.0)
+            } else {
+                Rest::Height(travel)
+            },
+            statics,
+            aims,
+            weights,
+            millimetre,
+        };
+        let drawn = problem.state(&vec![0.0; setup.adjust.len()])?;
+        problem.keep_toe(&drawn);
+        Ok((problem, drawn))
+    }
+
+    /// Keeps the toe of the design where none is wanted and a thread is there for it: it moves toe more than camber,
+    /// caster and ride height. Alone it is there for whatever is wanted.
+    fn keep_toe(&mut self, drawn: &AdjustedSuspension) {
+        let Some(toe) = self.toe() else {
+            return;
+        };
+        let settable = [Characteristic::Camber, Characteristic::Caster].map(Static::Characteristic);
+        let sets_toe = |k: usize| {
+            let effect = |i: usize| (drawn.by[k][i] * self.weights[i]).abs();
+            let others = self.statics.iter().enumerate();
+            let mut others =
+                others.filter(|(_, s)| settable.contains(s) || **s == Static::RideHeightChange);
+            effect(toe) > 0.0 && others.all(|(i, _)| effect(i) < effect(toe))
+        };
+        let is_free = self.aims[toe] == Aim::Free && drawn.values[toe].is_finite();
+        if is_free && self.increments.len() > 1 && self.threads().any(sets_toe) {
+            self.aims[toe] = Aim::Kept(drawn.values[toe]);
+        }
+    }
+
+    /// Index of toe among the static values.
+    fn toe(&self) -> Option<usize> {
+        let toe = Static::Characteristic(Characteristic::Toe);
+        self.statics.iter().position(|s| *s == toe)
+    }
+
+    /// Numbers of the continuous adjustments.
+    pub(super) fn threads(&self) -> impl Iterator<Item = usize> {
+        let increments = self.increments.iter().enumerate();
+        increments.filter_map(|(k, increment)| is_continuous(*increment).then_some(k))
+    }
+
+    /// Numbers of the shims.
+    pub(super) fn shims(&self) -> impl Iterator<Item = (usize, f64)> {
+        let increments = self.increments.iter().enumerate();
+        increments.filter_map(|(k, increment)| match increment {
+            Increment::Shims { step } => Some((k, *step)),
+            Increment::Thread { .. } | Increment::Free => None,
+        })
+    }
+
+    /// Numbers of the values that have an aim.
+    pub(super) fn targets(&self) -> Vec<usize> {
+        let aims = self.aims.iter().enumerate();
+        let targets = aims.filter_map(|(i, aim)| aim.value().map(|_| i));
+        targets.collect()
+    }
+
+    /// The order a mechanic works in: shims, threads, and of these last the one that moves toe most.
+    pub(super) fn order(&self, drawn: &AdjustedSuspension) -> Vec<usize> {
+        let mut order: Vec<usize> = self.shims().map(|(k, _)| k).collect();
+        order.extend(self.threads());
+        if let Some(toe) = self.toe().filter(|toe| self.aims[*toe] != Aim::Free) {
+            let effect = |k: usize| drawn.by[k][toe].abs();
+            let last = self
+                .threads()
+                .max_by(|a, b| effect(*a).total_cmp(&effect(*b)));
+            if let Some(last) = last {
+                order.retain(|k| *k != last);
+                order.push(last);
+            }
+        }
+        order
+    }
+
+    /// Puts the parts together with these amounts of the adjustments.
+    pub(super) fn state(&self, amounts: &[f64]) -> Result<AdjustedSuspension, NoSetUp> {
+        let mechanism = &self.assembler.suspension().mechanism;
+        let mut parts = self.assembler.drawn().clone();
+        for (direction, amount) in self.directions.iter().zip(amounts) {
+            for (parameter, share) in direction {
+                parts.change(mechanism, *parameter, share * amount);
+            }
+        }
+        let built = self.assembler.build(&parts, self.rest)?;
+        let directions: Vec<&Direction> = self.directions.iter().map(|d| &d[..]).collect();
+        let found = built_curves(self.assembler, &built, &self.plan, &directions)?;
+        let values = found.curves.stations[0].values.iter();
+        let values = values.map(|v| v.unwrap_or(f64::NAN));
+        let columns = found.curves.columns.len();
+        // The car is higher by as much as the wheel is lower: 0 minus, so that no change is no negative zero.
+        let change = 0.0 - built.height;
+        Ok(AdjustedSuspension {
+            amounts: amounts.to_vec(),
+            values: values.chain([change]).collect(),
+            by: (0..directions.len())
+                .map(|d| {
+                    let by = (0..columns).map(|column| found.derivative(d, 0, column));
+                    by.chain([0.0 - found.height[d]]).collect()
+                })
+                .collect(),
+            built,
+        })
+    }
+
+    /// Weighted derivatives `W`: a row for each of these values, a column for each of these adjustments.
+    pub(super) fn effects(
+        &self,
+        state: &AdjustedSuspension,
+        values: &[usize],
+        adjustments: &[usize],
+    ) -> DMatrix<f64> {
+        DMatrix::from_fn(values.len(), adjustments.len(), |i, k| {
+            state.by[adjustments[k]][values[i]] * self.weights[values[i]]
+        })
+    }
+
+    /// Weighted errors `D (w - b)` of these values.
+    pub(super) fn errors(&self, state: &AdjustedSuspension, values: &[usize]) -> DVector<f64> {
+        let error = |i: &usize| {
+            let aim = self.aims[*i].value().unwrap_or(f64::NAN);
+            (state.values[*i] - aim) * self.weights[*i]
+        };
+        DVector::from_iterator(values.len(), values.iter().map(error))
+    }
+
+    /// Names those of these values that miss their aims. A value that does not exist misses its aim.
+    pub(super) fn out_of_reach(&self, state: &AdjustedSuspension, values: &[usize]) -> NoSetUp {
+        let missed = values.iter().filter_map(|i| {
+            let (value, wanted) = (state.values[*i], self.aims[*i].value()?);
+            let met = (value - wanted).abs() <= MET;
+            (!met).then_some(Miss {
+                of: self.statics[*i],
+                value,
+                wanted,
+            })
+        });
+        NoSetUp::OutOfReach(missed.collect())
+    }
+
+    /// Smallest change of an adjustment that a mechanic makes.
+    fn grid(&self, increment: Increment) -> f64 {
+        match increment {
+            Increment::Shims { step } => step,
+            Increment::Thread { per_turn } => per_turn / PARTS_OF_A_TURN,
+            // A hundredth of a millimetre, or the decimal below it in another unit.
+            Increment::Free => 10f64.powf((0.01 * self.millimetre).log10().floor()),
+        }
+    }
+
+    /// The nearest amount that a mechanic can make.
+    pub(super) fn rounded(&self, increment: Increment, amount: f64) -> f64 {
+        let grid = self.grid(increment);
+        (amount / grid).round() * grid
+    }
+
+    /// Errors that half steps of shims may leave, equation (7), in printed units: 0 for a value that threads meet.
+    pub(super) fn half_steps(&self, levels: &Levels, state: &AdjustedSuspension) -> Vec<f64> {
+        let mut allowed = vec![0.0; self.statics.len()];
+        let by = self.reduced_effects(levels, state);
+        for (column, (_, step)) in self.shims().enumerate() {
+            for (row, i) in levels.rest.iter().enumerate() {
+                allowed[*i] += CURVED * 0.5 * step * by[(row, column)].abs() / self.weights[*i];
+            }
+        }
+        allowed
+    }
+
+    /// The same with half of the smallest change of every continuous adjustment.
+    pub(super) fn with_half_turns(&self, allowed: &[f64], state: &AdjustedSuspension) -> Vec<f64> {
+        let mut allowed = allowed.to_vec();
+        for k in self.threads() {
+            let half = 0.5 * self.grid(self.increments[k]);
+            for (allowed, by) in allowed.iter_mut().zip(&state.by[k]) {
+                *allowed += CURVED * half * by.abs();
+            }
+        }
+        allowed
+    }
+
+    /// The aims that threads meet and the others, from the derivatives of a state, equation (1).
+    pub(super) fn levels(&self, state: &AdjustedSuspension) -> Levels {
+        let targets = self.targets();
+        let threads: Vec<usize> = self.threads().collect();
+        let met = felt(self.effects(state, &targets, &threads));
+        Levels {
+            exact: met.iter().map(|row| targets[*row]).collect(),
+            rest: (0..targets.len())
+                .filter(|row| !met.contains(row))
+                .map(|row| targets[row])
+                .collect(),
+            threads,
+            shims: self.shims().map(|(k, _)| k).collect(),
+        }
+    }
+}
+
+/// The characteristics of a set-up: the usual ones that exist, and further ones that are wanted.
+fn characteristics(study: &Study, setup: &Setup) -> Vec<Characteristic> {
+    let mechanism = &study.suspension.mechanism;
+    let usual = [
+        Characteristic::Camber,
+        Characteristic::Toe,
+        Characteristic::Caster,
+        Characteristic::BumpSteer,
+    ];
+    let mut characteristics: Vec<_> = usual
+        .into_iter()
+        .filter(|c| mechanism.steering_axis.is_some() || !c.info().reads_steering_axis())
+        .collect();
+    for want in &setup.want {
+        if !characteristics.contains(&want.characteristic) {
+            characteristics.push(want.characteristic);
+        }
+    }
+    characteristics
+}
+
+/// The study at rest, with these characteristics.
+fn at_rest(study: &Study, assembler: &Assembler, characteristics: Vec<Characteristic>) -> Study {
+    let mut at_rest = study.clone();
+    at_rest.suspension = assembler.suspension().clone();
+    at_rest.outputs = Outputs::of(characteristics);
+    at_rest.formulation = crate::study::Formulation::KnucklePose;
+    at_rest.motion.drive = Drive::Travel;
+    at_rest.motion.values = vec![0.0];
+    at_rest.motion.rack = vec![0.0];
+    at_rest.motion.time = None;
+    at_rest
+}
+
+/// Whether an adjustment is made to lift the car: it belongs to the parts between the spring and the arm. The height then
+/// is where the spring has its design length.
+fn lifts(adjustment: &Adjustment, study: &Study) -> bool {
+    let mechanism = &study.suspension.mechanism;
+    let Some(spring) = mechanism.spring else {
+        return false;
+    };
+    match adjustment.change.0 {
+        BuildParameter::Length(Member::Rod(rocker)) => Some(rocker) == mechanism.spring_rocker(),
+        BuildParameter::Length(Member::Link(_)) => false,
+        BuildParameter::Coordinate(point, _) => {
+            let is_strut = matches!(mechanism.closed_form, Some(crate::model::ClosedForm::Strut));
+            !is_strut && (point == spring.upper || point == spring.lower)
+        }
+    }
+}

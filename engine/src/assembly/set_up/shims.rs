@@ -1,0 +1,178 @@
+//! The second level: shims serve the aims that threads do not meet, and come whole.
+
+use super::levels::{End, Levels, least_step};
+use super::problem::Problem;
+use super::{AdjustedSuspension, MET, NoSetUp};
+use nalgebra::{DMatrix, DVector};
+
+/// Shims of which both neighbours are looked at: 2^10 of them are ranked. The others are rounded.
+const MOST_ENUMERATED: usize = 10;
+/// Neighbours that are assembled.
+const MOST_ASSEMBLED: usize = 8;
+/// Shims that are whole already, in steps.
+const WHOLE: f64 = 1e-9;
+
+impl Problem<'_> {
+    /// The state that meets the aims as well as the adjustments can, and who meets which.
+    pub(super) fn solve(
+        &self,
+        drawn: &AdjustedSuspension,
+    ) -> Result<(AdjustedSuspension, Levels), NoSetUp> {
+        let levels = self.levels(drawn);
+        let real = if levels.rest.is_empty() {
+            let all: Vec<usize> = (0..self.increments.len()).collect();
+            self.meet(drawn.clone(), &levels.exact, &all)?
+        } else {
+            let met = self.meet(drawn.clone(), &levels.exact, &levels.threads)?;
+            self.serve(met, &levels)?
+        };
+        if levels.shims.is_empty() {
+            return Ok((real, levels));
+        }
+        let whole = self.whole(&real, &levels)?;
+        Ok((whole, levels))
+    }
+
+    /// Weighted effects of shims on the aims that they serve, while threads meet the others: `G` of equation (4).
+    pub(super) fn reduced_effects(
+        &self,
+        levels: &Levels,
+        state: &AdjustedSuspension,
+    ) -> DMatrix<f64> {
+        let own = self.effects(state, &levels.rest, &levels.shims);
+        if levels.exact.is_empty() || levels.threads.is_empty() {
+            return own;
+        }
+        let by_threads = self.effects(state, &levels.exact, &levels.threads);
+        let by_shims = self.effects(state, &levels.exact, &levels.shims);
+        let others = self.effects(state, &levels.rest, &levels.threads);
+        let columns = by_shims.column_iter();
+        let answers: Option<Vec<_>> = columns
+            .map(|column| least_step(by_threads.clone(), &column.clone_owned()))
+            .collect();
+        match answers {
+            Some(answers) if !answers.is_empty() => own - others * DMatrix::from_columns(&answers),
+            _ => own,
+        }
+    }
+
+    /// Gauss and Newton's method (5) over shims of any thickness; every trial meets the aims of the threads.
+    fn serve(
+        &self,
+        state: AdjustedSuspension,
+        levels: &Levels,
+    ) -> Result<AdjustedSuspension, NoSetUp> {
+        if levels.shims.is_empty() {
+            return Ok(state);
+        }
+        self.settle(state, &levels.rest, |state, aims| {
+            let mut levels = levels.clone();
+            levels.rest = aims.to_vec();
+            let step = |state: &AdjustedSuspension, errors: &DVector<f64>| {
+                least_step(self.reduced_effects(&levels, state), errors)
+            };
+            let trial = |amounts: &[f64]| match self.with_threads(amounts, &levels) {
+                Ok(End::Settled(state)) => Some(state),
+                Ok(End::Stuck(_)) | Err(_) => None,
+            };
+            self.iterate(state, aims, &levels.shims, step, trial)
+        })
+    }
+
+    /// The state with these shims, in which the threads meet their aims: `X(z)` of equation (2).
+    fn with_threads(&self, amounts: &[f64], levels: &Levels) -> Result<End, NoSetUp> {
+        Ok(self.newton(self.state(amounts)?, &levels.exact, &levels.threads))
+    }
+
+    /// The best state with whole shims about a state with real ones.
+    fn whole(
+        &self,
+        real: &AdjustedSuspension,
+        levels: &Levels,
+    ) -> Result<AdjustedSuspension, NoSetUp> {
+        let mut best: Option<(bool, f64, f64, AdjustedSuspension)> = None;
+        let mut refused = None;
+        for amounts in self.neighbours(real, levels) {
+            let state = match self.with_threads(&amounts, levels) {
+                Ok(End::Settled(state)) => state,
+                Ok(End::Stuck(state)) => {
+                    refused.get_or_insert(self.out_of_reach(&state, &levels.exact));
+                    continue;
+                }
+                Err(reason) => {
+                    refused.get_or_insert(reason);
+                    continue;
+                }
+            };
+            let allowed = self.half_steps(levels, &state);
+            let is_beyond = levels.rest.iter().any(|i| {
+                let aim = self.aims[*i].value().unwrap_or(f64::NAN);
+                (state.values[*i] - aim).abs() > MET + allowed[*i]
+            });
+            let errors = self.errors(&state, &levels.rest).norm_squared();
+            let changed: f64 = state.amounts.iter().map(|a| a * a).sum();
+            let is_better = best.as_ref().is_none_or(|(beyond, least, smallest, _)| {
+                let compared = is_beyond.cmp(beyond);
+                let compared = compared.then(errors.total_cmp(least));
+                compared.then(changed.total_cmp(smallest)).is_lt()
+            });
+            if is_better {
+                best = Some((is_beyond, errors, changed, state));
+            }
+        }
+        match (best, refused) {
+            (Some((.., state)), _) => Ok(state),
+            (None, Some(reason)) => Err(reason),
+            (None, None) => Err(NoSetUp::Unsettled),
+        }
+    }
+
+    /// Amounts with whole shims about those of a state, the most promising first by the linear model (6); the nearest is
+    /// among them.
+    fn neighbours(&self, real: &AdjustedSuspension, levels: &Levels) -> Vec<Vec<f64>> {
+        let mut nearest = real.amounts.clone();
+        let mut open = Vec::new();
+        let by = self.reduced_effects(levels, real);
+        for (column, (k, step)) in self.shims().enumerate() {
+            let steps = real.amounts[k] / step;
+            nearest[k] = steps.round() * step;
+            if (steps - steps.round()).abs() > WHOLE {
+                open.push((column, k, step, steps));
+            }
+        }
+        // Without an error to share out, the nearest is the smallest change of what was found.
+        if levels.rest.is_empty() || open.is_empty() {
+            return vec![nearest];
+        }
+        // Those first of which a step does most.
+        let effect =
+            |(column, _, step, _): &(usize, usize, f64, f64)| by.column(*column).norm() * step;
+        open.sort_by(|a, b| effect(b).total_cmp(&effect(a)));
+        open.truncate(MOST_ENUMERATED);
+        let errors = self.errors(real, &levels.rest);
+        let mut ranked: Vec<(f64, f64, Vec<f64>)> = (0..1usize << open.len())
+            .map(|choice| {
+                let mut amounts = nearest.clone();
+                for (bit, (_, k, step, steps)) in open.iter().enumerate() {
+                    let up = f64::from(u8::from(choice >> bit & 1 == 1));
+                    amounts[*k] = (steps.floor() + up) * step;
+                }
+                let (mut left, mut distance) = (errors.clone(), 0.0);
+                for (column, (k, step)) in self.shims().enumerate() {
+                    let off = amounts[k] - real.amounts[k];
+                    left += by.column(column) * off;
+                    distance += (off / step).powi(2);
+                }
+                (left.norm_squared(), distance, amounts)
+            })
+            .collect();
+        ranked.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
+        ranked.truncate(MOST_ASSEMBLED);
+        let mut neighbours: Vec<Vec<f64>> =
+            ranked.into_iter().map(|(.., amounts)| amounts).collect();
+        if !neighbours.contains(&nearest) {
+            neighbours.push(nearest);
+        }
+        neighbours
+    }
+}

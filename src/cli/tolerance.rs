@@ -3,7 +3,7 @@
 use super::ToleranceArguments;
 use super::exit::{Exit, Stop};
 use super::output::{Output, design_fault, pool};
-use super::progress;
+use super::{interrupt, progress};
 use super::report::ReportOptions;
 use super::terminal;
 use crate::build::NoSetUp;
@@ -15,7 +15,6 @@ use crate::tolerance::{Expansion, MonteCarlo, Problem, monte_carlo, rank};
 use std::io::Write;
 use std::ops::ControlFlow;
 use std::path::Path;
-use std::sync::atomic::Ordering;
 
 /// The curves of a page: the drawing and percentiles, by their place among [`crate::tolerance::PERCENTILES`].
 const FANS: [(&str, &str, usize); 4] = [
@@ -49,10 +48,17 @@ pub(super) fn run(arguments: &ToleranceArguments) -> Result<Exit, Stop> {
     let output = Output::open(arguments, &study, "tolerance")?;
     let expansion = pool
         .install(|| Expansion::of(&problem))
-        .map_err(|reason| not_aligned(&study, path, reason))?;
+        .map_err(|reason| not_aligned(&study, path, reason).after_its_input())?;
     let builds = pool
         .install(|| with_progress(&problem, tolerance, &drawn))
-        .map_err(fault)?;
+        .map_err(|fault| Stop::unsolved(path, fault.describe(&study.suspension.mechanism)))?;
+    let interrupted = builds.builds < tolerance.builds;
+    if interrupted && builds.builds == 0 {
+        interrupt::end();
+    }
+    if interrupted {
+        output.mark_interrupted();
+    }
     let yields = rank(&problem, &expansion, &builds, &drawn);
     let summary = ToleranceSummary::of(&problem, &drawn, &expansion, &builds, yields.as_ref());
 
@@ -68,7 +74,9 @@ pub(super) fn run(arguments: &ToleranceArguments) -> Result<Exit, Stop> {
     if output.directory().is_some() {
         files.extend(fans(&output, path, &problem, &builds)?);
     }
-    files.extend(report.show(output.directory())?);
+    if !interrupted {
+        files.extend(report.show(output.directory())?);
+    }
     output.finish()?;
 
     output.say(&format!("{}: {}\n\n", study.name, summary.headline()))?;
@@ -83,7 +91,6 @@ pub(super) fn run(arguments: &ToleranceArguments) -> Result<Exit, Stop> {
         output.table("ranking", &summary.ranking_table())?;
     }
     output.say_remarks(summary.failures())?;
-    let interrupted = builds.builds < tolerance.builds;
     if interrupted {
         output.say_failure(&format!(
             "\ninterrupted: these are {} of the {} builds asked for\n",
@@ -91,7 +98,10 @@ pub(super) fn run(arguments: &ToleranceArguments) -> Result<Exit, Stop> {
         ))?;
     }
     output.print_files(&files)?;
-    Ok(Exit::of(!interrupted))
+    Ok(match interrupted {
+        true => Exit::Interrupted,
+        false => Exit::Done,
+    })
 }
 
 /// How the parts of a study scatter.
@@ -157,10 +167,10 @@ fn with_progress(
     drawn: &[f64],
 ) -> Result<MonteCarlo, DesignFault> {
     let line = progress::line(tolerance.builds, "builds");
-    let interrupt = progress::interrupt_flag();
+    interrupt::stops_by_itself();
     let found = monte_carlo(problem, drawn, |done| {
         line.set_position(done);
-        match interrupt.load(Ordering::SeqCst) {
+        match interrupt::is_raised() && done < tolerance.builds {
             true => ControlFlow::Break(()),
             false => ControlFlow::Continue(()),
         }
@@ -189,7 +199,7 @@ fn fans(
     builds: &MonteCarlo,
 ) -> Result<Vec<&'static str>, Stop> {
     let plain = curves_alone(problem.study);
-    let fault = |why| Stop::in_file(path, why);
+    let fault = |why| Stop::unsolved(path, why);
     let drawn = Solved::of(&plain).map_err(fault)?;
     let stations: Vec<usize> = problem.stations.of_motion().collect();
     let fans = FANS.map(|(name, file, percentile)| {

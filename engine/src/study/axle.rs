@@ -9,6 +9,7 @@ use super::outputs::{self, distinct};
 use super::right_wheel::{self, right_wheel};
 use super::suspension::{above_zero, positive};
 use super::value::{Number, Text, Values};
+use super::MOST_STATIONS;
 use crate::axle::{
     Axle, AxleMotion, AxlePlan, BumpStop, Coordinate, ForceCurve, Law, Need, Quantity, Setup,
     SpringLaw, WheelMotion,
@@ -17,8 +18,6 @@ use crate::characteristics::Constants;
 use crate::model::{Axis, Side, Suspension};
 use toml::Spanned;
 
-/// The most stations of an axle: a few seconds' worth.
-const MOST_STATIONS: usize = 100_000;
 
 /// What a study asks of an axle.
 #[derive(Clone, Debug, PartialEq)]

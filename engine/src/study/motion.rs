@@ -4,14 +4,12 @@ use super::error::Problems;
 use super::file;
 use super::names::choose_or;
 use super::value::{Number, Values, Whole};
-use super::{Drive, Motion, TimeLaw};
+use super::{Drive, MOST_STATIONS, Motion, TimeLaw};
 use crate::mechanism::raises_its_joint;
 use crate::model::{self, LengthUnit, Suspension};
 use std::ops::{Range as Span, RangeInclusive};
 use toml::Spanned;
 
-/// The most stations of one motion: as many as a machine can hold the results of.
-const MOST_STATIONS: i64 = 10_000_000;
 
 impl Drive {
     const ALL: [(&str, Drive); 3] = [
@@ -109,7 +107,7 @@ pub(super) fn motion(
     let (drive_values, time) = drive_values(drive?, section, place.clone(), is_named, problems)?;
     let rack = rack?;
     let stations = drive_values.len().saturating_mul(rack.len());
-    if stations > MOST_STATIONS as usize {
+    if stations > MOST_STATIONS {
         let message =
             format!("{stations} stations with those of the rack; expected at most {MOST_STATIONS}");
         return problems.refuse(place, message);
@@ -271,7 +269,7 @@ pub(super) fn values(written: &Spanned<Values>, problems: &mut Problems) -> Opti
 }
 
 fn range(from: &Number, to: &Number, steps: &Whole, problems: &mut Problems) -> Option<Vec<f64>> {
-    let count = within(steps, 1..=MOST_STATIONS, problems)?;
+    let count = within(steps, 1..=MOST_STATIONS as i64, problems)?;
     if from.value > to.value {
         let message = format!(
             "the range is reversed: from = {} is above to = {}",

@@ -1,8 +1,8 @@
 //! What could be chosen instead of the tuned design: front and price list, where they are asked for.
 
 use super::exit::Stop;
-use super::output::Output;
 use super::interrupt;
+use super::output::Output;
 use crate::mechanism::DesignFault;
 use crate::optimise::{Choice, Control, Front, Tuning, front, price_list};
 use crate::report::{TuningSummary, counted, front_csv, front_remarks, front_table};

@@ -3,9 +3,9 @@
 use super::exit::{Exit, Stop};
 use super::export::save;
 use super::terminal::note;
-use crate::study::{LONGEST_TEXT, read_text};
 use crate::exchange::{ImportOptions, import, read_points, unit_of};
 use crate::model::{FrameConvention, LengthUnit, Side, Topology};
+use crate::study::{LONGEST_TEXT, read_text};
 use clap::Args;
 use std::collections::BTreeMap;
 use std::io::Write;

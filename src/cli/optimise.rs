@@ -4,8 +4,8 @@ use super::OptimiseArguments;
 use super::choices::Choices;
 use super::exit::{Exit, Stop};
 use super::output::{Output, design_fault, pool};
-use super::{interrupt, progress};
 use super::report::ReportOptions;
+use super::{interrupt, progress};
 use crate::optimise::{Control, Tuning, tune};
 use crate::report::{
     FrontRecord, PriceRecord, Record, TuningSummary, YieldRecord, counted, history_csv,
@@ -211,6 +211,7 @@ fn yields(study: &Study, optimise: &Optimise, tuned: Option<&Study>) -> Option<Y
     let tolerance = study.tolerance.as_ref().filter(|t| !t.bands.is_empty())?;
     let of = |study: &Study| {
         let problem = Problem::of(study, tolerance).ok()?;
+        let problem = problem.interruptible(interrupt::flag());
         let drawn = problem.drawn().ok()?;
         let found = monte_carlo(&problem, &drawn, |_| match interrupt::is_raised() {
             true => ControlFlow::Break(()),

@@ -3,9 +3,9 @@
 use super::SweepArguments;
 use super::exit::{Exit, Stop};
 use super::output::{Destination, Output, STUDY_COPY, design_fault, inputs, pool};
-use super::{interrupt, progress};
 use super::report::show_sweep;
 use super::terminal;
+use super::{interrupt, progress};
 use crate::report::{
     DrawnDesigns, NotARun, PartOutcome, SweepDirectory, SweepSummary, SweepText, TableFile,
     counted, rows_header, write_part,
@@ -280,9 +280,7 @@ fn to_standard_output(
         in_order(
             record.blocks_of(part),
             || plan.worker().expect("the same design was accepted before"),
-            |worker, block| {
-                (!interrupt::is_raised()).then(|| text.finish(record, worker, block))
-            },
+            |worker, block| (!interrupt::is_raised()).then(|| text.finish(record, worker, block)),
             |finished| {
                 out.append(&finished.designs)?;
                 statistics.absorb(record, &finished.statistics);

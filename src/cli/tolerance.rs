@@ -3,15 +3,15 @@
 use super::ToleranceArguments;
 use super::exit::{Exit, Stop};
 use super::output::{Output, design_fault, pool};
-use super::{interrupt, progress};
 use super::report::ReportOptions;
 use super::terminal;
+use super::{interrupt, progress};
 use crate::build::NoSetUp;
 use crate::mechanism::DesignFault;
 use crate::report::ToleranceSummary;
 use crate::solved::Solved;
 use crate::study::{Outputs, Study, Tolerance};
-use crate::tolerance::{Expansion, MonteCarlo, Problem, monte_carlo, rank};
+use crate::tolerance::{Expansion, Forecast, MonteCarlo, Problem, monte_carlo};
 use std::io::Write;
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -37,7 +37,7 @@ pub(super) fn run(arguments: &ToleranceArguments) -> Result<Exit, Stop> {
         arguments.threads,
         tolerance.builds.div_ceil(crate::sweep::BLOCK as u64),
     )?;
-    let problem = problem(&study, tolerance, path)?;
+    let problem = problem(&study, tolerance, path)?.interruptible(interrupt::flag());
     let drawn = problem.drawn().map_err(fault)?;
     let record = || {
         let plain = curves_alone(&study);
@@ -49,6 +49,8 @@ pub(super) fn run(arguments: &ToleranceArguments) -> Result<Exit, Stop> {
     let expansion = pool
         .install(|| Expansion::of(&problem))
         .map_err(|reason| not_aligned(&study, path, reason).after_its_input())?;
+    // Before the builds: afterwards an interrupted run only writes.
+    let forecast = Forecast::of(&problem, &expansion, &drawn);
     let builds = pool
         .install(|| with_progress(&problem, tolerance, &drawn))
         .map_err(|fault| Stop::unsolved(path, fault.describe(&study.suspension.mechanism)))?;
@@ -59,7 +61,7 @@ pub(super) fn run(arguments: &ToleranceArguments) -> Result<Exit, Stop> {
     if interrupted {
         output.mark_interrupted();
     }
-    let yields = rank(&problem, &expansion, &builds, &drawn);
+    let yields = forecast.as_ref().map(|forecast| forecast.rank(&builds));
     let summary = ToleranceSummary::of(&problem, &drawn, &expansion, &builds, yields.as_ref());
 
     let unit = study.suspension.length_unit.symbol();

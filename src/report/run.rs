@@ -3,10 +3,10 @@
 use super::curve_table::CurveTable;
 use super::finished::{NotARun, in_form};
 use super::record::{FORM, Record};
-use crate::study::{LONGEST_TABLE, read_bytes};
 use super::{AxleSummary, SolveSummary, Table, ToleranceSummary, TuningSummary};
-use serde::{Deserialize, Serialize};
+use crate::study::{LONGEST_TABLE, read_bytes};
 use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
 use std::path::Path;
 
 /// A finished run.

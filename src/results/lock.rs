@@ -206,7 +206,10 @@ mod tests {
             }
             let _ = std::fs::remove_file(&path);
             std::os::unix::fs::symlink(&target, &path).unwrap();
-            for taken in [Lock::exclusive(&path, &owner("a")), Lock::shared(&path, &owner("a"))] {
+            for taken in [
+                Lock::exclusive(&path, &owner("a")),
+                Lock::shared(&path, &owner("a")),
+            ] {
                 let Err(NotLocked::Failed(error)) = taken else {
                     panic!("{taken:?}");
                 };

@@ -43,7 +43,9 @@ fn restated(text: &str, finished: bool, interrupted: bool) -> String {
     };
     let mut body = text.strip_prefix('{').unwrap_or(text);
     for [finished, interrupted] in [[false, false], [false, true], [true, false]] {
-        body = body.strip_prefix(&head(finished, interrupted)).unwrap_or(body);
+        body = body
+            .strip_prefix(&head(finished, interrupted))
+            .unwrap_or(body);
     }
     format!("{{{}{body}", head(finished, interrupted))
 }

@@ -85,7 +85,9 @@ impl OpenRun {
             return Ok(());
         }
         let former = std::fs::read_to_string(self.path.join(SUMMARY));
-        let text = former.ok().filter(|text| had_summary && text.starts_with('{'));
+        let text = former
+            .ok()
+            .filter(|text| had_summary && text.starts_with('{'));
         let text = text.unwrap_or_else(|| {
             let command = serde_json::Value::from(self.command.as_str());
             format!("{{\n  \"command\": {command}\n}}\n")

@@ -225,7 +225,9 @@ impl RunDirectory {
         }
         state.manifest.runs = runs;
         let run = self.open_run(claim);
-        let written = open_runs::begin(run, || self.put_undivided(manifest::NAME, &state.manifest.text()));
+        let written = open_runs::begin(run, || {
+            self.put_undivided(manifest::NAME, &state.manifest.text())
+        });
         written?;
         // Results of an earlier run stand there until they are written anew.
         let former = std::fs::read_to_string(self.path.join(SUMMARY));

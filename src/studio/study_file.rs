@@ -6,9 +6,7 @@ use crate::number::Vector3;
 use crate::optimise::TargetLayout;
 use crate::report::is_printable;
 use crate::results::{temporary_of, undivided};
-use crate::study::{
-    LONGEST_TEXT, Study, StudyErrors, Variable, checked_number, read_regular_text,
-};
+use crate::study::{LONGEST_TEXT, Study, StudyErrors, Variable, checked_number, read_regular_text};
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -215,7 +213,10 @@ fn replace(temporary: NamedTempFile, path: &Path, text: &str) -> io::Result<()> 
         return temporary.persist(path).map(drop).map_err(|e| e.error);
     }
     let written = || {
-        let mut file = fs::OpenOptions::new().write(true).truncate(true).open(path)?;
+        let mut file = fs::OpenOptions::new()
+            .write(true)
+            .truncate(true)
+            .open(path)?;
         io::Write::write_all(&mut file, text.as_bytes())?;
         file.sync_all()
     };
@@ -292,7 +293,9 @@ fn check_name(name: &str) -> Result<(), String> {
         return Err("expected a name that reads as it is: without characters that turn the direction of writing".to_owned());
     }
     if is_reserved(name) {
-        return Err(format!("{name} names a device on Windows; expected another name"));
+        return Err(format!(
+            "{name} names a device on Windows; expected another name"
+        ));
     }
     Ok(())
 }
@@ -303,7 +306,10 @@ fn is_reserved(name: &str) -> bool {
     let stem = stem.to_ascii_uppercase();
     let is_port = |prefix: &str| {
         let number = stem.strip_prefix(prefix);
-        number.is_some_and(|n| n.chars().count() == 1 && n.contains(|c: char| "0123456789\u{b9}\u{b2}\u{b3}".contains(c)))
+        number.is_some_and(|n| {
+            n.chars().count() == 1
+                && n.contains(|c: char| "0123456789\u{b9}\u{b2}\u{b3}".contains(c))
+        })
     };
     let devices = ["CON", "PRN", "AUX", "NUL", "CONIN$", "CONOUT$"];
     devices.contains(&stem.as_str()) || is_port("COM") || is_port("LPT")

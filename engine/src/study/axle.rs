@@ -1,5 +1,6 @@
 //! `[axle]` and what goes with it: both wheels, steering, springs, the motions of an axle.
 
+use super::MOST_STATIONS;
 use super::error::Problems;
 use super::file::{self, File};
 use super::loads::loads_of_axle;
@@ -9,7 +10,6 @@ use super::outputs::{self, distinct};
 use super::right_wheel::{self, right_wheel};
 use super::suspension::{above_zero, positive};
 use super::value::{Number, Text, Values};
-use super::MOST_STATIONS;
 use crate::axle::{
     Axle, AxleMotion, AxlePlan, BumpStop, Coordinate, ForceCurve, Law, Need, Quantity, Setup,
     SpringLaw, WheelMotion,
@@ -17,7 +17,6 @@ use crate::axle::{
 use crate::characteristics::Constants;
 use crate::model::{Axis, Side, Suspension};
 use toml::Spanned;
-
 
 /// What a study asks of an axle.
 #[derive(Clone, Debug, PartialEq)]

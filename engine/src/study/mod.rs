@@ -40,10 +40,10 @@ pub use axle::missing;
 pub use axle_targets::AxleSite;
 pub use designs_file::DesignTable;
 pub use hardpoint_study_file::error::{StudyError, StudyErrors};
+pub(crate) use hardpoint_study_file::names::nearest;
 pub use hardpoint_study_file::source::{
     LONGEST_TABLE, LONGEST_TEXT, read_bytes, read_regular_text, read_text,
 };
-pub(crate) use hardpoint_study_file::names::nearest;
 use hardpoint_study_file::{error, file, names, overrides, parse, source, value};
 pub(crate) use optimise::{GOOD_ENOUGH, MAX_ITERATIONS};
 pub use samples::{AxleSample, Sample};

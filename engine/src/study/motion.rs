@@ -10,7 +10,6 @@ use crate::model::{self, LengthUnit, Suspension};
 use std::ops::{Range as Span, RangeInclusive};
 use toml::Spanned;
 
-
 impl Drive {
     const ALL: [(&str, Drive); 3] = [
         ("travel", Drive::Travel),

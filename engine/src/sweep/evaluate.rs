@@ -15,6 +15,7 @@ use crate::mechanism::{DesignFault, Failure};
 use crate::model::Suspension;
 use crate::number::{MOST_LANES, SimdReal, Vector3, Width};
 use crate::solve::Solver;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// The most designs in a block. Blocks are also the unit of sums, of shards and of resumption: designs
 /// number `k * BLOCK` and on always go together, whatever the threads do.
@@ -211,10 +212,32 @@ impl Block {
 /// an axle whose right wheel is the mirror image of the left one.
 pub(crate) type Pairs<'d> = [&'d [Vector3<f64>]; 2];
 
+/// A flag that ends the work early, as [`Control`](crate::optimise::Control) has one; none where nothing does.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Interrupt<'a>(pub(crate) Option<&'a AtomicBool>);
+
+impl Interrupt<'_> {
+    /// Whether the work is to end.
+    #[inline]
+    pub(crate) fn is_raised(self) -> bool {
+        match self.0 {
+            Some(flag) => flag.load(Ordering::Relaxed),
+            None => false,
+        }
+    }
+}
+
 /// Solves designs in SIMD lanes.
 pub(super) trait SolvesInLanes: Send {
-    /// Evaluates the designs of a block; the numbers of those left to be solved one by one are added to `fallback`.
-    fn evaluate(&mut self, designs: Pairs<'_>, block: &mut Block, fallback: &mut Vec<usize>);
+    /// Evaluates the designs of a block, or as many as there are until the interrupt is raised; the numbers of those left
+    /// to be solved one by one are added to `fallback`.
+    fn evaluate(
+        &mut self,
+        designs: Pairs<'_>,
+        interrupt: Interrupt<'_>,
+        block: &mut Block,
+        fallback: &mut Vec<usize>,
+    );
 }
 
 /// Solves designs one at a time.
@@ -244,6 +267,8 @@ pub struct Evaluator<'a> {
     rights: Vec<Vector3<f64>>,
     /// Designs of the block left to be solved one by one, by number.
     fallback: Vec<usize>,
+    /// Ends a block early, whose values are not to be used then.
+    pub(crate) interrupt: Interrupt<'a>,
 }
 
 impl<'a> Evaluator<'a> {
@@ -308,6 +333,7 @@ impl<'a> Evaluator<'a> {
             axle: None,
             rights: Vec::new(),
             fallback: Vec::new(),
+            interrupt: Interrupt::default(),
         }
     }
 
@@ -343,10 +369,16 @@ impl<'a> Evaluator<'a> {
         block.clear(count);
         self.fallback.clear();
         match &mut self.lanes {
-            Ok(lanes) => lanes.evaluate(designs, block, &mut self.fallback),
+            Ok(lanes) => lanes.evaluate(designs, self.interrupt, block, &mut self.fallback),
             Err(_) => self.fallback.extend(0..count),
         }
-        self.one_by_one.evaluate(designs, &self.fallback, block);
+        for number in &self.fallback {
+            if self.interrupt.is_raised() {
+                return;
+            }
+            let number = std::slice::from_ref(number);
+            self.one_by_one.evaluate(designs, number, block);
+        }
         if let Some(slopes) = &mut self.slopes {
             slopes.evaluate(designs, block);
         }

@@ -10,6 +10,9 @@ mod mutants;
 #[allow(dead_code)]
 #[path = "support/random.rs"]
 mod random;
+#[cfg(target_os = "linux")]
+#[path = "support/signals.rs"]
+mod signals;
 
 use bounded::wait_within_bounds;
 use hardpoint::study::{Designs, Study};
@@ -174,6 +177,10 @@ fn examine(
     };
 
     let solved = run(&["solve", "study.toml", "--out", "solved"])?;
+    if solved.status.code() == Some(2) {
+        let said = String::from_utf8_lossy(&solved.stderr).into_owned();
+        return Err(format!("check takes what solve refuses: {said}"));
+    }
     if solved.status.code() != Some(2) {
         let found = empty_cells(&read("solved/curves.csv")?)?;
         let summary = json("solved/summary.json")?;
@@ -283,4 +290,37 @@ fn every_command_over_mutants() {
 #[ignore = "25,000 mutants through every command: with .ci/long"]
 fn every_command_over_many_mutants() {
     every_command(chosen("1000-26000"), true);
+}
+
+/// Interrupts as many commands, by the numbers of a range, and prints the worst of each.
+#[cfg(target_os = "linux")]
+fn interrupted(tries: std::ops::Range<u64>) {
+    let studies = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies");
+    let signals = signals::Signals::of(&studies);
+    let worst = std::sync::Mutex::new(signals::Worst::new());
+    let failures: Vec<String> = tries
+        .clone()
+        .filter_map(|number| {
+            let failed = signals.interrupt(number, &worst).err()?;
+            let failure = format!("try {number}: {failed}");
+            eprintln!("{failure}");
+            Some(failure)
+        })
+        .collect();
+    println!("signals {tries:?}: command, tries, interrupted, most seconds to the end");
+    for (command, (tries, interrupted, seconds)) in worst.into_inner().unwrap() {
+        println!("  {command:12} {tries:4} {interrupted:4} {seconds:.2}");
+    }
+    assert!(failures.is_empty(), "{}", failures.join("\n\n"));
+}
+
+/// The first signal ends every command, whatever it is at, and what it leaves says so. `SIGNALS=3` has a hundred tries
+/// of seed 3, and so on.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_signal_ends_every_command() {
+    match std::env::var("SIGNALS").map(|seed| seed.parse::<u64>().expect("a seed")) {
+        Ok(seed) => interrupted(100 * seed..100 * seed + 100),
+        Err(_) => interrupted(0..12),
+    }
 }

@@ -314,13 +314,13 @@ fn interrupted(tries: std::ops::Range<u64>) {
     assert!(failures.is_empty(), "{}", failures.join("\n\n"));
 }
 
-/// The first signal ends every command, whatever it is at, and what it leaves says so. `SIGNALS=3` has a hundred tries
-/// of seed 3, and so on.
+/// The first signal ends every command, whatever it is at, and what it leaves says so. `SIGNALS=3` has the forty
+/// tries of seed 3, and so on.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_signal_ends_every_command() {
     match std::env::var("SIGNALS").map(|seed| seed.parse::<u64>().expect("a seed")) {
-        Ok(seed) => interrupted(100 * seed..100 * seed + 100),
-        Err(_) => interrupted(0..12),
+        Ok(seed) => interrupted(40 * seed..40 * seed + 40),
+        Err(_) => interrupted(0..8),
     }
 }

@@ -303,7 +303,10 @@ fn coordinates_beyond_those_of_a_study_are_refused_everywhere() {
         of["design"][0][0] = json!(value);
         for (name, message) in [
             ("tune", json!({"of": of, "locked": locked})),
-            ("solve", of.clone()),
+            (
+                "solve",
+                json!({"of": of, "characteristics": ["toe"], "at": [0.0, 0.0], "curves_rack": null}),
+            ),
             ("save", json!({"of": of, "name": "x.toml", "anyway": false})),
         ] {
             let answer = served.post(name, &message);

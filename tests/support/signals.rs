@@ -251,6 +251,10 @@ impl Signals {
         let code = status.code();
         let taken = after - before;
         let interrupted = code == Some(expected);
+        println!(
+            "try {number}: {} at {when:.2}: {taken:.2} s, {status}",
+            case.arguments.join(" ")
+        );
         {
             let mut worst = worst.lock().unwrap();
             let entry = worst.entry(case.command).or_insert((0, 0, 0.0));

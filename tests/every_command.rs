@@ -314,6 +314,13 @@ fn interrupted(tries: std::ops::Range<u64>) {
     assert!(failures.is_empty(), "{}", failures.join("\n\n"));
 }
 
+#[cfg(target_os = "linux")]
+#[test]
+#[ignore = "a thousand commands interrupted: with .ci/long"]
+fn a_signal_ends_every_command_often() {
+    interrupted(10_000..11_000);
+}
+
 /// The first signal ends every command, whatever it is at, and what it leaves says so. `SIGNALS=3` has the forty
 /// tries of seed 3, and so on.
 #[cfg(target_os = "linux")]

@@ -344,6 +344,17 @@ fn motions_that_go_nowhere() {
     }
     let text = edited(travel, "");
     assert_mistake(&text, "[motion]", "motion", &["expected travel or time"]);
+    // Each station has a derivative by each hardpoint.
+    let text = edited(travel, "travel = { from = 0.0, to = 80.0, steps = 50001 }");
+    let text = &text[..text.find("[optimise]").unwrap()];
+    let text = text.replace("\nsensitivities", "\n# sensitivities");
+    let some = "[outputs]\nsensitivities = [\"strut_top\", \"tie_rod_inner\"]";
+    let phrases = [
+        "50001 stations with sensitivities to 2 hardpoints",
+        "at most 100000",
+    ];
+    let text = text.replace("[outputs]", some);
+    assert_mistake(&text, "[motion]", "motion", &phrases);
     // The ball joint straight above the axis of the arm.
     let text = edited(travel, "drive = \"arm_angle\"\narm_angle = [1.0]");
     let text = text.replace("[   5.0, 705.0, 190.0]", "[ -70.0, 355.0, 500.0]");

@@ -65,8 +65,9 @@ pub(super) fn listen() {
 
 #[cfg(unix)]
 fn listen_on_a_thread() -> std::io::Result<()> {
-    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
-    let mut signals = signal_hook::iterator::Signals::new([SIGINT, SIGTERM, SIGHUP])?;
+    use signal_hook::consts::{SIGINT, SIGTERM};
+    // SIGHUP keeps its effect, so that `nohup` can take it away.
+    let mut signals = signal_hook::iterator::Signals::new([SIGINT, SIGTERM])?;
     let listener = thread::Builder::new().name("signals".to_owned());
     listener.spawn(move || signals.forever().for_each(heard))?;
     Ok(())

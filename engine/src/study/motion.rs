@@ -267,6 +267,24 @@ pub(super) fn values(written: &Spanned<Values>, problems: &mut Problems) -> Opti
     }
 }
 
+/// Refuses sensitivities that do not fit in memory: a station counts for each hardpoint that they are asked for.
+pub(super) fn check_sensitivities(
+    place: Span<usize>,
+    stations: usize,
+    hardpoints: usize,
+    problems: &mut Problems,
+) {
+    let asked = stations.saturating_mul(hardpoints);
+    if asked > MOST_STATIONS {
+        let message = format!(
+            "{stations} stations with sensitivities to {hardpoints} hardpoints are {asked}; expected at most \
+             {MOST_STATIONS} stations times hardpoints"
+        );
+        let error = problems.add(place, message);
+        error.help("ask for fewer stations, or name fewer hardpoints in outputs.sensitivities");
+    }
+}
+
 fn range(from: &Number, to: &Number, steps: &Whole, problems: &mut Problems) -> Option<Vec<f64>> {
     let count = within(steps, 1..=MOST_STATIONS as i64, problems)?;
     if from.value > to.value {

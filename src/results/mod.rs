@@ -13,6 +13,7 @@
 //!
 //! `--force` lifts the first three.
 
+mod claim;
 mod lock;
 mod manifest;
 mod open_runs;
@@ -20,12 +21,13 @@ mod owner;
 mod refusal;
 mod run_directory;
 
+pub use claim::{Claim, Sharing};
 pub use lock::{Lock, NotLocked};
 pub use manifest::{Manifest, RunRecord};
 pub use open_runs::{exit_interrupted, undivided};
 pub use owner::Owner;
 pub use refusal::{Refusal, WriteError};
-pub use run_directory::{Claim, RunDirectory, Sharing, temporary, temporary_of};
+pub use run_directory::{RunDirectory, temporary, temporary_of};
 
 use crate::study::{Designs, Study};
 use std::path::Path;

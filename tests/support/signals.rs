@@ -15,6 +15,8 @@ const MOST_SECONDS: f64 = 0.3;
 const READING: f64 = 0.02;
 /// The longest wait for a process that should have ended, on a loaded machine.
 const HANGS: Duration = Duration::from_secs(120);
+/// The longest wait for a whole run there.
+const WHOLE_RUN: Duration = Duration::from_secs(900);
 
 /// Files of an interrupted run that need not be those of a whole one.
 const PARTIAL: [(&str, &[&str]); 3] = [
@@ -113,11 +115,6 @@ fn cases_of(study: &str, text: &str) -> Vec<Case> {
     if !is_axle {
         cases.push(case("assemblies", "assemblies STUDY", study));
         cases.push(case("compare", "compare STUDY STUDY --out out", study));
-        cases.push(case(
-            "bench",
-            "bench effects STUDY --samples 3 --out out",
-            study,
-        ));
     }
     if has("sweep") {
         let sweep = "sweep STUDY --out out --report --set sweep.samples=150000";
@@ -164,6 +161,10 @@ impl Signals {
             let name = path.file_name().unwrap().to_string_lossy().into_owned();
             cases.extend(cases_of(&name, &text));
         }
+        for kind in ["effects", "accuracy", "throughput"] {
+            let bench = format!("bench {kind} STUDY --samples 1 --out out");
+            cases.push(case("bench", &bench, "macpherson_solve.toml"));
+        }
         cases.push(case("report", "report solved", ""));
         cases.push(case("merge", "merge shards --out out", ""));
         cases.push(case(
@@ -204,7 +205,7 @@ impl Signals {
             let case = &self.cases[number];
             let directory = self.prepared(case);
             let mut child = start(directory.path(), &case.arguments);
-            let seconds = wait(&mut child).expect("a whole run ends");
+            let seconds = wait(&mut child, WHOLE_RUN).expect("a whole run ends");
             let reference = Reference {
                 code: child.wait().unwrap().code(),
                 seconds,
@@ -246,7 +247,7 @@ impl Signals {
             .stderr(Stdio::null())
             .status();
         sent.unwrap();
-        let after = wait(&mut child).map_err(&told)?;
+        let after = wait(&mut child, HANGS).map_err(&told)?;
         let status = child.wait().unwrap();
         let code = status.code();
         let taken = after - before;
@@ -343,7 +344,7 @@ impl Signals {
             arguments.push("--resume".to_owned());
         }
         let mut child = start(directory, &arguments);
-        wait(&mut child)?;
+        wait(&mut child, WHOLE_RUN)?;
         let status = child.wait().unwrap();
         if status.code() != reference.code {
             return Err(format!("again: {status}"));
@@ -420,10 +421,10 @@ fn seconds(child: &Child) -> f64 {
 }
 
 /// Waits for the end of a process, which is left to be waited for; the seconds of the processor it has taken.
-fn wait(child: &mut Child) -> Result<f64, String> {
+fn wait(child: &mut Child, most: Duration) -> Result<f64, String> {
     let begun = Instant::now();
     while !is_over(child) {
-        if begun.elapsed() > HANGS {
+        if begun.elapsed() > most {
             child.kill().unwrap();
             child.wait().unwrap();
             return Err("hangs".to_owned());

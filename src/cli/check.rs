@@ -25,9 +25,11 @@ pub(super) fn run(arguments: &StudyArguments) -> Result<Exit, Stop> {
     let study = Study::read(path, &arguments.set)?;
     let fault = |why| Stop::in_file(path, why);
     let alone = motion_alone(&study);
-    let solved = Solved::of(&alone).map_err(fault)?;
-    let of_motions = NamedCurves::all(&alone).map_err(fault)?;
-    let mut said = solved.plausibility().map_err(fault)?;
+    let Checked {
+        solved,
+        of_motions,
+        plausibility: mut said,
+    } = Checked::of(&alone, path)?;
     said.extend(variable_plausibility(&study));
     said.extend(solved.remarks());
 
@@ -55,6 +57,29 @@ pub(super) fn run(arguments: &StudyArguments) -> Result<Exit, Stop> {
     let mut motions = of_motions.iter().map(|motion| &motion.curves);
     let is_complete = solved.is_complete() && motions.all(Curves::are_complete);
     Ok(Exit::of(is_complete))
+}
+
+/// Curves of a study that `solve` takes.
+pub(super) struct Checked<'s> {
+    solved: Solved<'s>,
+    of_motions: Vec<NamedCurves>,
+    plausibility: Vec<String>,
+}
+
+impl<'s> Checked<'s> {
+    /// Solves a study by itself ([`motion_alone`]), or refuses it as `solve` does.
+    pub(super) fn of(alone: &'s Study, path: &Path) -> Result<Self, Stop> {
+        let fault = |why| Stop::in_file(path, why);
+        let solved = Solved::of(alone).map_err(fault)?;
+        let of_motions = NamedCurves::all(alone).map_err(fault)?;
+        let plausibility = solved.plausibility().map_err(fault)?;
+        Solved::record("solve", &[("design", "curves.csv", &solved)]).map_err(fault)?;
+        Ok(Checked {
+            solved,
+            of_motions,
+            plausibility,
+        })
+    }
 }
 
 /// What is asked of one wheel and what that costs, and its values in the design position.

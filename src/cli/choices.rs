@@ -1,8 +1,8 @@
 //! What could be chosen instead of the tuned design: front and price list, where they are asked for.
 
 use super::exit::Stop;
+use super::interrupt;
 use super::output::Output;
-use super::progress;
 use crate::mechanism::DesignFault;
 use crate::optimise::{Choice, Control, Front, Tuning, front, price_list};
 use crate::report::{TuningSummary, counted, front_csv, front_remarks, front_table};
@@ -23,10 +23,10 @@ impl Choices {
     ) -> Result<Self, DesignFault> {
         let (suspension, motion) = (&study.suspension, &study.motion);
         let control = Control {
-            interrupt: Some(progress::interrupt_flag()),
+            interrupt: Some(interrupt::flag()),
             watch: None,
         };
-        let has_best = tuning.best.is_some();
+        let has_best = tuning.best.is_some() && !interrupt::is_raised();
         let front = (has_best && !optimise.front.is_empty())
             .then(|| front(suspension, motion, optimise, tuning, control));
         let prices = match has_best && prices && !optimise.fit {

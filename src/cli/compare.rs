@@ -9,7 +9,7 @@ use crate::model::{Axis, LengthUnit, Suspension};
 use crate::report::{Compared, Comparison, CurveTable, Format, Tables, comparison_page, printable};
 use crate::results::{Claim, RunDirectory};
 use crate::solved::Solved;
-use crate::study::{Drive, Study};
+use crate::study::{Drive, LONGEST_TABLE, Study, read_bytes};
 use clap::Args;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -163,11 +163,14 @@ fn compared(label: String, suspension: &Suspension, curves: CurveTable) -> Compa
 
 /// A finished run: the curves it wrote, and the points of the study it keeps.
 fn of_run(path: &Path, label: String) -> Result<Compared, Stop> {
-    let csv = std::fs::read(path.join("curves.csv")).map_err(|_| {
+    let file = path.join("curves.csv");
+    if !file.exists() {
         let reason =
             "there is no curves.csv, which `hardpoint solve` and `hardpoint optimise` write";
-        Stop::in_file(path, reason)
-    })?;
+        return Err(Stop::in_file(path, reason));
+    }
+    let csv = read_bytes(&file, LONGEST_TABLE);
+    let csv = csv.map_err(|reason| Stop::in_file(&file, reason))?;
     let refused = |reason: String| Stop::in_file(path, format!("curves.csv: {reason}"));
     let table = CurveTable::read(&csv).map_err(refused)?;
     if let Some(study) = kept_study(path, &[])? {

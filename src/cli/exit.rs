@@ -1,19 +1,22 @@
 //! How a command ends.
 
+use super::interrupt;
 use crate::results::WriteError;
 use crate::study::StudyErrors;
 use std::io::{self, ErrorKind};
 use std::path::Path;
 
-/// The documented exit codes.
+/// The documented ways to end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Exit {
     /// Everything asked for was done.
-    Done = 0,
+    Done,
     /// It ran, but something could not be solved or written; the rest is there.
-    Incomplete = 1,
+    Incomplete,
     /// The input or the call is wrong; nothing was written.
-    WrongInput = 2,
+    WrongInput,
+    /// A signal stopped it; what was finished is there.
+    Interrupted,
 }
 
 impl Exit {
@@ -22,6 +25,16 @@ impl Exit {
         match is_complete {
             true => Exit::Done,
             false => Exit::Incomplete,
+        }
+    }
+
+    /// Its exit code.
+    pub(super) fn code(self) -> u8 {
+        match self {
+            Exit::Done => 0,
+            Exit::Incomplete => 1,
+            Exit::WrongInput => 2,
+            Exit::Interrupted => interrupt::exit_code(),
         }
     }
 }
@@ -67,6 +80,22 @@ impl Stop {
         Stop::Failed {
             message: format!("error: {message}"),
             exit: Exit::Incomplete,
+        }
+    }
+
+    /// Something asked for in a file could not be solved, after the input was accepted.
+    pub(super) fn unsolved(path: &Path, reason: impl std::fmt::Display) -> Self {
+        Stop::not_met(format!("{}: {reason}", path.display()))
+    }
+
+    /// The same message about a study whose input was accepted, and of which something is written.
+    pub(super) fn after_its_input(self) -> Self {
+        match self {
+            Stop::Failed { message, .. } => Stop::Failed {
+                message,
+                exit: Exit::Incomplete,
+            },
+            other => other,
         }
     }
 

@@ -1,6 +1,8 @@
 //! `hardpoint export`
 
+use super::check::Checked;
 use super::exit::{Exit, Stop};
+use super::limits::motion_alone;
 use super::output::kept_study;
 use super::terminal::{note, width};
 use crate::exchange::{
@@ -10,7 +12,7 @@ use crate::number::Vector3;
 use crate::report::{Cell, Table};
 use crate::results;
 use crate::solved::Solved;
-use crate::study::Study;
+use crate::study::{LONGEST_TABLE, LONGEST_TEXT, Study, read_bytes};
 use crate::sweep::SweepPlan;
 use clap::{Args, ValueEnum};
 use std::io::Write;
@@ -85,7 +87,7 @@ pub(super) fn run(arguments: &ExportArguments) -> Result<Exit, Stop> {
                 None => subsystem(study, &source.design),
                 Some(path) => {
                     let refused = |reason: String| Stop::in_file(path, reason);
-                    let file = std::fs::read(path).map_err(|error| refused(error.to_string()))?;
+                    let file = read_bytes(path, LONGEST_TEXT).map_err(refused)?;
                     into_subsystem(study, &source.design, &file).map_err(refused)?
                 }
             };
@@ -116,7 +118,7 @@ pub(super) fn save(out: &Path, bytes: &[u8], force: bool) -> Result<(), Stop> {
         file.write_all(bytes)?;
         file.persist(out).map_err(|error| error.error)
     };
-    written()
+    results::undivided(written)
         .map(drop)
         .map_err(|error| Stop::wrong_input(format!("cannot write {}: {error}", out.display())))
 }
@@ -143,9 +145,13 @@ impl Source {
         };
         if path.is_dir() {
             for name in ["curves", "curves_before", "designs", "pareto", "history"] {
-                if let Ok(bytes) = std::fs::read(path.join(name).with_extension("csv")) {
-                    source.tables.push((name, bytes));
+                let table = path.join(name).with_extension("csv");
+                if !table.exists() {
+                    continue;
                 }
+                let bytes = read_bytes(&table, LONGEST_TABLE);
+                let bytes = bytes.map_err(|reason| Stop::in_file(&table, reason))?;
+                source.tables.push((name, bytes));
             }
             source.study = kept_study(path, &arguments.set)?;
             if source.tables.is_empty() && source.study.is_none() {
@@ -163,6 +169,7 @@ impl Source {
             }
             return Ok(source);
         };
+        Checked::of(&motion_alone(study), path)?;
         source.design = match arguments.design {
             None => study.suspension.design.clone(),
             Some(number) => of_sweep(study, number, path)?,

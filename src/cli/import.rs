@@ -5,6 +5,7 @@ use super::export::save;
 use super::terminal::note;
 use crate::exchange::{ImportOptions, import, read_points, unit_of};
 use crate::model::{FrameConvention, LengthUnit, Side, Topology};
+use crate::study::{LONGEST_TEXT, read_text};
 use clap::Args;
 use std::collections::BTreeMap;
 use std::io::Write;
@@ -113,7 +114,7 @@ pub(super) fn run(arguments: &ImportArguments) -> Result<Exit, Stop> {
 /// Reads the names given to hardpoints in the file.
 fn names(path: &Path) -> Result<BTreeMap<String, String>, Stop> {
     let refused = |reason: String| Stop::in_file(path, reason);
-    let text = std::fs::read_to_string(path).map_err(|error| refused(error.to_string()))?;
+    let text = read_text(path, LONGEST_TEXT).map_err(refused)?;
     toml::from_str(&text).map_err(|error| {
         refused(format!(
             "expected lines such as lower_arm_front = \"LCA 1\": {}",

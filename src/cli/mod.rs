@@ -10,6 +10,7 @@ mod completions;
 mod exit;
 mod export;
 mod import;
+mod interrupt;
 mod limits;
 mod limits_of_builds;
 mod man;
@@ -39,7 +40,8 @@ use std::process::ExitCode;
 #[command(name = "hardpoint", version, max_term_width = 100)]
 #[command(
     after_help = "Exit codes: 0 done; 1 it ran, but something asked for could not be solved \
-                        (the rest is written); 2 the input or the call is wrong (nothing is written)."
+                        (the rest is written); 2 the input or the call is wrong (nothing is written); \
+                        130 or 143 SIGINT or SIGTERM stopped it (finished work is kept)."
 )]
 struct Arguments {
     /// Print nothing but errors and asked-for data
@@ -304,14 +306,8 @@ pub fn run() -> ExitCode {
 pub fn run_embedded<A: Into<std::ffi::OsString> + Clone>(
     arguments: impl IntoIterator<Item = A>,
 ) -> u8 {
-    progress::leave_signals_alone();
-    run_with(arguments)
-}
-
-/// As [`run`] with these arguments, the first of them the program's name; the exit code.
-pub fn run_with<A: Into<std::ffi::OsString> + Clone>(arguments: impl IntoIterator<Item = A>) -> u8 {
     crate::attia::register();
-    let exit = match Arguments::try_parse_from(arguments) {
+    match Arguments::try_parse_from(arguments) {
         Ok(arguments) => carried_out(arguments),
         Err(error) => {
             // Help and version are errors to clap, too.
@@ -321,8 +317,15 @@ pub fn run_with<A: Into<std::ffi::OsString> + Clone>(arguments: impl IntoIterato
                 false => Exit::Done,
             }
         }
-    };
-    exit as u8
+    }
+    .code()
+}
+
+/// As [`run`] with these arguments, the first of them the program's name; the exit code. A second signal ends the
+/// process, and so does the first where nothing is to be kept.
+pub fn run_with<A: Into<std::ffi::OsString> + Clone>(arguments: impl IntoIterator<Item = A>) -> u8 {
+    interrupt::listen();
+    run_embedded(arguments)
 }
 
 fn carried_out(arguments: Arguments) -> Exit {

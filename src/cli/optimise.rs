@@ -4,8 +4,8 @@ use super::OptimiseArguments;
 use super::choices::Choices;
 use super::exit::{Exit, Stop};
 use super::output::{Output, design_fault, pool};
-use super::progress;
 use super::report::ReportOptions;
+use super::{interrupt, progress};
 use crate::optimise::{Control, Tuning, tune};
 use crate::report::{
     FrontRecord, PriceRecord, Record, TuningSummary, YieldRecord, counted, history_csv,
@@ -16,7 +16,6 @@ use crate::study::{Optimise, Study, StudyErrors};
 use crate::tolerance::{Problem, monte_carlo};
 use std::ops::ControlFlow;
 use std::path::Path;
-use std::sync::atomic::Ordering;
 
 /// The most free moves that are said; the page and `summary.json` have all.
 const MOST_DIRECTIONS: usize = 2;
@@ -95,11 +94,16 @@ pub(super) fn run(arguments: &OptimiseArguments) -> Result<Exit, Stop> {
     let record = || Solved::record("optimise", &[("before", "curves_before.csv", &before)]);
     let report = ReportOptions::open(arguments, &study, record)?;
     let output = Output::open(arguments, &study, "optimise")?;
-    let of_wheel = |why| design_fault(&study, path, &why);
+    let fault = |why| Stop::unsolved(path, why);
+    let of_wheel = |why| design_fault(&study, path, &why).after_its_input();
+    interrupt::stops_by_itself();
     let tuning = pool.install(|| tune_with_progress(&study, optimise));
     let tuning = tuning.map_err(of_wheel)?;
     let best = tuning.best.as_ref();
     let tuned = best.map(|best| study.moved(&best.offsets));
+    if interrupt::is_raised() {
+        keep(&output, &study, &tuning, tuned.as_ref())?;
+    }
     let after = tuned.as_ref().map(Solved::with_targets);
     let after = after.transpose().map_err(fault)?;
     let prices = *prices || arguments.report;
@@ -115,6 +119,10 @@ pub(super) fn run(arguments: &OptimiseArguments) -> Result<Exit, Stop> {
     summary.prices = PriceRecord::all(optimise, &choices.prices, kept);
     summary.yields = pool.install(|| yields(&study, optimise, tuned.as_ref()));
 
+    let interrupted = interrupt::is_raised();
+    if interrupted {
+        output.mark_interrupted();
+    }
     let mut refused = None;
     let mut files = vec!["curves_before.csv", "history.csv", "summary.json"];
     output.file("curves_before.csv", &before.csv())?;
@@ -144,7 +152,9 @@ pub(super) fn run(arguments: &OptimiseArguments) -> Result<Exit, Stop> {
         output.record("report.json", &record)?;
         files.push("report.json");
     }
-    files.extend(report.show(output.directory())?);
+    if !interrupted {
+        files.extend(report.show(output.directory())?);
+    }
     output.finish()?;
 
     say_outcome(&output, &study, &summary)?;
@@ -168,13 +178,31 @@ pub(super) fn run(arguments: &OptimiseArguments) -> Result<Exit, Stop> {
     }
     let is_whole = is_complete && has_front && !summary.falls_short() && refused.is_none();
     say_openings(&output, &study, &summary, refused)?;
-    let interrupted = progress::interrupt_flag().load(Ordering::SeqCst);
     if interrupted {
         let words = summary.interrupted_in_words();
         output.say_failure(&format!("\n{words}\n"))?;
     }
     output.print_files(&files)?;
-    Ok(Exit::of(is_whole && !interrupted))
+    Ok(match interrupted {
+        true => Exit::Interrupted,
+        false => Exit::of(is_whole),
+    })
+}
+
+/// Writes the design that an interrupted tuning has reached, before anything is computed from it. Ends the process where
+/// it has reached none.
+fn keep(
+    output: &Output,
+    study: &Study,
+    tuning: &Tuning,
+    tuned: Option<&Study>,
+) -> Result<(), Stop> {
+    let Some(tuned) = tuned else {
+        interrupt::end();
+    };
+    output.mark_interrupted();
+    output.file("optimised.toml", study.with_points_of(tuned).as_bytes())?;
+    output.file("history.csv", &history_csv(&tuning.starts))
 }
 
 /// Of a robust tuning, what its builds keep to before and after: by Monte Carlo, as `hardpoint tolerance` has it.
@@ -183,10 +211,17 @@ fn yields(study: &Study, optimise: &Optimise, tuned: Option<&Study>) -> Option<Y
     let tolerance = study.tolerance.as_ref().filter(|t| !t.bands.is_empty())?;
     let of = |study: &Study| {
         let problem = Problem::of(study, tolerance).ok()?;
+        let problem = problem.interruptible(interrupt::flag());
         let drawn = problem.drawn().ok()?;
-        monte_carlo(&problem, &drawn, |_| ControlFlow::Continue(())).ok()
+        let found = monte_carlo(&problem, &drawn, |_| match interrupt::is_raised() {
+            true => ControlFlow::Break(()),
+            false => ControlFlow::Continue(()),
+        });
+        found.ok()
     };
-    Some(YieldRecord::of(tolerance, of(study), of(tuned?)))
+    let yields = YieldRecord::of(tolerance, of(study), of(tuned?));
+    // Of an interrupted run they would be of other numbers of builds.
+    (!interrupt::is_raised()).then_some(yields)
 }
 
 fn tune_with_progress(
@@ -201,7 +236,7 @@ fn tune_with_progress(
         line.set_message(format!("start {start}: misfit {:.3}", iteration.misfit));
     };
     let control = Control {
-        interrupt: Some(progress::interrupt_flag()),
+        interrupt: Some(interrupt::flag()),
         watch: (!line.is_hidden()).then_some(&watch),
     };
     let tuning = tune(&study.suspension, &study.motion, optimise, control);

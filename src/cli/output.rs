@@ -2,6 +2,7 @@
 //! standard output with everything else on standard error.
 
 use super::exit::Stop;
+use super::interrupt;
 use super::terminal;
 use super::{RunArguments, TableFormat};
 use crate::mechanism::DesignFault;
@@ -343,10 +344,27 @@ impl Output {
         }
     }
 
-    /// Records the run as finished: before anything is printed, as whoever reads that may stop.
+    /// Notes that a signal has stopped the work, before a summary is written.
+    pub(super) fn mark_interrupted(&self) {
+        if let Some(directory) = &self.directory {
+            directory.mark_interrupted();
+        }
+    }
+
+    /// Records the run as finished, or as interrupted: before anything is printed, as whoever reads that may stop.
     pub(super) fn finish(&self) -> Result<(), Stop> {
+        // A signal that comes now is too late to interrupt the run.
+        interrupt::stops_by_itself();
         match &self.directory {
             Some(directory) => directory.finish().map_err(Stop::unwritten),
+            None => Ok(()),
+        }
+    }
+
+    /// Records a run that has not done all of its work, and that a later one goes on with.
+    pub(super) fn leave_unfinished(&self) -> Result<(), Stop> {
+        match &self.directory {
+            Some(directory) => directory.leave_unfinished().map_err(Stop::unwritten),
             None => Ok(()),
         }
     }

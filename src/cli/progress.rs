@@ -1,36 +1,8 @@
-//! The progress line, and Ctrl-C.
+//! The progress line.
 
 use super::terminal;
 use indicatif::{ProgressBar, ProgressState, ProgressStyle};
 use std::fmt::Write;
-use std::sync::OnceLock;
-use std::sync::atomic::{AtomicBool, Ordering};
-
-static INTERRUPTED: AtomicBool = AtomicBool::new(false);
-static SIGNALS_ARE_OURS: AtomicBool = AtomicBool::new(true);
-
-/// Leaves Ctrl-C and the other signals to the process that the command line is part of.
-pub(super) fn leave_signals_alone() {
-    SIGNALS_ARE_OURS.store(false, Ordering::SeqCst);
-}
-
-/// True from the first Ctrl-C on. The second one ends the program at once.
-pub(super) fn interrupt_flag() -> &'static AtomicBool {
-    static HANDLER: OnceLock<()> = OnceLock::new();
-    if !SIGNALS_ARE_OURS.load(Ordering::SeqCst) {
-        return &INTERRUPTED;
-    }
-    HANDLER.get_or_init(|| {
-        // Where no handler can be set Ctrl-C ends the program, which is safe: files appear whole or
-        // not at all.
-        let _ = ctrlc::set_handler(|| {
-            if INTERRUPTED.swap(true, Ordering::SeqCst) {
-                std::process::exit(130);
-            }
-        });
-    });
-    &INTERRUPTED
-}
 
 /// A line on standard error, shown only where that is a terminal that can be written over.
 pub(super) fn line(total: u64, unit: &str) -> ProgressBar {

@@ -44,7 +44,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     if by_theta {
         output.without("curves.csv")?;
     } else {
-        let solved = Solved::of(&adjusted).map_err(|why| Stop::in_file(path, why))?;
+        let solved = Solved::of(&adjusted).map_err(|why| Stop::unsolved(path, why))?;
         complete = solved.is_complete();
         output.main_csv("curves.csv", &solved.csv())?;
         files.insert(0, "curves.csv");

@@ -14,16 +14,18 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     let study = Study::read(path, &arguments.study.set)?;
     let fault = |why| Stop::in_file(path, why);
     let solved = Solved::of(&study).map_err(fault)?;
-    let record = || Solved::record("solve", &[("design", "curves.csv", &solved)]);
-    let report = ReportOptions::open(arguments, &study, record)?;
-    let output = Output::open(arguments, &study, "solve")?;
-
+    // Everything that may be refused is known before anything is written.
     let length = study.suspension.length_unit;
     let summary = solved.summary().map_err(fault)?;
+    let of_motions = NamedCurves::all(&study).map_err(fault)?;
+    let plausibility = solved.plausibility().map_err(fault)?;
+    let record = Solved::record("solve", &[("design", "curves.csv", &solved)]).map_err(fault)?;
+    let report = ReportOptions::open(arguments, &study, || Ok(record.clone()))?;
+    let output = Output::open(arguments, &study, "solve")?;
+
     let mut files = vec!["curves.csv"];
     output.main_csv("curves.csv", &solved.csv())?;
     files.extend(output.file_if_any("sensitivities.csv", solved.sensitivities_csv())?);
-    let of_motions = NamedCurves::all(&study).map_err(fault)?;
     for motion in &of_motions {
         let csv = curves_csv(&motion.curves, &motion.plan, length);
         output.file(&motion.file, &csv)?;
@@ -32,7 +34,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     output.json("summary.json", &summary)?;
     files.push("summary.json");
     if output.directory().is_some() {
-        output.record("report.json", &record().map_err(fault)?)?;
+        output.record("report.json", &record)?;
         files.push("report.json");
     }
     files.extend(report.show(output.directory())?);
@@ -44,8 +46,8 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     output.table("outputs", &ranges)?;
     output.table_for_programs("not_solved", || not_solved);
     let mut complete = solved.is_complete();
-    let remarks = solved.plausibility().map_err(fault)?.into_iter();
-    output.say_plausibility(remarks.chain(solved.remarks()), complete)?;
+    let remarks = plausibility.into_iter().chain(solved.remarks());
+    output.say_plausibility(remarks, complete)?;
     for failure in solved.failures() {
         output.say_failure(&format!("\nnot solved: {failure}\n"))?;
     }

@@ -1,7 +1,7 @@
 //! `hardpoint studio`
 
 use super::exit::{Exit, Stop};
-use super::{progress, terminal};
+use super::{interrupt, terminal};
 use crate::studio::Studio;
 use clap::Args;
 use std::io::Write;
@@ -27,7 +27,6 @@ pub(super) fn run(arguments: &StudioArguments) -> Result<Exit, Stop> {
         ));
     }
     let studio = Studio::open(&arguments.study, arguments.port).map_err(Stop::wrong_input)?;
-    let stop = progress::interrupt_flag();
     let address = studio.address();
     let mut out = std::io::stdout();
     writeln!(out, "{address}")?;
@@ -42,6 +41,6 @@ pub(super) fn run(arguments: &StudioArguments) -> Result<Exit, Stop> {
             "No browser could be opened ({error}): open the address yourself.\n"
         ));
     }
-    studio.serve(stop).map_err(Stop::wrong_input)?;
-    Ok(Exit::Done)
+    studio.serve(interrupt::flag()).map_err(Stop::wrong_input)?;
+    Ok(Exit::Interrupted)
 }

@@ -3,9 +3,9 @@
 use super::SweepArguments;
 use super::exit::{Exit, Stop};
 use super::output::{Destination, Output, STUDY_COPY, design_fault, inputs, pool};
-use super::progress;
 use super::report::show_sweep;
 use super::terminal;
+use super::{interrupt, progress};
 use crate::report::{
     DrawnDesigns, NotARun, PartOutcome, SweepDirectory, SweepSummary, SweepText, TableFile,
     counted, rows_header, write_part,
@@ -16,7 +16,6 @@ use crate::sweep::{NotBegun, SweepPlan, SweepRecord, SweepStatistics, in_order};
 use std::io::{ErrorKind, Write};
 use std::ops::Range;
 use std::path::Path;
-use std::sync::atomic::Ordering;
 use std::time::Duration;
 
 /// How long to wait before a part is looked at again that another process is at.
@@ -88,10 +87,20 @@ pub(super) fn run(arguments: &SweepArguments) -> Result<Exit, Stop> {
         .install(|| sweep_parts(&plan, &text, &directory, parts.clone()))
         .map_err(unwritten)?;
     let done = directory.done().map_err(not_this)?;
+    let interrupted = !own_are_whole && interrupt::is_raised();
+    if interrupted {
+        claimed.mark_interrupted();
+    }
     if let Some(shard) = arguments.shard
         && !done.missing.is_empty()
     {
-        return finish_shard(&output, record, shard, parts, &done.missing);
+        output.leave_unfinished()?;
+        let exit = finish_shard(&output, record, shard, parts, &done.missing)?;
+        return Ok(if interrupted { Exit::Interrupted } else { exit });
+    }
+    if interrupted {
+        finish(&output, record, &done.statistics, false)?;
+        return Ok(Exit::Interrupted);
     }
     draw(&output, &study, &plan, &done.statistics, path)?;
     let exit = finish(&output, record, &done.statistics, arguments.report)?;
@@ -177,7 +186,7 @@ fn draw(
     let drawn = DrawnDesigns::of(study, plan, &summary);
     output.record(
         "drawn.json",
-        &drawn.map_err(|fault| design_fault(study, path, &fault))?,
+        &drawn.map_err(|fault| design_fault(study, path, &fault).after_its_input())?,
     )
 }
 
@@ -227,8 +236,8 @@ fn sweep_parts(
     let line = progress::line(designs(&all), "designs");
     line.set_position(designs(&all) - designs(&left));
     line.reset_eta();
-    let interrupt = progress::interrupt_flag();
-    let go_on = || !interrupt.load(Ordering::SeqCst);
+    interrupt::stops_by_itself();
+    let go_on = || !interrupt::is_raised();
     let result = 'rounds: loop {
         let before = left.len();
         let mut busy = Vec::new();
@@ -264,7 +273,6 @@ fn to_standard_output(
 ) -> Result<SweepStatistics, WriteError> {
     let record = &plan.record;
     let line = progress::line(record.designs, "designs");
-    let interrupt = progress::interrupt_flag();
     let mut out = TableFile::standard_output(&rows_header(record))?;
     let mut all = SweepStatistics::empty(record);
     for part in 0..record.parts() {
@@ -272,10 +280,7 @@ fn to_standard_output(
         in_order(
             record.blocks_of(part),
             || plan.worker().expect("the same design was accepted before"),
-            |worker, block| {
-                let go_on = !interrupt.load(Ordering::SeqCst);
-                go_on.then(|| text.finish(record, worker, block))
-            },
+            |worker, block| (!interrupt::is_raised()).then(|| text.finish(record, worker, block)),
             |finished| {
                 out.append(&finished.designs)?;
                 statistics.absorb(record, &finished.statistics);
@@ -283,6 +288,9 @@ fn to_standard_output(
                 Ok(())
             },
         )?;
+        if interrupt::is_raised() {
+            interrupt::end();
+        }
         all.absorb(record, &statistics);
     }
     out.finish()?;
@@ -352,8 +360,9 @@ pub(super) fn finish(
         show_sweep(directory)?;
         files.push("report.html".to_owned());
     }
-    if summary.is_done() {
-        output.finish()?;
+    match summary.is_done() {
+        true => output.finish()?,
+        false => output.leave_unfinished()?,
     }
 
     output.say(&format!("{}: {}\n", record.study, summary.headline()))?;

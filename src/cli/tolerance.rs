@@ -3,19 +3,18 @@
 use super::ToleranceArguments;
 use super::exit::{Exit, Stop};
 use super::output::{Output, design_fault, pool};
-use super::progress;
 use super::report::ReportOptions;
 use super::terminal;
+use super::{interrupt, progress};
 use crate::assembly::NoSetUp;
 use crate::mechanism::DesignFault;
 use crate::report::ToleranceSummary;
 use crate::solved::Solved;
 use crate::study::{Outputs, Study, Tolerance};
-use crate::tolerance::{Expansion, MonteCarlo, Problem, monte_carlo, rank};
+use crate::tolerance::{Expansion, Forecast, MonteCarlo, Problem, monte_carlo};
 use std::io::Write;
 use std::ops::ControlFlow;
 use std::path::Path;
-use std::sync::atomic::Ordering;
 
 /// The curves of a page: the drawing and percentiles, by their place among [`crate::tolerance::PERCENTILES`].
 const FANS: [(&str, &str, usize); 4] = [
@@ -38,7 +37,7 @@ pub(super) fn run(arguments: &ToleranceArguments) -> Result<Exit, Stop> {
         arguments.threads,
         tolerance.builds.div_ceil(crate::sweep::BLOCK as u64),
     )?;
-    let problem = problem(&study, tolerance, path)?;
+    let problem = problem(&study, tolerance, path)?.interruptible(interrupt::flag());
     let drawn = problem.drawn().map_err(fault)?;
     let record = || {
         let plain = curves_alone(&study);
@@ -49,11 +48,20 @@ pub(super) fn run(arguments: &ToleranceArguments) -> Result<Exit, Stop> {
     let output = Output::open(arguments, &study, "tolerance")?;
     let expansion = pool
         .install(|| Expansion::of(&problem))
-        .map_err(|reason| not_aligned(&study, path, reason))?;
+        .map_err(|reason| not_aligned(&study, path, reason).after_its_input())?;
+    // Before the builds: afterwards an interrupted run only writes.
+    let forecast = Forecast::of(&problem, &expansion, &drawn);
     let builds = pool
         .install(|| with_progress(&problem, tolerance, &drawn))
-        .map_err(fault)?;
-    let yields = rank(&problem, &expansion, &builds, &drawn);
+        .map_err(|fault| Stop::unsolved(path, fault.describe(&study.suspension.mechanism)))?;
+    let interrupted = builds.builds < tolerance.builds;
+    if interrupted && builds.builds == 0 {
+        interrupt::end();
+    }
+    if interrupted {
+        output.mark_interrupted();
+    }
+    let yields = forecast.as_ref().map(|forecast| forecast.rank(&builds));
     let summary = ToleranceSummary::of(&problem, &drawn, &expansion, &builds, yields.as_ref());
 
     let unit = study.suspension.length_unit.symbol();
@@ -68,7 +76,9 @@ pub(super) fn run(arguments: &ToleranceArguments) -> Result<Exit, Stop> {
     if output.directory().is_some() {
         files.extend(fans(&output, path, &problem, &builds)?);
     }
-    files.extend(report.show(output.directory())?);
+    if !interrupted {
+        files.extend(report.show(output.directory())?);
+    }
     output.finish()?;
 
     output.say(&format!("{}: {}\n\n", study.name, summary.headline()))?;
@@ -83,7 +93,6 @@ pub(super) fn run(arguments: &ToleranceArguments) -> Result<Exit, Stop> {
         output.table("ranking", &summary.ranking_table())?;
     }
     output.say_remarks(summary.failures())?;
-    let interrupted = builds.builds < tolerance.builds;
     if interrupted {
         output.say_failure(&format!(
             "\ninterrupted: these are {} of the {} builds asked for\n",
@@ -91,7 +100,10 @@ pub(super) fn run(arguments: &ToleranceArguments) -> Result<Exit, Stop> {
         ))?;
     }
     output.print_files(&files)?;
-    Ok(Exit::of(!interrupted))
+    Ok(match interrupted {
+        true => Exit::Interrupted,
+        false => Exit::Done,
+    })
 }
 
 /// How the parts of a study scatter.
@@ -157,10 +169,10 @@ fn with_progress(
     drawn: &[f64],
 ) -> Result<MonteCarlo, DesignFault> {
     let line = progress::line(tolerance.builds, "builds");
-    let interrupt = progress::interrupt_flag();
+    interrupt::stops_by_itself();
     let found = monte_carlo(problem, drawn, |done| {
         line.set_position(done);
-        match interrupt.load(Ordering::SeqCst) {
+        match interrupt::is_raised() && done < tolerance.builds {
             true => ControlFlow::Break(()),
             false => ControlFlow::Continue(()),
         }
@@ -189,7 +201,7 @@ fn fans(
     builds: &MonteCarlo,
 ) -> Result<Vec<&'static str>, Stop> {
     let plain = curves_alone(problem.study);
-    let fault = |why| Stop::in_file(path, why);
+    let fault = |why| Stop::unsolved(path, why);
     let drawn = Solved::of(&plain).map_err(fault)?;
     let stations: Vec<usize> = problem.stations.of_motion().collect();
     let fans = FANS.map(|(name, file, percentile)| {

@@ -5,7 +5,7 @@ use super::adams::{self, Symmetry};
 use super::points::{self, NamedPoint, PointTable};
 use super::{delimited, map, workbook, yaml};
 use crate::model::{FrameConvention, Side};
-use std::io::Read;
+use crate::study::read_bytes;
 use std::path::Path;
 
 /// The largest file that is read, in bytes.
@@ -45,23 +45,7 @@ const NO_POINTS: &str = "it has no table of points: a header with a column of na
                          or lines of a name and three numbers, or names with three numbers in JSON or YAML";
 
 fn bytes(path: &Path) -> Result<Vec<u8>, String> {
-    if path.is_dir() {
-        return Err("it is a directory".to_owned());
-    }
-    let file = std::fs::File::open(path).map_err(|error| match error.kind() {
-        std::io::ErrorKind::NotFound => "there is no such file".to_owned(),
-        _ => error.to_string(),
-    })?;
-    let mut bytes = Vec::new();
-    let read = file.take(MOST_BYTES + 1).read_to_end(&mut bytes);
-    read.map_err(|error| error.to_string())?;
-    if bytes.len() as u64 > MOST_BYTES {
-        let most = MOST_BYTES >> 20;
-        return Err(format!(
-            "it is larger than {most} MB, which no table of hardpoints is"
-        ));
-    }
-    Ok(bytes)
+    read_bytes(path, MOST_BYTES)
 }
 
 /// Text in UTF-8, in UTF-16 with its mark as spreadsheets write it, or else a byte for each character.

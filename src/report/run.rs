@@ -4,8 +4,9 @@ use super::curve_table::CurveTable;
 use super::finished::{NotARun, in_form};
 use super::record::{FORM, Record};
 use super::{AxleSummary, SolveSummary, Table, ToleranceSummary, TuningSummary};
-use serde::Serialize;
+use crate::study::{LONGEST_TABLE, read_bytes};
 use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
 use std::path::Path;
 
 /// A finished run.
@@ -17,6 +18,8 @@ pub struct Run {
     pub curves: Vec<CurveTable>,
     /// What it came to.
     pub summary: Summary,
+    /// Whether a signal ended it early: the results are those that were finished.
+    pub interrupted: bool,
     /// The convergence history, of an optimisation.
     pub history: Option<CurveTable>,
     /// The files there are, by name.
@@ -104,6 +107,12 @@ impl Run {
             files.push(design.curves.clone());
         }
         let optimised = record.command == "optimise";
+        let state: State = folder.json("summary.json")?;
+        // One that was ended between two writes has no results of its own.
+        if state.interrupted && !state.has_results() {
+            let message = "a signal ended the run before it had results; run the study again";
+            return Err(folder.error(Some("summary.json"), message));
+        }
         let summary = match record.command.as_str() {
             "optimise" => Summary::Optimise(Box::new(folder.json("summary.json")?)),
             "tolerance" => Summary::Tolerance(folder.json("summary.json")?),
@@ -131,9 +140,26 @@ impl Run {
             record,
             curves,
             summary,
+            interrupted: state.interrupted,
             history,
             files,
         })
+    }
+}
+
+/// How a run ended, as its summary says, and what else that says.
+#[derive(Deserialize)]
+struct State {
+    #[serde(default)]
+    interrupted: bool,
+    #[serde(flatten)]
+    others: serde_json::Map<String, serde_json::Value>,
+}
+
+impl State {
+    fn has_results(&self) -> bool {
+        let own = ["finished", "command"];
+        self.others.keys().any(|key| !own.contains(&key.as_str()))
     }
 }
 
@@ -153,7 +179,8 @@ impl Folder<'_> {
                 &format!("{name:?} is not a file's name"),
             ));
         }
-        std::fs::read(self.0.join(name)).map_err(|e| self.error(Some(name), &e.to_string()))
+        let bytes = read_bytes(&self.0.join(name), LONGEST_TABLE);
+        bytes.map_err(|e| self.error(Some(name), &e))
     }
 
     fn json<T: DeserializeOwned>(&self, name: &str) -> Result<T, NotARun> {

@@ -75,6 +75,12 @@ impl Lock {
         take: &impl Fn(&File) -> Result<(), TryLockError>,
     ) -> Result<Self, NotLocked> {
         loop {
+            // It is made as a file; another program's link leads elsewhere, where a lock would hold nothing here.
+            if std::fs::symlink_metadata(path).is_ok_and(|there| there.is_symlink()) {
+                return Err(NotLocked::Failed(io::Error::other(
+                    "it is a symbolic link, which no run has put there: remove it",
+                )));
+            }
             let file = OpenOptions::new()
                 .read(true)
                 .write(true)
@@ -185,6 +191,33 @@ mod tests {
         assert!(Lock::at_once(&path, &owner("c")).is_err());
         drop(second);
         assert!(!path.exists());
+    }
+
+    /// A link, whether it leads to a file or to nothing, is named, and neither waited for nor followed.
+    #[cfg(unix)]
+    #[test]
+    fn a_link_is_no_lock() {
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("lock");
+        let target = directory.path().join("target");
+        for there in [false, true] {
+            if there {
+                std::fs::write(&target, "kept").unwrap();
+            }
+            let _ = std::fs::remove_file(&path);
+            std::os::unix::fs::symlink(&target, &path).unwrap();
+            for taken in [
+                Lock::exclusive(&path, &owner("a")),
+                Lock::shared(&path, &owner("a")),
+            ] {
+                let Err(NotLocked::Failed(error)) = taken else {
+                    panic!("{taken:?}");
+                };
+                assert!(error.to_string().contains("symbolic link"), "{error}");
+            }
+            assert_eq!(target.exists(), there);
+        }
+        assert_eq!(std::fs::read_to_string(&target).unwrap(), "kept");
     }
 
     #[test]

@@ -30,6 +30,9 @@ pub struct RunRecord {
     pub version: String,
     /// Whether the run has ended, with all of its results.
     pub finished: bool,
+    /// Whether a signal ended the run before that.
+    #[serde(default)]
+    pub interrupted: bool,
     /// Names of the files. A star stands for digits.
     pub files: Vec<String>,
 }

@@ -13,23 +13,44 @@
 //!
 //! `--force` lifts the first three.
 
+mod claim;
 mod lock;
 mod manifest;
+mod open_runs;
 mod owner;
 mod refusal;
 mod run_directory;
 
+pub use claim::{Claim, Sharing};
 pub use lock::{Lock, NotLocked};
 pub use manifest::{Manifest, RunRecord};
+pub use open_runs::{exit_interrupted, undivided};
 pub use owner::Owner;
 pub use refusal::{Refusal, WriteError};
-pub use run_directory::{Claim, RunDirectory, Sharing, temporary, temporary_of};
+pub use run_directory::{RunDirectory, temporary, temporary_of};
 
 use crate::study::{Designs, Study};
 use std::path::Path;
 
 /// Beginning of the names of all temporary files.
 pub const TEMPORARY: &str = ".hardpoint-";
+
+/// The file in which a run says what came of it.
+pub const SUMMARY: &str = "summary.json";
+
+/// A `summary.json` with its first two keys, which say whether the run has finished and whether a signal ended it.
+fn restated(text: &str, finished: bool, interrupted: bool) -> String {
+    let head = |finished: bool, interrupted: bool| {
+        format!("\n  \"finished\": {finished},\n  \"interrupted\": {interrupted},")
+    };
+    let mut body = text.strip_prefix('{').unwrap_or(text);
+    for [finished, interrupted] in [[false, false], [false, true], [true, false]] {
+        body = body
+            .strip_prefix(&head(finished, interrupted))
+            .unwrap_or(body);
+    }
+    format!("{{{}{body}", head(finished, interrupted))
+}
 
 /// SHA-256 of all that a study says: its text, with what `--set` changed and curves from files in it, and
 /// the file of its designs.
@@ -55,5 +76,24 @@ pub fn unwritten(path: &Path) -> impl FnOnce(std::io::Error) -> WriteError + '_ 
     move |source| WriteError {
         path: path.to_owned(),
         source,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_summary_is_restated_once() {
+        let text = "{\n  \"study\": \"a\"\n}\n";
+        let begun = restated(text, false, false);
+        let value: serde_json::Value = serde_json::from_str(&begun).unwrap();
+        assert_eq!(value["finished"], false);
+        assert_eq!(value["study"], "a");
+        for [finished, interrupted] in [[true, false], [false, true], [false, false]] {
+            let again = restated(&begun, finished, interrupted);
+            assert_eq!(again, restated(text, finished, interrupted));
+            assert_eq!(restated(&again, false, false), begun);
+        }
     }
 }

@@ -1,48 +1,14 @@
 //! The directory a run writes to.
 
+use super::claim::{Claim, Sharing, examine, is_wanted, may_be_moved, names, resolved};
 use super::lock::NotLocked;
 use super::manifest::{self, Manifest, RunRecord, matches};
-use super::{Lock, Owner, Refusal, TEMPORARY, WriteError, unwritten};
+use super::open_runs::{self, OpenRun, undivided};
+use super::{Lock, Owner, Refusal, SUMMARY, TEMPORARY, WriteError, restated, unwritten};
 use std::collections::BTreeSet;
-use std::io::{self, Write};
+use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard};
-
-/// Whether others may write there at the same time.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Sharing {
-    /// This run alone.
-    #[default]
-    Alone,
-    /// Runs of the same command with the same study, as the shards of a sweep.
-    Together,
-}
-
-/// The claim of a run on a directory.
-#[derive(Clone, Debug, Default)]
-pub struct Claim<'a> {
-    /// The command, as in `solve`.
-    pub command: &'a str,
-    /// The name of the study.
-    pub study: &'a str,
-    /// SHA-256 of all that the study says.
-    pub digest: String,
-    /// The digest of a run of the same command whose results this one takes over: of the same sweep with fewer
-    /// samples.
-    pub former: Option<String>,
-    /// The files it will write, as far as they are known. A star stands for digits.
-    pub files: &'a [&'a str],
-    /// The files it has read.
-    pub inputs: &'a [PathBuf],
-    /// Whether what is there may be replaced, whoever wrote it.
-    pub force: bool,
-    /// Whether an unfinished run of the same command and study is gone on with.
-    pub resume: bool,
-    /// Whether the results of other runs may be moved aside: nobody has asked for this very directory.
-    pub set_aside: bool,
-    /// Whether others may write there at the same time.
-    pub sharing: Sharing,
-}
 
 /// A directory that is a run's to write to, until it is dropped.
 #[derive(Debug)]
@@ -65,6 +31,8 @@ struct RunState {
     replaced: Vec<RunRecord>,
     /// The names this run has written.
     written: BTreeSet<String>,
+    /// Whether a signal has ended the work before its end.
+    interrupted: bool,
 }
 
 impl RunDirectory {
@@ -80,7 +48,7 @@ impl RunDirectory {
                     directory: path.display().to_string(),
                     owner,
                 },
-                NotLocked::Failed(error) => failed(error),
+                NotLocked::Failed(error) => Refusal::Unwritable(unwritten(&lock_path)(error)),
             })
         };
         let (mut lock, is_alone) = match claim.sharing {
@@ -127,6 +95,7 @@ impl RunDirectory {
                 replaced,
                 manifest,
                 written: BTreeSet::new(),
+                interrupted: false,
             }),
             command: claim.command.to_owned(),
             digest: claim.digest.clone(),
@@ -169,6 +138,7 @@ impl RunDirectory {
             files,
             force,
             resume: true,
+            reopens: true,
             ..Claim::default()
         };
         RunDirectory::claim(path, &claim)
@@ -197,9 +167,13 @@ impl RunDirectory {
         let mut state = self.state();
         let mut runs = state.manifest.runs.clone();
         match runs.iter_mut().find(|run| self.is_own(run)) {
-            Some(_) if claim.resume && claim.former.is_none() => return Ok(()),
+            Some(_) if claim.resume && claim.former.is_none() => {
+                open_runs::begin(self.open_run(claim), || ());
+                return Ok(());
+            }
             Some(known) => {
                 known.finished = false;
+                known.interrupted = false;
                 known.version = env!("CARGO_PKG_VERSION").to_owned();
             }
             None => runs.push(RunRecord {
@@ -208,11 +182,36 @@ impl RunDirectory {
                 digest: claim.digest.clone(),
                 version: env!("CARGO_PKG_VERSION").to_owned(),
                 finished: false,
+                interrupted: false,
                 files: Vec::new(),
             }),
         }
         state.manifest.runs = runs;
-        self.store(&state)
+        let run = self.open_run(claim);
+        let written = open_runs::begin(run, || {
+            self.put_undivided(manifest::NAME, &state.manifest.text())
+        });
+        written?;
+        // Results of an earlier run stand there until they are written anew.
+        let former = std::fs::read_to_string(self.path.join(SUMMARY));
+        match former {
+            Ok(text) if self.wrote(&state.manifest, SUMMARY) && text.starts_with('{') => {
+                self.put(SUMMARY, restated(&text, false, false).as_bytes())
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// The run as a signal has to know it.
+    fn open_run(&self, claim: &Claim<'_>) -> OpenRun {
+        OpenRun {
+            path: self.path.clone(),
+            command: self.command.clone(),
+            digest: self.digest.clone(),
+            computes: !claim.reopens,
+            has_summary: is_wanted(claim, SUMMARY),
+            is_alone: claim.sharing == Sharing::Alone,
+        }
     }
 
     fn state(&self) -> MutexGuard<'_, RunState> {
@@ -278,23 +277,65 @@ impl RunDirectory {
         }
     }
 
-    /// Writes a file, which becomes this run's own.
+    /// Writes a file, which becomes this run's own. A summary says whether the run is interrupted, and not that it has
+    /// finished: [`RunDirectory::finish`] says that.
     pub fn write(&self, name: &str, contents: &[u8]) -> Result<(), WriteError> {
         self.record(&[name])?;
-        self.put(name, contents)
+        if name != SUMMARY {
+            return self.put(name, contents);
+        }
+        let interrupted = self.state().interrupted;
+        let text = String::from_utf8_lossy(contents);
+        self.put(name, restated(&text, false, interrupted).as_bytes())
+    }
+
+    /// Notes that a signal has ended the work: summaries written from now on say so, and so does [`RunDirectory::finish`].
+    pub fn mark_interrupted(&self) {
+        self.state().interrupted = true;
     }
 
     /// Writes a file: beside its place first, then moved there.
     fn put(&self, name: &str, contents: &[u8]) -> Result<(), WriteError> {
-        let path = self.path.join(name);
-        let written = || -> io::Result<()> {
-            let mut file = temporary(&self.path)?;
-            file.write_all(contents)?;
-            file.flush()?;
-            file.persist(&path).map_err(|e| e.error)?;
-            Ok(())
-        };
-        written().map_err(unwritten(&path))
+        let written = undivided(|| open_runs::put(&self.path, name, contents));
+        written.map_err(unwritten(&self.path.join(name)))
+    }
+
+    /// The same inside a step that no signal cuts.
+    fn put_undivided(&self, name: &str, text: &str) -> Result<(), WriteError> {
+        let written = open_runs::put(&self.path, name, text.as_bytes());
+        written.map_err(unwritten(&self.path.join(name)))
+    }
+
+    /// Stores the record of a run that ends here.
+    fn store_last(&self, state: &RunState) -> Result<(), WriteError> {
+        let text = state.manifest.text();
+        open_runs::end(&self.path, || self.put_undivided(manifest::NAME, &text))
+    }
+
+    /// Says in `summary.json`, where this run has written one, how the run ended.
+    fn restate_summary(&self, state: &RunState) -> Result<(), WriteError> {
+        if !state.written.contains(SUMMARY) {
+            return Ok(());
+        }
+        let path = self.path.join(SUMMARY);
+        let text = std::fs::read_to_string(&path).map_err(unwritten(&path))?;
+        let text = restated(&text, !state.interrupted, state.interrupted);
+        self.put(SUMMARY, text.as_bytes())
+    }
+
+    /// Records an interrupted run that a later one goes on with: all of its files stay.
+    pub fn leave_unfinished(&self) -> Result<(), WriteError> {
+        let mut state = self.state();
+        let interrupted = state.interrupted;
+        let own = state.manifest.runs.iter_mut();
+        for run in own.filter(|run| self.is_own(run)) {
+            run.finished = false;
+            run.interrupted = interrupted;
+        }
+        if interrupted {
+            self.restate_summary(&state)?;
+        }
+        self.store_last(&state)
     }
 
     /// Removes a file of this run, if there is one: beside new results it would speak of others.
@@ -326,18 +367,22 @@ impl RunDirectory {
         Ok(())
     }
 
-    /// Ends the run: what earlier runs have left that this one replaces, and did not write again, goes.
+    /// Ends the run: what earlier runs have left that this one replaces, and did not write again, goes. Records it as
+    /// finished, or as interrupted where [`RunDirectory::mark_interrupted`] was called.
     pub fn finish(&self) -> Result<(), WriteError> {
         let mut state = self.state();
+        self.restate_summary(&state)?;
         let RunState {
             manifest,
             replaced,
             written,
+            interrupted,
         } = &mut *state;
         let mut stale: Vec<String> = Vec::new();
         for run in &mut manifest.runs {
             if run.is_of(&self.command, &self.digest) {
-                run.finished = true;
+                run.finished = !*interrupted;
+                run.interrupted = *interrupted;
                 let all = std::mem::take(&mut run.files).into_iter();
                 let (mut kept, gone): (Vec<_>, Vec<_>) =
                     all.partition(|name| written.contains(name));
@@ -360,7 +405,7 @@ impl RunDirectory {
                 std::fs::remove_file(&path).map_err(unwritten(&path))?;
             }
         }
-        self.store(&state)
+        self.store_last(&state)
     }
 
     /// Removes what runs that died have left under temporary names.
@@ -380,82 +425,10 @@ impl RunDirectory {
     }
 }
 
-/// The record of the runs in a directory, if this run may write there.
-fn examine(path: &Path, claim: &Claim<'_>) -> Result<Manifest, Refusal> {
-    let shown = |name: &str| path.join(name).display().to_string();
-    let entries = names(path);
-    let inputs: Vec<PathBuf> = resolved(claim.inputs);
-    for name in entries.iter().filter(|name| is_wanted(claim, name)) {
-        let there = path.join(name).canonicalize().ok();
-        if there.is_some_and(|there| inputs.contains(&there)) {
-            return Err(Refusal::Input { file: shown(name) });
-        }
+impl Drop for RunDirectory {
+    fn drop(&mut self) {
+        open_runs::end(&self.path, || ());
     }
-    let manifest = match Manifest::read(path) {
-        Ok(mut manifest) => {
-            let taken_over = |run: &&mut RunRecord| {
-                let former = claim.former.as_deref();
-                run.command == claim.command && Some(run.digest.as_str()) == former
-            };
-            for run in manifest.runs.iter_mut().filter(taken_over) {
-                run.digest.clone_from(&claim.digest);
-            }
-            manifest
-        }
-        Err(_) if claim.force => Manifest::default(),
-        Err(reason) => {
-            return Err(Refusal::Unreadable {
-                file: shown(manifest::NAME),
-                reason,
-            });
-        }
-    };
-    if claim.force {
-        return Ok(manifest);
-    }
-    let mut taken = None;
-    for name in entries.iter().filter(|name| is_wanted(claim, name)) {
-        match manifest.author(name) {
-            None => return Err(Refusal::Foreign { file: shown(name) }),
-            Some(run) if run.is_of(claim.command, &claim.digest) => {
-                let is_begun = run.command == "sweep" && !run.finished;
-                if is_begun && !claim.resume {
-                    return Err(Refusal::Unfinished {
-                        directory: path.display().to_string(),
-                    });
-                }
-            }
-            Some(run) => {
-                taken.get_or_insert_with(|| Refusal::Taken {
-                    directory: path.display().to_string(),
-                    command: run.command.clone(),
-                    study: run.study.clone(),
-                    same_study: run
-                        .digests_as(claim.command)
-                        .then(|| run.digest == claim.digest),
-                    is_finished: run.finished,
-                    file: name.clone(),
-                });
-            }
-        }
-    }
-    taken.map_or(Ok(manifest), Err)
-}
-
-/// Whether all that a directory holds is of finished runs, and no input of this one.
-fn may_be_moved(path: &Path, claim: &Claim<'_>) -> bool {
-    let Ok(manifest) = Manifest::read(path) else {
-        return false;
-    };
-    let inputs = resolved(claim.inputs);
-    let is_ours = |name: &String| {
-        let there = path.join(name).canonicalize().ok();
-        let is_input = there.is_some_and(|there| inputs.contains(&there));
-        let own = name == manifest::NAME || name.starts_with(TEMPORARY);
-        !is_input && (own || manifest.author(name).is_some())
-    };
-    let unfinished = |run: &RunRecord| run.command == "sweep" && !run.finished;
-    !manifest.runs.iter().any(unfinished) && names(path).iter().all(is_ours)
 }
 
 /// Renames a directory to the first free of `name.1`, `name.2` and so on.
@@ -467,27 +440,6 @@ fn move_aside(path: &Path) -> io::Result<PathBuf> {
     let place = free.ok_or_else(|| io::Error::other("no name is left"))?;
     std::fs::rename(path, &place)?;
     Ok(place)
-}
-
-/// Whether a run will write a file of this name, or files of these names.
-fn is_wanted(claim: &Claim<'_>, name: &str) -> bool {
-    let mut files = claim.files.iter();
-    files.any(|file| *file == name || matches(file, name))
-}
-
-fn resolved(paths: &[PathBuf]) -> Vec<PathBuf> {
-    let paths = paths.iter();
-    paths.filter_map(|path| path.canonicalize().ok()).collect()
-}
-
-/// The names of what is in a directory, sorted.
-fn names(path: &Path) -> Vec<String> {
-    let entries = std::fs::read_dir(path).into_iter().flatten().flatten();
-    let mut names: Vec<String> = entries
-        .map(|entry| entry.file_name().to_string_lossy().into_owned())
-        .collect();
-    names.sort();
-    names
 }
 
 /// A file beside the place it will take when it is whole.

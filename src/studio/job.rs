@@ -6,8 +6,20 @@ use super::study_file::Opened;
 use crate::optimise::{Control, Iteration, tune};
 use crate::report::TuningSummary;
 use crate::study::{Study, Variable};
+use std::any::Any;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
+
+/// The message of a tuning that has panicked.
+fn panicked(panic: &(dyn Any + Send)) -> String {
+    let text = panic.downcast_ref::<String>().map(String::as_str);
+    let text = text.or_else(|| panic.downcast_ref::<&str>().copied());
+    format!(
+        "the tuning failed by a fault of the program ({}); the study is unchanged, please report it",
+        text.unwrap_or("no message")
+    )
+}
 
 /// A tuning, running or done.
 pub(super) struct Job {
@@ -56,7 +68,9 @@ impl Job {
         });
         let own = job.clone();
         let run = move || {
-            let ended = own.run(&study);
+            // A panic ends this job alone: the page is told, and the next tuning can begin.
+            let ended = catch_unwind(AssertUnwindSafe(|| own.run(&study)));
+            let ended = ended.unwrap_or_else(|panic| Err(panicked(&*panic)));
             *own.ended.lock().unwrap_or_else(PoisonError::into_inner) = Some(ended);
         };
         let spawned = std::thread::Builder::new().spawn(run);

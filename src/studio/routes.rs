@@ -254,6 +254,7 @@ fn report(opened: &Opened, of: &Designed) -> Result<String, String> {
         record: Solved::record("solve", &[("design", "curves.csv", &solved)])?,
         curves: vec![CurveTable::read(&solved.csv())?],
         summary: solved.summary()?,
+        interrupted: false,
         history: None,
         files: Vec::new(),
     };

@@ -1,13 +1,16 @@
 //! The study file: read, and written back with its comments.
 
 use super::message::Coordinates;
+use crate::model::Axis;
 use crate::number::Vector3;
 use crate::optimise::TargetLayout;
-use crate::results::temporary_of;
-use crate::study::{Study, StudyErrors, Variable};
+use crate::report::is_printable;
+use crate::results::{temporary_of, undivided};
+use crate::study::{LONGEST_TEXT, Study, StudyErrors, Variable, checked_number, read_regular_text};
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
+use tempfile::NamedTempFile;
 
 /// A text of the study that was read, and what it means.
 pub(super) struct Opened {
@@ -60,8 +63,14 @@ impl Opened {
                 "expected the coordinates of {wanted} points, found {found}"
             ));
         }
-        if !coordinates.iter().flatten().all(|c| c.is_finite()) {
-            return Err("expected finite coordinates".to_owned());
+        for (point, place) in suspension.mechanism.points.iter().zip(coordinates) {
+            for (axis, coordinate) in Axis::ALL.into_iter().zip(place) {
+                // The bounds of the file: what no study may say no page may ask for.
+                checked_number(*coordinate).map_err(|expected| {
+                    let (name, axis) = (&point.name, axis.name());
+                    format!("{name} {axis}: expected {expected}, found {coordinate:e}")
+                })?;
+            }
         }
         let inside = |c: &[f64; 3]| suspension.frame.vector(Vector3::from(*c));
         Ok(coordinates.iter().map(inside).collect())
@@ -99,7 +108,8 @@ impl StudyFile {
     }
 
     fn text(&self) -> Result<String, String> {
-        fs::read_to_string(&self.path).map_err(|e| format!("{}: {e}", self.path.display()))
+        let text = read_regular_text(&self.path, LONGEST_TEXT);
+        text.map_err(|e| format!("{}: {e}", self.path.display()))
     }
 
     /// Writes a design into the study. Where the file is no longer the text that was opened, it is left alone, or
@@ -134,9 +144,7 @@ impl StudyFile {
             let message = format!("{} is being changed by another program", self.name());
             return Err(NotSaved::Changed(message));
         }
-        temporary
-            .persist(&self.path)
-            .map_err(|e| refused(e.error))?;
+        undivided(|| replace(temporary, &self.path, &edited.text)).map_err(refused)?;
         Ok(edited)
     }
 
@@ -159,19 +167,22 @@ impl StudyFile {
         let edited = self.understood(&path, edited)?;
         let refused = |e: io::Error| NotSaved::Refused(format!("{}: {e}", path.display()));
         let temporary = self.temporary(&edited.text).map_err(refused)?;
-        let written = match anyway {
-            true if path.is_dir() => {
-                return Err(NotSaved::Refused(format!("{name} is a directory")));
+        if anyway && path.is_dir() {
+            return Err(NotSaved::Refused(format!("{name} is a directory")));
+        }
+        let written = undivided(|| match anyway {
+            true => replace(temporary, &path, &edited.text),
+            false => {
+                let written = temporary.persist_noclobber(&path);
+                written.map(drop).map_err(|e| e.error)
             }
-            true => temporary.persist(&path),
-            false => temporary.persist_noclobber(&path),
-        };
+        });
         match written {
-            Ok(_) => Ok(name.to_owned()),
-            Err(e) if e.error.kind() == io::ErrorKind::AlreadyExists => {
+            Ok(()) => Ok(name.to_owned()),
+            Err(e) if e.kind() == io::ErrorKind::AlreadyExists => {
                 Err(NotSaved::Changed(format!("there is a file {name}")))
             }
-            Err(e) => Err(refused(e.error)),
+            Err(e) => Err(refused(e)),
         }
     }
 
@@ -185,7 +196,7 @@ impl StudyFile {
         })
     }
 
-    fn temporary(&self, text: &str) -> io::Result<tempfile::NamedTempFile> {
+    fn temporary(&self, text: &str) -> io::Result<NamedTempFile> {
         use io::Write;
         let directory = self.path.parent().unwrap_or(Path::new(""));
         let mut file = temporary_of(directory, "studio")?;
@@ -193,6 +204,42 @@ impl StudyFile {
         file.as_file().sync_all()?;
         Ok(file)
     }
+}
+
+/// Puts a whole file in its place. Where the place has several names (hard links), its content is replaced instead, so
+/// that all of them have the new text; if that fails halfway, the new text stays under its temporary name.
+fn replace(temporary: NamedTempFile, path: &Path, text: &str) -> io::Result<()> {
+    if !has_other_names(path) {
+        return temporary.persist(path).map(drop).map_err(|e| e.error);
+    }
+    let written = || {
+        let mut file = fs::OpenOptions::new()
+            .write(true)
+            .truncate(true)
+            .open(path)?;
+        io::Write::write_all(&mut file, text.as_bytes())?;
+        file.sync_all()
+    };
+    written().map_err(|error| match temporary.keep() {
+        Ok((_, kept)) => {
+            let kept = kept.display();
+            io::Error::new(error.kind(), format!("{error}; the new text is in {kept}"))
+        }
+        Err(_) => error,
+    })
+}
+
+/// Whether a file has further names.
+#[cfg(unix)]
+fn has_other_names(path: &Path) -> bool {
+    use std::os::unix::fs::MetadataExt;
+    fs::symlink_metadata(path).is_ok_and(|there| there.is_file() && there.nlink() > 1)
+}
+
+/// Elsewhere the standard library cannot tell.
+#[cfg(not(unix))]
+fn has_other_names(_: &Path) -> bool {
+    false
 }
 
 /// A text of a study with another design; of an axle with both wheels.
@@ -242,7 +289,30 @@ fn check_name(name: &str) -> Result<(), String> {
     if !is_name || !name.chars().all(is_plain) || name.len() > 200 {
         return Err("expected the name of a file beside the study, without a folder".to_owned());
     }
+    if !is_printable(name) {
+        return Err("expected a name that reads as it is: without characters that turn the direction of writing".to_owned());
+    }
+    if is_reserved(name) {
+        return Err(format!(
+            "{name} names a device on Windows; expected another name"
+        ));
+    }
     Ok(())
+}
+
+/// Whether Windows takes a name for a device, whatever follows its first dot.
+fn is_reserved(name: &str) -> bool {
+    let stem = name.split('.').next().unwrap_or("").trim_end();
+    let stem = stem.to_ascii_uppercase();
+    let is_port = |prefix: &str| {
+        let number = stem.strip_prefix(prefix);
+        number.is_some_and(|n| {
+            n.chars().count() == 1
+                && n.contains(|c: char| "0123456789\u{b9}\u{b2}\u{b3}".contains(c))
+        })
+    };
+    let devices = ["CON", "PRN", "AUX", "NUL", "CONIN$", "CONOUT$"];
+    devices.contains(&stem.as_str()) || is_port("COM") || is_port("LPT")
 }
 
 /// The SHA-256 of a text.
@@ -257,7 +327,16 @@ mod tests {
 
     #[test]
     fn names_stay_in_the_folder() {
-        for name in ["a.toml", "front axle 2.toml", "ünïcode.toml", "a.b.toml"] {
+        for name in [
+            "a.toml",
+            "front axle 2.toml",
+            "ünïcode.toml",
+            "a.b.toml",
+            "control.toml",
+            "com10.toml",
+            "common.toml",
+            "nulls.toml",
+        ] {
             assert_eq!(check_name(name), Ok(()), "{name}");
         }
         for name in [
@@ -277,6 +356,13 @@ mod tests {
             "a?.toml",
             "a .toml",
             " .toml",
+            "con.toml",
+            "NUL.v2.toml",
+            "Com1.toml",
+            "lpt\u{b2}.toml",
+            "aux .toml",
+            "a\u{202e}lmot.toml",
+            "\u{2066}a.toml",
         ] {
             assert!(check_name(name).is_err(), "{name:?}");
         }

@@ -10,9 +10,22 @@ pub const LONGEST_TEXT: u64 = 64 << 20;
 /// The longest file of designs, in bytes: some ten million designs, which a sweep keeps in memory.
 pub const LONGEST_TABLE: u64 = 1 << 30;
 
-/// The content of a text file of at most so many bytes, or why there is none. A pipe is read to its end, a
-/// device, which may have none, is refused.
+/// Content of a text file of at most so many bytes, or why there is none. See [`read_bytes`].
 pub fn read_text(path: &Path, longest: u64) -> Result<String, String> {
+    text_of(read_bytes(path, longest)?)
+}
+
+/// As [`read_text`], of a regular file alone.
+pub fn read_regular_text(path: &Path, longest: u64) -> Result<String, String> {
+    match path.metadata() {
+        Ok(there) if !there.is_file() && !there.is_dir() => Err("it is no regular file".to_owned()),
+        _ => read_text(path, longest),
+    }
+}
+
+/// Content of a file of at most so many bytes, or why there is none. A pipe of this process (`/dev/stdin`, `<(...)` of a
+/// shell) is read to its end. A device may have no end, and a named pipe may have no writer: both are refused.
+pub fn read_bytes(path: &Path, longest: u64) -> Result<Vec<u8>, String> {
     let failed = |e: std::io::Error| match e.kind() {
         ErrorKind::NotFound => "there is no such file".to_owned(),
         ErrorKind::PermissionDenied => "permission denied".to_owned(),
@@ -22,24 +35,25 @@ pub fn read_text(path: &Path, longest: u64) -> Result<String, String> {
     if kind.is_dir() {
         return Err("it is a directory".to_owned());
     }
-    if is_device(kind) {
-        return Err("it is a device; expected a file".to_owned());
+    if let Some(other) = no_file(kind, path) {
+        return Err(format!("it is a {other}; expected a file"));
     }
     let file = File::open(path).map_err(failed)?;
-    text_of(file, longest, failed)
+    bytes_of(file, longest, failed)
 }
 
-/// What comes from standard input, up to so many bytes.
+/// Text of standard input, up to so many bytes.
 pub fn read_input(longest: u64) -> Result<String, String> {
-    text_of(std::io::stdin().lock(), longest, |error| error.to_string())
+    let input = std::io::stdin().lock();
+    text_of(bytes_of(input, longest, |error| error.to_string())?)
 }
 
-/// All that comes, up to so many bytes, as a text.
-fn text_of(
+/// Everything up to so many bytes.
+fn bytes_of(
     from: impl Read,
     longest: u64,
     failed: impl Fn(std::io::Error) -> String,
-) -> Result<String, String> {
+) -> Result<Vec<u8>, String> {
     let mut bytes = Vec::new();
     from.take(longest + 1)
         .read_to_end(&mut bytes)
@@ -50,6 +64,10 @@ fn text_of(
             longest >> 20
         ));
     }
+    Ok(bytes)
+}
+
+fn text_of(bytes: Vec<u8>) -> Result<String, String> {
     String::from_utf8(bytes).map_err(|e| {
         let valid = e.utf8_error().valid_up_to();
         let line = e.as_bytes()[..valid]
@@ -61,13 +79,20 @@ fn text_of(
     })
 }
 
+/// Kind of a path that is no file to read to its end; none of a file.
 #[cfg(unix)]
-fn is_device(kind: std::fs::FileType) -> bool {
+fn no_file(kind: std::fs::FileType, path: &Path) -> Option<&'static str> {
     use std::os::unix::fs::FileTypeExt;
-    kind.is_char_device() || kind.is_block_device()
+    let of_process = ["/dev", "/proc"].iter().any(|top| path.starts_with(top));
+    match kind {
+        kind if kind.is_char_device() || kind.is_block_device() => Some("device"),
+        kind if kind.is_socket() => Some("socket"),
+        kind if kind.is_fifo() && !of_process => Some("named pipe"),
+        _ => None,
+    }
 }
 
 #[cfg(not(unix))]
-fn is_device(_: std::fs::FileType) -> bool {
-    false
+fn no_file(_: std::fs::FileType, _: &Path) -> Option<&'static str> {
+    None
 }

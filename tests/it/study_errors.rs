@@ -317,8 +317,8 @@ fn motions_that_go_nowhere() {
         ("travel = { from = 80.0, to = -80.0, steps = 41 }", "motion.travel.from", &["the range is reversed: from = 80 is above to = -80", "from = -80, to = 80"]),
         ("travel = { from = 80.0, to = 80.0, steps = 41 }", "motion.travel.to", &["the range is empty"]),
         ("travel = { from = -80.0, to = 80.0, steps = 1 }", "motion.travel.steps", &["one step cannot reach"]),
-        ("travel = { from = -80.0, to = 80.0, steps = 0 }", "motion.travel.steps", &["expected from 1 to 10000000, found 0"]),
-        ("travel = { from = -80.0, to = 80.0, steps = 99999999999 }", "motion.travel.steps", &["expected from 1 to 10000000"]),
+        ("travel = { from = -80.0, to = 80.0, steps = 0 }", "motion.travel.steps", &["expected from 1 to 100000, found 0"]),
+        ("travel = { from = -80.0, to = 80.0, steps = 99999999999 }", "motion.travel.steps", &["expected from 1 to 100000"]),
         ("travel = []", key, &["at least one value"]),
         ("travel = [0.0, 80.0, -80.0, 80]", key, &["80 is listed twice", "first here"]),
         ("travel = [0.0, 80.0, \"a\"]", key, &["expected a number, found the text \"a\""]),
@@ -327,7 +327,7 @@ fn motions_that_go_nowhere() {
         ("time = { polynomial = [], from = 0.0, to = 1.0, steps = 3 }", "motion.time.polynomial", &["empty list"]),
         ("time = { polynomial = [0.0, 1e12, 1e12], from = 0.0, to = 9.0, steps = 3 }", "motion.time.polynomial", &["grows beyond"]),
         ("drive = \"arm_angle\"\nangle_unit = \"grad\"\narm_angle = 1", "motion.angle_unit", &["expected \"deg\" or \"rad\""]),
-        ("travel = { from = 0.0, to = 80.0, steps = 10000000 }\n rack = [0, 1]", "motion", &["20000000 stations", "at most 10000000"]),
+        ("travel = { from = 0.0, to = 80.0, steps = 100000 }\n rack = [0, 1]", "motion", &["200000 stations", "at most 100000"]),
         ("drive = \"arm\"\ntravel = [0.0]", "motion.drive", &["did you mean \"arm_angle\"?"]),
     ];
     for (line, key, phrases) in cases {
@@ -344,6 +344,17 @@ fn motions_that_go_nowhere() {
     }
     let text = edited(travel, "");
     assert_mistake(&text, "[motion]", "motion", &["expected travel or time"]);
+    // Each station has a derivative by each hardpoint.
+    let text = edited(travel, "travel = { from = 0.0, to = 80.0, steps = 50001 }");
+    let text = &text[..text.find("[optimise]").unwrap()];
+    let text = text.replace("\nsensitivities", "\n# sensitivities");
+    let some = "[outputs]\nsensitivities = [\"strut_top\", \"tie_rod_inner\"]";
+    let phrases = [
+        "50001 stations with sensitivities to 2 hardpoints",
+        "at most 100000",
+    ];
+    let text = text.replace("[outputs]", some);
+    assert_mistake(&text, "[motion]", "motion", &phrases);
     // The ball joint straight above the axis of the arm.
     let text = edited(travel, "drive = \"arm_angle\"\narm_angle = [1.0]");
     let text = text.replace("[   5.0, 705.0, 190.0]", "[ -70.0, 355.0, 500.0]");

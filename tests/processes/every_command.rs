@@ -5,6 +5,8 @@
 use crate::support::bounded::wait_within_bounds;
 use crate::support::mutants::mutilated;
 use crate::support::random::Random;
+#[cfg(target_os = "linux")]
+use crate::support::signals;
 use hardpoint::study::{Designs, Study};
 use std::collections::BTreeMap;
 use std::fs;
@@ -165,6 +167,10 @@ fn examine(
     };
 
     let solved = run(&["solve", "study.toml", "--out", "solved"])?;
+    if solved.status.code() == Some(2) {
+        let said = String::from_utf8_lossy(&solved.stderr).into_owned();
+        return Err(format!("check takes what solve refuses: {said}"));
+    }
     if solved.status.code() != Some(2) {
         let found = empty_cells(&read("solved/curves.csv")?)?;
         let summary = json("solved/summary.json")?;
@@ -274,4 +280,44 @@ fn every_command_over_mutants() {
 #[ignore = "25,000 mutants through every command: with .ci/long"]
 fn every_command_over_many_mutants() {
     every_command(chosen("1000-26000"), true);
+}
+
+/// Interrupts as many commands, by the numbers of a range, and prints the worst of each.
+#[cfg(target_os = "linux")]
+fn interrupted(tries: std::ops::Range<u64>) {
+    let studies = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies");
+    let signals = signals::Signals::of(&studies);
+    let worst = std::sync::Mutex::new(signals::Worst::new());
+    let failures: Vec<String> = tries
+        .clone()
+        .filter_map(|number| {
+            let failed = signals.interrupt(number, &worst).err()?;
+            let failure = format!("try {number}: {failed}");
+            eprintln!("{failure}");
+            Some(failure)
+        })
+        .collect();
+    println!("signals {tries:?}: command, tries, interrupted, most seconds to the end");
+    for (command, (tries, interrupted, seconds)) in worst.into_inner().unwrap() {
+        println!("  {command:12} {tries:4} {interrupted:4} {seconds:.2}");
+    }
+    assert!(failures.is_empty(), "{}", failures.join("\n\n"));
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+#[ignore = "a thousand commands interrupted: with .ci/long"]
+fn a_signal_ends_every_command_often() {
+    interrupted(10_000..11_000);
+}
+
+/// The first signal ends every command, whatever it is at, and what it leaves says so. `SIGNALS=3` has the forty
+/// tries of seed 3, and so on.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_signal_ends_every_command() {
+    match std::env::var("SIGNALS").map(|seed| seed.parse::<u64>().expect("a seed")) {
+        Ok(seed) => interrupted(40 * seed..40 * seed + 40),
+        Err(_) => interrupted(0..8),
+    }
 }

@@ -5,6 +5,8 @@ pub mod bounded;
 pub mod mutants;
 pub mod quadratics;
 pub mod random;
+#[cfg(target_os = "linux")]
+pub mod signals;
 pub mod small_steps;
 
 use hardpoint::characteristics::{Characteristic, Quantity, WheelReading};

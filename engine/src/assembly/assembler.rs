@@ -24,7 +24,7 @@ use crate::mechanism::Twist;
 use crate::mechanism::{Closure, Configuration, DesignFault, Driver, Pose, ROUNDING, Turn};
 use crate::model::Point;
 use crate::model::{Body, Rod, SpinAxis, Suspension};
-use crate::model::{PointId, RockerId};
+use crate::model::{PointId, RockerId, SPINDLE_INNER};
 use crate::number::{Dual, Matrix3, Outlined, Real, Vector3};
 use crate::solve::Solver;
 
@@ -524,7 +524,7 @@ fn with_spindle(suspension: &Suspension) -> Suspension {
         let id = PointId(suspension.design.len());
         suspension.design.push(centre - direction * length);
         suspension.mechanism.points.push(Point {
-            name: "spindle_inner".to_owned(),
+            name: SPINDLE_INNER.to_owned(),
             body: Body::Knuckle,
         });
         suspension.mechanism.spin_axis = SpinAxis::From(id);

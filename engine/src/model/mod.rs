@@ -203,15 +203,21 @@ pub struct Mechanism {
     pub closed_form: Option<ClosedForm>,
 }
 
+/// The point that gives the spin axis of a built wheel.
+pub(crate) const SPINDLE_INNER: &str = "spindle_inner";
+
 impl Mechanism {
     /// The point of this name.
     pub fn point(&self, name: &str) -> Option<PointId> {
         self.points.iter().position(|p| p.name == name).map(PointId)
     }
 
-    /// The name of a point.
+    /// The name of a point. A built wheel has one more than a study that gives camber and toe as angles: faults of builds
+    /// name it, too.
     pub fn name(&self, id: PointId) -> &str {
-        &self.points[id.0].name
+        self.points
+            .get(id.0)
+            .map_or(SPINDLE_INNER, |point| &point.name)
     }
 
     /// The second point of a strut's axis on the knuckle, where there is one.

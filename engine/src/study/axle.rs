@@ -1,5 +1,6 @@
 //! `[axle]` and what goes with it: both wheels, steering, springs, the motions of an axle.
 
+use super::MOST_STATIONS;
 use super::error::Problems;
 use super::file::{self, File};
 use super::loads::loads_of_axle;
@@ -16,9 +17,6 @@ use crate::axle::{
 use crate::characteristics::Constants;
 use crate::model::{Axis, Side, Suspension};
 use toml::Spanned;
-
-/// The most stations of an axle: a few seconds' worth.
-const MOST_STATIONS: usize = 100_000;
 
 /// What a study asks of an axle.
 #[derive(Clone, Debug, PartialEq)]

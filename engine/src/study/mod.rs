@@ -41,6 +41,9 @@ pub use axle_targets::AxleSite;
 pub use designs_file::DesignTable;
 pub use hardpoint_study_file::error::{StudyError, StudyErrors};
 pub(crate) use hardpoint_study_file::names::nearest;
+pub use hardpoint_study_file::source::{
+    LONGEST_TABLE, LONGEST_TEXT, read_bytes, read_regular_text, read_text,
+};
 use hardpoint_study_file::{error, file, names, overrides, parse, source, value};
 pub(crate) use optimise::{GOOD_ENOUGH, MAX_ITERATIONS};
 pub use samples::{AxleSample, Sample};
@@ -53,6 +56,14 @@ use crate::assembly::BuildParameter;
 use crate::characteristics::{Characteristic, Measure, Quantity};
 use crate::model::{Axis, Frame, LengthUnit, PointId, Side, Suspension};
 use crate::number::Vector3;
+
+/// The most stations of one motion, and of an axle's: results of all of them are held in memory.
+pub(crate) const MOST_STATIONS: usize = 100_000;
+
+/// A number as a study may say it, or what was expected instead.
+pub fn checked_number(number: f64) -> Result<f64, String> {
+    value::Number::checked(number)
+}
 
 /// A study, resolved and validated.
 #[derive(Clone, Debug, PartialEq)]

@@ -4,14 +4,11 @@ use super::error::Problems;
 use super::file;
 use super::names::choose_or;
 use super::value::{Number, Values, Whole};
-use super::{Drive, Motion, TimeLaw};
+use super::{Drive, MOST_STATIONS, Motion, TimeLaw};
 use crate::mechanism::raises_its_joint;
 use crate::model::{self, LengthUnit, Suspension};
 use std::ops::{Range as Span, RangeInclusive};
 use toml::Spanned;
-
-/// The most stations of one motion: as many as a machine can hold the results of.
-const MOST_STATIONS: i64 = 10_000_000;
 
 impl Drive {
     const ALL: [(&str, Drive); 3] = [
@@ -115,7 +112,7 @@ pub(super) fn motion(
     let (drive_values, time) = drive_values(drive?, section, place.clone(), is_named, problems)?;
     let rack = rack?;
     let stations = drive_values.len().saturating_mul(rack.len());
-    if stations > MOST_STATIONS as usize {
+    if stations > MOST_STATIONS {
         let message =
             format!("{stations} stations with those of the rack; expected at most {MOST_STATIONS}");
         return problems.refuse(place, message);
@@ -276,8 +273,26 @@ pub(super) fn values(written: &Spanned<Values>, problems: &mut Problems) -> Opti
     }
 }
 
+/// Refuses sensitivities that do not fit in memory: a station counts for each hardpoint that they are asked for.
+pub(super) fn check_sensitivities(
+    place: Span<usize>,
+    stations: usize,
+    hardpoints: usize,
+    problems: &mut Problems,
+) {
+    let asked = stations.saturating_mul(hardpoints);
+    if asked > MOST_STATIONS {
+        let message = format!(
+            "{stations} stations with sensitivities to {hardpoints} hardpoints are {asked}; expected at most \
+             {MOST_STATIONS} stations times hardpoints"
+        );
+        let error = problems.add(place, message);
+        error.help("ask for fewer stations, or name fewer hardpoints in outputs.sensitivities");
+    }
+}
+
 fn range(from: &Number, to: &Number, steps: &Whole, problems: &mut Problems) -> Option<Vec<f64>> {
-    let count = within(steps, 1..=MOST_STATIONS, problems)?;
+    let count = within(steps, 1..=MOST_STATIONS as i64, problems)?;
     if from.value > to.value {
         let message = format!(
             "the range is reversed: from = {} is above to = {}",

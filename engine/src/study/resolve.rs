@@ -84,6 +84,30 @@ impl Study {
     }
 }
 
+/// Refuses sensitivities of one wheel over more stations than fit in memory.
+fn check_sensitivities(
+    file: &file::File,
+    motion: Option<&Motion>,
+    motions: &[(String, Motion)],
+    outputs: Option<&Outputs>,
+    problems: &mut Problems,
+) {
+    let points = outputs.map_or(0, |outputs| outputs.sensitivities.len());
+    let mut check = |place, motion: &Motion| {
+        let stations = motion.values.len() * motion.rack.len();
+        motion::check_sensitivities(place, stations, points, problems);
+    };
+    if let Some(motion) = motion {
+        check(file.motion.span(), motion);
+    }
+    for (name, section) in &file.motions {
+        let same = motions.iter().find(|(named, _)| named == name.get_ref());
+        if let Some((_, motion)) = same {
+            check(section.span(), motion);
+        }
+    }
+}
+
 /// `shown` is the name of the file in messages.
 fn resolve(
     path: &Path,
@@ -143,6 +167,18 @@ fn resolve(
     };
     if let (Some(formulation), Some(outputs)) = (formulation, &outputs) {
         solver::check_outputs(&file, formulation, motion.as_ref(), outputs, &mut problems);
+    }
+    check_sensitivities(
+        &file,
+        motion.as_ref(),
+        &motions,
+        outputs.as_ref(),
+        &mut problems,
+    );
+    if let Some(Some(both)) = &axle {
+        let plan = &both.plan;
+        let (stations, points) = (plan.course.stations(), plan.sensitivities.len());
+        motion::check_sensitivities(file.motion.span(), stations, points, &mut problems);
     }
     let context = Context {
         suspension: &suspension,

@@ -4,8 +4,8 @@ use super::error::Problems;
 use super::file::{self, File};
 use super::outputs::hardpoint;
 use super::suspension::{below_right_angle, bodies, position};
-use super::value::RightWheel;
-use crate::model::{SpinAxis, Suspension};
+use super::value::{RightWheel, Text};
+use crate::model::{PointId, SpinAxis, Suspension};
 use crate::solve::Solver;
 use toml::Spanned;
 
@@ -43,7 +43,7 @@ pub(super) fn right_wheel(
     right.frame = left.frame.of_other_side();
     let mut sound = true;
     for (text, coordinates) in &own.hardpoints {
-        let id = hardpoint(text, left, problems);
+        let id = extra_point(text, left).or_else(|| hardpoint(text, left, problems));
         let position = position(coordinates, problems);
         match (id, position) {
             (Some(id), Some(position)) => right.design[id.0] = right.frame.vector(position),
@@ -65,6 +65,15 @@ pub(super) fn right_wheel(
         return problems.refuse(place, message);
     }
     Some(Some(right))
+}
+
+/// The extra point of this name, which a built axle has at a place of its own on each side.
+fn extra_point(text: &Text, left: &Suspension) -> Option<PointId> {
+    let (mechanism, name) = (&left.mechanism, text.get_ref());
+    match mechanism.topology.hardpoint(name) {
+        Some(_) => None,
+        None => mechanism.point(name),
+    }
 }
 
 /// Static camber and toe of its own; what is not given is the left wheel's.

@@ -1,7 +1,7 @@
 //! Axles in SIMD lanes.
 
 use super::axle::AxleStations;
-use super::evaluate::{Block, Pairs, SIDE_BY_SIDE, SolvesInLanes};
+use super::evaluate::{Block, Interrupt, Pairs, SIDE_BY_SIDE, SolvesInLanes};
 use super::lanes::{NotInLanes, gather};
 use crate::axle::{Axle, AxleState, Hold, LaneWheel, Placement, Quantity, Setup};
 use crate::characteristics::{LaneInputs, LaneReader, LaneWheels, Slots};
@@ -120,10 +120,17 @@ impl<'a> AxleLanes<'a> {
 }
 
 impl SolvesInLanes for AxleLanes<'_> {
-    fn evaluate(&mut self, designs: Pairs<'_>, block: &mut Block, fallback: &mut Vec<usize>) {
+    fn evaluate(
+        &mut self,
+        designs: Pairs<'_>,
+        interrupt: Interrupt<'_>,
+        block: &mut Block,
+        fallback: &mut Vec<usize>,
+    ) {
         self.width.run(AxleBlockTask {
             solver: self,
             designs,
+            interrupt,
             block,
             fallback,
         });
@@ -133,6 +140,7 @@ impl SolvesInLanes for AxleLanes<'_> {
 struct AxleBlockTask<'s, 'a> {
     solver: &'s AxleLanes<'a>,
     designs: Pairs<'s>,
+    interrupt: Interrupt<'s>,
     block: &'s mut Block,
     fallback: &'s mut Vec<usize>,
 }
@@ -145,6 +153,7 @@ impl SimdTask for AxleBlockTask<'_, '_> {
         let AxleBlockTask {
             solver,
             designs: [designs, rights],
+            interrupt,
             block,
             fallback,
         } = self;
@@ -158,7 +167,7 @@ impl SimdTask for AxleBlockTask<'_, '_> {
         let mut right_inputs = readers[1].inputs(like);
         let count = designs.len() / points;
         let mut first = 0;
-        while first < count {
+        while first < count && !interrupt.is_raised() {
             let lanes = (count - first).min(B::LANES);
             gather(designs, points, first, lanes, &mut group_left);
             gather(rights, points, first, lanes, &mut group_right);

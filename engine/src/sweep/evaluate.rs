@@ -15,6 +15,7 @@ use crate::mechanism::{DesignFault, Failure};
 use crate::model::Suspension;
 use crate::number::{MOST_LANES, SimdReal, Vector3, Width};
 use crate::solve::Solver;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Number of designs in a full block. Blocks are also the unit of sums, shards and resumption: the designs from
 /// `k * BLOCK` on always belong together, for any number of threads.
@@ -209,10 +210,32 @@ impl Block {
 /// whose right wheel mirrors the left.
 pub(crate) type Pairs<'d> = [&'d [Vector3<f64>]; 2];
 
+/// A flag that ends the work early, like that of [`Control`](crate::optimise::Control); `None` if nothing can end it.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Interrupt<'a>(pub(crate) Option<&'a AtomicBool>);
+
+impl Interrupt<'_> {
+    /// Returns true if the work is to end.
+    #[inline]
+    pub(crate) fn is_raised(self) -> bool {
+        match self.0 {
+            Some(flag) => flag.load(Ordering::Relaxed),
+            None => false,
+        }
+    }
+}
+
 /// Solver of designs in SIMD lanes.
 pub(super) trait SolvesInLanes: Send {
-    /// Evaluates the designs of a block. Adds the numbers of the designs that remain for one-by-one solution to `fallback`.
-    fn evaluate(&mut self, designs: Pairs<'_>, block: &mut Block, fallback: &mut Vec<usize>);
+    /// Evaluates the designs of a block, up to the point at which the interrupt is raised. Adds the numbers of the designs
+    /// that remain for one-by-one solution to `fallback`.
+    fn evaluate(
+        &mut self,
+        designs: Pairs<'_>,
+        interrupt: Interrupt<'_>,
+        block: &mut Block,
+        fallback: &mut Vec<usize>,
+    );
 }
 
 /// Solver of designs one at a time.
@@ -242,6 +265,8 @@ pub struct Evaluator<'a> {
     rights: Vec<Vector3<f64>>,
     /// Designs of the block left to be solved one by one, by number.
     fallback: Vec<usize>,
+    /// Ends a block early, whose values are not to be used then.
+    pub(crate) interrupt: Interrupt<'a>,
 }
 
 impl<'a> Evaluator<'a> {
@@ -306,6 +331,7 @@ impl<'a> Evaluator<'a> {
             axle: None,
             rights: Vec::new(),
             fallback: Vec::new(),
+            interrupt: Interrupt::default(),
         }
     }
 
@@ -341,10 +367,16 @@ impl<'a> Evaluator<'a> {
         block.clear(count);
         self.fallback.clear();
         match &mut self.lanes {
-            Ok(lanes) => lanes.evaluate(designs, block, &mut self.fallback),
+            Ok(lanes) => lanes.evaluate(designs, self.interrupt, block, &mut self.fallback),
             Err(_) => self.fallback.extend(0..count),
         }
-        self.one_by_one.evaluate(designs, &self.fallback, block);
+        for number in &self.fallback {
+            if self.interrupt.is_raised() {
+                return;
+            }
+            let number = std::slice::from_ref(number);
+            self.one_by_one.evaluate(designs, number, block);
+        }
         if let Some(slopes) = &mut self.slopes {
             slopes.evaluate(designs, block);
         }

@@ -1,7 +1,7 @@
 //! Designs in SIMD lanes.
 
 use super::Stations;
-use super::evaluate::{Block, Pairs, SIDE_BY_SIDE, SolvesInLanes};
+use super::evaluate::{Block, Interrupt, Pairs, SIDE_BY_SIDE, SolvesInLanes};
 use super::gradients::Differentiating;
 use crate::characteristics::{Constants, LaneInputs, LaneReader, LaneWheels, Quantity};
 use crate::model::Suspension;
@@ -77,10 +77,17 @@ impl<'a> LaneSolver<'a> {
 }
 
 impl SolvesInLanes for LaneSolver<'_> {
-    fn evaluate(&mut self, [designs, _]: Pairs<'_>, block: &mut Block, fallback: &mut Vec<usize>) {
+    fn evaluate(
+        &mut self,
+        [designs, _]: Pairs<'_>,
+        interrupt: Interrupt<'_>,
+        block: &mut Block,
+        fallback: &mut Vec<usize>,
+    ) {
         self.width.run(BlockTask {
             solver: self,
             designs,
+            interrupt,
             block,
             fallback,
         });
@@ -90,6 +97,7 @@ impl SolvesInLanes for LaneSolver<'_> {
 struct BlockTask<'s, 'a> {
     solver: &'s mut LaneSolver<'a>,
     designs: &'s [Vector3<f64>],
+    interrupt: Interrupt<'s>,
     block: &'s mut Block,
     fallback: &'s mut Vec<usize>,
 }
@@ -102,6 +110,7 @@ impl SimdTask for BlockTask<'_, '_> {
         let BlockTask {
             solver,
             designs,
+            interrupt,
             block,
             fallback,
         } = self;
@@ -117,7 +126,7 @@ impl SimdTask for BlockTask<'_, '_> {
         let mut inputs = reader.inputs(like);
         let count = designs.len() / *points;
         let mut first = 0;
-        while first < count {
+        while first < count && !interrupt.is_raised() {
             let lanes = (count - first).min(B::LANES);
             gather(designs, *points, first, lanes, &mut group);
             let design = batch.design(&group);

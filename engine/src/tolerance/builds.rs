@@ -93,13 +93,14 @@ impl<'a> Builder<'a> {
     /// In lanes of a width, or one by one alone.
     pub(super) fn new(problem: &'a Problem<'a>, width: Option<Width>) -> Result<Self, DesignFault> {
         let stations = &problem.stations;
-        let evaluator = match &problem.looked {
+        let mut evaluator = match &problem.looked {
             Looked::Wheel { quantities, .. } => {
                 let suspension = problem.workshops[0].assembler.suspension();
                 Evaluator::with_width(suspension, stations, quantities, width)?
             }
             Looked::Axle(axles) => axles.evaluator(width)?,
         };
+        evaluator.interrupt = problem.interrupt;
         let wheel = |workshop: &'a Workshop| WheelBuilder {
             workshop,
             lanes: width.map(|width| LaneBuilder::new(problem.tolerance, workshop, width)),
@@ -117,9 +118,14 @@ impl<'a> Builder<'a> {
         })
     }
 
-    /// Draws and solves the builds number `first` and on, up to `count` of them, at most a block.
-    pub(super) fn solve(&mut self, first: u64, count: usize) -> Outcome {
-        let tolerance = self.problem.tolerance;
+    /// Draws and solves the builds number `first` and on, up to `count` of them, at most a block. `None` where the
+    /// problem's interrupt is raised meanwhile.
+    pub(super) fn solve(&mut self, first: u64, count: usize) -> Option<Outcome> {
+        let Problem {
+            tolerance,
+            interrupt,
+            ..
+        } = *self.problem;
         if self.wheels[0].lanes.is_some() {
             tolerance.draw_block(first, count, &mut self.draws_of_block);
         }
@@ -133,6 +139,9 @@ impl<'a> Builder<'a> {
         let mut rejects = Vec::new();
         self.begin();
         for place in 0..count {
+            if interrupt.is_raised() {
+                return None;
+            }
             let in_lanes = |wheel: &WheelBuilder| {
                 wheel
                     .lanes
@@ -146,7 +155,9 @@ impl<'a> Builder<'a> {
                 rejects.push((first + place as u64, side, reject));
             }
         }
-        self.finish(first, rejects)
+        let outcome = self.finish(first, rejects);
+        // The values of a block that was cut short are those of another one.
+        (!interrupt.is_raised()).then_some(outcome)
     }
 
     fn begin(&mut self) {

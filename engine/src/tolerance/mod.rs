@@ -28,7 +28,7 @@ mod yields;
 pub use draw::normal_quantile;
 pub use expansion::{Expansion, HOLDS, Remainder};
 pub use monte_carlo::{MonteCarlo, Rejected, Spread, monte_carlo, monte_carlo_in};
-pub use yields::{BandYield, Ranking, Yields, rank};
+pub use yields::{BandYield, Forecast, Ranking, Yields, rank};
 
 use crate::ask::Info;
 use crate::assembly::NoSetUp;
@@ -37,8 +37,9 @@ use crate::characteristics::{Characteristic, Quantity};
 use crate::curves::Column;
 use crate::model::Side;
 use crate::study::{About, AxleStudy, Band, Study, Tolerance};
-use crate::sweep::{AxleStations, Stations};
+use crate::sweep::{AxleStations, Interrupt, Stations};
 use std::borrow::Cow;
+use std::sync::atomic::AtomicBool;
 use workshop::Workshop;
 
 /// The percentiles that are reported.
@@ -59,6 +60,8 @@ pub struct Problem<'a> {
     /// The workshop of each wheel: left, then right.
     workshops: Vec<Workshop>,
     looked: Looked,
+    /// Ends a Monte Carlo early.
+    interrupt: Interrupt<'a>,
 }
 
 /// The values of a band: output and station of each, and between what they are to be.
@@ -76,6 +79,14 @@ enum Looked {
 }
 
 impl<'a> Problem<'a> {
+    /// The same, whose builds end early when a flag is raised: within a block, which is then left out.
+    pub fn interruptible(self, flag: &'a AtomicBool) -> Self {
+        Problem {
+            interrupt: Interrupt(Some(flag)),
+            ..self
+        }
+    }
+
     /// Prepares the tolerances of a study. Errors if its own design cannot be solved or not be aligned.
     pub fn of(study: &'a Study, tolerance: &'a Tolerance) -> Result<Self, NoSetUp> {
         match &study.axle {
@@ -127,6 +138,7 @@ impl<'a> Problem<'a> {
             bands: tolerance.bands.iter().map(banded).collect(),
             workshops: vec![Workshop::of(study, tolerance, suspension, None)?],
             stations,
+            interrupt: Interrupt::default(),
             looked: Looked::Wheel {
                 quantities: characteristics
                     .iter()
@@ -194,6 +206,7 @@ impl<'a> Problem<'a> {
             bands: wanted.iter().map(banded).collect(),
             workshops,
             stations: stations.stations(),
+            interrupt: Interrupt::default(),
             looked: Looked::Axle(Box::new(stations)),
         })
     }

@@ -191,7 +191,7 @@ pub fn monte_carlo_in(
         let builder = worker.as_mut()?;
         let first = block * BLOCK as u64;
         let count = (tolerance.builds - first).min(BLOCK as u64);
-        let outcome = builder.solve(first, count as usize);
+        let outcome = builder.solve(first, count as usize)?;
         let sums = Sums::of(problem, drawn, &builder.block, &order);
         Some((count, outcome, sums))
     };

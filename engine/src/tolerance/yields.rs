@@ -128,6 +128,91 @@ impl Sample {
     }
 }
 
+/// The first-order part of yields and ranking, which no build is needed for.
+pub struct Forecast {
+    /// Share of the sample in each band, and in all of them.
+    bands: Vec<f64>,
+    all: f64,
+    contributors: Vec<Worth>,
+}
+
+/// The first-order worth of a contributor.
+struct Worth {
+    share: f64,
+    /// The change of the yield if its tolerance were half, and if it were double.
+    halved: f64,
+    doubled: f64,
+}
+
+impl Forecast {
+    /// The forecast of a problem; `None` where a study has no bands.
+    pub fn of(problem: &Problem, expansion: &Expansion, drawn: &[f64]) -> Option<Self> {
+        if problem.tolerance.bands.is_empty() {
+            return None;
+        }
+        let sample = Sample::of(problem, expansion, drawn);
+        let (bands, all) = sample.yields(None);
+        let moved =
+            |contributor: usize, factor: f64| sample.yields(Some((contributor, factor))).1 - all;
+        let worth = |contributor: usize| {
+            let cells = problem.cells_of_bands().flatten();
+            let share =
+                |cell: usize| expansion.part(problem, cell, contributor) / expansion.variance[cell];
+            let shares = cells.map(share).filter(|share| share.is_finite());
+            Worth {
+                share: shares.fold(0.0, f64::max),
+                halved: moved(contributor, 0.5),
+                doubled: moved(contributor, 2.0),
+            }
+        };
+        let contributors = (0..problem.tolerance.scatter.len()).map(worth).collect();
+        Some(Forecast {
+            bands,
+            all,
+            contributors,
+        })
+    }
+
+    /// Yields and ranking: the builds' yields, moved by what the forecast moves.
+    pub fn rank(&self, builds: &MonteCarlo) -> Yields {
+        let total = builds.yield_of_all();
+        let predicted = |moved: f64| (total + moved).clamp(0.0, 1.0);
+        let contributors = self.contributors.iter().enumerate();
+        let mut ranking: Vec<Ranking> = contributors
+            .map(|(contributor, worth)| {
+                let (share, doubled) = (worth.share, predicted(worth.doubled));
+                Ranking {
+                    contributor,
+                    share,
+                    halved: predicted(worth.halved),
+                    doubled,
+                    may_be_looser: total > SMALL && share < SMALL && total - doubled < LITTLE,
+                }
+            })
+            .collect();
+        // Equal gains are ordered by the cost of letting go, then by share.
+        ranking.sort_by(|a, b| {
+            let gain = b.halved.total_cmp(&a.halved);
+            gain.then(a.doubled.total_cmp(&b.doubled))
+                .then(b.share.total_cmp(&a.share))
+        });
+        let bands = builds.in_bands.iter().zip(&self.bands);
+        Yields {
+            bands: bands
+                .map(|(kept, linear)| BandYield {
+                    monte_carlo: *kept as f64 / builds.builds as f64,
+                    linear: *linear,
+                })
+                .collect(),
+            all: BandYield {
+                monte_carlo: total,
+                linear: self.all,
+            },
+            ranking,
+        }
+    }
+}
+
 /// Yields and ranking; `None` where a study has no bands.
 pub fn rank(
     problem: &Problem,
@@ -135,53 +220,5 @@ pub fn rank(
     builds: &MonteCarlo,
     drawn: &[f64],
 ) -> Option<Yields> {
-    if problem.tolerance.bands.is_empty() {
-        return None;
-    }
-    let sample = Sample::of(problem, expansion, drawn);
-    let (linear, all) = sample.yields(None);
-    let total = builds.yield_of_all();
-    let predicted = |contributor: usize, factor: f64| {
-        let moved = sample.yields(Some((contributor, factor))).1 - all;
-        (total + moved).clamp(0.0, 1.0)
-    };
-    let mut ranking: Vec<Ranking> = (0..problem.tolerance.scatter.len())
-        .map(|contributor| {
-            let cells = problem.cells_of_bands().flatten();
-            let share =
-                |cell: usize| expansion.part(problem, cell, contributor) / expansion.variance[cell];
-            let doubled = predicted(contributor, 2.0);
-            let share = cells
-                .map(share)
-                .filter(|s| s.is_finite())
-                .fold(0.0, f64::max);
-            Ranking {
-                contributor,
-                share,
-                halved: predicted(contributor, 0.5),
-                doubled,
-                may_be_looser: total > SMALL && share < SMALL && total - doubled < LITTLE,
-            }
-        })
-        .collect();
-    // What gains as much is told apart by what it costs to let go, then by its share.
-    ranking.sort_by(|a, b| {
-        let gain = b.halved.total_cmp(&a.halved);
-        gain.then(a.doubled.total_cmp(&b.doubled))
-            .then(b.share.total_cmp(&a.share))
-    });
-    let bands = builds.in_bands.iter().zip(linear);
-    Some(Yields {
-        bands: bands
-            .map(|(kept, linear)| BandYield {
-                monte_carlo: *kept as f64 / builds.builds as f64,
-                linear,
-            })
-            .collect(),
-        all: BandYield {
-            monte_carlo: total,
-            linear: all,
-        },
-        ranking,
-    })
+    Forecast::of(problem, expansion, drawn).map(|forecast| forecast.rank(builds))
 }

@@ -85,7 +85,7 @@ pub fn page(run: &Run) -> String {
             run.record.version
         ),
         facts: facts(run),
-        remarks: failures(run) + &remarks(run),
+        remarks: interruption(run) + &failures(run) + &remarks(run),
         sections: sections(run),
         controls: include_str!("controls.html"),
         main,
@@ -179,6 +179,15 @@ fn failures(run: &Run) -> String {
             r#"<div class="failures"><h2>Not solved</h2><p>These stations have no values; the curves have gaps there.</p><ul>{items}</ul></div>"#
         ),
     }
+}
+
+/// A remark on a run that a signal ended early.
+fn interruption(run: &Run) -> String {
+    match run.interrupted {
+        true => r#"<p class="notice">Interrupted: these are the results that were finished. Run the study again for all of them.</p>"#,
+        false => "",
+    }
+    .to_owned()
 }
 
 /// Remarks on the accuracy of every design.

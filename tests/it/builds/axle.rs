@@ -125,6 +125,48 @@ fn a_printed_build_is_the_build() {
     }
 }
 
+/// Extra points of each wheel are where the build has them, too, and every command that reads the printed study takes it:
+/// of axles whose right wheel is the mirror image or has hardpoints of its own, whose spin axes are angles or points.
+#[test]
+fn a_printed_build_has_its_extra_points() {
+    let studies = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies");
+    let five_link = std::fs::read_to_string(studies.join("five_link_axle_tolerance.toml")).unwrap();
+    let extra = "[suspension.extra_points]\n\
+        drive_shaft_outer = { body = \"knuckle\", position = [0.0, 700.0, 310.0] }\n\
+        drive_shaft_inner = { body = \"chassis\", position = [0.0, 150.0, 320.0] }\n";
+    let own = "[axle]\n[axle.right.hardpoints]\ntoe_link_outer = [-165.0, -700.0, 251.5]\n";
+    let given = "drive_shaft_outer = [1.0, -699.0, 311.0]\n";
+    let axle_of = |right: &str| {
+        five_link.replace("[axle]\nright = \"mirrored\"\n", &format!("{extra}{right}"))
+    };
+    let strut = axle("builds=2", &[]).text;
+    let texts = [
+        axle_of("[axle]\nright = \"mirrored\"\n"),
+        axle_of(own),
+        axle_of(&format!("{own}{given}")),
+        strut.replacen("[axle]", &format!("{extra}[axle]"), 1),
+    ];
+    for text in texts {
+        assert!(text.contains("drive_shaft_inner"));
+        let study = Study::from_text("axle.toml", &text, Path::new("."));
+        let study = study.unwrap_or_else(|e| panic!("{e}"));
+        let problem = problem(&study);
+        for number in [0, 3] {
+            let wheels = problem.built_wheels(number).unwrap();
+            let printed = study.with_built_axle([&wheels[0], &wheels[1]]);
+            let printed = Study::from_text("built.toml", &printed, Path::new("."));
+            let printed = printed.unwrap_or_else(|e| panic!("{e}"));
+            let both = printed.axle.as_ref().unwrap();
+            assert_eq!(both.axle.left.design, wheels[0].design);
+            assert_eq!(both.axle.right.as_ref().unwrap().design, wheels[1].design);
+            assert!(axle_curves(&both.axle, &both.plan).unwrap().are_complete());
+            // A build of a build is one, too.
+            let again = Problem::of(&printed, printed.tolerance.as_ref().unwrap()).unwrap();
+            again.built_wheels(number).unwrap();
+        }
+    }
+}
+
 /// What a built axle reads in one position, its sources moved by so much each.
 struct Moved<'s> {
     sources: Vec<&'s Source>,

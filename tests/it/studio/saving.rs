@@ -268,6 +268,9 @@ fn other_names_stay_beside_the_study() {
         "study.toml",
         "./study.toml",
         "c:x.toml",
+        "con.toml",
+        "LPT1.backup.toml",
+        "a\u{202e}b.toml",
     ] {
         assert_eq!(save(name, true), 422, "{name:?}");
     }
@@ -297,6 +300,74 @@ fn links_do_not_lead_out_of_the_folder() {
     let save = json!({"of": of, "name": "link.toml", "anyway": true});
     assert_eq!(served.post("save", &save).status, 200);
     assert_eq!(fs::read_to_string(&precious).unwrap(), "precious");
+}
+
+/// A study with several names is written in place, so that each of them has what was saved.
+#[cfg(unix)]
+#[test]
+fn every_name_of_a_study_has_what_was_saved() {
+    let served = Served::of(&sample("macpherson_front.toml"));
+    let before = served.text();
+    let [other, third] = ["other.toml", "third.toml"].map(|name| served.folder.path().join(name));
+    fs::hard_link(&served.study, &other).unwrap();
+    let of = served.moved("strut_top", 2, 2.5);
+    let save = json!({"of": of, "name": null, "anyway": false});
+    assert_eq!(served.post("save", &save).status, 200);
+    assert_ne!(served.text(), before);
+    assert_eq!(fs::read_to_string(&other).unwrap(), served.text());
+    // The same under another name.
+    fs::write(&third, "third").unwrap();
+    let fourth = served.folder.path().join("fourth.toml");
+    fs::hard_link(&third, &fourth).unwrap();
+    let of = served.moved("strut_top", 2, 1.5);
+    let save = json!({"of": of, "name": "third.toml", "anyway": true});
+    assert_eq!(served.post("save", &save).status, 200);
+    let [third, fourth] = [third, fourth].map(|path| fs::read_to_string(path).unwrap());
+    assert!(third == fourth && third.contains("[suspension]"));
+    assert_eq!(
+        served.files(),
+        ["fourth.toml", "other.toml", "study.toml", "third.toml"]
+    );
+}
+
+/// Coordinates have the bounds of a study's numbers in every request; after one that is refused the next tuning begins.
+#[test]
+fn coordinates_beyond_those_of_a_study_are_refused_everywhere() {
+    let served = Served::of(&sample("double_wishbone_robust.toml"));
+    let good = served.moved("tie_rod_outer", 2, 0.0);
+    let points = good["design"].as_array().unwrap().len();
+    let locked = vec![[false; 3]; points];
+    for value in [1e155, -1e308, 1.1e12] {
+        let mut of = good.clone();
+        of["design"][0][0] = json!(value);
+        for (name, message) in [
+            ("tune", json!({"of": of, "locked": locked})),
+            (
+                "solve",
+                json!({"of": of, "characteristics": ["toe"], "at": [0.0, 0.0], "curves_rack": null}),
+            ),
+            ("save", json!({"of": of, "name": "x.toml", "anyway": false})),
+        ] {
+            let answer = served.post(name, &message);
+            let said = answer.text();
+            assert!(
+                [400, 422].contains(&answer.status),
+                "{name} {value:e}: {said}"
+            );
+            assert!(
+                said.contains("upper_arm_front x: expected a number between"),
+                "{said}"
+            );
+        }
+    }
+    let mut state = served
+        .post("tune", &json!({"of": good, "locked": locked}))
+        .json();
+    while state["done"] == false {
+        std::thread::sleep(std::time::Duration::from_millis(50));
+        state = served.post("cancel", &json!({"job": state["job"]})).json();
+    }
+    assert_eq!(state["done"], true, "{state}");
 }
 
 /// What Tune proposes is what `hardpoint optimise` writes of the same study.

@@ -143,7 +143,7 @@ fn an_interrupted_sweep_leaves_whole_parts() {
         .status();
     assert!(killed.unwrap().success());
     let output = process.wait_with_output().unwrap();
-    assert_eq!(output.status.code(), Some(1));
+    assert_eq!(output.status.code(), Some(130));
     let printed = String::from_utf8_lossy(&output.stdout).into_owned();
     assert!(
         printed.contains("of 100000000 designs") && printed.contains("--resume"),

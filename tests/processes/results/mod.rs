@@ -2,7 +2,10 @@
 
 mod claims;
 mod full_disk;
+#[cfg(unix)]
+mod interrupts;
 mod kills;
+mod refused;
 
 use assert_cmd::assert::Assert;
 use std::fs;

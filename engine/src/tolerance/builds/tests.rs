@@ -71,11 +71,11 @@ fn builds_in_lanes_are_those_one_by_one() {
             let problem = Problem::of(&study, study.tolerance.as_ref().unwrap()).unwrap();
             let size = study.suspension.size();
             let mut single = Builder::new(&problem, None).unwrap();
-            let rejects = single.solve(0, BUILDS).rejects;
+            let rejects = single.solve(0, BUILDS).unwrap().rejects;
             let mut first: Option<Vec<Vector3<f64>>> = None;
             for width in Width::ALL.into_iter().filter(|w| w.is_available()) {
                 let mut lanes = Builder::new(&problem, Some(width)).unwrap();
-                let found = lanes.solve(0, BUILDS);
+                let found = lanes.solve(0, BUILDS).unwrap();
                 assert_eq!(found.rejects, rejects);
                 let accepted = lanes.wheels[0].lanes.as_ref().unwrap().accepted;
                 let in_lanes = accepted.iter().filter(|r| **r).count();
@@ -98,7 +98,7 @@ fn builds_in_lanes_are_those_one_by_one() {
                 }
                 let before = first.get_or_insert(lanes.wheels[0].designs.clone());
                 assert_eq!(before, &lanes.wheels[0].designs);
-                lanes.solve(3, BUILDS - 3);
+                lanes.solve(3, BUILDS - 3).unwrap();
                 let points = study
                     .suspension
                     .design
@@ -127,9 +127,9 @@ fn builds_that_lanes_refuse_go_one_by_one() {
         );
         let problem = Problem::of(&study, study.tolerance.as_ref().unwrap()).unwrap();
         let mut single = Builder::new(&problem, None).unwrap();
-        let expected = single.solve(0, BUILDS);
+        let expected = single.solve(0, BUILDS).unwrap();
         let mut lanes = Builder::new(&problem, Some(Width::widest())).unwrap();
-        let found = lanes.solve(0, BUILDS);
+        let found = lanes.solve(0, BUILDS).unwrap();
         assert_eq!(found.rejects.len(), expected.rejects.len());
         assert!(!found.rejects.is_empty());
         let accepted = lanes.wheels[0].lanes.as_ref().unwrap().accepted;

@@ -1,0 +1,131 @@
+//! Signals. The first one stops the command, the second one ends the process at once.
+//!
+//! A command that has something to keep looks at the [`flag`], stops, and writes it. Every other one ends where it is:
+//! between two writes, and with its directories recorded as interrupted. Neither takes longer than [`MOST_WORK`].
+
+use super::terminal;
+use crate::results::exit_interrupted;
+use std::sync::Once;
+use std::sync::atomic::{AtomicBool, AtomicI32, Ordering};
+use std::sync::mpsc;
+use std::thread;
+use std::time::{Duration, Instant};
+
+/// Processor time in which a command that stops by itself does so.
+const MOST_WORK: Duration = Duration::from_millis(200);
+
+/// Time in which it does so where it waits for others: for the disk, or for whoever reads its output.
+const MOST_WAIT: Duration = Duration::from_secs(2);
+
+/// How often both are looked at.
+const LOOK: Duration = Duration::from_millis(5);
+
+/// How long standard error may take for a last line.
+const LAST_WORDS: Duration = Duration::from_millis(20);
+
+static FLAG: AtomicBool = AtomicBool::new(false);
+/// The first signal's number; 0 before it.
+static SIGNAL: AtomicI32 = AtomicI32::new(0);
+static STOPS_BY_ITSELF: AtomicBool = AtomicBool::new(false);
+
+/// True from the first signal on.
+pub(super) fn flag() -> &'static AtomicBool {
+    &FLAG
+}
+
+/// Whether a signal has come.
+pub(super) fn is_raised() -> bool {
+    FLAG.load(Ordering::SeqCst)
+}
+
+/// From now on the command looks at the flag and stops by itself.
+pub(super) fn stops_by_itself() {
+    STOPS_BY_ITSELF.store(true, Ordering::SeqCst);
+}
+
+/// Exit code of a command that a signal has stopped: 128 and the signal's number.
+pub(super) fn exit_code() -> u8 {
+    let signal = SIGNAL.load(Ordering::SeqCst);
+    u8::try_from(128 + signal).unwrap_or(u8::MAX)
+}
+
+/// Ends the process, where a signal has come and there is nothing to keep.
+pub(super) fn end() -> ! {
+    exit_interrupted(i32::from(exit_code()))
+}
+
+/// Listens to signals, for the rest of the process.
+pub(super) fn listen() {
+    static LISTENING: Once = Once::new();
+    // Where nothing listens a signal ends the process, which is safe: files appear whole or not at all.
+    LISTENING.call_once(|| {
+        let _ = listen_on_a_thread();
+    });
+}
+
+#[cfg(unix)]
+fn listen_on_a_thread() -> std::io::Result<()> {
+    use signal_hook::consts::{SIGINT, SIGTERM};
+    // SIGHUP keeps its effect, so that `nohup` can take it away.
+    let mut signals = signal_hook::iterator::Signals::new([SIGINT, SIGTERM])?;
+    let listener = thread::Builder::new().name("signals".to_owned());
+    listener.spawn(move || signals.forever().for_each(heard))?;
+    Ok(())
+}
+
+#[cfg(not(unix))]
+fn listen_on_a_thread() -> Result<(), ctrlc::Error> {
+    const SIGINT: i32 = 2;
+    ctrlc::set_handler(|| heard(SIGINT))
+}
+
+fn heard(signal: i32) {
+    if SIGNAL.compare_exchange(0, signal, Ordering::SeqCst, Ordering::SeqCst) != Ok(0) {
+        std::process::exit(128 + signal);
+    }
+    FLAG.store(true, Ordering::SeqCst);
+    let end = move || {
+        wait();
+        say("interrupted\n");
+        exit_interrupted(128 + signal);
+    };
+    if thread::Builder::new().spawn(end).is_err() {
+        exit_interrupted(128 + signal);
+    }
+}
+
+/// Waits while the command stops by itself, within bounds.
+fn wait() {
+    let begun = Instant::now();
+    let work = work_done();
+    let stops = || STOPS_BY_ITSELF.load(Ordering::SeqCst);
+    while stops() && begun.elapsed() < MOST_WAIT && work_done().saturating_sub(work) < MOST_WORK {
+        thread::sleep(LOOK);
+    }
+}
+
+/// Processor time of all threads so far.
+#[cfg(unix)]
+fn work_done() -> Duration {
+    let clock = nix::time::ClockId::CLOCK_PROCESS_CPUTIME_ID.now();
+    clock.map_or(Duration::ZERO, Duration::from)
+}
+
+/// Elsewhere the clock on the wall has to do.
+#[cfg(not(unix))]
+fn work_done() -> Duration {
+    static BEGUN: std::sync::OnceLock<Instant> = std::sync::OnceLock::new();
+    BEGUN.get_or_init(Instant::now).elapsed()
+}
+
+/// Says something, unless nobody takes it.
+fn say(text: &'static str) {
+    let (said, done) = mpsc::channel();
+    let spawned = thread::Builder::new().spawn(move || {
+        terminal::note(text);
+        let _ = said.send(());
+    });
+    if spawned.is_ok() {
+        let _ = done.recv_timeout(LAST_WORDS);
+    }
+}

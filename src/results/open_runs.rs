@@ -1,0 +1,116 @@
+//! The runs that this process writes now. When a signal ends the process, their directories say so.
+
+use super::manifest::{Manifest, NAME, RunRecord};
+use super::{SUMMARY, TEMPORARY, restated, temporary};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+/// A run under way.
+#[derive(Debug)]
+pub(super) struct OpenRun {
+    pub(super) path: PathBuf,
+    pub(super) command: String,
+    pub(super) digest: String,
+    /// Whether it computes results. False for files that are made of a finished run.
+    pub(super) computes: bool,
+    /// Whether the command writes `summary.json`.
+    pub(super) has_summary: bool,
+    /// Whether no other process writes to the directory.
+    pub(super) is_alone: bool,
+}
+
+/// Whoever holds this lock may write results. A signal takes it before it ends the process, so that no write is cut.
+static OPEN: Mutex<Vec<OpenRun>> = Mutex::new(Vec::new());
+
+fn open() -> MutexGuard<'static, Vec<OpenRun>> {
+    // A thread that panicked has left a list that is whole.
+    OPEN.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Does a write that no signal cuts short.
+pub fn undivided<T>(write: impl FnOnce() -> T) -> T {
+    let _open = open();
+    write()
+}
+
+/// Begins a run with its first write, or ends it with its last: a signal comes before or after both.
+pub(super) fn begin<T>(run: OpenRun, first: impl FnOnce() -> T) -> T {
+    let mut open = open();
+    open.push(run);
+    first()
+}
+
+/// See [`begin`].
+pub(super) fn end<T>(path: &Path, last: impl FnOnce() -> T) -> T {
+    let mut open = open();
+    open.retain(|run| run.path != path);
+    last()
+}
+
+/// Records every run under way as interrupted, then ends the process: nothing is written in between.
+pub fn exit_interrupted(code: i32) -> ! {
+    let mut open = open();
+    for run in open.drain(..) {
+        if run.computes {
+            // Where the disk does not take it, run.json says that the run has not finished, which is true.
+            let _ = run.record_interruption();
+        }
+        if run.is_alone {
+            clear(&run.path);
+        }
+    }
+    std::process::exit(code)
+}
+
+impl OpenRun {
+    fn record_interruption(&self) -> io::Result<()> {
+        let mut manifest = Manifest::read(&self.path).map_err(io::Error::other)?;
+        let is_own = |run: &RunRecord| run.is_of(&self.command, &self.digest);
+        let had_summary = manifest.author(SUMMARY).is_some_and(is_own);
+        for run in &mut manifest.runs {
+            let own = is_own(run);
+            if own {
+                run.finished = false;
+                run.interrupted = true;
+            }
+            if self.has_summary && own && !run.wrote(SUMMARY) {
+                run.files.push(SUMMARY.to_owned());
+            } else if self.has_summary && !own {
+                run.files.retain(|name| name != SUMMARY);
+            }
+        }
+        put(&self.path, NAME, manifest.text().as_bytes())?;
+        if !self.has_summary {
+            return Ok(());
+        }
+        let former = std::fs::read_to_string(self.path.join(SUMMARY));
+        let text = former
+            .ok()
+            .filter(|text| had_summary && text.starts_with('{'));
+        let text = text.unwrap_or_else(|| {
+            let command = serde_json::Value::from(self.command.as_str());
+            format!("{{\n  \"command\": {command}\n}}\n")
+        });
+        put(&self.path, SUMMARY, restated(&text, false, true).as_bytes())
+    }
+}
+
+/// Removes temporary files and the lock: they are this process's.
+fn clear(directory: &Path) {
+    for entry in std::fs::read_dir(directory).into_iter().flatten().flatten() {
+        let is_file = entry.file_type().is_ok_and(|kind| kind.is_file());
+        if is_file && entry.file_name().to_string_lossy().starts_with(TEMPORARY) {
+            let _ = std::fs::remove_file(entry.path());
+        }
+    }
+}
+
+/// Writes a file beside its place, then moves it there.
+pub(super) fn put(directory: &Path, name: &str, contents: &[u8]) -> io::Result<()> {
+    let mut file = temporary(directory)?;
+    file.write_all(contents)?;
+    file.flush()?;
+    file.persist(directory.join(name)).map_err(|e| e.error)?;
+    Ok(())
+}

@@ -1,0 +1,143 @@
+//! Signals: the first one ends a run, and what it leaves says so.
+
+use super::*;
+use serde_json::Value;
+use std::time::{Duration, Instant};
+
+fn json(bench: &Bench, name: &str) -> Value {
+    serde_json::from_str(&bench.read(name)).unwrap()
+}
+
+/// Waits until a file is there.
+fn wait_for(bench: &Bench, name: &str) {
+    let begun = Instant::now();
+    while !bench.path(name).exists() {
+        assert!(begun.elapsed() < Duration::from_secs(60), "no {name}");
+        std::thread::sleep(Duration::from_millis(1));
+    }
+}
+
+fn signal(process: &Child, name: &str) {
+    let number = process.id().to_string();
+    let sent = Command::new("kill").args([name, &number]).status();
+    assert!(sent.unwrap().success());
+}
+
+fn sample(bench: &Bench, name: &str) {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("studies")
+        .join(name);
+    fs::copy(path, bench.path(name)).unwrap();
+}
+
+/// Builds that were finished are kept: the numbers are those of a run of as many builds, and nothing looks finished.
+#[test]
+fn an_interrupted_tolerance_is_a_shorter_one_and_says_so() {
+    let bench = Bench::new();
+    let study = "double_wishbone_tolerance.toml";
+    sample(&bench, study);
+    let all = ["tolerance", study, "--set", "tolerance.builds=2000000000"];
+    let call = [&all[..], &["--out", "run", "--report"]].concat();
+    for (name, code) in [("-INT", 130), ("-TERM", 143)] {
+        let process = bench.start(&call);
+        wait_for(&bench, "run/run.json");
+        std::thread::sleep(Duration::from_millis(900));
+        signal(&process, name);
+        assert_eq!(
+            process.wait_with_output().unwrap().status.code(),
+            Some(code)
+        );
+        let [summary, run] = ["run/summary.json", "run/run.json"].map(|name| json(&bench, name));
+        for state in [&summary, &run["runs"][0]] {
+            assert_eq!([&state["finished"], &state["interrupted"]], [false, true]);
+        }
+        let Some(builds) = summary["builds"].as_u64() else {
+            // A machine so busy that no block of builds was done.
+            bench.run(&["report", "run"]).code(2);
+            continue;
+        };
+        assert!((1..2_000_000_000).contains(&builds));
+        let fewer = format!("tolerance.builds={builds}");
+        bench
+            .run(&[
+                "tolerance",
+                study,
+                "--set",
+                &fewer,
+                "--out",
+                "fewer",
+                "--force",
+            ])
+            .success();
+        for name in ["tolerance.csv", "curves_p5.csv", "curves.csv"] {
+            let read = |run: &str| bench.read(&format!("{run}/{name}"));
+            assert!(read("run") == read("fewer"), "{name} of {builds} builds");
+        }
+        bench.run(&["report", "run"]).success();
+        assert!(bench.read("run/report.html").contains("Interrupted: "));
+        let finished = json(&bench, "fewer/summary.json");
+        assert_eq!(
+            [&finished["finished"], &finished["interrupted"]],
+            [true, false]
+        );
+    }
+}
+
+/// A run that has nothing to keep ends where it is; the next one makes all of it.
+#[test]
+fn an_interrupted_solve_has_no_results_and_is_run_again() {
+    let bench = Bench::new();
+    let travel = "motion.travel={from=-40.0,to=40.0,steps=60001}";
+    let call = [
+        "solve",
+        "study.toml",
+        "--set",
+        travel,
+        "--out",
+        "run",
+        "--report",
+    ];
+    let process = bench.start(&call);
+    wait_for(&bench, "run/run.json");
+    signal(&process, "-TERM");
+    let ended = process.wait_with_output().unwrap();
+    assert_eq!(ended.status.code(), Some(143));
+    let run = json(&bench, "run/run.json");
+    let state = &run["runs"][0];
+    assert_eq!([&state["finished"], &state["interrupted"]], [false, true]);
+    let summary = json(&bench, "run/summary.json");
+    assert_eq!(
+        [&summary["finished"], &summary["interrupted"]],
+        [false, true]
+    );
+    let names = contents(&bench.path("run"))
+        .into_iter()
+        .map(|(name, _)| name);
+    assert!(!names.into_iter().any(|name| name.starts_with('.')));
+    bench.run(&call).success();
+    let run = json(&bench, "run/run.json");
+    let state = &run["runs"][0];
+    assert_eq!([&state["finished"], &state["interrupted"]], [true, false]);
+    assert_eq!(json(&bench, "run/summary.json")["finished"], true);
+}
+
+/// A report is made of a finished run, which it stays when the report is interrupted; a second signal is obeyed, too.
+#[test]
+fn signals_do_not_unmake_a_finished_run() {
+    let bench = Bench::new();
+    bench
+        .run(&["solve", "study.toml", "--out", "run"])
+        .success();
+    for _ in 0..5 {
+        let process = bench.start(&["report", "run"]);
+        signal(&process, "-INT");
+        signal(&process, "-INT");
+        let ended = process.wait_with_output().unwrap().status;
+        // Before it listens, the signal itself ends it.
+        assert!(matches!(ended.code(), Some(0 | 130) | None), "{ended}");
+        let run = json(&bench, "run/run.json");
+        assert_eq!(run["runs"][0]["finished"], true);
+        assert_eq!(json(&bench, "run/summary.json")["finished"], true);
+    }
+    bench.run(&["report", "run"]).success();
+}

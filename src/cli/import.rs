@@ -1,7 +1,7 @@
 //! `hardpoint import`
 
 use super::exit::{Exit, Stop};
-use super::export::save;
+use super::save::save;
 use super::terminal::note;
 use crate::exchange::{ImportOptions, import, read_points, unit_of};
 use crate::model::{FrameConvention, LengthUnit, Side, Topology};
@@ -49,11 +49,11 @@ pub(super) fn topology(name: &str) -> Result<&'static Topology, String> {
     })
 }
 
-fn unit(name: &str) -> Result<LengthUnit, String> {
+pub(super) fn unit(name: &str) -> Result<LengthUnit, String> {
     unit_of(name).ok_or_else(|| "expected mm, m or in".to_owned())
 }
 
-fn frame(name: &str) -> Result<FrameConvention, String> {
+pub(super) fn frame(name: &str) -> Result<FrameConvention, String> {
     let mut all = FrameConvention::ALL.into_iter();
     all.find(|frame| frame.name() == name)
         .ok_or_else(|| "expected iso8855, sae_j670 or x_rear".to_owned())
@@ -99,7 +99,11 @@ pub(super) fn run(arguments: &ImportArguments) -> Result<Exit, Stop> {
             ))
         })?;
     match &arguments.out {
-        Some(out) => save(out, study.as_bytes(), arguments.force)?,
+        Some(out) => {
+            let inputs = [Some(arguments.file.clone()), arguments.map.clone()];
+            let inputs: Vec<PathBuf> = inputs.into_iter().flatten().collect();
+            save(out, study.as_bytes(), arguments.force, &inputs)?;
+        }
         None => std::io::stdout().write_all(study.as_bytes())?,
     }
     note(&format!(

@@ -6,24 +6,38 @@
 //! that was written.
 
 mod adams;
+mod assetto;
 mod cell;
+mod centre_lines;
 mod compose;
+mod curve_columns;
 mod delimited;
+mod envelope;
 mod export;
 mod hub_face;
 mod import;
 mod map;
 mod names;
+mod optimum_k;
 mod orientation;
+mod outgoing;
 mod points;
 mod rounding;
 mod source;
+mod subsystem;
 mod workbook;
 mod yaml;
 
-pub use export::{Written, csv, into_subsystem, page_of_csv, point_rows, subsystem};
+pub use assetto::suspensions_ini;
+pub use centre_lines::drawing;
+pub use curve_columns::{Tool, curves_in, under_names_of, unit_of_column};
+pub use envelope::{Envelope, Span, Tyre};
+pub use export::{csv, page_of_csv, point_rows};
 pub use import::{Hardpoint, ImportOptions, Imported, import};
+pub use optimum_k::{RowsAndNotes, optimum_k_rows};
+pub use outgoing::Outgoing;
 pub use points::{NamedPoint, PointTable, unit_of};
-pub use rounding::{Loss, Rounded, rounded};
+pub use rounding::{Grid, Loss, Rounded, moved_coordinates, rounded, tuned_coordinates};
 pub use source::read as read_points;
+pub use subsystem::{Written, into_subsystem, subsystem};
 pub use workbook::{Page, Value, workbook};

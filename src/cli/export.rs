@@ -111,7 +111,9 @@ fn span(text: &str) -> Result<Span, String> {
         None => (text, 9),
     };
     if !(2..=MOST_VALUES).contains(&values) {
-        return Err(format!("expected 2 to {MOST_VALUES} values, found {values}"));
+        return Err(format!(
+            "expected 2 to {MOST_VALUES} values, found {values}"
+        ));
     }
     let (first, last) = ends.split_once("..").ok_or_else(expected)?;
     let end = |text: &str| {
@@ -270,7 +272,12 @@ fn curves(source: &Source, arguments: &ExportArguments) -> Result<Vec<u8>, Stop>
     }
     let motion = page.rows.first().map_or(0, Vec::len) - left_out.len();
     let is_named = |cell: &Value| matches!(cell, Value::Text(name) if name.contains('['));
-    if motion == 0 || !named.rows.first().is_some_and(|row| row.iter().any(is_named)) {
+    if motion == 0
+        || !named
+            .rows
+            .first()
+            .is_some_and(|row| row.iter().any(is_named))
+    {
         return Err(Stop::in_file(
             &arguments.source,
             "none of its curves has a name of that tool; docs/exchange.md lists those that do",
@@ -304,19 +311,21 @@ fn envelope(source: &Source, arguments: &ExportArguments) -> Result<Vec<u8>, Sto
         radius: outgoing.length(radius) + grow,
         width: outgoing.length(width) + 2.0 * grow,
     };
-    let envelope = Envelope::of(&outgoing, tyre, travel, rack).map_err(|reason| {
-        Stop::not_met(format!("{}: {reason}", arguments.source.display()))
-    })?;
+    let envelope = Envelope::of(&outgoing, tyre, travel, rack)
+        .map_err(|reason| Stop::not_met(format!("{}: {reason}", arguments.source.display())))?;
     let unit = outgoing.unit.symbol();
-    let small = outgoing.unit.convert(0.01, LengthUnit::Millimetre);
-    let shown = |length: f64| (length / small).round() * small;
+    let digits = match outgoing.unit {
+        LengthUnit::Millimetre => 2,
+        LengthUnit::Inch => 3,
+        LengthUnit::Metre => 5,
+    };
     note(&format!(
-        "{} solids, one for each pose, {} triangles, in {unit} and {}. Neighbouring poses are up to {:.6} {unit} apart; \
+        "{} solids, one for each pose, {} triangles, in {unit} and {}. Neighbouring poses are up to {:.digits$} {unit} apart; \
          more values (/N) bring them closer.\n",
         envelope.solids.len(),
         envelope.triangles(),
         outgoing.convention.name(),
-        shown(envelope.widest_step)
+        envelope.widest_step
     ));
     if arguments.grow.is_none() {
         note(&format!(

@@ -132,13 +132,17 @@ impl Source {
         // In a run the tuned coordinates are those that differ; a study says which ones may.
         if !self.is_tuning() {
             let tuned = tuned_coordinates(study);
-            free.iter_mut().zip(tuned).for_each(|(f, tuned)| *f |= tuned);
+            free.iter_mut()
+                .zip(tuned)
+                .for_each(|(f, tuned)| *f |= tuned);
         }
         if all {
             free.fill(true);
         }
         if !free.contains(&true) {
-            note("no coordinate was moved or tuned, so none is rounded; --round-all rounds every one\n");
+            note(
+                "no coordinate was moved or tuned, so none is rounded; --round-all rounds every one\n",
+            );
         }
         let unit = self.unit.unwrap_or(study.suspension.length_unit);
         let grid = Grid { step, unit };
@@ -155,7 +159,9 @@ impl Source {
     fn set_other_curves_aside(&mut self, before: &[Vector3<f64>]) {
         let Some(study) = &self.study else { return };
         let manifest = Manifest::read(&self.path).unwrap_or_default();
-        let author = manifest.author("curves.csv").map(|run| run.command.as_str());
+        let author = manifest
+            .author("curves.csv")
+            .map(|run| run.command.as_str());
         let of_points = match (self.is_tuning(), author) {
             (true, Some("optimise")) => {
                 // The tuned points, unless they were rounded or changed.

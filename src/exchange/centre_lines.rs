@@ -78,7 +78,13 @@ impl Drawing {
         self.entity("TEXT", layer, &[(10, at)]);
         let plain: String = text
             .chars()
-            .map(|c| if c.is_ascii_graphic() || c == ' ' { c } else { '?' })
+            .map(|c| {
+                if c.is_ascii_graphic() || c == ' ' {
+                    c
+                } else {
+                    '?'
+                }
+            })
             .collect();
         let _ = write!(self.entities, "40\n{height}\n1\n{plain}\n");
     }

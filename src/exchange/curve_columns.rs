@@ -141,7 +141,9 @@ fn sign(outgoing: &Outgoing<'_>, stem: &str) -> f64 {
     if ["knuckle_omega_", "knuckle_alpha_"].contains(&of) {
         return by_rack * own.turn_sign(axis) * file.turn_sign(axis);
     }
-    let point = ["_", "_v", "_a"].iter().find_map(|end| of.strip_suffix(end));
+    let point = ["_", "_v", "_a"]
+        .iter()
+        .find_map(|end| of.strip_suffix(end));
     let mechanism = &outgoing.study.suspension.mechanism;
     match point.is_some_and(|name| mechanism.point(name).is_some()) {
         true => by_rack * along(axis),
@@ -219,7 +221,11 @@ pub fn under_names_of(tool: Tool, outgoing: &Outgoing<'_>, page: &Page) -> (Page
         let mut known = tool.names().iter();
         match known.find(|(ours, ..)| *ours == stem) {
             Some((_, theirs, sign)) => {
-                columns.push((number, tool.column(theirs, side, &unit.replace('_', " ")), *sign));
+                columns.push((
+                    number,
+                    tool.column(theirs, side, &unit.replace('_', " ")),
+                    *sign,
+                ));
             }
             None if is_motion(stem) => columns.push((number, name.clone(), 1.0)),
             None => left_out.push(name.clone()),

@@ -157,7 +157,10 @@ fn poses(
             let unit = own.symbol();
             let travel = station.travel.unwrap_or(f64::NAN);
             let rack = station.rack;
-            format!("{} wheel at travel {travel} {unit}, rack {rack} {unit}", side.name())
+            format!(
+                "{} wheel at travel {travel} {unit}, rack {rack} {unit}",
+                side.name()
+            )
         };
         if let Status::Failed(failure) = station.status {
             return Err(format!("{}: {}", at(), failure.describe(own, frame)));
@@ -167,10 +170,13 @@ fn poses(
         let [camber, toe, x, y, z] = values[..] else {
             return Err(format!("{}: expected angles and a point", at()));
         };
-        let SpinAxis::Along(axis) = SpinAxis::standing(camber.to_radians(), toe.to_radians()) else {
+        let SpinAxis::Along(axis) = SpinAxis::standing(camber.to_radians(), toe.to_radians())
+        else {
             unreachable!("angles give a direction")
         };
-        let centre = frame.vector(Vector3::new(x, y, z)).map(|x| outgoing.length(x));
+        let centre = frame
+            .vector(Vector3::new(x, y, z))
+            .map(|x| outgoing.length(x));
         poses.push([file.vector(centre), file.vector(axis)]);
     }
     Ok(poses)

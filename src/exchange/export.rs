@@ -64,7 +64,7 @@ pub fn csv(rows: &[Vec<Value>]) -> Vec<u8> {
     let mut writer = csv::WriterBuilder::new()
         .flexible(true)
         .from_writer(Vec::new());
-    let columns = rows.first().map_or(0, Vec::len);
+    let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
     for row in rows {
         let cell = |column: usize| match row.get(column) {
             Some(Value::Text(text)) => text.clone(),

@@ -6,7 +6,6 @@
 //! that was written.
 
 mod adams;
-mod assetto;
 mod cell;
 mod centre_lines;
 mod compose;
@@ -18,26 +17,27 @@ mod hub_face;
 mod import;
 mod map;
 mod names;
-mod optimum_k;
+mod optimum_table;
 mod orientation;
 mod outgoing;
 mod points;
 mod rounding;
 mod source;
 mod subsystem;
+mod suspensions_ini;
 mod workbook;
 mod yaml;
 
-pub use assetto::suspensions_ini;
 pub use centre_lines::drawing;
 pub use curve_columns::{Tool, curves_in, under_names_of, unit_of_column};
 pub use envelope::{Envelope, Span, Tyre};
 pub use export::{csv, page_of_csv, point_rows};
 pub use import::{Hardpoint, ImportOptions, Imported, import};
-pub use optimum_k::{RowsAndNotes, optimum_k_rows};
+pub use optimum_table::{RowsAndNotes, optimum_k_rows};
 pub use outgoing::Outgoing;
 pub use points::{NamedPoint, PointTable, unit_of};
 pub use rounding::{Grid, Loss, Rounded, moved_coordinates, rounded, tuned_coordinates};
 pub use source::read as read_points;
 pub use subsystem::{Written, into_subsystem, subsystem};
+pub use suspensions_ini::suspensions_ini;
 pub use workbook::{Page, Value, workbook};

@@ -202,6 +202,11 @@ impl Words {
     /// A name in words.
     pub(super) fn of(name: &str) -> Self {
         let mut cut = cut(name);
+        // The unit behind a length, as our own tables write it: `wheel_radius_in`.
+        let is_unit = |word: &String| super::points::unit_of(word).is_some();
+        if cut.iter().any(|word| word == "radius") && cut.last().is_some_and(is_unit) {
+            cut.pop();
+        }
         // A side stands first or last.
         let mut side = None;
         for at_end in [false, true] {

@@ -1,9 +1,7 @@
 //! A study's wheels as they go out: points in the unit and the axes of the receiver.
 
 use super::rounding::Rounded;
-use crate::model::{
-    Axis, Frame, FrameConvention, LengthUnit, PointId, Side, SpinAxis, Suspension,
-};
+use crate::model::{Axis, Frame, FrameConvention, LengthUnit, PointId, Side, SpinAxis, Suspension};
 use crate::number::Vector3;
 use crate::study::Study;
 use toml_edit::Document;

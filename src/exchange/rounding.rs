@@ -347,7 +347,10 @@ mod tests {
             let before = Problem::new(&study, grid, &all).before;
             let written = rounded.coordinates.iter().flatten();
             for (before, after) in before.iter().zip(written) {
-                assert!((after - before).abs() <= step * (1.0 + 1e-9), "{before} {after}");
+                assert!(
+                    (after - before).abs() <= step * (1.0 + 1e-9),
+                    "{before} {after}"
+                );
                 assert_eq!(grid.length((after / step).round()), *after);
             }
             // The curves are of the points that are written.

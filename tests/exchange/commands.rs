@@ -59,11 +59,15 @@ fn a_table_goes_out_and_comes_back_on_the_command_line() {
 #[test]
 fn rounding_says_what_it_costs() {
     let study = sample("macpherson_front.toml");
-    let rounded = hardpoint(&["export", &study, "--to", "csv", "--round", "10"])
+    let rounded = ["export", &study, "--to", "csv", "--round", "10"];
+    let rounded = hardpoint(&[&rounded[..], &["--round-all"]].concat())
         .assert()
         .success();
     let said = text(&rounded.get_output().stderr);
-    assert!(said.contains("rounded to 10 mm: misfit"), "{said}");
+    assert!(
+        said.contains("27 of 27 coordinates rounded to 10 mm: misfit"),
+        "{said}"
+    );
     // In figures as other tables have them.
     let of_camber = said.lines().find(|line| line.starts_with("  camber_deg"));
     let change = of_camber.unwrap().split_whitespace().last().unwrap();

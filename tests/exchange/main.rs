@@ -1,6 +1,8 @@
 //! Points out to other tools and back: the same doubles; and files as they should not be.
 
 mod commands;
+mod export_commands;
+mod exports;
 mod hostile;
 mod round_trips;
 mod schema;

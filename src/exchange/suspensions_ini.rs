@@ -60,7 +60,8 @@ pub fn suspensions_ini(outgoing: &Outgoing<'_>) -> Result<Written, String> {
     }
     if outgoing.different_wheels().len() > 1 {
         return Err(
-            "axle.right: suspensions.ini has one wheel for both sides, and this axle's differ".to_owned(),
+            "axle.right: suspensions.ini has one wheel for both sides, and this axle's differ"
+                .to_owned(),
         );
     }
     let metres = |length: f64| LengthUnit::Metre.convert(length, outgoing.unit);
@@ -72,7 +73,8 @@ pub fn suspensions_ini(outgoing: &Outgoing<'_>) -> Result<Written, String> {
         from.map(|length| shortest(metres(length) + 0.0)).join(", ")
     };
     let vehicle = &suspension.vehicle;
-    let own_metres = |length: f64| shortest(LengthUnit::Metre.convert(length, suspension.length_unit));
+    let own_metres =
+        |length: f64| shortest(LengthUnit::Metre.convert(length, suspension.length_unit));
     let [camber, toe] = outgoing.static_angles(side);
 
     let mut file = "; suspensions.ini by hardpoint: geometry alone; springs, dampers, stops and masses are to be \
@@ -105,7 +107,10 @@ pub fn suspensions_ini(outgoing: &Outgoing<'_>) -> Result<Written, String> {
         }
         _ => {
             file += "; BASEY=   ; needs [wheel] radius and [vehicle] cg_height\n";
-            notes.push("BASEY is to be filled in: it needs [wheel] radius and [vehicle] cg_height".to_owned());
+            notes.push(
+                "BASEY is to be filled in: it needs [wheel] radius and [vehicle] cg_height"
+                    .to_owned(),
+            );
         }
     }
     file += "RIM_OFFSET=0\n";
@@ -126,10 +131,14 @@ pub fn suspensions_ini(outgoing: &Outgoing<'_>) -> Result<Written, String> {
     let points = mechanism.points.iter().filter(|point| !known(&point.name));
     let absent: Vec<&str> = points.map(|point| point.name.as_str()).collect();
     if !absent.is_empty() {
-        notes.push(format!("left out, without a place in the file: {}", absent.join(", ")));
+        notes.push(format!(
+            "left out, without a place in the file: {}",
+            absent.join(", ")
+        ));
     }
     notes.push(
-        "the place of the axle in the car is not held: points are relative to the wheel centre".to_owned(),
+        "the place of the axle in the car is not held: points are relative to the wheel centre"
+            .to_owned(),
     );
     Ok(Written {
         bytes: file.into_bytes(),

@@ -35,8 +35,8 @@ const ARMS: [(&str, &str); 8] = [
 const ROCKER: [(&str, &str); 6] = [
     ("ROD_outer", "NSMA_PPAttPnt_L"),
     ("spring_upper", "CHAS_AttPnt_L"),
-    ("rocker_pivot_front", "CHAS_RocAxi_L"),
-    ("rocker_pivot_rear", "CHAS_RocPiv_L"),
+    ("rocker_pivot_rear", "CHAS_RocAxi_L"),
+    ("rocker_pivot_front", "CHAS_RocPiv_L"),
     ("ROD_inner", "ROCK_RodPnt_L"),
     ("spring_lower", "ROCK_CoiPnt_L"),
 ];
@@ -69,7 +69,10 @@ pub fn optimum_k_rows(outgoing: &Outgoing<'_>) -> Result<RowsAndNotes, String> {
         notes: Vec::new(),
     };
     table.title();
-    table.points("Double A-Arm", &ARMS.map(|(own, name)| (own.to_owned(), name)));
+    table.points(
+        "Double A-Arm",
+        &ARMS.map(|(own, name)| (own.to_owned(), name)),
+    );
     table.rocker();
     table.bar();
     table.wheels()?;
@@ -158,7 +161,10 @@ impl Table<'_> {
             return;
         };
         let along = |side| self.outgoing.place(side, outer) - self.outgoing.place(side, inner);
-        let lies_across = Side::ALL.map(along).iter().all(|d| d.x == 0.0 && d.z == 0.0);
+        let lies_across = Side::ALL
+            .map(along)
+            .iter()
+            .all(|d| d.x == 0.0 && d.z == 0.0);
         if !lies_across {
             self.notes.push(
                 "left out: the anti-roll bar, whose axis does not lie across the car (the file has one point of it)"
@@ -169,7 +175,7 @@ impl Table<'_> {
         self.points("U-Bar", &BAR.map(|(own, name)| (own.to_owned(), name)));
         self.written.push("anti_roll_bar_inner".to_owned());
         self.notes
-            .push("anti_roll_bar_inner is not held: the bar's axis lies across the car".to_owned());
+            .push("anti_roll_bar_inner is not held: the file has one point of the bar's axis on each side".to_owned());
     }
 
     fn wheels(&mut self) -> Result<(), String> {
@@ -178,7 +184,9 @@ impl Table<'_> {
             "[wheel] radius is missing: OptimumKinematics gives the wheel by half track and tyre diameter",
         )?;
         let radius = self.outgoing.length(radius);
-        let width = suspension.tyre_width.map(|width| self.outgoing.length(width));
+        let width = suspension
+            .tyre_width
+            .map(|width| self.outgoing.length(width));
         let of_sides = Side::ALL.map(|side| {
             let axis = self.outgoing.spin_axis(side);
             let centre = self.outgoing.place(side, suspension.mechanism.wheel_centre);
@@ -261,12 +269,17 @@ impl Table<'_> {
         let names = points.map(|point| point.name.clone());
         let absent: Vec<String> = names.filter(|name| !self.written.contains(name)).collect();
         if !absent.is_empty() {
-            self.notes
-                .push(format!("left out, without a place in the file: {}", absent.join(", ")));
+            self.notes.push(format!(
+                "left out, without a place in the file: {}",
+                absent.join(", ")
+            ));
         }
         if self.outgoing.study.axle.is_none() {
             let (_, side) = self.outgoing.study.suspension.frame.meaning();
-            let note = format!("the study is of the {} wheel; the other is its mirror image", side.name());
+            let note = format!(
+                "the study is of the {} wheel; the other is its mirror image",
+                side.name()
+            );
             self.notes.push(note);
         }
         self.notes

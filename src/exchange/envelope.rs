@@ -186,7 +186,7 @@ fn poses(
 type Rings = [Vec<Vector3<f64>>; 2];
 
 fn corners([centre, axis]: WheelPose, tyre: Tyre) -> Rings {
-    // Right-handed with the axis, upward first.
+    // up, across and axis are right-handed: corners go counter-clockwise seen from outboard.
     let up = match axis.z.abs() < 0.9 {
         true => Vector3::new(0.0, 0.0, 1.0),
         false => Vector3::new(1.0, 0.0, 0.0),
@@ -199,7 +199,7 @@ fn corners([centre, axis]: WheelPose, tyre: Tyre) -> Rings {
         let middle = centre + axis * (half * tyre.width);
         let corner = |k: usize| {
             let (sine, cosine) = (2.0 * PI * k as f64 / CORNERS as f64).sin_cos();
-            middle + (up * cosine - across * sine) * radius
+            middle + (up * cosine + across * sine) * radius
         };
         (0..CORNERS).map(corner).chain([middle]).collect()
     })

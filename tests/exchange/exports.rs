@@ -273,6 +273,10 @@ fn curves_are_those_of_the_study_in_the_other_unit_and_axes() {
                 for (found, expected) in found.rows[1..].iter().zip(&expected.rows[1..]) {
                     let name = &expected_name(&own, column);
                     match (&found[column], &expected[column]) {
+                        // The travel is the wheel centre's height: its second derivative is rounding.
+                        (Value::Number(a), Value::Number(b)) if scale < 1e-12 => {
+                            assert!(a.abs() < 1e-12 && b.abs() < 1e-12, "{name}: {a} {b}");
+                        }
                         (Value::Number(a), Value::Number(b)) => {
                             assert!((a - b).abs() <= 1e-9 * scale, "{name}: {a} {b}");
                         }

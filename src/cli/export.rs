@@ -6,8 +6,9 @@ use super::import::{frame, unit};
 use super::save::save;
 use super::terminal::note;
 use crate::exchange::{
-    Envelope, Page, Span, Tool, Tyre, Value, Written, csv, curves_in, drawing, into_subsystem,
-    optimum_k_rows, point_rows, subsystem, suspensions_ini, under_names_of, workbook,
+    Envelope, Page, Span, Tool, Tyre, Value, Written, bytes_of, csv, curves_in, drawing,
+    into_subsystem, optimum_k_rows, point_rows, subsystem, suspensions_ini, under_names_of,
+    workbook,
 };
 use crate::model::{FrameConvention, LengthUnit};
 use clap::{Args, ValueEnum};
@@ -230,7 +231,7 @@ fn adams(source: &Source, arguments: &ExportArguments) -> Result<Written, Stop> 
         ));
     }
     let refused = |reason: String| Stop::in_file(path, reason);
-    let file = std::fs::read(path).map_err(|error| refused(error.to_string()))?;
+    let file = bytes_of(path).map_err(refused)?;
     into_subsystem(&outgoing, &file).map_err(refused)
 }
 
@@ -320,8 +321,8 @@ fn envelope(source: &Source, arguments: &ExportArguments) -> Result<Vec<u8>, Sto
         LengthUnit::Metre => 5,
     };
     note(&format!(
-        "{} solids, one for each pose, {} triangles, in {unit} and {}. Neighbouring poses are up to {:.digits$} {unit} apart; \
-         more values (/N) bring them closer.\n",
+        "{} solids, one for each pose, {} triangles; unit {unit}, frame {}. Neighbouring poses are up to {:.digits$} {unit} \
+         apart; more values (/N) bring them closer.\n",
         envelope.solids.len(),
         envelope.triangles(),
         outgoing.convention.name(),

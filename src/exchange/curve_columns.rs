@@ -210,12 +210,12 @@ pub fn under_names_of(tool: Tool, outgoing: &Outgoing<'_>, page: &Page) -> (Page
         let start = unit_start(name);
         let (stem, unit) = (&name[..start], name[start..].trim_start_matches('_'));
         let sides = Side::ALL.into_iter();
-        let of_side = sides.filter_map(|side| {
+        let mut of_side = sides.filter_map(|side| {
             let stem = stem.strip_prefix(side.name())?.strip_prefix('_')?;
             Some((side, stem))
         });
         let (side, stem) = match outgoing.study.axle {
-            Some(_) => of_side.last().unwrap_or((own, stem)),
+            Some(_) => of_side.next().unwrap_or((own, stem)),
             None => (own, stem),
         };
         let mut known = tool.names().iter();

@@ -37,7 +37,7 @@ pub use optimum_table::{RowsAndNotes, optimum_k_rows};
 pub use outgoing::Outgoing;
 pub use points::{NamedPoint, PointTable, unit_of};
 pub use rounding::{Grid, Loss, Rounded, moved_coordinates, rounded, tuned_coordinates};
-pub use source::read as read_points;
+pub use source::{bytes_of, read as read_points};
 pub use subsystem::{Written, into_subsystem, subsystem};
 pub use suspensions_ini::suspensions_ini;
 pub use workbook::{Page, Value, workbook};

@@ -13,7 +13,7 @@ const MOST_BYTES: u64 = 64 << 20;
 
 /// The points of a file; `sheet` names one of a workbook.
 pub fn read(path: &Path, sheet: Option<&str>) -> Result<PointTable, String> {
-    let bytes = bytes(path)?;
+    let bytes = bytes_of(path)?;
     let is_workbook = bytes.starts_with(b"PK\x03\x04");
     if !is_workbook && let Some(sheet) = sheet {
         return Err(format!(
@@ -44,7 +44,8 @@ pub fn read(path: &Path, sheet: Option<&str>) -> Result<PointTable, String> {
 const NO_POINTS: &str = "it has no table of points: a header with a column of names and the columns x, y and z, \
                          or lines of a name and three numbers, or names with three numbers in JSON or YAML";
 
-fn bytes(path: &Path) -> Result<Vec<u8>, String> {
+/// The bytes of a file, unless it is larger than any table of hardpoints.
+pub fn bytes_of(path: &Path) -> Result<Vec<u8>, String> {
     if path.is_dir() {
         return Err("it is a directory".to_owned());
     }

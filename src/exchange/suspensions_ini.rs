@@ -7,12 +7,13 @@
 
 use super::outgoing::Outgoing;
 use super::subsystem::Written;
-use crate::model::{AxlePosition, LengthUnit, PointId};
+use crate::model::{AxlePosition, LengthUnit, PointId, Side};
+use crate::number::Vector3;
 use crate::report::shortest;
 use std::fmt::Write;
 
 /// Keys of a double wishbone and their hardpoints.
-const DOUBLE_WISHBONE: &[(&str, &str)] = &[
+const DOUBLE_WISHBONE: Keys = &[
     ("WBCAR_TOP_FRONT", "upper_arm_front"),
     ("WBCAR_TOP_REAR", "upper_arm_rear"),
     ("WBCAR_BOTTOM_FRONT", "lower_arm_front"),
@@ -24,7 +25,7 @@ const DOUBLE_WISHBONE: &[(&str, &str)] = &[
 ];
 
 /// Keys of a strut and their hardpoints.
-const STRUT: &[(&str, &str)] = &[
+const STRUT: Keys = &[
     ("STRUT_CAR", "strut_top"),
     ("STRUT_TYRE", "strut_lower"),
     ("WBCAR_BOTTOM_FRONT", "lower_arm_front"),
@@ -40,9 +41,54 @@ const STRUT: &[(&str, &str)] = &[
 ///
 /// The topology has no place there, or the wheels of the axle differ.
 pub fn suspensions_ini(outgoing: &Outgoing<'_>) -> Result<Written, String> {
-    let suspension = &outgoing.study.suspension;
-    let mechanism = &suspension.mechanism;
-    let (kind, keys) = match mechanism.topology.name {
+    let (kind, keys) = kind(outgoing)?;
+    let mechanism = &outgoing.study.suspension.mechanism;
+    let mut ini = Ini {
+        outgoing,
+        side: outgoing.study.suspension.frame.meaning().1,
+        file: HEAD.to_owned(),
+        notes: Vec::new(),
+    };
+    ini.basic();
+    ini.section(kind);
+    for (key, name) in keys {
+        let id = mechanism.point(name).expect("the topology requires it");
+        ini.line(key, &ini.relative(id));
+    }
+    ini.angles();
+    let known = |name: &str| name == "wheel_centre" || keys.iter().any(|(_, own)| *own == name);
+    let points = mechanism.points.iter().filter(|point| !known(&point.name));
+    let absent: Vec<&str> = points.map(|point| point.name.as_str()).collect();
+    if !absent.is_empty() {
+        let absent = absent.join(", ");
+        ini.notes
+            .push(format!("left out, without a place in the file: {absent}"));
+    }
+    ini.notes.push(
+        "the place of the axle in the car is not held: points are relative to the wheel centre"
+            .to_owned(),
+    );
+    Ok(Written {
+        bytes: ini.file.into_bytes(),
+        notes: ini.notes,
+    })
+}
+
+const HEAD: &str = "; suspensions.ini by hardpoint: geometry alone; springs, dampers, stops and masses are to be added
+; metres and degrees; points relative to the wheel centre: x inboard, y up, z forward
+[HEADER]
+VERSION=2
+
+[BASIC]
+";
+
+/// Keys and the hardpoints that they hold.
+type Keys = &'static [(&'static str, &'static str)];
+
+/// The `TYPE` of a study, and its keys.
+fn kind(outgoing: &Outgoing<'_>) -> Result<(&'static str, Keys), String> {
+    let mechanism = &outgoing.study.suspension.mechanism;
+    let kind = match mechanism.topology.name {
         "double_wishbone" => ("DWB", DOUBLE_WISHBONE),
         "macpherson" => ("STRUT", STRUT),
         other => {
@@ -53,8 +99,8 @@ pub fn suspensions_ini(outgoing: &Outgoing<'_>) -> Result<Written, String> {
     };
     if mechanism.strut_upper().is_some() {
         return Err(
-            "strut_upper: the axis of a STRUT runs through STRUT_CAR and STRUT_TYRE alone; leave the point out or \
-             put it on that line"
+            "strut_upper: the axis of a STRUT runs through STRUT_CAR and STRUT_TYRE alone; a strut whose axis does not \
+             end in strut_top has no place in the file"
                 .to_owned(),
         );
     }
@@ -64,84 +110,98 @@ pub fn suspensions_ini(outgoing: &Outgoing<'_>) -> Result<Written, String> {
                 .to_owned(),
         );
     }
-    let metres = |length: f64| LengthUnit::Metre.convert(length, outgoing.unit);
-    let side = suspension.frame.meaning().1;
-    let centre = outgoing.place(side, mechanism.wheel_centre);
-    let relative = |id: PointId| {
-        let place = outgoing.place(side, id);
-        let from = [centre.y - place.y, place.z - centre.z, place.x - centre.x];
-        from.map(|length| shortest(metres(length) + 0.0)).join(", ")
-    };
-    let vehicle = &suspension.vehicle;
-    let own_metres =
-        |length: f64| shortest(LengthUnit::Metre.convert(length, suspension.length_unit));
-    let [camber, toe] = outgoing.static_angles(side);
+    Ok(kind)
+}
 
-    let mut file = "; suspensions.ini by hardpoint: geometry alone; springs, dampers, stops and masses are to be \
-                    added\n; metres and degrees; points relative to the wheel centre: x inboard, y up, z forward\n\
-                    [HEADER]\nVERSION=2\n"
-        .to_owned();
-    let mut notes = Vec::new();
-    file += "\n[BASIC]\n";
-    match vehicle.wheelbase {
-        Some(length) => writeln!(file, "WHEELBASE={}", own_metres(length)),
-        None => writeln!(file, "; WHEELBASE=   ; not in the study"),
+/// The file as it grows.
+struct Ini<'a> {
+    outgoing: &'a Outgoing<'a>,
+    side: Side,
+    file: String,
+    notes: Vec<String>,
+}
+
+impl Ini<'_> {
+    fn line(&mut self, key: &str, value: &str) {
+        let _ = writeln!(self.file, "{key}={value}");
     }
-    .expect("a text takes everything");
-    file += "; CG_LOCATION=   ; share of the weight on the front axle; not in the study\n";
-    let section = match vehicle.position {
-        Some(AxlePosition::Rear) => "REAR",
-        Some(AxlePosition::Front) => "FRONT",
-        None => {
-            notes.push("[vehicle] position is missing: written as the front axle".to_owned());
-            "FRONT"
+
+    /// A key without a value, for the user to fill in.
+    fn blank(&mut self, key: &str, why: &str) {
+        let _ = writeln!(self.file, "; {key}=   ; {why}");
+    }
+
+    /// A length of the study in metres.
+    fn metres(&self, length: f64) -> f64 {
+        let own = self.outgoing.study.suspension.length_unit;
+        LengthUnit::Metre.convert(length, own)
+    }
+
+    fn centre(&self) -> Vector3<f64> {
+        let id = self.outgoing.study.suspension.mechanism.wheel_centre;
+        self.outgoing.place(self.side, id)
+    }
+
+    /// A point relative to the wheel centre.
+    fn relative(&self, id: PointId) -> String {
+        let from = self.outgoing.place(self.side, id) - self.centre();
+        let metres = |length: f64| LengthUnit::Metre.convert(length, self.outgoing.unit) + 0.0;
+        [-from.y, from.z, from.x]
+            .map(|length| shortest(metres(length)))
+            .join(", ")
+    }
+
+    fn basic(&mut self) {
+        match self.outgoing.study.suspension.vehicle.wheelbase {
+            Some(length) => self.line("WHEELBASE", &shortest(self.metres(length))),
+            None => self.blank("WHEELBASE", "not in the study"),
         }
-    };
-    let _ = write!(file, "\n[{section}]\nTYPE={kind}\n");
-    let _ = writeln!(file, "TRACK={}", shortest(metres(2.0 * centre.y)));
-    match (suspension.wheel_radius, vehicle.cg_height) {
-        (Some(radius), Some(cg)) => {
-            // The contact point lies radius x cos(camber) below the wheel centre.
-            let cosine = (1.0 - outgoing.spin_axis(side).z.powi(2)).sqrt();
-            let _ = writeln!(file, "BASEY={}", own_metres(radius * cosine - cg));
+        let what = "share of the weight on the front axle; not in the study";
+        self.blank("CG_LOCATION", what);
+    }
+
+    fn section(&mut self, kind: &str) {
+        let suspension = &self.outgoing.study.suspension;
+        let vehicle = &suspension.vehicle;
+        let name = match vehicle.position {
+            Some(AxlePosition::Rear) => "REAR",
+            Some(AxlePosition::Front) => "FRONT",
+            None => {
+                let note = "[vehicle] position is missing: written as the front axle";
+                self.notes.push(note.to_owned());
+                "FRONT"
+            }
+        };
+        let _ = write!(self.file, "\n[{name}]\nTYPE={kind}\n");
+        let half = LengthUnit::Metre.convert(self.centre().y, self.outgoing.unit);
+        self.line("TRACK", &shortest(2.0 * half));
+        match (suspension.wheel_radius, vehicle.cg_height) {
+            (Some(radius), Some(cg)) => {
+                // The contact point lies radius x cos(camber) below the wheel centre.
+                let cosine = (1.0 - self.outgoing.spin_axis(self.side).z.powi(2)).sqrt();
+                self.line("BASEY", &shortest(self.metres(radius * cosine - cg)));
+            }
+            _ => {
+                let needs = "needs [wheel] radius and [vehicle] cg_height";
+                self.blank("BASEY", needs);
+                self.notes
+                    .push(format!("BASEY is to be filled in: it {needs}"));
+            }
         }
-        _ => {
-            file += "; BASEY=   ; needs [wheel] radius and [vehicle] cg_height\n";
-            notes.push(
-                "BASEY is to be filled in: it needs [wheel] radius and [vehicle] cg_height"
-                    .to_owned(),
-            );
+        self.line("RIM_OFFSET", "0");
+    }
+
+    fn angles(&mut self) {
+        let [camber, toe] = self.outgoing.static_angles(self.side);
+        self.line("STATIC_CAMBER", &shortest(camber));
+        let what = "0   ; shift of the steering rod's body end, positive outward";
+        self.line("TOE_OUT", what);
+        if toe != 0.0 {
+            self.notes.push(format!(
+                "static toe of {} deg is not held: TOE_OUT is a length, and the points of the file are those of a wheel \
+                 straight ahead",
+                shortest(toe)
+            ));
         }
     }
-    file += "RIM_OFFSET=0\n";
-    for (key, name) in keys {
-        let id = mechanism.point(name).expect("the topology requires it");
-        let _ = writeln!(file, "{key}={}", relative(id));
-    }
-    let _ = writeln!(file, "STATIC_CAMBER={}", shortest(camber));
-    file += "TOE_OUT=0   ; shift of the steering rod's body end, positive outward\n";
-    if toe != 0.0 {
-        notes.push(format!(
-            "static toe of {} deg is not held: TOE_OUT is a length, and the points of the file are those of a wheel \
-             straight ahead",
-            shortest(toe)
-        ));
-    }
-    let known = |name: &str| name == "wheel_centre" || keys.iter().any(|(_, own)| *own == name);
-    let points = mechanism.points.iter().filter(|point| !known(&point.name));
-    let absent: Vec<&str> = points.map(|point| point.name.as_str()).collect();
-    if !absent.is_empty() {
-        notes.push(format!(
-            "left out, without a place in the file: {}",
-            absent.join(", ")
-        ));
-    }
-    notes.push(
-        "the place of the axle in the car is not held: points are relative to the wheel centre"
-            .to_owned(),
-    );
-    Ok(Written {
-        bytes: file.into_bytes(),
-        notes,
-    })
 }

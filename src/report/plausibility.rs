@@ -18,6 +18,7 @@ const STEERING_AXIS_ANGLE: f64 = 30.0;
 const MOTION_RATIO: [f64; 2] = [0.1, 2.0];
 /// Believable lengths, in metres: from a model car to a haul truck.
 const WHEEL_RADIUS: [f64; 2] = [0.02, 2.5];
+const TYRE_WIDTH: [f64; 2] = [0.005, 2.0];
 const WHEELBASE: [f64; 2] = [0.1, 20.0];
 const CG_HEIGHT: [f64; 2] = [0.01, 5.0];
 /// How far a wheel may be off half the track, as a part of it.
@@ -242,12 +243,14 @@ impl<'a> PlausibilityRemarks<'a> {
         let Suspension {
             vehicle,
             wheel_radius,
+            tyre_width,
             length_unit,
             ..
         } = self.suspension;
         let (unit, metre) = (length_unit.symbol(), length_unit.per_metre());
         for (name, length, [least, most]) in [
             ("[wheel] radius", *wheel_radius, WHEEL_RADIUS),
+            ("[wheel] tyre_width", *tyre_width, TYRE_WIDTH),
             ("[vehicle] wheelbase", vehicle.wheelbase, WHEELBASE),
             ("[vehicle] cg_height", vehicle.cg_height, CG_HEIGHT),
         ] {

@@ -2,7 +2,7 @@
 
 use assert_cmd::Command;
 use hardpoint::exchange::{
-    Outgoing, Page, curves_in, page_of_csv, point_rows, read_points, workbook,
+    Outgoing, Page, PointTable, curves_in, page_of_csv, point_rows, read_points, workbook,
 };
 use hardpoint::model::LengthUnit;
 use hardpoint::number::Vector3;
@@ -26,10 +26,13 @@ fn sample(name: &str) -> PathBuf {
         .join(name)
 }
 
+fn table_of(path: &Path, sheet: Option<&str>) -> PointTable {
+    read_points(path, sheet).unwrap()
+}
+
 /// The points of a file by name.
 fn points(path: &Path) -> BTreeMap<String, [f64; 3]> {
-    let table = read_points(path, None).unwrap();
-    let points = table.points.into_iter();
+    let points = table_of(path, None).points.into_iter();
     points
         .map(|point| (point.name, point.position.unwrap()))
         .collect()
@@ -95,7 +98,7 @@ fn a_rounded_workbook_has_the_curves_of_its_points() {
             let outgoing = Outgoing::of(&study, Some(unit), None);
             let csv = Solved::of(&study).unwrap().csv();
             let curves = curves_in(&outgoing, page_of_csv("curves", &csv).unwrap());
-            let table = read_points(&book, Some("hardpoints")).unwrap();
+            let table = table_of(&book, Some("hardpoints"));
             assert_eq!(table.unit, Some(unit));
             let hardpoints = page_of_csv("hardpoints", &exported_points(&call, directory.path()));
             let mut pages = vec![hardpoints.unwrap(), curves];
@@ -383,6 +386,9 @@ fn calls_that_make_no_sense_are_refused() {
         let (_, said) = run(&[&["export", path][..], &more].concat(), 2);
         assert!(said.contains(words), "{words}: {said}");
     }
+    let narrow = ["--to", "dxf", "--set", "wheel.tyre_width=-1.0"];
+    let (_, said) = run(&[&["export", path][..], &narrow].concat(), 2);
+    assert!(said.contains("expected a number above 0"), "{said}");
     assert!(!Path::new(out).exists());
     let far = [
         "--to",

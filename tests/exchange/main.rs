@@ -1,9 +1,12 @@
 //! Points out to other tools and back: the same doubles; and files as they should not be.
 
+mod cad;
 mod commands;
 mod export_commands;
 mod exports;
 mod hostile;
+mod other_tools;
+mod parsers;
 mod round_trips;
 mod schema;
 

@@ -179,10 +179,11 @@ fn every_unit_and_frame_goes_out_and_comes_back() {
                 for of_file in LengthUnit::ALL {
                     let other = subsystem(&Outgoing::of(&study, Some(of_file), None)).bytes;
                     let into = into_subsystem(&outgoing, &other).unwrap().bytes;
-                    let table = file(&directory, "into.sub", &into);
-                    let table = hardpoint::exchange::read_points(&table, None).unwrap();
-                    let other = file(&directory, "other.sub", &other);
-                    let other = hardpoint::exchange::read_points(&other, None).unwrap();
+                    let files = [("into.sub", into), ("other.sub", other)];
+                    let [table, other] = files.map(|(name, bytes)| {
+                        let path = file(&directory, name, &bytes);
+                        hardpoint::exchange::read_points(&path, None).unwrap()
+                    });
                     assert_eq!(table.unit, Some(of_file));
                     for (found, expected) in table.points.iter().zip(&other.points) {
                         let pairs = [&found.position, &expected.position];

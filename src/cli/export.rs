@@ -321,12 +321,12 @@ fn envelope(source: &Source, arguments: &ExportArguments) -> Result<Vec<u8>, Sto
         LengthUnit::Metre => 5,
     };
     note(&format!(
-        "{} solids, one for each pose, {} triangles; unit {unit}, frame {}. Neighbouring poses are up to {:.digits$} {unit} \
-         apart; more values (/N) bring them closer.\n",
+        "{} solids, one for each pose, {} triangles; unit {unit}, frame {}. Between poses the tyre is up to {:.digits$} {unit} \
+         outside of them: more values (/N) make that less, --grow covers it.\n",
         envelope.solids.len(),
         envelope.triangles(),
         outgoing.convention.name(),
-        envelope.widest_step
+        envelope.gap()
     ));
     if arguments.grow.is_none() {
         note(&format!(

@@ -51,8 +51,8 @@ impl Span {
 pub struct Envelope {
     /// One solid for each pose of each wheel: its triangles, corners counter-clockwise seen from outside.
     pub solids: Vec<Vec<[[f32; 3]; 3]>>,
-    /// The largest distance of a corner of a solid from the same corner at a neighbouring pose.
-    pub widest_step: f64,
+    /// The largest distances of a corner of a solid from the same corner at the next travel and at the next rack.
+    pub widest_steps: [f64; 2],
     title: String,
 }
 
@@ -74,7 +74,7 @@ impl Envelope {
         }
         let mut envelope = Envelope {
             solids: Vec::new(),
-            widest_step: 0.0,
+            widest_steps: [0.0; 2],
             title: format!(
                 "tyre envelope by hardpoint; unit {}; frame {}",
                 outgoing.unit.symbol(),
@@ -86,16 +86,26 @@ impl Envelope {
             let travels = travel.all().len();
             for (number, pose) in poses.iter().enumerate() {
                 let corners = corners(*pose, tyre);
-                // The pose before it along travel, and along the rack.
-                let before = (!number.is_multiple_of(travels)).then(|| number - 1);
-                for other in before.into_iter().chain(number.checked_sub(travels)) {
-                    let step = farthest(&corners, &self::corners(poses[other], tyre));
-                    envelope.widest_step = envelope.widest_step.max(step);
+                let before = [
+                    (!number.is_multiple_of(travels)).then(|| number - 1),
+                    number.checked_sub(travels),
+                ];
+                for (other, widest) in before.into_iter().zip(&mut envelope.widest_steps) {
+                    if let Some(other) = other {
+                        let step = farthest(&corners, &self::corners(poses[other], tyre));
+                        *widest = widest.max(step);
+                    }
                 }
                 envelope.solids.push(solid(&corners));
             }
         }
         Ok(envelope)
+    }
+
+    /// Bound on how far a point of the tyre may be outside of all solids at poses between them: the way to the nearest of
+    /// them, half of a step along travel and half of one along the rack.
+    pub fn gap(&self) -> f64 {
+        0.5 * (self.widest_steps[0] + self.widest_steps[1])
     }
 
     /// Number of triangles.

@@ -219,3 +219,49 @@ fn drawings_join_hardpoints() {
         assert_eq!(line.unwrap().layer, layer);
     }
 }
+
+/// At poses between, no corner of the tyre is further outside of all solids than the bound says; with more values the
+/// bound is smaller.
+#[test]
+fn the_gap_between_poses_is_bounded() {
+    let study = of_text(template("double_wishbone"));
+    let outgoing = Outgoing::of(&study, None, None);
+    let tyre = Tyre {
+        radius: 300.0,
+        width: 200.0,
+    };
+    let envelope = |values: usize| {
+        let span = |end: f64| Span {
+            ends: [-end, end],
+            values,
+        };
+        Envelope::of(&outgoing, tyre, span(40.0), span(20.0)).unwrap()
+    };
+    let (coarse, dense) = (envelope(3), envelope(9));
+    assert!(dense.gap() < 0.3 * coarse.gap());
+    let point = |p: [f32; 3]| Vector3::from(p.map(f64::from));
+    // Centre and axis of each solid, from the middles of its rings.
+    let cylinders = coarse.solids.iter().map(|solid| {
+        let [outer, inner] = [point(solid[0][0]), point(solid[1][0])];
+        ((outer + inner) * 0.5, (outer - inner) * (1.0 / tyre.width))
+    });
+    let cylinders: Vec<_> = cylinders.collect();
+    let radius = tyre.radius / (PI / 96.0).cos();
+    let outside = |p: Vector3<f64>| {
+        let of_one = cylinders.iter().map(|(centre, axis)| {
+            let from = p - *centre;
+            let along = from.dot(*axis);
+            let radial = (from.norm_squared() - along * along).max(0.0).sqrt();
+            let [a, b] = [radial - radius, along.abs() - 0.5 * tyre.width].map(|d| d.max(0.0));
+            a.hypot(b)
+        });
+        of_one.fold(f64::INFINITY, f64::min)
+    };
+    let corners = dense.solids.iter().flatten().flatten();
+    let farthest = corners.map(|p| outside(point(*p))).fold(0.0, f64::max);
+    assert!(
+        farthest > 1.0 && farthest <= coarse.gap(),
+        "{farthest} {}",
+        coarse.gap()
+    );
+}

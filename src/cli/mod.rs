@@ -21,6 +21,7 @@ mod output;
 mod printer;
 mod progress;
 mod report;
+mod save;
 mod schema;
 mod setup;
 mod solve;

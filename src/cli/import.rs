@@ -108,7 +108,8 @@ fn length(text: &str) -> Result<f64, String> {
 
 fn body(text: &str) -> Result<(String, String), String> {
     let parts = text.split_once('=');
-    let parts = parts.map(|(hardpoint, body)| (hardpoint.trim().to_owned(), body.trim().to_owned()));
+    let parts =
+        parts.map(|(hardpoint, body)| (hardpoint.trim().to_owned(), body.trim().to_owned()));
     parts.ok_or_else(|| "expected HARDPOINT=BODY, as in drop_link_outer=rocker".to_owned())
 }
 
@@ -234,7 +235,8 @@ fn ask(
         }
         let answer = line.trim();
         let number = answer.parse::<usize>().ok();
-        let by_number = number.filter(|n| (1..=last).contains(n) && question.free.is_none_or(|_| *n <= last));
+        let by_number =
+            number.filter(|n| (1..=last).contains(n) && question.free.is_none_or(|_| *n <= last));
         let chosen = by_number.map(|n| &question.choices[n - 1]);
         let chosen = chosen.or_else(|| question.choices.iter().find(|(_, value)| value == answer));
         if let Some((flag, value)) = chosen {
@@ -256,7 +258,10 @@ fn summary(imported: &Imported, out: Option<Option<&Path>>) -> String {
     let mut text = String::new();
     for hardpoint in &imported.hardpoints {
         let name = hardpoint.name;
-        text += &format!("  {name:longest$}  {:?}, {}\n", hardpoint.called, hardpoint.place);
+        text += &format!(
+            "  {name:longest$}  {:?}, {}\n",
+            hardpoint.called, hardpoint.place
+        );
     }
     for (title, lines) in [
         ("Read and assumed", &imported.notes),
@@ -271,7 +276,9 @@ fn summary(imported: &Imported, out: Option<Option<&Path>>) -> String {
     }
     match out {
         Some(Some(out)) => text += &format!("See it: hardpoint studio {}\n", out.display()),
-        Some(None) => text += "See it: write it with --out STUDY.toml, then hardpoint studio STUDY.toml\n",
+        Some(None) => {
+            text += "See it: write it with --out STUDY.toml, then hardpoint studio STUDY.toml\n"
+        }
         None => (),
     }
     text
@@ -299,7 +306,10 @@ mod tests {
     fn questions_take_answers_that_flags_take() {
         let of_axle = Question {
             reason: String::new(),
-            choices: vec![("--axle", "front".to_owned()), ("--axle", "rear".to_owned())],
+            choices: vec![
+                ("--axle", "front".to_owned()),
+                ("--axle", "rear".to_owned()),
+            ],
             free: None,
         };
         let of_track = Question {
@@ -323,7 +333,10 @@ mod tests {
         };
         said.take("--axle", "rear").unwrap();
         said.take("--half-track", "610").unwrap();
-        assert_eq!((said.axle, said.half_track), (Some(AxlePosition::Rear), Some(610.0)));
+        assert_eq!(
+            (said.axle, said.half_track),
+            (Some(AxlePosition::Rear), Some(610.0))
+        );
         assert!(said.take("--half-track", "wide").is_err());
     }
 }

@@ -7,12 +7,7 @@ use std::path::{Path, PathBuf};
 
 /// Writes a file, whole or not at all. A file that is there is replaced only by force, and one that the command has read
 /// never is.
-pub(super) fn save(
-    out: &Path,
-    bytes: &[u8],
-    force: bool,
-    inputs: &[PathBuf],
-) -> Result<(), Stop> {
+pub(super) fn save(out: &Path, bytes: &[u8], force: bool, inputs: &[PathBuf]) -> Result<(), Stop> {
     if let Some(input) = inputs.iter().find(|input| are_one_file(input, out)) {
         return Err(Stop::wrong_input(format!(
             "{} is {}, which was read: it is not replaced, not even with --force; give another file with --out",

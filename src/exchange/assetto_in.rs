@@ -47,9 +47,9 @@ pub(super) fn is_ini(path: &Path, text: &str) -> bool {
     let extension = path.extension().and_then(|extension| extension.to_str());
     let is_named = extension.is_some_and(|extension| extension.eq_ignore_ascii_case("ini"));
     is_named
-        || text.lines().any(|line| {
-            matches!(section(line), Some("FRONT" | "REAR")) && text.contains("TRACK")
-        })
+        || text
+            .lines()
+            .any(|line| matches!(section(line), Some("FRONT" | "REAR")) && text.contains("TRACK"))
 }
 
 fn section(line: &str) -> Option<&str> {
@@ -92,10 +92,7 @@ pub(super) fn points_of(text: &str) -> Result<PointTable, String> {
         }
     }
     let file = File(entries);
-    let axles = [
-        ("FRONT", AxlePosition::Front),
-        ("REAR", AxlePosition::Rear),
-    ];
+    let axles = [("FRONT", AxlePosition::Front), ("REAR", AxlePosition::Rear)];
     let mut table = PointTable {
         unit: Some(LengthUnit::Metre),
         declared: Declared::whole(Axes::of(FrameConvention::Iso8855)),
@@ -135,12 +132,7 @@ impl File<'_> {
         number(entry.value, entry.line).map(Some)
     }
 
-    fn axle(
-        &self,
-        name: &str,
-        axle: AxlePosition,
-        table: &mut PointTable,
-    ) -> Result<(), String> {
+    fn axle(&self, name: &str, axle: AxlePosition, table: &mut PointTable) -> Result<(), String> {
         let kind = self.entry(name, "TYPE").map_or("", |entry| entry.value);
         let kind = match kind.to_ascii_uppercase().as_str() {
             "DWB" => Kind::Topology("double_wishbone"),
@@ -152,9 +144,7 @@ impl File<'_> {
                 "[{name}] TYPE=ML is a multilink of five rods in any order, which is not read yet; give its points as a \
                  table of a five_link"
             )),
-            other => Kind::Other(format!(
-                "[{name}] TYPE is {other:?}; expected DWB or STRUT"
-            )),
+            other => Kind::Other(format!("[{name}] TYPE is {other:?}; expected DWB or STRUT")),
         };
         let is_ours = matches!(kind, Kind::Topology(_));
         table.kinds.push((Some(axle), kind));
@@ -201,11 +191,15 @@ impl File<'_> {
                 ));
             };
             let position = [ahead + forward, half_track - lateral + offset, up];
-            table.points.push(point(key, hardpoint, position, entry.line));
+            table
+                .points
+                .push(point(key, hardpoint, position, entry.line));
         }
         let line = self.entry(name, "TRACK").map_or(0, |entry| entry.line);
         let centre = [ahead, half_track, 0.0];
-        table.points.push(point("TRACK", "wheel_centre", centre, line));
+        table
+            .points
+            .push(point("TRACK", "wheel_centre", centre, line));
         let mut figure = |key: &str, read_as: &str, value: Option<f64>| {
             if let Some(value) = value {
                 table.figures.push(Figure {

@@ -75,7 +75,10 @@ const LINKS: [Sources; 10] = [
         "upper_rear_link_inner",
         &[("Upper Arm", "Location Chassis Back")],
     ),
-    ("upper_rear_link_outer", &[("Upper Arm", "Location Upright")]),
+    (
+        "upper_rear_link_outer",
+        &[("Upper Arm", "Location Upright")],
+    ),
     (
         "lower_front_link_inner",
         &[("Trailing Link", "Location Chassis")],
@@ -128,7 +131,8 @@ pub(super) fn points_of(root: &Node) -> Result<Option<PointTable>, String> {
         "SemiTrailingArm" => "semi_trailing_arm",
         other => return Err(refusal(other)),
     };
-    let note = format!("a suspension of Project Chrono, template {template}: metres, iso8855, left wheel");
+    let note =
+        format!("a suspension of Project Chrono, template {template}: metres, iso8855, left wheel");
     table.notes.push(note);
     table.kinds.push((None, Kind::Topology(topology)));
     let mut sources: Vec<Sources> = vec![WHEEL];
@@ -154,8 +158,14 @@ pub(super) fn points_of(root: &Node) -> Result<Option<PointTable>, String> {
 /// Templates without a counterpart, with what comes nearest.
 fn refusal(template: &str) -> String {
     let nearest = match template {
-        "SolidAxle" | "LeafspringAxle" | "ToeBarLeafspringAxle" | "DeDionAxle"
-        | "ToeBarDeDionAxle" | "PanhardAxle" | "HendricksonPRIMAXX" | "SAELeafspringAxle"
+        "SolidAxle"
+        | "LeafspringAxle"
+        | "ToeBarLeafspringAxle"
+        | "DeDionAxle"
+        | "ToeBarDeDionAxle"
+        | "PanhardAxle"
+        | "HendricksonPRIMAXX"
+        | "SAELeafspringAxle"
         | "SAEToeBarLeafspringAxle" => {
             "an axle that joins both wheels; a study has wheels that move on their own"
         }
@@ -164,7 +174,9 @@ fn refusal(template: &str) -> String {
             "a trailing arm with two lateral links; what comes nearest is a five_link of which three links share \
              the arm's joint on the body"
         }
-        _ => "expected DoubleWishbone, DoubleWishboneReduced, MacPhersonStrut, MultiLink or SemiTrailingArm",
+        _ => {
+            "expected DoubleWishbone, DoubleWishboneReduced, MacPhersonStrut, MultiLink or SemiTrailingArm"
+        }
     };
     format!("its suspension is a {template} of Project Chrono, which no topology is: {nearest}")
 }

@@ -55,7 +55,8 @@ pub(super) fn drop_incomplete(
     };
     let says_other = |name: &str, hardpoints: &[Hardpoint]| {
         let found = hardpoints.iter().find(|h| h.name == name);
-        found.is_some_and(|h| h.body.as_deref().or(h.named_body).is_some()) && !on_rocker(name, hardpoints)
+        found.is_some_and(|h| h.body.as_deref().or(h.named_body).is_some())
+            && !on_rocker(name, hardpoints)
     };
     let has_rocker = hardpoints.iter().any(|h| h.name == "rocker_pivot_front");
     let has_spring = hardpoints.iter().any(|h| h.name == "spring_lower");
@@ -121,9 +122,8 @@ pub(super) fn rather(
     table: &PointTable,
 ) -> Option<&'static Topology> {
     let letters = Letters::of_points(&table.points);
-    let meaning = |name: &str, other: &Topology| {
-        roles::read(name, other, letters).map(|role| role.hardpoint)
-    };
+    let meaning =
+        |name: &str, other: &Topology| roles::read(name, other, letters).map(|role| role.hardpoint);
     let mut others = Topology::ALL.iter().filter(|other| **other != topology);
     let found = others.find(|other| {
         let is_there = |name: &str| {

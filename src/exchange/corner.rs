@@ -90,7 +90,10 @@ fn axle(
         }
         (None, []) => None,
         (None, [only]) => {
-            notes.push(format!("axle: {}, the only one in the file", name_of(*only)));
+            notes.push(format!(
+                "axle: {}, the only one in the file",
+                name_of(*only)
+            ));
             Some(*only)
         }
         (None, _) => {
@@ -100,7 +103,10 @@ fn axle(
                 .filter(|named| options.names.contains_key(named.role.hardpoint));
             match roles::axles(mapped.map(Named::marks)).as_slice() {
                 [one] => {
-                    notes.push(format!("axle: {}, of which --map names points", name_of(*one)));
+                    notes.push(format!(
+                        "axle: {}, of which --map names points",
+                        name_of(*one)
+                    ));
                     Some(*one)
                 }
                 _ => {
@@ -130,7 +136,10 @@ fn kind(
         Some(Kind::Topology(name)) if *name != options.topology.name => {
             Err(Refusal::Wrong(format!(
                 "the file says that the suspension{} is a {name}: give --topology {name}",
-                axle.map_or(String::new(), |axle| format!(" of the {} axle", name_of(axle)))
+                axle.map_or(String::new(), |axle| format!(
+                    " of the {} axle",
+                    name_of(axle)
+                ))
             )))
         }
         _ => Ok(()),

@@ -119,7 +119,8 @@ fn inches(sheet: &Sheet, columns: &Columns) -> Result<bool, String> {
 fn without_mark(text: &str) -> &str {
     let text = text.trim();
     let bare = text.strip_suffix(['"', '\u{2033}', '\u{201d}']);
-    bare.or_else(|| text.strip_suffix("''")).map_or(text, str::trim_end)
+    bare.or_else(|| text.strip_suffix("''"))
+        .map_or(text, str::trim_end)
 }
 
 /// A number as text.

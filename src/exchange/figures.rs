@@ -54,9 +54,13 @@ pub(super) fn read(
         };
         let marks = row.marks.or(named);
         let is_of = |said: bool, same: bool| !said || same;
-        if !is_of(marks.side.is_some() && corner.side.is_some(), marks.side == corner.side)
-            || !is_of(marks.axle.is_some() && corner.axle.is_some(), marks.axle == corner.axle)
-        {
+        if !is_of(
+            marks.side.is_some() && corner.side.is_some(),
+            marks.side == corner.side,
+        ) || !is_of(
+            marks.axle.is_some() && corner.axle.is_some(),
+            marks.axle == corner.axle,
+        ) {
             continue;
         }
         let (kind, value) = match kind {
@@ -116,7 +120,11 @@ fn angle(
     notes: &mut Vec<String>,
 ) -> Result<(FigureKind, f64), String> {
     let words = cut(&row.remark);
-    let says = |wanted: &str| words.iter().any(|word| wanted.split(' ').any(|w| w == word));
+    let says = |wanted: &str| {
+        words
+            .iter()
+            .any(|word| wanted.split(' ').any(|w| w == word))
+    };
     let mut value = row.value;
     if says("mm min minutes arcmin") && value != 0.0 {
         return Err(format!(

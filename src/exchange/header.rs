@@ -187,9 +187,7 @@ fn columns(
     let body = named(row, "body").first().copied();
     let frame = named(row, "frame").first().copied();
     let free = |column: u32| {
-        !is_coordinate(column)
-            && !marks.contains(&column)
-            && ![body, frame].contains(&Some(column))
+        !is_coordinate(column) && !marks.contains(&column) && ![body, frame].contains(&Some(column))
     };
     let names = "name names point points hardpoint hardpoints location joint";
     // Some put "Point Name" a row above x, y and z.
@@ -264,7 +262,10 @@ fn coordinate_header(text: &str) -> Option<Coordinates> {
     // "(right -)": a minus beside a word; that of a word is a hyphen.
     let chars: Vec<char> = text.chars().collect();
     let is_minus = |k: usize| {
-        let beside = |k: Option<usize>| k.and_then(|k| chars.get(k)).is_some_and(|c| c.is_alphanumeric());
+        let beside = |k: Option<usize>| {
+            k.and_then(|k| chars.get(k))
+                .is_some_and(|c| c.is_alphanumeric())
+        };
         "-\u{2212}".contains(chars[k]) && !(beside(k.checked_sub(1)) && beside(Some(k + 1)))
     };
     let has_minus = (0..chars.len()).any(is_minus) && !text.contains('+');

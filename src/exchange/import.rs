@@ -141,7 +141,15 @@ pub fn import(table: &PointTable, options: &ImportOptions<'_>) -> Result<Importe
     };
     unused.say(&hardpoints, &mut notes, &mut left_out);
     let frame = to_study_frame(placed, &mut hardpoints, &mut notes);
-    radius(table, corner, placed, &hardpoints, is_optimum, &mut figures, &mut notes);
+    radius(
+        table,
+        corner,
+        placed,
+        &hardpoints,
+        is_optimum,
+        &mut figures,
+        &mut notes,
+    );
     let mut imported = Imported {
         topology: options.topology,
         hardpoints,
@@ -165,14 +173,10 @@ pub fn import(table: &PointTable, options: &ImportOptions<'_>) -> Result<Importe
 }
 
 /// The hardpoint that each point of the file means.
-fn roles_of(
-    table: &PointTable,
-    options: &ImportOptions<'_>,
-) -> Result<Vec<Option<Role>>, String> {
+fn roles_of(table: &PointTable, options: &ImportOptions<'_>) -> Result<Vec<Option<Role>>, String> {
     let same = |a: &str, b: &str| a.trim().to_lowercase() == b.trim().to_lowercase();
-    let is_named = |point: &NamedPoint, name: &str| {
-        same(&point.name, name) || same(&point.read_as, name)
-    };
+    let is_named =
+        |point: &NamedPoint, name: &str| same(&point.name, name) || same(&point.read_as, name);
     for (hardpoint, name) in options.names {
         if options.topology.hardpoint(hardpoint).is_none() {
             return Err(format!(
@@ -330,7 +334,11 @@ fn radius(
         return;
     }
     if let Some(diameter) = figures.tyre_diameter {
-        let tool = if is_optimum { ", as OptimumKinematics takes it" } else { "" };
+        let tool = if is_optimum {
+            ", as OptimumKinematics takes it"
+        } else {
+            ""
+        };
         notes.push(format!(
             "[wheel] radius: half of the tyre diameter {diameter}{tool}, not the loaded radius"
         ));
@@ -361,13 +369,17 @@ fn radius(
         return;
     }
     notes.push(
-        "[wheel] radius, the loaded radius, is not in the file; what needs it is not asked for".to_owned(),
+        "[wheel] radius, the loaded radius, is not in the file; what needs it is not asked for"
+            .to_owned(),
     );
 }
 
 /// Camber and toe, where no point of the spin axis gives them.
 fn angles(figures: &Figures, imported: &mut Imported) {
-    let has_spindle = imported.hardpoints.iter().any(|h| h.name == "spindle_inner");
+    let has_spindle = imported
+        .hardpoints
+        .iter()
+        .any(|h| h.name == "spindle_inner");
     if has_spindle {
         if figures.camber.or(figures.toe).is_some() {
             let reason = "static camber and toe: spindle_inner gives them";

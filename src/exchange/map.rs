@@ -110,9 +110,7 @@ fn without_comments(text: &str) -> String {
             continue;
         }
         match (c, chars.peek()) {
-            ('/', Some('/')) => {
-                while chars.next_if(|c| *c != '\n').is_some() {}
-            }
+            ('/', Some('/')) => while chars.next_if(|c| *c != '\n').is_some() {},
             ('/', Some('*')) => {
                 chars.next();
                 let mut before = ' ';

@@ -30,8 +30,14 @@ const SPELT: &[(&str, &str)] = &[
     ("top", "top"),
     ("arm wishbone aarm", "arm"),
     ("ball bj balljoint kingpin", "ball"),
-    ("inner inr in inboard inbd ib i inside chassis body frame", "inner"),
-    ("outer otr out outboard outbd ob o outside upright knuckle", "outer"),
+    (
+        "inner inr in inboard inbd ib i inside chassis body frame",
+        "inner",
+    ),
+    (
+        "outer otr out outboard outbd ob o outside upright knuckle",
+        "outer",
+    ),
     ("if", "inner front"),
     ("ir", "inner rear"),
     ("front frt fwd fore forward f", "front"),
@@ -106,7 +112,10 @@ const PATTERNS: &[(&str, &str)] = &[
         "tie_rod_inner",
         "tie rod inner ?rack | tie inner ?rack | rack inner | rack end | tie rod rack | toe rod inner",
     ),
-    ("tie_rod_outer", "tie rod outer | tie outer | tie arm ?outer | toe rod outer"),
+    (
+        "tie_rod_outer",
+        "tie rod outer | tie outer | tie arm ?outer | toe rod outer",
+    ),
     (
         "wheel_centre",
         "wheel centre | hub centre | wheel hub centre | spindle com",
@@ -140,20 +149,32 @@ const PATTERNS: &[(&str, &str)] = &[
     ("toe_link_outer", "toe outer ?rod | tie outer ?rod"),
     ("arm_pivot_inner", "arm inner ?trailing"),
     ("arm_pivot_outer", "arm outer ?trailing"),
-    ("pushrod_outer", "push rod outer ?lower ?upper ?arm | push rod lower ?arm"),
+    (
+        "pushrod_outer",
+        "push rod outer ?lower ?upper ?arm | push rod lower ?arm",
+    ),
     (
         "pushrod_inner",
         "push rod inner ?rocker ?upper | push rod upper ?rocker | push rod rocker",
     ),
-    ("pullrod_outer", "pull rod outer ?lower ?upper ?arm | pull rod upper ?arm"),
+    (
+        "pullrod_outer",
+        "pull rod outer ?lower ?upper ?arm | pull rod upper ?arm",
+    ),
     (
         "pullrod_inner",
         "pull rod inner ?rocker ?lower | pull rod lower ?rocker | pull rod rocker",
     ),
     ("rocker_pivot_front", "rocker front ?axis"),
     ("rocker_pivot_rear", "rocker rear ?axis"),
-    ("drop_link_outer", "drop rod outer ?bar ?rocker ?lower ?arm | bar rod outer ?rocker ?lower ?arm | bar rod rocker ?drop | drop rod rocker"),
-    ("drop_link_inner", "drop rod inner ?bar ?lever | bar rod inner ?lever | bar rod lever ?drop | drop rod lever | drop rod bar"),
+    (
+        "drop_link_outer",
+        "drop rod outer ?bar ?rocker ?lower ?arm | bar rod outer ?rocker ?lower ?arm | bar rod rocker ?drop | drop rod rocker",
+    ),
+    (
+        "drop_link_inner",
+        "drop rod inner ?bar ?lever | bar rod inner ?lever | bar rod lever ?drop | drop rod lever | drop rod bar",
+    ),
     ("anti_roll_bar_inner", "bar inner ?axis"),
     ("anti_roll_bar_outer", "bar outer ?axis"),
 ];
@@ -193,7 +214,10 @@ const FIGURES: &[(FigureKind, &str)] = &[
     ),
     (FigureKind::TyreDiameter, "tyre diameter"),
     (FigureKind::HalfTrack, "half tie"),
-    (FigureKind::ContactPoint, "contact ?patch ?tyre ?wheel ?centre"),
+    (
+        FigureKind::ContactPoint,
+        "contact ?patch ?tyre ?wheel ?centre",
+    ),
     (FigureKind::Offset(0), "longitudinal offset"),
     (FigureKind::Offset(1), "lateral offset"),
     (FigureKind::Offset(2), "vertical offset"),
@@ -372,13 +396,15 @@ pub(super) fn figure(name: &str) -> Option<(FigureKind, Marks, Option<LengthUnit
             cut.remove(at);
         }
     }
-    if matches!(cut.as_slice(), [word] if word == "track")
-        || matches!(cut.as_slice(), [track, width] if track == "track" && width == "width")
-    {
-        return Some((FigureKind::Track, marks, unit));
-    }
-    if matches!(cut.as_slice(), [word] if word == "wheelbase") {
-        return Some((FigureKind::Wheelbase, marks, unit));
+    let (axle, plain) = without_axle_word(&cut);
+    let of_car = match plain.join(" ").as_str() {
+        "track" | "track width" => Some(FigureKind::Track),
+        "wheelbase" | "wheel base" => Some(FigureKind::Wheelbase),
+        _ => None,
+    };
+    if let Some(kind) = of_car {
+        marks.axle = marks.axle.or(axle);
+        return Some((kind, marks, unit));
     }
     let words = Words::spelt(&cut);
     let kind_of = |words: &Words| {
@@ -391,6 +417,15 @@ pub(super) fn figure(name: &str) -> Option<(FigureKind, Marks, Option<LengthUnit
     let (axle, rest) = words.without_axle()?;
     marks.axle = marks.axle.or(Some(axle));
     kind_of(&rest).map(|kind| (kind, marks, unit))
+}
+
+/// Words without the axle that they begin or end with.
+fn without_axle_word(words: &[String]) -> (Option<AxlePosition>, &[String]) {
+    match words {
+        [first, rest @ ..] if end_of(first).is_some() => (end_of(first), rest),
+        [rest @ .., last] if end_of(last).is_some() => (end_of(last), rest),
+        _ => (None, words),
+    }
 }
 
 /// The hardpoint of a topology that a name means.
@@ -532,7 +567,10 @@ mod tests {
             ("FL", marks(Some(Side::Left), Some(AxlePosition::Front))),
             ("Front axle", marks(None, Some(AxlePosition::Front))),
             ("front_axle", marks(None, Some(AxlePosition::Front))),
-            ("Rear right wheel", marks(Some(Side::Right), Some(AxlePosition::Rear))),
+            (
+                "Rear right wheel",
+                marks(Some(Side::Right), Some(AxlePosition::Rear)),
+            ),
             ("left", marks(Some(Side::Left), None)),
             ("lower arm front", None),
             ("MyCar", None),

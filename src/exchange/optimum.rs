@@ -76,7 +76,9 @@ pub(super) fn rod(topology: &Topology, axes: Axes, picked: &mut [Picked], notes:
             _ => (),
         }
     }
-    notes.push("rod: a pullrod, since its end at the wheel is above the one at the rocker".to_owned());
+    notes.push(
+        "rod: a pullrod, since its end at the wheel is above the one at the rocker".to_owned(),
+    );
 }
 
 /// The wheel centre, from the contact point.

@@ -139,7 +139,8 @@ fn found(
         Verdict::Clear(reading) => reading,
         Verdict::Unclear(best) => {
             return Err(open_axes(
-                "which way x, y and z point is neither said in the file nor clear from its points".to_owned(),
+                "which way x, y and z point is neither said in the file nor clear from its points"
+                    .to_owned(),
                 of_reading(&best, wheel),
             ));
         }
@@ -221,12 +222,20 @@ fn open_axes(reason: String, likely: Axes) -> Refusal {
     Refusal::Open(Question {
         reason,
         choices,
-        free: Some(("--axes", "X,Y,Z with each forward, rearward, left, right, up or down")),
+        free: Some((
+            "--axes",
+            "X,Y,Z with each forward, rearward, left, right, up or down",
+        )),
     })
 }
 
 /// Mirrors the points that are of the other wheel than the wanted one, across the car.
-pub(super) fn mirror(placed: &mut Placed, wanted: Option<Side>, picked: &mut [Picked], notes: &mut Vec<String>) {
+pub(super) fn mirror(
+    placed: &mut Placed,
+    wanted: Option<Side>,
+    picked: &mut [Picked],
+    notes: &mut Vec<String>,
+) {
     let wheel = wanted.unwrap_or(placed.side);
     let (across, _) = placed.axes.across();
     let mut names = Vec::new();

@@ -43,7 +43,9 @@ pub(super) fn read(sheet: &Sheet) -> Result<Option<PointTable>, String> {
     let decimals = Decimals::of(sheet, &first)?;
     if decimals.inches {
         if table.unit.is_some_and(|unit| unit != LengthUnit::Inch) {
-            return Err("coordinates are marked as inches, and the unit is said to be another".to_owned());
+            return Err(
+                "coordinates are marked as inches, and the unit is said to be another".to_owned(),
+            );
         }
         table.unit = Some(LengthUnit::Inch);
     }
@@ -108,7 +110,11 @@ impl Rows<'_> {
         if filled == 0 {
             return self.title(row, &texts, false);
         }
-        if !has_number && cut(name).iter().any(|word| word == "name" || word == "names") {
+        if !has_number
+            && cut(name)
+                .iter()
+                .any(|word| word == "name" || word == "names")
+        {
             // A heading of figures: "Point Name | Left | | | | Right".
             return Ok(());
         }
@@ -118,7 +124,8 @@ impl Rows<'_> {
         self.frame(row, &columns)?;
         let marks = self.marks(row, &columns)?;
         let alone = |cells: &[Option<&Cell>; 3]| {
-            cells.iter().flatten().count() <= 1 && (cells[0].is_some() || cells.iter().all(Option::is_none))
+            cells.iter().flatten().count() <= 1
+                && (cells[0].is_some() || cells.iter().all(Option::is_none))
         };
         let only = |cells: &[Option<&Cell>; 3]| cells.iter().flatten().count() <= 1;
         if numbers.iter().all(alone) || (figure(name).is_some() && numbers.iter().all(only)) {
@@ -134,7 +141,11 @@ impl Rows<'_> {
                 axle: None,
             };
             let found = of_triple.or(said);
-            let mut found = if both { found } else { found.or(self.of_section(name)) };
+            let mut found = if both {
+                found
+            } else {
+                found.or(self.of_section(name))
+            };
             if both {
                 found.side = None;
                 found.axle = found.axle.or(self.section.axle);
@@ -326,7 +337,9 @@ fn shown(cell: &Cell) -> String {
 /// The unit in the lines above a header: `unit, mm` or "all dimensions in inches".
 fn unit_above(texts: &[&str]) -> Option<LengthUnit> {
     if let [key, value, ..] = texts
-        && cut(key).iter().any(|word| word == "unit" || word == "units")
+        && cut(key)
+            .iter()
+            .any(|word| word == "unit" || word == "units")
     {
         return unit_of(value.trim_matches(['[', ']', '(', ')']));
     }

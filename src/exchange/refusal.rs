@@ -49,7 +49,11 @@ impl fmt::Display for Refusal {
         let mut answers: Vec<String> = choices
             .map(|(flag, value)| format!("{flag} {value}"))
             .collect();
-        answers.extend(question.free.map(|(flag, example)| format!("{flag} {example}")));
+        answers.extend(
+            question
+                .free
+                .map(|(flag, example)| format!("{flag} {example}")),
+        );
         write!(f, "{}: say {}", question.reason, answers.join(" or "))
     }
 }

@@ -77,7 +77,10 @@ const OPTIMUM: &[(&str, &str)] = &[
 pub(super) fn is_optimum(points: &[NamedPoint]) -> bool {
     points.iter().any(|point| {
         let words = cut(&point.read_as);
-        words.first().is_some_and(|word| word == "chas" || word == "upri") && optimum(&words).is_some()
+        words
+            .first()
+            .is_some_and(|word| word == "chas" || word == "upri")
+            && optimum(&words).is_some()
     })
 }
 
@@ -180,7 +183,14 @@ fn hardpoint(cut: &[String], marks: Marks, topology: &Topology) -> Option<(&'sta
 
 /// The body that a name says its end of a spring or rod sits on.
 fn body(name: &str, hardpoint: &str, topology: &Topology) -> Option<&'static str> {
-    if !["spring_lower", "drop_link_outer", "pushrod_outer", "pullrod_outer"].contains(&hardpoint) {
+    if ![
+        "spring_lower",
+        "drop_link_outer",
+        "pushrod_outer",
+        "pullrod_outer",
+    ]
+    .contains(&hardpoint)
+    {
         return None;
     }
     body_of(name, topology)
@@ -233,10 +243,24 @@ mod tests {
         let (front, rear) = (Some(AxlePosition::Front), Some(AxlePosition::Rear));
         let (left, right) = (Some(Side::Left), Some(Side::Right));
         let topology = Topology::named("double_wishbone").unwrap();
-        let cases: [(&[&str], &str, &str, Option<Side>, Option<AxlePosition>, Option<&str>); 17] = [
+        let cases: [(
+            &[&str],
+            &str,
+            &str,
+            Option<Side>,
+            Option<AxlePosition>,
+            Option<&str>,
+        ); 17] = [
             (&[], "hpl_lca_front", "lower_arm_front", left, None, None),
             (&sided, "LCA front R", "lower_arm_front", right, None, None),
-            (&[], "FR lower ball joint", "lower_ball_joint", right, front, None),
+            (
+                &[],
+                "FR lower ball joint",
+                "lower_ball_joint",
+                right,
+                front,
+                None,
+            ),
             (&[], "LCA_R", "lower_arm_rear", None, None, None),
             (&[], "LCA_F", "lower_arm_front", None, None, None),
             (&[], "UBJ R", "upper_ball_joint", right, None, None),
@@ -244,19 +268,51 @@ mod tests {
             (&paired, "R_LCA_IF", "lower_arm_front", None, rear, None),
             (&paired, "R_UBJ", "upper_ball_joint", None, rear, None),
             (&[], "FUCA aft", "upper_arm_rear", None, front, None),
-            (&[], "front lower ball joint", "lower_ball_joint", None, front, None),
+            (
+                &[],
+                "front lower ball joint",
+                "lower_ball_joint",
+                None,
+                front,
+                None,
+            ),
             (&[], "Rack end", "tie_rod_inner", None, None, None),
             (&[], "Steering arm", "tie_rod_outer", None, None, None),
-            (&[], "Damper o/b (rocker)", "spring_lower", None, None, Some("rocker")),
-            (&[], "Push rod lower (on LCA)", "pushrod_outer", None, None, Some("lower_arm")),
-            (&[], "ARB link @ rocker", "drop_link_outer", None, None, Some("rocker")),
+            (
+                &[],
+                "Damper o/b (rocker)",
+                "spring_lower",
+                None,
+                None,
+                Some("rocker"),
+            ),
+            (
+                &[],
+                "Push rod lower (on LCA)",
+                "pushrod_outer",
+                None,
+                None,
+                Some("lower_arm"),
+            ),
+            (
+                &[],
+                "ARB link @ rocker",
+                "drop_link_outer",
+                None,
+                None,
+                Some("rocker"),
+            ),
             (&[], "NSMA_PPAttPnt_L", "pushrod_outer", left, None, None),
         ];
         for (others, name, hardpoint, side, axle, body) in cases {
             let letters = Letters::of(others.iter().copied());
             let role = read(name, topology, letters).unwrap_or_else(|| panic!("{name}"));
             let marks = Marks { side, axle };
-            assert_eq!((role.hardpoint, role.marks, role.body), (hardpoint, marks, body), "{name}");
+            assert_eq!(
+                (role.hardpoint, role.marks, role.body),
+                (hardpoint, marks, body),
+                "{name}"
+            );
         }
     }
 }

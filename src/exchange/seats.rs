@@ -87,9 +87,12 @@ fn said(
             true => format!("--body {}", hardpoint.name),
             false => format!("{}: body of {}", hardpoint.place, hardpoint.name),
         };
-        return of_words(text)
-            .map(Some)
-            .ok_or_else(|| format!("{place} is {text:?}; expected one of {}", possible.join(", ")));
+        return of_words(text).map(Some).ok_or_else(|| {
+            format!(
+                "{place} is {text:?}; expected one of {}",
+                possible.join(", ")
+            )
+        });
     }
     let meant = hardpoint.named_body;
     Ok(meant.and_then(|meant| possible.iter().find(|body| **body == meant).copied()))
@@ -140,29 +143,33 @@ fn nearest(
         let distances = lines.filter_map(|[a, b]| Some(to_segment(end, a?, b?)));
         distances.reduce(f64::min)
     };
-    let Some(usual_distance) = distance(usual) else {
+    let near = possible
+        .iter()
+        .filter_map(|body| Some((*body, distance(body)?)));
+    let mut near: Vec<(&'static str, f64)> = near.collect();
+    near.sort_by(|(_, a), (_, b)| a.total_cmp(b));
+    let Some((nearest, least)) = near.first().copied() else {
         return Ok(None);
     };
-    let others = possible.iter().filter(|body| **body != usual);
-    let nearest = others
-        .filter_map(|body| Some((*body, distance(body)?)))
-        .min_by(|(_, a), (_, b)| a.total_cmp(b));
-    let Some((other, distance)) = nearest else {
-        return Ok(None);
-    };
-    if distance < NEARER * usual_distance {
-        return Ok(Some(other));
-    }
     // A drop link on the wrong body gives a ratio that is wrong by a factor.
-    let is_link = name == "drop_link_outer" && other == "rocker";
-    if is_link && usual_distance > NEARER * distance {
+    let has_rocker = near.iter().any(|(body, _)| *body == "rocker");
+    if name == "drop_link_outer" && has_rocker {
+        if near.iter().skip(1).all(|(_, other)| least < NEARER * other) {
+            return Ok(Some(nearest));
+        }
+        let flags: Vec<String> = near
+            .iter()
+            .map(|(body, _)| format!("--body drop_link_outer={body}"))
+            .collect();
         return Err(format!(
-            "drop_link_outer may be on the {} or on the rocker: say --body drop_link_outer={usual} or --body \
-             drop_link_outer=rocker",
-            usual.replace('_', " ")
+            "the file does not say on which body drop_link_outer sits, and it lies between several: say {}",
+            flags.join(" or ")
         ));
     }
-    Ok(None)
+    let usual_distance = distance(usual);
+    Ok(usual_distance
+        .is_some_and(|usual| least < NEARER * usual)
+        .then_some(nearest))
 }
 
 /// Distance of a point from the line between two others.
@@ -186,7 +193,11 @@ pub(super) fn notes(seats: &[Seat]) -> Option<String> {
         .iter()
         .filter(|seat| seat.is_assumed)
         .map(|seat| {
-            let near = if seat.body == seat.usual { "" } else { " (it lies there)" };
+            let near = if seat.body == seat.usual {
+                ""
+            } else {
+                " (it lies there)"
+            };
             format!(
                 "{} on the {}{near}",
                 seat.hardpoint,

@@ -127,6 +127,7 @@ fn of_workbook(
             Err(reason) => refused = refused.or(Some(format!("sheet {name:?}: {reason}"))),
         }
     }
+    let mut by_axle = false;
     // Sheets that are named after axles are told apart by the axle that is wanted.
     let axle_of = |name: &str| {
         let words = super::names::cut(name);
@@ -141,6 +142,7 @@ fn of_workbook(
         let of_axle = found.iter().filter(|(name, _)| axle_of(name) == axle);
         if of_axle.count() == 1 {
             found.retain(|(name, _)| axle_of(name) == axle);
+            by_axle = true;
         }
     }
     match found.len() {
@@ -148,19 +150,20 @@ fn of_workbook(
         1 => {
             let (name, mut table) = found.remove(0);
             if names.len() > 1 {
-                table
-                    .notes
-                    .push(format!("sheet {name:?}: the only one with points"));
+                table.notes.push(match by_axle {
+                    true => format!("sheet {name:?}: the one of the axle that --axle names"),
+                    false => format!("sheet {name:?}: the only one with points"),
+                });
             }
             Ok(table)
         }
         _ => {
             let with_points: Vec<String> = found.into_iter().map(|(name, _)| name).collect();
             let names = quoted(&with_points);
-            let by_axle = with_points.iter().any(|name| axle_of(name).is_some());
+            let of_axles = with_points.iter().any(|name| axle_of(name).is_some());
             Err(format!(
                 "points are in several sheets, {names}: choose one with --sheet{}",
-                if by_axle { " or --axle" } else { "" }
+                if of_axles { " or --axle" } else { "" }
             ))
         }
     }

@@ -247,8 +247,9 @@ mod tests {
                     .iter()
                     .map(|(name, [x, y, z])| {
                         let mut moved = [0.0; 3];
-                        for ((axis, sign), value) in
-                            [reading.forward, reading.outboard, reading.up].iter().zip([x, y, z])
+                        for ((axis, sign), value) in [reading.forward, reading.outboard, reading.up]
+                            .iter()
+                            .zip([x, y, z])
                         {
                             moved[*axis] = sign * value;
                         }

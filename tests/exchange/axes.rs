@@ -27,12 +27,30 @@ type Points = Vec<(&'static str, [f64; 3])>;
 
 fn lower_arm(c: &mut Chance) -> Points {
     vec![
-        ("lower_arm_front", c.point([80.0, 250.0], [150.0, 400.0], [90.0, 220.0])),
-        ("lower_arm_rear", c.point([-300.0, -80.0], [150.0, 400.0], [90.0, 220.0])),
-        ("lower_ball_joint", c.point([-40.0, 40.0], [560.0, 740.0], [100.0, 210.0])),
-        ("tie_rod_inner", c.point([-160.0, 120.0], [140.0, 360.0], [120.0, 260.0])),
-        ("tie_rod_outer", c.point([-150.0, 120.0], [540.0, 720.0], [130.0, 260.0])),
-        ("wheel_centre", c.point([-30.0, 30.0], [610.0, 800.0], [200.0, 330.0])),
+        (
+            "lower_arm_front",
+            c.point([80.0, 250.0], [150.0, 400.0], [90.0, 220.0]),
+        ),
+        (
+            "lower_arm_rear",
+            c.point([-300.0, -80.0], [150.0, 400.0], [90.0, 220.0]),
+        ),
+        (
+            "lower_ball_joint",
+            c.point([-40.0, 40.0], [560.0, 740.0], [100.0, 210.0]),
+        ),
+        (
+            "tie_rod_inner",
+            c.point([-160.0, 120.0], [140.0, 360.0], [120.0, 260.0]),
+        ),
+        (
+            "tie_rod_outer",
+            c.point([-150.0, 120.0], [540.0, 720.0], [130.0, 260.0]),
+        ),
+        (
+            "wheel_centre",
+            c.point([-30.0, 30.0], [610.0, 800.0], [200.0, 330.0]),
+        ),
     ]
 }
 
@@ -42,17 +60,32 @@ fn geometry(topology: &str, c: &mut Chance, has_spring: bool) -> Points {
         "double_wishbone" => {
             let mut points = lower_arm(c);
             points.extend([
-                ("upper_arm_front", c.point([60.0, 220.0], [200.0, 420.0], [260.0, 430.0])),
-                ("upper_arm_rear", c.point([-250.0, -60.0], [200.0, 420.0], [260.0, 430.0])),
-                ("upper_ball_joint", c.point([-60.0, 20.0], [520.0, 700.0], [300.0, 500.0])),
+                (
+                    "upper_arm_front",
+                    c.point([60.0, 220.0], [200.0, 420.0], [260.0, 430.0]),
+                ),
+                (
+                    "upper_arm_rear",
+                    c.point([-250.0, -60.0], [200.0, 420.0], [260.0, 430.0]),
+                ),
+                (
+                    "upper_ball_joint",
+                    c.point([-60.0, 20.0], [520.0, 700.0], [300.0, 500.0]),
+                ),
             ]);
             points
         }
         "macpherson" => {
             let mut points = lower_arm(c);
             points.extend([
-                ("strut_top", c.point([-70.0, 20.0], [480.0, 600.0], [720.0, 900.0])),
-                ("strut_lower", c.point([-20.0, 20.0], [600.0, 660.0], [330.0, 420.0])),
+                (
+                    "strut_top",
+                    c.point([-70.0, 20.0], [480.0, 600.0], [720.0, 900.0]),
+                ),
+                (
+                    "strut_lower",
+                    c.point([-20.0, 20.0], [600.0, 660.0], [330.0, 420.0]),
+                ),
             ]);
             points
         }
@@ -76,21 +109,45 @@ fn geometry(topology: &str, c: &mut Chance, has_spring: bool) -> Points {
                 points.push((rear[1], c.point([-60.0, -20.0], [620.0, 720.0], z)));
             }
             points.extend([
-                ("toe_link_inner", c.point([-200.0, -100.0], [250.0, 400.0], [250.0, 330.0])),
-                ("toe_link_outer", c.point([-180.0, -100.0], [620.0, 720.0], [250.0, 330.0])),
-                ("wheel_centre", c.point([-20.0, 20.0], [690.0, 800.0], [280.0, 330.0])),
+                (
+                    "toe_link_inner",
+                    c.point([-200.0, -100.0], [250.0, 400.0], [250.0, 330.0]),
+                ),
+                (
+                    "toe_link_outer",
+                    c.point([-180.0, -100.0], [620.0, 720.0], [250.0, 330.0]),
+                ),
+                (
+                    "wheel_centre",
+                    c.point([-20.0, 20.0], [690.0, 800.0], [280.0, 330.0]),
+                ),
             ]);
             points
         }
         _ => vec![
-            ("arm_pivot_inner", c.point([300.0, 420.0], [150.0, 300.0], [200.0, 330.0])),
-            ("arm_pivot_outer", c.point([380.0, 520.0], [480.0, 640.0], [200.0, 330.0])),
-            ("wheel_centre", c.point([-20.0, 20.0], [650.0, 800.0], [260.0, 330.0])),
+            (
+                "arm_pivot_inner",
+                c.point([300.0, 420.0], [150.0, 300.0], [200.0, 330.0]),
+            ),
+            (
+                "arm_pivot_outer",
+                c.point([380.0, 520.0], [480.0, 640.0], [200.0, 330.0]),
+            ),
+            (
+                "wheel_centre",
+                c.point([-20.0, 20.0], [650.0, 800.0], [260.0, 330.0]),
+            ),
         ],
     };
     if has_spring {
-        points.push(("spring_upper", c.point([-50.0, 80.0], [440.0, 520.0], [500.0, 640.0])));
-        points.push(("spring_lower", c.point([-50.0, 80.0], [480.0, 560.0], [180.0, 300.0])));
+        points.push((
+            "spring_upper",
+            c.point([-50.0, 80.0], [440.0, 520.0], [500.0, 640.0]),
+        ));
+        points.push((
+            "spring_lower",
+            c.point([-50.0, 80.0], [480.0, 560.0], [180.0, 300.0]),
+        ));
     }
     // Rear axles and other origins along the car.
     let along = c.between(-2800.0, 1200.0);
@@ -104,7 +161,14 @@ fn geometry(topology: &str, c: &mut Chance, has_spring: bool) -> Points {
 fn orders() -> Vec<([usize; 3], [f64; 3], String, bool)> {
     let names = [["forward", "rearward"], ["left", "right"], ["up", "down"]];
     let mut all = Vec::new();
-    for order in [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]] {
+    for order in [
+        [0, 1, 2],
+        [0, 2, 1],
+        [1, 0, 2],
+        [1, 2, 0],
+        [2, 0, 1],
+        [2, 1, 0],
+    ] {
         for bits in 0..8 {
             let signs = [0, 1, 2].map(|k| if bits >> k & 1 == 0 { 1.0 } else { -1.0 });
             let ways: Vec<&str> = (0..3)
@@ -125,7 +189,13 @@ fn orders() -> Vec<([usize; 3], [f64; 3], String, bool)> {
     all
 }
 
-fn table(points: &Points, order: [usize; 3], signs: [f64; 3], header: [&str; 3], end: &str) -> String {
+fn table(
+    points: &Points,
+    order: [usize; 3],
+    signs: [f64; 3],
+    header: [&str; 3],
+    end: &str,
+) -> String {
     let mut text = format!("name,{},{},{}\n", header[0], header[1], header[2]);
     for (name, position) in points {
         let [x, y, z]: [f64; 3] = std::array::from_fn(|k| signs[k] * position[order[k]]);
@@ -156,7 +226,12 @@ fn no_order_of_coordinates_makes_another_suspension() {
     let mut chance = Chance(SEED);
     let (mut right, mut refused) = (0, 0);
     for round in 0..12 {
-        for topology in ["double_wishbone", "macpherson", "five_link", "semi_trailing_arm"] {
+        for topology in [
+            "double_wishbone",
+            "macpherson",
+            "five_link",
+            "semi_trailing_arm",
+        ] {
             let has_spring = topology == "semi_trailing_arm" && round % 4 != 3;
             let points = geometry(topology, &mut chance, has_spring);
             for (order, signs, ways, is_right_handed) in orders() {
@@ -186,7 +261,10 @@ fn no_order_of_coordinates_makes_another_suspension() {
     }
     // Trailing arms without a spring show no height; of the others most are clear.
     println!("{right} imported, {refused} refused of 1152 right-handed");
-    assert!(right >= 1000, "{right} of 1152 right-handed orders are imported");
+    assert!(
+        right >= 1000,
+        "{right} of 1152 right-handed orders are imported"
+    );
 }
 
 /// The same with the side in the names: of a right wheel, too.
@@ -240,7 +318,10 @@ fn headers_are_read_by_letter_and_words() {
                 assert!(is_right_handed && is_the_same(&read, &points), "{ways:?}");
             }
             Err(reason) => {
-                assert!(!is_right_handed && reason.contains("--axes"), "{ways:?}: {reason}");
+                assert!(
+                    !is_right_handed && reason.contains("--axes"),
+                    "{ways:?}: {reason}"
+                );
             }
         }
     }

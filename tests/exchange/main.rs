@@ -8,8 +8,8 @@ mod right_or_refused;
 mod round_trips;
 mod schema;
 
-use hardpoint::exchange::{ImportOptions, Imported, import, read_points};
 use hardpoint::exchange::Axes;
+use hardpoint::exchange::{ImportOptions, Imported, import, read_points};
 use hardpoint::model::{AxlePosition, FrameConvention, LengthUnit, Side, Topology};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

@@ -146,7 +146,7 @@ impl Axes {
     }
 
     /// A vector of ISO 8855 in the file's coordinates.
-    pub(super) fn from_iso(self, vector: [f64; 3]) -> [f64; 3] {
+    pub(super) fn iso_in_file(self, vector: [f64; 3]) -> [f64; 3] {
         self.0.map(|way| way.sign() * vector[way.axis()])
     }
 }
@@ -238,7 +238,18 @@ impl Declared {
     pub(super) fn in_text(text: &str) -> Declared {
         let words = super::names::cut(text);
         let has = |wanted: &str| words.iter().any(|word| word == wanted);
-        if has("sae") || has("j670") {
+        // "Formula SAE" is no convention of axes.
+        const ABOUT_AXES: [&str; 8] = [
+            "axes",
+            "axis",
+            "frame",
+            "coordinate",
+            "coordinates",
+            "system",
+            "convention",
+            "j670",
+        ];
+        if has("j670") || (has("sae") && ABOUT_AXES.into_iter().any(has)) {
             return Declared::whole(Axes::of(FrameConvention::SaeJ670));
         }
         if has("iso8855") || (has("iso") && has("8855")) {
@@ -334,6 +345,11 @@ mod tests {
             said("x points rearward, y is positive right, z up").as_deref(),
             Some("rearward,right,up")
         );
-        assert_eq!(said("origin at the front, x and y in mm"), None);
+        for text in [
+            "origin at the front, x and y in mm",
+            "Formula SAE 2026, front",
+        ] {
+            assert_eq!(said(text), None, "{text}");
+        }
     }
 }

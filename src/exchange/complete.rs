@@ -1,6 +1,6 @@
 //! Completeness: groups of which something is missing, points that nothing uses, hardpoints that are not there.
 
-use super::names::{FigureKind, figure};
+use super::figure_names::{FigureKind, figure};
 use super::roles::{self, Letters};
 use super::table::PointTable;
 use super::{Hardpoint, ImportOptions};

@@ -2,7 +2,8 @@
 
 use super::ImportOptions;
 use super::corner::Corner;
-use super::names::{FigureKind, cut, figure};
+use super::figure_names::{FigureKind, figure};
+use super::names::cut;
 use super::table::{Figure, PointTable};
 use crate::model::LengthUnit;
 

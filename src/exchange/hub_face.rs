@@ -5,7 +5,7 @@
 //! lies `wheel.offset` (ET, in millimetres, positive inboard) from it along that axis, and the tyre's nominal radius is
 //! half the rim's diameter (inches) and the side wall, `aspect_ratio` times `section_width` (millimetres).
 
-use super::names::{FigureKind, figure};
+use super::figure_names::{FigureKind, figure};
 use super::table::{Figure, Marks, NamedPoint, PointTable};
 use crate::model::LengthUnit;
 

@@ -4,8 +4,8 @@
 use super::axes::Axes;
 use super::complete;
 use super::corner::{self, Corner, Named, Picked};
+use super::figure_names::{FigureKind, figure};
 use super::figures::{self, Figures};
-use super::names::{FigureKind, figure};
 use super::place::{self, Placed};
 use super::refusal::Refusal;
 use super::roles::{self, Letters, Role};
@@ -119,6 +119,7 @@ pub fn import(table: &PointTable, options: &ImportOptions<'_>) -> Result<Importe
 
     let wanted = corner.side;
     let mut placed = place::place(table, options, wanted, &picked, &mut notes)?;
+    let contact = contact_radius(table, corner, placed, &picked);
     place::mirror(&mut placed, wanted, &mut picked, &mut notes);
     if is_optimum {
         optimum::rod(options.topology, placed.axes, &mut picked, &mut notes);
@@ -141,15 +142,7 @@ pub fn import(table: &PointTable, options: &ImportOptions<'_>) -> Result<Importe
     };
     unused.say(&hardpoints, &mut notes, &mut left_out);
     let frame = to_study_frame(placed, &mut hardpoints, &mut notes);
-    radius(
-        table,
-        corner,
-        placed,
-        &hardpoints,
-        is_optimum,
-        &mut figures,
-        &mut notes,
-    );
+    radius(contact, is_optimum, &mut figures, &mut notes);
     let mut imported = Imported {
         topology: options.topology,
         hardpoints,
@@ -320,12 +313,9 @@ fn to_study_frame(
     FrameConvention::Iso8855
 }
 
-/// Says where the radius is from: the figures, the tyre's diameter, or the distance of the contact point.
+/// Says where the radius is from: the figures, the tyre's diameter, or the contact point.
 fn radius(
-    table: &PointTable,
-    corner: Corner,
-    placed: Placed,
-    hardpoints: &[Hardpoint],
+    contact: Option<(String, f64)>,
     is_optimum: bool,
     figures: &mut Figures,
     notes: &mut Vec<String>,
@@ -334,37 +324,18 @@ fn radius(
         return;
     }
     if let Some(diameter) = figures.tyre_diameter {
-        let tool = if is_optimum {
-            ", as OptimumKinematics takes it"
-        } else {
-            ""
+        let tool = match is_optimum {
+            true => ", as OptimumKinematics takes it",
+            false => "",
         };
         notes.push(format!(
             "[wheel] radius: half of the tyre diameter {diameter}{tool}, not the loaded radius"
         ));
         return;
     }
-    let to_contact = || {
-        let centre = hardpoints.iter().find(|h| h.name == "wheel_centre")?;
-        let is_contact = |point: &&NamedPoint| {
-            let is_of = |side: Option<Side>| side.is_none() || side == corner.side;
-            figure(&point.read_as).is_some_and(|(kind, marks, _)| {
-                kind == FigureKind::ContactPoint && is_of(point.marks.or(marks).side)
-            })
-        };
-        let contact = table.points.iter().find(is_contact)?;
-        let mut position = contact.position.clone().ok()?;
-        if placed.axes.convention().is_none() {
-            position = placed.axes.to_iso(position);
-        }
-        // Across the car the contact point may be the other wheel's; a wheel at the origin has been moved.
-        let apart = [0, 2].map(|k| position[k] - centre.position[k]);
-        Some((contact.name.clone(), apart[0].hypot(apart[1])))
-    };
-    if let Some((name, radius)) = to_contact() {
-        notes.push(format!(
-            "[wheel] radius: the distance of {name:?} from the wheel centre, seen from the side"
-        ));
+    if let Some((name, radius)) = contact {
+        let note = format!("[wheel] radius: the distance of {name:?} from the wheel centre");
+        notes.push(note);
         figures.radius = Some(radius);
         return;
     }
@@ -372,6 +343,38 @@ fn radius(
         "[wheel] radius, the loaded radius, is not in the file; what needs it is not asked for"
             .to_owned(),
     );
+}
+
+/// The distance of the contact point from the wheel centre, where the file has both points.
+fn contact_radius(
+    table: &PointTable,
+    corner: Corner,
+    placed: Placed,
+    picked: &[Picked],
+) -> Option<(String, f64)> {
+    let centre = picked.iter().find(|p| p.hardpoint.name == "wheel_centre")?;
+    let centre = centre.hardpoint.position;
+    let is_contact = |point: &&NamedPoint| {
+        figure(&point.read_as).is_some_and(|(kind, marks, _)| {
+            let marks = point.marks.or(marks);
+            let is_side = marks.side.is_none() || marks.side == corner.side;
+            let is_axle =
+                marks.axle.is_none() || corner.axle.is_none() || marks.axle == corner.axle;
+            kind == FigureKind::ContactPoint && is_side && is_axle
+        })
+    };
+    let contact = table.points.iter().find(is_contact)?;
+    let mut position = contact.position.clone().ok()?;
+    // A point for both wheels is the left one's.
+    let (across, _) = placed.axes.across();
+    if position[across] * centre[across] < 0.0 {
+        position[across] = -position[across];
+    }
+    let apart: [f64; 3] = std::array::from_fn(|k| position[k] - centre[k]);
+    Some((
+        contact.name.clone(),
+        apart[0].hypot(apart[1]).hypot(apart[2]),
+    ))
 }
 
 /// Camber and toe, where no point of the spin axis gives them.

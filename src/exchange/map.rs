@@ -271,7 +271,7 @@ impl Reader {
                 let mut all = FrameConvention::ALL.into_iter();
                 let known = all.find(|frame| frame.name() == text);
                 let declared = known.map(|known| Declared::whole(Axes::of(known)));
-                let declared = declared.unwrap_or_else(|| Declared::in_text(text));
+                let declared = declared.unwrap_or_else(|| in_words(text));
                 if declared.is_empty() {
                     return Err(format!(
                         "{}: the frame is {text:?}; expected iso8855, sae_j670, x_rear or the ways of x, y and z",
@@ -281,7 +281,7 @@ impl Reader {
                 self.declare(declared, keys)?;
             }
             Some("axes" | "coordinates" | "coordinate_system" | "convention") => {
-                self.declare(Declared::in_text(text), keys)?;
+                self.declare(in_words(text), keys)?;
             }
             _ => (),
         }
@@ -292,6 +292,11 @@ impl Reader {
         self.table.declared = self.table.declared.and(declared, &place(keys))?;
         Ok(())
     }
+}
+
+/// Axes in the words below a key that is about them.
+fn in_words(text: &str) -> Declared {
+    Declared::in_text(&format!("axes: {text}"))
 }
 
 /// The place of an entry: the keys on the way to it.

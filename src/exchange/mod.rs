@@ -8,7 +8,7 @@
 //! | a format to a table of named rows, with the axes, units, wheels and axles that the file says | `points`, `map`, `chrono`, `assetto_in`, `hub_face`, `source`, into `table` |
 //! | names to roles | `names`, `roles` |
 //! | choice of axle and wheel | `corner` |
-//! | unit and figures | `unit`, `figures` |
+//! | unit and figures | `unit`, `figure_names`, `figures` |
 //! | axes and side, and the half track | `axes`, `place`, `optimum` |
 //! | completeness, bodies, what is left out | `complete`, `seats` |
 //! | a study that runs | `compose` |
@@ -28,6 +28,7 @@ mod corner;
 mod decimals;
 mod delimited;
 mod export;
+mod figure_names;
 mod figures;
 mod header;
 mod hub_face;

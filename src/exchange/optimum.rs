@@ -108,7 +108,7 @@ pub(super) fn wheel_centre(
     Some(Picked {
         hardpoint: Hardpoint {
             name: "wheel_centre",
-            position: placed.axes.from_iso(iso),
+            position: placed.axes.iso_in_file(iso),
             called: "half track and tyre diameter".to_owned(),
             place: "the wheel's figures".to_owned(),
             body: None,

@@ -3,8 +3,9 @@
 use super::axes::{Axes, Declared};
 use super::cell::{Cell, Sheet};
 use super::decimals::Decimals;
+use super::figure_names::figure;
 use super::header::{self, Columns, Triple, header, text, unit_of};
-use super::names::{cut, figure, marks_of_title, side_of};
+use super::names::{cut, marks_of_title, side_of};
 use super::table::{Figure, Marks, NamedPoint, PointTable};
 use crate::model::{FrameConvention, LengthUnit};
 
@@ -351,6 +352,7 @@ fn unit_above(texts: &[&str]) -> Option<LengthUnit> {
 mod tests {
     use super::*;
     use crate::exchange::delimited;
+    use crate::model::Side;
 
     fn table(text: &str) -> PointTable {
         read(&delimited::read(text).unwrap()).unwrap().unwrap()
@@ -387,7 +389,7 @@ mod tests {
         let by_title = table("name,x,y,z\nLeft wheel\nlbj,1,2,3\nRight wheel\nlbj,1,-2,3\n");
         let by_header = table(",Left,,,Right,,\nname,x,y,z,x,y,z\nlbj,1,2,3,1,-2,3\n");
         for read in [by_name, by_column, by_title, by_header] {
-            let sides: Vec<_> = read.points.iter().map(|point| point.side).collect();
+            let sides: Vec<_> = read.points.iter().map(|point| point.marks.side).collect();
             assert_eq!(sides, [Some(Side::Left), Some(Side::Right)], "{read:?}");
             assert_eq!(position(&read, 1), [1.0, -2.0, 3.0]);
         }
@@ -421,7 +423,7 @@ mod tests {
     #[test]
     fn figures_stand_among_points() {
         let read = table("name,x,y,z\na,1,2,3\nwheel radius,300,,\nstatic_camber,-0.5,,\n");
-        let figures: Vec<f64> = read.figures.iter().map(|(_, value, _)| *value).collect();
+        let figures: Vec<f64> = read.figures.iter().map(|figure| figure.value).collect();
         assert_eq!((figures, read.points.len()), (vec![300.0, -0.5], 1));
     }
 

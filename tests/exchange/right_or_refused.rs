@@ -477,3 +477,70 @@ fn a_huge_cell_is_passed_over() {
         refused.len()
     );
 }
+
+/// Axes that a file says and its points contradict: the numbers are not taken as they stand.
+#[test]
+fn axes_that_the_points_contradict_are_refused() {
+    let swapped: Vec<(&str, [f64; 3])> = FRONT
+        .iter()
+        .map(|(n, [x, y, z])| (*n, [*y, *x, *z]))
+        .collect();
+    let plain = rows(&FRONT, |name| format!("iso8855,{name}"));
+    assert!(
+        of(
+            "points.csv",
+            &format!("frame,name,x,y,z\n{plain}"),
+            &Said::default()
+        )
+        .is_ok()
+    );
+    for frame in ["iso8855", "sae_j670", "x_rear"] {
+        let text = format!(
+            "frame,name,x,y,z\n{}",
+            rows(&swapped, |name| format!("{frame},{name}"))
+        );
+        let refused = of("points.csv", &text, &Said::default()).unwrap_err();
+        assert!(refused.contains("--axes"), "{frame}: {refused}");
+    }
+    let title = format!(
+        "All points in mm, SAE axes\nname,x,y,z\n{}",
+        rows(&FRONT, str::to_owned)
+    );
+    assert!(of("points.csv", &title, &Said::default()).is_err());
+    let rows = swapped
+        .iter()
+        .map(|(name, [x, y, z])| format!(" '{name}'  'left'  {x}  {y}  {z}\n"));
+    let subsystem = format!(
+        "[UNITS]\n LENGTH = 'mm'\n[HARDPOINT]\n{}",
+        rows.collect::<String>()
+    );
+    let refused = of("front.sub", &subsystem, &Said::default()).unwrap_err();
+    assert!(refused.contains("--axes"), "{refused}");
+}
+
+/// The contact point gives the radius in the wheel's plane, also where the wheel is at the origin.
+#[test]
+fn the_contact_point_gives_the_radius() {
+    let (x, y, z) = (3.0, 7.0, 203.0);
+    let radius = f64::hypot(x, y).hypot(z);
+    let with = |points: &[(&str, [f64; 3])], contact: [f64; 3], said: &Said| {
+        let [cx, cy, cz] = contact;
+        let text = format!(
+            "name,x,y,z\n{}contact patch,{cx},{cy},{cz}\n",
+            rows(points, str::to_owned)
+        );
+        of("points.csv", &text, said).unwrap().wheel_radius.unwrap()
+    };
+    let there = with(&FRONT, [x, 612.0 + y, 0.0], &Said::default());
+    assert!((there - radius).abs() < 1e-12 * radius);
+    let moved: Vec<(&str, [f64; 3])> = FRONT
+        .iter()
+        .map(|(n, [x, y, z])| (*n, [*x, y - 612.0, *z]))
+        .collect();
+    let said = Said {
+        half_track: Some(612.0),
+        ..Said::default()
+    };
+    let at_origin = with(&moved, [x, y, 0.0], &said);
+    assert!((at_origin - radius).abs() < 1e-12 * radius);
+}

@@ -103,6 +103,16 @@ fn tables_and_workbooks_give_the_same_study() {
         let name = "hardpoints".to_owned();
         let book = file(&directory, "points.xlsx", &workbook(&[Page { name, rows }]));
         check(&study, &book, &Said::default(), study.suspension.frame);
+        // Nothing of our own export is left over.
+        let radius = study.suspension.wheel_radius.is_some();
+        let back = imported(
+            &book,
+            study.suspension.mechanism.topology.name,
+            &Said::default(),
+        );
+        let back = back.unwrap();
+        assert_eq!(back.left_out, Vec::<String>::new());
+        assert_eq!(back.wheel_radius.is_some(), radius);
         // What rods stand on comes back, too.
         if study.suspension.length_unit != LengthUnit::Metre {
             continue;

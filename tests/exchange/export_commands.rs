@@ -27,7 +27,7 @@ fn sample(name: &str) -> PathBuf {
 }
 
 fn table_of(path: &Path, sheet: Option<&str>) -> PointTable {
-    read_points(path, sheet).unwrap()
+    read_points(path, sheet, None).unwrap()
 }
 
 /// The points of a file by name.

@@ -222,7 +222,6 @@ fn heights_of_suspensions_ini_are_from_the_centre_of_gravity() {
 /// The same points in the file's unit; the wheel centre, which the file gives by its contact point, to rounding; the
 /// angles with the study's signs.
 #[test]
-#[ignore = "the reader of these files is not there yet"]
 fn double_wishbones_come_back_from_optimum_k() {
     let directory = tempfile::tempdir().unwrap();
     for study in studies() {
@@ -289,7 +288,6 @@ fn double_wishbones_come_back_from_optimum_k() {
 
 /// The same points relative to the wheel centre, in metres.
 #[test]
-#[ignore = "the reader of these files is not there yet"]
 fn wishbones_and_struts_come_back_from_assetto_corsa() {
     let directory = tempfile::tempdir().unwrap();
     for study in studies() {

@@ -110,6 +110,16 @@ fn tables_and_workbooks_give_the_same_study() {
         let name = "hardpoints".to_owned();
         let book = file(&directory, "points.xlsx", &workbook(&[Page { name, rows }]));
         check(&study, &book, &Said::default(), study.suspension.frame);
+        // Nothing of our own export is left over.
+        let radius = study.suspension.wheel_radius.is_some();
+        let back = imported(
+            &book,
+            study.suspension.mechanism.topology.name,
+            &Said::default(),
+        );
+        let back = back.unwrap();
+        assert_eq!(back.left_out, Vec::<String>::new());
+        assert_eq!(back.wheel_radius.is_some(), radius);
         // What rods stand on comes back, too.
         if study.suspension.length_unit != LengthUnit::Metre {
             continue;
@@ -182,7 +192,7 @@ fn every_unit_and_frame_goes_out_and_comes_back() {
                     let files = [("into.sub", into), ("other.sub", other)];
                     let [table, other] = files.map(|(name, bytes)| {
                         let path = file(&directory, name, &bytes);
-                        hardpoint::exchange::read_points(&path, None).unwrap()
+                        hardpoint::exchange::read_points(&path, None, None).unwrap()
                     });
                     assert_eq!(table.unit, Some(of_file));
                     for (found, expected) in table.points.iter().zip(&other.points) {

@@ -180,7 +180,9 @@ impl<'a> Problem<'a> {
         for (point, before) in suspension.design.iter().enumerate() {
             let of_study = suspension.frame.vector(*before).to_array();
             let numbers = [0, 1, 2].map(|axis| 3 * point + axis);
-            let written = numbers.map(|n| match stays(n) {
+            // A coordinate on the grid has the grid's digits where converting it has cost the last one.
+            let keeps_digits = |n: usize| !self.free[n] || stays(n) && own == self.grid.unit;
+            let written = numbers.map(|n| match keeps_digits(n) {
                 true => self.before[n],
                 false => self.grid.length(steps[n]),
             });

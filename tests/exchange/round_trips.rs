@@ -192,12 +192,15 @@ fn every_unit_and_frame_goes_out_and_comes_back() {
                     let files = [("into.sub", into), ("other.sub", other)];
                     let [table, other] = files.map(|(name, bytes)| {
                         let path = file(&directory, name, &bytes);
-                        hardpoint::exchange::read_points(&path, None, None).unwrap()
+                        let said = Said {
+                            side: Some(side),
+                            ..Said::default()
+                        };
+                        imported(&path, suspension.mechanism.topology.name, &said).unwrap()
                     });
-                    assert_eq!(table.unit, Some(of_file));
-                    for (found, expected) in table.points.iter().zip(&other.points) {
-                        let pairs = [&found.position, &expected.position];
-                        let [found, expected] = pairs.map(|p| p.clone().unwrap());
+                    assert_eq!(table.unit, of_file);
+                    for (found, expected) in table.hardpoints.iter().zip(&other.hardpoints) {
+                        let (found, expected) = (found.position, expected.position);
                         for (a, b) in found.iter().zip(expected) {
                             assert!((a - b).abs() <= 4e-16 * b.abs(), "{a} {b}");
                         }

@@ -383,12 +383,11 @@ mod tests {
     }
 
     #[test]
-    fn sides_stand_in_names_columns_titles_and_headers() {
-        let by_name = table("name,x,y,z\nlbj_l,1,2,3\nlbj_r,1,-2,3\n");
+    fn sides_stand_in_columns_titles_and_headers() {
         let by_column = table("name,side,x,y,z\nlbj,left,1,2,3\nlbj,R,1,-2,3\n");
         let by_title = table("name,x,y,z\nLeft wheel\nlbj,1,2,3\nRight wheel\nlbj,1,-2,3\n");
         let by_header = table(",Left,,,Right,,\nname,x,y,z,x,y,z\nlbj,1,2,3,1,-2,3\n");
-        for read in [by_name, by_column, by_title, by_header] {
+        for read in [by_column, by_title, by_header] {
             let sides: Vec<_> = read.points.iter().map(|point| point.marks.side).collect();
             assert_eq!(sides, [Some(Side::Left), Some(Side::Right)], "{read:?}");
             assert_eq!(position(&read, 1), [1.0, -2.0, 3.0]);

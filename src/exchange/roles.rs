@@ -236,6 +236,16 @@ mod tests {
     use super::*;
     use crate::model::Side;
 
+    /// Other names of the file, a name, and its hardpoint, wheel, axle and body.
+    type Case<'a> = (
+        &'a [&'a str],
+        &'a str,
+        &'a str,
+        Option<Side>,
+        Option<AxlePosition>,
+        Option<&'a str>,
+    );
+
     #[test]
     fn names_say_wheel_axle_and_body() {
         let paired = ["F_LCA_IF", "R_LCA_IF", "F_UBJ"];
@@ -243,14 +253,7 @@ mod tests {
         let (front, rear) = (Some(AxlePosition::Front), Some(AxlePosition::Rear));
         let (left, right) = (Some(Side::Left), Some(Side::Right));
         let topology = Topology::named("double_wishbone").unwrap();
-        let cases: [(
-            &[&str],
-            &str,
-            &str,
-            Option<Side>,
-            Option<AxlePosition>,
-            Option<&str>,
-        ); 17] = [
+        let cases: [Case; 17] = [
             (&[], "hpl_lca_front", "lower_arm_front", left, None, None),
             (&sided, "LCA front R", "lower_arm_front", right, None, None),
             (

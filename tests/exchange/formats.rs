@@ -202,8 +202,11 @@ fn workbooks_of_optimum_kinematics_are_read() {
     assert!(read.notes.join(" ").contains("Rear Suspension"));
 }
 
+/// A part of a suspension of Project Chrono with its locations.
+type Part<'a> = (&'a str, &'a [(&'a str, [f64; 3])]);
+
 /// A suspension of Project Chrono: parts by name, each with its locations.
-fn chrono(template: &str, parts: &[(&str, &[(&str, [f64; 3])])]) -> String {
+fn chrono(template: &str, parts: &[Part<'_>]) -> String {
     let mut text = format!(
         "// made up\n{{ \"Name\": \"x // y\", \"Type\": \"Suspension\", \"Template\": \"{template}\",\n/* two\nlines */"
     );
@@ -227,15 +230,15 @@ fn of_chrono(topology: &str, text: &str) -> Result<Imported, String> {
     )
 }
 
-const SPINDLE: (&str, &[(&str, [f64; 3])]) = ("Spindle", &[("COM", [0.0, 0.8, 0.02])]);
-const TIEROD: (&str, &[(&str, [f64; 3])]) = (
+const SPINDLE: Part<'static> = ("Spindle", &[("COM", [0.0, 0.8, 0.02])]);
+const TIEROD: Part<'static> = (
     "Tierod",
     &[
         ("Location Chassis", [-0.21, 0.39, -0.02]),
         ("Location Upright", [-0.16, 0.73, -0.03]),
     ],
 );
-const ARMS: [(&str, &[(&str, [f64; 3])]); 2] = [
+const ARMS: [Part<'static>; 2] = [
     (
         "Upper Control Arm",
         &[
@@ -257,14 +260,14 @@ const ARMS: [(&str, &[(&str, [f64; 3])]); 2] = [
 
 #[test]
 fn every_template_of_chrono_with_a_topology_is_read() {
-    let spring: (&str, &[(&str, [f64; 3])]) = (
+    let spring: Part<'_> = (
         "Spring",
         &[
             ("Location Chassis", [0.05, 0.47, 0.24]),
             ("Location Arm", [0.05, 0.56, -0.09]),
         ],
     );
-    let shock: (&str, &[(&str, [f64; 3])]) = (
+    let shock: Part<'_> = (
         "Shock",
         &[
             ("Location Chassis", [0.04, 0.46, 0.36]),
@@ -290,7 +293,7 @@ fn every_template_of_chrono_with_a_topology_is_read() {
     assert!(refused.contains("--topology double_wishbone"), "{refused}");
 
     // The reduced one has no spring of its own, and its damper on the upright.
-    let on_upright: (&str, &[(&str, [f64; 3])]) = (
+    let on_upright: Part<'_> = (
         "Shock",
         &[
             ("Location Chassis", [0.05, 0.47, 0.3]),
@@ -308,7 +311,7 @@ fn every_template_of_chrono_with_a_topology_is_read() {
     assert!(study.contains("spring_lower = \"knuckle\""), "{study}");
 
     let arm = ("Control Arm", ARMS[1].1);
-    let strut: (&str, &[(&str, [f64; 3])]) = (
+    let strut: Part<'_> = (
         "Spring",
         &[
             ("Location Chassis", [-0.06, 0.6, 0.55]),
@@ -360,7 +363,7 @@ fn every_template_of_chrono_with_a_topology_is_read() {
     );
     runs(&read);
 
-    let trailing: (&str, &[(&str, [f64; 3])]) = (
+    let trailing: Part<'_> = (
         "Trailing Arm",
         &[
             ("Location Chassis Outer", [0.48, 0.7, 0.0]),

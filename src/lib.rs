@@ -92,7 +92,7 @@
 //! | `solved` | a study's curves, of one wheel or of both, and what is made of them |
 //! | `report` | files, tables, pages |
 //! | `results` | directories of results: who may replace what, locks |
-//! | `exchange` | points and curves from and to spreadsheets and Adams/Car |
+//! | `exchange` | points and curves from and to spreadsheets, CAD and other tools |
 //! | `studio` | the live page: a server on this machine that follows dragged points |
 //! | `cli` | the command line |
 

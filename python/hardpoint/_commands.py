@@ -176,16 +176,29 @@ def export(
     to: str | None = None,
     into: Place | None = None,
     design: int | None = None,
+    unit: str | None = None,
+    frame: str | None = None,
     round: float | None = None,
+    round_all: bool = False,
+    curves: bool = False,
+    names: str | None = None,
+    travel: str | None = None,
+    rack: str | None = None,
+    grow: float | None = None,
     force: bool = False,
 ) -> list[str]:
-    """Writes the points of a study or run, and of a workbook the curves, to the file `out` for other tools; what that
-    cost or left out, a line each. `to` is "csv", "xlsx" or "adams", by default as the file's name ends (`.sub` is
-    Adams/Car's); `into` a subsystem whose copy takes the points, `design` a number in a sweep, `round` a length."""
+    """Writes a study or run to the file `out` for other tools, in a `unit` and a `frame`. Returns a line for each thing that
+    this cost or left out. `to` is "csv", "xlsx", "adams", "optimumk", "assetto", "dxf" or "stl", by default as the file's
+    name ends (`.sub` is Adams/Car's, `.ini` Assetto Corsa's). `into` is a subsystem whose copy takes the points,
+    `design` a number in a sweep, `round` a length. `curves` and `names` ("adams", "altair") are for "csv", `travel` and
+    `rack` (as "-30..30") and `grow` for "stl"."""
     folder = _Folder()
-    kind = to or {".csv": "csv", ".xlsx": "xlsx", ".sub": "adams"}.get(Path(out).suffix)
-    options = _options(to=kind, into=into, design=design, round=round, out=out)
-    _, said = _program("export", folder.file(source), *options, *["--force"] * force, quiet=False)
+    kinds = {".csv": "csv", ".xlsx": "xlsx", ".sub": "adams", ".ini": "assetto", ".dxf": "dxf", ".stl": "stl"}
+    kind = to or kinds.get(Path(out).suffix)
+    options = _options(to=kind, into=into, design=design, unit=unit, frame=frame, round=round, names=names, travel=travel)
+    options += _options(rack=rack, grow=grow, out=out)
+    flags = ["--round-all"] * round_all + ["--curves"] * curves + ["--force"] * force
+    _, said = _program("export", folder.file(source), *options, *flags, quiet=False)
     return said.splitlines()
 
 

@@ -1,19 +1,16 @@
 //! `hardpoint export`
 
-use super::check::Checked;
 use super::exit::{Exit, Stop};
-use super::limits::motion_alone;
-use super::output::kept_study;
-use super::terminal::{note, width};
+use super::export_source::Source;
+use super::import::{frame, unit};
+use super::save::save;
+use super::terminal::note;
 use crate::exchange::{
-    Page, Rounded, csv, into_subsystem, page_of_csv, point_rows, rounded, subsystem, workbook,
+    Envelope, Page, Span, Tool, Tyre, Value, Written, bytes_of, csv, curves_in, drawing,
+    into_subsystem, optimum_k_rows, point_rows, subsystem, suspensions_ini, under_names_of,
+    workbook,
 };
-use crate::number::Vector3;
-use crate::report::{Cell, Table};
-use crate::results;
-use crate::solved::Solved;
-use crate::study::{LONGEST_TABLE, LONGEST_TEXT, Study, read_bytes};
-use crate::sweep::SweepPlan;
+use crate::model::{FrameConvention, LengthUnit};
 use clap::{Args, ValueEnum};
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -22,289 +19,320 @@ use std::path::{Path, PathBuf};
 #[derive(Args)]
 pub(super) struct ExportArguments {
     /// A study file, or the directory of a run
-    source: PathBuf,
-    /// What is written
+    pub(super) source: PathBuf,
+    /// Format of the file
     #[arg(long, value_enum)]
     to: Target,
-    /// Round the points to multiples of this length with the least loss against the targets
-    #[arg(long, value_name = "LENGTH", value_parser = grid)]
-    round: Option<f64>,
+    /// Unit of lengths in the file: mm, m or in [default: the study's]
+    #[arg(long, value_parser = unit)]
+    pub(super) unit: Option<LengthUnit>,
+    /// Axes of the file: iso8855, sae_j670 or x_rear [default: the study's, or those of the format]
+    #[arg(long, value_parser = frame)]
+    pub(super) frame: Option<FrameConvention>,
+    /// Round coordinates that were moved or tuned to multiples of this length, in the file's unit, with the least loss
+    /// against the targets
+    #[arg(long, value_name = "LENGTH", value_parser = length)]
+    pub(super) round: Option<f64>,
+    /// With --round: round every coordinate
+    #[arg(long)]
+    pub(super) round_all: bool,
+    /// With --to csv: the curves instead of the points
+    #[arg(long)]
+    curves: bool,
+    /// With --to csv: the curves under the names of another tool, as far as its definitions are the same
+    #[arg(long, value_enum)]
+    names: Option<Names>,
+    /// With --to stl: wheel travel, as in --travel -30..30; /N behind it gives the number of values [default: 9]
+    #[arg(long, value_name = "A..B", value_parser = span, allow_hyphen_values = true)]
+    travel: Option<Span>,
+    /// With --to stl: rack displacement along the file's y axis, as in --rack -20..20 [default: straight ahead]
+    #[arg(long, value_name = "C..D", value_parser = span, allow_hyphen_values = true)]
+    rack: Option<Span>,
+    /// With --to stl: a length added to the tyre all around
+    #[arg(long, value_name = "LENGTH", value_parser = length)]
+    grow: Option<f64>,
     /// With --to adams: a subsystem whose hardpoints are replaced in a copy
     #[arg(long, value_name = "FILE.sub")]
     into: Option<PathBuf>,
     /// The points of one design of the study's sweep, by its number
     #[arg(long, value_name = "NUMBER")]
-    design: Option<u64>,
+    pub(super) design: Option<u64>,
     /// Override a field of the study, as in --set motion.rack=5.0; may be given more than once
     #[arg(long, value_name = "PATH=VALUE")]
-    set: Vec<String>,
-    /// Where it goes [default: standard output; a workbook needs a file]
+    pub(super) set: Vec<String>,
+    /// Where it goes [default: standard output; workbooks and solids need a file]
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
-    /// Replace a file that is there
+    /// Replace a file that is there; never one that is read
     #[arg(long)]
     force: bool,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Target {
-    /// The points as a table
+    /// The points as a table, or with --curves the curves
     Csv,
     /// The points and the curves as a workbook
     Xlsx,
     /// The points as hardpoints of an Adams/Car subsystem
     Adams,
+    /// The points in the layout of OptimumKinematics: a workbook, or a table (.csv, standard output)
+    Optimumk,
+    /// The axle's section of Assetto Corsa's suspensions.ini
+    Assetto,
+    /// Points and centre lines for CAD
+    Dxf,
+    /// The space of the tyre over travel and steer, as solids for CAD
+    Stl,
 }
 
-fn grid(text: &str) -> Result<f64, String> {
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Names {
+    /// Adams/Car
+    Adams,
+    /// Altair MotionView
+    Altair,
+    /// The suspension parameter measuring machine: refused, since its definitions are not published
+    Spmm,
+}
+
+fn length(text: &str) -> Result<f64, String> {
     let length = text.parse::<f64>().ok();
     let length = length.filter(|length| (1e-9..=1e6).contains(length));
-    length.ok_or_else(|| "expected a length above 0, as in --round 0.1".to_owned())
+    length.ok_or_else(|| "expected a length above 0, as in 0.1".to_owned())
+}
+
+/// The most values of a span: poses are their product.
+const MOST_VALUES: usize = 200;
+
+fn span(text: &str) -> Result<Span, String> {
+    let expected = || format!("expected two lengths, as in -30..30 or -30..30/9, found {text:?}");
+    let (ends, values) = match text.split_once('/') {
+        Some((ends, values)) => (ends, values.parse().map_err(|_| expected())?),
+        None => (text, 9),
+    };
+    if !(2..=MOST_VALUES).contains(&values) {
+        return Err(format!(
+            "expected 2 to {MOST_VALUES} values, found {values}"
+        ));
+    }
+    let (first, last) = ends.split_once("..").ok_or_else(expected)?;
+    let end = |text: &str| {
+        let number = text.trim().parse::<f64>().ok();
+        number.filter(|n| n.abs() <= 1e6).ok_or_else(expected)
+    };
+    Ok(Span {
+        ends: [end(first)?, end(last)?],
+        values,
+    })
 }
 
 pub(super) fn run(arguments: &ExportArguments) -> Result<Exit, Stop> {
-    if arguments.into.is_some() && arguments.to != Target::Adams {
-        return Err(Stop::wrong_input("--into needs --to adams"));
-    }
-    if arguments.to == Target::Xlsx && arguments.out.is_none() {
-        return Err(Stop::wrong_input(
-            "a workbook is no text for a terminal: say with --out where it goes",
-        ));
-    }
-    if arguments.into.is_some() && arguments.into == arguments.out {
-        return Err(Stop::wrong_input(
-            "--into is copied, not changed: give another file with --out",
-        ));
-    }
+    check_call(arguments)?;
     let source = Source::read(arguments)?;
-    source.say_what_is_left_out(arguments.to)?;
     let bytes = match arguments.to {
-        Target::Csv => csv(&point_rows(source.study()?, &source.design)),
+        Target::Csv if arguments.curves || arguments.names.is_some() => curves(&source, arguments)?,
+        Target::Csv => csv(&point_rows(&source.outgoing()?)),
         Target::Xlsx => workbook(&source.pages()?),
-        Target::Adams => {
-            let study = source.study()?;
-            let written = match &arguments.into {
-                None => subsystem(study, &source.design),
-                Some(path) => {
-                    let refused = |reason: String| Stop::in_file(path, reason);
-                    let file = read_bytes(path, LONGEST_TEXT).map_err(refused)?;
-                    into_subsystem(study, &source.design, &file).map_err(refused)?
-                }
-            };
-            for line in written.notes {
-                note(&format!("{line}\n"));
-            }
-            written.bytes
+        Target::Adams => say(adams(&source, arguments)?),
+        Target::Optimumk => optimum_k(&source, arguments)?,
+        Target::Assetto => {
+            let refused = |reason: String| Stop::in_file(&arguments.source, reason);
+            say(suspensions_ini(&source.outgoing()?).map_err(refused)?)
         }
+        Target::Dxf => drawing(&source.outgoing()?),
+        Target::Stl => envelope(&source, arguments)?,
     };
     match &arguments.out {
         None => std::io::stdout().write_all(&bytes)?,
-        Some(out) => save(out, &bytes, arguments.force)?,
+        Some(out) => save(out, &bytes, arguments.force, &inputs(&source, arguments))?,
     }
     Ok(Exit::Done)
 }
 
-/// Writes a file, whole or not at all; over one that is there only by force.
-pub(super) fn save(out: &Path, bytes: &[u8], force: bool) -> Result<(), Stop> {
-    if out.exists() && !force {
+/// Refuses options that do not go together.
+fn check_call(arguments: &ExportArguments) -> Result<(), Stop> {
+    let to = arguments.to;
+    let only = |given: bool, option: &str, target: Target, name: &str| match given && to != target {
+        true => Err(Stop::wrong_input(format!("{option} needs --to {name}"))),
+        false => Ok(()),
+    };
+    only(arguments.into.is_some(), "--into", Target::Adams, "adams")?;
+    only(arguments.curves, "--curves", Target::Csv, "csv")?;
+    only(arguments.names.is_some(), "--names", Target::Csv, "csv")?;
+    only(arguments.travel.is_some(), "--travel", Target::Stl, "stl")?;
+    only(arguments.rack.is_some(), "--rack", Target::Stl, "stl")?;
+    only(arguments.grow.is_some(), "--grow", Target::Stl, "stl")?;
+    if arguments.round_all && arguments.round.is_none() {
+        return Err(Stop::wrong_input("--round-all needs --round LENGTH"));
+    }
+    if arguments.names == Some(Names::Spmm) {
+        return Err(Stop::wrong_input(
+            "--names spmm: no public source defines the channels of that machine, so none of our curves can be \
+             said to be one of them",
+        ));
+    }
+    if matches!(to, Target::Xlsx | Target::Stl) && arguments.out.is_none() {
+        return Err(Stop::wrong_input(
+            "a workbook and solids are no text for a terminal: say with --out where they go",
+        ));
+    }
+    let own_axes = match to {
+        Target::Adams => Some((FrameConvention::XRear, "an Adams/Car subsystem")),
+        Target::Optimumk => Some((FrameConvention::Iso8855, "OptimumKinematics")),
+        _ => None,
+    };
+    if let (Some((own, what)), Some(asked)) = (own_axes, arguments.frame)
+        && own != asked
+    {
         return Err(Stop::wrong_input(format!(
-            "{} is there already; --force replaces it",
-            out.display()
+            "--frame {}: the axes of {what} are {}",
+            asked.name(),
+            own.name()
         )));
     }
-    let directory = out.parent().filter(|parent| !parent.as_os_str().is_empty());
-    let written = || {
-        let mut file = results::temporary(directory.unwrap_or(Path::new(".")))?;
-        file.write_all(bytes)?;
-        file.persist(out).map_err(|error| error.error)
+    if to == Target::Assetto && (arguments.frame.is_some() || arguments.unit.is_some()) {
+        return Err(Stop::wrong_input(
+            "suspensions.ini has axes of its own and is in metres: leave out --unit and --frame",
+        ));
+    }
+    if arguments.into.is_some() && arguments.unit.is_some() {
+        return Err(Stop::wrong_input(
+            "--into keeps the unit of the file: leave out --unit",
+        ));
+    }
+    Ok(())
+}
+
+/// The files that are read.
+fn inputs(source: &Source, arguments: &ExportArguments) -> Vec<PathBuf> {
+    let mut inputs = source.inputs.clone();
+    inputs.extend(arguments.into.clone());
+    inputs
+}
+
+/// Says what a file does not hold, and returns the file.
+fn say(written: Written) -> Vec<u8> {
+    for line in written.notes {
+        note(&format!("{line}\n"));
+    }
+    written.bytes
+}
+
+fn adams(source: &Source, arguments: &ExportArguments) -> Result<Written, Stop> {
+    let outgoing = source.outgoing()?;
+    let Some(path) = &arguments.into else {
+        return Ok(subsystem(&outgoing));
     };
-    results::undivided(written)
-        .map(drop)
-        .map_err(|error| Stop::wrong_input(format!("cannot write {}: {error}", out.display())))
+    if outgoing.different_wheels().len() > 1 {
+        return Err(Stop::in_file(
+            &arguments.source,
+            "axle.right: --into writes the left wheel alone, and the right wheel has points of its own; leave out --into",
+        ));
+    }
+    let refused = |reason: String| Stop::in_file(path, reason);
+    let file = bytes_of(path).map_err(refused)?;
+    into_subsystem(&outgoing, &file).map_err(refused)
 }
 
-/// What is exported.
-struct Source {
-    path: PathBuf,
-    /// The study; `None` of a run that keeps none.
-    study: Option<Study>,
-    /// Its points.
-    design: Vec<Vector3<f64>>,
-    /// The tables of a run's directory: their names and contents.
-    tables: Vec<(&'static str, Vec<u8>)>,
-}
-
-impl Source {
-    fn read(arguments: &ExportArguments) -> Result<Self, Stop> {
-        let path = &arguments.source;
-        let mut source = Source {
-            path: path.clone(),
-            study: None,
-            design: Vec::new(),
-            tables: Vec::new(),
-        };
-        if path.is_dir() {
-            for name in ["curves", "curves_before", "designs", "pareto", "history"] {
-                let table = path.join(name).with_extension("csv");
-                if !table.exists() {
-                    continue;
-                }
-                let bytes = read_bytes(&table, LONGEST_TABLE);
-                let bytes = bytes.map_err(|reason| Stop::in_file(&table, reason))?;
-                source.tables.push((name, bytes));
-            }
-            source.study = kept_study(path, &arguments.set)?;
-            if source.tables.is_empty() && source.study.is_none() {
-                return Err(Stop::in_file(
-                    path,
-                    "not the directory of a run: there is no curves.csv, designs.csv or optimised.toml",
-                ));
-            }
-        } else {
-            source.study = Some(Study::read(path, &arguments.set)?);
-        }
-        let Some(study) = &source.study else {
-            if arguments.round.is_some() || arguments.design.is_some() {
-                source.study()?;
-            }
-            return Ok(source);
-        };
-        Checked::of(&motion_alone(study), path)?;
-        source.design = match arguments.design {
-            None => study.suspension.design.clone(),
-            Some(number) => of_sweep(study, number, path)?,
-        };
-        if let Some(grid) = arguments.round {
-            let rounded = rounded(study, &source.design, grid);
-            let rounded = rounded.map_err(|reason| Stop::in_file(path, reason))?;
-            say_loss(study, &source.design, &rounded, grid);
-            source.design = rounded.design;
-        }
-        Ok(source)
-    }
-
-    /// Of an axle the left wheel is written, of which the right one need not be the mirror image. A file in which the
-    /// two are one is refused then.
-    fn say_what_is_left_out(&self, to: Target) -> Result<(), Stop> {
-        let axle = self.study.as_ref().and_then(|study| study.axle.as_ref());
-        let Some((left, right)) = axle.and_then(|a| Some((&a.axle.left, a.axle.right.as_ref()?)))
-        else {
-            return Ok(());
-        };
-        let points = left
-            .mechanism
-            .points
-            .iter()
-            .zip(left.design.iter().zip(&right.design));
-        let own = points.filter(|(_, (left, right))| left != right);
-        let own: Vec<&str> = own.map(|(point, _)| point.name.as_str()).collect();
-        if own.is_empty() {
-            return Ok(());
-        }
-        let words = format!(
-            "{}: axle.right: the right wheel's own hardpoints are not exported yet: {}",
-            self.path.display(),
-            own.join(", ")
-        );
-        match to {
-            Target::Adams => Err(Stop::wrong_input(format!(
-                "{words}; the file would have the mirror image of the left ones"
-            ))),
-            _ => {
-                note(&format!("warning: {words}\n"));
-                Ok(())
-            }
-        }
-    }
-
-    fn study(&self) -> Result<&Study, Stop> {
-        self.study.as_ref().ok_or_else(|| {
-            Stop::in_file(
-                &self.path,
-                "this run keeps no study, so there are no points to export; export the study it was of",
-            )
-        })
-    }
-
-    fn pages(&self) -> Result<Vec<Page>, Stop> {
-        if self.study.is_none() {
-            note(&format!(
-                "{}: this run keeps no study: the workbook has its tables alone, and no hardpoints\n",
-                self.path.display()
-            ));
-        }
-        let refused = |reason: String| Stop::in_file(&self.path, reason);
-        let mut pages = Vec::new();
-        if let Some(study) = &self.study {
-            pages.push(Page {
-                name: "hardpoints".to_owned(),
-                rows: point_rows(study, &self.design),
-            });
-            if self.tables.is_empty() {
-                let study = study.at_design(self.design.clone());
-                let csv = Solved::of(&study).map_err(refused)?.csv();
-                pages.push(page_of_csv("curves", &csv).map_err(refused)?);
-            }
-        }
-        for (name, csv) in &self.tables {
-            let page = page_of_csv(name, csv);
-            pages.push(page.map_err(|reason| refused(format!("{name}.csv: {reason}")))?);
-        }
-        Ok(pages)
-    }
-}
-
-/// A design of a study's sweep.
-fn of_sweep(study: &Study, number: u64, path: &Path) -> Result<Vec<Vector3<f64>>, Stop> {
-    let refused = |reason: &str| Stop::in_file(path, reason);
-    let sweep = study.sweep.as_ref();
-    let sweep = sweep.ok_or_else(|| refused("--design is of a sweep, and there is no [sweep]"))?;
-    let plan = SweepPlan::of(study, sweep)
-        .map_err(|_| refused("the sweep cannot begin; `hardpoint sweep` says why"))?;
-    if number >= plan.record.designs {
-        return Err(refused(&format!(
-            "there is no design {number}; the sweep has {}, numbered from 0",
-            plan.record.designs
-        )));
-    }
-    Ok(plan.design(number))
-}
-
-/// What rounding costs: the misfit of the targets, and the largest change of every curve.
-fn say_loss(study: &Study, before: &[Vector3<f64>], rounded: &Rounded, grid: f64) {
-    let unit = study.suspension.length_unit.symbol();
-    match &rounded.loss {
-        None => note(&format!(
-            "rounded to {grid} {unit}; the study has no targets that would say what that costs\n"
-        )),
-        Some(loss) => {
-            let ordinary = loss
-                .ordinary
-                .map_or("no curve".to_owned(), |misfit| format!("{misfit:.4}"));
-            note(&format!(
-                "rounded to {grid} {unit}: misfit {:.4} -> {:.4} tolerances ({ordinary} if each coordinate were \
-                 rounded by itself; {} are rounded the other way)\n",
-                loss.exact, loss.best, loss.otherwise
-            ));
-        }
-    }
-    let designs = [before, &rounded.design].map(|d| study.at_design(d.to_vec()));
-    let [Ok(before), Ok(after)] = designs.each_ref().map(Solved::of) else {
-        return;
+fn optimum_k(source: &Source, arguments: &ExportArguments) -> Result<Vec<u8>, Stop> {
+    let outgoing = source.outgoing()?;
+    let refused = |reason: String| Stop::in_file(&arguments.source, reason);
+    let (rows, notes) = optimum_k_rows(&outgoing).map_err(refused)?;
+    let is_table = |out: &Path| {
+        let extension = out.extension().unwrap_or_default();
+        extension.eq_ignore_ascii_case("csv")
     };
-    let (Some(before), Some(after)) = (before.wheel(), after.wheel()) else {
-        return;
+    let bytes = match arguments.out.as_deref().is_none_or(is_table) {
+        true => csv(&rows),
+        false => {
+            let position = outgoing.study.suspension.vehicle.position;
+            let axle = position.map_or(String::new(), |axle| format!("{axle:?} "));
+            let name = format!("{axle}Suspension");
+            workbook(&[Page { name, rows }])
+        }
     };
-    let mut table = Table::new(["output", "largest change"]);
-    for (number, column) in before.columns.iter().enumerate() {
-        let pairs = before.stations.iter().zip(&after.stations);
-        let changes =
-            pairs.filter_map(|(a, b)| Some((b.values[number]? - a.values[number]?).abs()));
-        let largest = changes.fold(0.0, f64::max);
-        table.push([
-            Cell::from(column.name.as_str()),
-            Cell::figure(largest, &column.unit),
-        ]);
+    Ok(say(Written { bytes, notes }))
+}
+
+/// The curves as a table, under our names or those of another tool.
+fn curves(source: &Source, arguments: &ExportArguments) -> Result<Vec<u8>, Stop> {
+    let outgoing = source.outgoing()?;
+    let page = curves_in(&outgoing, source.curves()?);
+    let tool = match arguments.names {
+        None => return Ok(csv(&page.rows)),
+        Some(Names::Adams) => Tool::Adams,
+        Some(Names::Altair | Names::Spmm) => Tool::Altair,
+    };
+    let (named, left_out) = under_names_of(tool, &outgoing, &page);
+    if !left_out.is_empty() {
+        note(&format!(
+            "left out, without a published definition that is the same: {}\n",
+            left_out.join(", ")
+        ));
     }
-    note(&table.text(width()));
+    let motion = page.rows.first().map_or(0, Vec::len) - left_out.len();
+    let is_named = |cell: &Value| matches!(cell, Value::Text(name) if name.contains('['));
+    if motion == 0
+        || !named
+            .rows
+            .first()
+            .is_some_and(|row| row.iter().any(is_named))
+    {
+        return Err(Stop::in_file(
+            &arguments.source,
+            "none of its curves has a name of that tool; docs/exchange.md lists those that do",
+        ));
+    }
+    Ok(csv(&named.rows))
+}
+
+fn envelope(source: &Source, arguments: &ExportArguments) -> Result<Vec<u8>, Stop> {
+    let outgoing = source.outgoing()?;
+    let suspension = &outgoing.study.suspension;
+    let lacking = |key: &str, what: &str| {
+        Stop::in_file(
+            &arguments.source,
+            format!("[wheel] {key} is missing, the {what} of which the envelope is made"),
+        )
+    };
+    let radius = suspension.wheel_radius;
+    let radius = radius.ok_or_else(|| lacking("radius", "radius of the tyre"))?;
+    let width = suspension.tyre_width;
+    let width = width.ok_or_else(|| lacking("tyre_width", "width of the tyre"))?;
+    let travel = arguments
+        .travel
+        .ok_or_else(|| Stop::wrong_input("--to stl needs --travel, as in --travel -30..30"))?;
+    let rack = arguments.rack.unwrap_or(Span {
+        ends: [0.0; 2],
+        values: 1,
+    });
+    let grow = arguments.grow.unwrap_or(0.0);
+    let tyre = Tyre {
+        radius: outgoing.length(radius) + grow,
+        width: outgoing.length(width) + 2.0 * grow,
+    };
+    let envelope = Envelope::of(&outgoing, tyre, travel, rack)
+        .map_err(|reason| Stop::not_met(format!("{}: {reason}", arguments.source.display())))?;
+    let unit = outgoing.unit.symbol();
+    let digits = match outgoing.unit {
+        LengthUnit::Millimetre => 2,
+        LengthUnit::Inch => 3,
+        LengthUnit::Metre => 5,
+    };
+    note(&format!(
+        "{} solids, one for each pose, {} triangles; unit {unit}, frame {}. Between poses the tyre is up to {:.digits$} {unit} \
+         outside of them: more values (/N) make that less, --grow covers it.\n",
+        envelope.solids.len(),
+        envelope.triangles(),
+        outgoing.convention.name(),
+        envelope.gap()
+    ));
+    if arguments.grow.is_none() {
+        note(&format!(
+            "The radius is the loaded one, {:?} {unit}: the free tyre is larger. --grow LENGTH adds to radius and sides.\n",
+            outgoing.length(radius)
+        ));
+    }
+    Ok(envelope.stl())
 }

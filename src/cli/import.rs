@@ -1,20 +1,21 @@
 //! `hardpoint import`
 
 use super::exit::{Exit, Stop};
-use super::export::save;
-use super::terminal::note;
-use crate::exchange::{ImportOptions, import, read_points, unit_of};
-use crate::model::{FrameConvention, LengthUnit, Side, Topology};
-use crate::study::{LONGEST_TEXT, read_text};
+use super::save::save;
+use super::terminal::{eprint, note};
+use crate::exchange::{
+    Axes, ImportOptions, Imported, Question, Refusal, bytes_of, import, read_points, unit_of,
+};
+use crate::model::{AxlePosition, FrameConvention, LengthUnit, Side, Topology};
 use clap::Args;
 use std::collections::BTreeMap;
-use std::io::Write;
+use std::io::{BufRead, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 
 /// What is imported, and what is known of it.
 #[derive(Args)]
 pub(super) struct ImportArguments {
-    /// Points: a table (.csv, .xlsx), a map (.json) or an Adams/Car subsystem (.sub)
+    /// Points: a table (.csv, .xlsx), a map (.json, .yaml), an Adams/Car subsystem (.sub) or suspensions.ini
     file: PathBuf,
     /// Kind of suspension, such as double_wishbone
     #[arg(long, value_parser = topology)]
@@ -25,19 +26,34 @@ pub(super) struct ImportArguments {
     /// Unit of length, mm, m or in [default: what the file says, or the one that makes it a car's]
     #[arg(long, value_parser = unit)]
     unit: Option<LengthUnit>,
-    /// Axes: iso8855, sae_j670 or x_rear [default: those that the points fit]
-    #[arg(long, value_parser = frame)]
+    /// Axes: iso8855, sae_j670 or x_rear [default: those that the file says or the points show]
+    #[arg(long, value_parser = frame, conflicts_with = "axes")]
     frame: Option<FrameConvention>,
+    /// Ways of the file's x, y and z, each forward, rearward, left, right, up or down: left,forward,up
+    #[arg(long, value_name = "X,Y,Z", value_parser = Axes::parse)]
+    axes: Option<Axes>,
     /// Which wheel, left or right [default: the left one, or the one there is]
     #[arg(long, value_parser = side)]
     side: Option<Side>,
+    /// Which axle of a file with two, front or rear
+    #[arg(long, value_parser = axle)]
+    axle: Option<AxlePosition>,
+    /// Which wheel of a file with four: FL, FR, RL or RR
+    #[arg(long, value_parser = corner, conflicts_with_all = ["axle", "side"])]
+    corner: Option<(AxlePosition, Side)>,
+    /// Distance of the wheel centre from the centre plane, for a file with its origin at the wheel
+    #[arg(long, value_name = "LENGTH", value_parser = length)]
+    half_track: Option<f64>,
+    /// Body that an end of a spring or rod sits on, as in drop_link_outer=rocker; may be given more than once
+    #[arg(long, value_name = "HARDPOINT=BODY", value_parser = body)]
+    body: Vec<(String, String)>,
     /// Sheet of a workbook [default: the one with points]
     #[arg(long, value_name = "NAME")]
     sheet: Option<String>,
     /// Where the study goes [default: standard output]
     #[arg(long, value_name = "STUDY")]
     out: Option<PathBuf>,
-    /// Replace a file that is there
+    /// Replace a file that is there; never one that is read
     #[arg(long)]
     force: bool,
 }
@@ -50,11 +66,11 @@ pub(super) fn topology(name: &str) -> Result<&'static Topology, String> {
     })
 }
 
-fn unit(name: &str) -> Result<LengthUnit, String> {
+pub(super) fn unit(name: &str) -> Result<LengthUnit, String> {
     unit_of(name).ok_or_else(|| "expected mm, m or in".to_owned())
 }
 
-fn frame(name: &str) -> Result<FrameConvention, String> {
+pub(super) fn frame(name: &str) -> Result<FrameConvention, String> {
     let mut all = FrameConvention::ALL.into_iter();
     all.find(|frame| frame.name() == name)
         .ok_or_else(|| "expected iso8855, sae_j670 or x_rear".to_owned())
@@ -66,59 +82,261 @@ fn side(name: &str) -> Result<Side, String> {
         .ok_or_else(|| "expected left or right".to_owned())
 }
 
+fn axle(name: &str) -> Result<AxlePosition, String> {
+    match name {
+        "front" => Ok(AxlePosition::Front),
+        "rear" => Ok(AxlePosition::Rear),
+        _ => Err("expected front or rear".to_owned()),
+    }
+}
+
+fn corner(name: &str) -> Result<(AxlePosition, Side), String> {
+    match name.to_ascii_uppercase().as_str() {
+        "FL" => Ok((AxlePosition::Front, Side::Left)),
+        "FR" => Ok((AxlePosition::Front, Side::Right)),
+        "RL" => Ok((AxlePosition::Rear, Side::Left)),
+        "RR" => Ok((AxlePosition::Rear, Side::Right)),
+        _ => Err("expected FL, FR, RL or RR".to_owned()),
+    }
+}
+
+fn length(text: &str) -> Result<f64, String> {
+    let length = text.parse::<f64>().ok();
+    let length = length.filter(|length| (1e-9..=1e6).contains(length));
+    length.ok_or_else(|| "expected a length above 0, as in 600".to_owned())
+}
+
+fn body(text: &str) -> Result<(String, String), String> {
+    let parts = text.split_once('=');
+    let parts =
+        parts.map(|(hardpoint, body)| (hardpoint.trim().to_owned(), body.trim().to_owned()));
+    parts.ok_or_else(|| "expected HARDPOINT=BODY, as in drop_link_outer=rocker".to_owned())
+}
+
+/// The answers that a file's open questions take.
+#[derive(Clone, Copy)]
+struct Said {
+    axes: Option<Axes>,
+    side: Option<Side>,
+    axle: Option<AxlePosition>,
+    half_track: Option<f64>,
+}
+
+impl Said {
+    fn of(arguments: &ImportArguments) -> Self {
+        let corner = arguments.corner;
+        Said {
+            axes: arguments.axes,
+            side: arguments.side.or(corner.map(|(_, side)| side)),
+            axle: arguments.axle.or(corner.map(|(axle, _)| axle)),
+            half_track: arguments.half_track,
+        }
+    }
+
+    /// Takes an answer as its flag would.
+    fn take(&mut self, flag: &str, value: &str) -> Result<(), String> {
+        match flag {
+            "--axes" => self.axes = Some(Axes::parse(value)?),
+            "--side" => self.side = Some(side(value)?),
+            "--axle" => self.axle = Some(axle(value)?),
+            "--half-track" => self.half_track = Some(length(value)?),
+            _ => return Err(format!("{flag} cannot be answered here")),
+        }
+        Ok(())
+    }
+}
+
+/// The most questions that a file leaves open: axle, side, axes, half track.
+const MOST_QUESTIONS: usize = 4;
+
 pub(super) fn run(arguments: &ImportArguments) -> Result<Exit, Stop> {
-    let shown = arguments.file.display().to_string();
     let refused = |reason: String| Stop::in_file(&arguments.file, reason);
     let names = match &arguments.map {
         Some(path) => names(path)?,
         None => BTreeMap::new(),
     };
-    let table = read_points(&arguments.file, arguments.sheet.as_deref()).map_err(refused)?;
-    let options = ImportOptions {
-        topology: arguments.topology,
-        unit: arguments.unit,
-        frame: arguments.frame,
-        side: arguments.side,
-        names: &names,
+    let bodies: BTreeMap<String, String> = arguments.body.iter().cloned().collect();
+    let mut said = Said::of(arguments);
+    let table = read_points(&arguments.file, arguments.sheet.as_deref(), said.axle);
+    let table = table.map_err(refused)?;
+    let can_ask = std::io::stdin().is_terminal() && std::io::stderr().is_terminal();
+    let mut questions = 0;
+    let imported = loop {
+        let options = ImportOptions {
+            topology: arguments.topology,
+            unit: arguments.unit,
+            frame: arguments.frame,
+            axes: said.axes,
+            side: said.side,
+            axle: said.axle,
+            half_track: said.half_track,
+            names: &names,
+            bodies: &bodies,
+        };
+        match import(&table, &options) {
+            Ok(imported) => break imported,
+            Err(Refusal::Open(question)) if can_ask && questions < MOST_QUESTIONS => {
+                questions += 1;
+                let shown = arguments.file.display();
+                eprint(&format!("{shown}: {}\n", question.reason));
+                let answer = ask(&question, &mut std::io::stdin().lock(), eprint);
+                let Some((flag, value)) = answer else {
+                    return Err(refused(Refusal::Open(question).to_string()));
+                };
+                said.take(flag, &value).map_err(refused)?;
+                eprint(&format!("In a script: {flag} {value}\n"));
+            }
+            Err(refusal) => return Err(refused(refusal.to_string())),
+        }
     };
-    let imported = import(&table, &options).map_err(refused)?;
-    let notes: String = imported
-        .notes
-        .iter()
-        .map(|line| format!("  {line}\n"))
-        .collect();
-    let file_name = arguments
-        .file
-        .file_name()
-        .unwrap_or_default()
-        .to_string_lossy();
+    let file_name = arguments.file.file_name().unwrap_or_default();
     let study = imported
-        .study("the imported study", &file_name)
+        .study("the imported study", &file_name.to_string_lossy())
         .map_err(|reason| {
+            let summary = summary(&imported, None);
             refused(format!(
-                "the points do not make a suspension\n{notes}{reason}"
+                "the points do not make a suspension\n{summary}{reason}"
             ))
         })?;
     match &arguments.out {
-        Some(out) => save(out, study.as_bytes(), arguments.force)?,
+        Some(out) => {
+            let inputs = [Some(arguments.file.clone()), arguments.map.clone()];
+            let inputs: Vec<PathBuf> = inputs.into_iter().flatten().collect();
+            save(out, study.as_bytes(), arguments.force, &inputs)?;
+        }
         None => std::io::stdout().write_all(study.as_bytes())?,
     }
-    note(&format!(
-        "{shown}: {} hardpoints of {}\n{notes}",
-        imported.hardpoints.len(),
-        imported.topology.name
-    ));
+    let shown = arguments.file.display();
+    let (count, kind) = (imported.hardpoints.len(), imported.topology.name);
+    let summary = summary(&imported, Some(arguments.out.as_deref()));
+    note(&format!("{shown}: {count} hardpoints of {kind}\n{summary}"));
     Ok(Exit::Done)
+}
+
+/// Asks a question until it is answered; `None` at the end of the input.
+fn ask(
+    question: &Question,
+    input: &mut impl BufRead,
+    mut say: impl FnMut(&str),
+) -> Option<(&'static str, String)> {
+    for (number, (flag, value)) in question.choices.iter().enumerate() {
+        say(&format!("  {}) {flag} {value}\n", number + 1));
+    }
+    let last = question.choices.len();
+    if let Some((flag, example)) = question.free {
+        say(&format!("  or a value for {flag}: {example}\n"));
+    }
+    const MOST_TRIES: usize = 3;
+    for _ in 0..MOST_TRIES {
+        say("> ");
+        let mut line = String::new();
+        if input.read_line(&mut line).ok()? == 0 {
+            return None;
+        }
+        let answer = line.trim();
+        let number = answer.parse::<usize>().ok();
+        let by_number =
+            number.filter(|n| (1..=last).contains(n) && question.free.is_none_or(|_| *n <= last));
+        let chosen = by_number.map(|n| &question.choices[n - 1]);
+        let chosen = chosen.or_else(|| question.choices.iter().find(|(_, value)| value == answer));
+        if let Some((flag, value)) = chosen {
+            return Some((flag, value.clone()));
+        }
+        if let Some((flag, _)) = question.free
+            && !answer.is_empty()
+        {
+            return Some((flag, answer.to_owned()));
+        }
+    }
+    None
+}
+
+/// The role of each point, what was read and assumed, what is left out, and the command that shows the result.
+fn summary(imported: &Imported, out: Option<Option<&Path>>) -> String {
+    let longest = imported.hardpoints.iter().map(|h| h.name.len()).max();
+    let longest = longest.unwrap_or(0);
+    let mut text = String::new();
+    for hardpoint in &imported.hardpoints {
+        let name = hardpoint.name;
+        text += &format!(
+            "  {name:longest$}  {:?}, {}\n",
+            hardpoint.called, hardpoint.place
+        );
+    }
+    for (title, lines) in [
+        ("Read and assumed", &imported.notes),
+        ("Left out", &imported.left_out),
+    ] {
+        if !lines.is_empty() {
+            text += &format!("{title}:\n");
+            for line in lines {
+                text += &format!("  {line}\n");
+            }
+        }
+    }
+    match out {
+        Some(Some(out)) => text += &format!("See it: hardpoint studio {}\n", out.display()),
+        Some(None) => {
+            text += "See it: write it with --out STUDY.toml, then hardpoint studio STUDY.toml\n"
+        }
+        None => (),
+    }
+    text
 }
 
 /// Reads the names given to hardpoints in the file.
 fn names(path: &Path) -> Result<BTreeMap<String, String>, Stop> {
     let refused = |reason: String| Stop::in_file(path, reason);
-    let text = read_text(path, LONGEST_TEXT).map_err(refused)?;
+    let text = bytes_of(path).map_err(refused)?;
+    let text = String::from_utf8(text).map_err(|_| refused("it is no text in UTF-8".to_owned()))?;
     toml::from_str(&text).map_err(|error| {
         refused(format!(
             "expected lines such as lower_arm_front = \"LCA 1\": {}",
             error.message().replace('\n', "; ")
         ))
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Answers by number and by value; nothing else is taken where there is nothing to make up.
+    #[test]
+    fn questions_take_answers_that_flags_take() {
+        let of_axle = Question {
+            reason: String::new(),
+            choices: vec![
+                ("--axle", "front".to_owned()),
+                ("--axle", "rear".to_owned()),
+            ],
+            free: None,
+        };
+        let of_track = Question {
+            reason: String::new(),
+            choices: Vec::new(),
+            free: Some(("--half-track", "LENGTH")),
+        };
+        let answer = |question: &Question, text: &str| ask(question, &mut text.as_bytes(), |_| ());
+        let rear = Some(("--axle", "rear".to_owned()));
+        assert_eq!(answer(&of_axle, "2\n"), rear);
+        assert_eq!(answer(&of_axle, "middle\nrear\n"), rear);
+        assert_eq!(answer(&of_axle, "3\n\nboth\nrear\n"), None);
+        assert_eq!(answer(&of_axle, ""), None);
+        let track = Some(("--half-track", "610".to_owned()));
+        assert_eq!(answer(&of_track, "610\n"), track);
+        let mut said = Said {
+            axes: None,
+            side: None,
+            axle: None,
+            half_track: None,
+        };
+        said.take("--axle", "rear").unwrap();
+        said.take("--half-track", "610").unwrap();
+        assert_eq!(
+            (said.axle, said.half_track),
+            (Some(AxlePosition::Rear), Some(610.0))
+        );
+        assert!(said.take("--half-track", "wide").is_err());
+    }
 }

@@ -344,7 +344,7 @@ pub(super) fn rewritten(
 pub(super) fn written(
     length: LengthUnit,
     points: &[(String, Symmetry, [f64; 3])],
-    parameters: &[(String, f64)],
+    parameters: &[(String, Symmetry, f64)],
 ) -> String {
     let unit = match length {
         LengthUnit::Millimetre => "mm",
@@ -369,9 +369,10 @@ pub(super) fn written(
         text += &rule("PARAMETER");
         text += "{parameter_name                  symmetry       type       value}\n";
     }
-    for (name, value) in parameters {
+    for (name, symmetry, value) in parameters {
+        let (_, symmetry) = Symmetry::NAMES[*symmetry as usize];
         let value = shortest(*value);
-        text += &format!(" '{name:<28}'  'left/right'   'real'     {value}\n");
+        text += &format!(" '{name:<28}'  '{symmetry:<10}'   'real'     {value}\n");
     }
     text
 }
@@ -475,7 +476,7 @@ $---------------------------------HARDPOINT
             Symmetry::Both,
             [0.1, -1.0 / 3.0, 195.0],
         )];
-        let parameters = vec![("toe_angle".to_owned(), 0.1)];
+        let parameters = vec![("toe_angle".to_owned(), Symmetry::Both, 0.1)];
         for unit in [LengthUnit::Millimetre, LengthUnit::Metre, LengthUnit::Inch] {
             let back = read(&written(unit, &points, &parameters)).unwrap();
             assert_eq!(back.length, Some(unit));

@@ -37,6 +37,9 @@ impl Sheet {
     /// The most cells of a table that is read: hardpoints fill a few hundred.
     pub(super) const MOST_CELLS: usize = 200_000;
 
+    /// The longest text of a cell that is read, in bytes: names and numbers are far shorter.
+    const LONGEST_TEXT: usize = 2000;
+
     /// A table without cells.
     pub(super) fn new(name: impl Into<String>, places: Places) -> Self {
         Sheet {
@@ -54,6 +57,12 @@ impl Sheet {
                 Sheet::MOST_CELLS
             ));
         }
+        let cell = match cell {
+            Cell::Text(text) if text.len() > Sheet::LONGEST_TEXT => {
+                Cell::Unusable(format!("a text of {} bytes", text.len()))
+            }
+            cell => cell,
+        };
         self.cells.insert((row, column), cell);
         Ok(())
     }

@@ -1,8 +1,9 @@
 //! The study of an imported wheel: a text that runs as it is.
 
-use super::import::{Hardpoint, Imported};
+use super::import::Imported;
+use super::seats::Seat;
 use crate::characteristics::Characteristic;
-use crate::model::LengthUnit;
+use crate::model::{AxlePosition, LengthUnit};
 use crate::solved::Solved;
 use crate::study::Study;
 use std::fmt::Write;
@@ -82,7 +83,7 @@ impl Imported {
                 one_line(&from)
             );
         }
-        let bodies = self.bodies();
+        let bodies: Vec<_> = self.seats.iter().filter_map(Seat::unusual).collect();
         if !bodies.is_empty() {
             text += "\n[suspension.bodies]\n";
             for (name, body) in bodies {
@@ -109,6 +110,7 @@ impl Imported {
                 let _ = writeln!(text, "{key} = {angle:?}");
             }
         }
+        self.vehicle(&mut text);
         let travel = self.travel(travel_mm);
         let _ = writeln!(
             text,
@@ -122,6 +124,25 @@ impl Imported {
         text
     }
 
+    /// The car's figures, where the file has any.
+    fn vehicle(&self, text: &mut String) {
+        if self.wheelbase.or(self.track).is_none() {
+            return;
+        }
+        *text += "\n[vehicle]\n";
+        for (key, length) in [("wheelbase", self.wheelbase), ("track", self.track)] {
+            if let Some(length) = length {
+                let _ = writeln!(text, "{key} = {length:?}");
+            }
+        }
+        let position = match self.axle {
+            Some(AxlePosition::Front) => "position = \"front\"\n",
+            Some(AxlePosition::Rear) => "position = \"rear\"\n",
+            None => "",
+        };
+        *text += position;
+    }
+
     /// A round travel in the file's unit, of about this number of millimetres.
     fn travel(&self, millimetres: f64) -> f64 {
         match self.unit {
@@ -130,62 +151,6 @@ impl Imported {
             LengthUnit::Inch => (millimetres / 25.4 * 10.0).floor() / 10.0,
         }
     }
-
-    /// The bodies that ends of springs and rods are mounted on, as far as the file names others than the usual ones.
-    fn bodies(&self) -> Vec<(&'static str, &'static str)> {
-        let seats = self.seats().into_iter();
-        let said = seats.filter_map(|seat| Some((seat.hardpoint, seat.usual, seat.said?)));
-        said.filter(|(_, usual, said)| said != usual)
-            .map(|(hardpoint, _, said)| (hardpoint, said))
-            .collect()
-    }
-
-    /// In words, the bodies assumed for those ends of springs and rods of which the file does not say where they are
-    /// mounted.
-    pub(super) fn assumed_bodies(&self) -> Option<String> {
-        let seats = self.seats().into_iter().filter(|seat| seat.said.is_none());
-        let name =
-            |seat: Seat| format!("{} on the {}", seat.hardpoint, seat.usual.replace('_', " "));
-        let assumed: Vec<String> = seats.map(name).collect();
-        (!assumed.is_empty()).then(|| {
-            format!(
-                "bodies: {} is assumed, since the file says none; [suspension.bodies] says others",
-                assumed.join(", ")
-            )
-        })
-    }
-
-    /// The hardpoints that may stand on several bodies.
-    fn seats(&self) -> Vec<Seat> {
-        let names: Vec<&'static str> = self.hardpoints.iter().map(|h| h.name).collect();
-        let mechanism = (self.topology.build)(self.topology, &names);
-        let seat = |hardpoint: &Hardpoint| {
-            let id = mechanism.point(hardpoint.name)?;
-            let possible = mechanism.possible_bodies(id);
-            let usual = possible
-                .iter()
-                .find(|(_, body)| *body == mechanism.body(id));
-            let said = possible
-                .iter()
-                .find(|(name, _)| hardpoint.body.as_deref() == Some(name));
-            let seat = Seat {
-                hardpoint: hardpoint.name,
-                usual: usual?.0,
-                said: said.map(|(name, _)| *name),
-            };
-            (possible.len() > 1).then_some(seat)
-        };
-        self.hardpoints.iter().filter_map(seat).collect()
-    }
-}
-
-/// A hardpoint that may stand on several bodies.
-struct Seat {
-    hardpoint: &'static str,
-    /// The body it is mounted on unless another is named.
-    usual: &'static str,
-    /// The body that the file says it is mounted on.
-    said: Option<&'static str>,
 }
 
 /// A text for a comment.

@@ -5,7 +5,8 @@
 //! lies `wheel.offset` (ET, in millimetres, positive inboard) from it along that axis, and the tyre's nominal radius is
 //! half the rim's diameter (inches) and the side wall, `aspect_ratio` times `section_width` (millimetres).
 
-use super::points::{NamedPoint, PointTable};
+use super::figure_names::{FigureKind, figure};
+use super::table::{Figure, Marks, NamedPoint, PointTable};
 use crate::model::LengthUnit;
 
 /// The figures of a wheel by the ends of their names.
@@ -20,28 +21,26 @@ const ASPECT_RATIO: &str = "tire aspect_ratio";
 /// Both points of the axis are the same, or the offset is none of a wheel.
 pub(super) fn to_wheel_centres(table: &mut PointTable) -> Result<(), String> {
     let ends_with = |name: &str, end: &str| name == end || name.ends_with(&format!(" {end}"));
-    let figure = |end: &str| {
-        let mut found = table
-            .figures
-            .iter()
-            .filter(|(name, ..)| ends_with(name, end));
-        found.next().map(|(_, value, _)| *value)
+    let number = |end: &str| {
+        let mut figures = table.figures.iter();
+        let found = figures.find(|figure| ends_with(&figure.name, end));
+        found.map(|figure| figure.value)
     };
-    let Some(offset) = figure(OFFSET) else {
+    let Some(offset) = number(OFFSET) else {
         return Ok(());
     };
     let unit = table.unit.unwrap_or(LengthUnit::Millimetre);
     let millimetre = unit.per_metre() / 1000.0;
     let tyre = (
-        figure(RIM_DIAMETER),
-        figure(SECTION_WIDTH),
-        figure(ASPECT_RATIO),
+        number(RIM_DIAMETER),
+        number(SECTION_WIDTH),
+        number(ASPECT_RATIO),
     );
     let inboard = |point: &&NamedPoint| ends_with(&point.name, "axle_inboard");
     let inboard: Vec<NamedPoint> = table.points.iter().filter(inboard).cloned().collect();
     let faces = table.points.iter_mut();
     for face in faces.filter(|point| ends_with(&point.name, "axle_outboard")) {
-        let same_wheel = inboard.iter().find(|point| point.side == face.side);
+        let same_wheel = inboard.iter().find(|point| point.marks == face.marks);
         let (Some(Ok(inner)), Ok(outer)) = (same_wheel.map(|p| &p.position), &face.position) else {
             continue;
         };
@@ -59,14 +58,28 @@ pub(super) fn to_wheel_centres(table: &mut PointTable) -> Result<(), String> {
             face.name
         ));
         face.position = Ok(std::array::from_fn(|k| outer[k] - inward * axis[k]));
-        face.name = "wheel_centre".to_owned();
+        face.read_as = "wheel_centre".to_owned();
     }
-    if let (Some(rim), Some(width), Some(ratio)) = tyre {
+    table
+        .figures
+        .retain(|figure| !ends_with(&figure.name, OFFSET));
+    let is_radius = |given: &Figure| {
+        figure(&given.read_as).is_some_and(|(kind, ..)| kind == FigureKind::WheelRadius)
+    };
+    // A loaded radius that the file gives is the one.
+    let has_radius = table.figures.iter().any(is_radius);
+    if let (Some(rim), Some(width), Some(ratio)) = tyre
+        && !has_radius
+    {
         let radius = (0.5 * 25.4 * rim + ratio * width) * millimetre;
-        let place = "the tyre's size".to_owned();
-        table
-            .figures
-            .push(("wheel radius".to_owned(), radius, place));
+        table.figures.push(Figure {
+            name: "wheel radius".to_owned(),
+            read_as: "wheel radius".to_owned(),
+            value: radius,
+            marks: Marks::default(),
+            remark: String::new(),
+            place: "the tyre's size".to_owned(),
+        });
         table.notes.push(format!(
             "[wheel] radius: {radius} is the nominal radius of the tyre's size, not the loaded one"
         ));

@@ -2,14 +2,15 @@
 //!
 //! `{"LCA front": [1, 2, 3]}`, `{"lower arm": {"front": {"x": 1, "y": 2, "z": 3}}}` and
 //! `[{"name": "LCA front", "x": 1, "y": 2, "z": 3}]` are all the same point: the name is made of the keys on
-//! the way to three numbers. So the suspensions of Project Chrono are read, whose points are such lists under
-//! `Upper Control Arm`, `Location Chassis Front` and the like (in metres, x forward, y left, z up). A key that
-//! is a side, `left` or `RH`, says whose points are below it. Lists of other lengths, texts and truth values are
-//! passed over; a number alone is a figure with a name.
+//! the way to three numbers. A key that is a wheel or an axle, `left`, `FL` or `front_axle`, marks the points below it;
+//! a key with unknown words, such as a car's name, is passed over. Lists of other lengths, texts and truth values are
+//! passed over, too; a number alone is a figure with a name. Suspensions of Project Chrono are read by [`chrono`].
 
-use super::hub_face;
-use super::names::side_of;
-use super::points::{NamedPoint, PointTable, unit_of};
+use super::axes::{Axes, Declared};
+use super::header::unit_of;
+use super::names::{Words, cut, marks_of, marks_of_title, side_of};
+use super::table::{Figure, Marks, NamedPoint, PointTable};
+use super::{chrono, hub_face};
 use crate::model::FrameConvention;
 use serde::de::{Deserialize, Deserializer, MapAccess, SeqAccess, Visitor};
 use std::fmt;
@@ -83,21 +84,102 @@ impl<'de> Deserialize<'de> for Node {
 
 /// Whether a text is JSON.
 pub(super) fn is_json(text: &str) -> bool {
-    text.trim_start().starts_with(['{', '['])
+    let text = text.trim_start_matches('\u{feff}').trim_start();
+    let begins = |text: &str| text.trim_start().starts_with(['{', '[']);
+    begins(text) || (text.starts_with('/') && begins(&without_comments(text)))
 }
 
-/// The map of a JSON text.
+/// The map of a JSON text. Comments are read as blanks: Project Chrono writes them.
 pub(super) fn of_json(text: &str) -> Result<Node, String> {
-    serde_json::from_str(text).map_err(|error| format!("not JSON: {error}"))
+    let text = without_comments(text.trim_start_matches('\u{feff}'));
+    serde_json::from_str(&text).map_err(|error| format!("not JSON: {error}"))
+}
+
+/// A JSON text with blanks in place of `// ...` and `/* ... */` outside of strings; lines keep their numbers.
+fn without_comments(text: &str) -> String {
+    let mut plain = String::with_capacity(text.len());
+    let mut chars = text.chars().peekable();
+    let mut in_string = false;
+    while let Some(c) = chars.next() {
+        if in_string {
+            plain.push(c);
+            if c == '\\' {
+                plain.extend(chars.next());
+            }
+            in_string = c != '"';
+            continue;
+        }
+        match (c, chars.peek()) {
+            ('/', Some('/')) => while chars.next_if(|c| *c != '\n').is_some() {},
+            ('/', Some('*')) => {
+                chars.next();
+                let mut before = ' ';
+                for c in chars.by_ref() {
+                    if c == '\n' {
+                        plain.push('\n');
+                    }
+                    if before == '*' && c == '/' {
+                        break;
+                    }
+                    before = c;
+                }
+                plain.push(' ');
+            }
+            _ => {
+                in_string = c == '"';
+                plain.push(c);
+            }
+        }
+    }
+    plain
 }
 
 /// The points of a map; `None` where it has none.
 pub(super) fn points_of(root: &Node) -> Result<Option<PointTable>, String> {
+    if let Some(table) = chrono::points_of(root)? {
+        return Ok(Some(table));
+    }
     let mut reader = Reader::default();
     reader.visit(root, &mut Vec::new())?;
     let mut table = reader.table;
     hub_face::to_wheel_centres(&mut table)?;
     Ok((!table.points.is_empty()).then_some(table))
+}
+
+/// Splits the keys on the way to a value: the parts that name it, and the wheel and axle that they say. A key
+/// that names a wheel or an axle and nothing else marks all below it; so does "front" before any part that names a
+/// hardpoint. Keys with words that no table knows ("MyCar", "baja_2021") name what is around and are passed over,
+/// except for the last.
+fn meaning(keys: &[&str]) -> (String, Marks) {
+    let mut marks = Marks::default();
+    let mut parts: Vec<&str> = Vec::new();
+    for (place, key) in keys.iter().enumerate() {
+        let is_last = place + 1 == keys.len();
+        let only_side = match cut(key).as_slice() {
+            [word] => marks_of(word),
+            _ => Marks::default(),
+        };
+        if !only_side.is_empty() && (!is_last || !parts.is_empty()) {
+            // `{"LCA": {"R": ...}}` is left to the words.
+            if key.len() > 1 || !is_last {
+                marks = only_side.or(marks);
+                continue;
+            }
+        }
+        if !is_last {
+            let title = marks_of_title(key).filter(|_| parts.is_empty());
+            if let Some(title) = title {
+                marks = title.or(marks);
+                continue;
+            }
+            let words = Words::spelt(&cut(key));
+            if words.unknown > 0 || words.is_empty() {
+                continue;
+            }
+        }
+        parts.push(key);
+    }
+    (parts.join(" "), marks)
 }
 
 #[derive(Default)]
@@ -112,8 +194,15 @@ impl Reader {
         }
         match node {
             Node::Number(number) => {
-                let named = (keys.join(" "), *number, place(keys));
-                self.table.figures.push(named);
+                let (read_as, marks) = meaning(keys);
+                self.table.figures.push(Figure {
+                    name: keys.join(" "),
+                    read_as,
+                    value: *number,
+                    marks,
+                    remark: String::new(),
+                    place: place(keys),
+                });
             }
             Node::Text(text) => self.word(text, keys)?,
             Node::List(nodes) => {
@@ -152,11 +241,12 @@ impl Reader {
             return Err(format!("it has more than {MOST_POINTS} points"));
         }
         let is_side = |key: &&&str| side_of(key).is_some();
-        let side = keys.iter().find(is_side).and_then(|key| side_of(key));
         let words: Vec<&str> = keys.iter().filter(|key| !is_side(key)).copied().collect();
+        let (read_as, marks) = meaning(keys);
         points.push(NamedPoint {
             name: words.join(" "),
-            side,
+            read_as,
+            marks,
             mirrored: false,
             position: Ok(position),
             body: None,
@@ -179,16 +269,38 @@ impl Reader {
             }
             Some("frame") => {
                 let mut all = FrameConvention::ALL.into_iter();
-                self.table.frame = all.find(|frame| frame.name() == text);
+                let known = all.find(|frame| frame.name() == text);
+                let declared = known.map(|known| Declared::whole(Axes::of(known)));
+                let declared = declared.unwrap_or_else(|| in_words(text));
+                if declared.is_empty() {
+                    return Err(format!(
+                        "{}: the frame is {text:?}; expected iso8855, sae_j670, x_rear or the ways of x, y and z",
+                        place(keys)
+                    ));
+                }
+                self.declare(declared, keys)?;
+            }
+            Some("axes" | "coordinates" | "coordinate_system" | "convention") => {
+                self.declare(in_words(text), keys)?;
             }
             _ => (),
         }
         Ok(())
     }
+
+    fn declare(&mut self, declared: Declared, keys: &[&str]) -> Result<(), String> {
+        self.table.declared = self.table.declared.and(declared, &place(keys))?;
+        Ok(())
+    }
+}
+
+/// Axes in the words below a key that is about them.
+fn in_words(text: &str) -> Declared {
+    Declared::in_text(&format!("axes: {text}"))
 }
 
 /// The place of an entry: the keys on the way to it.
-fn place(keys: &[&str]) -> String {
+pub(super) fn place(keys: &[&str]) -> String {
     match keys {
         [] => "the outermost list".to_owned(),
         keys => format!("key {:?}", keys.join(".")),
@@ -196,7 +308,7 @@ fn place(keys: &[&str]) -> String {
 }
 
 /// Three numbers, as a list or under x, y and z alone.
-fn position(node: &Node) -> Option<[f64; 3]> {
+pub(super) fn position(node: &Node) -> Option<[f64; 3]> {
     match node {
         Node::List(nodes) => match nodes[..] {
             [Node::Number(x), Node::Number(y), Node::Number(z)] => Some([x, y, z]),

@@ -1,29 +1,76 @@
 //! Other tools' files: points in, points and curves out.
 //!
-//! Data comes from a table of text, a workbook, a map in JSON or YAML or an Adams/Car subsystem as named points
-//! in the file's own axes and unit ([`read_points`]), becomes the wheel of a topology ([`import()`]) and then a study
-//! ([`Imported::study`]). The study keeps the file's axes and unit, so that every coordinate is the double
-//! that was written.
+//! An import goes one way, each step in files of its own:
+//!
+//! | step | files |
+//! |---|---|
+//! | bytes to a format's own structure | `source`, `delimited`, `workbook`, `cell`, `decimals`, `header`, `yaml`, `map`, `adams` |
+//! | a format to a table of named rows, with the axes, units, wheels and axles that the file says | `points`, `map`, `chrono`, `assetto_in`, `hub_face`, `source`, into `table` |
+//! | names to roles | `names`, `roles` |
+//! | choice of axle and wheel | `corner` |
+//! | unit and figures | `unit`, `figure_names`, `figures` |
+//! | axes and side, and the half track | `axes`, `place`, `optimum` |
+//! | completeness, bodies, what is left out | `complete`, `seats` |
+//! | a study that runs | `compose` |
+//!
+//! An export goes the other way: [`Outgoing`] is a study in the unit and the axes of a file (after `rounding`), from which
+//! `export` (tables), `curve_columns`, `subsystem`, `optimum_table`, `suspensions_ini`, `centre_lines` and `envelope` write.
+//!
+//! [`read_points`] makes the table, [`import()`] the wheel, [`Imported::study`] the study. The study keeps the file's axes
+//! where studies know them, so that every coordinate is the double that was written. Else coordinates change places
+//! and signs, no more. A wheel at the origin is moved out by its half track.
 
 mod adams;
+mod assetto_in;
+mod axes;
 mod cell;
+mod centre_lines;
+mod chrono;
+mod complete;
 mod compose;
+mod corner;
+mod curve_columns;
+mod decimals;
 mod delimited;
+mod envelope;
 mod export;
+mod figure_names;
+mod figures;
+mod header;
 mod hub_face;
 mod import;
 mod map;
 mod names;
-mod orientation;
+mod optimum;
+mod optimum_table;
+mod outgoing;
+mod place;
 mod points;
+mod refusal;
+mod roles;
 mod rounding;
+mod seats;
 mod source;
+mod subsystem;
+mod suspensions_ini;
+mod table;
+mod unit;
 mod workbook;
 mod yaml;
 
-pub use export::{Written, csv, into_subsystem, page_of_csv, point_rows, subsystem};
+pub use axes::{Axes, Way};
+pub use centre_lines::drawing;
+pub use curve_columns::{Tool, curves_in, under_names_of, unit_of_column};
+pub use envelope::{Envelope, Span, Tyre};
+pub use export::{csv, page_of_csv, point_rows};
+pub use header::unit_of;
 pub use import::{Hardpoint, ImportOptions, Imported, import};
-pub use points::{NamedPoint, PointTable, unit_of};
-pub use rounding::{Loss, Rounded, rounded};
-pub use source::read as read_points;
+pub use optimum_table::{RowsAndNotes, optimum_k_rows};
+pub use outgoing::Outgoing;
+pub use refusal::{Question, Refusal};
+pub use rounding::{Grid, Loss, Rounded, moved_coordinates, rounded, tuned_coordinates};
+pub use source::{bytes_of, read as read_points};
+pub use subsystem::{Written, into_subsystem, subsystem};
+pub use suspensions_ini::suspensions_ini;
+pub use table::PointTable;
 pub use workbook::{Page, Value, workbook};

@@ -1,39 +1,49 @@
-//! Names that others give to hardpoints.
+//! Words of names: how a name is cut, what abbreviations stand for, and which hardpoint the words make.
 //!
-//! A name is cut into words, abbreviations are spelt out (`LCA` is `lower arm`), and the words are
-//! compared with those of a table, in any order: `lca_front`, `Lower wishbone - front pivot` and
-//! `hpl_lca_front` are all `lower_arm_front`. Names that are not in the table stay unknown; nothing is
-//! guessed by likeness.
+//! A name is cut into words, abbreviations are spelt out (`LCA` is `lower arm`), and the words are compared with
+//! those of a table, in any order: `lca_front`, `Lower wishbone - front pivot` and `hpl_lca_front` are all
+//! `lower_arm_front`. Names that are not in the table stay unknown; nothing is guessed by likeness. [`super::roles`]
+//! adds the wheel, the axle and the body that a name speaks of.
 
-use crate::model::{Side, Topology};
+use super::table::Marks;
+use crate::model::{AxlePosition, Side, Topology};
 
-/// A name in words, and the side it speaks of.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Words {
-    words: Vec<&'static str>,
-    /// Words that no table knows.
-    unknown: usize,
-    /// The side.
-    pub side: Option<Side>,
-}
+/// A name longer than this is none.
+const LONGEST: usize = 300;
 
 /// Words of names, and what they stand for; nothing where they add nothing.
 const SPELT: &[(&str, &str)] = &[
     ("lca lwishbone", "lower arm"),
     ("uca uwishbone", "upper arm"),
+    ("fuca", "front upper arm"),
+    ("flca", "front lower arm"),
+    ("ruca", "rear upper arm"),
+    ("rlca", "rear lower arm"),
     ("lbj", "lower ball"),
     ("ubj", "upper ball"),
+    ("fubj", "front upper ball"),
+    ("flbj", "front lower ball"),
+    ("rubj", "rear upper ball"),
+    ("rlbj", "rear lower ball"),
     ("lower lwr low lo bottom bot", "lower"),
     ("upper upr up", "upper"),
     ("top", "top"),
     ("arm wishbone aarm", "arm"),
     ("ball bj balljoint kingpin", "ball"),
-    ("inner inr in inboard inside chassis body frame", "inner"),
-    ("outer otr out outboard outside upright knuckle", "outer"),
+    (
+        "inner inr in inboard inbd ib i inside chassis body frame",
+        "inner",
+    ),
+    (
+        "outer otr out outboard outbd ob o outside upright knuckle",
+        "outer",
+    ),
+    ("if", "inner front"),
+    ("ir", "inner rear"),
     ("front frt fwd fore forward f", "front"),
     ("rear aft rearward back rwd", "rear"),
     ("tierod trackrod", "tie rod"),
-    ("tie track steering", "tie"),
+    ("tie track steering steer", "tie"),
     ("toe", "toe"),
     ("toelink toerod", "toe rod"),
     ("rod link", "rod"),
@@ -47,6 +57,7 @@ const SPELT: &[(&str, &str)] = &[
     ("strut", "strut"),
     ("spring damper shock coilover", "spring"),
     ("mount mounting", "mount"),
+    ("end rodend", "end"),
     ("pushrod prod", "push rod"),
     ("push", "push"),
     ("pullrod", "pull rod"),
@@ -56,6 +67,7 @@ const SPELT: &[(&str, &str)] = &[
     ("drop", "drop"),
     ("arb antirollbar stabiliser stabilizer sway", "bar"),
     ("bar", "bar"),
+    ("blade lever", "lever"),
     ("trailing", "trailing"),
     ("rack", "rack"),
     ("contact", "contact"),
@@ -65,16 +77,22 @@ const SPELT: &[(&str, &str)] = &[
     ("static", "static"),
     ("angle", "angle"),
     ("radius", "radius"),
+    ("diameter", "diameter"),
     ("loaded", "loaded"),
+    ("half", "half"),
+    ("offset", "offset"),
+    ("lateral", "lateral"),
+    ("longitudinal", "longitudinal"),
+    ("vertical", "vertical"),
     (
         "point points pt hp hardpoint hardpoints hard pivot pickup joint bush bushing control \
-         a anti roll semi end of the at to deg mm susp suspension location",
+         a anti roll semi of the at on to deg mm susp suspension location",
         "",
     ),
 ];
 
 /// Words that any name may carry.
-const ANYWHERE: &[&str] = &["mount"];
+const ANYWHERE: &[&str] = &["mount", "end"];
 
 /// Hardpoints by the words of their names: all of them in any order, those behind `?` if present; of several patterns one.
 const PATTERNS: &[(&str, &str)] = &[
@@ -92,9 +110,12 @@ const PATTERNS: &[(&str, &str)] = &[
     ),
     (
         "tie_rod_inner",
-        "tie rod inner ?rack | tie inner | rack inner | toe rod inner",
+        "tie rod inner ?rack | tie inner ?rack | rack inner | rack end | tie rod rack | toe rod inner",
     ),
-    ("tie_rod_outer", "tie rod outer | tie outer | toe rod outer"),
+    (
+        "tie_rod_outer",
+        "tie rod outer | tie outer | tie arm ?outer | toe rod outer",
+    ),
     (
         "wheel_centre",
         "wheel centre | hub centre | wheel hub centre | spindle com",
@@ -114,7 +135,7 @@ const PATTERNS: &[(&str, &str)] = &[
     ),
     (
         "spring_lower",
-        "spring lower ?outer ?rocker | spring outer | spring rocker | strut lower",
+        "spring lower ?outer ?rocker ?arm | spring outer ?rocker | spring rocker | spring arm | strut lower",
     ),
     ("upper_front_link_inner", "upper front inner ?rod ?arm"),
     ("upper_front_link_outer", "upper front outer ?rod ?arm"),
@@ -128,58 +149,90 @@ const PATTERNS: &[(&str, &str)] = &[
     ("toe_link_outer", "toe outer ?rod | tie outer ?rod"),
     ("arm_pivot_inner", "arm inner ?trailing"),
     ("arm_pivot_outer", "arm outer ?trailing"),
-    ("pushrod_outer", "push rod outer | push rod lower"),
+    (
+        "pushrod_outer",
+        "push rod outer ?lower ?upper ?arm | push rod lower ?arm",
+    ),
     (
         "pushrod_inner",
-        "push rod inner | push rod upper | push rod rocker",
+        "push rod inner ?rocker ?upper | push rod upper ?rocker | push rod rocker",
     ),
-    ("pullrod_outer", "pull rod outer | pull rod upper"),
+    (
+        "pullrod_outer",
+        "pull rod outer ?lower ?upper ?arm | pull rod upper ?arm",
+    ),
     (
         "pullrod_inner",
-        "pull rod inner | pull rod lower | pull rod rocker",
+        "pull rod inner ?rocker ?lower | pull rod lower ?rocker | pull rod rocker",
     ),
     ("rocker_pivot_front", "rocker front ?axis"),
     ("rocker_pivot_rear", "rocker rear ?axis"),
-    ("drop_link_outer", "drop rod outer | bar rod outer"),
-    ("drop_link_inner", "drop rod inner | bar rod inner"),
+    (
+        "drop_link_outer",
+        "drop rod outer ?bar ?rocker ?lower ?arm | bar rod outer ?rocker ?lower ?arm | bar rod rocker ?drop | drop rod rocker",
+    ),
+    (
+        "drop_link_inner",
+        "drop rod inner ?bar ?lever | bar rod inner ?lever | bar rod lever ?drop | drop rod lever | drop rod bar",
+    ),
     ("anti_roll_bar_inner", "bar inner ?axis"),
     ("anti_roll_bar_outer", "bar outer ?axis"),
 ];
 
-/// Figures that a table may give beside hardpoints.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Figure {
-    /// Camber in the design position, degrees.
-    StaticCamber,
-    /// Toe in the design position, degrees.
-    StaticToe,
-    /// Loaded radius of the wheel.
-    WheelRadius,
-    /// The contact point, whose distance from the wheel centre is the loaded radius.
-    ContactPoint,
+/// The wheel and axle that a word names.
+pub(super) fn marks_of(word: &str) -> Marks {
+    use AxlePosition::{Front, Rear};
+    use Side::{Left, Right};
+    let (side, axle) = match word.to_ascii_lowercase().as_str() {
+        "l" | "left" | "lh" | "lhs" | "hpl" => (Some(Left), None),
+        "r" | "right" | "rh" | "rhs" | "hpr" => (Some(Right), None),
+        "fl" | "lf" => (Some(Left), Some(Front)),
+        "fr" | "rf" => (Some(Right), Some(Front)),
+        "rl" | "lr" => (Some(Left), Some(Rear)),
+        "rr" => (Some(Right), Some(Rear)),
+        _ => (None, None),
+    };
+    Marks { side, axle }
 }
-
-const FIGURES: &[(Figure, &str)] = &[
-    (Figure::StaticCamber, "camber ?static ?angle ?wheel"),
-    (Figure::StaticToe, "toe ?static ?angle ?wheel"),
-    (
-        Figure::WheelRadius,
-        "wheel radius ?loaded | tyre radius ?loaded | loaded radius",
-    ),
-    (Figure::ContactPoint, "contact ?patch ?tyre ?wheel ?centre"),
-];
 
 /// The side a word names.
 pub(super) fn side_of(word: &str) -> Option<Side> {
-    match word.to_ascii_lowercase().as_str() {
-        "l" | "left" | "lh" | "lhs" | "fl" | "rl" | "hpl" => Some(Side::Left),
-        "r" | "right" | "rh" | "rhs" | "fr" | "rr" | "hpr" => Some(Side::Right),
-        _ => None,
+    marks_of(word).side
+}
+
+/// The wheel and axle that a title or a cell names, if it names nothing else: "Front left", "FL", "rear axle".
+pub(super) fn marks_of_title(text: &str) -> Option<Marks> {
+    const BESIDE: &str = "axle axles suspension susp corner wheel side geometry hardpoints hardpoint points kinematics";
+    let mut marks = Marks::default();
+    for word in cut(text) {
+        let axle = match word.as_str() {
+            "front" | "f" => Some(AxlePosition::Front),
+            "rear" => Some(AxlePosition::Rear),
+            _ => None,
+        };
+        let found = marks_of(&word).or(Marks { side: None, axle });
+        if found.is_empty() && !BESIDE.split(' ').any(|known| known == word) {
+            return None;
+        }
+        let differs = |a: bool, b: bool| a && b;
+        if differs(marks.side.is_some(), found.side.is_some())
+            || differs(marks.axle.is_some(), found.axle.is_some())
+        {
+            return None;
+        }
+        marks = marks.or(found);
     }
+    (!marks.is_empty()).then_some(marks)
 }
 
 /// The words of a text in small letters, cut where signs stand or a capital follows a small letter.
 pub(super) fn cut(text: &str) -> Vec<String> {
+    if text.len() > LONGEST {
+        return Vec::new();
+    }
+    // "o/b" and "i/b" are one word.
+    let text = &text.replace("o/b", "outboard").replace("i/b", "inboard");
+    let text = &text.replace("O/B", "OUTBOARD").replace("I/B", "INBOARD");
     let mut words = vec![String::new()];
     let mut before = ' ';
     for c in text.chars() {
@@ -198,25 +251,20 @@ pub(super) fn cut(text: &str) -> Vec<String> {
     words
 }
 
+/// Words spelt out, in their order.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Words {
+    words: Vec<&'static str>,
+    /// Words that no table knows.
+    pub(super) unknown: usize,
+}
+
 impl Words {
-    /// A name in words.
-    pub(super) fn of(name: &str) -> Self {
-        let mut cut = cut(name);
-        // A side stands first or last.
-        let mut side = None;
-        for at_end in [false, true] {
-            let word = if at_end { cut.last() } else { cut.first() };
-            if side.is_none() && cut.len() > 1 {
-                side = word.and_then(|word| side_of(word));
-                if side.is_some() {
-                    let at = if at_end { cut.len() - 1 } else { 0 };
-                    cut.remove(at);
-                }
-            }
-        }
+    /// Spells words out.
+    pub(super) fn spelt(cut: &[String]) -> Self {
         let mut words = Vec::new();
-        let mut unknown = 0;
-        for word in &cut {
+        let mut unknown = usize::from(cut.is_empty());
+        for word in cut {
             let spells = |(short, _): &&(&str, &str)| short.split(' ').any(|s| s == word);
             match SPELT.iter().find(spells) {
                 Some((_, spelt)) => words.extend(spelt.split_whitespace()),
@@ -224,50 +272,65 @@ impl Words {
                 None => unknown += 1,
             }
         }
-        words.sort_unstable();
-        words.dedup();
-        Words {
-            words,
-            unknown,
-            side,
-        }
+        Words { words, unknown }
+    }
+
+    /// Whether nothing is left that means anything.
+    pub(super) fn is_empty(&self) -> bool {
+        self.words.is_empty() && self.unknown == 0
+    }
+
+    /// How often front or rear is said.
+    pub(super) fn ends(&self) -> usize {
+        self.words.iter().filter(|w| end_of(w).is_some()).count()
+    }
+
+    /// Takes the first "front" or "rear" away: it names the axle.
+    pub(super) fn without_axle(&self) -> Option<(AxlePosition, Words)> {
+        let at = self.words.iter().position(|word| end_of(word).is_some())?;
+        let axle = end_of(self.words[at])?;
+        let mut rest = self.clone();
+        rest.words.remove(at);
+        Some((axle, rest))
     }
 
     /// Whether these are the words of one of some patterns.
-    fn fit(&self, patterns: &str) -> bool {
+    pub(super) fn fit(&self, patterns: &str) -> bool {
         patterns.split(" | ").any(|pattern| self.fits(pattern))
     }
 
     fn fits(&self, pattern: &str) -> bool {
-        let required = || pattern.split(' ').filter(|word| !word.starts_with('?'));
+        let mut required = pattern.split(' ').filter(|word| !word.starts_with('?'));
         let allowed = |word: &str| {
             let mut known = pattern.split(' ').map(|word| word.trim_start_matches('?'));
             known.any(|known| known == word) || ANYWHERE.contains(&word)
         };
         self.unknown == 0
-            && required().all(|word| self.words.contains(&word))
+            && required.all(|word| self.words.contains(&word))
             && self.words.iter().all(|word| allowed(word))
     }
 
-    /// The figure of this name.
-    pub(super) fn figure(&self) -> Option<Figure> {
-        let found = FIGURES.iter().find(|(_, patterns)| self.fit(patterns));
-        found.map(|(figure, _)| *figure)
+    /// The hardpoint of a topology with these words.
+    pub(super) fn hardpoint(&self, topology: &Topology) -> Option<&'static str> {
+        let mut fitting = PATTERNS
+            .iter()
+            .filter(|(known, patterns)| topology.hardpoint(known).is_some() && self.fit(patterns));
+        fitting.next().map(|(known, _)| *known)
     }
 }
 
-/// The hardpoint of a topology that a name means: the one of that name, or the one with its words.
-pub(super) fn hardpoint(name: &str, topology: &Topology) -> Option<&'static str> {
-    let plain = cut(name).join("_");
-    let hardpoints = || topology.all_hardpoints().map(|hardpoint| hardpoint.name);
-    if let Some(same) = hardpoints().find(|known| *known == plain) {
-        return Some(same);
+/// The axle or end that a spelt word names.
+pub(super) fn end_of(word: &str) -> Option<AxlePosition> {
+    match word {
+        "front" => Some(AxlePosition::Front),
+        "rear" => Some(AxlePosition::Rear),
+        _ => None,
     }
-    let words = Words::of(name);
-    let mut fitting = PATTERNS
-        .iter()
-        .filter(|(known, patterns)| topology.hardpoint(known).is_some() && words.fit(patterns));
-    fitting.next().map(|(known, _)| *known)
+}
+
+/// The hardpoint of a topology that a name means.
+pub(super) fn hardpoint(name: &str, topology: &Topology) -> Option<&'static str> {
+    super::roles::read(name, topology, super::roles::Letters::default()).map(|role| role.hardpoint)
 }
 
 /// Names of hardpoints in Adams/Car's own templates.
@@ -369,6 +432,7 @@ mod tests {
             "wheel",
             "tie",
             "lca",
+            "front_lower_sway_thing",
             "",
         ] {
             assert_eq!(hardpoint(name, named("double_wishbone")), None, "{name}");
@@ -377,23 +441,23 @@ mod tests {
     }
 
     #[test]
-    fn sides_are_told_from_words() {
-        for (name, side) in [
-            ("hpl_lca_front", Some(Side::Left)),
-            ("LCA front R", Some(Side::Right)),
-            ("FR lower ball joint", Some(Side::Right)),
-            ("lower ball joint", None),
-            ("left", None),
+    fn titles_name_wheels_and_axles_and_nothing_else() {
+        let marks = |side, axle| Some(Marks { side, axle });
+        for (text, found) in [
+            ("FL", marks(Some(Side::Left), Some(AxlePosition::Front))),
+            ("Front axle", marks(None, Some(AxlePosition::Front))),
+            ("front_axle", marks(None, Some(AxlePosition::Front))),
+            (
+                "Rear right wheel",
+                marks(Some(Side::Right), Some(AxlePosition::Rear)),
+            ),
+            ("left", marks(Some(Side::Left), None)),
+            ("lower arm front", None),
+            ("MyCar", None),
+            ("front rear", None),
+            ("wheel", None),
         ] {
-            assert_eq!(Words::of(name).side, side, "{name}");
+            assert_eq!(marks_of_title(text), found, "{text}");
         }
-        assert_eq!(
-            Words::of("Tyre contact patch").figure(),
-            Some(Figure::ContactPoint)
-        );
-        assert_eq!(
-            Words::of("static_camber [deg]").figure(),
-            Some(Figure::StaticCamber)
-        );
     }
 }

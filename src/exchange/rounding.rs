@@ -8,7 +8,8 @@
 //! r + g J d,   d = k - x/g,   k whole numbers
 //! ```
 //!
-//! so the best rounding is the lattice point g J k nearest to a given one. *Nearest plane* (L. Babai, On
+//! so the best rounding is the lattice point g J k nearest to a given one. Only free coordinates move; the others keep
+//! their digits. *Nearest plane* (L. Babai, On
 //! Lovász' lattice reduction and the nearest lattice point problem, Combinatorica 6, 1986) takes the
 //! coordinates one after the other: with g J = Q R the last one is rounded, what it changes is handed on to
 //! the others, and so back to the first. Coordinates the targets do not see are held by a small spring
@@ -17,6 +18,7 @@
 //! depends on the order of the coordinates; three are tried, and beside them the ordinary rounding, and the
 //! misfits of all are computed, not estimated.
 
+use crate::model::LengthUnit;
 use crate::number::Vector3;
 use crate::optimise::{Linearisation, TargetLayout, evaluated};
 use crate::study::{Optimise, Study, Variable};
@@ -28,8 +30,12 @@ const SPRING: f64 = 1e-3;
 /// A rounded design.
 #[derive(Clone, Debug)]
 pub struct Rounded {
-    /// Its points, in the kernel's frame.
+    /// Its points, in the kernel's frame and the study's unit.
     pub design: Vec<Vector3<f64>>,
+    /// Its points in the study's axes, as the grid's unit has them to the last digit.
+    pub coordinates: Vec<[f64; 3]>,
+    /// The grid.
+    pub grid: Grid,
     /// Loss by rounding, if the study has targets.
     pub loss: Option<Loss>,
 }
@@ -47,25 +53,20 @@ pub struct Loss {
     pub otherwise: usize,
 }
 
-/// Rounds a study's points to multiples of `grid`, in its unit.
+/// Rounds the free coordinates of a study's design to multiples of a grid. `free` has a flag for each coordinate, point
+/// by point.
 ///
 /// # Errors
 ///
-/// If the design cannot be solved.
-pub fn rounded(study: &Study, design: &[Vector3<f64>], grid: f64) -> Result<Rounded, String> {
-    let grid = Grid { grid };
-    let ordinary: Vec<f64> = coordinates(study, design)
-        .iter()
-        .map(|x| grid.steps(*x).round())
-        .collect();
+/// If the design cannot be solved, before or after.
+pub fn rounded(study: &Study, grid: Grid, free: &[bool]) -> Result<Rounded, String> {
+    let problem = Problem::new(study, grid, free);
+    let ordinary = problem.nearest();
     let Some(optimise) = &study.optimise else {
-        return Ok(Rounded {
-            design: moved(study, design, &grid, &ordinary),
-            loss: None,
-        });
+        return Ok(problem.result(&ordinary, None));
     };
-    let problem = Problem::new(study, design, optimise);
-    let at_design = problem.evaluated(design)?;
+    let targets = problem.targets(optimise);
+    let at_design = targets.evaluated(&study.suspension.design)?;
     let exact = at_design.misfit();
     let mut best: Option<(f64, Vec<f64>)> = None;
     let mut of_ordinary = None;
@@ -75,20 +76,20 @@ pub fn rounded(study: &Study, design: &[Vector3<f64>], grid: f64) -> Result<Roun
         .column_iter()
         .map(|column| column.norm())
         .collect();
-    let natural: Vec<usize> = (0..lengths.len()).collect();
+    let natural: Vec<usize> = (0..lengths.len()).filter(|n| free[*n]).collect();
     let mut rising = natural.clone();
     rising.sort_by(|a, b| lengths[*a].total_cmp(&lengths[*b]));
     let falling: Vec<usize> = rising.iter().rev().copied().collect();
     for order in [natural, rising, falling] {
-        candidates.push(nearest_plane(&problem, &at_design, &grid, &order));
+        if !order.is_empty() {
+            candidates.push(nearest_plane(&problem, &at_design, &order));
+        }
     }
     for (number, steps) in candidates.iter().enumerate() {
         // A design beyond a limit of the motion has no misfit.
-        let moved = moved(study, design, &grid, steps);
-        let misfit = problem
-            .evaluated(&moved)
-            .ok()
-            .map(|evaluation| evaluation.misfit());
+        let moved = problem.result(steps, None).design;
+        let misfit = targets.evaluated(&moved).ok();
+        let misfit = misfit.map(|evaluation| evaluation.misfit());
         if number == 0 {
             of_ordinary = misfit;
         }
@@ -100,82 +101,124 @@ pub fn rounded(study: &Study, design: &[Vector3<f64>], grid: f64) -> Result<Roun
     }
     let (misfit, steps) = best.ok_or("rounded to this grid the design cannot be solved")?;
     let otherwise = steps.iter().zip(&ordinary).filter(|(a, b)| a != b).count();
-    Ok(Rounded {
-        design: moved(study, design, &grid, &steps),
-        loss: Some(Loss {
-            exact,
-            ordinary: of_ordinary,
-            best: misfit,
-            otherwise,
-        }),
-    })
+    let loss = Loss {
+        exact,
+        ordinary: of_ordinary,
+        best: misfit,
+        otherwise,
+    };
+    Ok(problem.result(&steps, Some(loss)))
 }
 
 /// Multiples of a length.
-struct Grid {
-    grid: f64,
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Grid {
+    /// The length.
+    pub step: f64,
+    /// Its unit.
+    pub unit: LengthUnit,
 }
 
 impl Grid {
     /// A length in steps.
     fn steps(&self, length: f64) -> f64 {
-        length / self.grid
+        length / self.step
     }
 
     /// The length of this number of steps; a decimal grid gives the shortest decimal: 3 x 0.1 is 0.3.
     fn length(&self, steps: f64) -> f64 {
-        let parts = (1.0 / self.grid).round();
-        match parts >= 1.0 && 1.0 / parts == self.grid {
+        let parts = (1.0 / self.step).round();
+        match parts >= 1.0 && 1.0 / parts == self.step {
             true => steps / parts,
-            false => steps * self.grid,
+            false => steps * self.step,
         }
     }
 }
 
-/// All coordinates in the study's axes, point by point.
-fn coordinates(study: &Study, design: &[Vector3<f64>]) -> Vec<f64> {
-    let frame = study.suspension.frame;
-    design
-        .iter()
-        .flat_map(|point| frame.vector(*point).to_array())
-        .collect()
-}
-
-/// The design with its coordinates at these numbers of steps.
-fn moved(study: &Study, design: &[Vector3<f64>], grid: &Grid, steps: &[f64]) -> Vec<Vector3<f64>> {
-    let frame = study.suspension.frame;
-    let before = coordinates(study, design);
-    let length = |number: usize| {
-        let rounded = grid.length(steps[number]);
-        // A coordinate on the grid keeps its bits.
-        let same = grid.steps(before[number]) == steps[number];
-        if same { before[number] } else { rounded }
-    };
-    let points = (0..design.len()).map(|point| {
-        let [x, y, z] = [0, 1, 2].map(|axis| length(3 * point + axis));
-        frame.vector(Vector3::new(x, y, z))
-    });
-    points.collect()
-}
-
-/// The targets of a study over all of its coordinates.
+/// A design that is rounded.
 struct Problem<'a> {
     study: &'a Study,
-    variables: Vec<Variable>,
-    layout: TargetLayout,
+    grid: Grid,
+    free: &'a [bool],
+    /// All coordinates in the study's axes, point by point, in the grid's unit.
     before: Vec<f64>,
 }
 
 impl<'a> Problem<'a> {
-    fn new(study: &'a Study, design: &[Vector3<f64>], optimise: &Optimise) -> Self {
+    fn new(study: &'a Study, grid: Grid, free: &'a [bool]) -> Self {
+        let suspension = &study.suspension;
+        let points = suspension.design.iter();
+        let before = points
+            .flat_map(|point| suspension.frame.vector(*point).to_array())
+            .map(|x| grid.unit.convert(x, suspension.length_unit))
+            .collect();
         Problem {
             study,
-            variables: Variable::every_coordinate(&study.suspension, [-1.0, 1.0]),
-            layout: TargetLayout::of(optimise, &study.motion, &study.suspension),
-            before: coordinates(study, design),
+            grid,
+            free,
+            before,
         }
     }
 
+    /// The steps of each coordinate rounded by itself.
+    fn nearest(&self) -> Vec<f64> {
+        let coordinates = self.before.iter().zip(self.free);
+        let steps = coordinates.map(|(x, free)| match free {
+            true => self.grid.steps(*x).round(),
+            false => self.grid.steps(*x),
+        });
+        steps.collect()
+    }
+
+    /// The design with its coordinates at these numbers of steps. A coordinate that does not move keeps its bits.
+    fn result(&self, steps: &[f64], loss: Option<Loss>) -> Rounded {
+        let suspension = &self.study.suspension;
+        let own = suspension.length_unit;
+        let stays = |n: usize| !self.free[n] || self.grid.steps(self.before[n]) == steps[n];
+        let mut design = Vec::with_capacity(suspension.design.len());
+        let mut coordinates = Vec::with_capacity(suspension.design.len());
+        for (point, before) in suspension.design.iter().enumerate() {
+            let of_study = suspension.frame.vector(*before).to_array();
+            let numbers = [0, 1, 2].map(|axis| 3 * point + axis);
+            // A coordinate on the grid has the grid's digits where converting it has cost the last one.
+            let keeps_digits = |n: usize| !self.free[n] || stays(n) && own == self.grid.unit;
+            let written = numbers.map(|n| match keeps_digits(n) {
+                true => self.before[n],
+                false => self.grid.length(steps[n]),
+            });
+            let [x, y, z] = [0, 1, 2].map(|axis| match stays(numbers[axis]) {
+                true => of_study[axis],
+                false => own.convert(written[axis], self.grid.unit),
+            });
+            design.push(suspension.frame.vector(Vector3::new(x, y, z)));
+            coordinates.push(written);
+        }
+        Rounded {
+            design,
+            coordinates,
+            grid: self.grid,
+            loss,
+        }
+    }
+
+    fn targets(&self, optimise: &Optimise) -> Targets<'a> {
+        let study = self.study;
+        Targets {
+            study,
+            variables: Variable::every_coordinate(&study.suspension, [-1.0, 1.0]),
+            layout: TargetLayout::of(optimise, &study.motion, &study.suspension),
+        }
+    }
+}
+
+/// The targets of a study over all of its coordinates.
+struct Targets<'a> {
+    study: &'a Study,
+    variables: Vec<Variable>,
+    layout: TargetLayout,
+}
+
+impl Targets<'_> {
     /// Residuals and derivatives of a design.
     fn evaluated(&self, design: &[Vector3<f64>]) -> Result<Linearisation, String> {
         let mut suspension = self.study.suspension.clone();
@@ -196,39 +239,61 @@ fn neighbours(at: f64) -> (f64, f64) {
     }
 }
 
-/// The steps of all coordinates by nearest plane, taken in an order from its last to its first.
-fn nearest_plane(
-    problem: &Problem<'_>,
-    at_design: &Linearisation,
-    grid: &Grid,
-    order: &[usize],
-) -> Vec<f64> {
-    let (rows, columns) = at_design.jacobian.shape();
+/// The steps of all coordinates by nearest plane; the free ones are taken in an order from its last to its first.
+fn nearest_plane(problem: &Problem<'_>, at_design: &Linearisation, order: &[usize]) -> Vec<f64> {
+    let (rows, columns) = (at_design.jacobian.nrows(), order.len());
+    let own = problem.study.suspension.length_unit;
+    let step = own.convert(problem.grid.step, problem.grid.unit);
     let mut matrix = DMatrix::zeros(rows + columns, columns);
     for (column, coordinate) in order.iter().enumerate() {
         let from = at_design.jacobian.column(*coordinate);
         matrix
             .view_mut((0, column), (rows, 1))
-            .copy_from(&(from * grid.grid));
+            .copy_from(&(from * step));
         matrix[(rows + column, column)] = SPRING;
     }
     let mut wanted = DVector::zeros(rows + columns);
     wanted.rows_mut(0, rows).copy_from(&-&at_design.residuals);
     let qr = matrix.qr();
     let (r, y) = (qr.r(), qr.q().transpose() * wanted);
-    let mut steps = vec![0.0; columns];
+    let mut steps = problem.nearest();
     // The moves d chosen so far, by their place in the order.
     let mut moves = vec![0.0; columns];
     for i in (0..columns).rev() {
         let handed_on: f64 = (i + 1..columns).map(|j| r[(i, j)] * moves[j]).sum();
         let best = (y[i] - handed_on) / r[(i, i)];
-        let at = grid.steps(problem.before[order[i]]);
+        let at = problem.grid.steps(problem.before[order[i]]);
         let (least, most) = neighbours(at);
         let step = (at + best).round().clamp(least, most);
         steps[order[i]] = step;
         moves[i] = step - at;
     }
     steps
+}
+
+/// A flag for each coordinate, point by point: whether it is elsewhere in another design.
+pub fn moved_coordinates(design: &[Vector3<f64>], other: &[Vector3<f64>]) -> Vec<bool> {
+    let pairs = design.iter().zip(other);
+    let differs = |(a, b): (&Vector3<f64>, &Vector3<f64>)| {
+        let (a, b) = (a.to_array(), b.to_array());
+        [0, 1, 2].map(|axis| a[axis] != b[axis])
+    };
+    pairs.flat_map(differs).collect()
+}
+
+/// A flag for each coordinate, point by point: whether a variable of `[optimise]` moves it.
+pub fn tuned_coordinates(study: &Study) -> Vec<bool> {
+    let mut tuned = vec![false; 3 * study.suspension.design.len()];
+    let variables = study.optimise.iter().flat_map(|o| &o.variables);
+    for variable in variables {
+        for step in &variable.moves {
+            tuned[3 * step.point.0 + step.axis as usize] |= step.factor != 0.0;
+        }
+        for point in variable.turn.iter().flat_map(|turn| &turn.points) {
+            tuned[3 * point.0..3 * point.0 + 3].fill(true);
+        }
+    }
+    tuned
 }
 
 #[cfg(test)]
@@ -238,20 +303,18 @@ mod tests {
 
     #[test]
     fn multiples_of_a_decimal_grid_are_decimals() {
-        for (grid, steps, length) in [
+        for (step, steps, length) in [
             (0.1, 3.0, 0.3),
             (0.5, -3.0, -1.5),
             (2.0, 7.0, 14.0),
             (0.001, 1234.0, 1.234),
         ] {
-            assert_eq!(Grid { grid }.length(steps), length);
+            let unit = LengthUnit::Millimetre;
+            assert_eq!(Grid { step, unit }.length(steps), length);
         }
     }
 
-    /// The sample's targets are met to a tenth of a tolerance and rounding to a millimetre costs several:
-    /// the best rounding must be no worse than the ordinary one, on the grid, and within a step.
-    #[test]
-    fn nearest_plane_loses_no_more_than_ordinary_rounding() {
+    fn front() -> Study {
         let directory = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies");
         let text = std::fs::read_to_string(directory.join("macpherson_front.toml")).unwrap();
         let study = Study::from_text("front.toml", &text, &directory).unwrap();
@@ -260,21 +323,62 @@ mod tests {
             let off = 0.37 * f64::from(n);
             *p + Vector3::new(off.sin(), off.cos(), (2.0 * off).sin()) * 0.4
         });
-        let design: Vec<_> = design.collect();
-        for grid in [1.0, 0.1] {
-            let rounded = rounded(&study, &design, grid).unwrap();
+        study.at_design(design.collect())
+    }
+
+    /// The sample's targets are met to a tenth of a tolerance and rounding to a millimetre costs several: the best
+    /// rounding must be no worse than the ordinary one, on the grid, and within a step. In any unit of the grid.
+    #[test]
+    fn nearest_plane_loses_no_more_than_ordinary_rounding() {
+        let study = front();
+        let all = vec![true; 3 * study.suspension.design.len()];
+        for (step, unit) in [
+            (1.0, LengthUnit::Millimetre),
+            (0.1, LengthUnit::Millimetre),
+            (0.05, LengthUnit::Inch),
+            (0.001, LengthUnit::Metre),
+        ] {
+            let grid = Grid { step, unit };
+            let rounded = rounded(&study, grid, &all).unwrap();
             let loss = rounded.loss.unwrap();
-            // What is rounded once stays.
-            let again = super::rounded(&study, &rounded.design, grid).unwrap();
-            assert_eq!(again.design, rounded.design);
             assert!(loss.best <= loss.ordinary.unwrap(), "{loss:?}");
-            let [before, after] = [&design, &rounded.design].map(|d| coordinates(&study, d));
-            for (before, after) in before.iter().zip(after) {
+            // A second rounding changes nothing.
+            let after = study.at_design(rounded.design.clone());
+            let again = super::rounded(&after, grid, &all).unwrap();
+            assert_eq!(again.coordinates, rounded.coordinates);
+            let before = Problem::new(&study, grid, &all).before;
+            let written = rounded.coordinates.iter().flatten();
+            for (before, after) in before.iter().zip(written) {
                 assert!(
-                    (after - before).abs() <= grid * (1.0 + 1e-9),
+                    (after - before).abs() <= step * (1.0 + 1e-9),
                     "{before} {after}"
                 );
-                assert_eq!(Grid { grid }.length((after / grid).round()), after);
+                assert_eq!(grid.length((after / step).round()), *after);
+            }
+            // The curves are of the points that are written.
+            let own = study.suspension.length_unit;
+            for (point, written) in rounded.design.iter().zip(&rounded.coordinates) {
+                let point = study.suspension.frame.vector(*point).to_array();
+                for (x, written) in point.iter().zip(written) {
+                    assert!((x - own.convert(*written, unit)).abs() <= 1e-12 * x.abs());
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn coordinates_that_are_not_free_keep_their_bits() {
+        let study = front();
+        let tuned = tuned_coordinates(&study);
+        let count = tuned.iter().filter(|free| **free).count();
+        assert!(count > 0 && count < tuned.len(), "{count}");
+        for unit in LengthUnit::ALL {
+            let step = unit.convert(1.0, LengthUnit::Millimetre);
+            let grid = Grid { step, unit };
+            let rounded = rounded(&study, grid, &tuned).unwrap();
+            let moved = moved_coordinates(&study.suspension.design, &rounded.design);
+            for (moved, tuned) in moved.iter().zip(&tuned) {
+                assert_eq!(moved, tuned);
             }
         }
     }

@@ -1,19 +1,25 @@
-//! A file of points, whatever it is: a table of text, a workbook, a map in JSON or YAML or an Adams/Car
-//! subsystem.
+//! A file of points, whatever its format: a table of text, a workbook, a map in JSON or YAML, a subsystem of
+//! Adams/Car or a `suspensions.ini` of Assetto Corsa.
 
 use super::adams::{self, Symmetry};
-use super::points::{self, NamedPoint, PointTable};
-use super::{delimited, map, workbook, yaml};
-use crate::model::{FrameConvention, Side};
+use super::axes::{Axes, Declared};
+use super::names::marks_of_title;
+use super::table::{Figure, Marks, NamedPoint, PointTable};
+use super::{assetto_in, delimited, map, points, workbook, yaml};
+use crate::model::{AxlePosition, FrameConvention, Side};
 use crate::study::read_bytes;
 use std::path::Path;
 
 /// The largest file that is read, in bytes.
 const MOST_BYTES: u64 = 64 << 20;
 
-/// The points of a file; `sheet` names one of a workbook.
-pub fn read(path: &Path, sheet: Option<&str>) -> Result<PointTable, String> {
-    let bytes = bytes(path)?;
+/// The points of a file; `sheet` names one of a workbook, `axle` the one that is wanted of two.
+pub fn read(
+    path: &Path,
+    sheet: Option<&str>,
+    axle: Option<AxlePosition>,
+) -> Result<PointTable, String> {
+    let bytes = bytes_of(path)?;
     let is_workbook = bytes.starts_with(b"PK\x03\x04");
     if !is_workbook && let Some(sheet) = sheet {
         return Err(format!(
@@ -21,7 +27,7 @@ pub fn read(path: &Path, sheet: Option<&str>) -> Result<PointTable, String> {
         ));
     }
     if is_workbook {
-        return of_workbook(bytes, sheet);
+        return of_workbook(bytes, sheet, axle);
     }
     // The container of old binary workbooks and of encrypted ones.
     if bytes.starts_with(&[0xd0, 0xcf, 0x11, 0xe0]) {
@@ -30,6 +36,9 @@ pub fn read(path: &Path, sheet: Option<&str>) -> Result<PointTable, String> {
     let text = decoded(&bytes)?;
     if adams::is_subsystem(&text) {
         return of_subsystem(&text);
+    }
+    if assetto_in::is_ini(path, &text) {
+        return assetto_in::points_of(&text);
     }
     if yaml::is_named(path) {
         return map::points_of(&yaml::read(&text)?)?.ok_or_else(|| NO_POINTS.to_owned());
@@ -44,7 +53,8 @@ pub fn read(path: &Path, sheet: Option<&str>) -> Result<PointTable, String> {
 const NO_POINTS: &str = "it has no table of points: a header with a column of names and the columns x, y and z, \
                          or lines of a name and three numbers, or names with three numbers in JSON or YAML";
 
-fn bytes(path: &Path) -> Result<Vec<u8>, String> {
+/// The bytes of a file, up to a bound. Devices and named pipes are refused.
+pub fn bytes_of(path: &Path) -> Result<Vec<u8>, String> {
     read_bytes(path, MOST_BYTES)
 }
 
@@ -73,7 +83,11 @@ fn decoded(bytes: &[u8]) -> Result<String, String> {
     }
 }
 
-fn of_workbook(bytes: Vec<u8>, wanted: Option<&str>) -> Result<PointTable, String> {
+fn of_workbook(
+    bytes: Vec<u8>,
+    wanted: Option<&str>,
+    axle: Option<AxlePosition>,
+) -> Result<PointTable, String> {
     let book = workbook::Workbook::open(bytes)?;
     let names: Vec<String> = book.names().map(str::to_owned).collect();
     let quoted = |names: &[String]| {
@@ -97,22 +111,43 @@ fn of_workbook(bytes: Vec<u8>, wanted: Option<&str>) -> Result<PointTable, Strin
             Err(reason) => refused = refused.or(Some(format!("sheet {name:?}: {reason}"))),
         }
     }
+    let mut by_axle = false;
+    // Sheets that are named after axles are told apart by the axle that is wanted.
+    let axle_of = |name: &str| {
+        let words = super::names::cut(name);
+        let of = |wanted: &str| words.iter().any(|word| word == wanted);
+        match (of("front"), of("rear")) {
+            (true, false) => Some(AxlePosition::Front),
+            (false, true) => Some(AxlePosition::Rear),
+            _ => marks_of_title(name).and_then(|marks| marks.axle),
+        }
+    };
+    if found.len() > 1 && axle.is_some() {
+        let of_axle = found.iter().filter(|(name, _)| axle_of(name) == axle);
+        if of_axle.count() == 1 {
+            found.retain(|(name, _)| axle_of(name) == axle);
+            by_axle = true;
+        }
+    }
     match found.len() {
         0 => Err(refused.unwrap_or_else(|| NO_POINTS.to_owned())),
         1 => {
             let (name, mut table) = found.remove(0);
             if names.len() > 1 {
-                table
-                    .notes
-                    .push(format!("sheet {name:?}: the only one with points"));
+                table.notes.push(match by_axle {
+                    true => format!("sheet {name:?}: the one of the axle that --axle names"),
+                    false => format!("sheet {name:?}: the only one with points"),
+                });
             }
             Ok(table)
         }
         _ => {
             let with_points: Vec<String> = found.into_iter().map(|(name, _)| name).collect();
             let names = quoted(&with_points);
+            let of_axles = with_points.iter().any(|name| axle_of(name).is_some());
             Err(format!(
-                "points are in several sheets, {names}: choose one with --sheet"
+                "points are in several sheets, {names}: choose one with --sheet{}",
+                if of_axles { " or --axle" } else { "" }
             ))
         }
     }
@@ -122,7 +157,7 @@ fn of_subsystem(text: &str) -> Result<PointTable, String> {
     let subsystem = adams::read(text)?;
     let mut table = PointTable {
         unit: subsystem.length,
-        frame: Some(FrameConvention::XRear),
+        declared: Declared::whole(Axes::of(FrameConvention::XRear)),
         ..PointTable::default()
     };
     if let Some(template) = &subsystem.template {
@@ -131,13 +166,15 @@ fn of_subsystem(text: &str) -> Result<PointTable, String> {
             .push(format!("a subsystem of Adams/Car, made for {template}"));
     }
     for point in subsystem.points {
+        let side = match point.symmetry {
+            Symmetry::Left => Some(Side::Left),
+            Symmetry::Right => Some(Side::Right),
+            Symmetry::Both | Symmetry::Single => None,
+        };
         table.points.push(NamedPoint {
+            read_as: point.name.clone(),
             name: point.name,
-            side: match point.symmetry {
-                Symmetry::Left => Some(Side::Left),
-                Symmetry::Right => Some(Side::Right),
-                Symmetry::Both | Symmetry::Single => None,
-            },
+            marks: Marks { side, axle: None },
             mirrored: point.symmetry == Symmetry::Both,
             position: Ok(point.position),
             body: None,
@@ -152,8 +189,14 @@ fn of_subsystem(text: &str) -> Result<PointTable, String> {
                 true => parameter.value,
                 false => parameter.value.to_degrees(),
             };
-            let place = format!("line {}", parameter.line);
-            table.figures.push((parameter.name, degrees, place));
+            table.figures.push(Figure {
+                read_as: parameter.name.clone(),
+                name: parameter.name,
+                value: degrees,
+                marks: Marks::default(),
+                remark: String::new(),
+                place: format!("line {}", parameter.line),
+            });
         }
     }
     Ok(table)

@@ -6,9 +6,10 @@ use super::failures::FailureRange;
 use super::files::csv_of;
 use super::ranges::Range;
 use super::{Cell, Table, brief, optional, shortest};
+use crate::ask::Need;
 use crate::axle::{
     Axle, AxleColumn, AxleCurves, AxlePlan, AxleProof, AxleStation, BeyondCurve, Coordinate,
-    ForcePart, Need, Placement, Void, WheelMotion,
+    ForcePart, Placement, Void, WheelMotion,
 };
 use crate::curves::{Proof, Status};
 use crate::model::{Axis, Rod, Side};
@@ -467,7 +468,7 @@ pub fn axle_plausibility(axle: &Axle, curves: &AxleCurves, turns_against: bool) 
     let reads_springs = |column: &AxleColumn| {
         column
             .quantity()
-            .is_some_and(|quantity| quantity.needs().contains(&Need::Spring))
+            .is_some_and(|quantity| quantity.info().needs.contains(&Need::SpringForce))
     };
     if curves.columns.iter().any(reads_springs) {
         let beyond = axle.beyond_force_curves(curves);

@@ -1,8 +1,8 @@
 //! Doubts about a suspension: points that may be swapped, a sign or a unit that may be wrong. A suspension may well be
 //! so, if seldom, so that doubts are only reported.
 
-use super::axle_plausibility;
 use super::figure::with_decimals;
+use super::{Directions, Reading, axle_plausibility};
 use crate::axle::{Axle, AxleCurves, AxlePlan, axle_curves};
 use crate::characteristics::{Characteristic, Constants, WheelReading};
 use crate::derive::{DesignSeries, MotionPoint};
@@ -19,8 +19,11 @@ const STEERING_AXIS_ANGLE: f64 = 30.0;
 const MOTION_RATIO: [f64; 2] = [0.1, 2.0];
 /// Believable lengths, in metres: from a model car to a haul truck.
 const WHEEL_RADIUS: [f64; 2] = [0.02, 2.5];
+const TYRE_WIDTH: [f64; 2] = [0.005, 2.0];
 const WHEELBASE: [f64; 2] = [0.1, 20.0];
 const CG_HEIGHT: [f64; 2] = [0.01, 5.0];
+/// The least distance of a wheel from the centre plane, as a part of how far it is from the points on the body.
+const WHEEL_AT_CENTRE: f64 = 0.5;
 /// How far a wheel may be off half the track, as a part of it.
 const OFF_TRACK: f64 = 0.1;
 
@@ -30,6 +33,8 @@ pub fn plausibility(suspension: &Suspension) -> Result<Vec<String>, DesignFault>
         suspension,
         found: Vec::new(),
     };
+    remarks.axes();
+    remarks.wheel_at_the_centre_plane();
     remarks.rods();
     remarks.seats();
     remarks.front_and_rear();
@@ -150,6 +155,57 @@ impl<'a> PlausibilityRemarks<'a> {
 
     fn name(&self, id: PointId) -> &'a str {
         self.suspension.mechanism.name(id)
+    }
+
+    /// The points show other axes than the study has: columns that stood in another order, or a wrong sign.
+    fn axes(&mut self) {
+        let points = self.suspension.mechanism.points.iter();
+        let points: Vec<(&str, [f64; 3])> = points
+            .zip(&self.suspension.design)
+            .map(|(point, at)| (point.name.as_str(), at.to_array()))
+            .collect();
+        let directions = Directions::of(&points);
+        let own = Reading {
+            forward: (0, 1.0),
+            outboard: (1, 1.0),
+            up: (2, 1.0),
+        };
+        let Some(other) = directions.contradict(&own) else {
+            return;
+        };
+        // A front pivot behind a rear one has a doubt of its own, with the likely cause.
+        if other.forward.0 == 0 && other.outboard.0 == 1 && other.up.0 == 2 {
+            return;
+        }
+        self.say(format!(
+            "the axes seem to be others: with x forward, y outboard and z up as the study has them, {}. Did the \
+             coordinates stand in another order?",
+            directions.describe(&other)
+        ));
+    }
+
+    /// A wheel centre at the centre plane, with the body's points beyond it: the origin was at the wheel.
+    fn wheel_at_the_centre_plane(&mut self) {
+        let mechanism = &self.suspension.mechanism;
+        let wheel = self.at(mechanism.wheel_centre).y;
+        let on_body: Vec<f64> = mechanism
+            .points
+            .iter()
+            .zip(&self.suspension.design)
+            .filter(|(point, _)| matches!(point.body, Body::Chassis | Body::Rack))
+            .map(|(_, at)| at.y)
+            .collect();
+        if on_body.is_empty() {
+            return;
+        }
+        let reach = wheel - on_body.iter().sum::<f64>() / on_body.len() as f64;
+        if reach > 0.0 && wheel < WHEEL_AT_CENTRE * reach {
+            let unit = self.suspension.length_unit.symbol();
+            self.say(format!(
+                "the wheel centre is {wheel} {unit} from the centre plane, y = 0. Is the origin at the wheel? Roll \
+                 centre and track need true y: add half the track to every y"
+            ));
+        }
     }
 
     /// Rods lead outboard from the body to the wheel carrier, and inboard from there to a rocker.
@@ -290,12 +346,14 @@ impl<'a> PlausibilityRemarks<'a> {
         let Suspension {
             vehicle,
             wheel_radius,
+            tyre_width,
             length_unit,
             ..
         } = self.suspension;
         let (unit, metre) = (length_unit.symbol(), length_unit.per_metre());
         for (name, length, [least, most]) in [
             ("[wheel] radius", *wheel_radius, WHEEL_RADIUS),
+            ("[wheel] tyre_width", *tyre_width, TYRE_WIDTH),
             ("[vehicle] wheelbase", vehicle.wheelbase, WHEELBASE),
             ("[vehicle] cg_height", vehicle.cg_height, CG_HEIGHT),
         ] {

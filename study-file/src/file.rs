@@ -99,6 +99,8 @@ pub struct ExtraPoint {
 pub struct Wheel {
     /// Loaded radius.
     pub radius: Option<Number>,
+    /// Width of the tyre.
+    pub tyre_width: Option<Number>,
     /// Camber in the design position, degrees.
     pub static_camber: Option<Number>,
     /// Toe in the design position, degrees.

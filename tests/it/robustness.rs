@@ -145,6 +145,7 @@ impl Trial {
             frame: Frame::new(FrameConvention::Iso8855, Side::Left),
             length_unit: LengthUnit::Metre,
             wheel_radius: None,
+            tyre_width: None,
             vehicle: Vehicle::default(),
         }
     }

@@ -100,6 +100,7 @@ pub struct SuspensionBuilder {
     hardpoints: Vec<(String, [f64; 3])>,
     static_angles: Option<[f64; 2]>,
     wheel_radius: Option<f64>,
+    tyre_width: Option<f64>,
     vehicle: Vehicle,
 }
 
@@ -115,6 +116,7 @@ impl Suspension {
             hardpoints: Vec::new(),
             static_angles: None,
             wheel_radius: None,
+            tyre_width: None,
             vehicle: Vehicle::default(),
         }
     }
@@ -155,6 +157,12 @@ impl SuspensionBuilder {
     /// The loaded radius of the wheel.
     pub fn wheel_radius(mut self, radius: f64) -> Self {
         self.wheel_radius = Some(radius);
+        self
+    }
+
+    /// The width of the tyre, which the envelope of the tyre needs.
+    pub fn tyre_width(mut self, width: f64) -> Self {
+        self.tyre_width = Some(width);
         self
     }
 
@@ -206,6 +214,7 @@ impl SuspensionBuilder {
             frame,
             length_unit: self.length_unit,
             wheel_radius: self.wheel_radius,
+            tyre_width: self.tyre_width,
             vehicle: self.vehicle,
         };
         match GeometryFault::all_of(&suspension).into_iter().next() {
@@ -219,6 +228,7 @@ impl SuspensionBuilder {
         let vehicle = &self.vehicle;
         let lengths = [
             ("wheel_radius", self.wheel_radius),
+            ("tyre_width", self.tyre_width),
             ("wheelbase", vehicle.wheelbase),
             ("track", vehicle.track),
             ("cg_height", vehicle.cg_height),

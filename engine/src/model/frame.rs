@@ -132,6 +132,19 @@ impl LengthUnit {
             LengthUnit::Inch => 1.0 / 0.0254,
         }
     }
+
+    /// A length of another unit in this one, rounded once. A length of the same unit keeps its bits.
+    pub fn convert(self, length: f64, from: LengthUnit) -> f64 {
+        match (from, self) {
+            (LengthUnit::Millimetre, LengthUnit::Metre) => length / 1000.0,
+            (LengthUnit::Metre, LengthUnit::Millimetre) => length * 1000.0,
+            (LengthUnit::Millimetre, LengthUnit::Inch) => length / 25.4,
+            (LengthUnit::Inch, LengthUnit::Millimetre) => length * 25.4,
+            (LengthUnit::Metre, LengthUnit::Inch) => length / 0.0254,
+            (LengthUnit::Inch, LengthUnit::Metre) => length * 0.0254,
+            _ => length,
+        }
+    }
 }
 
 /// The map between the study's axes and the kernel's: a sign for each coordinate.
@@ -189,6 +202,26 @@ impl Frame {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// The international inch is 25.4 mm exactly; all nine pairs of units.
+    #[test]
+    fn lengths_are_converted_between_all_units() {
+        let [mm, m, inch] = LengthUnit::ALL;
+        let same = [(mm, 508.0), (m, 0.508), (inch, 20.0)];
+        for (from, length) in same {
+            for (to, expected) in same {
+                let found = to.convert(length, from);
+                assert!(
+                    (found - expected).abs() <= 2e-16 * expected,
+                    "{from:?} {to:?} {found}"
+                );
+                // As `per_metre` says it, and back again.
+                let ratio = to.per_metre() / from.per_metre();
+                assert!((found - length * ratio).abs() <= 4e-16 * expected);
+                assert!((from.convert(found, to) - length).abs() <= 4e-16 * length);
+            }
+        }
+    }
 
     #[test]
     fn signs_tell_convention_and_side() {

@@ -345,6 +345,8 @@ pub struct Suspension {
     pub length_unit: LengthUnit,
     /// Loaded radius of the wheel.
     pub wheel_radius: Option<f64>,
+    /// Width of the tyre.
+    pub tyre_width: Option<f64>,
     /// Whole-vehicle figures.
     pub vehicle: Vehicle,
 }

@@ -254,6 +254,23 @@ impl Mechanism {
         found.map_or_else(String::new, |(name, _)| name.replace('_', " "))
     }
 
+    /// The hardpoints that a study has mounted on another body than the topology does.
+    pub fn points_on_other_bodies(&self) -> Vec<&str> {
+        let given: Vec<&'static str> = self
+            .points
+            .iter()
+            .filter_map(|point| self.topology.hardpoint(&point.name))
+            .map(|hardpoint| hardpoint.name)
+            .collect();
+        let usual = (self.topology.build)(self.topology, &given);
+        let differs = |point: &&super::Point| {
+            let id = usual.point(&point.name);
+            id.is_some_and(|id| usual.body(id) != point.body)
+        };
+        let moved = self.points.iter().filter(differs);
+        moved.map(|point| point.name.as_str()).collect()
+    }
+
     /// The bodies a hardpoint may sit on: of the ends of springs and rods that stand on the suspension, by
     /// the study's choice. Empty for every other hardpoint.
     pub fn possible_bodies(&self, id: PointId) -> Vec<(&'static str, Body)> {

@@ -28,6 +28,7 @@ pub(super) fn suspension(file: &File, problems: &mut Problems) -> Option<Suspens
     );
     let vehicle = vehicle(&file.vehicle, problems);
     let wheel_radius = positive(&file.wheel.radius, problems);
+    let tyre_width = positive(&file.wheel.tyre_width, problems);
     let given = hardpoints(section, topology?, problems)?;
     let (frame, length_unit) = (frame?, length_unit?);
 
@@ -49,6 +50,7 @@ pub(super) fn suspension(file: &File, problems: &mut Problems) -> Option<Suspens
         frame,
         length_unit,
         wheel_radius: wheel_radius?,
+        tyre_width: tyre_width?,
         vehicle: vehicle?,
     };
     geometry::check(section, &suspension, problems)?;

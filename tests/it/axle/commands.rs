@@ -4,7 +4,7 @@ use assert_cmd::Command;
 use hardpoint::Study;
 use hardpoint::ask::{Info, Need};
 use hardpoint::axle::{AxleQuantity, WheelQuantity};
-use hardpoint::exchange::{Page, page_of_csv, point_rows, workbook};
+use hardpoint::exchange::{Outgoing, Page, curves_in, page_of_csv, point_rows, workbook};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -321,11 +321,13 @@ fn the_workbook_of_an_axle_has_its_curves() {
     run(&["export", path, "--to", "xlsx", "--out", book], 0);
     let (csv, _) = run(&["solve", path, "--out", "-", "-q"], 0);
     let read = Study::read(Path::new(path), &[]).unwrap();
+    let outgoing = Outgoing::of(&read, None, None);
     let points = Page {
         name: "hardpoints".to_owned(),
-        rows: point_rows(&read, &read.suspension.design),
+        rows: point_rows(&outgoing),
     };
     let curves = page_of_csv("curves", csv.as_bytes()).unwrap();
+    let curves = curves_in(&outgoing, curves);
     assert!(curves.rows.len() == 1 + 39 && curves.rows[0].len() > 20);
     assert!(fs::read(book).unwrap() == workbook(&[points, curves]));
 }
@@ -536,17 +538,26 @@ fn what_knows_one_wheel_does_not_pass_for_the_axle() {
         of_runs.contains("curves of an axle are not yet compared"),
         "{of_runs}"
     );
-    let words = "axle.right: the right wheel's own hardpoints are not exported yet: toe_link_inner";
-    let adams = said(&["export", path, "--to", "adams"], &[], 2);
-    assert!(adams.contains(words), "{adams}");
+    // Both wheels go out where they differ; rounding is of one and its mirror image.
     let table = said(&["export", path, "--to", "csv"], &[], 0);
+    for row in ["toe_link_inner,-180.0,345.0", "toe_link_inner,-180.0,-"] {
+        assert!(table.contains(row), "{table}");
+    }
+    let adams = said(&["export", path, "--to", "adams"], &[], 0);
+    for row in [
+        "'toe_link_inner ' 'left ' 180.0 -345.0 262.0",
+        "'toe_link_inner ' 'right ' 180.0 347.0 262.0",
+    ] {
+        assert!(adams.contains(row), "{adams}");
+    }
+    let round = said(&["export", path, "--to", "csv", "--round", "1"], &[], 2);
     assert!(
-        table.contains(words) && table.contains("toe_link_inner,-180.0,345.0"),
-        "{table}"
+        round.contains("axle.right: --round is for one wheel"),
+        "{round}"
     );
     let path = study("macpherson_axle.toml");
-    let (_, mirrored) = run(&["export", path.to_str().unwrap(), "--to", "adams"], 0);
-    assert!(!mirrored.contains("not exported"), "{mirrored}");
+    let (mirrored, _) = run(&["export", path.to_str().unwrap(), "--to", "adams"], 0);
+    assert!(!mirrored.contains("'right     '"), "{mirrored}");
 }
 
 /// A point of the right wheel with the left wheel's y is not the axle that was meant.

@@ -2,8 +2,8 @@
 
 use super::reference::condition;
 use super::tuning::study;
-use hardpoint::axle::{Axle, AxleSolver, AxleState, Motion, Placement, Quantity, Unit};
-use hardpoint::characteristics::Unit as CornerUnit;
+use hardpoint::ask::Unit;
+use hardpoint::axle::{Axle, AxleSolver, AxleState, Motion, Placement, Quantity};
 use hardpoint::model::Side;
 use std::collections::BTreeMap;
 
@@ -84,10 +84,10 @@ fn quantities(axle: &Axle) -> Vec<Quantity> {
 /// The size of numbers of a kind, in mm, N and rad.
 fn natural(unit: Unit) -> f64 {
     match unit {
-        Unit::Corner(CornerUnit::Angle | CornerUnit::Ratio) | Unit::AnglePerAngle => 1.0,
-        Unit::Corner(CornerUnit::Length) | Unit::LengthPerAngle => 1e3,
-        Unit::Corner(CornerUnit::AnglePerLength) => 1e-3,
-        Unit::Corner(CornerUnit::Percent) => 100.0,
+        Unit::Angle | Unit::Ratio | Unit::AnglePerAngle => 1.0,
+        Unit::Length | Unit::LengthPerAngle => 1e3,
+        Unit::AnglePerLength => 1e-3,
+        Unit::Percent => 100.0,
         Unit::Force => 1e4,
         Unit::ForcePerLength => 1e2,
         Unit::Torque => 1e7,
@@ -138,7 +138,7 @@ fn quantities_do_not_depend_on_how_a_position_is_asked_for() {
                         [Err(a), Err(b)] if a == b => continue,
                         different => panic!("{name} {quantity:?}: {different:?}"),
                     };
-                    let size = natural(quantity.unit()).max(a.abs());
+                    let size = natural(quantity.info().unit).max(a.abs());
                     let size = size * condition(&quantity.name(), &wanted.state);
                     let entry = worst.entry(quantity.name()).or_default();
                     if (a - b).abs() / size >= entry.0 {
@@ -169,7 +169,7 @@ fn the_stiffness_at_a_load_is_that_of_an_independent_calculation() {
     let (_, axle) = axles().into_iter().next().unwrap();
     let stiffness = Quantity::named("roll_stiffness_at_load")[0];
     let mut solver = AxleSolver::<3>::new(&axle, &[stiffness], false).unwrap();
-    let factor = stiffness.unit().printed_factor(axle.left.length_unit);
+    let factor = stiffness.info().unit.printed_factor(axle.left.length_unit);
     for placement in [
         Placement::Travels {
             travels: [-40.0, 55.0],

@@ -59,11 +59,15 @@ fn a_table_goes_out_and_comes_back_on_the_command_line() {
 #[test]
 fn rounding_says_what_it_costs() {
     let study = sample("macpherson_front.toml");
-    let rounded = hardpoint(&["export", &study, "--to", "csv", "--round", "10"])
+    let rounded = ["export", &study, "--to", "csv", "--round", "10"];
+    let rounded = hardpoint(&[&rounded[..], &["--round-all"]].concat())
         .assert()
         .success();
     let said = text(&rounded.get_output().stderr);
-    assert!(said.contains("rounded to 10 mm: misfit"), "{said}");
+    assert!(
+        said.contains("27 of 27 coordinates rounded to 10 mm: misfit"),
+        "{said}"
+    );
     // In figures as other tables have them.
     let of_camber = said.lines().find(|line| line.starts_with("  camber_deg"));
     let change = of_camber.unwrap().split_whitespace().last().unwrap();
@@ -206,4 +210,100 @@ fn a_run_keeps_its_study() {
             .success();
         assert_eq!(std::fs::read(own).unwrap(), before);
     }
+}
+
+/// An import says the role of each point and the next command, asks nothing in a pipe, and never replaces its input.
+#[test]
+fn an_import_says_what_it_did_and_keeps_its_input() {
+    let directory = tempfile::tempdir().unwrap();
+    let (table_path, table) = path(&directory, "points.csv");
+    let (map_path, map) = path(&directory, "names.toml");
+    let (_, study) = path(&directory, "study.toml");
+    let exported = hardpoint(&[
+        "export",
+        &sample("double_wishbone_solve.toml"),
+        "--to",
+        "csv",
+    ])
+    .assert()
+    .success();
+    let points = text(&exported.get_output().stdout).replace("upper_ball_joint", "Joint 7");
+    std::fs::write(&table_path, &points).unwrap();
+    std::fs::write(&map_path, "upper_ball_joint = \"Joint 7\"\n").unwrap();
+    let import = |rest: &[&str]| {
+        let first = [
+            "import",
+            &table,
+            "--topology",
+            "double_wishbone",
+            "--map",
+            &map,
+        ];
+        hardpoint(&[&first, rest].concat())
+    };
+    let said = import(&["--out", &study]).assert().success();
+    let said = text(&said.get_output().stderr);
+    for expected in [
+        "upper_ball_joint",
+        "\"Joint 7\", line",
+        "See it: hardpoint studio",
+    ] {
+        assert!(said.contains(expected), "{expected}: {said}");
+    }
+    for own in [&table, &map] {
+        let refused = import(&["--out", own, "--force"]).assert().code(2);
+        assert!(text(&refused.get_output().stderr).contains("which was read"));
+    }
+    assert_eq!(std::fs::read_to_string(&table_path).unwrap(), points);
+    import(&["--out", &study, "--force"]).assert().success();
+    import(&["--axes", "left,right,up"]).assert().code(2);
+    import(&["--axes", "forward,left,up", "--frame", "iso8855"])
+        .assert()
+        .code(2);
+    import(&["--corner", "FL", "--axle", "front"])
+        .assert()
+        .code(2);
+    // A map without an end is not read to it.
+    if cfg!(unix) {
+        let endless = [
+            "import",
+            &table,
+            "--topology",
+            "double_wishbone",
+            "--map",
+            "/dev/zero",
+        ];
+        let refused = hardpoint(&endless).assert().code(2);
+        assert!(text(&refused.get_output().stderr).contains("larger than"));
+    }
+}
+
+/// `check` doubts what an import would refuse: columns in another order, and a wheel at the centre plane.
+#[test]
+fn check_doubts_axes_and_a_wheel_at_the_centre_plane() {
+    let directory = tempfile::tempdir().unwrap();
+    let (path, study) = path(&directory, "study.toml");
+    let template = Topology::named("double_wishbone").unwrap().template;
+    let doubts = |change: fn([f64; 3]) -> [f64; 3]| {
+        let mut document: toml::Table = template.parse().unwrap();
+        let suspension = document["suspension"].as_table_mut().unwrap();
+        for (_, point) in suspension["hardpoints"].as_table_mut().unwrap() {
+            let numbers = point.as_array().unwrap().iter();
+            let numbers: Vec<f64> = numbers.map(|n| n.as_float().unwrap()).collect();
+            let changed = change([numbers[0], numbers[1], numbers[2]]);
+            *point = toml::Value::Array(changed.map(toml::Value::Float).to_vec());
+        }
+        std::fs::write(&path, document.to_string()).unwrap();
+        let said = hardpoint(&["check", &study]).output().unwrap();
+        text(&said.stdout) + &text(&said.stderr)
+    };
+    let plain = doubts(|at| at);
+    assert!(
+        !plain.contains("the axes seem") && !plain.contains("centre plane"),
+        "{plain}"
+    );
+    let swapped = doubts(|[x, y, z]| [y, x, z]);
+    assert!(swapped.contains("the axes seem to be others"), "{swapped}");
+    let at_origin = doubts(|[x, y, z]| [x, y - 760.0, z]);
+    assert!(at_origin.contains("from the centre plane"), "{at_origin}");
 }

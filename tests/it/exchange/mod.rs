@@ -1,12 +1,21 @@
 //! Points out to other tools and back: the same doubles; and files as they should not be.
 
+mod axes;
+mod cad;
 mod commands;
+mod export_commands;
+mod exports;
+mod formats;
 mod hostile;
+mod other_tools;
+mod parsers;
+mod right_or_refused;
 mod round_trips;
 mod schema;
 
+use hardpoint::exchange::Axes;
 use hardpoint::exchange::{ImportOptions, Imported, import, read_points};
-use hardpoint::model::{FrameConvention, LengthUnit, Side, Topology};
+use hardpoint::model::{AxlePosition, FrameConvention, LengthUnit, Side, Topology};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -15,21 +24,29 @@ use std::path::{Path, PathBuf};
 struct Said {
     unit: Option<LengthUnit>,
     frame: Option<FrameConvention>,
+    axes: Option<&'static str>,
     side: Option<Side>,
+    axle: Option<AxlePosition>,
+    half_track: Option<f64>,
     sheet: Option<&'static str>,
     names: BTreeMap<String, String>,
+    bodies: BTreeMap<String, String>,
 }
 
 fn imported(path: &Path, topology: &str, said: &Said) -> Result<Imported, String> {
-    let table = read_points(path, said.sheet)?;
+    let table = read_points(path, said.sheet, said.axle)?;
     let options = ImportOptions {
         topology: Topology::named(topology).unwrap(),
         unit: said.unit,
         frame: said.frame,
+        axes: said.axes.map(|axes| Axes::parse(axes).unwrap()),
         side: said.side,
+        axle: said.axle,
+        half_track: said.half_track,
         names: &said.names,
+        bodies: &said.bodies,
     };
-    import(&table, &options)
+    import(&table, &options).map_err(|refusal| refusal.to_string())
 }
 
 /// A file in a directory of its own.

@@ -1,14 +1,14 @@
 //! Study -> CSV, XLSX, Adams -> study.
 
 use super::{Said, file, imported};
-use hardpoint::exchange::{Page, csv, into_subsystem, point_rows, subsystem, workbook};
+use hardpoint::exchange::{Outgoing, Page, csv, into_subsystem, point_rows, subsystem, workbook};
 use hardpoint::model::{Axis, Frame, FrameConvention, LengthUnit, Side, Topology};
 use hardpoint::study::Study;
 use std::path::Path;
 
 /// The templates, and the samples with rockers and bars, each in every frame, on both sides, in every unit;
 /// coordinates with all of their digits.
-fn studies() -> Vec<Study> {
+pub(super) fn studies() -> Vec<Study> {
     let mut texts: Vec<String> = Topology::ALL
         .iter()
         .map(|t| t.template.to_owned())
@@ -37,7 +37,12 @@ fn studies() -> Vec<Study> {
 }
 
 /// The same wheel as another study would have it.
-fn changed(study: &Study, unit: LengthUnit, convention: FrameConvention, side: Side) -> Study {
+pub(super) fn changed(
+    study: &Study,
+    unit: LengthUnit,
+    convention: FrameConvention,
+    side: Side,
+) -> Study {
     let scale = unit.per_metre() / study.suspension.length_unit.per_metre();
     let mut changed = study.clone();
     let number = |(n, point): (usize, &hardpoint::number::Vector3<f64>)| {
@@ -50,6 +55,8 @@ fn changed(study: &Study, unit: LengthUnit, convention: FrameConvention, side: S
         .enumerate()
         .map(number)
         .collect();
+    let length = |length: f64| unit.convert(length, study.suspension.length_unit);
+    changed.suspension.wheel_radius = study.suspension.wheel_radius.map(length);
     changed.suspension.length_unit = unit;
     changed.suspension.frame = Frame::new(convention, side);
     changed
@@ -97,12 +104,22 @@ fn check(study: &Study, path: &Path, said: &Said, frame: Frame) {
 fn tables_and_workbooks_give_the_same_study() {
     let directory = tempfile::tempdir().unwrap();
     for study in studies() {
-        let rows = point_rows(&study, &study.suspension.design);
+        let rows = point_rows(&Outgoing::of(&study, None, None));
         let table = file(&directory, "points.csv", &csv(&rows));
         check(&study, &table, &Said::default(), study.suspension.frame);
         let name = "hardpoints".to_owned();
         let book = file(&directory, "points.xlsx", &workbook(&[Page { name, rows }]));
         check(&study, &book, &Said::default(), study.suspension.frame);
+        // Nothing of our own export is left over.
+        let radius = study.suspension.wheel_radius.is_some();
+        let back = imported(
+            &book,
+            study.suspension.mechanism.topology.name,
+            &Said::default(),
+        );
+        let back = back.unwrap();
+        assert_eq!(back.left_out, Vec::<String>::new());
+        assert_eq!(back.wheel_radius.is_some(), radius);
         // What rods stand on comes back, too.
         if study.suspension.length_unit != LengthUnit::Metre {
             continue;
@@ -122,6 +139,78 @@ fn tables_and_workbooks_give_the_same_study() {
     }
 }
 
+/// Any study in any other unit and axes: the file has the lengths that these are, the reader takes them as they are, and
+/// nothing is left over. So for tables, workbooks and subsystems.
+#[test]
+fn every_unit_and_frame_goes_out_and_comes_back() {
+    let directory = tempfile::tempdir().unwrap();
+    let spread = studies().into_iter().step_by(5);
+    for study in spread {
+        let suspension = &study.suspension;
+        let (_, side) = suspension.frame.meaning();
+        for unit in LengthUnit::ALL {
+            for convention in FrameConvention::ALL {
+                let outgoing = Outgoing::of(&study, Some(unit), Some(convention));
+                let rows = point_rows(&outgoing);
+                let name = "hardpoints".to_owned();
+                let files = [
+                    ("points.csv", csv(&rows), convention),
+                    ("points.xlsx", workbook(&[Page { name, rows }]), convention),
+                    (
+                        "new.sub",
+                        subsystem(&outgoing).bytes,
+                        FrameConvention::XRear,
+                    ),
+                ];
+                for (name, bytes, convention) in files {
+                    let path = file(&directory, name, &bytes);
+                    let said = Said {
+                        side: Some(side),
+                        ..Said::default()
+                    };
+                    let topology = suspension.mechanism.topology.name;
+                    let back = imported(&path, topology, &said).unwrap();
+                    let left_over = back.notes.iter().find(|note| note.contains("left over"));
+                    assert_eq!(left_over, None, "{name}");
+                    assert_eq!((back.unit, back.frame, back.side), (unit, convention, side));
+                    let frame = Frame::new(convention, side);
+                    for (name, position) in written(&study, frame) {
+                        let found = back.hardpoints.iter().find(|h| h.name == name).unwrap();
+                        let converted = position.map(|x| unit.convert(x, suspension.length_unit));
+                        assert_eq!(found.position.map(|x| x + 0.0), converted, "{name}");
+                    }
+                    if name != "new.sub" {
+                        let radius = suspension.wheel_radius;
+                        let radius = radius.map(|r| unit.convert(r, suspension.length_unit));
+                        assert_eq!(back.wheel_radius, radius);
+                    }
+                }
+                // Into a file of another unit.
+                for of_file in LengthUnit::ALL {
+                    let other = subsystem(&Outgoing::of(&study, Some(of_file), None)).bytes;
+                    let into = into_subsystem(&outgoing, &other).unwrap().bytes;
+                    let files = [("into.sub", into), ("other.sub", other)];
+                    let [table, other] = files.map(|(name, bytes)| {
+                        let path = file(&directory, name, &bytes);
+                        let said = Said {
+                            side: Some(side),
+                            ..Said::default()
+                        };
+                        imported(&path, suspension.mechanism.topology.name, &said).unwrap()
+                    });
+                    assert_eq!(table.unit, of_file);
+                    for (found, expected) in table.hardpoints.iter().zip(&other.hardpoints) {
+                        let (found, expected) = (found.position, expected.position);
+                        for (a, b) in found.iter().zip(expected) {
+                            assert!((a - b).abs() <= 4e-16 * b.abs(), "{a} {b}");
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
 #[test]
 fn subsystems_give_the_same_study() {
     let directory = tempfile::tempdir().unwrap();
@@ -132,13 +221,13 @@ fn subsystems_give_the_same_study() {
             side: Some(side),
             ..Said::default()
         };
-        let new = subsystem(&study, &suspension.design).bytes;
+        let new = subsystem(&Outgoing::of(&study, None, None)).bytes;
         let frame = Frame::new(FrameConvention::XRear, side);
         check(&study, &file(&directory, "new.sub", &new), &said, frame);
         // Into a copy of another one, all of whose coordinates it replaces.
-        let moved: Vec<_> = suspension.design.iter().map(|p| *p * 1.25).collect();
-        let other = subsystem(&study, &moved).bytes;
-        let into = into_subsystem(&study, &suspension.design, &other).unwrap();
+        let moved = study.at_design(suspension.design.iter().map(|p| *p * 1.25).collect());
+        let other = subsystem(&Outgoing::of(&moved, None, None)).bytes;
+        let into = into_subsystem(&Outgoing::of(&study, None, None), &other).unwrap();
         check(
             &study,
             &file(&directory, "into.sub", &into.bytes),
@@ -160,7 +249,7 @@ fn the_wheels_of_a_subsystem_are_told_apart() {
         FrameConvention::XRear,
         Side::Right,
     );
-    let both = String::from_utf8(subsystem(&study, &study.suspension.design).bytes).unwrap();
+    let both = String::from_utf8(subsystem(&Outgoing::of(&study, None, None)).bytes).unwrap();
     let right = |line: &str| {
         let right = line.replace("'left/right'", "'right     '");
         // A left wheel's y is negative.

@@ -4,7 +4,7 @@ use super::edited;
 use hardpoint::mechanism::Configuration;
 use hardpoint::model::{Drive, PointId, Suspension};
 use hardpoint::number::{Vector3, Width};
-use hardpoint::optimise::{Assessment, Constrained, Control, Objective, TargetLayout};
+use hardpoint::optimise::{Assessment, Constrained, Control, Objective, Price, TargetLayout};
 use hardpoint::solve::{Solver, StationOrder};
 use hardpoint::study::Study;
 use nalgebra::DVector;
@@ -241,7 +241,7 @@ fn the_price_of_a_joint_is_per_degree() {
     let free = {
         let (study, best) = tuned(60.0);
         let margin = best.constraints[0].room;
-        assert_eq!(best.constraints[0].price, None);
+        assert_eq!(best.constraints[0].price, Price::Nothing);
         let moved = study.moved(&best.offsets).suspension;
         let largest = largest_angle(&moved);
         assert!((60.0 - largest - margin).abs() < 1e-4, "{margin} {largest}");
@@ -256,7 +256,7 @@ fn the_price_of_a_joint_is_per_degree() {
     let step = 0.02;
     let [low, high] = [-step, step].map(|by| tuned(limit + by).1.after.misfit);
     let slope = (low - high) / (2.0 * step);
-    let price = outcome.price.unwrap();
+    let price = outcome.price.per_unit().unwrap();
     assert!((price - slope).abs() < 2e-3 * slope, "{price} {slope}");
 }
 

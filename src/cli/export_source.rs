@@ -1,0 +1,345 @@
+//! Sources of `hardpoint export`: a study, or the directory of a run.
+
+use super::check::Checked;
+use super::exit::Stop;
+use super::export::ExportArguments;
+use super::limits::motion_alone;
+use super::output::{STUDY_COPY, kept_study};
+use super::terminal::{note, width};
+use crate::exchange::{
+    Grid, Outgoing, Page, Rounded, Value, curves_in, moved_coordinates, page_of_csv, point_rows,
+    rounded, tuned_coordinates, unit_of_column,
+};
+use crate::model::{FrameConvention, LengthUnit};
+use crate::number::Vector3;
+use crate::report::{Cell, Table};
+use crate::results::Manifest;
+use crate::solved::Solved;
+use crate::study::{LONGEST_TABLE, Study, read_bytes};
+use crate::sweep::SweepPlan;
+use std::path::{Path, PathBuf};
+
+/// The study that a tuning has found, in its directory.
+const TUNED: &str = "optimised.toml";
+
+/// What is exported.
+pub(super) struct Source {
+    path: PathBuf,
+    /// The files that were read.
+    pub(super) inputs: Vec<PathBuf>,
+    /// The study at the design that is exported; `None` of a run that keeps none.
+    study: Option<Study>,
+    /// Rounding, if it was asked for.
+    rounded: Option<Rounded>,
+    /// The tables of a run's directory: their names and contents.
+    tables: Vec<(String, Vec<u8>)>,
+    unit: Option<LengthUnit>,
+    frame: Option<FrameConvention>,
+}
+
+impl Source {
+    pub(super) fn read(arguments: &ExportArguments) -> Result<Self, Stop> {
+        let path = &arguments.source;
+        let mut source = Source {
+            path: path.clone(),
+            inputs: vec![path.clone()],
+            study: None,
+            rounded: None,
+            tables: Vec::new(),
+            unit: arguments.unit,
+            frame: arguments.frame,
+        };
+        if path.is_dir() {
+            source.read_run(arguments)?;
+        } else {
+            source.study = Some(Study::read(path, &arguments.set)?);
+        }
+        let Some(study) = &source.study else {
+            let needs_points = arguments.round.is_some() || arguments.design.is_some();
+            if needs_points || arguments.unit.is_some() || arguments.frame.is_some() {
+                source.study()?;
+            }
+            return Ok(source);
+        };
+        // Studies that `check` refuses are not exported.
+        Checked::of(&motion_alone(study), path)?;
+        source.inputs.extend(study.inputs.iter().cloned());
+        let before = source.design_of_file(arguments)?;
+        if let Some(number) = arguments.design {
+            let design = of_sweep(study, number, path)?;
+            source.study = Some(study.at_design(design));
+        }
+        if let Some(step) = arguments.round {
+            source.round(step, arguments.round_all, &before)?;
+        }
+        source.set_other_curves_aside(&before);
+        Ok(source)
+    }
+
+    /// Reads the study and the tables of a run's directory.
+    fn read_run(&mut self, arguments: &ExportArguments) -> Result<(), Stop> {
+        for name in ["curves", "curves_before", "designs", "pareto", "history"] {
+            let file = self.path.join(name).with_extension("csv");
+            if !file.exists() {
+                continue;
+            }
+            let bytes = read_bytes(&file, LONGEST_TABLE);
+            let bytes = bytes.map_err(|reason| Stop::in_file(&file, reason))?;
+            self.tables.push((name.to_owned(), bytes));
+            self.inputs.push(file);
+        }
+        self.inputs
+            .extend([TUNED, STUDY_COPY].map(|name| self.path.join(name)));
+        self.study = kept_study(&self.path, &arguments.set)?;
+        if self.tables.is_empty() && self.study.is_none() {
+            return Err(Stop::in_file(
+                &self.path,
+                "not the directory of a run: there is no curves.csv, designs.csv or optimised.toml",
+            ));
+        }
+        Ok(())
+    }
+
+    /// The design of the study's own file, before `--set` and `--design`; of a tuning before it was tuned.
+    fn design_of_file(&self, arguments: &ExportArguments) -> Result<Vec<Vector3<f64>>, Stop> {
+        let study = self.study()?;
+        let file = match self.is_tuning() {
+            true => self.path.join(STUDY_COPY),
+            false if arguments.set.is_empty() => return Ok(study.suspension.design.clone()),
+            false if self.path.is_dir() => self.path.join(STUDY_COPY),
+            false => self.path.clone(),
+        };
+        match file.is_file() {
+            true => Ok(Study::read(&file, &[])?.suspension.design),
+            // Runs of earlier versions, and standard input.
+            false => Ok(study.suspension.design.clone()),
+        }
+    }
+
+    /// Whether the source is the directory of a tuning.
+    fn is_tuning(&self) -> bool {
+        self.path.is_dir() && self.path.join(TUNED).is_file()
+    }
+
+    /// Rounds the coordinates that were moved or tuned, and says what that costs.
+    fn round(&mut self, step: f64, all: bool, before: &[Vector3<f64>]) -> Result<(), Stop> {
+        let study = self.study()?;
+        let own_right = study.axle.as_ref().is_some_and(|a| a.axle.right.is_some());
+        if own_right {
+            return Err(Stop::in_file(
+                &self.path,
+                "axle.right: --round is for one wheel and its mirror image, and the right wheel has points of its own",
+            ));
+        }
+        let design = &study.suspension.design;
+        let mut free = match before.len() == design.len() {
+            true => moved_coordinates(design, before),
+            false => vec![true; 3 * design.len()],
+        };
+        // In a run the tuned coordinates are those that differ; a study says which ones may.
+        if !self.is_tuning() {
+            let tuned = tuned_coordinates(study);
+            free.iter_mut()
+                .zip(tuned)
+                .for_each(|(f, tuned)| *f |= tuned);
+        }
+        if all {
+            free.fill(true);
+        }
+        if !free.contains(&true) {
+            note(
+                "no coordinate was moved or tuned, so none is rounded; --round-all rounds every one\n",
+            );
+        }
+        let unit = self.unit.unwrap_or(study.suspension.length_unit);
+        let grid = Grid { step, unit };
+        let refused = |reason: String| Stop::in_file(&self.path, reason);
+        let rounded = rounded(study, grid, &free).map_err(refused)?;
+        let after = study.at_design(rounded.design.clone());
+        say_loss(study, &after, &rounded, &free);
+        self.study = Some(after);
+        self.rounded = Some(rounded);
+        Ok(())
+    }
+
+    /// Renames the curves of a run that are not those of the points that are exported.
+    fn set_other_curves_aside(&mut self, before: &[Vector3<f64>]) {
+        let Some(study) = &self.study else { return };
+        let manifest = Manifest::read(&self.path).unwrap_or_default();
+        let author = manifest
+            .author("curves.csv")
+            .map(|run| run.command.as_str());
+        let of_points = match (self.is_tuning(), author) {
+            (true, Some("optimise")) => {
+                // The tuned points, unless they were rounded or changed.
+                let kept = kept_study(&self.path, &[]).ok().flatten();
+                kept.is_some_and(|kept| kept.suspension.design == study.suspension.design)
+            }
+            (false, Some("solve" | "tolerance")) => *before == study.suspension.design,
+            _ => false,
+        };
+        let name = match author {
+            _ if of_points => return,
+            Some(command) => format!("curves_of_{command}"),
+            None => "curves_of_run".to_owned(),
+        };
+        for (table, _) in &mut self.tables {
+            if table == "curves" {
+                note(&format!(
+                    "curves: solved for the points of the file; those of the run are called {name}\n"
+                ));
+                table.clone_from(&name);
+            }
+        }
+    }
+
+    pub(super) fn study(&self) -> Result<&Study, Stop> {
+        self.study.as_ref().ok_or_else(|| {
+            Stop::in_file(
+                &self.path,
+                "this run keeps no study, so there are no points to export; export the study it was of",
+            )
+        })
+    }
+
+    /// The study in the unit and the axes of the file.
+    pub(super) fn outgoing(&self) -> Result<Outgoing<'_>, Stop> {
+        let study = self.study()?;
+        Ok(match &self.rounded {
+            Some(rounded) => Outgoing::rounded(study, rounded, self.frame),
+            None => Outgoing::of(study, self.unit, self.frame),
+        })
+    }
+
+    /// The curves of the points that are exported: those of the run, or solved; in the study's unit and axes.
+    pub(super) fn curves(&self) -> Result<Page, Stop> {
+        let refused = |reason: String| Stop::in_file(&self.path, reason);
+        let of_run = self.tables.iter().find(|(name, _)| name == "curves");
+        if let Some((_, csv)) = of_run {
+            return page_of_csv("curves", csv).map_err(refused);
+        }
+        let solved = Solved::of(self.study()?).map_err(refused)?;
+        page_of_csv("curves", &solved.csv()).map_err(refused)
+    }
+
+    /// The sheets of a workbook.
+    pub(super) fn pages(&self) -> Result<Vec<Page>, Stop> {
+        let mut pages = Vec::new();
+        let outgoing = match self.study {
+            Some(_) => Some(self.outgoing()?),
+            None => None,
+        };
+        match &outgoing {
+            Some(outgoing) => {
+                pages.push(Page {
+                    name: "hardpoints".to_owned(),
+                    rows: point_rows(outgoing),
+                });
+                pages.push(curves_in(outgoing, self.curves()?));
+            }
+            None => note(&format!(
+                "{}: this run keeps no study: the workbook has its tables alone, and no hardpoints\n",
+                self.path.display()
+            )),
+        }
+        let mut as_they_are = Vec::new();
+        for (name, csv) in &self.tables {
+            let refused = |reason| Stop::in_file(&self.path, format!("{name}.csv: {reason}"));
+            let page = page_of_csv(name, csv).map_err(refused)?;
+            match &outgoing {
+                Some(_) if name == "curves" => {}
+                Some(outgoing) if name.starts_with("curves") => {
+                    pages.push(curves_in(outgoing, page));
+                }
+                _ => {
+                    as_they_are.push(name.as_str());
+                    pages.push(page);
+                }
+            }
+        }
+        if let (Some(outgoing), false) = (outgoing, as_they_are.is_empty()) {
+            let suspension = &outgoing.study.suspension;
+            let (own, axes) = (suspension.length_unit, suspension.frame.meaning().0);
+            if (own, axes) != (outgoing.unit, outgoing.convention) {
+                note(&format!(
+                    "{}: as the run has them, in {} and {}\n",
+                    as_they_are.join(", "),
+                    own.symbol(),
+                    axes.name()
+                ));
+            }
+        }
+        Ok(pages)
+    }
+}
+
+/// A design of a study's sweep.
+fn of_sweep(study: &Study, number: u64, path: &Path) -> Result<Vec<Vector3<f64>>, Stop> {
+    let refused = |reason: &str| Stop::in_file(path, reason);
+    let sweep = study.sweep.as_ref();
+    let sweep = sweep.ok_or_else(|| refused("--design is of a sweep, and there is no [sweep]"))?;
+    let plan = SweepPlan::of(study, sweep)
+        .map_err(|_| refused("the sweep cannot begin; `hardpoint sweep` says why"))?;
+    if number >= plan.record.designs {
+        return Err(refused(&format!(
+            "there is no design {number}; the sweep has {}, numbered from 0",
+            plan.record.designs
+        )));
+    }
+    Ok(plan.design(number))
+}
+
+/// What rounding costs: the misfit of the targets, and the largest change of every curve.
+fn say_loss(before: &Study, after: &Study, rounded: &Rounded, free: &[bool]) {
+    let grid = rounded.grid;
+    let (step, unit) = (grid.step, grid.unit.symbol());
+    let coordinates = free.iter().filter(|free| **free).count();
+    let rounded_to = format!(
+        "{coordinates} of {} coordinates rounded to {step} {unit}",
+        free.len()
+    );
+    match &rounded.loss {
+        None => note(&format!(
+            "{rounded_to}; the study has no targets that would say what that costs\n"
+        )),
+        Some(loss) => {
+            let ordinary = loss
+                .ordinary
+                .map_or("no curve".to_owned(), |misfit| format!("{misfit:.4}"));
+            note(&format!(
+                "{rounded_to}: misfit {:.4} -> {:.4} tolerances ({ordinary} if each coordinate were rounded by itself; {} \
+                 are rounded the other way)\n",
+                loss.exact, loss.best, loss.otherwise
+            ));
+        }
+    }
+    let curves = [before, after].map(|study| {
+        let csv = Solved::of(study).ok()?.csv();
+        page_of_csv("curves", &csv).ok()
+    });
+    if let [Some(before), Some(after)] = curves {
+        note(&changes(&before, &after).text(width()));
+    }
+}
+
+/// The largest change of each column of numbers.
+fn changes(before: &Page, after: &Page) -> Table {
+    let mut table = Table::new(["output", "largest change"]);
+    let header = before.rows.first().map_or(&[][..], Vec::as_slice);
+    for (column, name) in header.iter().enumerate() {
+        let Value::Text(name) = name else { continue };
+        let number = |row: &Vec<Value>| match row.get(column) {
+            Some(Value::Number(number)) => Some(*number),
+            _ => None,
+        };
+        let pairs = before.rows.iter().zip(&after.rows);
+        let changes: Vec<f64> = pairs
+            .filter_map(|(a, b)| Some((number(b)? - number(a)?).abs()))
+            .collect();
+        if let Some(largest) = changes.into_iter().reduce(f64::max) {
+            let figure = Cell::figure(largest, unit_of_column(name));
+            table.push([Cell::from(name.as_str()), figure]);
+        }
+    }
+    table
+}

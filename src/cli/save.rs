@@ -1,0 +1,84 @@
+//! Commands that write one file.
+
+use super::exit::Stop;
+use crate::results;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+/// Writes a file, whole or not at all. A file that is there is replaced only by force, and one that the command has read
+/// never is.
+pub(super) fn save(out: &Path, bytes: &[u8], force: bool, inputs: &[PathBuf]) -> Result<(), Stop> {
+    if let Some(input) = inputs.iter().find(|input| are_one_file(input, out)) {
+        return Err(Stop::wrong_input(format!(
+            "{} is {}, which was read: it is not replaced, not even with --force; give another file with --out",
+            out.display(),
+            input.display()
+        )));
+    }
+    if out.exists() && !force {
+        return Err(Stop::wrong_input(format!(
+            "{} is there already; --force replaces it",
+            out.display()
+        )));
+    }
+    let directory = out.parent().filter(|parent| !parent.as_os_str().is_empty());
+    let written = || {
+        let mut file = results::temporary(directory.unwrap_or(Path::new(".")))?;
+        file.write_all(bytes)?;
+        file.persist(out).map_err(|error| error.error)
+    };
+    written()
+        .map(drop)
+        .map_err(|error| Stop::wrong_input(format!("cannot write {}: {error}", out.display())))
+}
+
+/// Whether two paths lead to one file: by their canonical paths, or as links to the same data.
+fn are_one_file(one: &Path, other: &Path) -> bool {
+    let [a, b] = [one, other].map(|path| path.canonicalize().ok());
+    (a.is_some() && a == b) || are_one_inode(one, other)
+}
+
+#[cfg(unix)]
+fn are_one_inode(one: &Path, other: &Path) -> bool {
+    use std::os::unix::fs::MetadataExt;
+    let [a, b] = [one, other].map(|path| std::fs::metadata(path).ok());
+    match (a, b) {
+        (Some(a), Some(b)) => (a.dev(), a.ino()) == (b.dev(), b.ino()),
+        _ => false,
+    }
+}
+
+#[cfg(not(unix))]
+fn are_one_inode(_: &Path, _: &Path) -> bool {
+    false
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The input under its own name, by another way, through a link and as a second name of the same data.
+    #[test]
+    fn a_file_that_was_read_is_never_replaced() {
+        let directory = tempfile::tempdir().unwrap();
+        let at = |name: &str| directory.path().join(name);
+        std::fs::create_dir(at("below")).unwrap();
+        std::fs::write(at("study.toml"), "as it was").unwrap();
+        let mut others = vec![at("study.toml"), at("below").join("..").join("study.toml")];
+        #[cfg(unix)]
+        {
+            std::os::unix::fs::symlink(at("study.toml"), at("link.toml")).unwrap();
+            std::fs::hard_link(at("study.toml"), at("same.toml")).unwrap();
+            others.extend([at("link.toml"), at("same.toml")]);
+        }
+        let inputs = [at("other.toml"), at("study.toml")];
+        for out in &others {
+            assert!(save(out, b"new", true, &inputs).is_err(), "{out:?}");
+            assert_eq!(std::fs::read_to_string(out).unwrap(), "as it was");
+        }
+        std::fs::write(at("copy.toml"), "as it was").unwrap();
+        assert!(save(&at("copy.toml"), b"new", false, &inputs).is_err());
+        assert!(save(&at("copy.toml"), b"new", true, &inputs).is_ok());
+        assert_eq!(std::fs::read_to_string(at("copy.toml")).unwrap(), "new");
+    }
+}

@@ -1,0 +1,355 @@
+//! Axes of a file: the way each of its three coordinates grows, as headers, titles, formats or the user say it.
+
+use crate::model::{FrameConvention, Side};
+use std::fmt;
+
+/// The way a coordinate grows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Way {
+    /// Towards the front of the car.
+    Forward,
+    /// Towards its rear.
+    Rearward,
+    /// Towards its left.
+    Left,
+    /// Towards its right.
+    Right,
+    /// Away from the ground.
+    Up,
+    /// Towards the ground.
+    Down,
+}
+
+impl Way {
+    /// Every way there is.
+    const ALL: [Way; 6] = [
+        Way::Forward,
+        Way::Rearward,
+        Way::Left,
+        Way::Right,
+        Way::Up,
+        Way::Down,
+    ];
+
+    /// Its name in `--axes`.
+    pub fn name(self) -> &'static str {
+        ["forward", "rearward", "left", "right", "up", "down"][self as usize]
+    }
+
+    /// The way a word names.
+    pub(super) fn of(word: &str) -> Option<Way> {
+        Some(match word.to_ascii_lowercase().as_str() {
+            "forward" | "forwards" | "fwd" | "front" | "frontward" | "fore" | "ahead" => {
+                Way::Forward
+            }
+            "rearward" | "rearwards" | "rear" | "aft" | "back" | "backward" | "backwards" => {
+                Way::Rearward
+            }
+            "left" | "leftward" | "leftwards" => Way::Left,
+            "right" | "rightward" | "rightwards" => Way::Right,
+            "up" | "upward" | "upwards" => Way::Up,
+            "down" | "downward" | "downwards" => Way::Down,
+            _ => return None,
+        })
+    }
+
+    /// Its axis in ISO 8855: 0 along the car, 1 across it, 2 upright.
+    pub(super) fn axis(self) -> usize {
+        self as usize / 2
+    }
+
+    /// Its sign in ISO 8855 (x forward, y left, z up).
+    pub(super) fn sign(self) -> f64 {
+        [1.0, -1.0, 1.0, -1.0, 1.0, -1.0][self as usize]
+    }
+
+    /// The way along an ISO axis with a sign.
+    pub(super) fn along(axis: usize, sign: f64) -> Way {
+        Way::ALL[2 * axis + usize::from(sign < 0.0)]
+    }
+
+    /// The opposite way.
+    pub(super) fn opposite(self) -> Way {
+        Way::along(self.axis(), -self.sign())
+    }
+}
+
+/// Ways of all three coordinates, one along each axis of the car.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Axes(pub(super) [Way; 3]);
+
+impl Axes {
+    /// The axes of these ways, if one runs along each axis of the car.
+    pub(super) fn new(ways: [Way; 3]) -> Option<Self> {
+        let mut axes = ways.map(Way::axis);
+        axes.sort_unstable();
+        (axes == [0, 1, 2]).then_some(Axes(ways))
+    }
+
+    /// Reads `left,forward,up`.
+    ///
+    /// # Errors
+    /// The text is not three ways, one along each axis.
+    pub fn parse(text: &str) -> Result<Self, String> {
+        let named = |word: &str| Way::of(word.trim());
+        let ways: Option<Vec<Way>> = text.split(',').map(named).collect();
+        let ways: Option<[Way; 3]> = ways.and_then(|ways| ways.try_into().ok());
+        ways.and_then(Axes::new).ok_or_else(|| {
+            "expected the ways of the file's x, y and z, each of forward, rearward, left, right, up or down and \
+             one along each axis, as in --axes left,forward,up"
+                .to_owned()
+        })
+    }
+
+    /// The axes of a convention.
+    pub fn of(convention: FrameConvention) -> Self {
+        Axes(match convention {
+            FrameConvention::Iso8855 => [Way::Forward, Way::Left, Way::Up],
+            FrameConvention::SaeJ670 => [Way::Forward, Way::Right, Way::Down],
+            FrameConvention::XRear => [Way::Rearward, Way::Right, Way::Up],
+        })
+    }
+
+    /// The convention with these axes, if a study knows one.
+    pub(super) fn convention(self) -> Option<FrameConvention> {
+        let mut all = FrameConvention::ALL.into_iter();
+        all.find(|convention| Axes::of(*convention) == self)
+    }
+
+    /// Whether x, y and z make a right hand.
+    pub fn is_right_handed(self) -> bool {
+        let [x, y, z] = self.0.map(Way::axis);
+        // Even orders of the three axes keep the hand.
+        let is_even = [[0, 1, 2], [1, 2, 0], [2, 0, 1]].contains(&[x, y, z]);
+        let sign: f64 = self.0.iter().map(|way| way.sign()).product();
+        is_even == (sign > 0.0)
+    }
+
+    /// The coordinate that runs across the car, and its sign towards the left.
+    pub(super) fn across(self) -> (usize, f64) {
+        let column = self.0.iter().position(|way| way.axis() == 1);
+        let column = column.expect("one runs along each axis");
+        (column, self.0[column].sign())
+    }
+
+    /// A position or vector of the file in ISO 8855: coordinates change places and signs, no more.
+    pub(super) fn to_iso(self, position: [f64; 3]) -> [f64; 3] {
+        let mut iso = [0.0; 3];
+        for (way, coordinate) in self.0.iter().zip(position) {
+            iso[way.axis()] = if way.sign() > 0.0 {
+                coordinate
+            } else {
+                0.0 - coordinate
+            };
+        }
+        iso
+    }
+
+    /// A vector of ISO 8855 in the file's coordinates.
+    pub(super) fn iso_in_file(self, vector: [f64; 3]) -> [f64; 3] {
+        self.0.map(|way| way.sign() * vector[way.axis()])
+    }
+}
+
+impl fmt::Display for Axes {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let [x, y, z] = self.0.map(Way::name);
+        write!(f, "{x},{y},{z}")
+    }
+}
+
+/// What a file says of one coordinate.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) enum Coordinate {
+    /// Nothing.
+    #[default]
+    Unknown,
+    /// Its axis in ISO 8855 ("lateral"), not its sign.
+    Along(usize),
+    /// Its way.
+    Grows(Way),
+}
+
+impl Coordinate {
+    /// Both statements; `None` where they contradict each other.
+    pub(super) fn and(self, other: Coordinate) -> Option<Coordinate> {
+        match (self, other) {
+            (Coordinate::Unknown, other) | (other, Coordinate::Unknown) => Some(other),
+            (Coordinate::Along(a), Coordinate::Along(b)) => (a == b).then_some(self),
+            (Coordinate::Grows(a), Coordinate::Grows(b)) => (a == b).then_some(self),
+            (Coordinate::Along(a), Coordinate::Grows(way))
+            | (Coordinate::Grows(way), Coordinate::Along(a)) => {
+                (a == way.axis()).then_some(Coordinate::Grows(way))
+            }
+        }
+    }
+}
+
+/// What a file says of its axes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Declared(pub(super) [Coordinate; 3]);
+
+impl Declared {
+    /// Axes that are known in full.
+    pub(super) fn whole(axes: Axes) -> Self {
+        Declared(axes.0.map(Coordinate::Grows))
+    }
+
+    /// Both statements, or an error where they contradict each other at `place`.
+    pub(super) fn and(self, other: Declared, place: &str) -> Result<Declared, String> {
+        let mut both = self;
+        for (k, coordinate) in both.0.iter_mut().enumerate() {
+            *coordinate = coordinate.and(other.0[k]).ok_or_else(|| {
+                format!(
+                    "{place}: the axes are others than those said before; say with --axes which way x, y and z \
+                     point, as in --axes forward,left,up"
+                )
+            })?;
+        }
+        Ok(both)
+    }
+
+    /// The axes, if the file says all of them.
+    pub(super) fn axes(self) -> Option<Axes> {
+        let way = |coordinate| match coordinate {
+            Coordinate::Grows(way) => Some(way),
+            _ => None,
+        };
+        let [x, y, z] = self.0.map(way);
+        Axes::new([x?, y?, z?])
+    }
+
+    /// Whether these axes agree with it.
+    pub(super) fn allows(self, axes: Axes) -> bool {
+        let agrees = |(said, way): (&Coordinate, Way)| match said {
+            Coordinate::Unknown => true,
+            Coordinate::Along(axis) => way.axis() == *axis,
+            Coordinate::Grows(said) => *said == way,
+        };
+        self.0.iter().zip(axes.0).all(agrees)
+    }
+
+    /// Whether it says anything.
+    pub(super) fn is_empty(self) -> bool {
+        self == Declared::default()
+    }
+
+    /// What a line of text says of axes: "SAE axes", "x forward, y left, z up".
+    pub(super) fn in_text(text: &str) -> Declared {
+        let words = super::names::cut(text);
+        let has = |wanted: &str| words.iter().any(|word| word == wanted);
+        // "Formula SAE" is no convention of axes.
+        const ABOUT_AXES: [&str; 8] = [
+            "axes",
+            "axis",
+            "frame",
+            "coordinate",
+            "coordinates",
+            "system",
+            "convention",
+            "j670",
+        ];
+        if has("j670") || (has("sae") && ABOUT_AXES.into_iter().any(has)) {
+            return Declared::whole(Axes::of(FrameConvention::SaeJ670));
+        }
+        if has("iso8855") || (has("iso") && has("8855")) {
+            return Declared::whole(Axes::of(FrameConvention::Iso8855));
+        }
+        let mut declared = Declared::default();
+        for (axis, letter) in ["x", "y", "z"].iter().enumerate() {
+            let Some(at) = words.iter().position(|word| word == letter) else {
+                continue;
+            };
+            // "x points forward", "x is positive rearward".
+            let behind = words[at + 1..].iter().take(3);
+            let before_next = behind.take_while(|word| !["x", "y", "z"].contains(&word.as_str()));
+            let mut flipped = false;
+            for word in before_next {
+                flipped |= ["negative", "neg", "minus"].contains(&word.as_str());
+                if let Some(way) = Way::of(word) {
+                    let way = if flipped { way.opposite() } else { way };
+                    declared.0[axis] = Coordinate::Grows(way);
+                    break;
+                }
+            }
+        }
+        // Words about other things do not make axes.
+        match declared.axes() {
+            Some(_) => declared,
+            None => Declared::default(),
+        }
+    }
+}
+
+/// The ways of a reading of the points, for a wheel of this side.
+pub(super) fn of_reading(reading: &crate::report::Reading, side: Side) -> Axes {
+    let mut ways = [Way::Forward; 3];
+    let (along, forward) = reading.forward;
+    let (across, outboard) = reading.outboard;
+    let (upright, up) = reading.up;
+    ways[along] = Way::along(0, forward);
+    ways[across] = Way::along(1, outboard * side.sign());
+    ways[upright] = Way::along(2, up);
+    Axes(ways)
+}
+
+/// The reading of the points that these axes are, for a wheel of this side.
+pub(super) fn reading_of(axes: Axes, side: Side) -> crate::report::Reading {
+    let at = |axis: usize| {
+        let column = axes.0.iter().position(|way| way.axis() == axis);
+        let column = column.expect("one runs along each axis");
+        (column, axes.0[column].sign())
+    };
+    let (across, left) = at(1);
+    crate::report::Reading {
+        forward: at(0),
+        outboard: (across, left * side.sign()),
+        up: at(2),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn hands_are_told_apart() {
+        for convention in FrameConvention::ALL {
+            let axes = Axes::of(convention);
+            assert!(axes.is_right_handed());
+            assert_eq!(axes.convention(), Some(convention));
+        }
+        for (text, right_handed) in [
+            ("left,forward,up", false),
+            ("right,forward,up", true),
+            ("forward,up,right", true),
+            ("forward,up,left", false),
+            ("rearward,left,up", false),
+        ] {
+            assert_eq!(
+                Axes::parse(text).unwrap().is_right_handed(),
+                right_handed,
+                "{text}"
+            );
+        }
+        for wrong in ["", "left,right,up", "left,forward", "left,forward,in"] {
+            assert!(Axes::parse(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn lines_of_text_say_axes() {
+        let said = |text: &str| Declared::in_text(text).axes().map(|axes| axes.to_string());
+        assert_eq!(said("SAE axes").as_deref(), Some("forward,right,down"));
+        assert_eq!(
+            said("x points rearward, y is positive right, z up").as_deref(),
+            Some("rearward,right,up")
+        );
+        for text in [
+            "origin at the front, x and y in mm",
+            "Formula SAE 2026, front",
+        ] {
+            assert_eq!(said(text), None, "{text}");
+        }
+    }
+}

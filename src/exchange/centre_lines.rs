@@ -1,0 +1,135 @@
+//! Points and centre lines as a drawing for CAD: DXF of release 12 in text, which every reader takes.
+//!
+//! The file is a list of pairs, a number that says what follows and a value, each on a line of its own (Autodesk, DXF
+//! Reference). Each body has a layer with its centre lines (`LINE`), the points are on the layer `POINTS` (`POINT`), their
+//! names on `NAMES` (`TEXT`).
+
+use super::outgoing::Outgoing;
+use crate::model::{FrameConvention, LengthUnit, PointId, Side};
+use crate::number::Vector3;
+use crate::report::Scene;
+use std::fmt::Write;
+
+/// The bytes of a drawing of all wheels of a study.
+pub fn drawing(outgoing: &Outgoing<'_>) -> Vec<u8> {
+    let mut drawing = Drawing::default();
+    let wheels = outgoing.wheels();
+    for side in &wheels {
+        let prefix = match wheels.len() {
+            1 => String::new(),
+            _ => format!("{}_", side.name()),
+        };
+        drawing.wheel(outgoing, *side, &prefix);
+    }
+    drawing.file(outgoing).into_bytes()
+}
+
+/// What the axes of a convention point to.
+pub(super) fn axes(convention: FrameConvention) -> &'static str {
+    match convention {
+        FrameConvention::Iso8855 => "x forward, y left, z up",
+        FrameConvention::SaeJ670 => "x forward, y right, z down",
+        FrameConvention::XRear => "x rearward, y right, z up",
+    }
+}
+
+/// Entities and the layers that they are on.
+#[derive(Default)]
+struct Drawing {
+    entities: String,
+    layers: Vec<String>,
+}
+
+impl Drawing {
+    fn wheel(&mut self, outgoing: &Outgoing<'_>, side: Side, prefix: &str) {
+        let height = outgoing.unit.convert(6.0, LengthUnit::Millimetre);
+        let suspension = outgoing.suspension(side);
+        for body in Scene::of(suspension).bodies {
+            let layer = format!("{prefix}{}", body.name);
+            for line in &body.lines {
+                for ends in line.windows(2) {
+                    let [from, to] = [0, 1].map(|k| outgoing.position(side, PointId(ends[k])));
+                    self.line(&layer, from, to);
+                }
+            }
+        }
+        let centre = outgoing.place(side, suspension.mechanism.wheel_centre);
+        let inboard = match suspension.wheel_radius {
+            Some(radius) => outgoing.length(radius),
+            None => 0.25 * outgoing.length(suspension.size()),
+        };
+        let inner: Vector3<f64> = centre - outgoing.spin_axis(side) * inboard;
+        let ends = [inner, centre].map(|place| outgoing.in_axes(side, place));
+        self.line(&format!("{prefix}spin axis"), ends[0], ends[1]);
+        for (name, _, position) in outgoing.points(side) {
+            self.entity("POINT", "POINTS", &[(10, position)]);
+            self.text("NAMES", &format!("{prefix}{name}"), position, height);
+        }
+    }
+
+    fn line(&mut self, layer: &str, from: [f64; 3], to: [f64; 3]) {
+        // The shared point of two parts makes no line.
+        if from != to {
+            self.entity("LINE", layer, &[(10, from), (11, to)]);
+        }
+    }
+
+    fn text(&mut self, layer: &str, text: &str, at: [f64; 3], height: f64) {
+        self.entity("TEXT", layer, &[(10, at)]);
+        let plain: String = text
+            .chars()
+            .map(|c| {
+                if c.is_ascii_graphic() || c == ' ' {
+                    c
+                } else {
+                    '?'
+                }
+            })
+            .collect();
+        let _ = write!(self.entities, "40\n{height}\n1\n{plain}\n");
+    }
+
+    fn entity(&mut self, kind: &str, layer: &str, places: &[(usize, [f64; 3])]) {
+        let layer = layer.to_uppercase().replace(' ', "_");
+        let _ = write!(self.entities, "0\n{kind}\n8\n{layer}\n");
+        for (code, place) in places {
+            for (axis, number) in place.iter().enumerate() {
+                let _ = write!(self.entities, "{}\n{number}\n", code + 10 * axis);
+            }
+        }
+        if !self.layers.contains(&layer) {
+            self.layers.push(layer);
+        }
+    }
+
+    fn file(mut self, outgoing: &Outgoing<'_>) -> String {
+        let (unit, convention) = (outgoing.unit.symbol(), outgoing.convention);
+        let (name, axes) = (convention.name(), axes(convention));
+        let said = format!("unit {unit}; frame {name}: {axes}");
+        let height = outgoing.unit.convert(6.0, LengthUnit::Millimetre);
+        self.text("UNIT_AND_FRAME", &said, [0.0; 3], height);
+        // Of the header, all but the unit is of release 12; readers that do not know it pass over it.
+        let code = match outgoing.unit {
+            LengthUnit::Inch => 1,
+            LengthUnit::Millimetre => 4,
+            LengthUnit::Metre => 6,
+        };
+        let mut file = format!(
+            "999\npoints and centre lines by hardpoint; {said}\n0\nSECTION\n2\nHEADER\n9\n$ACADVER\n1\nAC1009\n\
+             9\n$INSUNITS\n70\n{code}\n0\nENDSEC\n0\nSECTION\n2\nTABLES\n0\nTABLE\n2\nLTYPE\n70\n1\n\
+             0\nLTYPE\n2\nCONTINUOUS\n70\n0\n3\nSolid line\n72\n65\n73\n0\n40\n0.0\n0\nENDTAB\n\
+             0\nTABLE\n2\nLAYER\n70\n{}\n",
+            self.layers.len()
+        );
+        for (layer, colour) in self.layers.iter().zip((1..=7).cycle()) {
+            let _ = write!(
+                file,
+                "0\nLAYER\n2\n{layer}\n70\n0\n62\n{colour}\n6\nCONTINUOUS\n"
+            );
+        }
+        file += "0\nENDTAB\n0\nENDSEC\n0\nSECTION\n2\nENTITIES\n";
+        file += &self.entities;
+        file += "0\nENDSEC\n0\nEOF\n";
+        file
+    }
+}

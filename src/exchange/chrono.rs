@@ -1,0 +1,285 @@
+//! Suspensions of Project Chrono: `"Type": "Suspension"` with a `"Template"` and parts with locations, in metres,
+//! x forward, y left, z up, given for the left wheel.
+//!
+//! | template | topology |
+//! |---|---|
+//! | `DoubleWishbone`, `DoubleWishboneReduced` | `double_wishbone` |
+//! | `MacPhersonStrut` | `macpherson` |
+//! | `MultiLink` | `five_link`: the upper arm is two links that share their outer joint, the trailing link the lower front one, the lateral the lower rear one |
+//! | `SemiTrailingArm` | `semi_trailing_arm` |
+//!
+//! Spring and damper are two elements there (`Spring`, `Shock`), and one in a study: the spring's ends are taken, or
+//! the damper's where there is no spring. A MacPherson strut runs along the spring. `Camber Angle (deg)` is positive
+//! with the top outward, `Toe Angle (deg)` with the front inward, as in studies.
+
+use super::axes::{Axes, Declared};
+use super::map::{Node, place, position};
+use super::table::{Figure, Kind, Marks, NamedPoint, PointTable};
+use crate::model::{FrameConvention, LengthUnit};
+
+/// Parts and locations of one hardpoint; the first that is there counts.
+type Sources = (&'static str, &'static [(&'static str, &'static str)]);
+
+const WHEEL: Sources = ("wheel_centre", &[("Spindle", "COM")]);
+const LOWER_ARM: [Sources; 3] = [
+    (
+        "lower_arm_front",
+        &[
+            ("Lower Control Arm", "Location Chassis Front"),
+            ("Control Arm", "Location Chassis Front"),
+        ],
+    ),
+    (
+        "lower_arm_rear",
+        &[
+            ("Lower Control Arm", "Location Chassis Back"),
+            ("Control Arm", "Location Chassis Back"),
+        ],
+    ),
+    (
+        "lower_ball_joint",
+        &[
+            ("Lower Control Arm", "Location Upright"),
+            ("Control Arm", "Location Upright"),
+        ],
+    ),
+];
+const UPPER_ARM: [Sources; 3] = [
+    (
+        "upper_arm_front",
+        &[("Upper Control Arm", "Location Chassis Front")],
+    ),
+    (
+        "upper_arm_rear",
+        &[("Upper Control Arm", "Location Chassis Back")],
+    ),
+    (
+        "upper_ball_joint",
+        &[("Upper Control Arm", "Location Upright")],
+    ),
+];
+const TIE_ROD: [Sources; 2] = [
+    ("tie_rod_inner", &[("Tierod", "Location Chassis")]),
+    ("tie_rod_outer", &[("Tierod", "Location Upright")]),
+];
+const LINKS: [Sources; 10] = [
+    (
+        "upper_front_link_inner",
+        &[("Upper Arm", "Location Chassis Front")],
+    ),
+    (
+        "upper_front_link_outer",
+        &[("Upper Arm", "Location Upright")],
+    ),
+    (
+        "upper_rear_link_inner",
+        &[("Upper Arm", "Location Chassis Back")],
+    ),
+    (
+        "upper_rear_link_outer",
+        &[("Upper Arm", "Location Upright")],
+    ),
+    (
+        "lower_front_link_inner",
+        &[("Trailing Link", "Location Chassis")],
+    ),
+    (
+        "lower_front_link_outer",
+        &[("Trailing Link", "Location Upright")],
+    ),
+    ("lower_rear_link_inner", &[("Lateral", "Location Chassis")]),
+    ("lower_rear_link_outer", &[("Lateral", "Location Upright")]),
+    ("toe_link_inner", &[("Tierod", "Location Chassis")]),
+    ("toe_link_outer", &[("Tierod", "Location Upright")]),
+];
+const PIVOTS: [Sources; 2] = [
+    (
+        "arm_pivot_inner",
+        &[("Trailing Arm", "Location Chassis Inner")],
+    ),
+    (
+        "arm_pivot_outer",
+        &[("Trailing Arm", "Location Chassis Outer")],
+    ),
+];
+
+/// Keys of the lower end of spring and damper, and the body it sits on in studies.
+const LOWER_ENDS: [(&str, &str); 3] = [
+    ("Location Arm", "arm"),
+    ("Location Upright", "knuckle"),
+    ("Location Link", "link"),
+];
+
+/// The points of a suspension of Project Chrono; `None` if the map is none.
+///
+/// # Errors
+/// Its template has no counterpart.
+pub(super) fn points_of(root: &Node) -> Result<Option<PointTable>, String> {
+    let is_suspension = text(root, "Type") == Some("Suspension");
+    let Some(template) = text(root, "Template").filter(|_| is_suspension) else {
+        return Ok(None);
+    };
+    let mut table = PointTable {
+        unit: Some(LengthUnit::Metre),
+        declared: Declared::whole(Axes::of(FrameConvention::Iso8855)),
+        ..PointTable::default()
+    };
+    let topology = match template {
+        "DoubleWishbone" | "DoubleWishboneReduced" => "double_wishbone",
+        "MacPhersonStrut" => "macpherson",
+        "MultiLink" => "five_link",
+        "SemiTrailingArm" => "semi_trailing_arm",
+        other => return Err(refusal(other)),
+    };
+    let note =
+        format!("a suspension of Project Chrono, template {template}: metres, iso8855, left wheel");
+    table.notes.push(note);
+    table.kinds.push((None, Kind::Topology(topology)));
+    let mut sources: Vec<Sources> = vec![WHEEL];
+    match topology {
+        "double_wishbone" => sources.extend(LOWER_ARM.into_iter().chain(UPPER_ARM).chain(TIE_ROD)),
+        "macpherson" => sources.extend(LOWER_ARM.into_iter().chain(TIE_ROD)),
+        "five_link" => sources.extend(LINKS),
+        _ => sources.extend(PIVOTS),
+    }
+    for (hardpoint, places) in sources {
+        let found = places
+            .iter()
+            .find_map(|keys| Some((keys, location(root, *keys)?)));
+        if let Some((keys, position)) = found {
+            table.points.push(point(hardpoint, *keys, position, None));
+        }
+    }
+    spring(root, topology, &mut table);
+    angles(root, &mut table);
+    Ok(Some(table))
+}
+
+/// Templates without a counterpart, with what comes nearest.
+fn refusal(template: &str) -> String {
+    let nearest = match template {
+        "SolidAxle"
+        | "LeafspringAxle"
+        | "ToeBarLeafspringAxle"
+        | "DeDionAxle"
+        | "ToeBarDeDionAxle"
+        | "PanhardAxle"
+        | "HendricksonPRIMAXX"
+        | "SAELeafspringAxle"
+        | "SAEToeBarLeafspringAxle" => {
+            "an axle that joins both wheels; a study has wheels that move on their own"
+        }
+        "RigidSuspension" | "RigidPinnedAxle" => "it has no links that a study could hold",
+        "ThreeLinkIRS" => {
+            "a trailing arm with two lateral links; what comes nearest is a five_link of which three links share \
+             the arm's joint on the body"
+        }
+        _ => {
+            "expected DoubleWishbone, DoubleWishboneReduced, MacPhersonStrut, MultiLink or SemiTrailingArm"
+        }
+    };
+    format!("its suspension is a {template} of Project Chrono, which no topology is: {nearest}")
+}
+
+/// The spring's ends, or the damper's where there is no spring.
+fn spring(root: &Node, topology: &str, table: &mut PointTable) {
+    let ends = |part: &'static str| {
+        let upper = location(root, (part, "Location Chassis"))?;
+        let lower = LOWER_ENDS
+            .iter()
+            .find_map(|(key, body)| Some((*key, *body, location(root, (part, key))?)));
+        Some((part, upper, lower?))
+    };
+    let (spring, shock) = (ends("Spring"), ends("Shock"));
+    if let (Some((_, upper, (_, _, lower))), Some((_, other_upper, (_, _, other_lower)))) =
+        (spring, shock)
+        && (upper, lower) != (other_upper, other_lower)
+    {
+        table.left_out.push(
+            "Shock: its ends are others than those of Spring, and a study has one spring with its damper"
+                .to_owned(),
+        );
+    }
+    let Some((part, upper, (key, on, lower))) = spring.or(shock) else {
+        return;
+    };
+    if topology == "macpherson" {
+        let top = point("strut_top", (part, "Location Chassis"), upper, None);
+        let foot = point("strut_lower", (part, key), lower, None);
+        table.points.extend([top, foot]);
+        return;
+    }
+    let body = match (topology, on) {
+        ("double_wishbone", "arm") => "lower_arm",
+        ("double_wishbone", "knuckle") | ("five_link", "knuckle") => "knuckle",
+        ("semi_trailing_arm", _) => "arm",
+        _ => {
+            table.left_out.push(format!(
+                "{part}: its lower end is on a link, and the spring of a {topology} stands on the knuckle"
+            ));
+            return;
+        }
+    };
+    let top = point("spring_upper", (part, "Location Chassis"), upper, None);
+    let foot = point("spring_lower", (part, key), lower, Some(body));
+    table.points.extend([top, foot]);
+}
+
+fn angles(root: &Node, table: &mut PointTable) {
+    for (key, read_as) in [
+        ("Camber Angle (deg)", "static_camber"),
+        ("Camber Angle", "static_camber"),
+        ("Toe Angle (deg)", "static_toe"),
+        ("Toe Angle", "static_toe"),
+    ] {
+        if let Some(Node::Number(value)) = entry(root, key) {
+            table.figures.push(Figure {
+                name: key.to_owned(),
+                read_as: read_as.to_owned(),
+                value: *value,
+                marks: Marks::default(),
+                remark: String::new(),
+                place: place(&[key]),
+            });
+        }
+    }
+}
+
+fn point(
+    hardpoint: &'static str,
+    (part, key): (&str, &str),
+    position: [f64; 3],
+    body: Option<&str>,
+) -> NamedPoint {
+    NamedPoint {
+        name: format!("{part} {key}"),
+        read_as: hardpoint.to_owned(),
+        marks: Marks::default(),
+        mirrored: true,
+        position: Ok(position),
+        body: body.map(str::to_owned),
+        place: place(&[part, key]),
+    }
+}
+
+/// The value under a key, in any capitals.
+fn entry<'n>(node: &'n Node, key: &str) -> Option<&'n Node> {
+    let Node::Table(entries) = node else {
+        return None;
+    };
+    let found = entries
+        .iter()
+        .find(|(known, _)| known.eq_ignore_ascii_case(key));
+    found.map(|(_, node)| node)
+}
+
+fn text<'n>(node: &'n Node, key: &str) -> Option<&'n str> {
+    match entry(node, key)? {
+        Node::Text(text) => Some(text),
+        _ => None,
+    }
+}
+
+fn location(root: &Node, (part, key): (&str, &str)) -> Option<[f64; 3]> {
+    position(entry(entry(root, part)?, key)?)
+}

@@ -1,0 +1,176 @@
+//! Completeness: groups of which something is missing, points that nothing uses, hardpoints that are not there.
+
+use super::figure_names::{FigureKind, figure};
+use super::roles::{self, Letters};
+use super::table::PointTable;
+use super::{Hardpoint, ImportOptions};
+use crate::model::Topology;
+
+/// Leaves out springs, rockers and bars of which something is missing, each with the reason.
+///
+/// A spring's lower end is on the rocker where there is one. So it goes with an incomplete rocker, unless the file
+/// puts it on another body: on the lower arm its motion ratio would be another one.
+pub(super) fn drop_incomplete(
+    options: &ImportOptions<'_>,
+    hardpoints: &mut Vec<Hardpoint>,
+    left_out: &mut Vec<String>,
+) -> Result<(), String> {
+    let before: Vec<Hardpoint> = hardpoints.clone();
+    let mut has_lost_rocker = false;
+    for group in options.topology.groups {
+        let given = |name: &&&str| hardpoints.iter().any(|h| h.name == **name);
+        let complete = |list: &&&[&str]| list.iter().all(|name| given(&name));
+        let lists = || group.complete.iter();
+        let in_complete: Vec<&&str> = lists().filter(complete).copied().flatten().collect();
+        let mut loose: Vec<&str> = Vec::new();
+        for name in lists().copied().flatten().filter(given) {
+            if !in_complete.contains(&name) && !loose.contains(name) {
+                loose.push(name);
+            }
+        }
+        if loose.is_empty() {
+            continue;
+        }
+        has_lost_rocker |= group.what == "the rocker";
+        // Of as complete lists the first is meant: a pushrod.
+        let nearest = lists()
+            .rev()
+            .max_by_key(|list| list.iter().filter(given).count());
+        let missing = nearest.copied().into_iter().flatten();
+        let missing: Vec<&str> = missing.filter(|name| !given(name)).copied().collect();
+        left_out.push(format!(
+            "{} ({}): {} missing",
+            group.what,
+            loose.join(", "),
+            match missing.as_slice() {
+                [one] => format!("{one} is"),
+                several => format!("{} are", several.join(", ")),
+            }
+        ));
+        hardpoints.retain(|h| !loose.contains(&h.name));
+    }
+    let on_rocker = |name: &str, hardpoints: &[Hardpoint]| {
+        let found = hardpoints.iter().find(|h| h.name == name);
+        found.is_some_and(|h| h.body.as_deref().or(h.named_body) == Some("rocker"))
+    };
+    let says_other = |name: &str, hardpoints: &[Hardpoint]| {
+        let found = hardpoints.iter().find(|h| h.name == name);
+        found.is_some_and(|h| h.body.as_deref().or(h.named_body).is_some())
+            && !on_rocker(name, hardpoints)
+    };
+    let has_rocker = hardpoints.iter().any(|h| h.name == "rocker_pivot_front");
+    let has_spring = hardpoints.iter().any(|h| h.name == "spring_lower");
+    if has_spring
+        && !has_rocker
+        && (on_rocker("spring_lower", hardpoints)
+            || (has_lost_rocker && !says_other("spring_lower", hardpoints)))
+    {
+        left_out.push(
+            "the spring (spring_upper, spring_lower): its lower end is on the rocker, which is not complete".to_owned(),
+        );
+        hardpoints.retain(|h| !["spring_upper", "spring_lower"].contains(&h.name));
+    }
+    if !has_rocker && on_rocker("drop_link_outer", hardpoints) {
+        left_out.push(
+            "the anti-roll bar: its drop link is on the rocker, which is not complete".to_owned(),
+        );
+        let bar = [
+            "drop_link_outer",
+            "drop_link_inner",
+            "anti_roll_bar_inner",
+            "anti_roll_bar_outer",
+        ];
+        hardpoints.retain(|h| !bar.contains(&h.name));
+    }
+    // What the user names is wanted.
+    let lost = before.iter().find(|was| {
+        options.names.contains_key(was.name) && !hardpoints.iter().any(|h| h.name == was.name)
+    });
+    match lost {
+        Some(lost) => Err(format!(
+            "--map names {}, which cannot be used: {}",
+            lost.name,
+            left_out.last().map_or("", String::as_str)
+        )),
+        None => Ok(()),
+    }
+}
+
+/// The names of points that mean nothing here, each once.
+pub(super) fn unused(
+    table: &PointTable,
+    meanings: &[Option<&'static str>],
+    hardpoints: &[Hardpoint],
+) -> Vec<String> {
+    let mut names: Vec<String> = Vec::new();
+    for (point, meaning) in table.points.iter().zip(meanings) {
+        let is_used = meaning.is_some_and(|name| hardpoints.iter().any(|h| h.name == name));
+        let is_contact =
+            figure(&point.read_as).is_some_and(|(kind, ..)| kind == FigureKind::ContactPoint);
+        let is_text = point.position.is_err() && meaning.is_none();
+        if !is_used && !is_contact && !is_text && !names.contains(&point.name) {
+            names.push(point.name.clone());
+        }
+    }
+    names
+}
+
+/// Another topology that lacks nothing and uses points that are left over.
+pub(super) fn rather(
+    topology: &Topology,
+    unused: &[String],
+    table: &PointTable,
+) -> Option<&'static Topology> {
+    let letters = Letters::of_points(&table.points);
+    let meaning =
+        |name: &str, other: &Topology| roles::read(name, other, letters).map(|role| role.hardpoint);
+    let mut others = Topology::ALL.iter().filter(|other| **other != topology);
+    let found = others.find(|other| {
+        let is_there = |name: &str| {
+            let mut points = table.points.iter();
+            points.any(|point| meaning(&point.read_as, other) == Some(name))
+        };
+        let required = other.hardpoints.iter().filter(|h| h.required);
+        let needs = |given: &String| {
+            let meant = meaning(given, other).and_then(|name| other.hardpoint(name));
+            meant.is_some_and(|hardpoint| hardpoint.required)
+        };
+        required.map(|h| h.name).all(is_there) && unused.iter().any(needs)
+    });
+    found.copied()
+}
+
+/// Refuses a file in which hardpoints are missing. `made` are made of other parts of the file later.
+pub(super) fn missing(
+    topology: &Topology,
+    hardpoints: &[Hardpoint],
+    unused: &[String],
+    made: &[&str],
+) -> Result<(), String> {
+    let given = |name: &str| hardpoints.iter().any(|h| h.name == name) || made.contains(&name);
+    let required = topology.hardpoints.iter().filter(|h| h.required);
+    let missing: Vec<String> = required
+        .filter(|h| !given(h.name))
+        .map(|h| format!("  {} ({})", h.name, h.about))
+        .collect();
+    if missing.is_empty() {
+        return Ok(());
+    }
+    let mut message = format!("missing for {}:\n{}", topology.name, missing.join("\n"));
+    let found: Vec<String> = hardpoints
+        .iter()
+        .map(|h| format!("{} from {:?}", h.name, h.called))
+        .collect();
+    if !found.is_empty() {
+        message += &format!("\nfound: {}", found.join(", "));
+    }
+    if !unused.is_empty() {
+        message += &format!(
+            "\nleft over: {}\nIf some of these are the missing ones, say so in a file for --map, as in\n  {} = {:?}",
+            unused.join(", "),
+            missing[0].split_whitespace().next().unwrap_or(""),
+            unused[0]
+        );
+    }
+    Err(message)
+}

@@ -1,0 +1,219 @@
+//! Choice of the axle and the wheel, and the point of each hardpoint that belongs to them. Points of two axles are
+//! never mixed.
+
+use super::refusal::{Question, Refusal};
+use super::roles::{self, Role};
+use super::table::{Kind, Marks, NamedPoint, PointTable};
+use super::{Hardpoint, ImportOptions};
+use crate::model::{AxlePosition, Side};
+
+/// A point with the hardpoint that it means.
+pub(super) struct Named<'t> {
+    pub point: &'t NamedPoint,
+    pub role: Role,
+}
+
+impl Named<'_> {
+    /// Its wheel and axle, by its own column or title first.
+    fn marks(&self) -> Marks {
+        self.point.marks.or(self.role.marks)
+    }
+}
+
+/// The wheel that is imported.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Corner {
+    pub axle: Option<AxlePosition>,
+    /// The wheel, where the user or the file says so.
+    pub side: Option<Side>,
+}
+
+/// A hardpoint with the wheel its coordinates were written for.
+#[derive(Clone, Debug)]
+pub(super) struct Picked {
+    pub hardpoint: Hardpoint,
+    /// `None` where the file does not say.
+    pub origin: Option<Side>,
+}
+
+pub(super) fn name_of(axle: AxlePosition) -> &'static str {
+    match axle {
+        AxlePosition::Front => "front",
+        AxlePosition::Rear => "rear",
+    }
+}
+
+/// Chooses the axle and the wheel.
+pub(super) fn choose(
+    table: &PointTable,
+    named: &[Named<'_>],
+    options: &ImportOptions<'_>,
+    notes: &mut Vec<String>,
+) -> Result<Corner, Refusal> {
+    let axle = axle(table, named, options, notes)?;
+    let of_axle = |named: &&Named<'_>| {
+        let said = named.marks().axle;
+        said.is_none() || axle.is_none() || said == axle
+    };
+    let has = |side: Side| {
+        let mut known = named.iter().filter(of_axle);
+        known.any(|named| {
+            named.marks().side == Some(side) || (named.point.mirrored && side == Side::Left)
+        })
+    };
+    let marked = Side::ALL.into_iter().find(|side| has(*side));
+    let side = options.side.or(marked);
+    Ok(Corner { axle, side })
+}
+
+fn axle(
+    table: &PointTable,
+    named: &[Named<'_>],
+    options: &ImportOptions<'_>,
+    notes: &mut Vec<String>,
+) -> Result<Option<AxlePosition>, Refusal> {
+    let said = named.iter().map(Named::marks);
+    let of_kinds = table.kinds.iter().map(|(axle, _)| Marks {
+        side: None,
+        axle: *axle,
+    });
+    let there = roles::axles(said.chain(of_kinds));
+    let chosen = match (options.axle, there.as_slice()) {
+        (Some(wanted), there) if there.is_empty() || there.contains(&wanted) => Some(wanted),
+        (Some(wanted), there) => {
+            let there: Vec<&str> = there.iter().map(|axle| name_of(*axle)).collect();
+            return Err(Refusal::Wrong(format!(
+                "--axle {}: the file has points of the {} axle only",
+                name_of(wanted),
+                there.join(" and the ")
+            )));
+        }
+        (None, []) => None,
+        (None, [only]) => {
+            notes.push(format!(
+                "axle: {}, the only one in the file",
+                name_of(*only)
+            ));
+            Some(*only)
+        }
+        (None, _) => {
+            // Names that the user gave may settle it.
+            let mapped = named
+                .iter()
+                .filter(|named| options.names.contains_key(named.role.hardpoint));
+            match roles::axles(mapped.map(Named::marks)).as_slice() {
+                [one] => {
+                    notes.push(format!(
+                        "axle: {}, of which --map names points",
+                        name_of(*one)
+                    ));
+                    Some(*one)
+                }
+                _ => {
+                    return Err(Question::of(
+                        "the file has points of the front and of the rear axle, and a study is of one"
+                            .to_owned(),
+                        "--axle",
+                        &["front", "rear"],
+                    ));
+                }
+            }
+        }
+    };
+    kind(table, chosen, options)?;
+    Ok(chosen)
+}
+
+/// Refuses a topology that the file says its suspension is not.
+fn kind(
+    table: &PointTable,
+    axle: Option<AxlePosition>,
+    options: &ImportOptions<'_>,
+) -> Result<(), Refusal> {
+    let of_axle = |(of, _): &&(Option<AxlePosition>, Kind)| of.is_none() || *of == axle;
+    match table.kinds.iter().find(of_axle).map(|(_, kind)| kind) {
+        Some(Kind::Other(reason)) => Err(Refusal::Wrong(reason.clone())),
+        Some(Kind::Topology(name)) if *name != options.topology.name => {
+            Err(Refusal::Wrong(format!(
+                "the file says that the suspension{} is a {name}: give --topology {name}",
+                axle.map_or(String::new(), |axle| format!(
+                    " of the {} axle",
+                    name_of(axle)
+                ))
+            )))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// The point of one hardpoint for the chosen wheel.
+pub(super) fn pick(
+    hardpoint: &'static str,
+    named: &[Named<'_>],
+    corner: Corner,
+) -> Result<Option<Picked>, Refusal> {
+    // Points of the axle first, then those of no axle; points of the other one never.
+    let of_axle = |axle: Option<AxlePosition>| -> Vec<&Named<'_>> {
+        let of = named.iter().filter(|n| n.role.hardpoint == hardpoint);
+        of.filter(|n| corner.axle.is_none() || n.marks().axle == axle)
+            .collect()
+    };
+    let mut candidates = of_axle(corner.axle);
+    if candidates.is_empty() {
+        candidates = of_axle(None);
+    }
+    // Closest to the wheel first: its own rows, those for both, those without a side, and at last the other's.
+    let rank = |named: &Named<'_>| match (named.marks().side, named.point.mirrored) {
+        (Some(side), false) if Some(side) == corner.side => 0,
+        (_, true) => 1,
+        (None, false) => 2,
+        _ => 3,
+    };
+    let Some(best) = candidates.iter().map(|named| rank(named)).min() else {
+        return Ok(None);
+    };
+    let mut chosen = candidates.iter().filter(|named| rank(named) == best);
+    let first = chosen.next().expect("one has the best rank");
+    if let Some(second) = chosen.find(|other| other.point.position != first.point.position) {
+        return Err(Refusal::Wrong(format!(
+            "{:?} ({}) and {:?} ({}) both seem to be {hardpoint}, with different coordinates: say with --map which \
+             it is, or remove one",
+            first.point.name, first.point.place, second.point.name, second.point.place
+        )));
+    }
+    let position = first.point.position.clone();
+    let position = position.map_err(|reason| format!("{hardpoint}: {reason}"))?;
+    let origin = match best {
+        0 => corner.side,
+        1 => Some(Side::Left),
+        2 => None,
+        _ => first.marks().side,
+    };
+    Ok(Some(Picked {
+        hardpoint: Hardpoint {
+            name: hardpoint,
+            position,
+            called: first.point.name.clone(),
+            place: first.point.place.clone(),
+            body: first.point.body.clone(),
+            named_body: first.role.body,
+        },
+        origin,
+    }))
+}
+
+/// The point of one hardpoint that the file gives for the other wheel.
+pub(super) fn of_other_wheel(
+    hardpoint: &'static str,
+    named: &[Named<'_>],
+    corner: Corner,
+) -> Option<[f64; 3]> {
+    let other = corner.side?;
+    let mut of = named.iter().filter(|n| n.role.hardpoint == hardpoint);
+    let found = of.find(|n| {
+        let marks = n.marks();
+        marks.side.is_some_and(|side| side != other)
+            && (corner.axle.is_none() || marks.axle == corner.axle)
+    })?;
+    found.point.position.clone().ok()
+}

@@ -1,0 +1,247 @@
+//! The space that a tyre needs over travel and steer, as solids for CAD.
+//!
+//! Each pose of the wheel gives one closed solid: the tyre as a cylinder about the spin axis. Its rings are polygons
+//! drawn about the circle, so that the tyre lies inside. The file is binary STL: an 80-byte text, the number of
+//! triangles, and for each triangle its outward normal, its corners (32-bit floats) and two bytes of nothing.
+
+use super::outgoing::Outgoing;
+use crate::characteristics::Characteristic;
+use crate::curves::Status;
+use crate::model::{Axis, Body, Side, SpinAxis};
+use crate::number::Vector3;
+use crate::study::{Motion, Order, Study};
+use std::f64::consts::PI;
+
+/// Corners of a ring.
+const CORNERS: usize = 96;
+
+/// The cylinder that stands for a tyre, in the file's unit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tyre {
+    /// Radius.
+    pub radius: f64,
+    /// Width, half of it on either side of the wheel centre.
+    pub width: f64,
+}
+
+/// Equally spaced values from one end to the other, both included.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Span {
+    /// The ends.
+    pub ends: [f64; 2],
+    /// Number of values; 1 if the ends are the same.
+    pub values: usize,
+}
+
+impl Span {
+    /// The values, in the order of the ends.
+    pub fn all(&self) -> Vec<f64> {
+        let [first, last] = self.ends;
+        if first == last || self.values < 2 {
+            return vec![first];
+        }
+        let share = |k: usize| k as f64 / (self.values - 1) as f64;
+        let value = |k: usize| first * (1.0 - share(k)) + last * share(k);
+        (0..self.values).map(value).collect()
+    }
+}
+
+/// The solids of all poses.
+#[derive(Clone, Debug)]
+pub struct Envelope {
+    /// One solid for each pose of each wheel: its triangles, corners counter-clockwise seen from outside.
+    pub solids: Vec<Vec<[[f32; 3]; 3]>>,
+    /// The largest distances of a corner of a solid from the same corner at the next travel and at the next rack.
+    pub widest_steps: [f64; 2],
+    title: String,
+}
+
+impl Envelope {
+    /// The envelope of every wheel of a study. Travels and racks are in the file's unit, racks along its y axis.
+    ///
+    /// # Errors
+    ///
+    /// A pose that the wheel cannot take, in words; a rack that steers nothing.
+    pub fn of(
+        outgoing: &Outgoing<'_>,
+        tyre: Tyre,
+        travel: Span,
+        rack: Span,
+    ) -> Result<Self, String> {
+        let points = &outgoing.study.suspension.mechanism.points;
+        if rack.ends != [0.0; 2] && !points.iter().any(|point| point.body == Body::Rack) {
+            return Err("--rack: no point of this suspension is on the rack".to_owned());
+        }
+        let mut envelope = Envelope {
+            solids: Vec::new(),
+            widest_steps: [0.0; 2],
+            title: format!(
+                "tyre envelope by hardpoint; unit {}; frame {}",
+                outgoing.unit.symbol(),
+                outgoing.convention.name()
+            ),
+        };
+        for side in outgoing.wheels() {
+            let poses = poses(outgoing, side, &travel.all(), &rack.all())?;
+            let travels = travel.all().len();
+            for (number, pose) in poses.iter().enumerate() {
+                let corners = corners(*pose, tyre);
+                let before = [
+                    (!number.is_multiple_of(travels)).then(|| number - 1),
+                    number.checked_sub(travels),
+                ];
+                for (other, widest) in before.into_iter().zip(&mut envelope.widest_steps) {
+                    if let Some(other) = other {
+                        let step = farthest(&corners, &self::corners(poses[other], tyre));
+                        *widest = widest.max(step);
+                    }
+                }
+                envelope.solids.push(solid(&corners));
+            }
+        }
+        Ok(envelope)
+    }
+
+    /// Bound on how far a point of the tyre may be outside of all solids at poses between them: the way to the nearest of
+    /// them, half of a step along travel and half of one along the rack.
+    pub fn gap(&self) -> f64 {
+        0.5 * (self.widest_steps[0] + self.widest_steps[1])
+    }
+
+    /// Number of triangles.
+    pub fn triangles(&self) -> usize {
+        self.solids.iter().map(Vec::len).sum()
+    }
+
+    /// The binary STL file.
+    pub fn stl(&self) -> Vec<u8> {
+        let mut bytes = self.title.clone().into_bytes();
+        bytes.resize(80, b' ');
+        let count = u32::try_from(self.triangles()).expect("poses are bounded");
+        bytes.extend(count.to_le_bytes());
+        for triangle in self.solids.iter().flatten() {
+            let normal = normal(triangle).map(|x| x as f32);
+            for number in std::iter::once(&normal).chain(triangle).flatten() {
+                bytes.extend(number.to_le_bytes());
+            }
+            bytes.extend([0; 2]);
+        }
+        bytes
+    }
+}
+
+/// Wheel centre and spin axis (outboard, length 1) in the axes and the unit of the file.
+type WheelPose = [Vector3<f64>; 2];
+
+/// The poses of a wheel, travel running fastest.
+fn poses(
+    outgoing: &Outgoing<'_>,
+    side: Side,
+    travels: &[f64],
+    racks: &[f64],
+) -> Result<Vec<WheelPose>, String> {
+    let mut suspension = outgoing.suspension(side).clone();
+    if let Some(both) = &outgoing.study.axle {
+        suspension.frame = both.axle.frame(side);
+    }
+    let own = suspension.length_unit;
+    let (frame, file) = (suspension.frame, outgoing.frame(side));
+    let along_rack = frame.sign(Axis::Y) * file.sign(Axis::Y);
+    let of_study = |length: &f64| own.convert(*length, outgoing.unit);
+    let motion = Motion {
+        values: travels.iter().map(of_study).collect(),
+        ..Motion::at(0.0, 0.0).map_err(|error| error.to_string())?
+    };
+    let racks: Vec<f64> = racks.iter().map(|r| along_rack * of_study(r)).collect();
+    let motion = motion.with_racks(&racks);
+    let asked = [Characteristic::Camber, Characteristic::Toe];
+    let curves = Study::of(suspension)
+        .over(motion.map_err(|error| error.to_string())?)
+        .asking(&asked, Order::Position)
+        .and_then(|study| study.asking_points(&["wheel_centre"]))
+        .and_then(|study| study.curves())
+        .map_err(|error| error.to_string())?;
+    let mut poses = Vec::with_capacity(curves.stations.len());
+    for station in &curves.stations {
+        let at = || {
+            let unit = own.symbol();
+            let travel = station.travel.unwrap_or(f64::NAN);
+            let rack = station.rack;
+            format!(
+                "{} wheel at travel {travel} {unit}, rack {rack} {unit}",
+                side.name()
+            )
+        };
+        if let Status::Failed(failure) = station.status {
+            return Err(format!("{}: {}", at(), failure.describe(own, frame)));
+        }
+        let values: Option<Vec<f64>> = station.values.iter().copied().collect();
+        let values = values.ok_or_else(|| format!("{}: the wheel has no angles", at()))?;
+        let [camber, toe, x, y, z] = values[..] else {
+            return Err(format!("{}: expected angles and a point", at()));
+        };
+        let SpinAxis::Along(axis) = SpinAxis::standing(camber.to_radians(), toe.to_radians())
+        else {
+            unreachable!("angles give a direction")
+        };
+        let centre = frame
+            .vector(Vector3::new(x, y, z))
+            .map(|x| outgoing.length(x));
+        poses.push([file.vector(centre), file.vector(axis)]);
+    }
+    Ok(poses)
+}
+
+/// The two rings of a cylinder, inboard and outboard, corner by corner; the centre of each ring is the last.
+type Rings = [Vec<Vector3<f64>>; 2];
+
+fn corners([centre, axis]: WheelPose, tyre: Tyre) -> Rings {
+    // up, across and axis are right-handed: corners go counter-clockwise seen from outboard.
+    let up = match axis.z.abs() < 0.9 {
+        true => Vector3::new(0.0, 0.0, 1.0),
+        false => Vector3::new(1.0, 0.0, 0.0),
+    };
+    let across = axis.cross(up);
+    let across = across * (1.0 / across.norm_squared().sqrt());
+    let up = across.cross(axis);
+    let radius = tyre.radius / (PI / CORNERS as f64).cos();
+    [-0.5, 0.5].map(|half| {
+        let middle = centre + axis * (half * tyre.width);
+        let corner = |k: usize| {
+            let (sine, cosine) = (2.0 * PI * k as f64 / CORNERS as f64).sin_cos();
+            middle + (up * cosine + across * sine) * radius
+        };
+        (0..CORNERS).map(corner).chain([middle]).collect()
+    })
+}
+
+/// The largest distance between the same corners of two solids.
+fn farthest(one: &Rings, other: &Rings) -> f64 {
+    let pairs = one.iter().flatten().zip(other.iter().flatten());
+    let squares = pairs.map(|(a, b)| (*a - *b).norm_squared());
+    squares.fold(0.0, f64::max).sqrt()
+}
+
+/// The triangles of a cylinder. Corners are rounded once, so that triangles that share an edge have the same ends.
+fn solid(rings: &Rings) -> Vec<[[f32; 3]; 3]> {
+    let [inner, outer] = rings.each_ref().map(|ring| {
+        let single = |p: &Vector3<f64>| p.to_array().map(|x| x as f32);
+        ring.iter().map(single).collect::<Vec<[f32; 3]>>()
+    });
+    let mut triangles = Vec::with_capacity(4 * CORNERS);
+    for k in 0..CORNERS {
+        let next = (k + 1) % CORNERS;
+        triangles.push([outer[CORNERS], outer[k], outer[next]]);
+        triangles.push([inner[CORNERS], inner[next], inner[k]]);
+        triangles.push([inner[k], inner[next], outer[next]]);
+        triangles.push([inner[k], outer[next], outer[k]]);
+    }
+    triangles
+}
+
+/// The normal of a triangle, of length 1.
+fn normal(triangle: &[[f32; 3]; 3]) -> [f64; 3] {
+    let [a, b, c] = triangle.map(|p| Vector3::from(p.map(f64::from)));
+    let across = (b - a).cross(c - a);
+    (across * (1.0 / across.norm_squared().sqrt())).to_array()
+}

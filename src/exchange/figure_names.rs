@@ -1,0 +1,130 @@
+//! Names of figures that a file gives beside hardpoints: static angles, radius, tracks, offsets.
+
+use super::names::{Words, cut, end_of, marks_of};
+use super::table::Marks;
+use crate::model::{AxlePosition, LengthUnit};
+
+/// Figures that a file may give beside hardpoints.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum FigureKind {
+    /// Camber in the design position.
+    StaticCamber,
+    /// Toe in the design position, inward positive.
+    StaticToe,
+    /// The same, outward positive.
+    StaticToeOut,
+    /// Loaded radius of the wheel.
+    WheelRadius,
+    /// Diameter of the unloaded tyre.
+    TyreDiameter,
+    /// Distance of the wheel from the centre plane.
+    HalfTrack,
+    /// Distance between the wheels of the axle.
+    Track,
+    /// Distance between the axles.
+    Wheelbase,
+    /// The contact point, whose distance from the wheel centre is the loaded radius.
+    ContactPoint,
+    /// Offsets of the contact point, forward, outboard and up.
+    Offset(usize),
+}
+
+const FIGURES: &[(FigureKind, &str)] = &[
+    (FigureKind::StaticCamber, "camber ?static ?angle ?wheel"),
+    (FigureKind::StaticToe, "toe ?static ?angle ?wheel ?inner"),
+    (FigureKind::StaticToeOut, "toe outer ?static ?angle ?wheel"),
+    (
+        FigureKind::WheelRadius,
+        "wheel radius ?loaded ?tyre | tyre radius ?loaded | loaded radius",
+    ),
+    (FigureKind::TyreDiameter, "tyre diameter"),
+    (FigureKind::HalfTrack, "half tie"),
+    (
+        FigureKind::ContactPoint,
+        "contact ?patch ?tyre ?wheel ?centre",
+    ),
+    (FigureKind::Offset(0), "longitudinal offset"),
+    (FigureKind::Offset(1), "lateral offset"),
+    (FigureKind::Offset(2), "vertical offset"),
+];
+
+/// A figure by its name: its kind, its wheel, and the unit of length behind it.
+pub(super) fn figure(name: &str) -> Option<(FigureKind, Marks, Option<LengthUnit>)> {
+    let mut cut = cut(name);
+    let mut unit = None;
+    // "toe in" and "wheel_radius_in" end alike.
+    let is_toe = cut.iter().any(|word| word == "toe");
+    while let Some(last) = cut.last() {
+        let found = super::header::unit_of(last).filter(|_| !is_toe);
+        if found.is_none() && !["deg", "rad", "degrees"].contains(&last.as_str()) {
+            break;
+        }
+        unit = unit.or(found);
+        cut.pop();
+    }
+    let mut marks = Marks::default();
+    for at_end in [false, true] {
+        let word = if at_end { cut.last() } else { cut.first() };
+        let found = word.map(|word| marks_of(word)).unwrap_or_default();
+        if !found.is_empty() && cut.len() > 1 {
+            marks = marks.or(found);
+            let at = if at_end { cut.len() - 1 } else { 0 };
+            cut.remove(at);
+        }
+    }
+    let (axle, plain) = without_axle_word(&cut);
+    let of_car = match plain.join(" ").as_str() {
+        "track" | "track width" => Some(FigureKind::Track),
+        "wheelbase" | "wheel base" => Some(FigureKind::Wheelbase),
+        _ => None,
+    };
+    if let Some(kind) = of_car {
+        marks.axle = marks.axle.or(axle);
+        return Some((kind, marks, unit));
+    }
+    let words = Words::spelt(&cut);
+    let kind_of = |words: &Words| {
+        let found = FIGURES.iter().find(|(_, patterns)| words.fit(patterns));
+        found.map(|(kind, _)| *kind)
+    };
+    if let Some(kind) = kind_of(&words) {
+        return Some((kind, marks, unit));
+    }
+    let (axle, rest) = words.without_axle()?;
+    marks.axle = marks.axle.or(Some(axle));
+    kind_of(&rest).map(|kind| (kind, marks, unit))
+}
+
+/// Words without the axle that they begin or end with.
+fn without_axle_word(words: &[String]) -> (Option<AxlePosition>, &[String]) {
+    match words {
+        [first, rest @ ..] if end_of(first).is_some() => (end_of(first), rest),
+        [rest @ .., last] if end_of(last).is_some() => (end_of(last), rest),
+        _ => (None, words),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn figures_are_told_from_words() {
+        for (name, kind) in [
+            ("Tyre contact patch", FigureKind::ContactPoint),
+            ("static_camber [deg]", FigureKind::StaticCamber),
+            ("wheel_radius_in", FigureKind::WheelRadius),
+            ("Loaded radius", FigureKind::WheelRadius),
+            ("wheel tire loaded_radius", FigureKind::WheelRadius),
+            ("Half Track", FigureKind::HalfTrack),
+            ("track width", FigureKind::Track),
+            ("toe out", FigureKind::StaticToeOut),
+            ("Toe-in", FigureKind::StaticToe),
+            ("Tire Diameter", FigureKind::TyreDiameter),
+        ] {
+            let found = figure(name).map(|(kind, ..)| kind);
+            assert_eq!(found, Some(kind), "{name}");
+        }
+        assert_eq!(figure("wheel_radius_in").unwrap().2, Some(LengthUnit::Inch));
+    }
+}

@@ -1,0 +1,166 @@
+//! Figures of a wheel: static camber and toe with the tool's sign, the loaded radius, half track, track, wheelbase.
+
+use super::ImportOptions;
+use super::corner::Corner;
+use super::figure_names::{FigureKind, figure};
+use super::names::cut;
+use super::table::{Figure, PointTable};
+use crate::model::LengthUnit;
+
+/// Figures of the chosen wheel: angles in degrees with the signs of studies, lengths in the study's unit.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Figures {
+    pub camber: Option<f64>,
+    pub toe: Option<f64>,
+    pub radius: Option<f64>,
+    pub tyre_diameter: Option<f64>,
+    pub half_track: Option<f64>,
+    pub track: Option<f64>,
+    pub wheelbase: Option<f64>,
+    /// Offsets of the contact point: forward, outboard, up.
+    pub offset: [f64; 3],
+    /// Numbers that mean nothing here.
+    pub unused: Vec<String>,
+}
+
+impl Figures {
+    /// The loaded radius, or half of the tyre's diameter.
+    pub(super) fn radius(&self) -> Option<f64> {
+        self.radius.or(self.tyre_diameter.map(|d| d / 2.0))
+    }
+
+    /// The distance of the wheel from the centre plane.
+    pub(super) fn half_track(&self) -> Option<f64> {
+        self.half_track.or(self.track.map(|track| track / 2.0))
+    }
+}
+
+/// Reads the figures of a wheel. `toe_out` says that the tool gives toe outward positive.
+pub(super) fn read(
+    table: &PointTable,
+    corner: Corner,
+    unit: LengthUnit,
+    options: &ImportOptions<'_>,
+    toe_out: bool,
+    notes: &mut Vec<String>,
+) -> Result<Figures, String> {
+    let mut found = Figures::default();
+    let mut given: Vec<(FigureKind, f64, &Figure)> = Vec::new();
+    for row in &table.figures {
+        let Some((kind, named, own_unit)) = figure(&row.read_as) else {
+            if !found.unused.contains(&row.name) {
+                found.unused.push(row.name.clone());
+            }
+            continue;
+        };
+        let marks = row.marks.or(named);
+        let is_of = |said: bool, same: bool| !said || same;
+        if !is_of(
+            marks.side.is_some() && corner.side.is_some(),
+            marks.side == corner.side,
+        ) || !is_of(
+            marks.axle.is_some() && corner.axle.is_some(),
+            marks.axle == corner.axle,
+        ) {
+            continue;
+        }
+        let (kind, value) = match kind {
+            FigureKind::StaticCamber | FigureKind::StaticToe | FigureKind::StaticToeOut => {
+                angle(kind, row, toe_out, notes)?
+            }
+            FigureKind::ContactPoint => continue,
+            kind => {
+                let own = own_unit.unwrap_or(unit);
+                let value = match own == unit {
+                    true => row.value,
+                    false => row.value / own.per_metre() * unit.per_metre(),
+                };
+                (kind, value)
+            }
+        };
+        if let Some((_, other, at)) = given.iter().find(|(known, ..)| *known == kind)
+            && *other != value
+        {
+            // Its own wheel's figure goes before one without a side.
+            if at.marks.side.is_some() && marks.side.is_none() {
+                continue;
+            }
+            return Err(format!(
+                "{}: {} is {value} here and {other} above",
+                row.place, row.name
+            ));
+        }
+        given.push((kind, value, row));
+        let place = match kind {
+            FigureKind::StaticCamber => &mut found.camber,
+            FigureKind::StaticToe => &mut found.toe,
+            FigureKind::WheelRadius => &mut found.radius,
+            FigureKind::TyreDiameter => &mut found.tyre_diameter,
+            FigureKind::HalfTrack => &mut found.half_track,
+            FigureKind::Track => &mut found.track,
+            FigureKind::Wheelbase => &mut found.wheelbase,
+            FigureKind::Offset(axis) => {
+                found.offset[axis] = value;
+                continue;
+            }
+            FigureKind::StaticToeOut | FigureKind::ContactPoint => continue,
+        };
+        *place = Some(value);
+    }
+    if let Some(half_track) = options.half_track {
+        found.half_track = Some(half_track);
+    }
+    Ok(found)
+}
+
+/// An angle in degrees with the sign of studies: camber with the top outward, toe with the front inward.
+fn angle(
+    kind: FigureKind,
+    row: &Figure,
+    toe_out: bool,
+    notes: &mut Vec<String>,
+) -> Result<(FigureKind, f64), String> {
+    let words = cut(&row.remark);
+    let says = |wanted: &str| {
+        words
+            .iter()
+            .any(|word| wanted.split(' ').any(|w| w == word))
+    };
+    let mut value = row.value;
+    if says("mm min minutes arcmin") && value != 0.0 {
+        return Err(format!(
+            "{}: {} is {value} with the remark {:?}; expected an angle in degrees",
+            row.place, row.name, row.remark
+        ));
+    }
+    if says("rad radians") {
+        value = value.to_degrees();
+    }
+    if kind == FigureKind::StaticCamber {
+        return Ok((kind, value));
+    }
+    let named_in = cut(&row.read_as).iter().any(|word| word == "in");
+    let (inward, outward) = (
+        says("in inward inwards") || named_in,
+        says("out outward outwards") || kind == FigureKind::StaticToeOut,
+    );
+    if inward && outward && value != 0.0 {
+        return Err(format!(
+            "{}: {} is {value} with the remark {:?}, which names both toe-in and toe-out: name the one that is \
+             positive",
+            row.place, row.name, row.remark
+        ));
+    }
+    if value != 0.0 && (outward || (toe_out && !inward)) {
+        let why = match outward {
+            true => "is toe-out",
+            false => "is positive outward in OptimumKinematics",
+        };
+        value = -value;
+        notes.push(format!(
+            "static_toe: {value:?} deg, since {:?} ({}) {why}; toe-in is positive in studies",
+            row.name, row.place
+        ));
+    }
+    Ok((FigureKind::StaticToe, value))
+}

@@ -1,0 +1,323 @@
+//! Headers of tables: which columns hold names, coordinates, wheels, axes and bodies, and the ways that the
+//! coordinates grow ("Y (right +)", "X, fwd", "lateral").
+
+use super::axes::{Coordinate, Declared, Way};
+use super::cell::{Cell, Sheet};
+use super::decimals::plain_number;
+use super::names::{cut, side_of};
+use crate::model::{LengthUnit, Side};
+
+/// Three columns of coordinates.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Triple {
+    pub columns: [u32; 3],
+    pub side: Option<Side>,
+}
+
+/// The roles of a table's columns.
+#[derive(Clone, Debug)]
+pub(super) struct Columns {
+    pub name: u32,
+    pub triples: Vec<Triple>,
+    /// Columns that name the wheel or the axle.
+    pub marks: Vec<u32>,
+    pub body: Option<u32>,
+    pub frame: Option<u32>,
+}
+
+/// A header with what it says of unit and axes.
+pub(super) struct Header {
+    pub columns: Columns,
+    pub unit: Option<LengthUnit>,
+    pub declared: Declared,
+}
+
+/// A coordinate's column, by its own header.
+struct Coordinates {
+    /// Its letter: 0 is x; `None` where words alone name it.
+    letter: Option<usize>,
+    side: Option<Side>,
+    unit: Option<LengthUnit>,
+    said: Coordinate,
+}
+
+/// The unit a word names.
+pub fn unit_of(word: &str) -> Option<LengthUnit> {
+    match word.to_ascii_lowercase().as_str() {
+        "mm" | "millimetre" | "millimetres" | "millimeter" | "millimeters" => {
+            Some(LengthUnit::Millimetre)
+        }
+        "m" | "metre" | "metres" | "meter" | "meters" => Some(LengthUnit::Metre),
+        "in" | "inch" | "inches" => Some(LengthUnit::Inch),
+        _ => None,
+    }
+}
+
+pub(super) fn text(cell: &Cell) -> Option<&str> {
+    match cell {
+        Cell::Text(text) => Some(text),
+        _ => None,
+    }
+}
+
+/// Reads a row as a header; `None` if it is none.
+pub(super) fn header(
+    sheet: &Sheet,
+    row: u32,
+    above: Option<u32>,
+) -> Result<Option<Header>, String> {
+    let mut found: Vec<(u32, Coordinates)> = Vec::new();
+    for (column, cell) in sheet.row(row) {
+        if let Some(header) = text(cell).and_then(coordinate_header) {
+            found.push((column, header));
+        }
+    }
+    // Words alone make a header where they name all three axes.
+    if found.iter().any(|(_, header)| header.letter.is_some()) {
+        found.retain(|(_, header)| header.letter.is_some());
+    }
+    let mut triples = Vec::new();
+    let mut unit = None;
+    let mut declared = Declared::default();
+    for three in found.chunks(3) {
+        let Some((columns, said)) = coordinates(three) else {
+            return Ok(None);
+        };
+        for (_, header) in three {
+            if header.unit.is_some() && unit.is_some() && header.unit != unit {
+                return Err(format!(
+                    "{}: the columns are in different units",
+                    sheet.row_place(row)
+                ));
+            }
+            unit = unit.or(header.unit);
+        }
+        declared = declared.and(said, &sheet.row_place(row))?;
+        // A title across the three columns stands above the first, or on all of them.
+        let [x, y, z] = columns;
+        let title = above.and_then(|above| sheet.cell(above, x.min(y).min(z)));
+        let title = title.and_then(text).map(cut).unwrap_or_default();
+        let titled = title.iter().find_map(|word| side_of(word));
+        triples.push(Triple {
+            columns,
+            side: side_of_all(three).or(titled),
+        });
+    }
+    if triples.is_empty() {
+        return Ok(None);
+    }
+    if triples.len() > 2 || (triples.len() == 2 && triples[0].side == triples[1].side) {
+        return Err(format!(
+            "{}: there are {} sets of x, y and z; expected one, or one named left and one named right",
+            sheet.row_place(row),
+            triples.len()
+        ));
+    }
+    let columns = columns(sheet, row, above, triples)?;
+    Ok(Some(Header {
+        columns,
+        unit,
+        declared,
+    }))
+}
+
+/// The side that all three headers name; of one alone it is the way of that coordinate.
+fn side_of_all(three: &[(u32, Coordinates)]) -> Option<Side> {
+    let first = three.first()?.1.side?;
+    three
+        .iter()
+        .all(|(_, header)| header.side == Some(first))
+        .then_some(first)
+}
+
+/// The columns of x, y and z, and what their headers say of the axes.
+fn coordinates(three: &[(u32, Coordinates)]) -> Option<([u32; 3], Declared)> {
+    let mut columns = [None; 3];
+    let mut declared = Declared::default();
+    let names_side = side_of_all(three).is_some();
+    for (place, (column, header)) in three.iter().enumerate() {
+        let letter = header.letter.unwrap_or(place);
+        columns[letter] = Some(*column);
+        declared.0[letter] = match header.said {
+            Coordinate::Grows(Way::Left | Way::Right) if names_side => Coordinate::Unknown,
+            said => said,
+        };
+    }
+    if three.iter().any(|(_, header)| header.letter.is_none()) {
+        let mut axes: Vec<usize> = declared
+            .0
+            .iter()
+            .filter_map(|said| match said {
+                Coordinate::Unknown => None,
+                Coordinate::Along(axis) => Some(*axis),
+                Coordinate::Grows(way) => Some(way.axis()),
+            })
+            .collect();
+        axes.sort_unstable();
+        if axes != [0, 1, 2] {
+            return None;
+        }
+    }
+    let [Some(x), Some(y), Some(z)] = columns else {
+        return None;
+    };
+    Some(([x, y, z], declared))
+}
+
+fn columns(
+    sheet: &Sheet,
+    row: u32,
+    above: Option<u32>,
+    triples: Vec<Triple>,
+) -> Result<Columns, String> {
+    let is_coordinate = |column: u32| triples.iter().any(|t| t.columns.contains(&column));
+    let named = |row: u32, names: &str| -> Vec<u32> {
+        let cells = sheet.row(row).filter(|(column, _)| !is_coordinate(*column));
+        cells
+            .filter_map(|(column, cell)| {
+                let words = cut(text(cell)?);
+                let named = words
+                    .iter()
+                    .any(|word| names.split(' ').any(|name| name == word));
+                named.then_some(column)
+            })
+            .collect()
+    };
+    let marks = named(row, "side symmetry corner axle");
+    let body = named(row, "body").first().copied();
+    let frame = named(row, "frame").first().copied();
+    let free = |column: u32| {
+        !is_coordinate(column) && !marks.contains(&column) && ![body, frame].contains(&Some(column))
+    };
+    let names = "name names point points hardpoint hardpoints location joint";
+    // Some put "Point Name" a row above x, y and z.
+    let name = [Some(row), above]
+        .into_iter()
+        .flatten()
+        .flat_map(|row| named(row, names))
+        .find(|column| free(*column))
+        .or_else(|| name_column(sheet, row, free));
+    let Some(name) = name else {
+        return Err(format!(
+            "{}: x, y and z are there, but no column with names",
+            sheet.row_place(row)
+        ));
+    };
+    Ok(Columns {
+        name,
+        triples,
+        marks,
+        body,
+        frame,
+    })
+}
+
+/// The column with the most texts below a header.
+fn name_column(sheet: &Sheet, row: u32, free: impl Fn(u32) -> bool) -> Option<u32> {
+    let below = sheet.cells.range((row + 1, 0)..);
+    let mut counts: Vec<(u32, usize)> = Vec::new();
+    for ((_, column), cell) in below {
+        let is_name =
+            free(*column) && text(cell).is_some_and(|text| plain_number(text, false).is_err());
+        if is_name {
+            match counts.iter_mut().find(|(known, _)| known == column) {
+                Some((_, count)) => *count += 1,
+                None => counts.push((*column, 1)),
+            }
+        }
+    }
+    let most = counts.iter().map(|(_, count)| *count).max()?;
+    let fullest = counts.into_iter().filter(|(_, count)| *count == most);
+    fullest.map(|(column, _)| column).min()
+}
+
+/// Words that may stand beside the axis in the header of a coordinate.
+const BESIDE_AXES: &str = "value coord coordinate coordinates pos position loc location axis direction positive points is";
+
+/// `x`, `X [mm]`, `y_value`, `z left (in)`, `Y (right +)`, `lateral`.
+fn coordinate_header(text: &str) -> Option<Coordinates> {
+    let mut letter = None;
+    let (mut side, mut unit) = (None, None);
+    let mut said = Coordinate::Unknown;
+    let mut is_flipped = false;
+    for word in cut(text) {
+        let axis = ["x", "y", "z"].iter().position(|axis| *axis == word);
+        if let (Some(axis), None) = (axis, letter) {
+            letter = Some(axis);
+        } else if let Some(found) = unit_of(&word) {
+            unit = Some(found);
+        } else if let Some(way) = Way::of(&word) {
+            said = said.and(Coordinate::Grows(way))?;
+            side = side.or(side_of(&word));
+        } else if let Some(axis) = along(&word) {
+            said = said.and(Coordinate::Along(axis))?;
+        } else if let Some(found) = side_of(&word) {
+            side = Some(found);
+        } else if ["negative", "neg", "minus"].contains(&word.as_str()) {
+            is_flipped = true;
+        } else if !BESIDE_AXES.split(' ').any(|known| known == word) {
+            return None;
+        }
+    }
+    // "(right -)": a minus beside a word; that of a word is a hyphen.
+    let chars: Vec<char> = text.chars().collect();
+    let is_minus = |k: usize| {
+        let beside = |k: Option<usize>| {
+            k.and_then(|k| chars.get(k))
+                .is_some_and(|c| c.is_alphanumeric())
+        };
+        "-\u{2212}".contains(chars[k]) && !(beside(k.checked_sub(1)) && beside(Some(k + 1)))
+    };
+    let has_minus = (0..chars.len()).any(is_minus) && !text.contains('+');
+    let said = match said {
+        // Whether the minus is a sign or a dash is not certain.
+        Coordinate::Grows(way) if has_minus => Coordinate::Along(way.axis()),
+        Coordinate::Grows(way) if is_flipped => Coordinate::Grows(way.opposite()),
+        said => said,
+    };
+    (letter.is_some() || said != Coordinate::Unknown).then_some(Coordinates {
+        letter,
+        side,
+        unit,
+        said,
+    })
+}
+
+/// The axis that a word names without a sign.
+fn along(word: &str) -> Option<usize> {
+    match word {
+        "longitudinal" | "long" | "lengthwise" => Some(0),
+        "lateral" | "lat" | "transverse" | "crosswise" | "outboard" | "outward" => Some(1),
+        "vertical" | "vert" | "height" => Some(2),
+        _ => None,
+    }
+}
+
+/// Rows of a name and three numbers behind it.
+pub(super) fn without_header(sheet: &Sheet, rows: &[u32]) -> Option<Columns> {
+    let fits = |row: u32| {
+        let cells: Vec<(u32, &Cell)> = sheet.row(row).take(5).collect();
+        let [(name, Cell::Text(text)), (x, _), (y, _), (z, _)] = cells.as_slice() else {
+            return None;
+        };
+        let numbers = cells[1..].iter().all(|(_, cell)| match cell {
+            Cell::Number(_) => true,
+            Cell::Text(text) => plain_number(text, true).is_ok(),
+            Cell::Unusable(_) => false,
+        });
+        let is_name = plain_number(text, true).is_err();
+        (numbers && is_name && [*x, *y, *z] == [name + 1, name + 2, name + 3]).then_some(*name)
+    };
+    let mut fitting = rows.iter().filter_map(|row| fits(*row));
+    let name = fitting.next()?;
+    (fitting.next()? == name).then(|| Columns {
+        name,
+        triples: vec![Triple {
+            columns: [name + 1, name + 2, name + 3],
+            side: None,
+        }],
+        marks: Vec::new(),
+        body: None,
+        frame: None,
+    })
+}

@@ -1,0 +1,325 @@
+//! Axes of a file and side of its wheel: from what the user and the file say, else from the points.
+//!
+//! | axes are said | side is said | result |
+//! |---|---|---|
+//! | yes | yes | the points must not contradict either |
+//! | yes | no | the side follows from the points, or left is assumed |
+//! | no | yes | the axes follow from the points, if they are right-handed |
+//! | no | no | the same with the left wheel assumed: its mirror image is a right wheel's in left-handed axes |
+//!
+//! Left-handed axes are refused unless `--axes` says them, and axes that the points do not show clearly (see
+//! [`crate::report`]'s `orientation`) are asked for.
+
+use super::ImportOptions;
+use super::axes::{Axes, of_reading, reading_of};
+use super::corner::Picked;
+use super::refusal::{Question, Refusal};
+use super::table::PointTable;
+use crate::model::Side;
+use crate::report::{Directions, Verdict};
+
+/// Axes and side of the points as they are written.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Placed {
+    pub axes: Axes,
+    /// The wheel that the points which the axes were read from are of.
+    pub side: Side,
+}
+
+/// The wheel that the evidence is of, and its points: those of one wheel only.
+fn evidence(picked: &[Picked], wanted: Option<Side>) -> (Option<Side>, Vec<(&str, [f64; 3])>) {
+    let has = |side: Side| picked.iter().any(|p| p.origin == Some(side));
+    let origin = match wanted {
+        Some(side) if has(side) => Some(side),
+        _ => Side::ALL.into_iter().find(|side| has(*side)),
+    };
+    let of = picked
+        .iter()
+        .filter(|p| p.origin.is_none() || p.origin == origin);
+    let points = of.map(|p| (p.hardpoint.name, p.hardpoint.position));
+    (origin.or(wanted), points.collect())
+}
+
+/// Finds the axes and the side.
+pub(super) fn place(
+    table: &PointTable,
+    options: &ImportOptions<'_>,
+    wanted: Option<Side>,
+    picked: &[Picked],
+    notes: &mut Vec<String>,
+) -> Result<Placed, Refusal> {
+    let (side, points) = evidence(picked, wanted);
+    let directions = Directions::of(&points);
+    let flag = options.axes.or(options.frame.map(Axes::of));
+    if let Some(axes) = flag.or(table.declared.axes()) {
+        let is_said = flag.is_some();
+        return said(axes, is_said, side, &directions, options, notes);
+    }
+    found(table, side, &directions, notes)
+}
+
+/// Axes that the user or the file says.
+fn said(
+    axes: Axes,
+    by_user: bool,
+    side: Option<Side>,
+    directions: &Directions,
+    options: &ImportOptions<'_>,
+    notes: &mut Vec<String>,
+) -> Result<Placed, Refusal> {
+    if !axes.is_right_handed() && options.axes.is_none() {
+        return Err(left_handed(
+            format!("the file says that x, y and z point {axes}, which is left-handed"),
+            vec![("--axes", axes.to_string())],
+        ));
+    }
+    let score = |side: Side| directions.score(&reading_of(axes, side));
+    let [left, right] = Side::ALL.map(score);
+    let shown = if left > right + 0.5 {
+        Some(Side::Left)
+    } else if right > left + 0.5 {
+        Some(Side::Right)
+    } else {
+        None
+    };
+    if let (Some(said), Some(shown)) = (side, shown)
+        && said != shown
+    {
+        let frame = axes
+            .convention()
+            .map_or(axes.to_string(), |frame| frame.name().to_owned());
+        return Err(Refusal::Wrong(format!(
+            "in these coordinates {}: that is not the {} wheel in {frame}; it would be --side {} with these axes",
+            directions.describe(&reading_of(axes, shown)),
+            said.name(),
+            shown.name()
+        )));
+    }
+    let placed = Placed {
+        axes,
+        side: side.or(shown).unwrap_or(Side::Left),
+    };
+    if side.is_none() {
+        notes.push(format!(
+            "wheel: {}, since {}",
+            placed.side.name(),
+            match shown {
+                Some(_) => "its points are on that side of the body",
+                None => "neither the file nor its points show the other one",
+            }
+        ));
+    }
+    let reading = reading_of(axes, placed.side);
+    if let Some(other) = directions.contradict(&reading) {
+        let shown = directions.describe(&other);
+        if !by_user {
+            return Err(open_axes(
+                format!("the file says that x, y and z point {axes}, but in its points {shown}"),
+                of_reading(&other, placed.side),
+            ));
+        }
+        notes.push(format!(
+            "doubtful: in the points {shown}, and x, y and z are said to point {axes}"
+        ));
+    }
+    Ok(placed)
+}
+
+/// Axes that the points show, as far as the file does not say them.
+fn found(
+    table: &PointTable,
+    side: Option<Side>,
+    directions: &Directions,
+    notes: &mut Vec<String>,
+) -> Result<Placed, Refusal> {
+    let wheel = side.unwrap_or(Side::Left);
+    let declared = table.declared;
+    let allowed = |reading: &_| declared.allows(of_reading(reading, wheel));
+    let reading = match directions.judge(allowed) {
+        Verdict::Clear(reading) => reading,
+        Verdict::Unclear(best) => {
+            return Err(open_axes(
+                "which way x, y and z point is neither said in the file nor clear from its points"
+                    .to_owned(),
+                of_reading(&best, wheel),
+            ));
+        }
+        Verdict::None => {
+            return Err(open_axes(
+                "the headers give two coordinates the same axis".to_owned(),
+                Axes::of(crate::model::FrameConvention::Iso8855),
+            ));
+        }
+    };
+    let placed = Placed {
+        axes: of_reading(&reading, wheel),
+        side: wheel,
+    };
+    // A header that fits none of the points would be passed over here.
+    if !declared.is_empty()
+        && let Some(other) = directions.contradict(&reading)
+    {
+        return Err(open_axes(
+            format!(
+                "the headers do not fit the points, in which {}",
+                directions.describe(&other)
+            ),
+            of_reading(&other, wheel),
+        ));
+    }
+    let shown = directions.describe(&reading);
+    if !placed.axes.is_right_handed() {
+        let other = match wheel {
+            Side::Left => Side::Right,
+            Side::Right => Side::Left,
+        };
+        let known = match side {
+            Some(_) => String::new(),
+            None => " (no side is said, so left is assumed)".to_owned(),
+        };
+        return Err(left_handed(
+            format!(
+                "in these coordinates {shown}: of a {} wheel{known} that is left-handed, {}",
+                wheel.name(),
+                placed.axes
+            ),
+            vec![
+                ("--side", other.name().to_owned()),
+                ("--axes", placed.axes.to_string()),
+            ],
+        ));
+    }
+    let assumed = if side.is_none() {
+        ", left assumed, since the file says no side"
+    } else {
+        ""
+    };
+    let name = placed
+        .axes
+        .convention()
+        .map_or(placed.axes.to_string(), |frame| frame.name().to_owned());
+    notes.push(format!(
+        "axes: {name}, {} wheel{assumed}, since {shown} (--axes and --side say others)",
+        placed.side.name()
+    ));
+    Ok(placed)
+}
+
+fn left_handed(reason: String, choices: Vec<(&'static str, String)>) -> Refusal {
+    Refusal::Open(Question {
+        reason,
+        choices,
+        free: None,
+    })
+}
+
+/// A question about axes, with the likeliest answer.
+fn open_axes(reason: String, likely: Axes) -> Refusal {
+    let mut choices = Vec::new();
+    if likely.is_right_handed() {
+        choices.push(("--axes", likely.to_string()));
+    }
+    Refusal::Open(Question {
+        reason,
+        choices,
+        free: Some((
+            "--axes",
+            "X,Y,Z with each forward, rearward, left, right, up or down",
+        )),
+    })
+}
+
+/// Mirrors the points that are of the other wheel than the wanted one, across the car.
+pub(super) fn mirror(
+    placed: &mut Placed,
+    wanted: Option<Side>,
+    picked: &mut [Picked],
+    notes: &mut Vec<String>,
+) {
+    let wheel = wanted.unwrap_or(placed.side);
+    let (across, _) = placed.axes.across();
+    let mut names = Vec::new();
+    for point in picked.iter_mut() {
+        // A point without a side is of the wheel that the axes were read from.
+        if point.origin.unwrap_or(placed.side) == wheel {
+            continue;
+        }
+        let coordinate = &mut point.hardpoint.position[across];
+        *coordinate = 0.0 - *coordinate;
+        names.push(point.hardpoint.name);
+    }
+    placed.side = wheel;
+    if !names.is_empty() {
+        notes.push(format!(
+            "mirrored from the other wheel: {}",
+            names.join(", ")
+        ));
+    }
+}
+
+/// Moves a wheel at the origin to its half track. Files with the wheel centre or the contact point at y = 0 have
+/// the body's points on the other side of the centre plane.
+pub(super) fn to_half_track(
+    placed: Placed,
+    half_track: Option<f64>,
+    asked: bool,
+    picked: &mut [Picked],
+    notes: &mut Vec<String>,
+) -> Result<(), Refusal> {
+    let (across, left) = placed.axes.across();
+    let outward = left * placed.side.sign();
+    let of = |p: &Picked| outward * p.hardpoint.position[across];
+    let Some(wheel) = picked.iter().find(|p| p.hardpoint.name == "wheel_centre") else {
+        return Ok(());
+    };
+    let wheel = of(wheel);
+    let is_inner = |p: &&Picked| {
+        let name = p.hardpoint.name;
+        name.ends_with("_inner") && name != "spindle_inner"
+            || name.starts_with("lower_arm_")
+            || name.starts_with("upper_arm_")
+            || name.starts_with("arm_pivot_")
+    };
+    let inner: Vec<f64> = picked.iter().filter(is_inner).map(of).collect();
+    if inner.is_empty() {
+        return Ok(());
+    }
+    let reach = wheel - inner.iter().sum::<f64>() / inner.len() as f64;
+    if wheel >= 0.5 * reach {
+        if asked
+            && let Some(half_track) = half_track
+            && (half_track - wheel).abs() > 1e-3 * wheel
+        {
+            return Err(Refusal::Wrong(format!(
+                "--half-track {half_track}: the wheel centre is {wheel} from the centre plane already; leave the \
+                 flag out or move the points"
+            )));
+        }
+        return Ok(());
+    }
+    let Some(half_track) = half_track else {
+        return Err(Refusal::Open(Question {
+            reason: format!(
+                "the wheel centre is {wheel} from the centre plane, and the body's points lie beyond it: the file has \
+                 its origin at the wheel, and says no half track"
+            ),
+            choices: Vec::new(),
+            free: Some(("--half-track", "LENGTH in the file's unit")),
+        }));
+    };
+    if half_track <= 0.0 {
+        return Err(Refusal::Wrong(format!(
+            "the half track is {half_track}; expected a length above 0"
+        )));
+    }
+    let shift = outward * (half_track - wheel);
+    for point in picked.iter_mut() {
+        point.hardpoint.position[across] += shift;
+    }
+    notes.push(format!(
+        "half track: the file has its origin at the wheel; all points are {} further out, so that the wheel centre is \
+         {half_track} from the centre plane",
+        half_track - wheel
+    ));
+    Ok(())
+}

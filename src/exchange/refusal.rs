@@ -1,0 +1,59 @@
+//! Reasons why a file is not imported: something is wrong, or a question is open that a flag answers.
+
+use std::fmt;
+
+/// Reason why a file is not imported.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Refusal {
+    /// Something is wrong.
+    Wrong(String),
+    /// The file leaves a question open.
+    Open(Question),
+}
+
+/// A question that the file leaves open, with the flags that answer it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Question {
+    /// The question with its cause.
+    pub reason: String,
+    /// Answers to choose from: flags with their values.
+    pub choices: Vec<(&'static str, String)>,
+    /// A flag whose value the user makes up, with an example.
+    pub free: Option<(&'static str, &'static str)>,
+}
+
+impl Question {
+    /// The same with the values of one flag.
+    pub(super) fn of(reason: String, flag: &'static str, values: &[&str]) -> Refusal {
+        Refusal::Open(Question {
+            reason,
+            choices: values.iter().map(|v| (flag, (*v).to_owned())).collect(),
+            free: None,
+        })
+    }
+}
+
+impl From<String> for Refusal {
+    fn from(reason: String) -> Self {
+        Refusal::Wrong(reason)
+    }
+}
+
+impl fmt::Display for Refusal {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let question = match self {
+            Refusal::Wrong(reason) => return f.write_str(reason),
+            Refusal::Open(question) => question,
+        };
+        let choices = question.choices.iter();
+        let mut answers: Vec<String> = choices
+            .map(|(flag, value)| format!("{flag} {value}"))
+            .collect();
+        answers.extend(
+            question
+                .free
+                .map(|(flag, example)| format!("{flag} {example}")),
+        );
+        write!(f, "{}: say {}", question.reason, answers.join(" or "))
+    }
+}

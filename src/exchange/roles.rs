@@ -1,0 +1,321 @@
+//! Names to roles: the hardpoint that a name means, with the wheel, the axle and the body that it speaks of.
+//!
+//! Sides stand first or last (`hpl_lca_front`, `LCA front R`, `FL lower ball joint`). "Front" and "rear" mean the pivot
+//! where the hardpoint needs one (`lca_front`), and the axle otherwise (`front lower ball joint`); of two the first is
+//! the axle (`FUCA aft`, `F_LCA_IF`). A single `R` is the right wheel, unless the name then means no hardpoint
+//! (`LCA_R`) or the file pairs it with `F` and has no `L`.
+
+use super::names::{Words, cut, marks_of};
+use super::table::{Marks, NamedPoint};
+use crate::model::{AxlePosition, Topology};
+
+/// The meaning of a name.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Role {
+    /// The hardpoint.
+    pub hardpoint: &'static str,
+    /// The wheel and axle that the name says.
+    pub marks: Marks,
+    /// The body that the name says, in the words of studies.
+    pub body: Option<&'static str>,
+}
+
+/// How the file uses a single letter `R`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Letters {
+    /// Before a name it means the rear axle.
+    first_is_rear: bool,
+    /// Behind a name it means the rear.
+    last_is_rear: bool,
+}
+
+impl Letters {
+    /// As the names of a file pair it: with `F` and without `L`.
+    pub(super) fn of<'a>(names: impl Iterator<Item = &'a str> + Clone) -> Self {
+        let has = |wanted: &str, last: bool| {
+            names.clone().any(|name| {
+                let words = cut(name);
+                let word = if last { words.last() } else { words.first() };
+                words.len() > 1 && word.is_some_and(|word| word == wanted)
+            })
+        };
+        let is_rear = |last| has("f", last) && has("r", last) && !has("l", last);
+        Letters {
+            first_is_rear: is_rear(false),
+            last_is_rear: is_rear(true),
+        }
+    }
+
+    /// As the names of points pair it.
+    pub(super) fn of_points(points: &[NamedPoint]) -> Self {
+        Letters::of(points.iter().map(|point| point.read_as.as_str()))
+    }
+}
+
+/// The names of OptimumKinematics, cut into words.
+const OPTIMUM: &[(&str, &str)] = &[
+    ("chas low for", "lower_arm_front"),
+    ("chas low aft", "lower_arm_rear"),
+    ("chas upp for", "upper_arm_front"),
+    ("chas upp aft", "upper_arm_rear"),
+    ("upri low pnt", "lower_ball_joint"),
+    ("upri upp pnt", "upper_ball_joint"),
+    ("chas tie pnt", "tie_rod_inner"),
+    ("upri tie pnt", "tie_rod_outer"),
+    ("nsma ppatt pnt", "pushrod_outer"),
+    ("rock rod pnt", "pushrod_inner"),
+    ("chas roc axi", "rocker_pivot_front"),
+    ("chas roc piv", "rocker_pivot_rear"),
+    ("chas att pnt", "spring_upper"),
+    ("rock coi pnt", "spring_lower"),
+    ("nsma ubar att pnt", "drop_link_outer"),
+    ("ubar att pnt", "drop_link_inner"),
+    ("chas piv pnt", "anti_roll_bar_outer"),
+];
+
+/// Whether these points have the names of OptimumKinematics.
+pub(super) fn is_optimum(points: &[NamedPoint]) -> bool {
+    points.iter().any(|point| {
+        let words = cut(&point.read_as);
+        words
+            .first()
+            .is_some_and(|word| word == "chas" || word == "upri")
+            && optimum(&words).is_some()
+    })
+}
+
+fn optimum(words: &[String]) -> Option<(&'static str, Marks)> {
+    let (words, marks) = match words {
+        [rest @ .., last] if !marks_of(last).is_empty() && rest.len() > 1 => (rest, marks_of(last)),
+        _ => (words, Marks::default()),
+    };
+    let joined = words.join(" ");
+    let found = OPTIMUM.iter().find(|(name, _)| *name == joined);
+    found.map(|(_, hardpoint)| (*hardpoint, marks))
+}
+
+/// Reads a name.
+pub(super) fn read(name: &str, topology: &Topology, letters: Letters) -> Option<Role> {
+    let words = cut(name);
+    let plain = words.join("_");
+    let mut own = topology.all_hardpoints().map(|hardpoint| hardpoint.name);
+    if let Some(hardpoint) = own.find(|known| *known == plain) {
+        let marks = Marks::default();
+        return Some(Role {
+            hardpoint,
+            marks,
+            body: None,
+        });
+    }
+    if let Some((hardpoint, marks)) = optimum(&words) {
+        topology.hardpoint(hardpoint)?;
+        return Some(Role {
+            hardpoint,
+            marks,
+            body: None,
+        });
+    }
+    let (hardpoint, marks) = readings(&words, letters)
+        .into_iter()
+        .find_map(|(words, marks)| hardpoint(&words, marks, topology))?;
+    let body = body(name, hardpoint, topology);
+    Some(Role {
+        hardpoint,
+        marks,
+        body,
+    })
+}
+
+/// The ways to read sides in a name, the likeliest first.
+fn readings(words: &[String], letters: Letters) -> Vec<(Vec<String>, Marks)> {
+    let is_r = |word: Option<&String>| word.is_some_and(|word| word == "r");
+    let rear = |words: &[String], first: bool, last: bool| {
+        let mut changed = words.to_vec();
+        if first && is_r(words.first()) {
+            changed[0] = "rear".to_owned();
+        }
+        if last && is_r(words.last()) {
+            *changed.last_mut().expect("there is one") = "rear".to_owned();
+        }
+        changed
+    };
+    let usual = stripped(rear(words, letters.first_is_rear, letters.last_is_rear));
+    let mut all = vec![usual];
+    if is_r(words.last()) {
+        all.push(stripped(rear(words, letters.first_is_rear, true)));
+    }
+    all
+}
+
+/// Takes sides away that stand first or last.
+fn stripped(mut words: Vec<String>) -> (Vec<String>, Marks) {
+    let mut marks = Marks::default();
+    for at_end in [false, true] {
+        let word = if at_end { words.last() } else { words.first() };
+        let found = word.map(|word| marks_of(word)).unwrap_or_default();
+        if words.len() > 1 && !found.is_empty() && marks.side.is_none() {
+            marks = marks.or(found);
+            let at = if at_end { words.len() - 1 } else { 0 };
+            words.remove(at);
+        }
+    }
+    (words, marks)
+}
+
+fn hardpoint(cut: &[String], marks: Marks, topology: &Topology) -> Option<(&'static str, Marks)> {
+    let words = Words::spelt(cut);
+    let on_axle = || {
+        let (axle, rest) = words.without_axle()?;
+        let hardpoint = rest.hardpoint(topology)?;
+        let said = Marks {
+            side: None,
+            axle: Some(axle),
+        };
+        Some((hardpoint, marks.or(said)))
+    };
+    let as_it_is = || words.hardpoint(topology).map(|name| (name, marks));
+    match words.ends() {
+        0 => as_it_is(),
+        1 => as_it_is().or_else(on_axle),
+        _ => on_axle(),
+    }
+}
+
+/// The body that a name says its end of a spring or rod sits on.
+fn body(name: &str, hardpoint: &str, topology: &Topology) -> Option<&'static str> {
+    if ![
+        "spring_lower",
+        "drop_link_outer",
+        "pushrod_outer",
+        "pullrod_outer",
+    ]
+    .contains(&hardpoint)
+    {
+        return None;
+    }
+    body_of(name, topology)
+}
+
+/// The body that some words name, in the words of studies.
+pub(super) fn body_of(text: &str, topology: &Topology) -> Option<&'static str> {
+    let cut = cut(text);
+    let has = |wanted: &str| cut.iter().any(|word| wanted.split(' ').any(|w| w == word));
+    let arm = has("arm wishbone aarm");
+    let carrier = if topology.name == "semi_trailing_arm" {
+        "arm"
+    } else {
+        "knuckle"
+    };
+    if has("rocker bellcrank") {
+        Some("rocker")
+    } else if has("upright knuckle carrier") || (arm && carrier == "arm") {
+        Some(carrier)
+    } else if has("lca") || (arm && has("lower low bottom")) {
+        Some("lower_arm")
+    } else if has("uca") || (arm && has("upper upp top")) {
+        Some("upper_arm")
+    } else {
+        None
+    }
+}
+
+/// The axle that a list of marks agrees on.
+pub(super) fn axles(marks: impl Iterator<Item = Marks>) -> Vec<AxlePosition> {
+    let mut axles: Vec<AxlePosition> = Vec::new();
+    for axle in marks.filter_map(|marks| marks.axle) {
+        if !axles.contains(&axle) {
+            axles.push(axle);
+        }
+    }
+    axles.sort_by_key(|axle| *axle as usize);
+    axles
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::Side;
+
+    /// Other names of the file, a name, and its hardpoint, wheel, axle and body.
+    type Case<'a> = (
+        &'a [&'a str],
+        &'a str,
+        &'a str,
+        Option<Side>,
+        Option<AxlePosition>,
+        Option<&'a str>,
+    );
+
+    #[test]
+    fn names_say_wheel_axle_and_body() {
+        let paired = ["F_LCA_IF", "R_LCA_IF", "F_UBJ"];
+        let sided = ["LCA front L", "LCA front R"];
+        let (front, rear) = (Some(AxlePosition::Front), Some(AxlePosition::Rear));
+        let (left, right) = (Some(Side::Left), Some(Side::Right));
+        let topology = Topology::named("double_wishbone").unwrap();
+        let cases: [Case; 17] = [
+            (&[], "hpl_lca_front", "lower_arm_front", left, None, None),
+            (&sided, "LCA front R", "lower_arm_front", right, None, None),
+            (
+                &[],
+                "FR lower ball joint",
+                "lower_ball_joint",
+                right,
+                front,
+                None,
+            ),
+            (&[], "LCA_R", "lower_arm_rear", None, None, None),
+            (&[], "LCA_F", "lower_arm_front", None, None, None),
+            (&[], "UBJ R", "upper_ball_joint", right, None, None),
+            (&paired, "F_LCA_IF", "lower_arm_front", None, front, None),
+            (&paired, "R_LCA_IF", "lower_arm_front", None, rear, None),
+            (&paired, "R_UBJ", "upper_ball_joint", None, rear, None),
+            (&[], "FUCA aft", "upper_arm_rear", None, front, None),
+            (
+                &[],
+                "front lower ball joint",
+                "lower_ball_joint",
+                None,
+                front,
+                None,
+            ),
+            (&[], "Rack end", "tie_rod_inner", None, None, None),
+            (&[], "Steering arm", "tie_rod_outer", None, None, None),
+            (
+                &[],
+                "Damper o/b (rocker)",
+                "spring_lower",
+                None,
+                None,
+                Some("rocker"),
+            ),
+            (
+                &[],
+                "Push rod lower (on LCA)",
+                "pushrod_outer",
+                None,
+                None,
+                Some("lower_arm"),
+            ),
+            (
+                &[],
+                "ARB link @ rocker",
+                "drop_link_outer",
+                None,
+                None,
+                Some("rocker"),
+            ),
+            (&[], "NSMA_PPAttPnt_L", "pushrod_outer", left, None, None),
+        ];
+        for (others, name, hardpoint, side, axle, body) in cases {
+            let letters = Letters::of(others.iter().copied());
+            let role = read(name, topology, letters).unwrap_or_else(|| panic!("{name}"));
+            let marks = Marks { side, axle };
+            assert_eq!(
+                (role.hardpoint, role.marks, role.body),
+                (hardpoint, marks, body),
+                "{name}"
+            );
+        }
+    }
+}

@@ -1,0 +1,149 @@
+//! A study's points as the hardpoints of an Adams/Car subsystem: in a new file, or in the rows of a copy of one.
+
+use super::adams::{self, Symmetry};
+use super::names;
+use super::outgoing::Outgoing;
+use crate::model::{FrameConvention, PointId, Side, SpinAxis, Suspension};
+
+/// A file of another tool that was written.
+#[derive(Clone, Debug)]
+pub struct Written {
+    /// The file.
+    pub bytes: Vec<u8>,
+    /// Notes on parts of the study that have no place in it.
+    pub notes: Vec<String>,
+}
+
+/// The axes of these files.
+const AXES: FrameConvention = FrameConvention::XRear;
+
+/// A new subsystem with a study's hardpoints. Rows of both sides give the left wheel; a right wheel that is not the
+/// mirror image has rows of its own.
+pub fn subsystem(outgoing: &Outgoing<'_>) -> Written {
+    let outgoing = outgoing.in_convention(AXES);
+    let wheels = outgoing.different_wheels();
+    let mut points = Vec::new();
+    let mut parameters = Vec::new();
+    for side in &wheels {
+        let (symmetry, of_side) = match (wheels.len(), side) {
+            (2, Side::Left) => (Symmetry::Left, Side::Left),
+            (2, Side::Right) => (Symmetry::Right, Side::Right),
+            _ => (Symmetry::Both, Side::Left),
+        };
+        let mechanism = &outgoing.suspension(*side).mechanism;
+        for (name, id, _) in outgoing.points(*side) {
+            let hardpoint = mechanism.topology.hardpoint(name);
+            let name = hardpoint.map_or(name, |hardpoint| names::in_adams(hardpoint.name));
+            let position = outgoing.in_axes(of_side, outgoing.place(*side, id));
+            points.push((name.to_owned(), symmetry, position));
+        }
+        if matches!(mechanism.spin_axis, SpinAxis::Along(_)) {
+            let names = ["camber_angle", "toe_angle"].into_iter();
+            let angles = names.zip(outgoing.static_angles(*side));
+            parameters.extend(angles.map(|(name, angle)| (name.to_owned(), symmetry, angle)));
+        }
+    }
+    Written {
+        bytes: adams::bytes_of(&adams::written(outgoing.unit, &points, &parameters)),
+        notes: without_bodies(&outgoing.study.suspension),
+    }
+}
+
+/// The file of a subsystem with a study's hardpoints in their rows; everything else stays as it is.
+///
+/// # Errors
+///
+/// The file is no subsystem, or it is not certain which of its rows is which hardpoint.
+pub fn into_subsystem(outgoing: &Outgoing<'_>, file: &[u8]) -> Result<Written, String> {
+    let suspension = &outgoing.study.suspension;
+    let text = adams::text_of(file);
+    if !adams::is_subsystem(&text) {
+        return Err("it has no block [HARDPOINT]: it is no subsystem of Adams/Car".to_owned());
+    }
+    let subsystem = adams::read(&text)?;
+    let unit = subsystem.length.unwrap_or(outgoing.unit);
+    let (_, side) = suspension.frame.meaning();
+    let meanings = meanings(suspension, &subsystem)?;
+    let is_for = |symmetry: Symmetry| match symmetry {
+        Symmetry::Both | Symmetry::Single => true,
+        Symmetry::Left => side == Side::Left,
+        Symmetry::Right => side == Side::Right,
+    };
+    let outgoing = outgoing.in_convention(AXES);
+    let rewritten = adams::rewritten(&text, |name, symmetry| {
+        let (_, id) = meanings.iter().find(|(known, _)| *known == name)?;
+        let of_side = match symmetry {
+            Symmetry::Right => Side::Right,
+            _ => Side::Left,
+        };
+        let position = outgoing.in_axes(of_side, outgoing.place(side, *id));
+        is_for(symmetry).then(|| position.map(|number| unit.convert(number, outgoing.unit)))
+    });
+    let mut notes = vec![format!("{} rows of [HARDPOINT] written", rewritten.rows)];
+    let mechanism = &suspension.mechanism;
+    let is_written = |id: PointId| meanings.iter().any(|(_, known)| *known == id);
+    let absent: Vec<&str> = (0..mechanism.points.len())
+        .filter(|number| !is_written(PointId(*number)))
+        .map(|number| mechanism.name(PointId(number)))
+        .collect();
+    if !absent.is_empty() {
+        notes.push(format!("without a row there: {}", absent.join(", ")));
+    }
+    let mut others = subsystem.points.iter();
+    if others.any(|point| !is_for(point.symmetry)) {
+        notes.push(format!(
+            "rows of the other wheel stay: the study is of the {} one",
+            side.name()
+        ));
+    }
+    if unit != outgoing.unit {
+        notes.push(format!(
+            "converted from {} to {}, the unit of the file",
+            outgoing.unit.symbol(),
+            unit.symbol()
+        ));
+    }
+    notes.extend(without_bodies(suspension));
+    Ok(Written {
+        bytes: adams::bytes_of(&rewritten.text),
+        notes,
+    })
+}
+
+/// The hardpoints that names of a file mean.
+fn meanings<'f>(
+    suspension: &Suspension,
+    subsystem: &'f adams::Subsystem,
+) -> Result<Vec<(&'f str, PointId)>, String> {
+    let mechanism = &suspension.mechanism;
+    let mut meanings: Vec<(&str, PointId)> = Vec::new();
+    for point in &subsystem.points {
+        let extra = mechanism.point(&point.name).map(|_| point.name.as_str());
+        let name = names::hardpoint(&point.name, mechanism.topology).or(extra);
+        let Some(id) = name.and_then(|name| mechanism.point(name)) else {
+            continue;
+        };
+        let same = |(known, other): &&(&str, PointId)| *other == id && *known != point.name;
+        if let Some((other, _)) = meanings.iter().find(same) {
+            return Err(format!(
+                "{:?} and {other:?} both seem to be {}: which is to be written is not certain",
+                point.name,
+                mechanism.name(id)
+            ));
+        }
+        meanings.push((&point.name, id));
+    }
+    Ok(meanings)
+}
+
+/// Notes on parts that an Adams/Car subsystem keeps in its template.
+fn without_bodies(suspension: &Suspension) -> Vec<String> {
+    let moved = suspension.mechanism.points_on_other_bodies();
+    match moved.is_empty() {
+        true => Vec::new(),
+        false => vec![format!(
+            "a subsystem does not say on which body a point is; [suspension.bodies] does, of {}",
+            moved.join(", ")
+        )],
+    }
+}

@@ -1,0 +1,74 @@
+//! The unit of a file's coordinates: the one that is said, or the one in which the points are as far apart as those of
+//! a car's suspension.
+
+use super::ImportOptions;
+use super::corner::Picked;
+use super::table::PointTable;
+use crate::model::LengthUnit;
+
+/// Sizes of a wheel's suspension, in metres, by which a unit is recognised.
+const USUAL_SIZE: [f64; 2] = [0.15, 3.0];
+
+/// The unit of the coordinates.
+pub(super) fn unit(
+    table: &PointTable,
+    options: &ImportOptions<'_>,
+    picked: &[Picked],
+    notes: &mut Vec<String>,
+) -> Result<LengthUnit, String> {
+    // Any joint at the wheel will do, where the file has no wheel centre.
+    let at_wheel = ["wheel_centre", "lower_ball_joint", "lower_front_link_outer"];
+    let centre = at_wheel
+        .iter()
+        .find_map(|name| picked.iter().find(|p| p.hardpoint.name == *name));
+    let centre = centre.map_or([0.0; 3], |p| p.hardpoint.position);
+    let distance = |p: &Picked| {
+        let squares = p
+            .hardpoint
+            .position
+            .iter()
+            .zip(centre)
+            .map(|(a, b)| (a - b) * (a - b));
+        squares.sum::<f64>().sqrt()
+    };
+    let size = picked.iter().map(distance).fold(0.0, f64::max);
+    let [least, most] = USUAL_SIZE;
+    let fits = |unit: &LengthUnit| (least..=most).contains(&(size / unit.per_metre()));
+    let fitting = LengthUnit::ALL.into_iter().find(fits);
+    let said = match (options.unit, table.unit) {
+        (Some(unit), written) => {
+            if written.is_some_and(|written| written != unit) {
+                notes.push(format!(
+                    "the file's own unit is overruled by --unit {}",
+                    unit.symbol()
+                ));
+            }
+            Some(unit)
+        }
+        (None, written) => written,
+    };
+    match (said, fitting) {
+        (Some(unit), _) if fits(&unit) => Ok(unit),
+        (Some(unit), fitting) => {
+            let better = fitting.map_or(String::new(), |unit| {
+                format!("; in {} they would be", unit.symbol())
+            });
+            notes.push(format!(
+                "doubtful: the points are {size:.4} {} apart, which is not the size of a car's suspension{better}",
+                unit.symbol()
+            ));
+            Ok(unit)
+        }
+        (None, Some(unit)) => {
+            notes.push(format!(
+                "unit: {}, since the points are {size:.4} apart (--unit says another)",
+                unit.symbol()
+            ));
+            Ok(unit)
+        }
+        (None, None) => Err(format!(
+            "the points are {size:.4} apart, which is the size of no car's suspension in mm, m or in: say the \
+             unit with --unit"
+        )),
+    }
+}

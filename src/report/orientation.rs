@@ -1,0 +1,264 @@
+//! Which way the axes of points run, as the points of a suspension show it.
+//!
+//! Three directions are read from a suspension, each as a sum of differences of points, so that long ones weigh
+//! most:
+//!
+//! | direction | differences |
+//! |---|---|
+//! | forward | front pivot less rear pivot of an arm, front less rear link; pivots of a trailing arm less wheel centre |
+//! | outboard | joint at the wheel carrier less joint at the body; wheel centre less a point of the spin axis |
+//! | up | upper joint less lower joint; the spring's upper end less its lower end where no rocker stands between |
+//!
+//! A [`Reading`] names a coordinate and a sign for each direction. There are 48. Its score is the sum of the three
+//! cosines between the directions and the coordinates it names. The best reading is believed only if it leads the
+//! second by [`LEAD`] and each of its cosines is at least [`LEAST_COSINE`]; otherwise the points do not decide.
+
+/// Least lead of the best reading's score over the second; a right angle of one direction loses 1.
+pub(crate) const LEAD: f64 = 0.5;
+/// Least cosine of the angle between a direction and the coordinate that stands for it.
+pub(crate) const LEAST_COSINE: f64 = 0.6;
+
+/// Pairs of hardpoints, the first above the second in a suspension.
+const ABOVE: &[(&str, &str)] = &[
+    ("upper_ball_joint", "lower_ball_joint"),
+    ("strut_top", "lower_ball_joint"),
+    ("strut_top", "strut_lower"),
+    ("upper_front_link_outer", "lower_front_link_outer"),
+    ("upper_rear_link_outer", "lower_rear_link_outer"),
+    ("upper_front_link_inner", "lower_front_link_inner"),
+    ("upper_rear_link_inner", "lower_rear_link_inner"),
+    ("upper_arm_front", "lower_arm_front"),
+    ("upper_arm_rear", "lower_arm_rear"),
+];
+
+/// Pairs of hardpoints, the first before the second.
+const BEFORE: &[(&str, &str)] = &[
+    ("lower_arm_front", "lower_arm_rear"),
+    ("upper_arm_front", "upper_arm_rear"),
+    ("lower_front_link_inner", "lower_rear_link_inner"),
+    ("upper_front_link_inner", "upper_rear_link_inner"),
+    ("lower_front_link_outer", "lower_rear_link_outer"),
+    ("upper_front_link_outer", "upper_rear_link_outer"),
+    // A trailing arm trails.
+    ("arm_pivot_inner", "wheel_centre"),
+    ("arm_pivot_outer", "wheel_centre"),
+];
+
+/// Pairs of hardpoints, the first outboard of the second.
+const OUTBOARD: &[(&str, &str)] = &[
+    ("lower_ball_joint", "lower_arm_front"),
+    ("lower_ball_joint", "lower_arm_rear"),
+    ("upper_ball_joint", "upper_arm_front"),
+    ("upper_ball_joint", "upper_arm_rear"),
+    ("tie_rod_outer", "tie_rod_inner"),
+    ("upper_front_link_outer", "upper_front_link_inner"),
+    ("upper_rear_link_outer", "upper_rear_link_inner"),
+    ("lower_front_link_outer", "lower_front_link_inner"),
+    ("lower_rear_link_outer", "lower_rear_link_inner"),
+    ("toe_link_outer", "toe_link_inner"),
+    ("arm_pivot_outer", "arm_pivot_inner"),
+    ("wheel_centre", "spindle_inner"),
+];
+
+/// A coordinate and the sign of its growth.
+pub(crate) type Signed = (usize, f64);
+
+/// The coordinates that stand for forward, outboard and up.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Reading {
+    pub(crate) forward: Signed,
+    pub(crate) outboard: Signed,
+    pub(crate) up: Signed,
+}
+
+impl Reading {
+    /// All 48.
+    pub(crate) fn all() -> impl Iterator<Item = Reading> {
+        const ORDERS: [[usize; 3]; 6] = [
+            [0, 1, 2],
+            [0, 2, 1],
+            [1, 0, 2],
+            [1, 2, 0],
+            [2, 0, 1],
+            [2, 1, 0],
+        ];
+        let sign = |bits: usize, bit: usize| if bits >> bit & 1 == 0 { 1.0 } else { -1.0 };
+        ORDERS.into_iter().flat_map(move |[x, y, z]| {
+            (0..8).map(move |bits| Reading {
+                forward: (x, sign(bits, 0)),
+                outboard: (y, sign(bits, 1)),
+                up: (z, sign(bits, 2)),
+            })
+        })
+    }
+}
+
+/// Directions that the points of a suspension show, as unit vectors in the points' own coordinates.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Directions {
+    forward: Option<[f64; 3]>,
+    outboard: Option<[f64; 3]>,
+    up: Option<[f64; 3]>,
+}
+
+/// Verdict on the readings that are allowed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Verdict {
+    /// The points show this reading.
+    Clear(Reading),
+    /// The points do not tell this reading from another one.
+    Unclear(Reading),
+    /// No reading is allowed.
+    None,
+}
+
+impl Directions {
+    /// Reads the directions from named points.
+    pub(crate) fn of(points: &[(&str, [f64; 3])]) -> Self {
+        let at = |name: &str| {
+            let found = points.iter().find(|(known, _)| *known == name);
+            found.map(|(_, position)| *position)
+        };
+        let sum = |pairs: &[(&str, &str)]| {
+            let known = pairs
+                .iter()
+                .filter_map(|(first, second)| Some((at(first)?, at(second)?)));
+            let total = known.fold([0.0; 3], |sum: [f64; 3], (first, second)| {
+                std::array::from_fn(|k| sum[k] + first[k] - second[k])
+            });
+            unit(total)
+        };
+        // A rocker may hang the spring either way round.
+        let springs: &[(&str, &str)] = match at("rocker_pivot_front").is_none() {
+            true => &[("spring_upper", "spring_lower")],
+            false => &[],
+        };
+        Directions {
+            forward: sum(BEFORE),
+            outboard: sum(OUTBOARD),
+            up: sum(ABOVE).or_else(|| sum(springs)),
+        }
+    }
+
+    /// Cosine of each direction with the coordinate of a reading; `None` where the points show none.
+    fn cosines(&self, reading: &Reading) -> [Option<f64>; 3] {
+        let along = |direction: Option<[f64; 3]>, (axis, sign): Signed| {
+            direction.map(|direction| sign * direction[axis])
+        };
+        [
+            along(self.forward, reading.forward),
+            along(self.outboard, reading.outboard),
+            along(self.up, reading.up),
+        ]
+    }
+
+    /// Sum of the cosines.
+    pub(crate) fn score(&self, reading: &Reading) -> f64 {
+        self.cosines(reading).into_iter().flatten().sum()
+    }
+
+    /// Judges the readings that a test allows.
+    pub(crate) fn judge(&self, allowed: impl Fn(&Reading) -> bool) -> Verdict {
+        let mut ranked: Vec<(f64, Reading)> = Reading::all()
+            .filter(|reading| allowed(reading))
+            .map(|reading| (self.score(&reading), reading))
+            .collect();
+        ranked.sort_by(|(a, _), (b, _)| b.total_cmp(a));
+        let Some((best, reading)) = ranked.first().copied() else {
+            return Verdict::None;
+        };
+        let leads = ranked
+            .get(1)
+            .is_none_or(|(second, _)| best - second >= LEAD);
+        let cosines = self.cosines(&reading);
+        let points_there = cosines
+            .into_iter()
+            .flatten()
+            .all(|cosine| cosine >= LEAST_COSINE);
+        match leads && points_there {
+            true => Verdict::Clear(reading),
+            false => Verdict::Unclear(reading),
+        }
+    }
+
+    /// Whether the points show clearly that a reading is wrong: another one leads it.
+    pub(crate) fn contradict(&self, reading: &Reading) -> Option<Reading> {
+        match self.judge(|_| true) {
+            Verdict::Clear(other) if other != *reading => Some(other),
+            // One direction may be unknown; the others may still point the wrong way.
+            _ => Reading::all()
+                .max_by(|a, b| self.score(a).total_cmp(&self.score(b)))
+                .filter(|best| {
+                    let against = self.cosines(reading).into_iter().flatten();
+                    let lowest = against.fold(1.0, f64::min);
+                    lowest <= -LEAST_COSINE && self.score(best) - self.score(reading) >= LEAD
+                }),
+        }
+    }
+
+    /// In words, as in "x points forward, y outboard, z up".
+    pub(crate) fn describe(&self, reading: &Reading) -> String {
+        let known = [self.forward, self.outboard, self.up];
+        let mut words: Vec<(usize, &str)> = [
+            (reading.forward, known[0], ["forward", "rearward"]),
+            (reading.outboard, known[1], ["outboard", "inboard"]),
+            (reading.up, known[2], ["up", "down"]),
+        ]
+        .into_iter()
+        .filter(|(_, known, _)| known.is_some())
+        .map(|((axis, sign), _, [with, against])| (axis, if sign > 0.0 { with } else { against }))
+        .collect();
+        words.sort_unstable();
+        let words: Vec<String> = words
+            .iter()
+            .map(|(axis, word)| format!("{} points {word}", ["x", "y", "z"][*axis]))
+            .collect();
+        words.join(", ")
+    }
+}
+
+fn unit(vector: [f64; 3]) -> Option<[f64; 3]> {
+    let length = vector[0].hypot(vector[1]).hypot(vector[2]);
+    (length > 0.0 && length.is_finite()).then(|| vector.map(|x| x / length))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::Topology;
+    use crate::study::Study;
+    use std::path::Path;
+
+    /// Every template under all 48 signed orders of its coordinates.
+    #[test]
+    fn the_axes_of_every_template_are_recognised() {
+        for topology in Topology::ALL {
+            let study = Study::from_text("s.toml", topology.template, Path::new(".")).unwrap();
+            let suspension = &study.suspension;
+            let names = topology.all_hardpoints().map(|h| h.name);
+            let points: Vec<_> = names
+                .filter_map(|name| {
+                    let id = suspension.mechanism.point(name)?;
+                    Some((name, suspension.design[id.0].to_array()))
+                })
+                .collect();
+            for reading in Reading::all() {
+                let moved: Vec<_> = points
+                    .iter()
+                    .map(|(name, [x, y, z])| {
+                        let mut moved = [0.0; 3];
+                        for ((axis, sign), value) in [reading.forward, reading.outboard, reading.up]
+                            .iter()
+                            .zip([x, y, z])
+                        {
+                            moved[*axis] = sign * value;
+                        }
+                        (*name, moved)
+                    })
+                    .collect();
+                let verdict = Directions::of(&moved).judge(|_| true);
+                assert_eq!(verdict, Verdict::Clear(reading), "{}", topology.name);
+            }
+        }
+    }
+}

@@ -1,0 +1,351 @@
+//! Orders and signs of coordinates: the same suspension or a refusal, never another suspension.
+
+use super::{Said, file, imported};
+use hardpoint::exchange::Imported;
+use hardpoint::model::{Frame, Side};
+use hardpoint::number::Vector3;
+
+/// Numbers between bounds, from a seed.
+struct Chance(u64);
+
+impl Chance {
+    fn between(&mut self, low: f64, high: f64) -> f64 {
+        self.0 = self
+            .0
+            .wrapping_mul(6364136223846793005)
+            .wrapping_add(1442695040888963407);
+        let share = (self.0 >> 11) as f64 / (1u64 << 53) as f64;
+        ((low + share * (high - low)) * 1000.0).round() / 1000.0
+    }
+
+    fn point(&mut self, x: [f64; 2], y: [f64; 2], z: [f64; 2]) -> [f64; 3] {
+        [x, y, z].map(|[low, high]| self.between(low, high))
+    }
+}
+
+type Points = Vec<(&'static str, [f64; 3])>;
+
+fn lower_arm(c: &mut Chance) -> Points {
+    vec![
+        (
+            "lower_arm_front",
+            c.point([80.0, 250.0], [150.0, 400.0], [90.0, 220.0]),
+        ),
+        (
+            "lower_arm_rear",
+            c.point([-300.0, -80.0], [150.0, 400.0], [90.0, 220.0]),
+        ),
+        (
+            "lower_ball_joint",
+            c.point([-40.0, 40.0], [560.0, 740.0], [100.0, 210.0]),
+        ),
+        (
+            "tie_rod_inner",
+            c.point([-160.0, 120.0], [140.0, 360.0], [120.0, 260.0]),
+        ),
+        (
+            "tie_rod_outer",
+            c.point([-150.0, 120.0], [540.0, 720.0], [130.0, 260.0]),
+        ),
+        (
+            "wheel_centre",
+            c.point([-30.0, 30.0], [610.0, 800.0], [200.0, 330.0]),
+        ),
+    ]
+}
+
+/// A left wheel in ISO 8855 (mm), anywhere along the car; `has_spring` gives a trailing arm its spring.
+fn geometry(topology: &str, c: &mut Chance, has_spring: bool) -> Points {
+    let mut points = match topology {
+        "double_wishbone" => {
+            let mut points = lower_arm(c);
+            points.extend([
+                (
+                    "upper_arm_front",
+                    c.point([60.0, 220.0], [200.0, 420.0], [260.0, 430.0]),
+                ),
+                (
+                    "upper_arm_rear",
+                    c.point([-250.0, -60.0], [200.0, 420.0], [260.0, 430.0]),
+                ),
+                (
+                    "upper_ball_joint",
+                    c.point([-60.0, 20.0], [520.0, 700.0], [300.0, 500.0]),
+                ),
+            ]);
+            points
+        }
+        "macpherson" => {
+            let mut points = lower_arm(c);
+            points.extend([
+                (
+                    "strut_top",
+                    c.point([-70.0, 20.0], [480.0, 600.0], [720.0, 900.0]),
+                ),
+                (
+                    "strut_lower",
+                    c.point([-20.0, 20.0], [600.0, 660.0], [330.0, 420.0]),
+                ),
+            ]);
+            points
+        }
+        "five_link" => {
+            let mut points = Vec::new();
+            for (front, rear, z) in [
+                (
+                    ["upper_front_link_inner", "upper_front_link_outer"],
+                    ["upper_rear_link_inner", "upper_rear_link_outer"],
+                    [400.0, 500.0],
+                ),
+                (
+                    ["lower_front_link_inner", "lower_front_link_outer"],
+                    ["lower_rear_link_inner", "lower_rear_link_outer"],
+                    [150.0, 240.0],
+                ),
+            ] {
+                points.push((front[0], c.point([80.0, 300.0], [250.0, 420.0], z)));
+                points.push((front[1], c.point([20.0, 60.0], [620.0, 720.0], z)));
+                points.push((rear[0], c.point([-260.0, -80.0], [250.0, 420.0], z)));
+                points.push((rear[1], c.point([-60.0, -20.0], [620.0, 720.0], z)));
+            }
+            points.extend([
+                (
+                    "toe_link_inner",
+                    c.point([-200.0, -100.0], [250.0, 400.0], [250.0, 330.0]),
+                ),
+                (
+                    "toe_link_outer",
+                    c.point([-180.0, -100.0], [620.0, 720.0], [250.0, 330.0]),
+                ),
+                (
+                    "wheel_centre",
+                    c.point([-20.0, 20.0], [690.0, 800.0], [280.0, 330.0]),
+                ),
+            ]);
+            points
+        }
+        _ => vec![
+            (
+                "arm_pivot_inner",
+                c.point([300.0, 420.0], [150.0, 300.0], [200.0, 330.0]),
+            ),
+            (
+                "arm_pivot_outer",
+                c.point([380.0, 520.0], [480.0, 640.0], [200.0, 330.0]),
+            ),
+            (
+                "wheel_centre",
+                c.point([-20.0, 20.0], [650.0, 800.0], [260.0, 330.0]),
+            ),
+        ],
+    };
+    if has_spring {
+        points.push((
+            "spring_upper",
+            c.point([-50.0, 80.0], [440.0, 520.0], [500.0, 640.0]),
+        ));
+        points.push((
+            "spring_lower",
+            c.point([-50.0, 80.0], [480.0, 560.0], [180.0, 300.0]),
+        ));
+    }
+    // Rear axles and other origins along the car.
+    let along = c.between(-2800.0, 1200.0);
+    for (_, [x, ..]) in &mut points {
+        *x += along;
+    }
+    points
+}
+
+/// The 48 orders and signs, each as the names of its columns' ways.
+fn orders() -> Vec<([usize; 3], [f64; 3], String, bool)> {
+    let names = [["forward", "rearward"], ["left", "right"], ["up", "down"]];
+    let mut all = Vec::new();
+    for order in [
+        [0, 1, 2],
+        [0, 2, 1],
+        [1, 0, 2],
+        [1, 2, 0],
+        [2, 0, 1],
+        [2, 1, 0],
+    ] {
+        for bits in 0..8 {
+            let signs = [0, 1, 2].map(|k| if bits >> k & 1 == 0 { 1.0 } else { -1.0 });
+            let ways: Vec<&str> = (0..3)
+                .map(|k| names[order[k]][usize::from(signs[k] < 0.0)])
+                .collect();
+            // The determinant, written out.
+            let mut matrix = [[0.0; 3]; 3];
+            for k in 0..3 {
+                matrix[k][order[k]] = signs[k];
+            }
+            let [a, b, c] = matrix;
+            let determinant = a[0] * (b[1] * c[2] - b[2] * c[1])
+                - a[1] * (b[0] * c[2] - b[2] * c[0])
+                + a[2] * (b[0] * c[1] - b[1] * c[0]);
+            all.push((order, signs, ways.join(","), determinant > 0.0));
+        }
+    }
+    all
+}
+
+fn table(
+    points: &Points,
+    order: [usize; 3],
+    signs: [f64; 3],
+    header: [&str; 3],
+    end: &str,
+) -> String {
+    let mut text = format!("name,{},{},{}\n", header[0], header[1], header[2]);
+    for (name, position) in points {
+        let [x, y, z]: [f64; 3] = std::array::from_fn(|k| signs[k] * position[order[k]]);
+        text += &format!("{name}{end},{x:?},{y:?},{z:?}\n");
+    }
+    text
+}
+
+/// Whether an import has the points of a suspension, seen in the frame of its own wheel.
+fn is_the_same(imported: &Imported, points: &Points) -> bool {
+    let frame = Frame::new(imported.frame, imported.side);
+    points.iter().all(|(name, position)| {
+        let found = imported.hardpoints.iter().find(|h| h.name == *name);
+        found.is_some_and(|h| {
+            let [x, y, z] = h.position;
+            let kernel = frame.vector(Vector3::new(x, y, z)).to_array();
+            kernel.map(|x| x + 0.0) == position.map(|x| x + 0.0)
+        })
+    })
+}
+
+/// 48 geometries of all topologies in all 48 orders and signs. A right-handed order is imported to the same doubles or
+/// refused; a left-handed one is refused, as long as `--axes` does not say it.
+#[test]
+fn no_order_of_coordinates_makes_another_suspension() {
+    const SEED: u64 = 20_261_125;
+    let directory = tempfile::tempdir().unwrap();
+    let mut chance = Chance(SEED);
+    let (mut right, mut refused) = (0, 0);
+    for round in 0..12 {
+        for topology in [
+            "double_wishbone",
+            "macpherson",
+            "five_link",
+            "semi_trailing_arm",
+        ] {
+            let has_spring = topology == "semi_trailing_arm" && round % 4 != 3;
+            let points = geometry(topology, &mut chance, has_spring);
+            for (order, signs, ways, is_right_handed) in orders() {
+                let text = table(&points, order, signs, ["x", "y", "z"], "");
+                let path = file(&directory, "points.csv", text.as_bytes());
+                let case = format!("{topology} {round}: {ways}");
+                match imported(&path, topology, &Said::default()) {
+                    Ok(read) => {
+                        assert!(is_right_handed, "{case}: {:?}", read.notes);
+                        assert!(is_the_same(&read, &points), "{case}: {:?}", read.notes);
+                        right += 1;
+                    }
+                    Err(reason) => {
+                        assert!(reason.contains("--axes"), "{case}: {reason}");
+                        refused += usize::from(is_right_handed);
+                    }
+                }
+                let said = Said {
+                    axes: Some(Box::leak(ways.clone().into_boxed_str())),
+                    ..Said::default()
+                };
+                let read = imported(&path, topology, &said);
+                let read = read.unwrap_or_else(|reason| panic!("{case}: {reason}"));
+                assert!(is_the_same(&read, &points), "--axes {case}");
+            }
+        }
+    }
+    // Trailing arms without a spring show no height; of the others most are clear.
+    println!("{right} imported, {refused} refused of 1152 right-handed");
+    assert!(
+        right >= 1000,
+        "{right} of 1152 right-handed orders are imported"
+    );
+}
+
+/// The same with the side in the names: of a right wheel, too.
+#[test]
+fn orders_of_either_wheel_are_told_by_its_side() {
+    let directory = tempfile::tempdir().unwrap();
+    let mut chance = Chance(7);
+    for (side, end, sign) in [(Side::Left, " LH", 1.0), (Side::Right, " RH", -1.0)] {
+        for topology in ["double_wishbone", "macpherson", "five_link"] {
+            let left = geometry(topology, &mut chance, false);
+            let there: Points = left
+                .iter()
+                .map(|(name, [x, y, z])| (*name, [*x, sign * y, *z]))
+                .collect();
+            for (order, signs, ways, is_right_handed) in orders() {
+                let text = table(&there, order, signs, ["x", "y", "z"], end);
+                let path = file(&directory, "points.csv", text.as_bytes());
+                match imported(&path, topology, &Said::default()) {
+                    Ok(read) => {
+                        assert!(is_right_handed, "{topology}: {ways}");
+                        assert_eq!(read.side, side, "{topology}: {ways}");
+                        assert!(is_the_same(&read, &left), "{topology}: {ways}");
+                    }
+                    Err(reason) => assert!(reason.contains("--axes"), "{ways}: {reason}"),
+                }
+            }
+        }
+    }
+}
+
+/// Headers say the ways in words: all 24 right-handed orders are read, also where the points show no height, and
+/// headers that the points contradict are refused.
+#[test]
+fn headers_are_read_by_letter_and_words() {
+    let directory = tempfile::tempdir().unwrap();
+    let mut chance = Chance(11);
+    let points = geometry("semi_trailing_arm", &mut chance, false);
+    let names = ["x", "Y", "z"];
+    for (order, signs, ways, is_right_handed) in orders() {
+        let ways: Vec<&str> = ways.split(',').collect();
+        let headers = [
+            format!("{} ({} +)", names[0], ways[0]),
+            format!("{}: {} [mm]", names[1], ways[1]),
+            format!("\" {}, + {}\"", names[2], ways[2]),
+        ];
+        let header = headers.each_ref().map(String::as_str);
+        let text = table(&points, order, signs, header, "");
+        let path = file(&directory, "points.csv", text.as_bytes());
+        match imported(&path, "semi_trailing_arm", &Said::default()) {
+            Ok(read) => {
+                assert!(is_right_handed && is_the_same(&read, &points), "{ways:?}");
+            }
+            Err(reason) => {
+                assert!(
+                    !is_right_handed && reason.contains("--axes"),
+                    "{ways:?}: {reason}"
+                );
+            }
+        }
+    }
+    // Columns in another order than their letters, and words without letters.
+    let wheel = geometry("double_wishbone", &mut chance, false);
+    for (header, order) in [
+        (["Y (left)", "X (fwd)", "Z (up)"], [1, 0, 2]),
+        (["y", "x", "z"], [1, 0, 2]),
+        (["z [mm]", "x [mm]", "y [mm]"], [2, 0, 1]),
+        (["Lateral", "Longitudinal", "Vertical"], [1, 0, 2]),
+    ] {
+        let text = table(&wheel, order, [1.0; 3], header, " L");
+        let path = file(&directory, "points.csv", text.as_bytes());
+        let read = imported(&path, "double_wishbone", &Said::default());
+        // Lateral, longitudinal, vertical with left, forward, up is a left hand's.
+        if header[0] == "Lateral" {
+            assert!(read.unwrap_err().contains("--axes left,forward,up"));
+        } else {
+            assert!(is_the_same(&read.unwrap(), &wheel), "{header:?}");
+        }
+    }
+    let header = ["X (up)", "Y (left)", "Z (rearward)"];
+    let text = table(&wheel, [0, 1, 2], [1.0; 3], header, " L");
+    let path = file(&directory, "points.csv", text.as_bytes());
+    let refused = imported(&path, "double_wishbone", &Said::default()).unwrap_err();
+    assert!(refused.contains("--axes forward,left,up"), "{refused}");
+}

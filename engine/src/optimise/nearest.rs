@@ -19,8 +19,8 @@ use nalgebra::DVector;
 const NO_MOVE: f64 = 1e-9;
 /// Rungs of the ladder, as shares of the way from the misfit that was found to the level.
 const RUNGS: [f64; 4] = [0.25, 0.5, 0.75, 1.0];
-/// Share of the level by which a step may exceed it: farther steps lead into other valleys.
-const NEAR_LEVEL: f64 = 0.2;
+/// Steps may exceed the level by itself, and by so many tolerances in any case: farther ones lead into other valleys.
+const NEAR_LEVEL: f64 = 1.0;
 /// Shares of [`Options::max_evaluations`] that all runs, the first, and each of the others may take.
 const ALL_RUNS: f64 = 0.04;
 const FIRST_RUN: f64 = 0.02;
@@ -135,7 +135,7 @@ impl Search<'_, '_> {
     /// Tries other ways than the first one from `x`, where the misfit is `misfit`.
     fn try_again(&mut self, x: &DVector<f64>, misfit: f64, most: f64) {
         let level = self.level.misfit;
-        let near = self.options(OTHER_RUNS, NEAR_LEVEL * level);
+        let near = self.options(OTHER_RUNS, level.max(NEAR_LEVEL));
         if let Some((_, found, _)) = &self.best {
             let from = found.x.clone();
             self.run(&from, level, None, &near);
@@ -176,7 +176,7 @@ impl Tuner<'_> {
         };
         let most = search.distance.of(&fit.x);
         let known = fit.constraints.is_none().then_some(&fit.evaluation);
-        let near = search.options(FIRST_RUN, NEAR_LEVEL * level.misfit);
+        let near = search.options(FIRST_RUN, level.misfit.max(NEAR_LEVEL));
         search.run(&fit.x, level.misfit, known, &near);
         if !search.is_over(most) {
             search.try_again(&fit.x, fit.misfit(), most);

@@ -21,6 +21,7 @@ mod builds;
 mod carried;
 mod choices;
 mod constrained;
+mod covariance;
 mod extremes;
 mod fit;
 mod fit_record;

@@ -22,6 +22,7 @@ mod carried;
 mod carried_triangle;
 mod choices;
 mod constrained;
+mod covariance;
 mod extremes;
 mod fit;
 mod fit_record;

@@ -29,12 +29,12 @@
 //! with all of them and of that with those between their bounds is taken. Intervals keep the ranges of all variables
 //! ([`profile_interval`](super::profile_interval)).
 
-use super::identifiability::right_singular_vectors;
+use super::covariance::Covariance;
 use super::profile_interval::{ConfidenceInterval, Solved};
 use super::simulated_fits::SimulatedFits;
 use super::student::Student;
 use super::{ActiveBound, Bounds, Linearisation};
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
 
 /// Knowledge of the coordinates.
 #[derive(Clone, Debug, PartialEq)]
@@ -48,89 +48,6 @@ pub struct StandardErrors {
     pub intervals: Vec<ConfidenceInterval>,
     /// Pairs of variables that the measurements hardly tell apart, with their correlation, the worst first.
     pub correlations: Vec<(usize, usize, f64)>,
-}
-
-/// Correlations above this are told.
-const CLOSE: f64 = 0.95;
-
-/// Covariance (2) of some variables, divided by s^2, in fractions of the ranges.
-struct Covariance {
-    variables: Vec<usize>,
-    /// A column for each variable; their products are the covariances.
-    spread: DMatrix<f64>,
-    /// The diagonal of A^-1.
-    inverse: Vec<f64>,
-    /// Whether the measurements do not see the variable.
-    unseen: Vec<bool>,
-}
-
-impl Covariance {
-    fn of(
-        at: &Linearisation,
-        variables: Vec<usize>,
-        bounds: &Bounds,
-        weights: &[f64],
-    ) -> Option<Self> {
-        let (rows, k) = (at.residuals.len(), variables.len());
-        if k == 0 {
-            return None;
-        }
-        let scaled = DMatrix::from_fn(rows, k, |i, j| {
-            at.jacobian[(i, variables[j])] * bounds.width()[variables[j]]
-        });
-        let (values, vectors) = right_singular_vectors(&scaled);
-        // Rounding leaves this of a direction that is not seen at all.
-        let nothing = 1e-13 * values[0];
-        let inverse: Vec<f64> = values
-            .iter()
-            .map(|v| if *v > nothing { 1.0 / (v * v) } else { 0.0 })
-            .collect();
-        let unseen = |j: usize| {
-            let hidden = (0..k).filter(|d| values[*d] <= nothing);
-            hidden.map(|d| vectors[(j, d)].powi(2)).sum::<f64>() > 1e-12
-        };
-        // A^-1 times the rows, weighed once more: the square of it is (2).
-        let a_inverse =
-            &vectors * DMatrix::from_diagonal(&DVector::from_vec(inverse)) * vectors.transpose();
-        let mut weighed = scaled;
-        for (mut row, weight) in weighed.row_iter_mut().zip(weights) {
-            row *= *weight;
-        }
-        Some(Covariance {
-            spread: weighed * &a_inverse,
-            inverse: a_inverse.diagonal().iter().copied().collect(),
-            unseen: (0..k).map(unseen).collect(),
-            variables,
-        })
-    }
-
-    /// The ratio k_j of the variance of a variable to that of weights 1/variance: 1 where there is none.
-    fn ratio(&self, variable: usize) -> f64 {
-        let Some(j) = self.variables.iter().position(|v| *v == variable) else {
-            return 0.0;
-        };
-        if self.unseen[j] || self.inverse[j] <= 0.0 {
-            return 1.0;
-        }
-        self.spread.column(j).norm_squared() / self.inverse[j]
-    }
-
-    /// Pairs that are hard to tell apart, the worst first.
-    fn correlations(&self) -> Vec<(usize, usize, f64)> {
-        let norms: Vec<f64> = self.spread.column_iter().map(|c| c.norm()).collect();
-        let mut correlations = Vec::new();
-        for i in 0..self.variables.len() {
-            for j in i + 1..self.variables.len() {
-                let product = self.spread.column(i).dot(&self.spread.column(j));
-                let correlation = product / (norms[i] * norms[j]);
-                if correlation.abs() > CLOSE {
-                    correlations.push((self.variables[i], self.variables[j], correlation));
-                }
-            }
-        }
-        correlations.sort_by(|a, b| b.2.abs().total_cmp(&a.2.abs()));
-        correlations
-    }
 }
 
 impl StandardErrors {
@@ -200,7 +117,9 @@ impl StandardErrors {
 mod tests {
     use super::*;
     use crate::optimise::BoundedLeastSquares;
+    use crate::optimise::covariance::CLOSE;
     use crate::optimise::test_problems::Noise;
+    use nalgebra::DMatrix;
 
     /// Normal noise by Box and Muller.
     fn normal(noise: &mut Noise) -> f64 {

@@ -1,0 +1,88 @@
+//! Covariance of the variables of a fit, from the singular values of its Jacobian.
+
+use super::identifiability::right_singular_vectors;
+use super::{Bounds, Linearisation};
+use nalgebra::{DMatrix, DVector};
+
+/// Correlations above this are told.
+pub(super) const CLOSE: f64 = 0.95;
+
+/// Covariance of some variables, (2) of [`standard_errors`](super::standard_errors), divided by s^2, in fractions of the ranges.
+pub(super) struct Covariance {
+    variables: Vec<usize>,
+    /// A column for each variable; their products are the covariances.
+    pub spread: DMatrix<f64>,
+    /// The diagonal of A^-1.
+    inverse: Vec<f64>,
+    /// Whether the measurements do not see the variable.
+    pub unseen: Vec<bool>,
+}
+
+impl Covariance {
+    pub(super) fn of(
+        at: &Linearisation,
+        variables: Vec<usize>,
+        bounds: &Bounds,
+        weights: &[f64],
+    ) -> Option<Self> {
+        let (rows, k) = (at.residuals.len(), variables.len());
+        if k == 0 {
+            return None;
+        }
+        let scaled = DMatrix::from_fn(rows, k, |i, j| {
+            at.jacobian[(i, variables[j])] * bounds.width()[variables[j]]
+        });
+        let (values, vectors) = right_singular_vectors(&scaled);
+        // Rounding leaves this of a direction that is not seen at all.
+        let nothing = 1e-13 * values[0];
+        let inverse: Vec<f64> = values
+            .iter()
+            .map(|v| if *v > nothing { 1.0 / (v * v) } else { 0.0 })
+            .collect();
+        let unseen = |j: usize| {
+            let hidden = (0..k).filter(|d| values[*d] <= nothing);
+            hidden.map(|d| vectors[(j, d)].powi(2)).sum::<f64>() > 1e-12
+        };
+        // A^-1 times the rows, weighed once more: the square of it is the covariance.
+        let a_inverse =
+            &vectors * DMatrix::from_diagonal(&DVector::from_vec(inverse)) * vectors.transpose();
+        let mut weighed = scaled;
+        for (mut row, weight) in weighed.row_iter_mut().zip(weights) {
+            row *= *weight;
+        }
+        Some(Covariance {
+            spread: weighed * &a_inverse,
+            inverse: a_inverse.diagonal().iter().copied().collect(),
+            unseen: (0..k).map(unseen).collect(),
+            variables,
+        })
+    }
+
+    /// The ratio k_j of the variance of a variable to that of weights 1/variance: 1 where there is none.
+    pub(super) fn ratio(&self, variable: usize) -> f64 {
+        let Some(j) = self.variables.iter().position(|v| *v == variable) else {
+            return 0.0;
+        };
+        if self.unseen[j] || self.inverse[j] <= 0.0 {
+            return 1.0;
+        }
+        self.spread.column(j).norm_squared() / self.inverse[j]
+    }
+
+    /// Pairs that are hard to tell apart, the worst first.
+    pub(super) fn correlations(&self) -> Vec<(usize, usize, f64)> {
+        let norms: Vec<f64> = self.spread.column_iter().map(|c| c.norm()).collect();
+        let mut correlations = Vec::new();
+        for i in 0..self.variables.len() {
+            for j in i + 1..self.variables.len() {
+                let product = self.spread.column(i).dot(&self.spread.column(j));
+                let correlation = product / (norms[i] * norms[j]);
+                if correlation.abs() > CLOSE {
+                    correlations.push((self.variables[i], self.variables[j], correlation));
+                }
+            }
+        }
+        correlations.sort_by(|a, b| b.2.abs().total_cmp(&a.2.abs()));
+        correlations
+    }
+}

@@ -266,8 +266,8 @@ mod tests {
                     weights: weights.clone(),
                 };
                 let (found, _) = fit.errors(&fit.solved());
-                for j in 0..3 {
-                    held[j] += usize::from(holds(found.intervals[j], 0.0));
+                for (held, interval) in held.iter_mut().zip(&found.intervals) {
+                    *held += usize::from(holds(*interval, 0.0));
                 }
             }
             for held in held {

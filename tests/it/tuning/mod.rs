@@ -802,6 +802,15 @@ fn mistakes_in_front_scatter_and_constraints_are_refused() {
             "optimise.constraints=[{ point = \"wheel_centre\", inside = { rim = 150.0 } }]",
             "wheel_centre lies on the spin axis",
         ),
+        (
+            "optimise.constraints=[{ coplanar = [\"lower_arm_front\", \"lower_arm_rear\", \
+             \"lower_arm_front\", \"tie_rod_inner\"] }]",
+            "lower_arm_front is listed twice",
+        ),
+        (
+            "optimise.constraints=[{ line = [\"strut_top\", \"strut_top\", \"tie_rod_inner\"] }]",
+            "strut_top is listed twice",
+        ),
         ("optimise.front=[\"camber\"]", "two or three targets"),
         (
             "optimise.front=[\"camber\", \"cambre\"]",

@@ -13,6 +13,7 @@ use super::value::{Number, Text};
 use super::{Constraint, Limited};
 use crate::ask::Unit;
 use crate::characteristics::{Measure, Quantity};
+use crate::mechanism::DEGENERATE;
 use crate::model::Suspension;
 use crate::number::Vector3;
 use std::ops::Range as Span;
@@ -354,6 +355,25 @@ impl Reader<'_> {
             return problems.refuse(names.span(), message);
         }
         let ids = each(list, |name| point(name, self.suspension(), problems))?;
+        for (number, id) in ids.iter().enumerate() {
+            if let Some(first) = ids[..number].iter().position(|earlier| earlier == id) {
+                let message = format!("{} is listed twice", list[number].get_ref());
+                let error = problems.add(list[number].span(), message);
+                error.related(list[first].span(), "here");
+                return None;
+            }
+        }
+        let leading: Vec<_> = ids[..least - 1]
+            .iter()
+            .map(|id| self.suspension().design[id.0])
+            .collect();
+        if !span_a_flat(&leading) {
+            let message = format!(
+                "the first {} points do not define a {what} in the design position; begin with others",
+                least - 1
+            );
+            return problems.refuse(names.span(), message);
+        }
         let zero = Some(0.0);
         let mut parts = Vec::new();
         if what == "plane" {
@@ -377,6 +397,21 @@ impl Reader<'_> {
         }
         let list: Vec<&str> = list.iter().map(|name| name.get_ref().as_str()).collect();
         Some((format!("{} on one {what}", list.join(", ")), parts))
+    }
+}
+
+/// Returns true if two points define a line, or three a plane, in double precision.
+fn span_a_flat(points: &[Vector3<f64>]) -> bool {
+    let along = points[1] - points[0];
+    let size = |v: Vector3<f64>| v.norm();
+    let far = points.iter().map(|p| size(*p)).fold(0.0, f64::max);
+    let is_line = size(along) > DEGENERATE * far;
+    match points.get(2) {
+        None => is_line,
+        Some(third) => {
+            let other = *third - points[0];
+            is_line && size(along.cross(other)) > DEGENERATE * size(along) * size(other)
+        }
     }
 }
 

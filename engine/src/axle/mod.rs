@@ -5,6 +5,7 @@
 //! ground's normal for the vertical. Signs are those of ISO 8855 at both wheels; `steer`, `mean_steer` and
 //! roll are positive to the left and about +x.
 
+mod adjoint;
 mod at_load;
 mod axle_motion;
 mod catalogue;

@@ -6,16 +6,14 @@ use super::taylor::{Line, Taylor};
 use crate::characteristics::{
     Constants, DesignWheel, Inputs, NumberPart, Slot, Slots, VectorPart, Wheel,
 };
-use crate::derive::{Linearised, MotionPoint, Seeds};
+use crate::derive::MotionPoint;
 use crate::mechanism::Configuration;
 use crate::model::Drive;
-use crate::number::{Jet, Matrix3, Real, Tape, Tracked, Vector3, outlined};
+use crate::number::{Jet, Matrix3, Real, Vector3, outlined};
 use std::cell::Cell;
 
-/// The most lines along which a wheel is read, the most coefficients along each, and the most numbers of a wheel.
-const MOST_LINES: usize = 4;
-const MOST_POWERS: usize = 4;
-const MOST_NUMBERS: usize = 37;
+/// The most lines along which a wheel is read.
+pub(super) const MOST_LINES: usize = 4;
 
 /// Slots that every axle reads of its wheels.
 pub(super) const ALWAYS: &[Slot] = &[
@@ -28,10 +26,10 @@ pub(super) const ALWAYS: &[Slot] = &[
 
 /// A wheel in one pose: its parts, the columns of its carrier's rotation, and its design.
 #[derive(Clone, Copy, Debug)]
-struct WheelPose<T> {
-    wheel: Wheel<T>,
-    rotation: [Vector3<T>; 3],
-    design: DesignWheel<T>,
+pub(super) struct WheelPose<T> {
+    pub(super) wheel: Wheel<T>,
+    pub(super) rotation: [Vector3<T>; 3],
+    pub(super) design: DesignWheel<T>,
 }
 
 impl<T: Copy> WheelPose<T> {
@@ -45,7 +43,7 @@ impl<T: Copy> WheelPose<T> {
     }
 
     /// The pose over another kind of number. `f` takes the numbers in a fixed order.
-    fn map<U>(&self, f: impl Fn(T) -> U + Copy) -> WheelPose<U> {
+    pub(super) fn map<U>(&self, f: impl Fn(T) -> U + Copy) -> WheelPose<U> {
         WheelPose {
             wheel: self.wheel.map(f),
             rotation: self.rotation.map(|column| column.map(f)),
@@ -59,8 +57,8 @@ impl<T: Copy> WheelPose<T> {
 pub struct Parts {
     slots: Slots,
     /// Place of each number that is read; `None` for the others.
-    places: WheelPose<Option<usize>>,
-    count: usize,
+    pub(super) places: WheelPose<Option<usize>>,
+    pub(super) count: usize,
 }
 
 impl Parts {
@@ -116,7 +114,7 @@ impl Parts {
 
 /// A wheel along one line in travel and rack, as power series. A part that is not read is NaN.
 #[derive(Clone, Copy, Debug)]
-pub struct Snapshot<const N: usize>(WheelPose<Jet<f64, N>>);
+pub struct Snapshot<const N: usize>(pub(super) WheelPose<Jet<f64, N>>);
 
 impl<const N: usize> Snapshot<N> {
     /// A snapshot with nothing read yet: all NaN.
@@ -166,7 +164,7 @@ pub struct Reading<T> {
 
 impl<T: Real> Reading<T> {
     /// The wheel whose moving numbers `moving` makes into polynomials, and whose fixed numbers `fixed` takes over.
-    fn made_of<U: Copy>(
+    pub(super) fn made_of<U: Copy>(
         pose: &WheelPose<U>,
         moving: impl Fn(U) -> Taylor<T> + Copy,
         fixed: impl Fn(U) -> T + Copy,
@@ -217,7 +215,10 @@ impl Reading<f64> {
 type SeriesOfLines<const N: usize> = ((Jet<f64, N>, Jet<f64, N>), (Jet<f64, N>, Jet<f64, N>));
 
 /// Each number with its partner in another pose.
-fn zipped<T: Copy, U: Copy>(one: &WheelPose<T>, other: &WheelPose<U>) -> WheelPose<(T, U)> {
+pub(super) fn zipped<T: Copy, U: Copy>(
+    one: &WheelPose<T>,
+    other: &WheelPose<U>,
+) -> WheelPose<(T, U)> {
     let pair = |a: T, b: U| (a, b);
     let [x, y, z] = one.rotation;
     let [u, v, w] = other.rotation;
@@ -239,142 +240,6 @@ impl<const N: usize> Reading<Jet<f64, N>> {
     pub fn without_rates(read: &Snapshot<N>) -> Self {
         let value = |series: Jet<f64, N>| Taylor::through(&[&[series]]);
         Reading::made_of(&read.0, value, |series| series)
-    }
-}
-
-impl<'t> Reading<Tracked<'t>> {
-    /// The wheel with every number an input on the tape: line by line, part by part, power by power.
-    pub fn on_tape<const N: usize>(tape: &'t Tape, lines: &[Snapshot<N>], parts: &Parts) -> Self {
-        const { assert!(N <= MOST_POWERS) };
-        let zero = Tracked::constant(0.0);
-        let mut inputs = [[zero; MOST_NUMBERS * MOST_POWERS]; MOST_LINES];
-        for (inputs, line) in inputs.iter_mut().zip(lines) {
-            let inputs = Cell::from_mut(&mut inputs[..]).as_slice_of_cells();
-            zipped(&parts.places, &line.0).map(|(place, series): (Option<usize>, Jet<f64, N>)| {
-                let Some(place) = place else { return };
-                for (input, value) in inputs[place * N..].iter().zip(series.0) {
-                    input.set(tape.input(value));
-                }
-            });
-        }
-        let moving = |place: Option<usize>| {
-            let Some(place) = place else {
-                return Taylor::unknown(zero);
-            };
-            let along = inputs.each_ref().map(|line| &line[place * N..][..N]);
-            Taylor::through(&along[..lines.len()])
-        };
-        let fixed = |place: Option<usize>| match place {
-            Some(place) => inputs[0][place * N],
-            None => zero.lit(f64::NAN),
-        };
-        Reading::made_of(&parts.places, moving, fixed)
-    }
-}
-
-/// Count of numbers that a reading along `lines` lines puts on a tape.
-pub(super) fn inputs_on_tape<const N: usize>(parts: &Parts, lines: usize) -> usize {
-    parts.count * N * lines
-}
-
-/// Adds the gradient by every hardpoint of an output to `gradient`. `by` holds the output's derivatives by the numbers
-/// of one line, in the order of [`Reading::on_tape`]. `buffer` has a place for each point.
-///
-/// An adjoint pass on series yields the series of S.u_p for any seed series S. With the derivative by the coefficient of
-/// e^k as the coefficient of e^(N-1-k) of S, the coefficient of e^(N-1) is the wanted sum.
-pub(super) fn add_gradient<const N: usize>(
-    linearised: &Linearised<'_, N>,
-    parts: &Parts,
-    by: &[f64],
-    buffer: &mut [Vector3<Jet<f64, N>>],
-    gradient: &mut [Vector3<f64>],
-) {
-    if by.iter().all(|b| *b == 0.0) {
-        return;
-    }
-    let zero = Jet::constant(0.0);
-    let seeds = parts.places.map(|place: Option<usize>| match place {
-        None => zero,
-        Some(place) => Jet(std::array::from_fn(|k| by[place * N + N - 1 - k])),
-    });
-    buffer.fill(Vector3::new(zero, zero, zero));
-    linearised.gradient(buffer, |sink| push(linearised, parts, &seeds, sink));
-    for (total, series) in gradient.iter_mut().zip(buffer) {
-        *total = *total + series.map(|c| c[N - 1]);
-    }
-}
-
-/// Pushes the seeds of all parts that are read.
-fn push<const N: usize>(
-    linearised: &Linearised<'_, N>,
-    parts: &Parts,
-    seeds: &WheelPose<Jet<f64, N>>,
-    sink: &mut Seeds<'_, '_, Jet<f64, N>>,
-) {
-    let WheelPose {
-        wheel,
-        rotation,
-        design,
-    } = seeds;
-    let places = &parts.places;
-    let at = &linearised.at;
-    let zero = Jet::constant(0.0);
-    let number = |seed: Jet<f64, N>| Vector3::new(seed, zero, zero);
-    let vectors = [
-        (Slot::Centre, places.wheel.centre, wheel.centre),
-        (Slot::SpinAxis, places.wheel.spin_axis, wheel.spin_axis),
-        (
-            Slot::SteeringPoint,
-            places.wheel.steering_point,
-            wheel.steering_point,
-        ),
-        (
-            Slot::SteeringDirection,
-            places.wheel.steering_direction,
-            wheel.steering_direction,
-        ),
-        (Slot::Spring, places.wheel.spring, wheel.spring),
-        (
-            Slot::StrutUpper,
-            places.wheel.strut_upper,
-            wheel.strut_upper,
-        ),
-    ]
-    .map(|(slot, place, seed)| (slot, place.x, seed));
-    let numbers = [
-        (
-            Slot::SpringLength,
-            places.wheel.spring_length,
-            wheel.spring_length,
-        ),
-        (
-            Slot::RockerAngle,
-            places.wheel.rocker_angle,
-            wheel.rocker_angle,
-        ),
-        (Slot::BarAngle, places.wheel.bar_angle, wheel.bar_angle),
-    ]
-    .map(|(slot, place, seed)| (slot, place, number(seed)));
-    let of_design = [
-        (
-            Slot::DesignSpinAxis,
-            places.design.spin_axis.x,
-            design.spin_axis,
-        ),
-        (Slot::DesignCentre, places.design.centre.x, design.centre),
-    ];
-    let all = vectors.into_iter().chain(numbers).chain(of_design);
-    for (slot, place, seed) in all {
-        if place.is_some() {
-            slot.push(seed, at, sink);
-        }
-    }
-    // A turn d of the carrier moves a column c by d x c, so that g.(d x c) = d.(c x g).
-    for (column, seed) in at.pose.rotation.columns.into_iter().zip(rotation) {
-        sink.turn(column.cross(*seed));
-    }
-    if places.design.spring_length.is_some() {
-        Slot::DesignSpringLength.push(number(design.spring_length), at, sink);
     }
 }
 

@@ -5,8 +5,9 @@
 //! near 2 and positive while neither wheel is at a fold of its travel, so that the root is the only one
 //! and Newton's method meets it. With both travels given it is one in the roll angle, of slope -track.
 
+use super::adjoint::{add_gradient, inputs_on_tape};
 use super::at_load::LOAD_TERMS;
-use super::reading::{Parts, Reading, Snapshot, WheelParts, add_gradient, along, inputs_on_tape};
+use super::reading::{Parts, Reading, Snapshot, WheelParts, along};
 use super::setup::Setup;
 use super::state::{AxleState, Hold, Motion};
 use super::taylor::{Line, Taylor};

@@ -1,0 +1,148 @@
+//! The adjoint of an axle's formulas: wheels on a tape, and gradients by the hardpoints from it.
+
+use super::reading::{MOST_LINES, Parts, Reading, Snapshot, WheelPose, zipped};
+use super::taylor::Taylor;
+use crate::characteristics::Slot;
+use crate::derive::{Linearised, Seeds};
+use crate::number::{Jet, Real, Tape, Tracked, Vector3};
+use std::cell::Cell;
+
+/// The most coefficients of a number along a line, and the most numbers of a wheel.
+const MOST_POWERS: usize = 4;
+const MOST_NUMBERS: usize = 37;
+
+impl<'t> Reading<Tracked<'t>> {
+    /// The wheel with every number an input on the tape: line by line, part by part, power by power.
+    pub fn on_tape<const N: usize>(tape: &'t Tape, lines: &[Snapshot<N>], parts: &Parts) -> Self {
+        const { assert!(N <= MOST_POWERS) };
+        let zero = Tracked::constant(0.0);
+        let mut inputs = [[zero; MOST_NUMBERS * MOST_POWERS]; MOST_LINES];
+        for (inputs, line) in inputs.iter_mut().zip(lines) {
+            let inputs = Cell::from_mut(&mut inputs[..]).as_slice_of_cells();
+            zipped(&parts.places, &line.0).map(|(place, series): (Option<usize>, Jet<f64, N>)| {
+                let Some(place) = place else { return };
+                for (input, value) in inputs[place * N..].iter().zip(series.0) {
+                    input.set(tape.input(value));
+                }
+            });
+        }
+        let moving = |place: Option<usize>| {
+            let Some(place) = place else {
+                return Taylor::unknown(zero);
+            };
+            let along = inputs.each_ref().map(|line| &line[place * N..][..N]);
+            Taylor::through(&along[..lines.len()])
+        };
+        let fixed = |place: Option<usize>| match place {
+            Some(place) => inputs[0][place * N],
+            None => zero.lit(f64::NAN),
+        };
+        Reading::made_of(&parts.places, moving, fixed)
+    }
+}
+
+/// Count of numbers that a reading along `lines` lines puts on a tape.
+pub(super) fn inputs_on_tape<const N: usize>(parts: &Parts, lines: usize) -> usize {
+    parts.count * N * lines
+}
+
+/// Adds the gradient by every hardpoint of an output to `gradient`. `by` holds the output's derivatives by the numbers
+/// of one line, in the order of [`Reading::on_tape`]. `buffer` has a place for each point.
+///
+/// An adjoint pass on series yields the series of S.u_p for any seed series S. With the derivative by the coefficient of
+/// e^k as the coefficient of e^(N-1-k) of S, the coefficient of e^(N-1) is the wanted sum.
+pub(super) fn add_gradient<const N: usize>(
+    linearised: &Linearised<'_, N>,
+    parts: &Parts,
+    by: &[f64],
+    buffer: &mut [Vector3<Jet<f64, N>>],
+    gradient: &mut [Vector3<f64>],
+) {
+    if by.iter().all(|b| *b == 0.0) {
+        return;
+    }
+    let zero = Jet::constant(0.0);
+    let seeds = parts.places.map(|place: Option<usize>| match place {
+        None => zero,
+        Some(place) => Jet(std::array::from_fn(|k| by[place * N + N - 1 - k])),
+    });
+    buffer.fill(Vector3::new(zero, zero, zero));
+    linearised.gradient(buffer, |sink| push(linearised, parts, &seeds, sink));
+    for (total, series) in gradient.iter_mut().zip(buffer) {
+        *total = *total + series.map(|c| c[N - 1]);
+    }
+}
+
+/// Pushes the seeds of all parts that are read.
+fn push<const N: usize>(
+    linearised: &Linearised<'_, N>,
+    parts: &Parts,
+    seeds: &WheelPose<Jet<f64, N>>,
+    sink: &mut Seeds<'_, '_, Jet<f64, N>>,
+) {
+    let WheelPose {
+        wheel,
+        rotation,
+        design,
+    } = seeds;
+    let places = &parts.places;
+    let at = &linearised.at;
+    let zero = Jet::constant(0.0);
+    let number = |seed: Jet<f64, N>| Vector3::new(seed, zero, zero);
+    let vectors = [
+        (Slot::Centre, places.wheel.centre, wheel.centre),
+        (Slot::SpinAxis, places.wheel.spin_axis, wheel.spin_axis),
+        (
+            Slot::SteeringPoint,
+            places.wheel.steering_point,
+            wheel.steering_point,
+        ),
+        (
+            Slot::SteeringDirection,
+            places.wheel.steering_direction,
+            wheel.steering_direction,
+        ),
+        (Slot::Spring, places.wheel.spring, wheel.spring),
+        (
+            Slot::StrutUpper,
+            places.wheel.strut_upper,
+            wheel.strut_upper,
+        ),
+    ]
+    .map(|(slot, place, seed)| (slot, place.x, seed));
+    let numbers = [
+        (
+            Slot::SpringLength,
+            places.wheel.spring_length,
+            wheel.spring_length,
+        ),
+        (
+            Slot::RockerAngle,
+            places.wheel.rocker_angle,
+            wheel.rocker_angle,
+        ),
+        (Slot::BarAngle, places.wheel.bar_angle, wheel.bar_angle),
+    ]
+    .map(|(slot, place, seed)| (slot, place, number(seed)));
+    let of_design = [
+        (
+            Slot::DesignSpinAxis,
+            places.design.spin_axis.x,
+            design.spin_axis,
+        ),
+        (Slot::DesignCentre, places.design.centre.x, design.centre),
+    ];
+    let all = vectors.into_iter().chain(numbers).chain(of_design);
+    for (slot, place, seed) in all {
+        if place.is_some() {
+            slot.push(seed, at, sink);
+        }
+    }
+    // A turn d of the carrier moves a column c by d x c, so that g.(d x c) = d.(c x g).
+    for (column, seed) in at.pose.rotation.columns.into_iter().zip(rotation) {
+        sink.turn(column.cross(*seed));
+    }
+    if places.design.spring_length.is_some() {
+        Slot::DesignSpringLength.push(number(design.spring_length), at, sink);
+    }
+}

@@ -7,9 +7,10 @@ use crate::derive::{Linearised, Seeds};
 use crate::number::{Jet, Real, Tape, Tracked, Vector3};
 use std::cell::Cell;
 
-/// The most coefficients of a number along a line, and the most numbers of a wheel.
+/// The most coefficients of a number along a line.
 const MOST_POWERS: usize = 4;
-const MOST_NUMBERS: usize = 37;
+/// Count of the numbers of a wheel: bytes of a wheel whose numbers are bytes.
+const MOST_NUMBERS: usize = size_of::<WheelPose<u8>>();
 
 impl<'t> Reading<Tracked<'t>> {
     /// The wheel with every number an input on the tape: line by line, part by part, power by power.

@@ -387,10 +387,15 @@ impl TargetLayout {
     /// Margin between a row's value and its limit, in the constraint's unit; negative if the limit is violated.
     pub fn room(&self, row: usize, value: f64) -> f64 {
         let part = &self.parts[self.labels[row].part].limited;
+        part.margin(self.violation(row, value))
+    }
+
+    /// Violation of a row's limit in the row's unit; negative if there is margin.
+    pub(super) fn violation(&self, row: usize, value: f64) -> f64 {
         if row < self.equalities {
-            part.margin(value.abs())
+            value.abs()
         } else {
-            part.margin(value)
+            value
         }
     }
 

@@ -173,7 +173,7 @@ impl<'a> Tuner<'a> {
             if state.movable != moving {
                 let values = state.values.iter().enumerate();
                 let counted = values.filter(|(row, _)| moving[*row]);
-                let violations = counted.map(|(row, value)| -self.layout.room(row, *value));
+                let violations = counted.map(|(row, value)| self.layout.violation(row, *value));
                 state.violation = violations.fold(0.0, f64::max);
                 state.movable.clone_from(&moving);
             }

@@ -347,7 +347,7 @@ impl<'a> Tuner<'a> {
                 }
                 visible = self.layout.visible(row);
                 // A limit with margin costs nothing.
-                if left <= KEPT * visible && state.movable[row] {
+                if self.layout.violation(row, value) >= -KEPT && state.movable[row] {
                     let of = |m: &Option<Vec<f64>>| m.as_ref().map(|m| m[row].abs());
                     let first = of(&state.multipliers).unwrap_or(0.0);
                     let other = of(&state.alternatives).unwrap_or(first);

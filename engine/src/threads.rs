@@ -1,8 +1,24 @@
-//! Pools of threads: all that this program starts for its numerics are made here, with stacks that are large enough
-//! however it was compiled.
+//! Pools of threads for the numerics, with stacks that are large enough for every profile, and the flag that ends their
+//! work.
 
 use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
 use std::cell::Cell;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// A flag that ends work early; `None` if nothing can end it.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Interrupt<'a>(pub(crate) Option<&'a AtomicBool>);
+
+impl Interrupt<'_> {
+    /// Returns true if the work is to end.
+    #[inline]
+    pub(crate) fn is_raised(self) -> bool {
+        match self.0 {
+            Some(flag) => flag.load(Ordering::Relaxed),
+            None => false,
+        }
+    }
+}
 
 /// Bytes of stack of every thread. Without optimisation every temporary has its own place in a frame: at opt-level 0 a sweep
 /// overflows 4 MiB and a certificate 10 MiB. (Threads of rayon have 2 MiB, a main thread usually 8.) The profile of an

@@ -6,10 +6,10 @@ use crate::optimise::{Control, Tuning, tune};
 use crate::plan::Plan;
 use crate::study::{Designs, MOST_DESIGNS, MOST_EXCHANGED, Sampled, Sampling, Study};
 use crate::sweep::{Rows, SweepPlan};
-use crate::threads;
+use crate::threads::{self, Interrupt};
 use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 
 /// The threads of a sweep, and a switch to end it early.
 #[derive(Clone, Copy, Debug, Default)]
@@ -142,11 +142,7 @@ impl Study {
             threads,
             reason: error.to_string(),
         })?;
-        let go_on = || {
-            control
-                .interrupt
-                .is_none_or(|interrupt| !interrupt.load(Ordering::SeqCst))
-        };
+        let go_on = || !Interrupt(control.interrupt).is_raised();
         // The plan solves the design itself, which takes the stack of one of the pool's threads, too.
         pool.install(|| {
             let plan = SweepPlan::of(self, sweep)

@@ -6,6 +6,7 @@ use super::stationarity::CONVERGED;
 use super::{
     ActiveBound, Bounds, Held, Infeasible, LeastSquares, LevenbergMarquardt, Linearisation, Options,
 };
+use crate::threads::Interrupt;
 use nalgebra::DVector;
 use std::fmt;
 use std::sync::atomic::AtomicBool;
@@ -17,6 +18,13 @@ pub struct Control<'a> {
     pub interrupt: Option<&'a AtomicBool>,
     /// Called after each iteration; where several starts run in parallel, from their threads.
     pub watch: Option<&'a ProgressCallback<'a>>,
+}
+
+impl Control<'_> {
+    /// Returns true if a run is to end.
+    pub(super) fn is_interrupted(&self) -> bool {
+        Interrupt(self.interrupt).is_raised()
+    }
 }
 
 /// Receives the index of a start and its latest iteration.

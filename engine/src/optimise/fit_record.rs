@@ -4,7 +4,6 @@
 use super::{ActiveBound, Bounds, Control, Infeasible, Iteration, Options, Termination};
 use argmin::core::{Executor, IterState, Problem, Solver, TerminationReason, TerminationStatus};
 use nalgebra::DVector;
-use std::sync::atomic::Ordering;
 
 /// What argmin keeps of a run: the variables and the cost.
 pub type ArgminState = IterState<DVector<f64>, (), (), (), (), f64>;
@@ -73,7 +72,7 @@ impl<'a> FitRecord<'a> {
     /// Whether one evaluation more may be made. Every evaluation is counted here, and a request to stop is heard here:
     /// if none may be made, the run has ended.
     pub(super) fn may_evaluate(&mut self) -> bool {
-        if self.is_interrupted() {
+        if self.control.is_interrupted() {
             self.termination = Some(Termination::Interrupted);
             return false;
         }
@@ -83,11 +82,6 @@ impl<'a> FitRecord<'a> {
         }
         self.evaluations += 1;
         true
-    }
-
-    fn is_interrupted(&self) -> bool {
-        let flag = self.control.interrupt;
-        flag.is_some_and(|flag| flag.load(Ordering::Relaxed))
     }
 
     /// Whether the run has ended.
@@ -123,7 +117,7 @@ impl<'a> FitRecord<'a> {
     /// Whether the run goes on: argmin asks after every iteration.
     pub(super) fn status(&mut self, state: &ArgminState) -> TerminationStatus {
         if self.termination.is_none() {
-            if self.is_interrupted() {
+            if self.control.is_interrupted() {
                 self.termination = Some(Termination::Interrupted);
             } else if state.iter >= self.options.max_iterations {
                 self.termination = Some(Termination::IterationLimit);

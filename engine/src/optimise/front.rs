@@ -144,11 +144,6 @@ impl<P: Constrained, F: Fn() -> P + Sync> Tracer<'_, F> {
         Some(self.aims.iter().map(amount).collect())
     }
 
-    fn is_interrupted(&self) -> bool {
-        let flag = self.control.interrupt;
-        flag.is_some_and(|flag| flag.load(std::sync::atomic::Ordering::Relaxed))
-    }
-
     /// The front, from some designs; below `good` no aim is better than another.
     pub(super) fn front(&self, starts: &[&DVector<f64>], good: f64) -> Traced {
         let all: Vec<usize> = (0..self.aims.len()).collect();
@@ -221,7 +216,10 @@ impl<P: Constrained, F: Fn() -> P + Sync> Tracer<'_, F> {
             let wide = |gap: &Gap| gap.width(extent);
             let widest = (0..gaps.len()).max_by(|a, b| wide(&gaps[*a]).total_cmp(&wide(&gaps[*b])));
             let Some(widest) = widest else { break };
-            if points.len() >= POINTS || wide(&gaps[widest]) < narrow || self.is_interrupted() {
+            if points.len() >= POINTS
+                || wide(&gaps[widest]) < narrow
+                || self.control.is_interrupted()
+            {
                 break;
             }
             let mut gap = gaps.swap_remove(widest);
@@ -299,7 +297,7 @@ impl<P: Constrained, F: Fn() -> P + Sync> Tracer<'_, F> {
             let others: Vec<usize> = (0..count).filter(|aim| aim != lowered).collect();
             let mut found: Vec<Found> = Vec::new();
             for step in (1..LEVELS).rev() {
-                if self.is_interrupted() {
+                if self.control.is_interrupted() {
                     break;
                 }
                 let held = [
@@ -347,7 +345,7 @@ impl<P: Constrained, F: Fn() -> P + Sync> Tracer<'_, F> {
         let most = last.amounts[1];
         let mut found: Vec<Found> = Vec::new();
         for step in 1..steps {
-            if self.is_interrupted() {
+            if self.control.is_interrupted() {
                 break;
             }
             let level = most * step as f64 / steps as f64;

@@ -6,7 +6,6 @@ use crate::sweep::sobol;
 use nalgebra::DVector;
 use rayon::prelude::*;
 use std::ops::Range;
-use std::sync::atomic::Ordering;
 
 /// Misfits closer than this fraction of the least are the same: runs that end at one minimum agree
 /// in it to about [`Options::reduction_below`].
@@ -74,8 +73,7 @@ pub(super) fn every_start(
 ) -> Vec<Start> {
     let run = |index| {
         let x = starting_point(bounds, design, index, seed);
-        let flag = control.interrupt.filter(|_| index > 0);
-        let outcome = match flag.is_some_and(|flag| flag.load(Ordering::Relaxed)) {
+        let outcome = match index > 0 && control.is_interrupted() {
             true => Err(Infeasible::Interrupted),
             false => run(index, &x),
         };

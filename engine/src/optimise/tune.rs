@@ -297,8 +297,7 @@ impl<'a> Tuner<'a> {
         let mut evaluation = Linearisation::new(self.layout.residuals(), fit.x.len());
         for direction in found.unseen.iter_mut().take(TRIED_OUT) {
             direction.try_out(&fit.x, fit.misfit(), &self.bounds, |x| {
-                let flag = self.control.interrupt;
-                if flag.is_some_and(|flag| flag.load(std::sync::atomic::Ordering::Relaxed)) {
+                if self.control.is_interrupted() {
                     return None;
                 }
                 LeastSquares::evaluate(&mut problem, x, &mut evaluation).ok()?;

@@ -1,7 +1,7 @@
 //! Axles in SIMD lanes.
 
 use super::axle::AxleStations;
-use super::evaluate::{Block, Interrupt, Pairs, SIDE_BY_SIDE, SolvesInLanes};
+use super::evaluate::{Block, Pairs, SIDE_BY_SIDE, SolvesInLanes};
 use super::lanes::{NotInLanes, gather};
 use crate::axle::{Axle, AxleState, Hold, LaneWheel, Placement, Quantity, Setup};
 use crate::characteristics::{LaneInputs, LaneReader, LaneWheels, Slots};
@@ -10,6 +10,7 @@ use crate::number::{SimdReal, SimdTask, Vector3, Width};
 use crate::solve::{
     Acceptance, LanePose, PairBatch, PairDrive, PairStations, Stand, StationOrder, VisitPair,
 };
+use crate::threads::Interrupt;
 
 /// Solves as many axles at a time as the processor has lanes.
 pub(super) struct AxleLanes<'a> {

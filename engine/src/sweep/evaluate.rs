@@ -15,7 +15,7 @@ use crate::mechanism::{DesignFault, Failure};
 use crate::model::Suspension;
 use crate::number::{MOST_LANES, SimdReal, Vector3, Width};
 use crate::solve::Solver;
-use std::sync::atomic::{AtomicBool, Ordering};
+use crate::threads::Interrupt;
 
 /// Number of designs in a full block. Blocks are also the unit of sums, shards and resumption: the designs from
 /// `k * BLOCK` on always belong together, for any number of threads.
@@ -209,21 +209,6 @@ impl Block {
 /// Hardpoints of left and right wheels, design after design. The second slice is empty for a single wheel and for an axle
 /// whose right wheel mirrors the left.
 pub(crate) type Pairs<'d> = [&'d [Vector3<f64>]; 2];
-
-/// A flag that ends the work early, like that of [`Control`](crate::optimise::Control); `None` if nothing can end it.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Interrupt<'a>(pub(crate) Option<&'a AtomicBool>);
-
-impl Interrupt<'_> {
-    /// Returns true if the work is to end.
-    #[inline]
-    pub(crate) fn is_raised(self) -> bool {
-        match self.0 {
-            Some(flag) => flag.load(Ordering::Relaxed),
-            None => false,
-        }
-    }
-}
 
 /// Solver of designs in SIMD lanes.
 pub(super) trait SolvesInLanes: Send {

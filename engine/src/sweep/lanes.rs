@@ -1,12 +1,13 @@
 //! Designs in SIMD lanes.
 
 use super::Stations;
-use super::evaluate::{Block, Interrupt, Pairs, SIDE_BY_SIDE, SolvesInLanes};
+use super::evaluate::{Block, Pairs, SIDE_BY_SIDE, SolvesInLanes};
 use super::gradients::Differentiating;
 use crate::characteristics::{Constants, LaneInputs, LaneReader, LaneWheels, Quantity};
 use crate::model::Suspension;
 use crate::number::{MOST_LANES, SimdReal, SimdTask, Vector3, Width};
 use crate::solve::{Acceptance, Batch, LanePose, Visit};
+use crate::threads::Interrupt;
 
 /// Reason why no design of a sweep is solved in SIMD lanes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

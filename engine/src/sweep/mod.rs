@@ -28,7 +28,6 @@ mod statistics;
 
 pub(crate) use axle::AxleStations;
 pub use effects::{Effect, Effects};
-pub(crate) use evaluate::Interrupt;
 pub use evaluate::{BLOCK, Block, Evaluator, FailedStation, StationFailure};
 pub use front::{Candidate, Front};
 pub use gradients::{AngleTarget, Deviations, Gradients, Jacobians};

@@ -2,7 +2,7 @@
 
 use super::reading::{MOST_LINES, Parts, Reading, Snapshot, WheelPose, zipped};
 use super::taylor::Taylor;
-use crate::characteristics::Slot;
+use crate::characteristics::{NumberPart, Slot, VectorPart};
 use crate::derive::{Linearised, Seeds};
 use crate::number::{Jet, Real, Tape, Tracked, Vector3};
 use std::cell::Cell;
@@ -90,54 +90,21 @@ fn push<const N: usize>(
     let at = &linearised.at;
     let zero = Jet::constant(0.0);
     let number = |seed: Jet<f64, N>| Vector3::new(seed, zero, zero);
-    let vectors = [
-        (Slot::Centre, places.wheel.centre, wheel.centre),
-        (Slot::SpinAxis, places.wheel.spin_axis, wheel.spin_axis),
-        (
-            Slot::SteeringPoint,
-            places.wheel.steering_point,
-            wheel.steering_point,
-        ),
-        (
-            Slot::SteeringDirection,
-            places.wheel.steering_direction,
-            wheel.steering_direction,
-        ),
-        (Slot::Spring, places.wheel.spring, wheel.spring),
-        (
-            Slot::StrutUpper,
-            places.wheel.strut_upper,
-            wheel.strut_upper,
-        ),
-    ]
-    .map(|(slot, place, seed)| (slot, place.x, seed));
-    let numbers = [
-        (
-            Slot::SpringLength,
-            places.wheel.spring_length,
-            wheel.spring_length,
-        ),
-        (
-            Slot::RockerAngle,
-            places.wheel.rocker_angle,
-            wheel.rocker_angle,
-        ),
-        (Slot::BarAngle, places.wheel.bar_angle, wheel.bar_angle),
-    ]
-    .map(|(slot, place, seed)| (slot, place, number(seed)));
-    let of_design = [
-        (
-            Slot::DesignSpinAxis,
-            places.design.spin_axis.x,
-            design.spin_axis,
-        ),
-        (Slot::DesignCentre, places.design.centre.x, design.centre),
-    ];
-    let all = vectors.into_iter().chain(numbers).chain(of_design);
-    for (slot, place, seed) in all {
-        if place.is_some() {
-            slot.push(seed, at, sink);
+    for part in VectorPart::ALL {
+        if places.wheel.vector(*part).x.is_some() {
+            part.slots()[0].push(wheel.vector(*part), at, sink);
         }
+    }
+    for part in NumberPart::ALL {
+        if places.wheel.number(*part).is_some() {
+            part.slots()[0].push(number(wheel.number(*part)), at, sink);
+        }
+    }
+    if places.design.spin_axis.x.is_some() {
+        Slot::DesignSpinAxis.push(design.spin_axis, at, sink);
+    }
+    if places.design.centre.x.is_some() {
+        Slot::DesignCentre.push(design.centre, at, sink);
     }
     // A turn d of the carrier moves a column c by d x c, so that g.(d x c) = d.(c x g).
     for (column, seed) in at.pose.rotation.columns.into_iter().zip(rotation) {

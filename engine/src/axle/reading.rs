@@ -65,27 +65,15 @@ impl Parts {
     /// The parts of these slots, and those that every axle reads.
     pub fn of(slots: &[Slot]) -> Self {
         let mut slots = Slots::default().with(ALWAYS).with(slots);
-        if slots.contain_either(Slot::SpringLength, Slot::SpringLengthRate) {
-            slots = slots.with(&[Slot::SpringLength, Slot::DesignSpringLength]);
+        if slots.contain_any(NumberPart::SpringLength.slots()) {
+            slots = slots.with(&[Slot::DesignSpringLength]);
         }
-        let vector = |part: VectorPart| match part {
-            VectorPart::SpinAxis => slots.contain_either(Slot::SpinAxis, Slot::SpinAxisRate),
-            VectorPart::Centre => slots.contain_either(Slot::Centre, Slot::CentreRate),
-            VectorPart::SteeringPoint => slots.contains(Slot::SteeringPoint),
-            VectorPart::SteeringDirection => {
-                slots.contain_either(Slot::SteeringDirection, Slot::SteeringDirectionRate)
-            }
-            VectorPart::Spring => slots.contains(Slot::Spring),
-            VectorPart::StrutUpper => slots.contains(Slot::StrutUpper),
-        };
-        let number = |part: NumberPart| match part {
-            NumberPart::SpringLength => slots.contains(Slot::SpringLength),
-            NumberPart::RockerAngle => slots.contains(Slot::RockerAngle),
-            NumberPart::BarAngle => slots.contain_either(Slot::BarAngle, Slot::BarAngleRate),
-        };
         let all = |is_read: bool| Vector3::new(is_read, is_read, is_read);
         let read = WheelPose {
-            wheel: Wheel::of_parts(|part| all(vector(part)), number),
+            wheel: Wheel::of_parts(
+                |part| all(slots.contain_any(part.slots())),
+                |part| slots.contain_any(part.slots()),
+            ),
             rotation: [all(slots.contains(Slot::Turn)); 3],
             design: DesignWheel {
                 spin_axis: all(slots.contains(Slot::DesignSpinAxis)),

@@ -4,11 +4,12 @@ use super::Constants;
 use crate::mechanism::Ground;
 use crate::number::{Dual, Jet, Real, Vector3};
 
-/// The parts of a wheel, a line each: [`Wheel`] with its fields, and the names of these fields as data.
+/// The parts of a wheel, a line each: [`Wheel`] with its fields, the names of these fields as data, and the slots that read
+/// them.
 macro_rules! wheel {
     (
-        vectors { $($(#[$about_vector:meta])* $vector:ident: $Vector:ident;)* }
-        numbers { $($(#[$about_number:meta])* $number:ident: $Number:ident;)* }
+        vectors { $($(#[$about_vector:meta])* $vector:ident: $Vector:ident [$($of_vector:ident),+];)* }
+        numbers { $($(#[$about_number:meta])* $number:ident: $Number:ident [$($of_number:ident),+];)* }
     ) => {
         /// Wheel and steering axis in one position, or their derivatives. A part that is not read is NaN.
         #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,6 +28,30 @@ macro_rules! wheel {
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         pub enum NumberPart {
             $($(#[$about_number])* $Number,)*
+        }
+
+        impl VectorPart {
+            /// Every part that is a vector, in the order of the fields.
+            pub(crate) const ALL: &'static [VectorPart] = &[$(VectorPart::$Vector),*];
+
+            /// Slots that read the part: the part itself, then its rate if formulas read it.
+            pub(crate) fn slots(self) -> &'static [Slot] {
+                match self {
+                    $(VectorPart::$Vector => &[$(Slot::$of_vector),+],)*
+                }
+            }
+        }
+
+        impl NumberPart {
+            /// Every part that is a number, in the order of the fields.
+            pub(crate) const ALL: &'static [NumberPart] = &[$(NumberPart::$Number),*];
+
+            /// Slots that read the part: the part itself, then its rate if formulas read it.
+            pub(crate) fn slots(self) -> &'static [Slot] {
+                match self {
+                    $(NumberPart::$Number => &[$(Slot::$of_number),+],)*
+                }
+            }
         }
 
         impl<T> Wheel<T> {
@@ -87,26 +112,26 @@ macro_rules! wheel {
 
 wheel! {
     vectors {
-        /// Unit vector along the spin axis, outboard.
-        spin_axis: SpinAxis;
         /// Wheel centre.
-        centre: Centre;
+        centre: Centre [Centre, CentreRate];
+        /// Unit vector along the spin axis, outboard.
+        spin_axis: SpinAxis [SpinAxis, SpinAxisRate];
         /// A point of the steering axis.
-        steering_point: SteeringPoint;
+        steering_point: SteeringPoint [SteeringPoint];
         /// Upward vector along the steering axis, of any length.
-        steering_direction: SteeringDirection;
+        steering_direction: SteeringDirection [SteeringDirection, SteeringDirectionRate];
         /// Vector from the lower end of the spring or strut to its upper end.
-        spring: Spring;
+        spring: Spring [Spring];
         /// The upper of the two knuckle points that give a strut its axis.
-        strut_upper: StrutUpper;
+        strut_upper: StrutUpper [StrutUpper];
     }
     numbers {
         /// Length of the spring or strut.
-        spring_length: SpringLength;
+        spring_length: SpringLength [SpringLength, SpringLengthRate];
         /// Angle of the spring's rocker from its design position.
-        rocker_angle: RockerAngle;
+        rocker_angle: RockerAngle [RockerAngle];
         /// Angle of the anti-roll bar's lever from its design position.
-        bar_angle: BarAngle;
+        bar_angle: BarAngle [BarAngle, BarAngleRate];
     }
 }
 
@@ -243,6 +268,12 @@ impl Slots {
     #[inline]
     pub fn contains(self, slot: Slot) -> bool {
         self.0 & (1 << slot as u32) != 0
+    }
+
+    /// Returns true if the set contains one of these slots.
+    #[inline]
+    pub(crate) fn contain_any(self, slots: &[Slot]) -> bool {
+        self.0 & Slots::default().with(slots).0 != 0
     }
 
     /// Returns true if the set contains a quantity or its rate.

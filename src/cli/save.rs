@@ -2,7 +2,6 @@
 
 use super::exit::Stop;
 use crate::results;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// Writes a file, whole or not at all. A file that is there is replaced only by force, and one that the command has read
@@ -21,14 +20,7 @@ pub(super) fn save(out: &Path, bytes: &[u8], force: bool, inputs: &[PathBuf]) ->
             out.display()
         )));
     }
-    let directory = out.parent().filter(|parent| !parent.as_os_str().is_empty());
-    let written = || {
-        let mut file = results::temporary(directory.unwrap_or(Path::new(".")))?;
-        file.write_all(bytes)?;
-        file.persist(out).map_err(|error| error.error)
-    };
-    written()
-        .map(drop)
+    results::undivided(|| results::put(out, bytes))
         .map_err(|error| Stop::wrong_input(format!("cannot write {}: {error}", out.display())))
 }
 

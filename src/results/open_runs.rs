@@ -80,7 +80,7 @@ impl OpenRun {
                 run.files.retain(|name| name != SUMMARY);
             }
         }
-        put(&self.path, NAME, manifest.text().as_bytes())?;
+        put(&self.path.join(NAME), manifest.text().as_bytes())?;
         if !self.has_summary {
             return Ok(());
         }
@@ -92,7 +92,10 @@ impl OpenRun {
             let command = serde_json::Value::from(self.command.as_str());
             format!("{{\n  \"command\": {command}\n}}\n")
         });
-        put(&self.path, SUMMARY, restated(&text, false, true).as_bytes())
+        put(
+            &self.path.join(SUMMARY),
+            restated(&text, false, true).as_bytes(),
+        )
     }
 }
 
@@ -106,11 +109,14 @@ fn clear(directory: &Path) {
     }
 }
 
-/// Writes a file beside its place, then moves it there.
-pub(super) fn put(directory: &Path, name: &str, contents: &[u8]) -> io::Result<()> {
-    let mut file = temporary(directory)?;
+/// Writes a file beside its place, then moves it there. Within [`undivided`] no signal cuts it short.
+pub fn put(path: &Path, contents: &[u8]) -> io::Result<()> {
+    let directory = path
+        .parent()
+        .filter(|folder| !folder.as_os_str().is_empty());
+    let mut file = temporary(directory.unwrap_or(Path::new(".")))?;
     file.write_all(contents)?;
     file.flush()?;
-    file.persist(directory.join(name)).map_err(|e| e.error)?;
+    file.persist(path).map_err(|e| e.error)?;
     Ok(())
 }

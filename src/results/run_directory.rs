@@ -296,14 +296,14 @@ impl RunDirectory {
 
     /// Writes a file: beside its place first, then moved there.
     fn put(&self, name: &str, contents: &[u8]) -> Result<(), WriteError> {
-        let written = undivided(|| open_runs::put(&self.path, name, contents));
-        written.map_err(unwritten(&self.path.join(name)))
+        let path = self.path.join(name);
+        undivided(|| open_runs::put(&path, contents)).map_err(unwritten(&path))
     }
 
     /// The same inside a step that no signal cuts.
     fn put_undivided(&self, name: &str, text: &str) -> Result<(), WriteError> {
-        let written = open_runs::put(&self.path, name, text.as_bytes());
-        written.map_err(unwritten(&self.path.join(name)))
+        let path = self.path.join(name);
+        open_runs::put(&path, text.as_bytes()).map_err(unwritten(&path))
     }
 
     /// Stores the record of a run that ends here.

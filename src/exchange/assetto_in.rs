@@ -25,18 +25,18 @@ use super::table::{Figure, Kind, Marks, NamedPoint, PointTable};
 use crate::model::{AxlePosition, FrameConvention, LengthUnit};
 use std::path::Path;
 
-/// Keys of points and the hardpoints that they are.
-const POINTS: &[(&str, &str)] = &[
+/// Keys of points and their hardpoints. Those of a topology are the keys of its `TYPE`.
+pub(super) const POINTS: &[(&str, &str)] = &[
+    ("STRUT_CAR", "strut_top"),
+    ("STRUT_TYRE", "strut_lower"),
     ("WBCAR_TOP_FRONT", "upper_arm_front"),
     ("WBCAR_TOP_REAR", "upper_arm_rear"),
-    ("WBTYRE_TOP", "upper_ball_joint"),
     ("WBCAR_BOTTOM_FRONT", "lower_arm_front"),
     ("WBCAR_BOTTOM_REAR", "lower_arm_rear"),
+    ("WBTYRE_TOP", "upper_ball_joint"),
     ("WBTYRE_BOTTOM", "lower_ball_joint"),
     ("WBCAR_STEER", "tie_rod_inner"),
     ("WBTYRE_STEER", "tie_rod_outer"),
-    ("STRUT_CAR", "strut_top"),
-    ("STRUT_TYRE", "strut_lower"),
 ];
 
 /// Keys that another simulation needs and a study of kinematics does not.

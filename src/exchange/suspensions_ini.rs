@@ -5,6 +5,7 @@
 //! centre above the centre of gravity. `STATIC_CAMBER` is in degrees, positive with the top outward; it turns the wheel,
 //! not the pick-up points. `TOE_OUT` is a shift of the steering rod's body end in metres, no angle.
 
+use super::assetto_in::POINTS;
 use super::outgoing::Outgoing;
 use super::subsystem::Written;
 use crate::model::{AxlePosition, LengthUnit, PointId, Side};
@@ -12,37 +13,17 @@ use crate::number::Vector3;
 use crate::report::shortest;
 use std::fmt::Write;
 
-/// Keys of a double wishbone and their hardpoints.
-const DOUBLE_WISHBONE: Keys = &[
-    ("WBCAR_TOP_FRONT", "upper_arm_front"),
-    ("WBCAR_TOP_REAR", "upper_arm_rear"),
-    ("WBCAR_BOTTOM_FRONT", "lower_arm_front"),
-    ("WBCAR_BOTTOM_REAR", "lower_arm_rear"),
-    ("WBTYRE_TOP", "upper_ball_joint"),
-    ("WBTYRE_BOTTOM", "lower_ball_joint"),
-    ("WBCAR_STEER", "tie_rod_inner"),
-    ("WBTYRE_STEER", "tie_rod_outer"),
-];
-
-/// Keys of a strut and their hardpoints.
-const STRUT: Keys = &[
-    ("STRUT_CAR", "strut_top"),
-    ("STRUT_TYRE", "strut_lower"),
-    ("WBCAR_BOTTOM_FRONT", "lower_arm_front"),
-    ("WBCAR_BOTTOM_REAR", "lower_arm_rear"),
-    ("WBTYRE_BOTTOM", "lower_ball_joint"),
-    ("WBCAR_STEER", "tie_rod_inner"),
-    ("WBTYRE_STEER", "tie_rod_outer"),
-];
-
 /// The file of a study.
 ///
 /// # Errors
 ///
 /// The topology has no place there, or the wheels of the axle differ.
 pub fn suspensions_ini(outgoing: &Outgoing<'_>) -> Result<Written, String> {
-    let (kind, keys) = kind(outgoing)?;
+    let kind = kind(outgoing)?;
     let mechanism = &outgoing.study.suspension.mechanism;
+    let keys = POINTS
+        .iter()
+        .filter(|(_, name)| mechanism.topology.hardpoint(name).is_some());
     let mut ini = Ini {
         outgoing,
         side: outgoing.study.suspension.frame.meaning().1,
@@ -51,12 +32,12 @@ pub fn suspensions_ini(outgoing: &Outgoing<'_>) -> Result<Written, String> {
     };
     ini.basic();
     ini.section(kind);
-    for (key, name) in keys {
+    for (key, name) in keys.clone() {
         let id = mechanism.point(name).expect("the topology requires it");
         ini.line(key, &ini.relative(id));
     }
     ini.angles();
-    let known = |name: &str| name == "wheel_centre" || keys.iter().any(|(_, own)| *own == name);
+    let known = |name: &str| name == "wheel_centre" || keys.clone().any(|(_, own)| *own == name);
     let points = mechanism.points.iter().filter(|point| !known(&point.name));
     let absent: Vec<&str> = points.map(|point| point.name.as_str()).collect();
     if !absent.is_empty() {
@@ -82,15 +63,12 @@ VERSION=2
 [BASIC]
 ";
 
-/// Keys and the hardpoints that they hold.
-type Keys = &'static [(&'static str, &'static str)];
-
-/// The `TYPE` of a study, and its keys.
-fn kind(outgoing: &Outgoing<'_>) -> Result<(&'static str, Keys), String> {
+/// The `TYPE` of a study.
+fn kind(outgoing: &Outgoing<'_>) -> Result<&'static str, String> {
     let mechanism = &outgoing.study.suspension.mechanism;
     let kind = match mechanism.topology.name {
-        "double_wishbone" => ("DWB", DOUBLE_WISHBONE),
-        "macpherson" => ("STRUT", STRUT),
+        "double_wishbone" => "DWB",
+        "macpherson" => "STRUT",
         other => {
             return Err(format!(
                 "suspensions.ini has no type for a {other}; --to assetto takes double_wishbone (DWB) and macpherson (STRUT)"

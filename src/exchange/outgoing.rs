@@ -147,7 +147,7 @@ impl<'s> Outgoing<'s> {
             SpinAxis::From(inner) => {
                 let along =
                     self.place(side, suspension.mechanism.wheel_centre) - self.place(side, inner);
-                along * (1.0 / along.norm_squared().sqrt())
+                along.normalised()
             }
         }
     }

@@ -117,8 +117,14 @@ impl Moving<'_> {
         }
     }
 
-    /// Three points of the wheel carrier, now at these places.
-    fn triangle(&self, corners: [PointId; 3], now: [Vector3<f64>; 3]) -> CarriedTriangle {
+    /// Three points of the wheel carrier, whose coordinates in a lane have these numbers.
+    fn triangle(
+        &self,
+        corners: [PointId; 3],
+        numbers: [[usize; 3]; 3],
+        (found, lane): (&Jacobians<'_>, usize),
+    ) -> CarriedTriangle {
+        let now = numbers.map(|point| point_in(found, lane, point));
         CarriedTriangle::new(corners.map(|id| self.at(id)), now)
     }
 
@@ -130,6 +136,11 @@ impl Moving<'_> {
             self.along[first + 2],
         )
     }
+}
+
+/// A point whose coordinates in a lane have these numbers.
+fn point_in(found: &Jacobians<'_>, lane: usize, numbers: [usize; 3]) -> Vector3<f64> {
+    Vector3::from(numbers.map(|number| found.value(lane, number)))
 }
 
 impl Source {
@@ -158,7 +169,7 @@ impl Source {
     }
 
     fn value(&self, found: &Jacobians<'_>, lane: usize, moving: &Moving<'_>) -> Vector3<f64> {
-        let point = |numbers: [usize; 3]| Vector3::from(numbers.map(|n| found.value(lane, n)));
+        let point = |numbers| point_in(found, lane, numbers);
         match *self {
             Source::Point(numbers) => point(numbers),
             Source::Between([from, to]) => point(to) - point(from),
@@ -168,7 +179,7 @@ impl Source {
                 Vector3::new(camber.1 * toe.0, camber.1 * toe.1, -camber.0)
             }
             Source::Carried(numbers, corners, stud) => {
-                let triangle = moving.triangle(corners, numbers.map(point));
+                let triangle = moving.triangle(corners, numbers, (found, lane));
                 triangle.turned(moving.stud(stud))
             }
             Source::Designed(id) => moving.at(id),
@@ -206,9 +217,7 @@ impl Source {
                 add(&numbers, [by_camber, by_toe, 0.0]);
             }
             Source::Carried(numbers, corners, stud) => {
-                let point =
-                    |numbers: [usize; 3]| Vector3::from(numbers.map(|n| found.value(lane, n)));
-                let triangle = moving.triangle(corners, numbers.map(point));
+                let triangle = moving.triangle(corners, numbers, (found, lane));
                 let forces = triangle.by_corners(triangle.turned(moving.stud(stud)), by);
                 for (numbers, force) in numbers.iter().zip(forces) {
                     add(numbers, force.to_array());

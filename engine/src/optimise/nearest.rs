@@ -9,7 +9,7 @@
 //! the design is not known to be the nearest, and the termination says so.
 
 use super::constrained::{Assessment, Constrained, ConstrainedFit, KEPT, constrained_fit};
-use super::fixed::{FixedRows, Without};
+use super::fixed::FixedRows;
 use super::trade::{Aim, Distance, Trade};
 use super::tune::Tuner;
 use super::{Fit, Iteration, Linearisation, Options, Termination};
@@ -70,11 +70,7 @@ impl Search<'_, '_> {
         if self.left == 0 {
             return None;
         }
-        let problem = Without {
-            problem: tuner.problem(),
-            fixed: self.level.fixed,
-            bounds: &tuner.bounds,
-        };
+        let problem = tuner.problem_without(self.level.fixed);
         let (all, movement) = (tuner.all_targets(), Aim::movement());
         let mut near = Trade::new(problem, &self.distance, &movement, vec![(&all, misfit)]);
         if let Some(known) = known {
@@ -246,11 +242,7 @@ impl Tuner<'_> {
         if x == found.x {
             return None;
         }
-        let mut problem = Without {
-            problem: self.problem(),
-            fixed: level.fixed,
-            bounds: &self.bounds,
-        };
+        let mut problem = self.problem_without(level.fixed);
         let shape = problem.shape();
         let mut at = Assessment::new(&shape);
         problem.assess(&x, &mut at).ok()?;

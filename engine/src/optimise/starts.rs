@@ -48,7 +48,10 @@ impl<'a> Tuner<'a> {
     }
 
     /// The problem without some residuals.
-    fn problem_without<'f>(&'f self, fixed: &'f FixedRows) -> Without<'f, Lent<'f, Objective<'a>>> {
+    pub(super) fn problem_without<'f>(
+        &'f self,
+        fixed: &'f FixedRows,
+    ) -> Without<'f, Lent<'f, Objective<'a>>> {
         Without {
             problem: self.problem(),
             fixed,

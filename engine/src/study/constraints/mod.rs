@@ -403,16 +403,13 @@ impl Reader<'_> {
 /// Returns true if two points define a line, or three a plane, in double precision.
 fn span_a_flat(points: &[Vector3<f64>]) -> bool {
     let along = points[1] - points[0];
-    let size = |v: Vector3<f64>| v.norm();
-    let far = points.iter().map(|p| size(*p)).fold(0.0, f64::max);
-    let is_line = size(along) > DEGENERATE * far;
-    match points.get(2) {
-        None => is_line,
-        Some(third) => {
+    let farthest = points.iter().map(|p| p.norm()).fold(0.0, f64::max);
+    let is_line = along.norm() > DEGENERATE * farthest;
+    is_line
+        && points.get(2).is_none_or(|third| {
             let other = *third - points[0];
-            is_line && size(along.cross(other)) > DEGENERATE * size(along) * size(other)
-        }
-    }
+            along.cross(other).norm() > DEGENERATE * along.norm() * other.norm()
+        })
 }
 
 /// Limits in words.

@@ -1,31 +1,35 @@
-//! A study's curves, of one wheel or of both, and what is made of them: files, tables, words and the record of a run.
+//! Curves of a study, and what is made of them: files, tables, words and the record of a run.
 
-use crate::axle::{AxleCurves, AxlePlan, axle_curves};
+use crate::ask::NoValue;
+use crate::axle::{AxleCurves, AxlePlan, Placed, axle_curves};
 use crate::curves::{Curves, curves};
+use crate::mechanism::NoPose;
 use crate::plan::Plan;
 use crate::report::{
-    AxleSummary, FailureRange, Record, SolveSummary, Summary, axle_curves_csv, axle_failures,
-    axle_remarks, axle_sensitivities_csv, both_wheels_plausibility, curves_csv, plausibility,
-    rack_doubt, remarks, sensitivities_csv,
+    FailureRange, Record, SolveSummary, Summary, both_wheels_plausibility, curves_csv,
+    plausibility, rack_doubt, remarks, sensitivities_csv,
 };
 use crate::study::{AxleStudy, Study};
 
-/// The curves of a study. What fails here is a wheel that cannot be solved in its design position: in words.
+/// The curves of a study. An error is a wheel that cannot be solved in its design position, in words.
 pub struct Solved<'s> {
     study: &'s Study,
-    found: Found<'s>,
+    curves: Curves,
+    plan: Planned<'s>,
 }
 
-enum Found<'s> {
-    Wheel(Plan, Curves),
-    Axle(&'s AxleStudy, AxlePlan, AxleCurves),
+/// The plan of the curves.
+enum Planned<'s> {
+    Corner(Plan),
+    /// With the positions that were found.
+    Axle(&'s AxleStudy, AxlePlan, Vec<Result<Placed, NoPose>>),
 }
 
-/// What curves are called, the file they are in, and they themselves.
+/// Label of a design, the file with its curves, and the curves themselves.
 pub type Labelled<'a> = (&'a str, &'a str, &'a Solved<'a>);
 
 impl<'s> Solved<'s> {
-    /// What a study asks for.
+    /// Curves of the outputs of a study.
     pub fn of(study: &'s Study) -> Result<Self, String> {
         match &study.axle {
             None => Solved::of_wheel(study, Plan::of(study)),
@@ -33,7 +37,7 @@ impl<'s> Solved<'s> {
         }
     }
 
-    /// What a study asks for, and what its targets are about.
+    /// Curves of the outputs of a study and of the quantities of its targets.
     pub fn with_targets(study: &'s Study) -> Result<Self, String> {
         let targets = study.optimise.as_ref().map(|o| &o.targets[..]);
         match &study.axle {
@@ -45,148 +49,129 @@ impl<'s> Solved<'s> {
     fn of_wheel(study: &'s Study, plan: Plan) -> Result<Self, String> {
         let wheel = &study.suspension;
         let curves = curves(wheel, &plan).map_err(|f| f.describe(&wheel.mechanism))?;
-        let found = Found::Wheel(plan, curves);
-        Ok(Solved { study, found })
+        Ok(Solved {
+            study,
+            curves,
+            plan: Planned::Corner(plan),
+        })
     }
 
     fn of_axle(study: &'s Study, both: &'s AxleStudy, plan: AxlePlan) -> Result<Self, String> {
-        let curves = axle_curves(&both.axle, &plan).map_err(|f| both.axle.describe_fault(f))?;
-        let found = Found::Axle(both, plan, curves);
-        Ok(Solved { study, found })
+        let found = axle_curves(&both.axle, &plan).map_err(|f| both.axle.describe_fault(f))?;
+        Ok(Solved {
+            study,
+            curves: found.curves,
+            plan: Planned::Axle(both, plan, found.placed),
+        })
     }
 
-    /// The same with other values by column and station, in the units of the kernel; of an axle where there were some.
+    /// The same stations with other values by column and station, in the units of the kernel. A cell of an axle that has
+    /// no value stays empty.
     pub fn with_values(&self, value: impl Fn(usize, usize) -> f64) -> Self {
-        let found = match &self.found {
-            Found::Wheel(plan, drawn) => {
-                let mut curves = drawn.clone();
-                for (number, station) in curves.stations.iter_mut().enumerate() {
-                    for (k, own) in station.values.iter_mut().enumerate() {
-                        let found = value(k, number) * drawn.columns[k].factor();
-                        *own = found.is_finite().then_some(found);
-                    }
-                }
-                Found::Wheel(plan.clone(), curves)
+        let mut curves = self.curves.clone();
+        let keeps_empty = matches!(self.plan, Planned::Axle(..));
+        for (number, station) in curves.stations.iter_mut().enumerate() {
+            for (k, own) in station.values.iter_mut().enumerate() {
+                let found = value(k, number) * curves.columns[k].factor();
+                *own = match *own {
+                    Err(reason) if keeps_empty || !found.is_finite() => Err(reason),
+                    Ok(_) if !keeps_empty && !found.is_finite() => Err(NoValue::NotFinite),
+                    _ => Ok(found),
+                };
             }
-            Found::Axle(both, plan, drawn) => {
-                let mut curves = drawn.clone();
-                for (number, station) in curves.stations.iter_mut().enumerate() {
-                    for (k, own) in station.values.iter_mut().enumerate() {
-                        *own = own.map(|_| value(k, number) * drawn.columns[k].factor);
-                    }
-                }
-                Found::Axle(both, plan.clone(), curves)
-            }
+        }
+        let plan = match &self.plan {
+            Planned::Corner(plan) => Planned::Corner(plan.clone()),
+            Planned::Axle(both, plan, placed) => Planned::Axle(both, plan.clone(), placed.clone()),
         };
-        let study = self.study;
-        Solved { study, found }
+        Solved {
+            study: self.study,
+            curves,
+            plan,
+        }
     }
 
-    /// The curves, of one wheel.
-    pub fn wheel(&self) -> Option<&Curves> {
-        match &self.found {
-            Found::Wheel(_, curves) => Some(curves),
-            Found::Axle(..) => None,
-        }
+    /// The curves.
+    pub fn curves(&self) -> &Curves {
+        &self.curves
     }
 
     /// `curves.csv`.
     pub fn csv(&self) -> Vec<u8> {
-        match &self.found {
-            Found::Wheel(plan, curves) => {
-                curves_csv(curves, plan, self.study.suspension.length_unit)
-            }
-            Found::Axle(both, plan, curves) => axle_curves_csv(&both.axle, plan, curves),
-        }
+        curves_csv(&self.curves)
     }
 
     /// `sensitivities.csv`, where the study asks for it.
     pub fn sensitivities_csv(&self) -> Option<Vec<u8>> {
-        let wheel = &self.study.suspension;
-        let (asked, csv): (_, Box<dyn Fn() -> Vec<u8>>) = match &self.found {
-            Found::Wheel(plan, curves) => (
-                &plan.sensitivities,
-                Box::new(|| sensitivities_csv(curves, plan, &wheel.mechanism, wheel.length_unit)),
-            ),
-            Found::Axle(both, plan, curves) => (
-                &plan.sensitivities,
-                Box::new(|| axle_sensitivities_csv(&both.axle, plan, curves)),
-            ),
+        let asked = match &self.plan {
+            Planned::Corner(plan) => &plan.sensitivities,
+            Planned::Axle(_, plan, _) => &plan.sensitivities,
         };
-        (!asked.is_empty()).then(csv)
+        (!asked.is_empty()).then(|| sensitivities_csv(self.study, &self.curves))
     }
 
-    /// Whether everything asked for was found.
+    /// Returns true if every requested value was found.
     pub fn is_complete(&self) -> bool {
-        match &self.found {
-            Found::Wheel(_, curves) => curves.are_complete(),
-            Found::Axle(_, _, curves) => curves.are_complete(),
-        }
+        self.curves.are_complete()
     }
 
-    /// What is doubtful of the design, a line each.
+    /// Doubts about the design, a line each.
     pub fn plausibility(&self) -> Result<Vec<String>, String> {
         let wheel = &self.study.suspension;
-        let mut found = match &self.found {
-            Found::Wheel(..) => plausibility(wheel).map_err(|f| f.describe(&wheel.mechanism))?,
-            Found::Axle(both, plan, curves) => both_wheels_plausibility(&both.axle, plan, curves)
-                .map_err(|f| both.axle.describe_fault(f))?,
+        let mut found = match &self.plan {
+            Planned::Corner(_) => plausibility(wheel).map_err(|f| f.describe(&wheel.mechanism))?,
+            Planned::Axle(both, plan, placed) => {
+                let found = AxleCurves {
+                    curves: self.curves.clone(),
+                    placed: placed.clone(),
+                };
+                both_wheels_plausibility(&both.axle, plan, &found)
+                    .map_err(|f| both.axle.describe_fault(f))?
+            }
         };
         found.extend(rack_doubt(self.study));
         Ok(found)
     }
 
-    /// What has to be said of the curves, a line each: of their accuracy, and of what has no value.
+    /// Remarks on the curves, a line each: on their accuracy, and on values that they lack.
     pub fn remarks(&self) -> Vec<String> {
-        match &self.found {
-            Found::Wheel(_, curves) => remarks(self.study, curves),
-            Found::Axle(both, plan, curves) => axle_remarks(&both.axle, plan, curves),
-        }
+        remarks(&self.curves, self.study.suspension.length_unit)
     }
 
     /// Stations without a position.
     pub fn failures(&self) -> Vec<FailureRange> {
-        match &self.found {
-            Found::Wheel(plan, curves) => {
-                FailureRange::all(curves, plan.drive, &self.study.suspension)
-            }
-            Found::Axle(both, plan, curves) => axle_failures(&both.axle, plan, curves),
-        }
+        FailureRange::all(&self.curves, &self.study.suspension)
     }
 
     /// `summary.json` of a solve.
     pub fn summary(&self) -> Result<Summary, String> {
-        Ok(match &self.found {
-            Found::Wheel(_, curves) => {
-                Summary::Solve(Box::new(SolveSummary::of(self.study, curves)))
-            }
-            Found::Axle(both, plan, curves) => {
+        let design = match &self.plan {
+            Planned::Corner(_) => None,
+            Planned::Axle(both, plan, _) => {
                 let design = axle_curves(&both.axle, &plan.at_design());
-                let design = design.map_err(|f| both.axle.describe_fault(f))?;
-                let summary = AxleSummary::of(&self.study.name, &both.axle, plan, curves, &design);
-                Summary::Axle(summary)
+                Some(design.map_err(|f| both.axle.describe_fault(f))?.curves)
             }
-        })
+        };
+        let summary = SolveSummary::of(self.study, &self.curves, design.as_ref());
+        Ok(Summary::Solve(Box::new(summary)))
     }
 
-    /// The record of a run of these, all of one wheel or all of both; what matters most is the last.
+    /// The record of a run of these, all of one wheel or all of both; the most important one is the last.
     pub fn record(command: &str, designs: &[Labelled<'_>]) -> Result<Record, String> {
         let (.., last) = designs.last().expect("a run is of a design at least");
         let study = designs[0].2.study;
-        match &last.found {
-            Found::Wheel(plan, _) => {
-                let wheels = designs.iter().filter_map(|(label, file, solved)| {
-                    Some((*label, *file, &solved.study.suspension, solved.wheel()?))
+        match &last.plan {
+            Planned::Corner(plan) => {
+                let wheels = designs.iter().map(|(label, file, solved)| {
+                    (*label, *file, &solved.study.suspension, &solved.curves)
                 });
                 let record = Record::of(command, study, plan, &wheels.collect::<Vec<_>>());
                 record.map_err(|f| f.describe(&study.suspension.mechanism))
             }
-            Found::Axle(both, plan, _) => {
+            Planned::Axle(both, plan, _) => {
                 let axles = designs.iter().filter_map(|(label, file, solved)| {
-                    let Found::Axle(both, _, curves) = &solved.found else {
-                        return None;
-                    };
-                    Some((*label, *file, &both.axle, curves))
+                    let own = &solved.study.axle.as_ref()?.axle;
+                    Some((*label, *file, own, &solved.curves))
                 });
                 let record = Record::of_axle(command, study, plan, &axles.collect::<Vec<_>>());
                 record.map_err(|f| both.axle.describe_fault(f))

@@ -12,13 +12,13 @@ use self::axle::{AxleEvaluator, AxleFunction};
 use crate::ask::with_unit;
 use crate::characteristics::Quantity;
 use crate::evaluate::{Evaluated, GradientEvaluator};
-use crate::mechanism::DesignFault;
+use crate::mechanism::{DesignFault, NoPose};
 use crate::model::{Axis, Drive, PointId, Suspension};
 use crate::number::{Vector3, Width};
 use crate::optimise::{PointRate, moved_design, point_rates};
 use crate::plan::{Output, Plan};
 use crate::study::{Designs, Formulation, Study, SweepVariable, Variable, nearest};
-use crate::sweep::{BLOCK, Block, Evaluator, StationFailure, Stations};
+use crate::sweep::{BLOCK, Block, Evaluator, Stations};
 use nalgebra::DVector;
 use std::sync::Arc;
 use thiserror::Error;
@@ -564,7 +564,7 @@ impl<'f> Evaluation<'f> {
 
     /// Why a station of the designs whose values were last asked for has no pose: (design, station of the motion,
     /// reason).
-    pub fn failures(&self) -> impl Iterator<Item = (usize, usize, &StationFailure)> {
+    pub fn failures(&self) -> impl Iterator<Item = (usize, usize, &NoPose)> {
         let f = self.function;
         let failures = self.values.iter().flat_map(|(_, block)| block.failures());
         failures.filter_map(|failure| {

@@ -1,59 +1,14 @@
 //! Curves and limits of both wheels.
 
 use crate::errors::failure;
-use crate::study::{cause_of, ends, mostly_nan};
-use hardpoint::axle::{AxleEnd, axle_curves};
-use hardpoint::model::{Axis, Side};
-use hardpoint::report::axle_motion;
+use crate::study::{cause_of, ends};
+use hardpoint::axle::AxleEnd;
+use hardpoint::model::Axis;
 use hardpoint::study::AxleStudy;
-use numpy::{IntoPyArray, PyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 /// The curves of an axle: columns, where the stations are, statuses and, where the study asks for them,
-/// sensitivities (stations, columns, points, 3), for each side where the right one has hardpoints of its own.
-pub(crate) fn solve<'py>(
-    py: Python<'py>,
-    AxleStudy { axle, plan }: &AxleStudy,
-) -> PyResult<Bound<'py, PyDict>> {
-    let found = py
-        .detach(|| axle_curves(axle, plan))
-        .map_err(|fault| failure(axle.describe_fault(fault)))?;
-    let array = |values: Vec<f64>| -> Bound<'py, PyArray1<f64>> { values.into_pyarray(py) };
-    let stations = &found.stations;
-    let (columns, info) = (PyDict::new(py), PyDict::new(py));
-    for (k, c) in found.columns.iter().enumerate() {
-        let values = stations.iter().map(|s| s.value(k).unwrap_or(f64::NAN));
-        columns.set_item(&c.name, array(values.collect()))?;
-        info.set_item(&c.name, (c.output(), &c.unit, c.positive()))?;
-    }
-    let motion = PyDict::new(py);
-    for (name, values) in axle_motion(axle, plan, &found) {
-        let values = values.into_iter().map(|v| v.unwrap_or(f64::NAN));
-        motion.set_item(name, array(values.collect()))?;
-    }
-    let result = PyDict::new(py);
-    result.set_item("columns", columns)?;
-    result.set_item("info", info)?;
-    result.set_item("motion", motion)?;
-    let words: Vec<&str> = stations.iter().map(|s| s.status).collect();
-    result.set_item("status", words)?;
-    let points = &plan.sensitivities;
-    if !points.is_empty() {
-        let sides = if axle.right.is_some() { 2 } else { 1 };
-        let shape = [sides, stations.len(), found.columns.len(), points.len(), 3];
-        let known = found.sensitivities.iter().filter_map(|s| {
-            let side = usize::from(s.side == Some(Side::Right));
-            let p = points.iter().position(|p| *p == s.point)?;
-            Some(([side, s.station, s.column, p, s.axis as usize], s.value))
-        });
-        let names = points.iter().map(|p| axle.left.mechanism.name(*p));
-        result.set_item("sensitivities", mostly_nan(py, shape, known))?;
-        result.set_item("sensitivity_points", names.collect::<Vec<_>>())?;
-    }
-    Ok(result)
-}
-
 /// How far both travels, the rack and roll go: (lower, upper) with their causes.
 pub(crate) fn limits<'py>(
     py: Python<'py>,

@@ -3,8 +3,9 @@
 use crate::errors::{failure, study_error};
 use hardpoint::Topology;
 use hardpoint::analyse::{Range, RangeEnd};
-use hardpoint::curves::curves;
-use hardpoint::model::Axis;
+use hardpoint::axle::axle_curves;
+use hardpoint::curves::{Curves, curves};
+use hardpoint::model::{Axis, Side};
 use hardpoint::number::Vector3;
 use hardpoint::plan::Plan;
 use hardpoint::solve::Solver;
@@ -172,59 +173,81 @@ pub(crate) fn schema() -> String {
 #[pyfunction]
 pub(crate) fn solve<'py>(py: Python<'py>, study: &Study) -> PyResult<Bound<'py, PyDict>> {
     let own = &study.study;
-    if let Some(axle) = &own.axle {
-        return crate::axle::solve(py, axle);
-    }
-    let plan = Plan::of(own);
-    let found = py.detach(|| curves(&own.suspension, &plan));
-    let found = found.map_err(|fault| study.fault(&fault))?;
-    let stations = &found.stations;
+    let found = match &own.axle {
+        Some(both) => py
+            .detach(|| axle_curves(&both.axle, &both.plan))
+            .map(|found| found.curves)
+            .map_err(|fault| failure(both.axle.describe_fault(fault)))?,
+        None => py
+            .detach(|| curves(&own.suspension, &Plan::of(own)))
+            .map_err(|fault| study.fault(&fault))?,
+    };
     let column = |values: &mut dyn Iterator<Item = Option<f64>>| -> Bound<'py, PyArray1<f64>> {
         let values: Vec<f64> = values.map(|v| v.unwrap_or(f64::NAN)).collect();
         values.into_pyarray(py)
     };
-    let columns = PyDict::new(py);
-    let info = PyDict::new(py);
+    let (columns, info) = (PyDict::new(py), PyDict::new(py));
     for (k, c) in found.columns.iter().enumerate() {
-        columns.set_item(&c.name, column(&mut stations.iter().map(|s| s.values[k])))?;
+        let mut values = found.stations.iter().map(|s| s.value(k));
+        columns.set_item(&c.name, column(&mut values))?;
         info.set_item(&c.name, (&c.output, &c.unit, c.positive))?;
+    }
+    let motion = PyDict::new(py);
+    for c in &found.motion {
+        if own.axle.is_none() || c.is_written {
+            motion.set_item(c.name(), column(&mut found.along(c.key)))?;
+        }
     }
     let result = PyDict::new(py);
     result.set_item("columns", columns)?;
     result.set_item("info", info)?;
-    let drive = |s: &hardpoint::curves::Station| match own.motion.drive {
-        hardpoint::study::Drive::Travel => s.travel,
-        _ => s.angle,
-    };
-    result.set_item("drive", column(&mut stations.iter().map(drive)))?;
-    let motion = PyDict::new(py);
-    let unit = own.suspension.length_unit.symbol();
-    if own.motion.drive.is_angle() {
-        let name = format!("{}_deg", own.motion.drive.key());
-        motion.set_item(name, column(&mut stations.iter().map(|s| s.angle)))?;
-    }
-    let travels = column(&mut stations.iter().map(|s| s.travel));
-    motion.set_item(format!("travel_{unit}"), travels)?;
-    let racks = column(&mut stations.iter().map(|s| Some(s.rack)));
-    motion.set_item(format!("rack_{unit}"), racks)?;
-    if plan.time.is_some() {
-        motion.set_item("time_s", column(&mut stations.iter().map(|s| s.time)))?;
+    if own.axle.is_none() {
+        let drive = own.motion.drive.key();
+        result.set_item("drive", column(&mut found.along(drive)))?;
     }
     result.set_item("motion", motion)?;
-    let words: Vec<&str> = stations.iter().map(|s| s.status.word()).collect();
+    let words: Vec<&str> = found.stations.iter().map(|s| s.status.word()).collect();
     result.set_item("status", words)?;
-    if !plan.sensitivities.is_empty() {
-        let points = &plan.sensitivities;
-        let shape = [stations.len(), found.columns.len(), points.len(), 3];
-        let known = found.sensitivities.iter().filter_map(|s| {
-            let p = points.iter().position(|p| *p == s.point)?;
-            Some(([s.station, s.column, p, s.axis as usize], s.value))
-        });
-        let names = points.iter().map(|p| own.suspension.mechanism.name(*p));
-        result.set_item("sensitivities", mostly_nan(py, shape, known))?;
-        result.set_item("sensitivity_points", names.collect::<Vec<_>>())?;
-    }
+    set_sensitivities(py, own, &found, &result)?;
     Ok(result)
+}
+
+/// Adds the sensitivities of curves to a result: `[station][column][point][axis]`, of an axle by side before that.
+fn set_sensitivities(
+    py: Python<'_>,
+    study: &hardpoint::study::Study,
+    found: &Curves,
+    result: &Bound<'_, PyDict>,
+) -> PyResult<()> {
+    let (points, sides) = match &study.axle {
+        Some(both) => {
+            let sides = if both.axle.right.is_some() { 2 } else { 1 };
+            (&both.plan.sensitivities, Some(sides))
+        }
+        None => (&study.outputs.sensitivities, None),
+    };
+    if points.is_empty() {
+        return Ok(());
+    }
+    let shape = [found.stations.len(), found.columns.len(), points.len(), 3];
+    let known = found.sensitivities.iter().filter_map(|s| {
+        let point = points.iter().position(|p| *p == s.point)?;
+        Some((s, [s.station, s.column, point, s.axis as usize]))
+    });
+    let array = match sides {
+        None => mostly_nan(py, shape, known.map(|(s, at)| (at, s.value))),
+        Some(sides) => {
+            let [stations, columns, points, axes] = shape;
+            let known = known.map(|(s, [station, column, point, axis])| {
+                let side = usize::from(s.side == Some(Side::Right));
+                ([side, station, column, point, axis], s.value)
+            });
+            mostly_nan(py, [sides, stations, columns, points, axes], known)
+        }
+    };
+    let names = points.iter().map(|p| study.suspension.mechanism.name(*p));
+    result.set_item("sensitivities", array)?;
+    result.set_item("sensitivity_points", names.collect::<Vec<_>>())
 }
 
 /// An array with values at some places, NaN at all others.

@@ -43,7 +43,7 @@ pub(super) fn run(arguments: &LimitsArguments) -> Result<Exit, Stop> {
         let margin = margin(&study, &mut solver, &by_rack, &moved).map_err(fault)?;
         out.say(&format!("\n{margin}\n"))?;
     }
-    let failures = FailureRange::all(&moved, study.motion.drive, suspension);
+    let failures = FailureRange::all(&moved, suspension);
     let failures = failures
         .iter()
         .map(|failure| format!("not solved: {failure}"));

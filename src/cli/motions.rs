@@ -11,7 +11,6 @@ use crate::study::Study;
 pub(super) struct NamedCurves {
     pub name: String,
     pub file: String,
-    pub plan: Plan,
     pub curves: Curves,
 }
 
@@ -30,7 +29,6 @@ impl NamedCurves {
                 file: motion_file(name),
                 name: name.clone(),
                 curves,
-                plan,
             })
         });
         named.collect()
@@ -38,7 +36,7 @@ impl NamedCurves {
 
     /// What of it is not solved, a line each.
     pub(super) fn failures(&self, wheel: &Suspension) -> Vec<String> {
-        let failures = FailureRange::all(&self.curves, self.plan.drive, wheel);
+        let failures = FailureRange::all(&self.curves, wheel);
         let said = failures.iter();
         said.map(|failure| format!("motion {}: not solved: {failure}", self.name))
             .collect()

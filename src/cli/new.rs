@@ -357,7 +357,10 @@ mod tests {
                 let study = Study::from_text("new.toml", &text, Path::new(""));
                 let study = study.unwrap_or_else(|e| panic!("{} {parts:?}: {e}", topology.name));
                 let complete = match &study.axle {
-                    Some(axle) => axle_curves(&axle.axle, &axle.plan).unwrap().are_complete(),
+                    Some(axle) => axle_curves(&axle.axle, &axle.plan)
+                        .unwrap()
+                        .curves
+                        .are_complete(),
                     None => curves(&study.suspension, &Plan::of(&study))
                         .unwrap()
                         .are_complete(),

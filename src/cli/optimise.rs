@@ -114,7 +114,7 @@ pub(super) fn run(arguments: &OptimiseArguments) -> Result<Exit, Stop> {
         &study,
         optimise,
         &tuning,
-        after.as_ref().and_then(Solved::wheel),
+        after.as_ref().map(Solved::curves),
     );
     summary.prices = PriceRecord::all(optimise, &choices.prices, kept);
     summary.yields = pool.install(|| yields(&study, optimise, tuned.as_ref()));

@@ -15,7 +15,6 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     let fault = |why| Stop::in_file(path, why);
     let solved = Solved::of(&study).map_err(fault)?;
     // Everything that may be refused is known before anything is written.
-    let length = study.suspension.length_unit;
     let summary = solved.summary().map_err(fault)?;
     let of_motions = NamedCurves::all(&study).map_err(fault)?;
     let plausibility = solved.plausibility().map_err(fault)?;
@@ -27,7 +26,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     output.main_csv("curves.csv", &solved.csv())?;
     files.extend(output.file_if_any("sensitivities.csv", solved.sensitivities_csv())?);
     for motion in &of_motions {
-        let csv = curves_csv(&motion.curves, &motion.plan, length);
+        let csv = curves_csv(&motion.curves);
         output.file(&motion.file, &csv)?;
         files.push(&motion.file);
     }

@@ -58,8 +58,8 @@ impl DrawnDesigns {
             .zip(&named)
             .map(|((_, suspension, curves), (label, file))| (&**label, &**file, suspension, curves))
             .collect();
-        let table = |(_, suspension, curves): &(_, Suspension, _)| {
-            let csv = curves_csv(curves, &asked, suspension.length_unit);
+        let table = |(_, _, curves): &(_, _, crate::curves::Curves)| {
+            let csv = curves_csv(curves);
             CurveTable::read(&csv).expect("it has just been written")
         };
         Ok(DrawnDesigns {

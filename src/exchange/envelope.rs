@@ -162,11 +162,11 @@ fn poses(
         .and_then(|study| study.curves())
         .map_err(|error| error.to_string())?;
     let mut poses = Vec::with_capacity(curves.stations.len());
-    for station in &curves.stations {
+    let places = curves.along("travel").zip(curves.along("rack"));
+    for (station, (travel, rack)) in curves.stations.iter().zip(places) {
         let at = || {
             let unit = own.symbol();
-            let travel = station.travel.unwrap_or(f64::NAN);
-            let rack = station.rack;
+            let [travel, rack] = [travel, rack].map(|value| value.unwrap_or(f64::NAN));
             format!(
                 "{} wheel at travel {travel} {unit}, rack {rack} {unit}",
                 side.name()
@@ -175,8 +175,8 @@ fn poses(
         if let Status::Failed(failure) = station.status {
             return Err(format!("{}: {}", at(), failure.describe(own, frame)));
         }
-        let values: Option<Vec<f64>> = station.values.iter().copied().collect();
-        let values = values.ok_or_else(|| format!("{}: the wheel has no angles", at()))?;
+        let values: Result<Vec<f64>, _> = station.values.iter().copied().collect();
+        let values = values.map_err(|_| format!("{}: the wheel has no angles", at()))?;
         let [camber, toe, x, y, z] = values[..] else {
             return Err(format!("{}: expected angles and a point", at()));
         };

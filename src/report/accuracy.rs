@@ -2,72 +2,76 @@
 
 use super::completeness::Completeness;
 use super::figure::brief;
-use super::station_label::StationLabel;
-use crate::curves::{Curves, Proof, Station, Status};
-use crate::mechanism::Failure;
-use crate::model::Rod;
-use crate::study::{Drive, Study};
+use super::station_label::{StationLabel, place_in_words};
+use crate::ask::NoValue;
+use crate::curves::{Curves, Station, Status};
+use crate::model::{LengthUnit, Rod, Side};
+use crate::study::Drive;
 use serde::{Deserialize, Serialize};
-use std::fmt::Display;
 
 /// Remarks on curves, a line each: on their accuracy, and on values that they lack.
-pub fn remarks(study: &Study, curves: &Curves) -> Vec<String> {
-    let unit = study.suspension.length_unit.symbol();
-    let certificate = CertificateSummary::of(study, curves);
-    let certificate = certificate.map(|c| c.remark(curves.stations.len(), unit));
-    let condition = ConditionSummary::of(curves, study.motion.drive);
-    let warning = condition.and_then(|c| c.warning());
-    let unsupported = unsupported(study, curves);
+pub fn remarks(curves: &Curves, length: LengthUnit) -> Vec<String> {
+    let certificate = CertificateSummary::of(curves);
+    let certificate = certificate.map(|c| c.remark(curves.stations.len(), length.symbol()));
+    let warning = ConditionSummary::of(curves).and_then(|c| c.warning());
     certificate
         .into_iter()
         .chain(warning)
-        .chain(unsupported)
-        .chain(toggled(study, curves))
+        .chain(unsupported(curves))
+        .chain(toggled(curves))
         .chain(Completeness::of(curves).remarks())
         .collect()
 }
 
 /// A remark on stations where nothing can carry the loads, if there are any.
-fn unsupported(study: &Study, curves: &Curves) -> Option<String> {
-    let lacks = |s: &&Station| s.status == Status::Unsupported;
-    let count = curves.stations.iter().filter(lacks).count();
-    let first = curves.stations.iter().find(lacks)?;
-    let support = match study.suspension.mechanism.spring {
-        Some(_) => "the spring",
-        None => "a vertical force at the wheel centre",
-    };
-    let stations = stations_in_words(count);
+fn unsupported(curves: &Curves) -> Option<String> {
+    let stations = curves.stations.iter().enumerate();
+    let mut lacking = stations.filter(|(_, s)| s.values.contains(&Err(NoValue::Unsupported)));
+    let (first, _) = lacking.next()?;
     Some(format!(
-        "warning: loads not carried at {stations}, the first at {}: {support} has next to no leverage there",
-        StationLabel::of(first, study.motion.drive)
+        "warning: loads not carried at {}, the first at {}: {}",
+        stations_in_words(1 + lacking.count()),
+        place_in_words(curves, first),
+        NoValue::Unsupported.reason(),
     ))
 }
 
-/// A remark on stations where a rocker has come to a toggle, if there are any.
-fn toggled(study: &Study, curves: &Curves) -> Option<String> {
-    let is_toggled = |s: &&Station| matches!(s.status, Status::Toggle(_));
-    let count = curves.stations.iter().filter(is_toggled).count();
-    // Nearest to the design position.
-    let distance = |s: &&Station| s.angle.or(s.travel).map_or(f64::INFINITY, f64::abs);
-    let stations = curves.stations.iter().filter(is_toggled);
-    let first = stations.min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
-    let Status::Toggle(rod) = first.status else {
-        return None;
-    };
-    let nearest = StationLabel::of(first, study.motion.drive);
-    Some(at_toggle("", rod, count, nearest))
+/// Remarks on stations where a rocker has come to a toggle: one for each rod of each wheel.
+fn toggled(curves: &Curves) -> Vec<String> {
+    let is_axle = curves.motion_index(Drive::Travel.key()).is_none();
+    let mut said = Vec::new();
+    for side in Side::ALL {
+        // Distance from the design position: the wheel's travel, or the angle that drives it.
+        let (of, keys) = match (is_axle, side) {
+            (false, _) => ("", ["arm_angle", "theta", "travel"]),
+            (true, Side::Left) => ("left wheel's ", ["travel_left"; 3]),
+            (true, Side::Right) => ("right wheel's ", ["travel_right"; 3]),
+        };
+        let distance = |s: &Station| {
+            let mut known = keys
+                .iter()
+                .filter_map(|key| s.at[curves.motion_index(key)?]);
+            known.next().map_or(f64::INFINITY, f64::abs)
+        };
+        for rod in [Rod::Pushrod, Rod::Pullrod, Rod::DropLink] {
+            let is_stuck = |(_, s): &(usize, &Station)| matches!(s.status, Status::Toggle(rods) if rods[side as usize] == Some(rod));
+            let stuck = || curves.stations.iter().enumerate().filter(is_stuck);
+            let nearest = stuck().min_by(|a, b| distance(a.1).total_cmp(&distance(b.1)));
+            said.extend(nearest.map(|(nearest, _)| {
+                format!(
+                    "warning: the {of}{rod} is at toggle, or would be beyond it, at {}, the nearest at {}: there it \
+                     turns {} no further, and what moves with that has no values",
+                    stations_in_words(stuck().count()),
+                    place_in_words(curves, nearest),
+                    rod.turns()
+                )
+            }));
+        }
+    }
+    said
 }
 
-/// That a rod, with words for the wheel where there are two, is at toggle at so many stations.
-pub(super) fn at_toggle(of: &str, rod: Rod, count: usize, nearest: impl Display) -> String {
-    format!(
-        "warning: the {of}{rod} is at toggle, or would be beyond it, at {}, the nearest at {nearest}: there it turns {} \
-         no further, and what moves with that has no values",
-        stations_in_words(count),
-        rod.turns()
-    )
-}
-
+/// A number of stations in words.
 pub(super) fn stations_in_words(count: usize) -> String {
     match count {
         1 => "1 station".to_owned(),
@@ -82,25 +86,27 @@ pub(super) struct ConditionSummary {
     worst: f64,
     /// Station with this number.
     at: StationLabel,
+    /// The same station in words.
+    #[serde(skip)]
+    at_words: String,
     /// Stations whose derivatives and sensitivities have fewer than six digits.
     ill_conditioned: Vec<StationLabel>,
 }
 
 impl ConditionSummary {
     /// Conditioning of curves. `None` if no station has a pose.
-    pub(super) fn of(curves: &Curves, drive: Drive) -> Option<Self> {
-        let known = |s: &Station| {
-            s.condition
-                .map(|condition| (condition, StationLabel::of(s, drive)))
-        };
-        let all = curves.stations.iter().filter_map(known);
+    pub(super) fn of(curves: &Curves) -> Option<Self> {
+        let stations = || curves.stations.iter().enumerate();
+        let all = stations().filter_map(|(number, s)| Some((s.condition?, number)));
         let (worst, at) = all.max_by(|a, b| a.0.total_cmp(&b.0))?;
-        let poor = |s: &&Station| s.status == Status::IllConditioned;
-        let poor = curves.stations.iter().filter(poor);
+        let poor = stations().filter(|(_, s)| s.status == Status::IllConditioned);
         Some(ConditionSummary {
             worst,
-            at,
-            ill_conditioned: poor.map(|s| StationLabel::of(s, drive)).collect(),
+            at: StationLabel::of(curves, at),
+            at_words: place_in_words(curves, at),
+            ill_conditioned: poor
+                .map(|(number, _)| StationLabel::of(curves, number))
+                .collect(),
         })
     }
 
@@ -114,15 +120,15 @@ impl ConditionSummary {
         Some(format!(
             "warning: {stations} fewer than six digits left in derivatives and sensitivities; the worst at {} \
              (condition number {})",
-            self.at,
+            self.at_words,
             brief(self.worst)
         ))
     }
 }
 
-/// Summary of proofs. `L` is the type of labels that say where a station is.
+/// Summary of proofs.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub(super) struct CertificateSummary<L = StationLabel> {
+pub(super) struct CertificateSummary {
     /// Number of stations whose pose is proved, and that it is on the branch of the design position.
     proved: usize,
     /// Number of stations with a pose that could not be proved.
@@ -132,71 +138,51 @@ pub(super) struct CertificateSummary<L = StationLabel> {
     /// The largest of the proved bounds on the position of points of the wheel carrier.
     largest_position_error: Option<f64>,
     /// Station with this bound.
-    at: Option<L>,
+    at: Option<StationLabel>,
+    /// The same station in words.
+    #[serde(skip)]
+    at_words: String,
     /// The smallest distance within which there is proved to be no other pose.
     smallest_uniqueness: Option<f64>,
 }
 
 impl CertificateSummary {
-    /// Summary of the proofs of curves. `None` if the study does not ask for them.
-    pub(super) fn of(study: &Study, curves: &Curves) -> Option<Self> {
-        if !study.outputs.certify {
+    /// Summary of the proofs of curves. `None` if the study does not request them.
+    pub(super) fn of(curves: &Curves) -> Option<Self> {
+        if curves.bounds.is_empty() {
             return None;
         }
-        let proofs = curves.stations.iter().filter_map(|s| Some((s, s.proof?)));
-        let refused = |s: &&Station| matches!(s.status, Status::Failed(Failure::Uncertified(_)));
-        let summary = CertificateSummary::of_proofs(
-            proofs,
-            curves.stations.iter().filter(refused).count(),
-            curves.stations.len(),
-        );
-        Some(summary.at(|station| StationLabel::of(station, study.motion.drive)))
-    }
-}
-
-impl<L> CertificateSummary<L> {
-    /// Summary of the proofs of a motion with this number of `stations`, of which `unproved` could not be proved.
-    pub(super) fn of_proofs(
-        proofs: impl Iterator<Item = (L, Proof)>,
-        unproved: usize,
-        stations: usize,
-    ) -> Self {
+        let is_unproved = |s: &&Station| match s.status {
+            Status::Failed(reason) => reason.is_unproven(),
+            _ => false,
+        };
         let mut summary = CertificateSummary {
             proved: 0,
-            unproved,
+            unproved: curves.stations.iter().filter(is_unproved).count(),
             one_branch: false,
             largest_position_error: None,
             at: None,
+            at_words: String::new(),
             smallest_uniqueness: None,
         };
-        for (at, proof) in proofs {
+        for (number, station) in curves.stations.iter().enumerate() {
+            let Some(proof) = &station.proof else {
+                continue;
+            };
             summary.proved += 1;
             // The last of the worst.
             if summary.largest_position_error <= Some(proof.position_error) {
                 summary.largest_position_error = Some(proof.position_error);
-                summary.at = Some(at);
+                summary.at = Some(StationLabel::of(curves, number));
+                summary.at_words = place_in_words(curves, number);
             }
             let nearest = summary.smallest_uniqueness.unwrap_or(f64::INFINITY);
             summary.smallest_uniqueness = Some(nearest.min(proof.uniqueness));
         }
-        summary.one_branch = summary.proved == stations;
-        summary
+        summary.one_branch = summary.proved == curves.stations.len();
+        Some(summary)
     }
 
-    /// The summary with another kind of label.
-    pub(super) fn at<M>(self, words: impl FnOnce(L) -> M) -> CertificateSummary<M> {
-        CertificateSummary {
-            proved: self.proved,
-            unproved: self.unproved,
-            one_branch: self.one_branch,
-            largest_position_error: self.largest_position_error,
-            at: self.at.map(words),
-            smallest_uniqueness: self.smallest_uniqueness,
-        }
-    }
-}
-
-impl<L: Display> CertificateSummary<L> {
     /// The summary in words.
     pub(super) fn remark(&self, stations: usize, length_unit: &str) -> String {
         let mut text = format!("certificate: {} of {stations} stations proved", self.proved);
@@ -205,11 +191,12 @@ impl<L: Display> CertificateSummary<L> {
             (false, 0) => "; what can be reached is one branch".to_owned(),
             (false, n) => format!("; {n} with a pose that could not be proved"),
         };
-        if let (Some(error), Some(at)) = (self.largest_position_error, &self.at) {
+        if let Some(error) = self.largest_position_error {
             // Up, so that what is shown is a bound too.
             let error = brief(error * 1.00001);
             text += &format!(
-                "; no point of the wheel carrier is off by more than {error} {length_unit} (at {at})"
+                "; no point of the wheel carrier is off by more than {error} {length_unit} (at {})",
+                self.at_words
             );
         }
         text

@@ -1,15 +1,14 @@
 //! `report.json` of an axle: what its page needs beyond the other files of a run.
 
-use super::axle::{StationColumns, axle_failures, certificate};
+use super::accuracy::remarks;
+use super::failures::FailureRange;
 use super::places::Places;
-use super::record::{DesignRecord, FORM, OutputRecord, Record, TargetRecord, readable_unit};
+use super::record::{DesignRecord, FORM, OutputRecord, Record, TargetRecord};
 use super::scene::Scene;
-use crate::axle::{
-    Axle, AxleColumn, AxleCurves, AxleMotion, AxlePlan, Coordinate, Motion, axle_frames,
-};
-use crate::curves::Frame;
+use crate::axle::{Axle, AxleMotion, AxlePlan, Coordinate, axle_frames};
 use crate::curves::thinned::evenly;
-use crate::mechanism::DesignFault;
+use crate::curves::{Curves, Frame};
+use crate::mechanism::{DesignFault, NoPose};
 use crate::model::Side;
 use crate::study::{Study, Target};
 
@@ -17,7 +16,7 @@ use crate::study::{Study, Target};
 const MOST_FRAMES: [usize; 2] = [41, 9];
 
 /// A design to be recorded: label, file with its curves, the axle and the curves themselves.
-pub type SolvedAxle<'a> = (&'a str, &'a str, &'a Axle, &'a AxleCurves);
+pub type SolvedAxle<'a> = (&'a str, &'a str, &'a Axle, &'a Curves);
 
 impl Record {
     /// The record of a run of an axle.
@@ -37,16 +36,13 @@ impl Record {
                 label: (*label).to_owned(),
                 curves: (*file).to_owned(),
                 stations: curves.stations.len(),
-                remarks: certificate(&StationColumns { plan, axle }, curves)
-                    .map(|c| c.remark(curves.stations.len(), length.symbol()))
-                    .into_iter()
-                    .collect(),
-                failures: axle_failures(axle, plan, curves),
+                remarks: remarks(curves, length),
+                failures: FailureRange::all(curves, &axle.left),
                 frames: frames(axle, &plan.course, &moving)?,
             })
         };
         let outputs = designs.last().map_or_else(Vec::new, |(_, _, _, curves)| {
-            curves.columns.iter().map(OutputRecord::of_axle).collect()
+            curves.columns.iter().map(OutputRecord::of).collect()
         });
         let targets = study.optimise.iter().flat_map(|o| &o.targets);
         Ok(Record {
@@ -111,37 +107,11 @@ fn frames(
     let frame = |((_, drive, second), drawn): ((AxleMotion, f64, f64), _)| Frame {
         drive: moving[0].written(drive, axle),
         rack: moving.get(1).map_or(0.0, |c| c.written(second, axle)),
-        pose: Result::map_err(drawn, |failure: crate::axle::AxleFailure| {
-            failure.describe(axle)
+        pose: Result::map_err(drawn, |reason: NoPose| {
+            reason.describe(axle.left.length_unit, axle.left.frame)
         }),
     };
     Ok(frames.map(frame).collect())
-}
-
-impl OutputRecord {
-    /// Describes a column of an axle's curves.
-    pub fn of_axle(column: &AxleColumn) -> Self {
-        let name = column.output().replace('_', " ");
-        let by = column.by.map(|motion| match motion {
-            Motion::Roll => "roll",
-            Motion::Heave => "heave",
-            Motion::Rack => "rack",
-            Motion::Steering => "steering",
-            Motion::TravelLeft => "left travel",
-            Motion::TravelRight => "right travel",
-            Motion::OpposedTravels => "opposed travels",
-        });
-        OutputRecord {
-            column: column.name.clone(),
-            title: match (by, column.order) {
-                (None, _) => name,
-                (Some(by), 1) => format!("{name} by {by}"),
-                (Some(by), _) => format!("{name} by {by}, 2nd derivative"),
-            },
-            unit: readable_unit(&column.unit),
-            positive: column.positive().map(str::to_owned),
-        }
-    }
 }
 
 /// A value or a curve that is drawn beside the curves: of one column, the rest where the motion has it.

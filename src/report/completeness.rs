@@ -5,9 +5,7 @@
 //! is one that was asked for and not found.
 
 use super::table::{Cell, Table};
-use crate::axle::AxleCurves;
-use crate::characteristics::Characteristic;
-use crate::curves::{Curves, Station, Status};
+use crate::curves::{Curves, Status};
 use serde::{Deserialize, Serialize};
 
 /// Stations by status, and empty cells by reason.
@@ -38,6 +36,27 @@ struct EmptyCells {
     reason: String,
 }
 
+/// The columns with empty cells, each with all of its reasons.
+fn empty_columns(curves: &Curves) -> Vec<EmptyCells> {
+    let mut found: Vec<EmptyCells> = Vec::new();
+    let cells = curves.empty_cells();
+    for of_column in cells.chunk_by(|a, b| a.0 == b.0) {
+        let column = of_column[0].0;
+        let reasons: Vec<&str> = of_column
+            .iter()
+            .map(|(_, reason, _)| reason.reason())
+            .collect();
+        let has_value = curves.stations.iter().any(|s| s.values[column].is_ok());
+        found.push(EmptyCells {
+            columns: vec![curves.columns[column].name.clone()],
+            stations: of_column.iter().map(|(.., stations)| stations).sum(),
+            throughout: !has_value,
+            reason: reasons.join("; or "),
+        });
+    }
+    found
+}
+
 impl Completeness {
     /// How many stations there are of each status.
     pub fn table(&self) -> Table {
@@ -48,68 +67,25 @@ impl Completeness {
         table
     }
 
-    /// Counts stations and empty cells of the curves of one wheel.
+    /// Counts stations and empty cells of curves.
     pub fn of(curves: &Curves) -> Self {
-        let is_solved = |s: &&Station| matches!(s.status, Status::Ok | Status::IllConditioned);
-        let solved = || curves.stations.iter().filter(is_solved);
-        let mut empty: Vec<EmptyCells> = Vec::new();
-        for (k, column) in curves.columns.iter().enumerate() {
-            let stations = solved().filter(|s| s.values[k].is_none()).count();
-            if stations == 0 {
-                continue;
-            }
-            let reason = Characteristic::named(&column.output).map_or(
-                "it is not a finite number there",
-                Characteristic::undefined_where,
-            );
-            let alike = |e: &&mut EmptyCells| e.stations == stations && e.reason == reason;
-            match empty.last_mut().filter(alike) {
-                Some(cells) => cells.columns.push(column.name.clone()),
-                None => empty.push(EmptyCells {
-                    columns: vec![column.name.clone()],
-                    stations,
-                    throughout: stations == solved().count(),
-                    reason: reason.to_owned(),
-                }),
-            }
-        }
-        let words = curves.stations.iter().map(|s| s.status.word());
-        Completeness::with(words, empty)
-    }
-
-    /// Counts stations and empty cells of the curves of an axle, column by column.
-    pub fn of_axle(curves: &AxleCurves) -> Self {
-        let solved = curves.stations.iter().filter(|s| s.placed.is_ok()).count();
-        let mut empty: Vec<EmptyCells> = Vec::new();
-        for (column, void, stations) in curves.empty_cells() {
-            let columns = vec![curves.columns[column].name.clone()];
-            match empty.last_mut().filter(|cells| cells.columns == columns) {
-                Some(cells) => {
-                    cells.stations += stations;
-                    cells.throughout = cells.stations == solved;
-                    cells.reason = format!("{}; or {}", cells.reason, void.reason());
-                }
-                None => empty.push(EmptyCells {
-                    columns,
-                    stations,
-                    throughout: stations == solved,
-                    reason: void.reason().to_owned(),
-                }),
-            }
-        }
-        Completeness::with(curves.stations.iter().map(|s| s.status), empty)
-    }
-
-    /// Completeness of stations with these statuses.
-    fn with(words: impl Iterator<Item = &'static str>, empty: Vec<EmptyCells>) -> Self {
         let mut statuses: Vec<StatusCount> = Vec::new();
-        for status in words {
+        for status in curves.stations.iter().map(|s| s.status.word()) {
             match statuses.iter_mut().find(|count| count.status == status) {
                 Some(count) => count.stations += 1,
                 None => statuses.push(StatusCount {
                     status: status.to_owned(),
                     stations: 1,
                 }),
+            }
+        }
+        let mut empty: Vec<EmptyCells> = Vec::new();
+        for column in empty_columns(curves) {
+            let alike =
+                |e: &&mut EmptyCells| e.stations == column.stations && e.reason == column.reason;
+            match empty.last_mut().filter(alike) {
+                Some(cells) => cells.columns.extend(column.columns),
+                None => empty.push(column),
             }
         }
         Completeness { statuses, empty }

@@ -1,9 +1,9 @@
 //! Failed stations, gathered: neighbours that failed for one reason are one stretch.
 
 use super::figure::as_written;
-use crate::curves::{Curves, Station, Status};
+use super::station_label::place_in_words;
+use crate::curves::{Curves, Status};
 use crate::model::Suspension;
-use crate::study::Drive;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
@@ -23,18 +23,20 @@ pub struct FailureRange {
 }
 
 impl FailureRange {
-    /// The failed stretches of some curves of a wheel, in the order of their stations.
-    pub fn all(curves: &Curves, drive: Drive, wheel: &Suspension) -> Vec<FailureRange> {
+    /// The failed stretches of curves, in the order of their stations. `wheel` is the wheel of a corner, or the left wheel
+    /// of an axle.
+    pub fn all(curves: &Curves, wheel: &Suspension) -> Vec<FailureRange> {
         let stations = &curves.stations;
         let mut stretches: Vec<FailureRange> = Vec::new();
         for (index, station) in stations.iter().enumerate() {
-            let Status::Failed(failure) = station.status else {
+            let Status::Failed(reason) = station.status else {
                 continue;
             };
-            let reason = failure.describe(wheel.length_unit, wheel.frame);
+            let reason = reason.describe(wheel.length_unit, wheel.frame);
             let continues = |s: &&mut FailureRange| {
-                let last = &stations[s.last];
-                s.last + 1 == index && s.reason == reason && last.rack == station.rack
+                s.last + 1 == index
+                    && s.reason == reason
+                    && moves_on(curves, s.last, index).is_some()
             };
             if let Some(stretch) = stretches.last_mut().filter(continues) {
                 stretch.last = index;
@@ -49,7 +51,7 @@ impl FailureRange {
             }
         }
         for stretch in &mut stretches {
-            stretch.place = place(&stations[stretch.first..=stretch.last], drive);
+            stretch.place = place(curves, stretch.first, stretch.last);
         }
         stretches
     }
@@ -66,21 +68,30 @@ impl fmt::Display for FailureRange {
     }
 }
 
-/// Neighbouring stations at one displacement of the rack, in words.
-fn place(stations: &[Station], drive: Drive) -> String {
-    let [first, last] = [&stations[0], &stations[stations.len() - 1]];
-    let unit = if drive.is_angle() { " deg" } else { "" };
-    let drive = drive.key().replace('_', " ");
-    let value = |s: &Station| s.angle.or(s.travel).map_or_else(String::new, as_written);
-    let mut text = match stations.len() {
-        1 => format!("{drive} {}{unit}", value(first)),
-        _ => format!("{drive} {} to {}{unit}", value(first), value(last)),
+/// Index of the only number that the study gives and that differs between two stations; `None` if there are several.
+fn moves_on(curves: &Curves, first: usize, last: usize) -> Option<usize> {
+    let [first, last] = [first, last].map(|station| &curves.stations[station].at);
+    let given = (0..curves.motion.len()).filter(|k| curves.motion[*k].is_given);
+    let mut moving = given.filter(|k| first[*k] != last[*k]);
+    moving
+        .next()
+        .filter(|k| curves.motion[*k].key != "rack" && moving.next().is_none())
+}
+
+/// Where neighbouring stations are, in words.
+fn place(curves: &Curves, first: usize, last: usize) -> String {
+    let text = place_in_words(curves, first);
+    let Some(k) = moves_on(curves, first, last) else {
+        return text;
     };
-    if first.rack != 0.0 {
-        text += &format!(", rack {}", as_written(first.rack));
-    }
-    match stations.len() {
-        1 => text,
-        n => format!("{text} ({n} stations)"),
-    }
+    let [from, to] = [first, last].map(|station| curves.stations[station].at[k]);
+    let (Some(from), Some(to)) = (from, to) else {
+        return text;
+    };
+    let key = curves.motion[k].key.replace('_', " ");
+    let unit = curves.motion[k].unit;
+    let one = format!("{key} {} {unit}", as_written(from));
+    let both = format!("{key} {} to {} {unit}", as_written(from), as_written(to));
+    let stations = last + 1 - first;
+    format!("{} ({stations} stations)", text.replacen(&one, &both, 1))
 }

@@ -1,11 +1,9 @@
 //! The CSV files of a run.
 
 use super::{optional, shortest};
-use crate::curves::{Curves, Station};
-use crate::model::{LengthUnit, Mechanism};
+use crate::curves::{Curves, MotionColumn, Station};
 use crate::optimise::Multistart;
-use crate::plan::Plan;
-use crate::study::Drive;
+use crate::study::Study;
 
 /// A CSV file in memory.
 pub(super) fn csv_of(write: impl FnOnce(&mut csv::Writer<Vec<u8>>) -> csv::Result<()>) -> Vec<u8> {
@@ -20,66 +18,32 @@ pub(super) fn csv_of_rows(mut rows: impl Iterator<Item = Vec<String>>) -> Vec<u8
     csv_of(|writer| rows.try_for_each(|row| writer.write_record(row)))
 }
 
-/// The columns that say where on the motion a row is: names and values.
-struct MotionColumns {
-    drive: Drive,
-    rack: bool,
-    time: bool,
-    length: LengthUnit,
+/// Names of the motion's columns that files have.
+fn motion_names(curves: &Curves) -> Vec<String> {
+    let written = curves.motion.iter().filter(|column| column.is_written);
+    written.map(MotionColumn::name).collect()
 }
 
-impl MotionColumns {
-    fn of(plan: &Plan, length: LengthUnit) -> Self {
-        MotionColumns {
-            drive: plan.drive,
-            rack: plan.rack_moves,
-            time: plan.time.is_some(),
-            length,
-        }
-    }
-
-    fn names(&self) -> Vec<String> {
-        let unit = self.length.symbol();
-        let mut names = vec![format!("travel_{unit}")];
-        let angle = || self.drive.column(self.length);
-        names.extend(self.drive.is_angle().then(angle));
-        names.extend(self.rack.then(|| format!("rack_{unit}")));
-        names.extend(self.time.then(|| "time_s".to_owned()));
-        names
-    }
-
-    fn values(&self, station: &Station) -> Vec<String> {
-        let mut values = vec![optional(station.travel)];
-        let angle = || optional(station.angle);
-        values.extend(self.drive.is_angle().then(angle));
-        values.extend(self.rack.then(|| shortest(station.rack)));
-        values.extend(self.time.then(|| optional(station.time)));
-        values
-    }
+/// Values of the motion's columns that files have, at a station.
+fn motion_values(curves: &Curves, station: &Station) -> Vec<String> {
+    let all = curves.motion.iter().zip(&station.at);
+    let written = all.filter(|(column, _)| column.is_written);
+    written.map(|(_, value)| optional(*value)).collect()
 }
 
 /// `curves.csv`: a row for each station, `status` last; a value that does not exist is an empty cell.
-pub fn curves_csv(curves: &Curves, plan: &Plan, length: LengthUnit) -> Vec<u8> {
-    let motion = MotionColumns::of(plan, length);
+pub fn curves_csv(curves: &Curves) -> Vec<u8> {
     csv_of(|writer| {
-        let mut header = motion.names();
+        let mut header = motion_names(curves);
         header.extend(curves.columns.iter().map(|c| c.name.clone()));
-        let unit = length.symbol();
-        if plan.certify {
-            header.extend([
-                format!("position_error_{unit}"),
-                format!("uniqueness_{unit}"),
-            ]);
-        }
+        header.extend_from_slice(&curves.bounds);
         header.push("status".to_owned());
         writer.write_record(&header)?;
         for station in &curves.stations {
-            let mut record = motion.values(station);
-            record.extend(station.values.iter().map(|v| optional(*v)));
-            if plan.certify {
-                record.push(optional(station.proof.map(|p| p.position_error)));
-                record.push(optional(station.proof.map(|p| p.uniqueness)));
-            }
+            let mut record = motion_values(curves, station);
+            record.extend(station.values.iter().map(|v| optional(v.ok())));
+            let bound = |k: usize| optional(station.proof.as_ref().map(|proof| proof.bounds[k]));
+            record.extend((0..curves.bounds.len()).map(bound));
             record.push(station.status.word().to_owned());
             writer.write_record(&record)?;
         }
@@ -87,31 +51,32 @@ pub fn curves_csv(curves: &Curves, plan: &Plan, length: LengthUnit) -> Vec<u8> {
     })
 }
 
-/// `sensitivities.csv`: a row for each station, output, order, hardpoint and axis.
-pub fn sensitivities_csv(
-    curves: &Curves,
-    plan: &Plan,
-    mechanism: &Mechanism,
-    length: LengthUnit,
-) -> Vec<u8> {
-    let motion = MotionColumns::of(plan, length);
+/// `sensitivities.csv`: a row for each station, output, hardpoint and axis. Those of a corner have a column for the order
+/// of the derivative, those of an axle one for the side whose hardpoint moves.
+pub fn sensitivities_csv(study: &Study, curves: &Curves) -> Vec<u8> {
+    let (wheel, is_axle) = (&study.suspension, study.axle.is_some());
     csv_of(|writer| {
-        let mut header = motion.names();
-        for name in ["output", "hardpoint", "axis", "order", "value", "unit"] {
-            header.push(name.to_owned());
-        }
+        let mut header = motion_names(curves);
+        let own: &[&str] = match is_axle {
+            true => &["output", "side", "hardpoint", "axis", "value", "unit"],
+            false => &["output", "hardpoint", "axis", "order", "value", "unit"],
+        };
+        header.extend(own.iter().map(|name| (*name).to_owned()));
         writer.write_record(&header)?;
         for s in &curves.sensitivities {
             let column = &curves.columns[s.column];
-            let mut record = motion.values(&curves.stations[s.station]);
-            record.extend([
-                column.output.clone(),
-                mechanism.name(s.point).to_owned(),
-                s.axis.name().to_owned(),
-                column.order.to_string(),
-                optional(s.value),
-                column.unit_per(length),
-            ]);
+            let mut record = motion_values(curves, &curves.stations[s.station]);
+            let point = wheel.mechanism.name(s.point).to_owned();
+            let (axis, value) = (s.axis.name().to_owned(), optional(s.value));
+            let unit = column.unit_per(wheel.length_unit);
+            let output = column.output.clone();
+            record.extend(match is_axle {
+                true => {
+                    let side = s.side.map_or("both", |side| side.name()).to_owned();
+                    [output, side, point, axis, value, unit]
+                }
+                false => [output, point, axis, column.order.to_string(), value, unit],
+            });
             writer.write_record(&record)?;
         }
         Ok(())

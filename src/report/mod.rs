@@ -5,7 +5,6 @@
 
 mod accuracy;
 mod accuracy_plot;
-mod axle;
 mod axle_record;
 mod benchmarks;
 mod choices;
@@ -17,6 +16,7 @@ mod figure;
 mod files;
 mod finished;
 mod fitted;
+mod given_columns;
 mod orientation;
 mod page;
 mod picture;
@@ -38,10 +38,6 @@ mod yields;
 
 pub use crate::curves::Influence;
 pub use accuracy::remarks;
-pub use axle::{
-    AxleSummary, axle_curves_csv, axle_failures, axle_motion, axle_plausibility, axle_remarks,
-    axle_sensitivities_csv,
-};
 pub use axle_record::SolvedAxle;
 pub use benchmarks::{accuracy_picture, accuracy_table, effects_table, throughput_table};
 pub use choices::{FrontPoint, FrontRecord, PriceRecord, front_csv, front_remarks, front_table};
@@ -58,7 +54,8 @@ pub use page::{comparison_page, page, sweep_page};
 pub use picture::{Picture, picture_names, pictures};
 pub use places::{Clearance, Places, Rim, Shape};
 pub use plausibility::{
-    both_wheels_plausibility, plausibility, rack_doubt, study_doubts, variable_plausibility,
+    axle_plausibility, both_wheels_plausibility, plausibility, rack_doubt, study_doubts,
+    variable_plausibility,
 };
 pub(crate) use record::wanted_between;
 pub use record::{BandCurve, DesignRecord, DrawnDesign, OutputRecord, Record, TargetRecord};

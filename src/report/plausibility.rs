@@ -1,13 +1,16 @@
 //! Doubts about a suspension: points that may be swapped, a sign or a unit that may be wrong. A suspension may well be
 //! so, if seldom, so that doubts are only reported.
 
-use super::figure::with_decimals;
-use super::{Directions, Reading, axle_plausibility};
-use crate::axle::{Axle, AxleCurves, AxlePlan, axle_curves};
+use super::figure::{brief, with_decimals};
+use super::{Directions, Reading, shortest};
+use crate::ask::Need;
+use crate::axle::{Axle, AxleCurves, AxlePlan, BeyondCurve, ForcePart, Quantity, axle_curves};
 use crate::characteristics::{Characteristic, Constants, WheelReading};
 use crate::derive::{DesignSeries, MotionPoint};
 use crate::mechanism::DesignFault;
-use crate::model::{Body, Constraint, Drive, PointId, Rod, Seat, Side, SteeringAxis, Suspension};
+use crate::model::{
+    Axis, Body, Constraint, Drive, PointId, Rod, Seat, Side, SteeringAxis, Suspension,
+};
 use crate::number::{Jet, Vector3};
 use crate::solve::Solver;
 use crate::study::{AxleStudy, Designs, Move, Study};
@@ -59,8 +62,58 @@ pub fn both_wheels_plausibility(
         found.extend(new.iter().map(named).collect::<Vec<_>>());
         found.extend(across(&axle.left, own));
     }
-    found.extend(axle_plausibility(axle, curves, axle.turns_against(plan)));
+    found.extend(axle_plausibility(
+        axle,
+        plan,
+        curves,
+        axle.turns_against(plan),
+    ));
     Ok(found)
+}
+
+/// Doubts about the curves of an axle, a line each.
+pub fn axle_plausibility(
+    axle: &Axle,
+    plan: &AxlePlan,
+    found: &AxleCurves,
+    turns_against: bool,
+) -> Vec<String> {
+    let mut remarks = Vec::new();
+    if turns_against {
+        let c_factor = axle.setup.c_factor.unwrap_or(0.0) * axle.left.frame.sign(Axis::Y);
+        remarks.push(format!(
+            "doubtful: with c_factor = {c_factor} the wheels turn against the steering wheel; behind the \
+             wheel centres a rack moves to the right in a left turn"
+        ));
+    }
+    let least = plan.least_wheel_load(&found.curves);
+    if let Some(load) = least.filter(|load| *load < 0.0) {
+        remarks.push(format!(
+            "warning: a wheel load falls to {} N: there the wheel would lift off the ground",
+            shortest(load.round())
+        ));
+    }
+    let reads_springs = |quantity: &Quantity| quantity.info().needs.contains(&Need::SpringForce);
+    if plan.quantities.iter().any(reads_springs) {
+        let beyond = axle.beyond_force_curves(found);
+        remarks.extend(beyond.iter().map(|beyond| beyond_curve(axle, beyond)));
+    }
+    remarks
+}
+
+/// A doubt about a spring or bump stop that is beyond an end of its force curve.
+fn beyond_curve(axle: &Axle, beyond: &BeyondCurve) -> String {
+    let unit = axle.left.length_unit.symbol();
+    let [value, end, travel] = [beyond.value, beyond.end, beyond.travel].map(brief);
+    let side = beyond.side.name();
+    let (part, is) = match beyond.part {
+        ForcePart::Spring => ("spring", format!("{value} {unit} long")),
+        ForcePart::BumpStop => ("bump stop", format!("compressed by {value} {unit}")),
+    };
+    format!(
+        "doubtful: {side} wheel at travel {travel} {unit}: the {part} is {is}, beyond the end of its force_curve at \
+         {end} {unit}. There its force follows the straight line through that end. Add points to the curve"
+    )
 }
 
 /// Hardpoints of a right wheel that stand where the left wheel has them, well off the centre plane: as if their y had not

@@ -149,8 +149,8 @@ impl Record {
             label: design.label.to_owned(),
             curves: design.file.to_owned(),
             stations: design.curves.stations.len(),
-            remarks: remarks(study, design.curves),
-            failures: FailureRange::all(design.curves, plan.drive, &study.suspension),
+            remarks: remarks(design.curves, length),
+            failures: FailureRange::all(design.curves, &study.suspension),
             frames: design.frames,
         };
         Record {
@@ -247,15 +247,17 @@ pub(crate) fn wanted_between(
 }
 
 impl OutputRecord {
-    /// Describes a column of the curves of one wheel.
+    /// Describes a column of curves.
     pub fn of(column: &Column) -> Self {
         let name = column.output.replace('_', " ");
         OutputRecord {
             column: column.name.clone(),
-            title: match column.order {
-                0 => name,
-                1 => format!("{name}, 1st derivative"),
-                _ => format!("{name}, 2nd derivative"),
+            title: match (column.by, column.order) {
+                (_, 0) => name,
+                (Some(by), 1) => format!("{name} by {by}"),
+                (Some(by), _) => format!("{name} by {by}, 2nd derivative"),
+                (None, 1) => format!("{name}, 1st derivative"),
+                (None, _) => format!("{name}, 2nd derivative"),
             },
             unit: readable_unit(&column.unit),
             positive: column.positive.map(str::to_owned),

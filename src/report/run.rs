@@ -3,7 +3,7 @@
 use super::curve_table::CurveTable;
 use super::finished::{NotARun, in_form};
 use super::record::{FORM, Record};
-use super::{AxleSummary, SolveSummary, Table, ToleranceSummary, TuningSummary};
+use super::{SolveSummary, Table, ToleranceSummary, TuningSummary};
 use crate::study::{LONGEST_TABLE, read_bytes};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -32,8 +32,6 @@ pub struct Run {
 pub enum Summary {
     /// A solve.
     Solve(Box<SolveSummary>),
-    /// A solve of an axle.
-    Axle(AxleSummary),
     /// An optimisation.
     Optimise(Box<TuningSummary>),
     /// Builds.
@@ -45,7 +43,6 @@ impl Summary {
     pub fn headline(&self) -> String {
         match self {
             Summary::Solve(solve) => solve.headline(),
-            Summary::Axle(axle) => axle.headline(),
             Summary::Optimise(tuning) => tuning.headline(),
             Summary::Tolerance(tolerance) => tolerance.headline(),
         }
@@ -54,11 +51,8 @@ impl Summary {
     /// Tables of a solve: ranges of columns, numbers of stations by status, and the stations that failed. `None` for
     /// another command.
     pub fn tables(&self) -> Option<[Table; 3]> {
-        let solve = |s: &SolveSummary| [s.table(), s.stations_table(), s.failures_table()];
-        let axle = |s: &AxleSummary| [s.table(), s.stations_table(), s.failures_table()];
         match self {
-            Summary::Solve(summary) => Some(solve(summary)),
-            Summary::Axle(summary) => Some(axle(summary)),
+            Summary::Solve(s) => Some([s.table(), s.stations_table(), s.failures_table()]),
             Summary::Optimise(_) | Summary::Tolerance(_) => None,
         }
     }
@@ -116,9 +110,6 @@ impl Run {
         let summary = match record.command.as_str() {
             "optimise" => Summary::Optimise(Box::new(folder.json("summary.json")?)),
             "tolerance" => Summary::Tolerance(folder.json("summary.json")?),
-            _ if record.scene.right_wheel_centre.is_some() => {
-                Summary::Axle(folder.json("summary.json")?)
-            }
             _ => Summary::Solve(folder.json("summary.json")?),
         };
         let history = match optimised {

@@ -4,10 +4,12 @@ use super::accuracy::{CertificateSummary, ConditionSummary};
 use super::completeness::Completeness;
 use super::figure::figure;
 use super::ranges::Range;
-use super::station_label::StationLabel;
+use super::station_label::{StationLabel, place_in_words};
 use super::table::{Cell, Column, Table};
+use crate::axle::Axle;
 use crate::curves::{Curves, Station, Status};
 use crate::mechanism::Work;
+use crate::model::Side;
 use crate::study::Study;
 use serde::{Deserialize, Serialize};
 
@@ -18,7 +20,12 @@ pub struct SolveSummary {
     version: String,
     study: String,
     topology: String,
+    /// For an axle, what the right wheel has of its own: "mirrored" if it has nothing.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    axle: Option<String>,
     stations: usize,
+    #[serde(default)]
+    solved: usize,
     /// Stations by status, and empty cells by reason.
     #[serde(default)]
     completeness: Completeness,
@@ -30,9 +37,9 @@ pub struct SolveSummary {
     /// Where each pose was to be proved.
     #[serde(default)]
     certificate: Option<CertificateSummary>,
-    /// What was done for it.
-    #[serde(default)]
-    work: Work,
+    /// Counts of the work; none are counted for an axle.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    work: Option<Work>,
     /// Why the tracker left stations to the continuation.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     left_to_continuation: Vec<Left>,
@@ -48,44 +55,57 @@ struct Left {
 /// A station without a pose.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct FailedStation {
+    #[serde(default)]
+    station: usize,
+    /// Where it is, in words.
+    #[serde(default)]
+    at: String,
+    /// Numbers of a corner's station.
     #[serde(flatten)]
-    place: StationLabel,
+    place: Option<StationLabel>,
     status: String,
     reason: String,
 }
 
 impl SolveSummary {
-    /// The summary of some curves.
-    pub fn of(study: &Study, curves: &Curves) -> Self {
-        let drive = study.motion.drive;
-        let failed = curves.stations.iter().filter_map(|s| match s.status {
-            Status::Ok | Status::IllConditioned | Status::Unsupported | Status::Toggle(_) => None,
-            Status::Failed(failure) => Some(FailedStation {
-                place: StationLabel::of(s, drive),
+    /// The summary of curves. `design` are the curves of the design position alone; without them the design position is
+    /// looked for among the stations.
+    pub fn of(study: &Study, curves: &Curves, design: Option<&Curves>) -> Self {
+        let wheel = &study.suspension;
+        let stations = curves.stations.iter().enumerate();
+        let failed = stations.filter_map(|(number, s)| match s.status {
+            Status::Failed(reason) => Some(FailedStation {
+                station: number,
+                at: place_in_words(curves, number),
+                place: Some(StationLabel::of(curves, number)).filter(StationLabel::is_of_corner),
                 status: s.status.word().to_owned(),
-                reason: failure.describe(study.suspension.length_unit, study.suspension.frame),
+                reason: reason.describe(wheel.length_unit, wheel.frame),
             }),
+            _ => None,
         });
-        let is_design =
-            |s: &&Station| s.angle.or(s.travel) == Some(0.0) && s.rack == 0.0 && s.time.is_none();
-        let design = curves.stations.iter().find(is_design);
+        let at_design = match design {
+            Some(design) => design.stations.first(),
+            None => curves.stations.iter().find(|s| is_design(curves, s)),
+        };
         let outputs = curves.columns.iter().enumerate().map(|(k, column)| {
-            let values = curves.stations.iter().filter_map(|s| s.values[k]);
-            let at_design = design.and_then(|s| s.values[k]);
+            let values = curves.stations.iter().filter_map(move |s| s.value(k));
+            let at_design = at_design.and_then(|s| s.value(k));
             Range::of([&column.name, &column.unit], at_design, values)
         });
         SolveSummary {
             command: "solve".to_owned(),
             version: env!("CARGO_PKG_VERSION").to_owned(),
             study: study.name.clone(),
-            topology: study.suspension.mechanism.topology.name.to_owned(),
+            topology: wheel.mechanism.topology.name.to_owned(),
+            axle: study.axle.as_ref().map(|both| right_wheel(&both.axle)),
             stations: curves.stations.len(),
+            solved: curves.stations.len() - curves.failed(),
             completeness: Completeness::of(curves),
             failed: failed.collect(),
             outputs: outputs.collect(),
-            condition: ConditionSummary::of(curves, drive),
-            certificate: CertificateSummary::of(study, curves),
-            work: curves.work,
+            condition: ConditionSummary::of(curves),
+            certificate: CertificateSummary::of(curves),
+            work: study.axle.is_none().then_some(curves.work),
             left_to_continuation: (curves.left_to_continuation.iter())
                 .map(|(reason, stations)| Left {
                     reason: reason.describe().to_owned(),
@@ -107,7 +127,7 @@ impl SolveSummary {
         let mut table = Table::with_columns(columns.into_iter().chain([unit]));
         let values = design.stations.iter().take(1).flat_map(|s| &s.values);
         for (column, value) in design.columns.iter().zip(values) {
-            let value = Cell::by(*value, |v| figure(v, &column.unit));
+            let value = Cell::by(value.ok(), |v| figure(v, &column.unit));
             let name = Cell::from(column.name.as_str());
             table.push([name, value, column.unit.as_str().into()]);
         }
@@ -116,10 +136,15 @@ impl SolveSummary {
 
     /// For programs: the stations without a pose.
     pub fn failures_table(&self) -> Table {
-        let places = ["travel", "arm angle deg", "theta deg", "rack"];
-        let mut table = Table::with_columns(places.into_iter().chain(["status", "reason"]));
+        let mut columns = vec!["station", "at"];
+        if self.axle.is_none() {
+            columns.extend(["travel", "arm angle deg", "theta deg", "rack"]);
+        }
+        let mut table = Table::with_columns(columns.into_iter().chain(["status", "reason"]));
         for failed in &self.failed {
-            let mut row: Vec<Cell> = failed.place.cells().into();
+            let mut row = vec![Cell::from(failed.station), failed.at.as_str().into()];
+            let place = failed.place.as_ref().and_then(StationLabel::cells);
+            row.extend(place.into_iter().flatten());
             row.extend([failed.status.as_str().into(), failed.reason.as_str().into()]);
             table.push_row(row);
         }
@@ -137,6 +162,41 @@ impl SolveSummary {
             let solved = self.stations - self.failed.len();
             format!("{solved} of {} stations solved", self.stations)
         });
-        format!("{}: {}, {stations}", self.study, self.topology)
+        match &self.axle {
+            Some(axle) => format!("{}: {} axle, {axle}; {stations}", self.study, self.topology),
+            None => format!("{}: {}, {stations}", self.study, self.topology),
+        }
+    }
+}
+
+/// Returns true if every number that the motion gives is 0 at a station. A motion over time has no design position.
+fn is_design(curves: &Curves, station: &Station) -> bool {
+    let all = || curves.motion.iter().zip(&station.at);
+    let is_zero = all().all(|(column, value)| !column.is_given || *value == Some(0.0));
+    is_zero && all().all(|(column, _)| column.key != "time")
+}
+
+/// Parts in which the right wheel is not the mirror image of the left one.
+fn right_wheel(axle: &Axle) -> String {
+    let (left, right) = (&axle.left, axle.suspension(Side::Right));
+    let springs = axle.setup.springs.as_ref();
+    let own = [
+        ("hardpoints", left.design != right.design),
+        (
+            "wheel",
+            left.mechanism.spin_axis != right.mechanism.spin_axis,
+        ),
+        ("bodies", left.mechanism.points != right.mechanism.points),
+        ("spring", springs.is_some_and(|[left, right]| left != right)),
+    ];
+    let own: Vec<_> = own
+        .iter()
+        .filter(|(_, own)| *own)
+        .map(|(of, _)| *of)
+        .collect();
+    match own.as_slice() {
+        [] => "mirrored".to_owned(),
+        [one] => format!("own {one} on the right"),
+        [most @ .., last] => format!("own {} and {last} on the right", most.join(", ")),
     }
 }

@@ -2,50 +2,68 @@
 
 use super::figure::as_written;
 use super::table::Cell;
-use crate::curves::Station;
+use crate::curves::{Curves, MotionColumn};
 use crate::study::Drive;
 use serde::{Deserialize, Serialize};
-use std::fmt;
 
-/// The drive and the rack at a station.
+/// Where on the motion a station is: of a corner its numbers, of an axle words.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(super) struct StationLabel {
-    travel: Option<f64>,
-    arm_angle_deg: Option<f64>,
-    theta_deg: Option<f64>,
-    rack: f64,
+#[serde(untagged)]
+pub(super) enum StationLabel {
+    /// A station of a corner. An angle is `None` unless it drives.
+    Corner {
+        travel: Option<f64>,
+        arm_angle_deg: Option<f64>,
+        theta_deg: Option<f64>,
+        rack: f64,
+    },
+    /// A station of an axle.
+    Axle(String),
 }
 
 impl StationLabel {
-    /// Travel, arm angle, theta and rack, as cells of a table.
-    pub(super) fn cells(&self) -> [Cell; 4] {
-        let rack = Some(self.rack);
-        [self.travel, self.arm_angle_deg, self.theta_deg, rack].map(Cell::from)
+    /// Label of the station with this index.
+    pub(super) fn of(curves: &Curves, station: usize) -> Self {
+        let number = |key: &str| curves.stations[station].at[curves.motion_index(key)?];
+        match curves.motion_index(Drive::Travel.key()) {
+            Some(_) => StationLabel::Corner {
+                travel: number(Drive::Travel.key()),
+                arm_angle_deg: number(Drive::ArmAngle.key()),
+                theta_deg: number(Drive::PaperTheta.key()),
+                rack: number("rack").unwrap_or(0.0),
+            },
+            None => StationLabel::Axle(place_in_words(curves, station)),
+        }
     }
 
-    /// Label of a station of a motion with this drive.
-    pub(super) fn of(station: &Station, drive: Drive) -> Self {
-        let angle_of = |this: Drive| station.angle.filter(|_| drive == this);
-        StationLabel {
-            travel: station.travel,
-            arm_angle_deg: angle_of(Drive::ArmAngle),
-            theta_deg: angle_of(Drive::PaperTheta),
-            rack: station.rack,
+    /// Returns true if the label is of a corner.
+    pub(super) fn is_of_corner(&self) -> bool {
+        matches!(self, StationLabel::Corner { .. })
+    }
+
+    /// Travel, arm angle, theta and rack of a corner, as cells of a table.
+    pub(super) fn cells(&self) -> Option<[Cell; 4]> {
+        match *self {
+            StationLabel::Corner {
+                travel,
+                arm_angle_deg,
+                theta_deg,
+                rack,
+            } => Some([travel, arm_angle_deg, theta_deg, Some(rack)].map(Cell::from)),
+            StationLabel::Axle(_) => None,
         }
     }
 }
 
-impl fmt::Display for StationLabel {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match (self.arm_angle_deg, self.theta_deg, self.travel) {
-            (Some(angle), _, _) => write!(f, "arm angle {} deg", as_written(angle))?,
-            (None, Some(theta), _) => write!(f, "theta {} deg", as_written(theta))?,
-            (None, None, Some(travel)) => write!(f, "travel {}", as_written(travel))?,
-            (None, None, None) => f.write_str("unknown travel")?,
-        }
-        match self.rack {
-            0.0 => Ok(()),
-            rack => write!(f, ", rack {}", as_written(rack)),
-        }
-    }
+/// The given numbers of a station in words, as in `roll 2 deg, heave 0 mm`. A rack at 0 is left out.
+pub(super) fn place_in_words(curves: &Curves, station: usize) -> String {
+    let at = &curves.stations[station].at;
+    let part = |(column, value): (&MotionColumn, &Option<f64>)| {
+        let value =
+            value.filter(|value| column.is_given && (column.key != "rack" || *value != 0.0));
+        let key = column.key.replace('_', " ");
+        Some(format!("{key} {} {}", as_written(value?), column.unit))
+    };
+    let parts: Vec<String> = curves.motion.iter().zip(at).filter_map(part).collect();
+    parts.join(", ")
 }

@@ -1,7 +1,7 @@
 //! The results of scatter, in tables and files.
 
-use super::axle::StationColumns;
 use super::files::csv_of_rows;
+use super::given_columns::GivenColumns;
 use super::table::{Cell, Column, Table};
 use super::text::counted;
 use super::{brief, optional, shortest};
@@ -493,7 +493,7 @@ pub(super) fn in_words(band: &Band) -> String {
 fn places(problem: &Problem) -> Vec<String> {
     let both = problem.study.axle.as_ref();
     both.map_or_else(Vec::new, |AxleStudy { axle, plan }| {
-        StationColumns { plan, axle }.given_names()
+        GivenColumns { plan, axle }.names()
     })
 }
 
@@ -535,8 +535,8 @@ fn values(
                 travel: of_axle.is_none().then_some(travel + 0.0),
                 rack: of_axle.is_none().then_some(rack * sign + 0.0),
                 place: of_axle.map_or_else(Vec::new, |AxleStudy { axle, plan }| {
-                    let of_stations = StationColumns { plan, axle };
-                    of_stations.given_anywhere(&problem.placements()[station])
+                    let columns = GivenColumns { plan, axle };
+                    columns.values_anywhere(&problem.placements()[station])
                 }),
                 builds: spread.count,
                 drawn: scaled(drawn[cell]),

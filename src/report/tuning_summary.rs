@@ -378,8 +378,8 @@ impl TuningSummary {
             prices: Vec::new(),
             yields: None,
             scatter_builds: optimise.scatter.as_ref().map(|s| s.builds),
-            condition: after.and_then(|curves| ConditionSummary::of(curves, study.motion.drive)),
-            certificate: after.and_then(|curves| CertificateSummary::of(study, curves)),
+            condition: after.and_then(ConditionSummary::of),
+            certificate: after.and_then(CertificateSummary::of),
         }
     }
 

@@ -71,7 +71,7 @@ pub(super) fn solved(opened: &Opened, request: &SolveRequest) -> Result<SolvedAn
         frames.pop()
     };
     let mut said = plausibility(suspension).map_err(fault)?;
-    said.extend(remarks(&study, &found));
+    said.extend(remarks(&found, suspension.length_unit));
     if plan.stations() < all {
         let drawn = plan.stations();
         said.push(format!(
@@ -85,16 +85,12 @@ pub(super) fn solved(opened: &Opened, request: &SolveRequest) -> Result<SolvedAn
         .unwrap_or(0);
     Ok(SolvedAnswer {
         columns: columns(&found),
-        drive: found
-            .stations
-            .iter()
-            .map(|s| s.angle.or(s.travel))
-            .collect(),
+        drive: found.along(plan.drive.key()).collect(),
         groups: (0..found.stations.len()).map(|s| s / along).collect(),
         shown,
         rack: plan.racks[shown],
         status: found.stations.iter().map(|s| s.status.word()).collect(),
-        failures: FailureRange::all(&found, plan.drive, suspension),
+        failures: FailureRange::all(&found, suspension),
         frame: frame(suspension),
         right: None,
         opened: match suspension.design == opened.study.suspension.design {
@@ -112,10 +108,10 @@ pub(super) fn csv(opened: &Opened, of: &Designed) -> Result<Vec<u8>, String> {
     Ok(Solved::of(&opened.moved(&of.design)?)?.csv())
 }
 
-fn columns(found: &Curves) -> Vec<ColumnValues> {
+pub(super) fn columns(found: &Curves) -> Vec<ColumnValues> {
     let columns = found.columns.iter().enumerate();
     let column = |(number, column): (usize, &crate::curves::Column)| {
-        let values = found.stations.iter().map(|s| s.values[number]);
+        let values = found.stations.iter().map(|s| s.value(number));
         ColumnValues::of(OutputRecord::of(column), values)
     };
     columns.map(column).collect()

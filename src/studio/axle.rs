@@ -3,21 +3,21 @@
 //! The points that move are the left wheel's. Where the right one has hardpoints of its own they go the mirrored
 //! way, as they do with a variable of a tuning.
 
+use super::answer::columns;
 use super::message::{
-    CharacteristicOverview, ColumnValues, InfluenceAnswer, InfluenceColumn, Slider, SolveRequest,
-    SolvedAnswer,
+    CharacteristicOverview, InfluenceAnswer, InfluenceColumn, Slider, SolveRequest, SolvedAnswer,
 };
 use super::overview::rack_slider;
 use super::study_file::Opened;
 use crate::ask::with_unit;
 use crate::axle::{
-    Axle, AxleCurves, AxleMotion, AxlePlan, Coordinate, Quantity, WheelMotion, axle_curves,
+    Axle, AxleMotion, AxlePlan, Coordinate, Placement, Quantity, WheelMotion, axle_curves,
 };
 use crate::curves::{Frame, frames};
 use crate::mechanism::DesignFault;
 use crate::model::{Axis, LengthUnit, PointId, Side, Suspension};
 use crate::plan::Plan;
-use crate::report::{OutputRecord, axle_failures, axle_plausibility, plausibility};
+use crate::report::{FailureRange, axle_plausibility, plausibility};
 use crate::solve::StationOrder;
 use crate::study::{AxleStudy, Study};
 use std::time::Instant;
@@ -156,30 +156,31 @@ pub(super) fn solved(
     }
     let found = axle_curves(axle, &plan).map_err(|fault| axle.describe_fault(fault))?;
     let over = main(&plan.course);
-    let places: Vec<Vec<f64>> = found
-        .stations
-        .iter()
-        .map(|s| {
-            all.iter()
-                .map(|c| printed(*c, s.placement.along(*c), axle))
-                .collect()
-        })
-        .collect();
+    let placements = plan.course.placements();
+    let place = |placement: &Placement| {
+        let numbers = all.iter();
+        numbers
+            .map(|c| printed(*c, placement.along(*c), axle))
+            .collect()
+    };
+    let places: Vec<Vec<f64>> = placements.iter().map(place).collect();
     let main = all.iter().position(|c| *c == over).unwrap_or(0);
     let (groups, shown) = grouped(&places, main, &request.at);
     let rack = groups.iter().position(|group| *group == shown);
     let fault = |fault: DesignFault| fault.describe(&left.mechanism);
     let mut said = plausibility(left).map_err(fault)?;
-    said.extend(axle_plausibility(axle, &found, false));
+    said.extend(axle_plausibility(axle, &plan, &found, false));
     let frame = |axle: &Axle, side| frame(axle, &plan, &request.at, side, study);
     Ok(SolvedAnswer {
-        columns: columns(&found),
+        columns: columns(&found.curves),
         drive: places.iter().map(|place| Some(place[main])).collect(),
         groups,
         shown,
         rack: rack.map_or(0.0, |station| places[station][all.len() - 1]),
-        status: found.stations.iter().map(|s| s.status).collect(),
-        failures: axle_failures(axle, &plan, &found),
+        status: (found.curves.stations.iter())
+            .map(|s| s.status.word())
+            .collect(),
+        failures: FailureRange::all(&found.curves, left),
         frame: frame(axle, Side::Left),
         right: frame(axle, Side::Right),
         opened: match left.design == opened.study.suspension.design {
@@ -219,15 +220,6 @@ fn grouped(places: &[Vec<f64>], main: usize, at: &[f64]) -> (Vec<usize>, usize) 
     (groups, shown.unwrap_or(0))
 }
 
-fn columns(found: &AxleCurves) -> Vec<ColumnValues> {
-    let columns = found.columns.iter().enumerate();
-    let column = |(number, column)| {
-        let values = found.stations.iter().map(|s| s.value(number));
-        ColumnValues::of(OutputRecord::of_axle(column), values)
-    };
-    columns.map(column).collect()
-}
-
 /// A wheel where the sliders are, or why it is not there.
 fn frame(axle: &Axle, plan: &AxlePlan, at: &[f64], side: Side, study: &Study) -> Option<Frame> {
     let mut course = plan.course.clone();
@@ -241,8 +233,7 @@ fn frame(axle: &Axle, plan: &AxlePlan, at: &[f64], side: Side, study: &Study) ->
         ..plan.quantities_alone()
     };
     let found = axle_curves(axle, &here).ok()?;
-    let station = found.stations.first()?;
-    let placed = match &station.placed {
+    let placed = match found.placed.first()? {
         Ok(placed) => placed,
         Err(failure) => {
             return Some(Frame {
@@ -287,6 +278,7 @@ pub(super) fn influence(
     let mut plan = asking_for(plan, axle, names)?;
     plan.sensitivities = vec![point];
     let found = axle_curves(axle, &plan).map_err(|fault| axle.describe_fault(fault))?;
+    let found = found.curves;
     let stations = found.stations.len();
     let columns = found.columns.iter().map(|column| InfluenceColumn {
         column: column.name.clone(),

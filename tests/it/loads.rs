@@ -25,7 +25,7 @@ fn study(name: &str, overrides: &[String]) -> Study {
 fn run(study: &Study) -> (Curves, CurveTable) {
     let plan = Plan::of(study);
     let found = curves(&study.suspension, &plan).unwrap();
-    let csv = curves_csv(&found, &plan, study.suspension.length_unit);
+    let csv = curves_csv(&found);
     (found, CurveTable::read(&csv).unwrap())
 }
 

@@ -38,7 +38,7 @@ fn run(text: &str) -> (Study, Curves, CurveTable) {
     let study = read(text).unwrap_or_else(|e| panic!("{e}"));
     let plan = Plan::of(&study);
     let found = curves(&study.suspension, &plan).unwrap();
-    let csv = curves_csv(&found, &plan, study.suspension.length_unit);
+    let csv = curves_csv(&found);
     (study, found, CurveTable::read(&csv).unwrap())
 }
 
@@ -181,7 +181,7 @@ fn beyond_a_toggle_there_are_no_values_of_the_rocker() {
         let status = &found.stations[row].status;
         match fits {
             true => assert_eq!(*status, Status::Ok),
-            false => assert_eq!(*status, Status::Toggle(Rod::Pushrod)),
+            false => assert_eq!(*status, Status::Toggle([Some(Rod::Pushrod), None])),
         }
         for (name, values) in table.header.iter().zip(&table.columns) {
             let is_moved = ["motion_ratio", "rocker_angle", "spring_lower", "wheel_load"]
@@ -192,7 +192,7 @@ fn beyond_a_toggle_there_are_no_values_of_the_rocker() {
     }
     assert_eq!((found.failed(), found.are_complete()), (0, false));
 
-    let said = remarks(&study, &found).join("\n");
+    let said = remarks(&found, study.suspension.length_unit).join("\n");
     for phrase in [
         "pushrod is at toggle",
         &format!("{stuck} stations"),
@@ -201,9 +201,7 @@ fn beyond_a_toggle_there_are_no_values_of_the_rocker() {
         assert!(said.contains(phrase), "{said}");
     }
     // Sensitivities likewise: empty, never NaN.
-    let plan = Plan::of(&study);
-    let length = study.suspension.length_unit;
-    let csv = sensitivities_csv(&found, &plan, &study.suspension.mechanism, length);
+    let csv = sensitivities_csv(&study, &found);
     let csv = String::from_utf8(csv).unwrap();
     assert!(!csv.contains("NaN") && !csv.contains("inf"));
     let last: Vec<&str> = csv.lines().filter(|l| l.starts_with("60.0,")).collect();
@@ -268,7 +266,7 @@ characteristics = ["rocker_angle", "camber"]
     let (_, found, _) = run(&text);
     let mut passed = false;
     let mut order: Vec<usize> = (0..found.stations.len()).collect();
-    let angle = |i: &usize| found.stations[*i].angle.unwrap();
+    let angle = |i: &usize| found.stations[*i].at[1].unwrap();
     order.sort_by(|a, b| angle(b).total_cmp(&angle(a)));
     let mut fits_again = 0;
     for i in order {
@@ -283,11 +281,11 @@ characteristics = ["rocker_angle", "camber"]
         fits_again += usize::from(passed && fits);
         let expected = match passed {
             false => Status::Ok,
-            true => Status::Toggle(Rod::Pushrod),
+            true => Status::Toggle([Some(Rod::Pushrod), None]),
         };
         assert_eq!(found.stations[i].status, expected, "{} deg", angle(&i));
-        assert_eq!(found.stations[i].values[0].is_some(), !passed);
-        assert!(found.stations[i].values[1].is_some());
+        assert_eq!(found.stations[i].values[0].is_ok(), !passed);
+        assert!(found.stations[i].values[1].is_ok());
     }
     assert!(fits_again >= 2);
 }
@@ -627,7 +625,10 @@ fn limits_name_the_toggles() {
     assert!(bar.upper.unwrap().travel <= toggle.travel);
     for (travel, status) in [
         (toggle.travel - 1e-5, Status::Ok),
-        (toggle.travel + 1e-5, Status::Toggle(Rod::Pushrod)),
+        (
+            toggle.travel + 1e-5,
+            Status::Toggle([Some(Rod::Pushrod), None]),
+        ),
     ] {
         let motion = format!("travel = [{travel:?}]");
         let outputs = ("characteristics", "characteristics = [\"rocker_angle\"]");
@@ -716,7 +717,7 @@ fn statuses(points: &[(&str, [f64; 3])], motion: &str) -> Vec<Status> {
     let stations = found.stations.iter();
     stations
         .map(|s| {
-            assert_eq!(s.values[0].is_some(), s.status == Status::Ok);
+            assert_eq!(s.values[0].is_ok(), s.status == Status::Ok);
             s.status
         })
         .collect()
@@ -726,7 +727,7 @@ fn statuses(points: &[(&str, [f64; 3])], motion: &str) -> Vec<Status> {
 /// its toggle before the wheel has travelled: neither brings the rocker back, whatever the stations are.
 #[test]
 fn nothing_comes_back_from_beyond_a_toggle() {
-    let toggle = Status::Toggle(Rod::Pushrod);
+    let toggle = Status::Toggle([Some(Rod::Pushrod), None]);
     let angles = "drive = \"arm_angle\"\narm_angle = { from = -170.0, to = 0.0, steps = 171 }";
     let found = statuses(BEYOND_ITS_TOP, angles);
     let first = found.iter().rposition(|status| *status == toggle).unwrap();
@@ -828,7 +829,7 @@ fn a_toggle_between_two_stations_is_seen() {
             let found = curves(&study.suspension, &Plan::of(&study)).unwrap();
             let stations = found.stations.iter();
             stations
-                .map(|s| (s.travel.unwrap(), s.status))
+                .map(|s| (s.at[0].unwrap(), s.status))
                 .collect::<Vec<_>>()
         };
         let far = 2.0 * at;
@@ -837,7 +838,7 @@ fn a_toggle_between_two_stations_is_seen() {
         if far < 0.0 {
             fine.reverse();
         }
-        let toggle = Status::Toggle(Rod::Pushrod);
+        let toggle = Status::Toggle([Some(Rod::Pushrod), None]);
         assert_eq!((fine[0].1, fine[400].1), (Status::Ok, toggle), "{at} {by}");
         let coarse = statuses(&format!("[0.0, {far:?}]"));
         assert_eq!(coarse, [fine[0], fine[400]], "{at} {by}");

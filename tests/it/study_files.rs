@@ -172,11 +172,10 @@ fn judge(study: &Study) -> bool {
             return false;
         }
     };
-    let length = suspension.length_unit;
-    let summary = serde_json::to_string(&SolveSummary::of(study, &found)).unwrap();
+    let summary = serde_json::to_string(&SolveSummary::of(study, &found, None)).unwrap();
     let tables = [
-        curves_csv(&found, &plan, length),
-        sensitivities_csv(&found, &plan, mechanism, length),
+        curves_csv(&found),
+        sensitivities_csv(study, &found),
         summary.into_bytes(),
     ];
     for table in tables {

@@ -74,10 +74,10 @@ impl<'s> Subject<'s> {
         let plan = Plan::of(study);
         let curves = hardpoint_engine::curves::curves(suspension, &plan)?;
         let count = plan.stations() / plan.racks.len();
-        let mut travels: Vec<f64> = curves.stations[..count]
-            .iter()
-            .filter(|s| s.status == hardpoint_engine::curves::Status::Ok)
-            .filter_map(|s| s.travel)
+        let stations = curves.stations[..count].iter().zip(curves.along("travel"));
+        let mut travels: Vec<f64> = stations
+            .filter(|(s, _)| s.status == hardpoint_engine::curves::Status::Ok)
+            .filter_map(|(_, travel)| travel)
             .collect();
         travels.sort_by(f64::total_cmp);
         travels.dedup();

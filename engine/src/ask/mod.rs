@@ -1,12 +1,14 @@
 //! The language of requests: plain data without numerics.
 //!
 //! [`Unit`] is the kind of a number and its printed unit, [`Need`] a figure or part that a quantity requires, and
-//! [`Info`] the catalogue's entry of a quantity, of a wheel or of an axle.
+//! [`Info`] the catalogue's entry of a quantity, of a wheel or of an axle. [`NoValue`] says why a quantity has no value.
 
 mod info;
 mod need;
+mod no_value;
 mod unit;
 
 pub use info::Info;
 pub use need::Need;
+pub use no_value::NoValue;
 pub use unit::{Unit, with_unit};

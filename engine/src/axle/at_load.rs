@@ -9,9 +9,10 @@
 //! ```
 
 use super::formulas::loads::axle_load;
-use super::solver::{AxleFailure, AxleSolver, Placed, Placement};
+use super::solver::{AxleSolver, Placed, Placement};
 use super::state::Motion;
 use super::{Quantity, WheelQuantity};
+use crate::mechanism::NoPose;
 use crate::model::Side;
 use crate::number::Vector3;
 
@@ -34,7 +35,7 @@ struct Carried {
 }
 
 impl<'a> AxleSolver<'a, LOAD_TERMS> {
-    fn carried(&mut self, heave: f64, roll: f64, rack: f64) -> Result<Carried, AxleFailure> {
+    fn carried(&mut self, heave: f64, roll: f64, rack: f64) -> Result<Carried, NoPose> {
         let placed = self.place(&Placement::Roll { heave, roll, rack })?;
         let state = self.read(&placed)?.state;
         let carried = Carried {
@@ -45,12 +46,12 @@ impl<'a> AxleSolver<'a, LOAD_TERMS> {
         // NaN does not grow.
         match carried.by_heave > 0.0 && carried.load.is_finite() {
             true => Ok(carried),
-            false => Err(AxleFailure::NoLoad),
+            false => Err(NoPose::NoLoad),
         }
     }
 
     /// The position at the load of a level axle.
-    fn found(&mut self, level: f64, roll: f64, rack: f64) -> Result<Placed, AxleFailure> {
+    fn found(&mut self, level: f64, roll: f64, rack: f64) -> Result<Placed, NoPose> {
         let size = self.size();
         let wanted = self.carried(level, 0.0, 0.0)?.load;
         let (mut heave, mut reached, mut smallest) = (level, None, f64::INFINITY);
@@ -61,7 +62,7 @@ impl<'a> AxleSolver<'a, LOAD_TERMS> {
                 Err(failure) => {
                     let back: f64 = reached.ok_or(failure)?;
                     if (heave - back).abs() <= 1e-9 * size {
-                        return Err(AxleFailure::NoLoad);
+                        return Err(NoPose::NoLoad);
                     }
                     heave = 0.5 * (heave + back);
                     continue;
@@ -78,7 +79,7 @@ impl<'a> AxleSolver<'a, LOAD_TERMS> {
             reached = Some(heave);
             heave += step;
         }
-        Err(AxleFailure::NoLoad)
+        Err(NoPose::NoLoad)
     }
 
     /// The gradients of the sum of the wheel loads by the hardpoints of both sides, added to `into` times a factor.
@@ -87,7 +88,7 @@ impl<'a> AxleSolver<'a, LOAD_TERMS> {
         placed: &Placed,
         factor: f64,
         into: &mut [Vec<Vector3<f64>>; 2],
-    ) -> Result<(), AxleFailure> {
+    ) -> Result<(), NoPose> {
         self.gradients(placed, &LOADS, |_, gradients| {
             for (into, gradient) in into.iter_mut().zip(gradients) {
                 for (sum, by) in into.iter_mut().zip(gradient) {
@@ -102,7 +103,7 @@ impl<'a> AxleSolver<'a, LOAD_TERMS> {
         &mut self,
         level: f64,
         placed: &Placed,
-    ) -> Result<[Vec<Vector3<f64>>; 2], AxleFailure> {
+    ) -> Result<[Vec<Vector3<f64>>; 2], NoPose> {
         let heave = 0.5 * (placed.travels[0] + placed.travels[1]);
         let here = self.carried(heave, placed.roll, placed.rack)?;
         let standing = self.carried(level, 0.0, 0.0)?;
@@ -116,25 +117,20 @@ impl<'a> AxleSolver<'a, LOAD_TERMS> {
 
 impl<'a, const N: usize> AxleSolver<'a, N> {
     /// The solver for loads, of the designs that this one has.
-    pub(super) fn loads(&mut self) -> Result<&mut AxleSolver<'a, LOAD_TERMS>, AxleFailure> {
+    pub(super) fn loads(&mut self) -> Result<&mut AxleSolver<'a, LOAD_TERMS>, NoPose> {
         if self.loads.is_none() {
             let made = AxleSolver::new(self.axle, &LOADS, false);
-            let mut made = made.map_err(|_| AxleFailure::NoLoad)?;
+            let mut made = made.map_err(|_| NoPose::NoLoad)?;
             let designs = self.designs();
             let prepared = made.prepare(designs.each_ref().map(Vec::as_slice));
-            prepared.map_err(|_| AxleFailure::NoLoad)?;
+            prepared.map_err(|_| NoPose::NoLoad)?;
             self.loads = Some(Box::new(made));
         }
-        self.loads.as_deref_mut().ok_or(AxleFailure::NoLoad)
+        self.loads.as_deref_mut().ok_or(NoPose::NoLoad)
     }
 
     /// Finds the position at the load of a level axle.
-    pub(super) fn at_load(
-        &mut self,
-        level: f64,
-        roll: f64,
-        rack: f64,
-    ) -> Result<Placed, AxleFailure> {
+    pub(super) fn at_load(&mut self, level: f64, roll: f64, rack: f64) -> Result<Placed, NoPose> {
         self.loads()?.found(level, roll, rack)
     }
 }

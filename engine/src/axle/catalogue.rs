@@ -6,47 +6,10 @@
 use super::formulas::{loads, roll, steering};
 use super::reading::WheelParts;
 use super::state::AxleState;
-use crate::ask::{Info, Need, Unit};
+use crate::ask::{Info, Need, NoValue, Unit};
 use crate::characteristics::{Characteristic, Slot};
 use crate::model::Side;
 use crate::number::{Scalar, SimdReal, called};
-
-/// Why a quantity has no value in a position that is solved.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Void {
-    /// A quotient of differences of steer angles that are zero straight ahead.
-    StraightAhead,
-    /// The meeting point of normals that are parallel.
-    ParallelNormals,
-    /// A derivative along roll where the wheels stand on pads of different heights.
-    NoPlane,
-    /// A rocker at a toggle, or beyond it.
-    Toggle,
-    /// A force under a load that nothing can carry.
-    Unsupported,
-    /// The formula divides by zero here.
-    NotFinite,
-}
-
-impl Void {
-    /// The reason in words.
-    pub fn reason(self) -> &'static str {
-        match self {
-            Void::StraightAhead => {
-                "below 0.02 rad of mean steer it is a quotient of two angles that vanish"
-            }
-            Void::ParallelNormals => {
-                "the normals to the velocities of the contact points are all but parallel"
-            }
-            Void::NoPlane => "the wheels stand on pads of different heights, not on a plane",
-            Void::Toggle => "a rocker it moves with is at a toggle",
-            Void::Unsupported => {
-                "the spring, or the support in its place, has next to no leverage there"
-            }
-            Void::NotFinite => "its formula divides by zero there",
-        }
-    }
-}
 
 const ANGLE: Unit = Unit::Angle;
 const LENGTH: Unit = Unit::Length;
@@ -159,7 +122,7 @@ macro_rules! catalogue {
             }
 
             /// Why it may have no value in some positions.
-            pub(super) fn possible_void(self) -> Option<Void> {
+            pub(super) fn possible_void(self) -> Option<NoValue> {
                 match self {
                     $(AxleQuantity::$axle => $void,)*
                 }
@@ -185,19 +148,19 @@ catalogue! {
         Track, "track", LENGTH, "always", "e.(C_l - C_r), contact points", ISO, [WheelRadius], [], 0, false, lanes, roll::track, None;
         TrackChange, "track_change", LENGTH, "wider than in the design position", "track - track(design)", ISO, [WheelRadius], [], 0, false, lanes, roll::track_change, None;
         RollAngle, "roll_angle", ANGLE, "right wheel in jounce, as in a left turn", "phi, of the body against the ground", ISO, [WheelRadius], [], 0, false, lanes, roll::roll_angle, None;
-        RollCentreHeight, "roll_centre_height", LENGTH, "above the ground", "track j_l j_r/(j_l + j_r), j jacking coefficients; on pads of different heights above their mean", VELOCITIES, [WheelRadius], [], 1, false, lanes, roll::roll_centre_height, Some(Void::ParallelNormals);
-        RollCentreLateral, "roll_centre_lateral", LENGTH, "to the left of midway between the contact points", "track (j_l - j_r)/(2 (j_l + j_r))", VELOCITIES, [WheelRadius], [], 1, false, lanes, roll::roll_centre_lateral, Some(Void::ParallelNormals);
+        RollCentreHeight, "roll_centre_height", LENGTH, "above the ground", "track j_l j_r/(j_l + j_r), j jacking coefficients; on pads of different heights above their mean", VELOCITIES, [WheelRadius], [], 1, false, lanes, roll::roll_centre_height, Some(NoValue::ParallelNormals);
+        RollCentreLateral, "roll_centre_lateral", LENGTH, "to the left of midway between the contact points", "track (j_l - j_r)/(2 (j_l + j_r))", VELOCITIES, [WheelRadius], [], 1, false, lanes, roll::roll_centre_lateral, Some(NoValue::ParallelNormals);
         ForceRollCentreHeight, "force_roll_centre_height", LENGTH, "above the ground", "track (j_l + j_r)/4: equal side forces", "SAE J670, the point at which a side force causes no roll", [WheelRadius], [], 1, false, lanes, roll::force_roll_centre_height, None;
-        RollCentreMigrationVertical, "roll_centre_migration_vertical", Unit::LengthPerAngle, "rises with the roll angle", "d roll_centre_height/d phi, mean travel and rack held", VELOCITIES, [WheelRadius], [], 2, false, one_by_one, roll::roll_centre_migration_vertical, Some(Void::ParallelNormals);
-        RollCentreMigrationLateral, "roll_centre_migration_lateral", Unit::LengthPerAngle, "moves to the left with the roll angle", "d roll_centre_lateral/d phi, mean travel and rack held", VELOCITIES, [WheelRadius], [], 2, false, one_by_one, roll::roll_centre_migration_lateral, Some(Void::ParallelNormals);
+        RollCentreMigrationVertical, "roll_centre_migration_vertical", Unit::LengthPerAngle, "rises with the roll angle", "d roll_centre_height/d phi, mean travel and rack held", VELOCITIES, [WheelRadius], [], 2, false, one_by_one, roll::roll_centre_migration_vertical, Some(NoValue::ParallelNormals);
+        RollCentreMigrationLateral, "roll_centre_migration_lateral", Unit::LengthPerAngle, "moves to the left with the roll angle", "d roll_centre_lateral/d phi, mean travel and rack held", VELOCITIES, [WheelRadius], [], 2, false, one_by_one, roll::roll_centre_migration_lateral, Some(NoValue::ParallelNormals);
         ForceRollCentreMigration, "force_roll_centre_migration", Unit::LengthPerAngle, "rises with the roll angle", "d force_roll_centre_height/d phi, mean travel and rack held", VELOCITIES, [WheelRadius], [], 2, false, one_by_one, roll::force_roll_centre_migration, None;
         JackingForceRatio, "jacking_force_ratio", RATIO, "lifts in a left turn", "(j_r - j_l)/2: equal side forces", VELOCITIES, [WheelRadius], [], 1, false, lanes, roll::jacking_force_ratio, None;
         MeanSteer, "mean_steer", ANGLE, "to the left", "(steer_l + steer_r)/2", ISO, [], [], 0, false, lanes, steering::mean_steer, None;
         AckermannError, "ackermann_error", ANGLE, "the outer wheel steers more than the ideal one", "o - ideal, ideal where the inner spin axis meets the other axle's line, seen from above", ISO, [Wheelbase], [], 0, false, lanes, steering::ackermann_error, None;
-        Ackermann, "ackermann", PERCENT, "the inner wheel steers more than the outer one", "100 (i - o)/(i - ideal)", ISO, [Wheelbase], [], 0, false, lanes, steering::ackermann, Some(Void::StraightAhead);
-        AckermannByInner, "ackermann_by_inner", PERCENT, "the inner wheel steers more than the outer one", "100 (i - o)/(ideal_inner - o), ideal_inner = atan2(L sin o, L cos o - T sin o), T of the wheel centres in the design position", "Simscape Vehicle Templates, sm_car_knc_calc_susp_metrics", [Wheelbase], [], 0, false, lanes, steering::ackermann_by_inner, Some(Void::StraightAhead);
-        AckermannByCotangents, "ackermann_by_cotangents", PERCENT, "the inner wheel steers more than the outer one", "100 L (cot o - cot i)/T, T of the wheel centres in the design position", "geometry of the turn", [Wheelbase], [], 0, false, lanes, steering::ackermann_by_cotangents, Some(Void::StraightAhead);
-        TurningCircle, "turning_circle", LENGTH, "always", "2 |C_o - Z| from above, Z midway between where the spin axes meet the other axle's line", ISO, [WheelRadius, Wheelbase], [], 0, false, lanes, steering::turning_circle, Some(Void::StraightAhead);
+        Ackermann, "ackermann", PERCENT, "the inner wheel steers more than the outer one", "100 (i - o)/(i - ideal)", ISO, [Wheelbase], [], 0, false, lanes, steering::ackermann, Some(NoValue::StraightAhead);
+        AckermannByInner, "ackermann_by_inner", PERCENT, "the inner wheel steers more than the outer one", "100 (i - o)/(ideal_inner - o), ideal_inner = atan2(L sin o, L cos o - T sin o), T of the wheel centres in the design position", "Simscape Vehicle Templates, sm_car_knc_calc_susp_metrics", [Wheelbase], [], 0, false, lanes, steering::ackermann_by_inner, Some(NoValue::StraightAhead);
+        AckermannByCotangents, "ackermann_by_cotangents", PERCENT, "the inner wheel steers more than the outer one", "100 L (cot o - cot i)/T, T of the wheel centres in the design position", "geometry of the turn", [Wheelbase], [], 0, false, lanes, steering::ackermann_by_cotangents, Some(NoValue::StraightAhead);
+        TurningCircle, "turning_circle", LENGTH, "always", "2 |C_o - Z| from above, Z midway between where the spin axes meet the other axle's line", ISO, [WheelRadius, Wheelbase], [], 0, false, lanes, steering::turning_circle, Some(NoValue::StraightAhead);
         SteeringRatio, "steering_ratio", RATIO, "steering wheel and wheels turn the same way", "2 pi/(c d mean_steer/d rack), local: on a plane ground roll angle and mean travel held, on pads both travels", "angle of the steering wheel by mean steer", [WheelRadius, CFactor], [], 1, true, lanes, steering::steering_ratio, None;
         RollSteer, "roll_steer", Unit::AnglePerAngle, "steers to the left when rolled as in a left turn", "d mean_steer/d phi, mean travel and rack held", "derivative along roll on a plane ground; other tools take left jounce as positive roll", [WheelRadius], [], 1, false, lanes, steering::axle_roll_steer, None;
         BarTorque, "anti_roll_bar_torque", Unit::Torque, "the left lever is pushed further", "k_b (b_l - b_r)", VIRTUAL_WORK, [BarRate], [BarAngle], 0, false, one_by_one, loads::bar_torque, None;
@@ -327,19 +290,19 @@ impl Quantity {
             Quantity::Axle(q) => q.possible_void(),
             Quantity::Wheel(..) => None,
         };
-        let plane = self.is_of_the_plane().then_some(Void::NoPlane);
-        void.or(plane).unwrap_or(Void::NotFinite).reason()
+        let plane = self.is_of_the_plane().then_some(NoValue::NoPlane);
+        void.or(plane).unwrap_or(NoValue::NotFinite).reason()
     }
 
     /// The value in a state, or why there is none.
-    pub fn value(self, state: &AxleState<f64>) -> Result<f64, Void> {
-        let is_void = |void: &Void| match void {
-            Void::StraightAhead => steering::is_straight_ahead(state),
-            Void::ParallelNormals => roll::normals_are_parallel(state),
-            Void::NoPlane => !state.is_on_plane(),
+    pub fn value(self, state: &AxleState<f64>) -> Result<f64, NoValue> {
+        let is_void = |void: &NoValue| match void {
+            NoValue::StraightAhead => steering::is_straight_ahead(state),
+            NoValue::ParallelNormals => roll::normals_are_parallel(state),
+            NoValue::NoPlane => !state.is_on_plane(),
             _ => false,
         };
-        let plane = self.is_of_the_plane().then_some(Void::NoPlane);
+        let plane = self.is_of_the_plane().then_some(NoValue::NoPlane);
         let own = match self {
             Quantity::Axle(q) => q.possible_void(),
             _ => None,
@@ -349,7 +312,7 @@ impl Quantity {
             Some(void) => Err(void),
             None => {
                 let value = self.evaluate(state);
-                value.is_finite().then_some(value).ok_or(Void::NotFinite)
+                value.is_finite().then_some(value).ok_or(NoValue::NotFinite)
             }
         }
     }

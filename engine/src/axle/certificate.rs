@@ -12,11 +12,11 @@
 //! the roll angle it is the track. Sine and cosine of the angle, the design and the radius are enclosed too: the proof
 //! is about the exact axle whose numbers are the given doubles.
 
-use super::solver::{AxleFailure, Placed, Placement};
+use super::solver::{Placed, Placement};
 use super::{Axle, Ground};
 use crate::analyse::{Certifier, Inclusion};
 use crate::curves::Prover;
-use crate::mechanism::{Configuration, Failure};
+use crate::mechanism::{Configuration, Failure, NoPose};
 use crate::model::{Mechanism, Side};
 use crate::number::{Interval, Jet, Vector3};
 
@@ -149,15 +149,15 @@ impl<'a> AxleCertifier<'a> {
     /// Proves a position that was found for a placement.
     ///
     /// # Errors
-    /// [`AxleFailure::Wheel`] if a pose is not proved, [`AxleFailure::Unproven`] if the poses are, but not that travels
+    /// [`NoPose::Wheel`] if a pose is not proved, [`NoPose::Unproven`] if the poses are, but not that travels
     /// or roll angle are right for the ground.
-    pub fn prove(&self, placement: &Placement, placed: &Placed) -> Result<AxleProof, AxleFailure> {
+    pub fn prove(&self, placement: &Placement, placed: &Placed) -> Result<AxleProof, NoPose> {
         let over = |side: Side, travel: Interval| {
             // In its own frame the rack of the right wheel moves the other way.
             let rack = placement.rack() * side.sign();
             let pose = &placed.poses()[side as usize];
             let found = self.wheel(side).over_travels(pose, travel, rack);
-            found.map_err(|reason| AxleFailure::Wheel {
+            found.map_err(|reason| NoPose::Wheel {
                 side,
                 travel: placed.travels[side as usize],
                 failure: Failure::Uncertified(reason),
@@ -167,7 +167,7 @@ impl<'a> AxleCertifier<'a> {
             |[left, right]: [Interval; 2]| Ok([over(Side::Left, left)?, over(Side::Right, right)?]);
         match *placement {
             // A load is not enclosed.
-            Placement::AtLoad { .. } => Err(AxleFailure::Unproven),
+            Placement::AtLoad { .. } => Err(NoPose::Unproven),
             Placement::Roll { heave, roll, .. } => {
                 self.in_roll([heave, roll], placed.travels, over)
             }
@@ -199,8 +199,8 @@ impl<'a> AxleCertifier<'a> {
         &self,
         [heave, roll]: [f64; 2],
         travels: [f64; 2],
-        over: impl Fn([Interval; 2]) -> Result<[Inclusion; 2], AxleFailure>,
-    ) -> Result<AxleProof, AxleFailure> {
+        over: impl Fn([Interval; 2]) -> Result<[Inclusion; 2], NoPose>,
+    ) -> Result<AxleProof, NoPose> {
         let (sine, cosine) = Interval::point(roll).sin_cos();
         let ground = Ground { sine, cosine }.map(Jet::constant);
         let half = 0.5 * (travels[0] - travels[1]);
@@ -218,7 +218,7 @@ impl<'a> AxleCertifier<'a> {
             // The right wheel goes the other way.
             Some(Jet([left[0] - right[0], left[1] + right[1]]))
         });
-        let root = root.ok_or(AxleFailure::Unproven)?;
+        let root = root.ok_or(NoPose::Unproven)?;
         let found = travels(around(half, root.off));
         let wheels = over(found)?;
         let errors = [0, 1].map(|wheel| (found[wheel] - written[wheel]).magnitude());
@@ -238,11 +238,7 @@ impl<'a> AxleCertifier<'a> {
     }
 
     /// Proves a position with given travels, on pads or, if there is a roll angle, on a plane.
-    fn at_travels(
-        &self,
-        wheels: &[Inclusion; 2],
-        roll: Option<f64>,
-    ) -> Result<AxleProof, AxleFailure> {
+    fn at_travels(&self, wheels: &[Inclusion; 2], roll: Option<f64>) -> Result<AxleProof, NoPose> {
         let nearest = nearest_other(wheels);
         let proof = AxleProof {
             position_errors: self.position_errors(wheels),
@@ -267,7 +263,7 @@ impl<'a> AxleCertifier<'a> {
             let [left, right] = self.heights(&held, ground);
             Some(left - right)
         });
-        let root = root.ok_or(AxleFailure::Unproven)?;
+        let root = root.ok_or(NoPose::Unproven)?;
         let [left, right] = wheels.map(|wheel| wheel.certificate.scale);
         let away = ((root.alone - root.off) * left.min(right)).next_down();
         Ok(AxleProof {
@@ -279,8 +275,8 @@ impl<'a> AxleCertifier<'a> {
 
     fn position_errors(&self, wheels: &[Inclusion; 2]) -> [f64; 2] {
         [0, 1].map(|wheel| {
-            let proof = self.wheels[wheel].prover.proof(&wheels[wheel].certificate);
-            proof.position_error
+            let prover = &self.wheels[wheel].prover;
+            prover.position_error(&wheels[wheel].certificate)
         })
     }
 }

@@ -3,9 +3,9 @@
 use super::reading::WheelParts;
 use super::state::{AxleState, Motion};
 use super::taylor::Taylor;
-use super::{Axle, AxlePlan, Quantity, Read, Void, WheelMotion};
-use crate::ask::with_unit;
-use crate::curves::{Loads, per};
+use super::{Axle, AxlePlan, Quantity, Read, WheelMotion};
+use crate::ask::{NoValue, with_unit};
+use crate::curves::{Column, Loads};
 use crate::model::{Axis, LengthUnit, PointId, Side};
 use crate::number::Jet;
 
@@ -68,12 +68,12 @@ impl AxleColumn {
 
     /// The column's number in a position, in radians, length units and newtons, or why there is none. `None` for a
     /// force, which cannot be read off the position alone.
-    pub fn evaluate(&self, read: &Read) -> Option<Result<f64, Void>> {
+    pub fn evaluate(&self, read: &Read) -> Option<Result<f64, NoValue>> {
         match &self.of {
             Of::Quantity(quantity) => Some(self.quantity_in(*quantity, read)),
             Of::Point {
                 side, on_rocker, ..
-            } if *on_rocker && read.toggles[*side as usize].is_some() => Some(Err(Void::Toggle)),
+            } if *on_rocker && read.toggles[*side as usize].is_some() => Some(Err(NoValue::Toggle)),
             Of::Point {
                 side, number, axis, ..
             } => {
@@ -88,7 +88,7 @@ impl AxleColumn {
         }
     }
 
-    fn quantity_in(&self, quantity: Quantity, read: &Read) -> Result<f64, Void> {
+    fn quantity_in(&self, quantity: Quantity, read: &Read) -> Result<f64, NoValue> {
         let value = read.value(quantity)?;
         Ok(match (self.by, self.order) {
             (None, _) => value,
@@ -146,11 +146,6 @@ impl AxleColumn {
         }
     }
 
-    /// The unit of this column's derivative by a hardpoint coordinate.
-    pub fn unit_per(&self, length: LengthUnit) -> String {
-        per(&self.unit, length.symbol(), 1)
-    }
-
     /// When it is positive, in words; `None` for derivatives.
     pub fn positive(&self) -> Option<&'static str> {
         match &self.of {
@@ -158,6 +153,21 @@ impl AxleColumn {
             Of::Quantity(quantity) => Some(quantity.info().positive),
             Of::Force { positive, .. } => Some(positive),
             Of::Point { .. } | Of::Turn(..) => None,
+        }
+    }
+}
+
+impl From<&AxleColumn> for Column {
+    fn from(column: &AxleColumn) -> Self {
+        Column {
+            name: column.name.clone(),
+            output: column.output(),
+            unit: column.unit.clone(),
+            positive: column.positive(),
+            order: column.order,
+            by: column.by.map(Motion::name),
+            of: None,
+            factor: column.factor,
         }
     }
 }

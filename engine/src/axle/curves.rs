@@ -1,13 +1,15 @@
 //! Curves of an axle: every quantity at every station.
 
-use super::solver::{AxleFailure, AxleSolver, Placed, Placement, Read, Sought, WheelRead, both};
+use super::places::{bounds, motion, place, proof};
+use super::solver::{AxleSolver, Placed, Placement, Read, Sought, WheelRead, both};
 use super::{
-    Axle, AxleCertifier, AxleColumn, AxleMotion, AxleProof, AxleQuantity, Of, Quantity, Void,
-    WheelMotion,
+    Axle, AxleCertifier, AxleColumn, AxleMotion, AxleQuantity, Of, Quantity, WheelMotion,
+    WheelQuantity,
 };
-use crate::curves::{Loads, Status};
-use crate::mechanism::DesignFault;
-use crate::model::{Axis, PointId, Rod, Side};
+use crate::ask::NoValue;
+use crate::curves::{Column, Curves, Loads, Sensitivity, Station, Status};
+use crate::mechanism::{DesignFault, NoPose};
+use crate::model::{Axis, PointId, Side};
 use crate::solve::{LEAST_DIGITS, rate_digits};
 use crate::study::Load;
 use crate::threads::on_large_stacks;
@@ -83,76 +85,18 @@ impl Axle {
             ..plan.at_design()
         };
         let ratio = axle_curves(self, &plan).ok();
-        let ratio = ratio.and_then(|curves| curves.stations.first()?.value(0));
+        let ratio = ratio.and_then(|found| found.curves.stations.first()?.value(0));
         ratio.is_some_and(|ratio| ratio < 0.0)
     }
 }
 
-/// A station with its values, as they are printed.
-#[derive(Clone, Debug)]
-pub struct AxleStation {
-    /// What was asked for.
-    pub placement: Placement,
-    /// The position that was found, or why there is none.
-    pub placed: Result<Placed, AxleFailure>,
-    /// Word of the `status` column.
-    pub status: &'static str,
-    /// A value for each column, or why there is none.
-    pub values: Vec<Result<f64, Void>>,
-    /// For each wheel: the rod that is at or beyond a toggle, if any.
-    pub toggles: [Option<Rod>; 2],
-    /// Condition number of the worse wheel.
-    pub condition: Option<f64>,
-    /// Proof of the position, if the plan asks for it and it could be proved.
-    pub proof: Option<AxleProof>,
-}
-
-impl AxleStation {
-    /// The value of a column, where there is one.
-    pub fn value(&self, column: usize) -> Option<f64> {
-        self.values.get(column).copied().and_then(Result::ok)
-    }
-
-    /// A station that has no position, or none that could be proved.
-    fn failed(placement: Placement, failure: AxleFailure) -> Self {
-        AxleStation {
-            placement,
-            placed: Err(failure),
-            status: failure.word(),
-            values: Vec::new(),
-            toggles: [None; 2],
-            condition: None,
-            proof: None,
-        }
-    }
-}
-
-/// The derivative of a column by a hardpoint coordinate, as printed per length unit.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct AxleSensitivity {
-    /// Index of the station.
-    pub station: usize,
-    /// Index of the column.
-    pub column: usize,
-    /// The side whose hardpoint moves; `None` if both move, the right wheel being the mirror image.
-    pub side: Option<Side>,
-    /// The hardpoint.
-    pub point: PointId,
-    /// The coordinate, in the study's axes.
-    pub axis: Axis,
-    /// The derivative.
-    pub value: f64,
-}
-
-/// Curves of an axle.
+/// Curves of an axle, and the positions that they were read in.
 #[derive(Clone, Debug)]
 pub struct AxleCurves {
-    /// The columns, in the order of [`AxleStation::values`].
-    pub columns: Vec<AxleColumn>,
-    /// The stations, in the order of the course.
-    pub stations: Vec<AxleStation>,
-    /// The sensitivities, station by station.
-    pub sensitivities: Vec<AxleSensitivity>,
+    /// The curves.
+    pub curves: Curves,
+    /// For each station the position of both wheels, or the reason why there is none.
+    pub placed: Vec<Result<Placed, NoPose>>,
 }
 
 impl AxlePlan {
@@ -201,71 +145,102 @@ fn run<const N: usize>(axle: &Axle, plan: &AxlePlan) -> Result<AxleCurves, (Side
     for (side, loads) in Side::ALL.into_iter().zip(&loads) {
         solver.watch(side, loads.rocker());
     }
-    let mut sensitivities = Vec::new();
-    let mut stations = Vec::with_capacity(plan.course.stations());
-    let mut curves = Curves::default();
     let placements = plan.course.placements();
+    let mut found = AxleCurves {
+        curves: Curves {
+            motion: motion(&plan.course, axle),
+            columns: columns.iter().map(Column::from).collect(),
+            bounds: bounds(plan, axle),
+            ..Curves::default()
+        },
+        placed: Vec::with_capacity(placements.len()),
+    };
+    let mut of_wheels = WheelCurves::default();
     // In roll all positions are found together; travels that are given are read off curves.
     let mut rolled = match plan.course.wheels {
         WheelMotion::Roll { .. } => solver.place_all(&placements).into_iter(),
         _ => Vec::new().into_iter(),
     };
-    for (station, placement) in placements.into_iter().enumerate() {
-        let found = match rolled.next() {
+    for (number, placement) in placements.iter().enumerate() {
+        let read = match rolled.next() {
             Some(placed) => placed.and_then(|placed| Ok((placed, solver.read(&placed)?))),
-            None => curves.position(&mut solver, &plan.course, &placement),
+            None => of_wheels.position(&mut solver, &plan.course, placement),
         };
-        let found = found.map(|(placed, read)| {
+        let station = read.and_then(|(placed, read)| {
             let forces = forces(&loads, &solver, &placed, &read);
-            values(&columns, &placement, placed, &read, forces)
-        });
-        let found = found.and_then(|found| {
-            let placed = found.placed.as_ref();
-            if let (false, Ok(placed)) = (plan.sensitivities.is_empty(), placed) {
-                let more = gradients(axle, plan, &mut solver, &columns, placed, station)?;
+            let mut station = values(&columns, &read, forces);
+            station.at = place(&plan.course, axle, (number, placement), Some(&placed));
+            if !plan.sensitivities.is_empty() {
+                let more = gradients(axle, plan, &mut solver, &columns, &placed, number)?;
                 // A column without a value has no derivatives.
-                let has_value = |s: &AxleSensitivity| found.values[s.column].is_ok();
-                sensitivities.extend(more.into_iter().filter(has_value));
+                let has_value = |s: &Sensitivity| station.values[s.column].is_ok();
+                let all = &mut found.curves.sensitivities;
+                all.extend(more.into_iter().filter(has_value));
             }
-            Ok(found)
+            Ok((placed, station))
         });
-        stations.push(found.unwrap_or_else(|failure| AxleStation::failed(placement, failure)));
+        let (placed, station) = match station {
+            Ok((placed, station)) => (Ok(placed), station),
+            Err(reason) => {
+                let at = place(&plan.course, axle, (number, placement), None);
+                (Err(reason), failed(at, reason, columns.len()))
+            }
+        };
+        found.placed.push(placed);
+        found.curves.stations.push(station);
     }
     if plan.certify {
-        certify(axle, &mut solver, &mut stations);
-        sensitivities.retain(|s: &AxleSensitivity| stations[s.station].placed.is_ok());
+        certify(axle, plan, &placements, &mut solver, &mut found);
+        let AxleCurves { curves, placed } = &mut found;
+        curves.sensitivities.retain(|s| placed[s.station].is_ok());
     }
-    Ok(AxleCurves {
-        columns,
-        stations,
-        sensitivities,
-    })
+    Ok(found)
+}
+
+/// A station that has no position, or none that could be proved.
+fn failed(at: Vec<Option<f64>>, reason: NoPose, columns: usize) -> Station {
+    Station {
+        at,
+        status: Status::Failed(reason),
+        values: vec![Err(NoValue::NoPose); columns],
+        condition: None,
+        proof: None,
+    }
 }
 
 /// Proves every position: that it is right, and that the pose of each wheel lies on the branch of its design position.
 /// A station that cannot be proved becomes a failed station.
-fn certify<const N: usize>(axle: &Axle, solver: &mut AxleSolver<N>, stations: &mut [AxleStation]) {
+fn certify<const N: usize>(
+    axle: &Axle,
+    plan: &AxlePlan,
+    placements: &[Placement],
+    solver: &mut AxleSolver<N>,
+    found: &mut AxleCurves,
+) {
     let certifier = AxleCertifier::new(axle);
-    let rack = |station: &AxleStation| station.placement.rack();
-    for stations in stations.chunk_by_mut(|a, b| rack(a) == rack(b)) {
-        let mut found: Vec<_> = stations.iter_mut().filter(|s| s.placed.is_ok()).collect();
-        let Some(rack) = found.first().map(|s| rack(s)) else {
-            continue;
-        };
-        let placed: Vec<_> = found.iter().filter_map(|s| s.placed.ok()).collect();
+    let stations: Vec<usize> = (0..placements.len()).collect();
+    for stations in stations.chunk_by(|a, b| placements[*a].rack() == placements[*b].rack()) {
+        let rack = placements[stations[0]].rack();
+        let known = stations.iter();
+        let known = known.filter_map(|number| Some((*number, found.placed[*number].ok()?)));
+        let (numbers, placed): (Vec<usize>, Vec<Placed>) = known.unzip();
         let branches = Side::ALL.map(|side| {
             let wheel = side as usize;
             let travels: Vec<_> = placed.iter().map(|p| p.travels[wheel]).collect();
             let poses: Vec<_> = placed.iter().map(|p| p.poses()[wheel]).collect();
             solver.prove_branch(certifier.wheel(side), side, rack, (&travels, &poses))
         });
-        for (number, station) in found.iter_mut().enumerate() {
-            let on_branch = branches[0][number].and(branches[1][number]);
-            let proof =
-                on_branch.and_then(|()| certifier.prove(&station.placement, &placed[number]));
-            match proof {
-                Ok(proof) => station.proof = Some(proof),
-                Err(failure) => **station = AxleStation::failed(station.placement, failure),
+        for (k, number) in numbers.into_iter().enumerate() {
+            let on_branch = branches[0][k].and(branches[1][k]);
+            let proved = on_branch.and_then(|()| certifier.prove(&placements[number], &placed[k]));
+            let station = &mut found.curves.stations[number];
+            match proved {
+                Ok(proved) => station.proof = Some(proof(plan, &proved)),
+                Err(reason) => {
+                    found.placed[number] = Err(reason);
+                    let at = place(&plan.course, axle, (number, &placements[number]), None);
+                    *station = failed(at, reason, station.values.len());
+                }
             }
         }
     }
@@ -273,20 +248,20 @@ fn certify<const N: usize>(axle: &Axle, solver: &mut AxleSolver<N>, stations: &m
 
 /// The curves of both wheels at one rack displacement, for placements that give their travels.
 #[derive(Default)]
-struct Curves {
+struct WheelCurves {
     rack: Option<f64>,
     travels: [Vec<f64>; 2],
-    wheels: [Vec<Result<WheelRead, AxleFailure>>; 2],
+    wheels: [Vec<Result<WheelRead, NoPose>>; 2],
 }
 
-impl Curves {
+impl WheelCurves {
     /// Finds and reads a position: from the curves of both wheels if their travels are given, else by itself.
     fn position<'a, const N: usize>(
         &mut self,
         solver: &mut AxleSolver<'a, N>,
         course: &AxleMotion,
         placement: &Placement,
-    ) -> Result<(Placed, Read<'a>), AxleFailure> {
+    ) -> Result<(Placed, Read<'a>), NoPose> {
         let Placement::Travels {
             travels,
             rack,
@@ -318,19 +293,14 @@ impl Curves {
     }
 }
 
-fn values(
-    columns: &[AxleColumn],
-    placement: &Placement,
-    placed: Placed,
-    read: &Read,
-    forces: Vec<Result<f64, Void>>,
-) -> AxleStation {
-    let value = |value: Result<f64, Void>, column: &AxleColumn| {
+/// The values of a station, which is still without its place.
+fn values(columns: &[AxleColumn], read: &Read, forces: Vec<Result<f64, NoValue>>) -> Station {
+    let value = |value: Result<f64, NoValue>, column: &AxleColumn| {
         let printed = value? * column.factor;
         printed
             .is_finite()
             .then_some(printed)
-            .ok_or(Void::NotFinite)
+            .ok_or(NoValue::NotFinite)
     };
     let quantities = columns
         .iter()
@@ -340,17 +310,15 @@ fn values(
         .iter()
         .any(|c| c.by.is_some() || c.quantity().is_some_and(|q| q.rate_order() > 0));
     let is_poor = differentiates && rate_digits(read.condition) < LEAST_DIGITS;
-    AxleStation {
-        placement: *placement,
-        placed: Ok(placed),
+    Station {
+        at: Vec::new(),
         status: match &values {
-            v if v.contains(&Err(Void::Toggle)) => "toggle",
-            v if v.contains(&Err(Void::Unsupported)) => Status::Unsupported.word(),
-            _ if is_poor => Status::IllConditioned.word(),
-            _ => Status::Ok.word(),
+            v if v.contains(&Err(NoValue::Toggle)) => Status::Toggle(read.toggles),
+            v if v.contains(&Err(NoValue::Unsupported)) => Status::Unsupported,
+            _ if is_poor => Status::IllConditioned,
+            _ => Status::Ok,
         },
         values,
-        toggles: read.toggles,
         condition: Some(read.condition),
         proof: None,
     }
@@ -362,21 +330,21 @@ fn forces<const N: usize>(
     solver: &AxleSolver<N>,
     placed: &Placed,
     read: &Read,
-) -> Vec<Result<f64, Void>> {
+) -> Vec<Result<f64, NoValue>> {
     let mut forces = Vec::new();
     for (side, loads) in Side::ALL.into_iter().zip(loads) {
         if loads.is_empty() {
             continue;
         }
-        let none = |void: Void| loads.columns().map(move |_| Err(void));
+        let none = |void: NoValue| loads.columns().map(move |_| Err(void));
         let is_stuck = loads.rocker().is_some() && read.toggles[side as usize].is_some();
         match solver.balance(side, placed, loads.support) {
-            _ if is_stuck => forces.extend(none(Void::Toggle)),
-            Err(_) => forces.extend(none(Void::Unsupported)),
+            _ if is_stuck => forces.extend(none(NoValue::Toggle)),
+            Err(_) => forces.extend(none(NoValue::Unsupported)),
             Ok(balance) => {
                 let contact = read.state.wheel(side).contact_point();
                 let found = loads.forces(&balance, contact);
-                forces.extend(found.map(|force| force.ok_or(Void::NotFinite)));
+                forces.extend(found.map(|force| force.ok_or(NoValue::NotFinite)));
             }
         }
     }
@@ -390,7 +358,7 @@ fn gradients<const N: usize>(
     columns: &[AxleColumn],
     placed: &Placed,
     station: usize,
-) -> Result<Vec<AxleSensitivity>, AxleFailure> {
+) -> Result<Vec<Sensitivity>, NoPose> {
     let mut found = Vec::new();
     let is_own = axle.right.is_some();
     let values = columns.iter().enumerate().filter(|(_, c)| c.by.is_none());
@@ -408,7 +376,7 @@ fn gradients<const N: usize>(
                 let frames = Side::ALL.map(|s| axle.suspension(s).frame);
                 let by = [left, right].map(|g| g[point.0][axis] * factor);
                 let mut add = |side, value| {
-                    found.push(AxleSensitivity {
+                    found.push(Sensitivity {
                         station,
                         column,
                         side,
@@ -431,53 +399,17 @@ fn gradients<const N: usize>(
     Ok(found)
 }
 
-impl AxleCurves {
-    /// Whether everything asked for was found: at every station, and in every column at some.
-    pub fn are_complete(&self) -> bool {
-        let solved = |s: &&AxleStation| s.placed.is_ok();
-        let all = self
-            .stations
-            .iter()
-            .all(|s| s.placed.is_ok() && s.status != "toggle" && s.status != "unsupported");
-        let has_value = |column: usize| {
-            let mut stations = self.stations.iter().filter(solved);
-            stations.any(|s| s.values[column].is_ok())
-        };
-        all && (0..self.columns.len()).all(has_value)
-    }
-
-    /// Numbers of empty cells by column and reason, at stations that were solved.
-    pub fn empty_cells(&self) -> Vec<(usize, Void, usize)> {
-        let mut counts: Vec<(usize, Void, usize)> = Vec::new();
-        for column in 0..self.columns.len() {
-            let is_whole = |s: &&AxleStation| s.placed.is_ok() && s.status != "toggle";
-            let cells = self.stations.iter().filter(is_whole);
-            let voids = cells.filter_map(|s| s.values[column].err());
-            // Of loads all cells are empty together.
-            for void in voids.filter(|void| *void != Void::Unsupported) {
-                match counts.iter_mut().find(|c| c.0 == column && c.1 == void) {
-                    Some(count) => count.2 += 1,
-                    None => counts.push((column, void, 1)),
-                }
-            }
-        }
-        counts
-    }
-
-    /// The least wheel load of either wheel and its station, if wheel loads are asked for.
-    pub fn least_wheel_load(&self) -> Option<(f64, &AxleStation)> {
-        let is_load = |c: &AxleColumn| {
-            c.by.is_none()
-                && matches!(
-                    c.quantity(),
-                    Some(Quantity::Wheel(_, super::WheelQuantity::WheelLoad))
-                )
-        };
-        let loads = self.columns.iter().enumerate().filter(|(_, c)| is_load(c));
-        let all = loads.flat_map(|(k, _)| {
-            let stations = self.stations.iter();
-            stations.filter_map(move |s| Some((s.values.get(k)?.ok()?, s)))
+impl AxlePlan {
+    /// The least wheel load of either wheel, if wheel loads are requested.
+    pub fn least_wheel_load(&self, curves: &Curves) -> Option<f64> {
+        let loads = self.quantities.iter();
+        let loads = loads.filter(|q| matches!(q, Quantity::Wheel(_, WheelQuantity::WheelLoad)));
+        let columns = loads.filter_map(|load| {
+            let name = load.name();
+            let is_load = |column: &Column| column.by.is_none() && column.output == name;
+            curves.columns.iter().position(is_load)
         });
-        all.min_by(|a, b| a.0.total_cmp(&b.0))
+        let all = columns.flat_map(|k| curves.stations.iter().filter_map(move |s| s.value(k)));
+        all.min_by(f64::total_cmp)
     }
 }

@@ -39,8 +39,8 @@ impl Axle {
     /// For each force curve of each wheel and each of its ends, the station that is farthest beyond it.
     pub fn beyond_force_curves(&self, curves: &AxleCurves) -> Vec<BeyondCurve> {
         let mut found: Vec<BeyondCurve> = Vec::new();
-        for station in &curves.stations {
-            let Ok(placed) = &station.placed else {
+        for placed in &curves.placed {
+            let Ok(placed) = placed else {
                 continue;
             };
             for side in Side::ALL {

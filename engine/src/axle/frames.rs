@@ -5,11 +5,11 @@
 
 use super::formulas::steering::turn;
 use super::reading::WheelParts;
-use super::solver::{AxleFailure, AxleSolver, Placed, Placement};
+use super::solver::{AxleSolver, Placed, Placement};
 use super::{Axle, AxleQuantity, Quantity};
 use crate::characteristics::instant_centres_of;
 use crate::curves::{OtherWheel, Placement as Drawn, Turn};
-use crate::mechanism::{Configuration, DesignFault};
+use crate::mechanism::{Configuration, DesignFault, NoPose};
 use crate::model::{PointId, Side};
 use crate::number::Vector3;
 
@@ -18,7 +18,7 @@ use crate::number::Vector3;
 pub fn axle_frames(
     axle: &Axle,
     placements: &[Placement],
-) -> Result<Vec<Result<Drawn, AxleFailure>>, (Side, DesignFault)> {
+) -> Result<Vec<Result<Drawn, NoPose>>, (Side, DesignFault)> {
     let mut quantities = Vec::new();
     if axle.setup.wheel_radius.is_some() {
         quantities.push(Quantity::Axle(AxleQuantity::RollCentreHeight));
@@ -53,7 +53,7 @@ fn drawn(
     solver: &mut AxleSolver<2>,
     placed: &Placed,
     ground: f64,
-) -> Result<Drawn, AxleFailure> {
+) -> Result<Drawn, NoPose> {
     let read = solver.read(placed)?;
     if let Some(failure) = read.toggle_failure(placed) {
         return Err(failure);

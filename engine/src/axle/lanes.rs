@@ -1,9 +1,10 @@
 //! Quantities of many axles at a time, one in each lane.
 
+use super::Quantity;
 use super::formulas::{roll, steering};
 use super::reading::{ALWAYS, WheelParts};
 use super::state::{AxleState, Hold};
-use super::{Quantity, Void};
+use crate::ask::NoValue;
 use crate::characteristics::{
     Characteristic, Constants, DesignWheel, Inputs, LaneInputs, NumberPart, Slots, VectorPart,
     Wheel,
@@ -169,11 +170,11 @@ impl<B: SimdReal> Outlined for OfAxle<'_, '_, B> {
             _ => None,
         };
         let has_value = match void {
-            Some(Void::StraightAhead) => {
+            Some(NoValue::StraightAhead) => {
                 let steer = steering::mean_steer(state).abs();
                 has_value & !steer.less(steer.lit(steering::STRAIGHT_AHEAD))
             }
-            Some(Void::ParallelNormals) => {
+            Some(NoValue::ParallelNormals) => {
                 let [left, right] = roll::jacking(state);
                 let sum = (left + right).abs();
                 let across = (left - right).abs();

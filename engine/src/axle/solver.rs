@@ -11,10 +11,11 @@ use super::reading::{Parts, Reading, Snapshot, WheelParts, along};
 use super::setup::Setup;
 use super::state::{AxleState, Hold, Motion};
 use super::taylor::{Line, Taylor};
-use super::{Axle, Quantity, Void};
+use super::{Axle, Quantity};
 use crate::analyse::{Balance, Certifier, Limits, Support};
+use crate::ask::NoValue;
 use crate::derive::{DesignSeries, Linearised, MotionPoint};
-use crate::mechanism::{Configuration, DesignFault, Failure, Ground, Pose, Unproven};
+use crate::mechanism::{Configuration, DesignFault, Failure, Ground, NoPose, Pose, Unproven};
 use crate::model::{Axis, Drive, Mechanism, PointId, RockerId, Rod, Side};
 use crate::number::{Jet, Tape, Vector3};
 use crate::solve::{Solver, StationOrder, Toggles};
@@ -94,99 +95,20 @@ impl std::fmt::Display for Placement {
     }
 }
 
-/// Why an axle has no position.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum AxleFailure {
-    /// A wheel cannot reach its travel.
-    #[error("{} wheel at travel {travel:.6}: {failure}", side.name())]
-    Wheel {
-        /// Which wheel.
-        side: Side,
-        /// Its travel.
-        travel: f64,
-        /// Why it cannot.
-        failure: Failure,
-    },
-    /// No difference of travels puts both wheels on the ground at this roll angle: a wheel falls where it
-    /// should rise, or the iteration did not settle.
-    #[error("no difference of travels puts both wheels on the ground")]
-    NoGround,
-    /// No mean travel gives the axle the load that is held: it does not grow with the travel, or a wheel does not get there.
-    #[error("at no mean travel the wheels carry the load that is held")]
-    NoLoad,
-    /// A proof was asked for: both poses are proved, but not that the ground under them is the only one there.
-    #[error("both poses are proved, but not that the ground under them is the only one there")]
-    Unproven,
-}
-
-impl AxleFailure {
-    /// The word in the `status` column.
-    pub fn word(&self) -> &'static str {
-        match self {
-            AxleFailure::Wheel { failure, .. } => crate::curves::Status::Failed(*failure).word(),
-            AxleFailure::NoGround | AxleFailure::NoLoad => "unreachable",
-            AxleFailure::Unproven => "uncertified",
-        }
-    }
-
-    /// The reason in words, with lengths in this unit. If the rack ends, the wheel's travel is left out, since it says
-    /// nothing.
-    pub fn describe(&self, axle: &Axle) -> String {
-        let unit = axle.left.length_unit;
-        match self {
-            AxleFailure::Wheel {
-                side,
-                failure: failure @ Failure::RackUnreachable { .. },
-                ..
-            } => format!(
-                "{} wheel: {}",
-                side.name(),
-                failure.describe(unit, axle.frame(*side))
-            ),
-            AxleFailure::Wheel {
-                side,
-                travel,
-                failure,
-            } => format!(
-                "{} wheel at travel {travel:.6} {}: {}",
-                side.name(),
-                unit.symbol(),
-                failure.describe(unit, axle.frame(*side))
-            ),
-            other => other.to_string(),
-        }
-    }
-
-    /// Magnitude of the rack displacement at which the wheel can no longer follow, if that is the failure.
-    fn rack_end(&self) -> Option<f64> {
-        match self {
-            AxleFailure::Wheel {
-                failure: Failure::RackUnreachable { limit, .. },
-                ..
-            } => Some(limit.abs()),
-            _ => None,
-        }
-    }
-
-    /// Whether there is a position, but no proof of it.
-    pub fn is_unproven(&self) -> bool {
-        match self {
-            AxleFailure::Wheel { failure, .. } => matches!(failure, Failure::Uncertified(_)),
-            AxleFailure::Unproven => true,
-            AxleFailure::NoGround | AxleFailure::NoLoad => false,
-        }
+/// Magnitude of the rack displacement at which the wheel can no longer follow, if that is the failure.
+fn rack_end(failure: &NoPose) -> Option<f64> {
+    match failure.of_wheel()? {
+        Failure::RackUnreachable { limit, .. } => Some(limit.abs()),
+        _ => None,
     }
 }
 
 /// Joins the results of both wheels. If neither can follow the rack, the failure is that of the wheel which ends first.
-pub(super) fn both<T>(
-    left: Result<T, AxleFailure>,
-    right: Result<T, AxleFailure>,
-) -> Result<[T; 2], AxleFailure> {
+pub(super) fn both<T>(left: Result<T, NoPose>, right: Result<T, NoPose>) -> Result<[T; 2], NoPose> {
     match (left, right) {
         (Ok(left), Ok(right)) => Ok([left, right]),
         (Err(left), Err(right)) => {
-            let ends = left.rack_end().zip(right.rack_end());
+            let ends = rack_end(&left).zip(rack_end(&right));
             let right_is_first = ends.is_some_and(|(left, right)| right < left);
             Err(if right_is_first { right } else { left })
         }
@@ -381,8 +303,8 @@ impl<'a, const N: usize> Corner<'a, N> {
     }
 
     /// The failure of this wheel at a travel.
-    fn fails(&self, travel: f64, failure: Failure) -> AxleFailure {
-        AxleFailure::Wheel {
+    fn fails(&self, travel: f64, failure: Failure) -> NoPose {
+        NoPose::Wheel {
             side: self.side,
             travel,
             failure,
@@ -400,7 +322,7 @@ impl<'a, const N: usize> Corner<'a, N> {
         travel: f64,
         rack: f64,
         mut read: impl FnMut(&Solver, &DesignSeries<TERMS>, &Pose<f64>) -> Result<R, Failure>,
-    ) -> Result<R, AxleFailure> {
+    ) -> Result<R, NoPose> {
         if let Some(failure) = self.beyond_an_end(travel, rack) {
             return Err(self.fails(travel, failure));
         }
@@ -430,7 +352,7 @@ impl<'a, const N: usize> Corner<'a, N> {
         rack: f64,
         ground: Ground<f64>,
         radius: f64,
-    ) -> Result<Standing, AxleFailure> {
+    ) -> Result<Standing, NoPose> {
         let rack = rack * self.rack_sign;
         let motion = MotionPoint {
             drive: Drive::Travel,
@@ -593,17 +515,17 @@ pub struct Read<'a> {
 
 impl Read<'_> {
     /// The value of a quantity, or why there is none.
-    pub fn value(&self, quantity: Quantity) -> Result<f64, Void> {
+    pub fn value(&self, quantity: Quantity) -> Result<f64, NoValue> {
         match self.is_stuck(quantity) {
-            true => Err(Void::Toggle),
+            true => Err(NoValue::Toggle),
             false => quantity.value(&self.state),
         }
     }
 
     /// Why what rockers carry is nowhere, where one of them is at toggle or beyond.
-    pub fn toggle_failure(&self, placed: &Placed) -> Option<AxleFailure> {
+    pub fn toggle_failure(&self, placed: &Placed) -> Option<NoPose> {
         Side::ALL.into_iter().find_map(|side| {
-            Some(AxleFailure::Wheel {
+            Some(NoPose::Wheel {
                 side,
                 travel: placed.travels[side as usize],
                 failure: Failure::Toggle(self.toggles[side as usize]?),
@@ -723,7 +645,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
 
     /// Finds positions. Those in roll at one rack displacement are found together: each round solves the curves of both
     /// wheels at the travels where the series of the round before put them.
-    pub fn place_all(&mut self, placements: &[Placement]) -> Vec<Result<Placed, AxleFailure>> {
+    pub fn place_all(&mut self, placements: &[Placement]) -> Vec<Result<Placed, NoPose>> {
         let mut by_rack: Vec<(f64, Vec<usize>)> = Vec::new();
         for (number, placement) in placements.iter().enumerate() {
             if let Placement::Roll { rack, .. } = placement {
@@ -743,7 +665,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
     }
 
     /// Finds a position.
-    pub fn place(&mut self, placement: &Placement) -> Result<Placed, AxleFailure> {
+    pub fn place(&mut self, placement: &Placement) -> Result<Placed, NoPose> {
         let mut found = self.place_all(std::slice::from_ref(placement));
         found.swap_remove(0)
     }
@@ -832,7 +754,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
     }
 
     /// Finds a position by itself.
-    fn place_alone(&mut self, placement: &Placement) -> Result<Placed, AxleFailure> {
+    fn place_alone(&mut self, placement: &Placement) -> Result<Placed, NoPose> {
         let rack = placement.rack();
         let (travels, poses, roll) = match *placement {
             Placement::AtLoad { heave, roll, rack } => return self.at_load(heave, roll, rack),
@@ -872,7 +794,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         heave: f64,
         roll: f64,
         rack: f64,
-    ) -> Result<([f64; 2], [Pose<f64>; 2]), AxleFailure> {
+    ) -> Result<([f64; 2], [Pose<f64>; 2]), NoPose> {
         let ground = Ground::rolled(roll);
         let radius = self.radius();
         let size = self.corners[0].solver.size();
@@ -889,7 +811,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
             // Where a wheel falls by its travel, both are beyond the position wanted. NaN falls.
             let found = found.and_then(|[l, r]| match l.height[1] > 0.0 && r.height[1] > 0.0 {
                 true => Ok((l, r)),
-                false => Err(AxleFailure::NoGround),
+                false => Err(NoPose::NoGround),
             });
             let (left_wheel, right_wheel) = match found {
                 Ok(found) => found,
@@ -915,7 +837,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
             reached = Some(half);
             half += step;
         }
-        Err(AxleFailure::NoGround)
+        Err(NoPose::NoGround)
     }
 
     fn contact(&self, side: Side, pose: &Pose<f64>, ground: Ground<f64>) -> Vector3<f64> {
@@ -933,7 +855,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
     }
 
     /// The roll angle at which both wheels stand on a plane.
-    fn tilted(&self, [left, right]: &[Pose<f64>; 2]) -> Result<f64, AxleFailure> {
+    fn tilted(&self, [left, right]: &[Pose<f64>; 2]) -> Result<f64, NoPose> {
         let mut roll = 0.0_f64;
         let mut smallest = f64::INFINITY;
         for _ in 0..MOST_STEPS {
@@ -949,11 +871,11 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
             smallest = smallest.min(step.abs());
             roll += step;
         }
-        Err(AxleFailure::NoGround)
+        Err(NoPose::NoGround)
     }
 
     /// Reads a position.
-    pub fn read(&mut self, placed: &Placed) -> Result<Read<'a>, AxleFailure> {
+    pub fn read(&mut self, placed: &Placed) -> Result<Read<'a>, NoPose> {
         let (lines, parts) = (self.lines, self.parts);
         let mut wheel = |side: Side| {
             let corner = &mut self.corners[side as usize];
@@ -974,11 +896,11 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         side: Side,
         travels: &[f64],
         rack: f64,
-    ) -> Vec<Result<WheelRead, AxleFailure>> {
+    ) -> Vec<Result<WheelRead, NoPose>> {
         let (lines, parts) = (self.lines, self.parts);
         let corner = &mut self.corners[side as usize];
         let rack = rack * corner.rack_sign;
-        let fails = |travel: f64, failure| AxleFailure::Wheel {
+        let fails = |travel: f64, failure| NoPose::Wheel {
             side,
             travel,
             failure,
@@ -1015,7 +937,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         wheels: [&WheelRead; 2],
         rack: f64,
         on_plane: bool,
-    ) -> Result<(Placed, Read<'a>), AxleFailure> {
+    ) -> Result<(Placed, Read<'a>), NoPose> {
         let poses = wheels.map(|wheel| wheel.pose);
         let (roll, hold) = match on_plane {
             false => (0.0, Hold::TravelsOnPads),
@@ -1066,7 +988,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         placed: &Placed,
         quantities: &[Quantity],
         mut receive: impl FnMut(usize, [&[Vector3<f64>]; 2]),
-    ) -> Result<(), AxleFailure> {
+    ) -> Result<(), NoPose> {
         let sought: Vec<_> = quantities.iter().copied().map(Sought::Quantity).collect();
         self.gradients_of(placed, &sought, &mut receive)
     }
@@ -1077,7 +999,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         placed: &Placed,
         sought: &[Sought],
         receive: &mut ReceiveGradients<'_>,
-    ) -> Result<(), AxleFailure> {
+    ) -> Result<(), NoPose> {
         let by_heave = match placed.at_load {
             Some(level) => Some(self.loads()?.heave_by_design(level, placed)?),
             None => None,
@@ -1167,7 +1089,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         side: Side,
         rack: f64,
         (travels, poses): (&[f64], &[Pose<f64>]),
-    ) -> Vec<Result<(), AxleFailure>> {
+    ) -> Vec<Result<(), NoPose>> {
         let corner = &mut self.corners[side as usize];
         let order = StationOrder::through(travels);
         let found: Vec<_> = poses.iter().copied().map(Ok).collect();

@@ -56,6 +56,21 @@ pub enum Motion {
     OpposedTravels,
 }
 
+impl Motion {
+    /// The motion in words, for titles.
+    pub fn name(self) -> &'static str {
+        match self {
+            Motion::Roll => "roll",
+            Motion::Heave => "heave",
+            Motion::Rack => "rack",
+            Motion::Steering => "steering",
+            Motion::TravelLeft => "left travel",
+            Motion::TravelRight => "right travel",
+            Motion::OpposedTravels => "opposed travels",
+        }
+    }
+}
+
 /// One wheel in a state, in the kernel's frame of its own side.
 #[derive(Clone, Copy, Debug)]
 pub struct WheelState<'s, T, W = Reading<T>> {

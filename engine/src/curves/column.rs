@@ -17,12 +17,15 @@ pub struct Column {
     pub unit: String,
     /// When it is positive, in words; of a value alone, not of its derivatives.
     pub positive: Option<&'static str>,
-    /// Derivative by the drive or by time.
+    /// Order of the derivative; 0 for a value.
     pub order: usize,
+    /// Motion of the axle along which it is a derivative, as in `left travel`; `None` for values, and for derivatives by
+    /// the drive or by time.
+    pub by: Option<&'static str>,
     /// Index of the output in the plan; `None` for a force under a load.
-    pub(super) of: Option<usize>,
+    pub(crate) of: Option<usize>,
     /// Factor from a value in radians and length units to the printed value.
-    pub(super) factor: f64,
+    pub(crate) factor: f64,
 }
 
 impl Column {
@@ -50,6 +53,7 @@ impl Column {
             unit,
             positive: Some(positive),
             order: 0,
+            by: None,
             of: None,
             factor,
         }
@@ -96,6 +100,7 @@ impl Column {
                 _ => None,
             },
             order,
+            by: None,
             of: Some(of),
             factor: output.factor * factor.powi((order + rate_order) as i32),
         }
@@ -111,7 +116,7 @@ fn velocity_name(coordinate: &str, axis: Axis, order: usize) -> String {
 
 /// `unit` divided by the `power`-th power of `by`: `deg`, `mm`, 2 -> `deg_per_mm2`, and
 /// `deg_per_mm`, `mm`, 1 -> `deg_per_mm2`.
-pub(crate) fn per(unit: &str, by: &str, power: usize) -> String {
+fn per(unit: &str, by: &str, power: usize) -> String {
     if power == 0 {
         return unit.to_owned();
     }

@@ -1,4 +1,4 @@
-//! Curves: every output of a plan at every station of the motion.
+//! Curves: every output of a plan at every station of the motion, of one wheel or of an axle.
 
 mod column;
 mod drive_law;
@@ -12,7 +12,6 @@ mod run;
 pub mod thinned;
 
 pub use column::Column;
-pub(crate) use column::per;
 pub use drive_law::DriveLaw;
 pub use frames::{Frame, OtherWheel, Placement, Turn, frames};
 pub use influence::{Influence, influences};
@@ -21,8 +20,9 @@ pub use paper_theta::PaperTheta;
 pub(crate) use prover::Prover;
 pub use run::curves;
 
-use crate::mechanism::{Failure, FormulationFailure, Work};
-use crate::model::{Axis, PointId, Rod};
+use crate::ask::{NoValue, with_unit};
+use crate::mechanism::{Failure, FormulationFailure, NoPose, Work};
+use crate::model::{Axis, PointId, Rod, Side};
 use crate::solve::Rejection;
 
 /// Status of a station: solved or not, and the quality of its values.
@@ -35,11 +35,11 @@ pub enum Status {
     /// Solved, but nothing supports the loads: the spring has too little leverage for six correct digits of the forces. The
     /// forces have no values.
     Unsupported,
-    /// Solved, but this rod is at a toggle here or nearer to the design position. Quantities that move with its rocker have no
-    /// values.
-    Toggle(Rod),
+    /// Solved, but these rods are at a toggle here or nearer to the design position: of the left wheel (or the only one),
+    /// then of the right wheel. Quantities that move with their rockers have no values.
+    Toggle([Option<Rod>; 2]),
     /// Not solved, for this reason.
-    Failed(Failure),
+    Failed(NoPose),
 }
 
 impl Status {
@@ -50,56 +50,98 @@ impl Status {
             Status::IllConditioned => "ill_conditioned",
             Status::Unsupported => "unsupported",
             Status::Toggle(_) => "toggle",
-            Status::Failed(failure) => match failure {
-                Failure::Unreachable { .. }
-                | Failure::RackUnreachable { .. }
-                | Failure::DeadCentre => "unreachable",
-                Failure::Singular => "singular",
-                Failure::Toggle(_) => "toggle",
-                Failure::Uncertified(_) => "uncertified",
-                Failure::PointCoordinates(failure) => match failure {
-                    FormulationFailure::DriveEnds { .. }
-                    | FormulationFailure::ThetaEnds { .. }
-                    | FormulationFailure::RackEnds { .. } => "unreachable",
-                    FormulationFailure::Singular { .. } | FormulationFailure::NotFinite => {
-                        "singular"
-                    }
+            Status::Failed(reason) => match reason.of_wheel() {
+                None if reason.is_unproven() => "uncertified",
+                None => "unreachable",
+                Some(failure) => match failure {
+                    Failure::Unreachable { .. }
+                    | Failure::RackUnreachable { .. }
+                    | Failure::DeadCentre => "unreachable",
+                    Failure::Singular => "singular",
+                    Failure::Toggle(_) => "toggle",
+                    Failure::Uncertified(_) => "uncertified",
+                    Failure::PointCoordinates(failure) => match failure {
+                        FormulationFailure::DriveEnds { .. }
+                        | FormulationFailure::ThetaEnds { .. }
+                        | FormulationFailure::RackEnds { .. } => "unreachable",
+                        FormulationFailure::Singular { .. } | FormulationFailure::NotFinite => {
+                            "singular"
+                        }
+                    },
                 },
             },
         }
+    }
+
+    /// Returns true if the station is solved and every value that exists is present.
+    pub fn is_whole(&self) -> bool {
+        matches!(self, Status::Ok | Status::IllConditioned)
+    }
+}
+
+/// A number of the motion: given by the study, or following from the position.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MotionColumn {
+    /// Its name without the unit, as in `travel`.
+    pub key: &'static str,
+    /// Its unit, as in `mm`.
+    pub unit: &'static str,
+    /// True if the study gives the number; false if it follows from the position.
+    pub is_given: bool,
+    /// True if files have a column for it.
+    pub is_written: bool,
+}
+
+impl MotionColumn {
+    /// A number that the study gives and that files have.
+    pub(crate) fn given(key: &'static str, unit: &'static str) -> Self {
+        MotionColumn {
+            key,
+            unit,
+            is_given: true,
+            is_written: true,
+        }
+    }
+
+    /// Name of its column in files.
+    pub fn name(&self) -> String {
+        with_unit(self.key, self.unit)
     }
 }
 
 /// A station with its values, in the units they are printed in.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Station {
-    /// Wheel travel; `None` where another drive has no pose.
-    pub travel: Option<f64>,
-    /// The drive's angle in degrees, where an angle drives.
-    pub angle: Option<f64>,
-    /// Rack displacement, in the study's axes.
-    pub rack: f64,
-    /// Time, where the drive is a function of it.
-    pub time: Option<f64>,
+    /// A value for each column of [`Curves::motion`]; `None` for a number that follows from a position which does not exist.
+    pub at: Vec<Option<f64>>,
     /// Status of the station.
     pub status: Status,
-    /// A value for each column; `None` if it does not exist.
-    pub values: Vec<Option<f64>>,
-    /// Condition number of the equations; to within a factor of ten where the closed form gave the pose
-    /// and the number is below 1000. `None` where there is no pose.
+    /// For each column of [`Curves::columns`] its value, or the reason why there is none.
+    pub values: Vec<Result<f64, NoValue>>,
+    /// Condition number of the equations, of an axle that of the worse wheel; to within a factor of ten where the closed
+    /// form gave the pose and the number is below 1000. `None` where there is no pose.
     pub condition: Option<f64>,
-    /// Proof of the pose, if the study requests it and it exists.
+    /// Proof of the position, if the study requests it and it exists.
     pub proof: Option<Proof>,
 }
 
-/// Bounds proved for a station's pose, as lengths.
-#[derive(Clone, Copy, Debug, PartialEq)]
+impl Station {
+    /// The value of a column; `None` if it does not exist.
+    pub fn value(&self, column: usize) -> Option<f64> {
+        self.values.get(column)?.ok()
+    }
+}
+
+/// Bounds proved for a station's position.
+#[derive(Clone, Debug, PartialEq)]
 pub struct Proof {
-    /// No point of the wheel carrier is further than this from its exact position.
+    /// No point of a wheel carrier is further than this from its exact position.
     pub position_error: f64,
-    /// Least difference of any other pose: in a coordinate of its origin or, at the mechanism's size, in an entry of its
-    /// rotation.
+    /// Least difference of any other position: in a coordinate of a carrier's origin or, at the mechanism's size, in an
+    /// entry of a rotation or in the roll angle.
     pub uniqueness: f64,
+    /// These and further bounds, in the order of [`Curves::bounds`].
+    pub bounds: Vec<f64>,
 }
 
 /// The derivative of an output, or of its derivative, by a hardpoint coordinate.
@@ -109,6 +151,8 @@ pub struct Sensitivity {
     pub station: usize,
     /// Index of the differentiated column.
     pub column: usize,
+    /// The wheel whose hardpoint moves; `None` if there is one wheel, or if both move as mirror images.
+    pub side: Option<Side>,
     /// The hardpoint.
     pub point: PointId,
     /// The coordinate, in the study's axes.
@@ -117,16 +161,20 @@ pub struct Sensitivity {
     pub value: f64,
 }
 
-/// Curves of a study.
-#[derive(Clone, Debug, PartialEq)]
+/// Curves of a study: of one wheel, or of an axle.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Curves {
+    /// The numbers of the motion, in the order of [`Station::at`].
+    pub motion: Vec<MotionColumn>,
     /// The columns, in the order of [`Station::values`].
     pub columns: Vec<Column>,
-    /// Stations of the motion: rack displacement by rack displacement, for each in the order of the drive values.
+    /// Names of the proved bounds, in the order of [`Proof::bounds`]; empty unless the study requests proofs.
+    pub bounds: Vec<String>,
+    /// Stations of the motion: rack displacement by rack displacement, for each in the order of the motion's values.
     pub stations: Vec<Station>,
     /// Sensitivities, station by station; empty unless the study requests them.
     pub sensitivities: Vec<Sensitivity>,
-    /// Counts of the work done.
+    /// Counts of the work done; none are counted for an axle.
     pub work: Work,
     /// Reasons for which the tracker left stations to the continuation, each with its count.
     pub left_to_continuation: Vec<(Rejection, usize)>,
@@ -141,17 +189,40 @@ impl Curves {
             .count()
     }
 
+    /// Index of a number of the motion by its name without the unit; `None` if the motion does not have it.
+    pub fn motion_index(&self, key: &str) -> Option<usize> {
+        self.motion.iter().position(|column| column.key == key)
+    }
+
+    /// A number of the motion at each station, by its name without the unit: `None` where it follows from a position that
+    /// does not exist, or if the motion does not have it.
+    pub fn along<'c>(&'c self, key: &str) -> impl Iterator<Item = Option<f64>> + 'c {
+        let index = self.motion_index(key);
+        self.stations.iter().map(move |station| station.at[index?])
+    }
+
     /// Returns true if every requested value exists at every station. A quantity may be undefined at some stations, but not at
     /// all of them.
     pub fn are_complete(&self) -> bool {
-        let lacks = |s: &Station| {
-            let status = &s.status;
-            matches!(
-                status,
-                Status::Failed(_) | Status::Unsupported | Status::Toggle(_)
-            )
-        };
-        let is_empty = |column: usize| self.stations.iter().all(|s| s.values[column].is_none());
-        !self.stations.iter().any(lacks) && !(0..self.columns.len()).any(is_empty)
+        let has_value = |column: usize| self.stations.iter().any(|s| s.values[column].is_ok());
+        self.stations.iter().all(|s| s.status.is_whole()) && (0..self.columns.len()).all(has_value)
+    }
+
+    /// Numbers of empty cells by column and reason, at stations with a pose. Cells that a toggle or a missing support
+    /// leaves empty are not counted: the station's status says it.
+    pub fn empty_cells(&self) -> Vec<(usize, NoValue, usize)> {
+        let mut counts: Vec<(usize, NoValue, usize)> = Vec::new();
+        for column in 0..self.columns.len() {
+            let has_pose = |s: &&Station| s.status.is_whole() || s.status == Status::Unsupported;
+            let stations = self.stations.iter().filter(has_pose);
+            let cells = stations.filter_map(|s| s.values[column].err());
+            for reason in cells.filter(|reason| *reason != NoValue::Unsupported) {
+                match counts.iter_mut().find(|c| c.0 == column && c.1 == reason) {
+                    Some(count) => count.2 += 1,
+                    None => counts.push((column, reason, 1)),
+                }
+            }
+        }
+        counts
     }
 }

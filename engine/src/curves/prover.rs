@@ -33,9 +33,17 @@ impl<'a> Prover<'a> {
     }
 
     pub(crate) fn proof(&self, certificate: &Certificate) -> Proof {
+        let position_error = self.position_error(certificate);
+        let uniqueness = certificate.uniqueness;
         Proof {
-            position_error: certificate.point_error(self.lever) + self.rounding,
-            uniqueness: certificate.uniqueness,
+            position_error,
+            uniqueness,
+            bounds: vec![position_error, uniqueness],
         }
+    }
+
+    /// Bound on the distance of any point of the wheel carrier from its exact position.
+    pub(crate) fn position_error(&self, certificate: &Certificate) -> f64 {
+        certificate.point_error(self.lever) + self.rounding
     }
 }

@@ -3,7 +3,8 @@
 use super::drive_law::DriveLaw;
 use super::loads::Loads;
 use super::prover::Prover;
-use super::{Column, Curves, Proof, Sensitivity, Station, Status};
+use super::{Column, Curves, MotionColumn, Proof, Sensitivity, Station, Status};
+use crate::ask::NoValue;
 use crate::characteristics::{Quantity, Slot, Slots, WheelReading};
 use crate::derive::{DesignSeries, Linearised, MotionPoint};
 use crate::mechanism::{Configuration, DesignFault, Failure, Pose, Work, WorkCounter};
@@ -57,7 +58,7 @@ pub(super) struct Run<'a, const N: usize> {
 /// Results at one station before they are stored in `stations`.
 pub(super) struct Findings {
     pub(super) travel: f64,
-    pub(super) values: Vec<Option<f64>>,
+    pub(super) values: Vec<Result<f64, NoValue>>,
     /// True if loads are requested and nothing supports them in this pose.
     pub(super) unsupported: bool,
     /// A rod at or beyond its toggle that moves a requested quantity.
@@ -76,13 +77,10 @@ impl<'a, const N: usize> Run<'a, N> {
         for rack in &plan.racks {
             for (number, value) in plan.station_order.values().iter().enumerate() {
                 stations.push(Station {
-                    travel: (plan.drive == Drive::Travel).then_some(*value),
-                    angle: plan.drive.is_angle().then(|| plan.drive.printed(*value)),
-                    rack: *rack,
-                    time: plan.time.as_ref().map(|law| law.times[number]),
+                    at: place(plan, number, *value, *rack),
                     // Stations whose drive value the kernel's drive cannot reach keep this status.
-                    status: Status::Failed(Failure::DeadCentre),
-                    values: vec![None; columns.len()],
+                    status: Status::Failed(Failure::DeadCentre.into()),
+                    values: vec![Err(NoValue::NoPose); columns.len()],
                     condition: None,
                     proof: None,
                 });
@@ -120,8 +118,16 @@ impl<'a, const N: usize> Run<'a, N> {
         }
         // Stations are visited outward; results are in the order of the motion.
         self.sensitivities.sort_by_key(|s| s.station);
+        let bounds = match self.plan.certify {
+            true => ["position_error", "uniqueness"]
+                .map(|bound| format!("{bound}_{}", self.suspension.length_unit.symbol()))
+                .to_vec(),
+            false => Vec::new(),
+        };
         Ok(Curves {
+            motion: motion(self.plan, self.suspension.length_unit.symbol()),
             columns: self.columns,
+            bounds,
             stations: self.stations,
             sensitivities: self.sensitivities,
             work: self.work + self.work_counter.work(),
@@ -188,7 +194,7 @@ impl<'a, const N: usize> Run<'a, N> {
                     self.plan.coefficients > 1 || !self.plan.sensitivities.is_empty();
                 let digits = findings.condition.map(rate_digits);
                 station.status = match (findings.toggle, digits) {
-                    (Some(rod), _) => Status::Toggle(rod),
+                    (Some(rod), _) => Status::Toggle([Some(rod), None]),
                     _ if findings.unsupported => Status::Unsupported,
                     (_, Some(digits)) if differentiated && digits < LEAST_DIGITS => {
                         Status::IllConditioned
@@ -197,7 +203,7 @@ impl<'a, const N: usize> Run<'a, N> {
                 };
                 station.condition = findings.condition;
                 station.proof = findings.proof;
-                station.travel = station.travel.or(Some(findings.travel));
+                station.at[TRAVEL] = station.at[TRAVEL].or(Some(findings.travel));
                 station.values = findings.values;
                 let gradients = findings.gradients.into_iter();
                 self.sensitivities.extend(gradients.map(|g| Sensitivity {
@@ -205,7 +211,7 @@ impl<'a, const N: usize> Run<'a, N> {
                     ..g
                 }));
             }
-            Err(failure) => station.status = Status::Failed(failure),
+            Err(failure) => station.status = Status::Failed(failure.into()),
         }
     }
 
@@ -247,7 +253,9 @@ impl<'a, const N: usize> Run<'a, N> {
         let mut findings = self.values(Some(solver), at, number, drive);
         let stuck = self.loads.rocker().filter(|id| self.toggles.holds(*id));
         if stuck.is_some() {
-            findings.values.resize(self.columns.len(), None);
+            findings
+                .values
+                .resize(self.columns.len(), Err(NoValue::Toggle));
         } else if !self.loads.is_empty() {
             match solver.balance(pose, at.rack[0], self.loads.support) {
                 Ok(balance) => {
@@ -255,10 +263,13 @@ impl<'a, const N: usize> Run<'a, N> {
                     let wheel = WheelReading::reading(at, self.plan.constants, slots);
                     let contact = wheel.contact_point().map(|c| c[0]);
                     let forces = self.loads.forces(&balance, contact);
+                    let forces = forces.map(|force| force.ok_or(NoValue::NotFinite));
                     findings.values.extend(forces);
                 }
                 Err(_) => {
-                    findings.values.resize(self.columns.len(), None);
+                    findings
+                        .values
+                        .resize(self.columns.len(), Err(NoValue::Unsupported));
                     findings.unsupported = true;
                 }
             }
@@ -282,12 +293,15 @@ impl<'a, const N: usize> Run<'a, N> {
         let mut values = Vec::with_capacity(self.columns.len());
         for (columns, output) in self.columns_by_output() {
             if self.is_stuck(columns) {
-                values.extend(columns.iter().map(|_| None));
+                values.extend(columns.iter().map(|_| Err(NoValue::Toggle)));
                 continue;
             }
-            let counts = matches!(output.quantity, Quantity::Characteristic(_));
+            let (counts, undefined) = match output.quantity {
+                Quantity::Characteristic(c) => (1, NoValue::Undefined(c.undefined_where())),
+                Quantity::Coordinate(..) | Quantity::AngularVelocity(_) => (0, NoValue::NotFinite),
+            };
             self.work_counter
-                .note(|w| w.characteristic_evaluations += u64::from(counts));
+                .note(|w| w.characteristic_evaluations += counts);
             let series = view.value(at, output.quantity);
             let mut orders = [0.0; 3];
             for (order, value) in orders.iter_mut().enumerate().take(output.highest + 1) {
@@ -296,7 +310,10 @@ impl<'a, const N: usize> Run<'a, N> {
             for column in columns {
                 let value = in_time.apply(output.quantity.is_rate(), orders, column.order);
                 let printed = value * column.factor;
-                values.push(printed.is_finite().then_some(printed));
+                values.push(match printed.is_finite() {
+                    true => Ok(printed),
+                    false => Err(undefined),
+                });
             }
         }
         let centre = at.mechanism.wheel_centre;
@@ -358,6 +375,7 @@ impl<'a, const N: usize> Run<'a, N> {
                         gradients.push(Sensitivity {
                             station: 0,
                             column: index,
+                            side: None,
                             point: *id,
                             axis,
                             value: value * column.factor * self.suspension.frame.sign(axis),
@@ -369,6 +387,44 @@ impl<'a, const N: usize> Run<'a, N> {
         }
         gradients
     }
+}
+
+/// Index of the travel among the numbers of the motion.
+const TRAVEL: usize = 0;
+
+/// The numbers of the motion: travel, the drive's angle, rack and time. The travel follows where an angle drives, and so
+/// does the time's drive value.
+fn motion(plan: &Plan, length: &'static str) -> Vec<MotionColumn> {
+    let travel = MotionColumn {
+        is_given: !plan.drive.is_angle(),
+        ..MotionColumn::given(Drive::Travel.key(), length)
+    };
+    let rack = MotionColumn {
+        is_written: plan.rack_moves,
+        ..MotionColumn::given("rack", length)
+    };
+    let angle = || MotionColumn::given(plan.drive.key(), "deg");
+    let time = MotionColumn {
+        is_given: false,
+        ..MotionColumn::given("time", "s")
+    };
+    let mut motion = vec![travel];
+    motion.extend(plan.drive.is_angle().then(angle));
+    motion.push(rack);
+    motion.extend(plan.time.is_some().then_some(time));
+    motion
+}
+
+/// The numbers of the motion at a station, in the order of [`motion`].
+fn place(plan: &Plan, number: usize, value: f64, rack: f64) -> Vec<Option<f64>> {
+    let printed = Some(plan.drive.printed(value));
+    let mut at = match plan.drive.is_angle() {
+        true => vec![None, printed],
+        false => vec![printed],
+    };
+    at.push(Some(rack));
+    at.extend(plan.time.as_ref().map(|law| Some(law.times[number])));
+    at
 }
 
 /// First and second derivative of the drive by time, where results are by time.

@@ -88,7 +88,7 @@ impl Suspension {
                 reason: failure.describe(self.length_unit, self.frame),
             });
         }
-        let mut values = station.values.iter().copied();
+        let mut values = station.values.iter().map(|value| value.ok());
         let mut characteristics = BTreeMap::new();
         for characteristic in &study.outputs.characteristics {
             if let Some(value) = values.next().flatten() {

@@ -10,6 +10,7 @@ mod closure;
 pub(crate) mod constraint;
 mod failure;
 mod ground;
+mod no_pose;
 pub(crate) mod pose;
 mod rocker;
 mod rod_reach;
@@ -25,6 +26,7 @@ pub use failure::{
     DesignFault, Failure, FormulationFailure, LimitCause, PartMeasure, Toggle, Unproven,
 };
 pub use ground::Ground;
+pub use no_pose::NoPose;
 pub use pose::{Configuration, Pose, Twist, Wrench};
 pub use rocker::{MovingAngle, MovingPoint, has_leverage};
 pub(crate) use rocker::{Turn, is_effective};

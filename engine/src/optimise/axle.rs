@@ -7,6 +7,7 @@
 use super::layout::TargetSample;
 use super::moves::{PointRate, moved_design, point_rates};
 use super::{Infeasible, Linearisation};
+use crate::ask::NoValue;
 use crate::axle::{Axle, AxleSolver, Hold, Placement, Quantity};
 use crate::mechanism::DesignFault;
 use crate::number::Vector3;
@@ -170,7 +171,7 @@ impl<const N: usize> AxleRows for Rows<'_, N> {
                 let quantity = quantities[target_sample.of];
                 if read.is_stuck(quantity) {
                     let name = quantity.name();
-                    let why = crate::axle::Void::Toggle.reason();
+                    let why = NoValue::Toggle.reason();
                     return Err(Infeasible::Refused(format!("{name} at {placement}: {why}")));
                 }
                 let found = quantity.value(&read.state).map_err(|void| {

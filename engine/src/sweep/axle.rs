@@ -5,7 +5,7 @@
 
 use super::Stations;
 use super::axle_lanes::AxleLanes;
-use super::evaluate::{Block, Evaluator, FindsSlopes, Pairs, SolvesOneByOne, StationFailure};
+use super::evaluate::{Block, Evaluator, FindsSlopes, Pairs, SolvesOneByOne};
 use super::stations::place_of;
 use crate::axle::{Axle, AxleColumn, AxlePlan, AxleSolver, Placement, Quantity, Read};
 use crate::curves::Column;
@@ -182,7 +182,7 @@ impl<'a, const N: usize> OneByOne<'a, N> {
             let (placed, read) = match read {
                 Ok(found) => found,
                 Err(failure) => {
-                    block.fail(number, station, StationFailure::Axle(failure));
+                    block.fail(number, station, failure);
                     continue;
                 }
             };
@@ -193,7 +193,7 @@ impl<'a, const N: usize> OneByOne<'a, N> {
                 }
             }
             if let Some(failure) = read.toggle_failure(&placed) {
-                block.fail(number, station, StationFailure::Axle(failure));
+                block.fail(number, station, failure);
             }
         }
         Ok(())

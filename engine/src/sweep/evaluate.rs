@@ -8,10 +8,9 @@ use super::Stations;
 use super::aligned::Aligned;
 use super::lanes::{LaneSolver, NotInLanes};
 use super::one_by_one::OneByOne;
-use crate::axle::{Axle, AxleFailure};
+use crate::axle::Axle;
 use crate::characteristics::Quantity;
-use crate::curves::Status;
-use crate::mechanism::{DesignFault, Failure};
+use crate::mechanism::{DesignFault, NoPose};
 use crate::model::Suspension;
 use crate::number::{MOST_LANES, SimdReal, Vector3, Width};
 use crate::solve::Solver;
@@ -32,35 +31,7 @@ pub struct FailedStation {
     /// Number of the station.
     pub station: usize,
     /// Reason for the missing pose.
-    pub failure: StationFailure,
-}
-
-/// Reason why a station of a design has no pose, or no value that moves with a rocker.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum StationFailure {
-    /// The wheel of a study of one wheel has no pose.
-    Wheel(Failure),
-    /// The axle has no position.
-    Axle(AxleFailure),
-}
-
-impl StationFailure {
-    /// The word in the `status` column.
-    pub fn word(&self) -> &'static str {
-        match self {
-            StationFailure::Wheel(failure) => Status::Failed(*failure).word(),
-            StationFailure::Axle(failure) => failure.word(),
-        }
-    }
-}
-
-impl std::fmt::Display for StationFailure {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            StationFailure::Wheel(failure) => failure.fmt(f),
-            StationFailure::Axle(failure) => failure.fmt(f),
-        }
-    }
+    pub failure: NoPose,
 }
 
 /// Values of up to [`BLOCK`] designs, in the kernel's frame, in radians and length units; NaN if a value does not exist.
@@ -155,7 +126,7 @@ impl Block {
     }
 
     /// Writes down why a station of a design has no pose, or not all values.
-    pub(super) fn fail(&mut self, design: usize, station: usize, failure: StationFailure) {
+    pub(super) fn fail(&mut self, design: usize, station: usize, failure: NoPose) {
         self.failures.push(FailedStation {
             design,
             station,

@@ -28,7 +28,7 @@ mod statistics;
 
 pub(crate) use axle::AxleStations;
 pub use effects::{Effect, Effects};
-pub use evaluate::{BLOCK, Block, Evaluator, FailedStation, StationFailure};
+pub use evaluate::{BLOCK, Block, Evaluator, FailedStation};
 pub use front::{Candidate, Front};
 pub use gradients::{AngleTarget, Deviations, Gradients, Jacobians};
 pub use in_order::in_order;

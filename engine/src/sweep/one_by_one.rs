@@ -1,7 +1,7 @@
 //! Designs one at a time, with every check on the way.
 
 use super::Stations;
-use super::evaluate::{Block, Pairs, SolvesOneByOne, StationFailure};
+use super::evaluate::{Block, Pairs, SolvesOneByOne};
 use crate::characteristics::{Constants, Quantity, Slots, WheelReading};
 use crate::derive::{DesignSeries, MotionPoint};
 use crate::mechanism::{DesignFault, Failure, Pose};
@@ -124,7 +124,7 @@ impl<const N: usize> OneByOne<'_, N> {
                     toggle.map_or(Ok(()), |rod| Err(Failure::Toggle(rod)))
                 };
                 if let Err(failure) = pose.and_then(read) {
-                    block.fail(number, station, StationFailure::Wheel(failure));
+                    block.fail(number, station, failure.into());
                 }
                 ControlFlow::Continue(())
             })?;

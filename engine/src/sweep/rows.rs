@@ -1,8 +1,7 @@
 //! Rows: the results that are kept of each design of a block.
 
-use super::evaluate::StationFailure;
-use crate::axle::AxleFailure;
-use crate::mechanism::{DesignFault, Failure};
+use crate::curves::Status;
+use crate::mechanism::{DesignFault, Failure, NoPose};
 use crate::model::{Drive, Mechanism};
 
 /// Rows of consecutive designs, in the units they are printed in.
@@ -54,15 +53,15 @@ impl Rows {
 impl Failing {
     /// Describes a design that has stations without a pose; `failure` and `at` are those of the station nearest to the
     /// design position.
-    pub(super) fn stations(failure: &StationFailure, at: f64) -> Self {
+    pub(super) fn stations(failure: &NoPose, at: f64) -> Self {
         Failing {
-            status: failure.word().to_owned(),
+            status: Status::Failed(*failure).word().to_owned(),
             reason: match failure {
-                StationFailure::Wheel(failure) => reason(failure),
-                StationFailure::Axle(AxleFailure::Wheel { side, failure, .. }) => {
+                NoPose::Corner(failure) => reason(failure),
+                NoPose::Wheel { side, failure, .. } => {
                     format!("{} wheel: {}", side.name(), reason(failure))
                 }
-                StationFailure::Axle(failure) => failure.to_string(),
+                failure => failure.to_string(),
             },
             stations: 0,
             at: Some(at),

@@ -13,7 +13,6 @@ use super::figure::brief;
 use super::record::{OutputRecord, Record};
 use super::run::Run;
 use crate::curves::Status;
-use crate::model::Rod;
 use drawn_target::DrawnTarget;
 use lettering::Lettering;
 use panel::{Line, Look, Panel, SIZE};
@@ -289,7 +288,7 @@ fn is_solved(status: &str) -> bool {
         Status::Ok,
         Status::IllConditioned,
         Status::Unsupported,
-        Status::Toggle(Rod::Pushrod),
+        Status::Toggle([None; 2]),
     ]
     .map(|s| s.word())
     .contains(&status)

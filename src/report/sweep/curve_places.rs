@@ -1,7 +1,7 @@
 //! The columns of a sweep's curves that say where a station is.
 
 use crate::model::Axis;
-use crate::report::axle::StationColumns;
+use crate::report::given_columns::GivenColumns;
 use crate::study::{AxleStudy, Study};
 use crate::sweep::SweepPlan;
 use crate::sweep::csv::CurvesCsv;
@@ -33,10 +33,10 @@ fn of_wheel(plan: &SweepPlan, study: &Study) -> Places {
 
 /// What the motion says of each position; what follows from it (the travels in roll) is not kept.
 fn of_axle(AxleStudy { axle, plan }: &AxleStudy) -> Places {
-    let of_stations = StationColumns { plan, axle };
+    let columns = GivenColumns { plan, axle };
     let placements = plan.course.placements().into_iter().enumerate();
-    let stations = placements.map(|(number, at)| (number, of_stations.given(number, &at)));
-    (of_stations.given_names(), stations.collect())
+    let stations = placements.map(|(number, at)| (number, columns.values(number, &at)));
+    (columns.names(), stations.collect())
 }
 
 /// The curves of a sweep.

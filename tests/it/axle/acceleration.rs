@@ -1,18 +1,19 @@
 //! Second derivatives of an axle by what moves: those of a corner, and the slopes of the first ones.
 
-use hardpoint::axle::{AxleCurves, axle_curves};
+use hardpoint::axle::axle_curves;
+use hardpoint::curves::Curves;
 use hardpoint::study::Study;
 use std::path::Path;
 
-fn solved(overrides: &[&str]) -> AxleCurves {
+fn solved(overrides: &[&str]) -> Curves {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/macpherson_axle.toml");
     let overrides: Vec<_> = overrides.iter().map(|o| (*o).to_owned()).collect();
     let study = Study::read(&path, &overrides).unwrap_or_else(|e| panic!("{e}"));
     let both = study.axle.unwrap();
-    axle_curves(&both.axle, &both.plan).unwrap()
+    axle_curves(&both.axle, &both.plan).unwrap().curves
 }
 
-fn value(curves: &AxleCurves, station: usize, column: usize) -> f64 {
+fn value(curves: &Curves, station: usize, column: usize) -> f64 {
     let value = curves.stations[station].values[column];
     value.unwrap_or_else(|void| panic!("{}: {void:?}", curves.columns[column].name))
 }
@@ -58,7 +59,7 @@ fn second_derivatives_are_the_slopes_of_the_first() {
         assert_eq!(found.stations.len(), 9);
         let mut seen = 0;
         for (number, second) in found.columns.iter().enumerate() {
-            let is_of = |order: usize, of: &hardpoint::axle::AxleColumn| {
+            let is_of = |order: usize, of: &hardpoint::curves::Column| {
                 of.order == order && of.name.contains(&format!("_by_{by}_"))
             };
             if !is_of(2, second) {
@@ -66,7 +67,7 @@ fn second_derivatives_are_the_slopes_of_the_first() {
             }
             let mut first = found.columns.iter();
             let first = first
-                .position(|c| is_of(1, c) && c.of == second.of)
+                .position(|c| is_of(1, c) && c.output == second.output)
                 .unwrap();
             let at = |k: usize| value(&found, k, first);
             let pairs = weights.iter().enumerate();

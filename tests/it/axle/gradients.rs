@@ -89,7 +89,9 @@ fn an_axle_is_a_function_of_its_design() {
         let variables = names.map(|name| DesignVariable::named(name, &study).unwrap());
         let f = DesignFunction::with_variables(&study, variables.into()).unwrap();
         let both = study.axle.as_ref().unwrap();
-        let curves = hardpoint::axle::axle_curves(&both.axle, &both.plan).unwrap();
+        let curves = hardpoint::axle::axle_curves(&both.axle, &both.plan)
+            .unwrap()
+            .curves;
         let (outputs, stations) = (f.outputs(), f.stations());
         assert_eq!(stations, curves.stations.len());
         let id = study.suspension.mechanism.point("tie_rod_outer").unwrap();

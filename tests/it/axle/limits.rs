@@ -65,7 +65,8 @@ fn positions_beyond_the_ends_are_refused_the_same_in_any_order() {
                 (Ok(after_others), Ok(alone)) => assert_eq!(after_others, alone, "{placement}"),
                 // Where a travel ends is found to rounding, from wherever it was sought.
                 (Err(after_others), Err(alone)) => {
-                    let [one, other] = [after_others, alone].map(|f| f.describe(&axle));
+                    let [one, other] = [after_others, alone]
+                        .map(|f| f.describe(axle.left.length_unit, axle.left.frame));
                     assert_eq!(one, other, "{placement}");
                 }
                 _ => panic!("{placement}: {after_others:?} {alone:?}"),

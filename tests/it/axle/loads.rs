@@ -1,9 +1,10 @@
 //! Loads on both wheels of an axle: as on each corner alone, mirrored where they are, and of the work of the spring.
 
-use hardpoint::axle::{AxleCurves, axle_curves};
+use hardpoint::axle::axle_curves;
+use hardpoint::curves::Curves;
 use hardpoint::curves::curves;
 use hardpoint::plan::Plan;
-use hardpoint::report::axle_curves_csv;
+use hardpoint::report::curves_csv;
 use hardpoint::study::Study;
 use std::path::Path;
 
@@ -15,12 +16,12 @@ fn study(name: &str, overrides: &[&str]) -> Result<Study, String> {
     Study::read(&path, &overrides).map_err(|e| e.to_string())
 }
 
-fn solved(name: &str, overrides: &[&str]) -> AxleCurves {
+fn solved(name: &str, overrides: &[&str]) -> Curves {
     let both = study(name, overrides).unwrap().axle.unwrap();
-    axle_curves(&both.axle, &both.plan).unwrap()
+    axle_curves(&both.axle, &both.plan).unwrap().curves
 }
 
-fn column<'c>(curves: &'c AxleCurves, name: &str) -> impl Iterator<Item = f64> + 'c {
+fn column<'c>(curves: &'c Curves, name: &str) -> impl Iterator<Item = f64> + 'c {
     let place = curves.columns.iter().position(|c| c.name == name);
     let place = place.unwrap_or_else(|| panic!("{name}"));
     curves
@@ -74,7 +75,7 @@ fn on_pads_the_left_wheel_carries_what_a_corner_does() {
         };
         let found = curves(&left.suspension, &Plan::of(&left)).unwrap();
         let both = both.axle.unwrap();
-        let axle = axle_curves(&both.axle, &both.plan).unwrap();
+        let axle = axle_curves(&both.axle, &both.plan).unwrap().curves;
         assert_eq!(found.stations.len(), axle.stations.len());
         let mut forces = 0;
         for (k, force) in found.columns.iter().enumerate() {
@@ -135,7 +136,9 @@ fn the_spring_takes_the_work() {
         .axle
         .unwrap();
     without_bar.axle.setup.bar_rate = None;
-    let found = axle_curves(&without_bar.axle, &without_bar.plan).unwrap();
+    let found = axle_curves(&without_bar.axle, &without_bar.plan)
+        .unwrap()
+        .curves;
     let value = |name: &str| column(&found, name).next().unwrap();
     let (sine, cosine) = 3.0_f64.to_radians().sin_cos();
     for side in ["left", "right"] {
@@ -198,8 +201,8 @@ fn what_nothing_carries_has_a_status_and_no_values() {
     ];
     let study = Study::read(&file, &overrides.map(str::to_owned)).unwrap_or_else(|e| panic!("{e}"));
     let both = study.axle.unwrap();
-    let found = axle_curves(&both.axle, &both.plan).unwrap();
-    let words: Vec<_> = found.stations.iter().map(|s| s.status).collect();
+    let found = axle_curves(&both.axle, &both.plan).unwrap().curves;
+    let words: Vec<_> = found.stations.iter().map(|s| s.status.word()).collect();
     assert_eq!(words, ["ok", "unsupported", "ok"]);
     assert!(!found.are_complete());
     for (k, c) in found.columns.iter().enumerate() {
@@ -211,7 +214,7 @@ fn what_nothing_carries_has_a_status_and_no_values() {
         );
         assert!(found.stations[0].value(k).is_some() && found.stations[2].value(k).is_some());
     }
-    let csv = String::from_utf8(axle_curves_csv(&both.axle, &both.plan, &found)).unwrap();
+    let csv = String::from_utf8(curves_csv(&found)).unwrap();
     assert!(
         csv.lines().nth(2).unwrap().ends_with(",,unsupported"),
         "{csv}"

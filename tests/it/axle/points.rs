@@ -1,20 +1,21 @@
 //! Points and angular velocities of both wheels of an axle, with their derivatives by what moves and by hardpoints.
 
-use hardpoint::axle::{AxleCurves, axle_curves};
+use hardpoint::axle::axle_curves;
+use hardpoint::curves::Curves;
 use hardpoint::study::Study;
 use std::path::Path;
 
-fn solved(name: &str, overrides: &[&str]) -> AxleCurves {
+fn solved(name: &str, overrides: &[&str]) -> Curves {
     let path = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("studies")
         .join(name);
     let overrides: Vec<_> = overrides.iter().map(|o| (*o).to_owned()).collect();
     let study = Study::read(&path, &overrides).unwrap_or_else(|e| panic!("{e}"));
     let both = study.axle.unwrap();
-    axle_curves(&both.axle, &both.plan).unwrap()
+    axle_curves(&both.axle, &both.plan).unwrap().curves
 }
 
-fn value(curves: &AxleCurves, station: usize, name: &str) -> f64 {
+fn value(curves: &Curves, station: usize, name: &str) -> f64 {
     let place = curves.columns.iter().position(|c| c.name == name);
     let place = place.unwrap_or_else(|| panic!("{name}"));
     let value = curves.stations[station].values[place];
@@ -60,7 +61,7 @@ fn both_wheels_have_their_points_in_the_body_s_axes() {
             continue;
         };
         // Lateral ways, the turns about x and z and everything by the roll angle or the rack change their signs.
-        let name = column.output();
+        let name = &column.output;
         let mut sign = 1.0;
         for turns in [
             name.ends_with("_y") && !name.contains("omega"),
@@ -141,7 +142,7 @@ fn points_move_at_their_derivatives() {
             if column.name.contains("omega") || column.name.contains("camber") {
                 continue;
             }
-            let stem = column.output();
+            let stem = &column.output;
             let slope = difference(|k| value(&found, k, &format!("{stem}_mm")), step);
             let own = value(&found, 4, &column.name);
             assert!((own - slope).abs() < 1e-8, "{}: {own} {slope}", column.name);
@@ -227,7 +228,7 @@ fn points_have_sensitivities() {
 }
 
 /// Number of the point by which the test differentiates: the last that has sensitivities.
-fn lower_rear(found: &AxleCurves) -> usize {
+fn lower_rear(found: &Curves) -> usize {
     let points = found.sensitivities.iter().map(|s| s.point.0);
     let mut points: Vec<_> = points.collect();
     points.sort_unstable();

@@ -1,7 +1,8 @@
 //! `[axle.right]`: a right wheel that differs from the mirror image by points, angles, bodies or its spring.
 
 use super::commands::{folder, run as hardpoint_run};
-use hardpoint::axle::{Axle, AxleCurves, AxlePlan, axle_curves};
+use hardpoint::axle::{Axle, AxlePlan, axle_curves};
+use hardpoint::curves::Curves;
 use hardpoint::study::Study;
 use std::path::Path;
 
@@ -36,15 +37,15 @@ fn study(text: &str) -> Result<Study, String> {
     Study::from_text("right.toml", text, Path::new(".")).map_err(|e| e.to_string())
 }
 
-fn solved(text: &str) -> (Axle, AxlePlan, AxleCurves) {
+fn solved(text: &str) -> (Axle, AxlePlan, Curves) {
     let study = study(text).unwrap_or_else(|e| panic!("{e}"));
     let both = study.axle.unwrap();
-    let curves = axle_curves(&both.axle, &both.plan).unwrap();
+    let curves = axle_curves(&both.axle, &both.plan).unwrap().curves;
     (both.axle, both.plan, curves)
 }
 
 /// The values of all columns of one side.
-fn side(curves: &AxleCurves, side: &str) -> Vec<(String, Vec<f64>)> {
+fn side(curves: &Curves, side: &str) -> Vec<(String, Vec<f64>)> {
     let columns = curves.columns.iter().enumerate();
     let of_side = columns.filter_map(|(k, c)| Some((k, c.name.strip_prefix(side)?.to_owned())));
     of_side

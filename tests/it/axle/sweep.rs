@@ -61,7 +61,7 @@ fn rows_are_what_the_designs_own_curves_have() {
             let text = study.with_points_of(&study.at_design(plan.design(design)));
             let alone = Study::from_text("design.toml", &text, Path::new(".")).unwrap();
             let axle = alone.axle.unwrap();
-            let curves = axle_curves(&axle.axle, &axle.plan).unwrap();
+            let curves = axle_curves(&axle.axle, &axle.plan).unwrap().curves;
             let width = names.len();
             let row = &rows.outputs[design as usize * width..][..width];
             for (column, found) in row.chunks_exact(3).enumerate() {
@@ -130,11 +130,10 @@ characteristics = ["camber"]
     let study =
         Study::from_text("far.toml", text, Path::new(".")).unwrap_or_else(|e| panic!("{e}"));
     let both = study.axle.unwrap();
-    let curves = axle_curves(&both.axle, &both.plan).unwrap();
+    let curves = axle_curves(&both.axle, &both.plan).unwrap().curves;
+    let right = curves.motion_index("travel_right").unwrap();
     let stations = curves.stations.iter();
-    let travels: Vec<f64> = stations
-        .map(|s| s.placed.as_ref().unwrap().travels[1])
-        .collect();
+    let travels: Vec<f64> = stations.map(|s| s.at[right].unwrap()).collect();
     let bend = travels[2] - 2.0 * travels[1] + travels[0];
     assert!(bend.abs() < 0.5, "{travels:?}");
 }
@@ -240,7 +239,9 @@ fn gains_are_what_the_designs_own_curves_have() {
             let text = study.with_points_of(&study.at_design(plan.design(design as u64)));
             let alone = Study::from_text("design.toml", &text, Path::new(".")).unwrap();
             let both = alone.axle.unwrap();
-            let curves = axle_curves(&both.axle, &both.plan.at_design()).unwrap();
+            let curves = axle_curves(&both.axle, &both.plan.at_design())
+                .unwrap()
+                .curves;
             for (k, output) in outputs.iter().enumerate().filter(|(_, o)| is_gain(o)) {
                 let column = curves.columns.iter().position(|c| c.name == output.column);
                 let expected = curves.stations[0].value(column.unwrap()).unwrap();

@@ -105,7 +105,7 @@ fn a_printed_build_is_the_build() {
         let both = printed.axle.unwrap();
         assert_eq!(both.axle.left.design, wheels[0].design);
         assert_eq!(both.axle.right.as_ref().unwrap().design, wheels[1].design);
-        axle_curves(&both.axle, &both.plan).unwrap()
+        axle_curves(&both.axle, &both.plan).unwrap().curves
     });
     let stations = curves[0].stations.len();
     assert_eq!(
@@ -159,7 +159,12 @@ fn a_printed_build_has_its_extra_points() {
             let both = printed.axle.as_ref().unwrap();
             assert_eq!(both.axle.left.design, wheels[0].design);
             assert_eq!(both.axle.right.as_ref().unwrap().design, wheels[1].design);
-            assert!(axle_curves(&both.axle, &both.plan).unwrap().are_complete());
+            assert!(
+                axle_curves(&both.axle, &both.plan)
+                    .unwrap()
+                    .curves
+                    .are_complete()
+            );
             // A build of a build is one, too.
             let again = Problem::of(&printed, printed.tolerance.as_ref().unwrap()).unwrap();
             again.built_wheels(number).unwrap();

@@ -39,7 +39,7 @@ fn planted(study: &Study) -> Optimise {
             points: curves
                 .stations
                 .iter()
-                .map(|s| [s.travel.unwrap(), of.from_printed(s.values[index].unwrap())])
+                .map(|s| [s.at[0].unwrap(), of.from_printed(s.values[index].unwrap())])
                 .collect(),
             interpolation: Interpolation::Linear,
         };

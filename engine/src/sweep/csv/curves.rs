@@ -1,6 +1,7 @@
 //! The curves of every design as CSV: a row for each design and station of the motion.
 
 use super::cells::{append_number, append_whole};
+use crate::curves::Status;
 use crate::sweep::{Block, SweepPlan};
 
 /// The part of each row that is the same for all designs, and the names of the rest.
@@ -51,7 +52,7 @@ impl CurvesCsv {
             let failures = block.failures();
             let from = failures.partition_point(|f| f.design < design);
             for failed in failures[from..].iter().take_while(|f| f.design == design) {
-                words[failed.station] = failed.failure.word();
+                words[failed.station] = Status::Failed(failed.failure).word();
             }
             for (station, cells) in &self.stations {
                 append_whole(first + design as u64, to);

@@ -1,0 +1,113 @@
+//! The numbers that say where the stations of an axle's motion are, and what is proved of them, as they are printed.
+
+use super::certificate::AxleProof;
+use super::solver::{Placed, Placement};
+use super::{Axle, AxleMotion, AxlePlan, WheelMotion};
+use crate::curves::{MotionColumn, Proof};
+use crate::model::Axis;
+
+/// The numbers of a motion: roll, heave, both travels, rack and steering wheel. Travels follow in roll, and the roll angle
+/// follows from given travels.
+pub(super) fn motion(course: &AxleMotion, axle: &Axle) -> Vec<MotionColumn> {
+    let length = axle.left.length_unit.symbol();
+    let given = MotionColumn::given;
+    let follows = |key, unit| MotionColumn {
+        is_given: false,
+        ..given(key, unit)
+    };
+    let mut columns = Vec::new();
+    match &course.wheels {
+        WheelMotion::Heave(_) => columns.push(given("heave", length)),
+        WheelMotion::Roll { .. } => {
+            columns.extend([given("roll", "deg"), given("heave", length)]);
+        }
+        WheelMotion::Travels { on_plane, .. } => {
+            columns.extend(on_plane.then(|| follows("roll", "deg")));
+        }
+    }
+    let travels = ["travel_left", "travel_right"];
+    columns.extend(travels.map(|key| match course.wheels {
+        WheelMotion::Travels { .. } => given(key, length),
+        _ => follows(key, length),
+    }));
+    let steers = course.steering_wheel.is_some();
+    columns.push(MotionColumn {
+        is_given: !steers,
+        is_written: course.shows_rack,
+        ..given("rack", length)
+    });
+    columns.extend(steers.then(|| given("steering_wheel_angle", "deg")));
+    columns
+}
+
+/// These numbers at the station of a number, which takes a placement; `placed` is the position, if there is one.
+pub(super) fn place(
+    course: &AxleMotion,
+    axle: &Axle,
+    (number, placement): (usize, &Placement),
+    placed: Option<&Placed>,
+) -> Vec<Option<f64>> {
+    let (roll, heave, travels) = match *placement {
+        Placement::Roll { heave, roll, .. } | Placement::AtLoad { heave, roll, .. } => {
+            (Some(roll), heave, None)
+        }
+        Placement::Travels { travels, .. } => (None, travels[0], Some(travels)),
+    };
+    let roll = roll.or(placed.map(|p| p.roll)).map(degrees);
+    let travels = placed.map(|p| p.travels).or(travels);
+    let mut at = Vec::new();
+    at.extend(course.shows_roll().then_some(roll));
+    at.extend(course.shows_heave().then_some(Some(heave)));
+    at.extend([0, 1].map(|side| travels.map(|t| t[side])));
+    at.push(Some(placement.rack() * axle.left.frame.sign(Axis::Y) + 0.0));
+    let angle = course.steering_wheel_at(number);
+    at.extend(angle.map(|angle| Some(degrees(angle))));
+    at
+}
+
+/// An angle in degrees: the shortest decimal that means this angle, if fourteen digits do.
+fn degrees(angle: f64) -> f64 {
+    let exact = angle.to_degrees();
+    let short: f64 = format!("{exact:.13e}").parse().unwrap_or(exact);
+    match short.to_radians() == angle {
+        true => short,
+        false => exact,
+    }
+}
+
+/// Whether the travels follow from the position, and whether the roll angle does.
+fn follows(plan: &AxlePlan) -> [bool; 2] {
+    let rolls = matches!(plan.course.wheels, WheelMotion::Roll { .. });
+    [rolls, plan.course.shows_roll() && !rolls]
+}
+
+/// Names of the proved bounds; none unless the plan requests proofs.
+pub(super) fn bounds(plan: &AxlePlan, axle: &Axle) -> Vec<String> {
+    if !plan.certify {
+        return Vec::new();
+    }
+    let unit = axle.left.length_unit.symbol();
+    let [travels, roll] = follows(plan);
+    let errors = ["left", "right"].map(|side| format!("{side}_position_error_{unit}"));
+    let mut names = errors.to_vec();
+    names.extend(travels.then(|| format!("travel_error_{unit}")));
+    names.extend(roll.then(|| "roll_error_deg".to_owned()));
+    names.push(format!("uniqueness_{unit}"));
+    names
+}
+
+/// The proof of a station, with the bounds in the order of [`bounds`].
+pub(super) fn proof(plan: &AxlePlan, proved: &AxleProof) -> Proof {
+    let [travels, roll] = follows(plan);
+    let [left, right] = proved.position_errors;
+    let mut bounds = vec![left, right];
+    bounds.extend(travels.then_some(proved.travel_error));
+    // Up by more than the rounding of the conversion.
+    bounds.extend(roll.then(|| proved.roll_error.to_degrees() * (1.0 + 1e-12)));
+    bounds.push(proved.uniqueness);
+    Proof {
+        position_error: left.max(right),
+        uniqueness: proved.uniqueness,
+        bounds,
+    }
+}

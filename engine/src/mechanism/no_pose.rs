@@ -1,0 +1,83 @@
+//! Reasons why a vehicle has no position at a station.
+
+use super::Failure;
+use crate::model::{Frame, LengthUnit, Side};
+
+/// Reason why a vehicle has no position at a station, or no values that move with a rocker.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum NoPose {
+    /// The wheel of a corner has no pose.
+    #[error("{0}")]
+    Corner(#[from] Failure),
+    /// A wheel of an axle has no pose at its travel.
+    #[error("{} wheel at travel {travel:.6}: {failure}", side.name())]
+    Wheel {
+        /// The wheel.
+        side: Side,
+        /// Its travel.
+        travel: f64,
+        /// Reason of the failure.
+        failure: Failure,
+    },
+    /// No difference of travels puts both wheels on the ground at this roll angle: a wheel falls where it
+    /// should rise, or the iteration did not settle.
+    #[error("no difference of travels puts both wheels on the ground")]
+    NoGround,
+    /// No mean travel gives the axle the load that is held: the load does not grow with the travel, or a wheel does not
+    /// reach it.
+    #[error("at no mean travel the wheels carry the load that is held")]
+    NoLoad,
+    /// A proof was requested: both poses are proved, but not that the ground under them is the only one there.
+    #[error("both poses are proved, but not that the ground under them is the only one there")]
+    Unproven,
+}
+
+impl NoPose {
+    /// The reason in words, with lengths in this unit and the rack in the axes of this frame: of the wheel of a corner,
+    /// or of the left wheel of an axle. If the rack ends, the wheel's travel says nothing and is left out.
+    pub fn describe(&self, unit: LengthUnit, frame: Frame) -> String {
+        let frame_of = |side: Side| match side {
+            Side::Left => frame,
+            Side::Right => frame.of_other_side(),
+        };
+        match self {
+            NoPose::Corner(failure) => failure.describe(unit, frame),
+            NoPose::Wheel {
+                side,
+                failure: failure @ Failure::RackUnreachable { .. },
+                ..
+            } => format!(
+                "{} wheel: {}",
+                side.name(),
+                failure.describe(unit, frame_of(*side))
+            ),
+            NoPose::Wheel {
+                side,
+                travel,
+                failure,
+            } => format!(
+                "{} wheel at travel {travel:.6} {}: {}",
+                side.name(),
+                unit.symbol(),
+                failure.describe(unit, frame_of(*side))
+            ),
+            other => other.to_string(),
+        }
+    }
+
+    /// The failure of the wheel, if a wheel is the reason.
+    pub fn of_wheel(&self) -> Option<&Failure> {
+        match self {
+            NoPose::Corner(failure) | NoPose::Wheel { failure, .. } => Some(failure),
+            NoPose::NoGround | NoPose::NoLoad | NoPose::Unproven => None,
+        }
+    }
+
+    /// Returns true if there is a position, but no proof of it.
+    pub fn is_unproven(&self) -> bool {
+        match self.of_wheel() {
+            Some(failure) => matches!(failure, Failure::Uncertified(_)),
+            None => *self == NoPose::Unproven,
+        }
+    }
+}

@@ -1,0 +1,66 @@
+//! Columns for the numbers that the motion of an axle gives, in tables that have a row for a position.
+
+use crate::axle::{Axle, AxlePlan, Coordinate, Placement};
+use crate::model::Axis;
+
+/// Names and values of the numbers that an axle's motion gives.
+pub(super) struct GivenColumns<'a> {
+    pub plan: &'a AxlePlan,
+    pub axle: &'a Axle,
+}
+
+impl GivenColumns<'_> {
+    /// The names of the numbers that the motion gives.
+    pub(super) fn names(&self) -> Vec<String> {
+        let length = self.axle.left.length_unit;
+        let given = self.coordinates().into_iter();
+        given.map(|c| c.column(length)).collect()
+    }
+
+    /// These numbers at a station, as the study writes them.
+    pub(super) fn values(&self, number: usize, placement: &Placement) -> Vec<f64> {
+        let value = |coordinate: Coordinate| match coordinate {
+            Coordinate::Roll => degrees(placement.along(coordinate)),
+            Coordinate::SteeringWheel => {
+                let angle = self.plan.course.steering_wheel_at(number);
+                degrees(angle.unwrap_or(f64::NAN))
+            }
+            Coordinate::Rack => placement.rack() * self.axle.left.frame.sign(Axis::Y),
+            _ => placement.along(coordinate),
+        };
+        self.coordinates().into_iter().map(value).collect()
+    }
+
+    /// The same of a position that need not be one of the motion's.
+    pub(super) fn values_anywhere(&self, placement: &Placement) -> Vec<f64> {
+        let value = |coordinate: Coordinate| match coordinate {
+            Coordinate::SteeringWheel | Coordinate::Roll => {
+                coordinate.written(placement.along(coordinate), self.axle)
+            }
+            Coordinate::Rack => placement.rack() * self.axle.left.frame.sign(Axis::Y),
+            _ => placement.along(coordinate),
+        };
+        let given = self.coordinates().into_iter();
+        given.map(|coordinate| value(coordinate) + 0.0).collect()
+    }
+
+    fn coordinates(&self) -> Vec<Coordinate> {
+        let mut course = self.plan.course.clone();
+        let mut given = Coordinate::ALL.to_vec();
+        given.retain(|c| match c {
+            Coordinate::Rack => course.shows_rack && course.steering_wheel.is_none(),
+            Coordinate::SteeringWheel => course.steering_wheel.is_some(),
+            _ => course.along(*c).is_some(),
+        });
+        given
+    }
+}
+
+fn degrees(angle: f64) -> f64 {
+    let exact = angle.to_degrees();
+    let short: f64 = format!("{exact:.13e}").parse().unwrap_or(exact);
+    match short.to_radians() == angle {
+        true => short,
+        false => exact,
+    }
+}

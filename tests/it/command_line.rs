@@ -592,7 +592,7 @@ fn stations_at_a_fold_are_flagged_or_not_proved() {
     assert_eq!(status, ["ok", "ok", "uncertified"], "{said}");
     assert!(rows.lines().last().unwrap().contains(",,,"), "{rows}");
     assert!(
-        said.contains("travel 349.667807035834: the pose is not proved"),
+        said.contains("travel 349.667807035834 mm: the pose is not proved"),
         "{said}"
     );
     assert!(said.contains("2 of 3 stations proved"), "{said}");
@@ -625,7 +625,7 @@ fn loads_without_support_are_reported() {
             .ends_with(",kerb_spring_N,status")
     );
     assert!(csv.lines().nth(2).unwrap().ends_with(",,,,unsupported"));
-    let warning = "warning: loads not carried at 1 station, the first at travel 0: the spring has next to no leverage";
+    let warning = "warning: loads not carried at 1 station, the first at travel 0 mm: the spring, or the support in its place, has next to no leverage";
     assert!(text(said).contains(warning), "{}", text(said));
 }
 

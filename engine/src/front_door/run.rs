@@ -1,10 +1,11 @@
 //! Runs a study: curves, tuning, sweep.
 
 use super::Error;
+use crate::axle::axle_curves;
 use crate::curves::{Curves, curves};
 use crate::optimise::{Control, Tuning, tune};
 use crate::plan::Plan;
-use crate::study::{Designs, MOST_DESIGNS, MOST_EXCHANGED, Sampled, Sampling, Study};
+use crate::study::{AxleStudy, Designs, MOST_DESIGNS, MOST_EXCHANGED, Sampled, Sampling, Study};
 use crate::sweep::{Rows, SweepPlan};
 use crate::threads::{self, Interrupt};
 use std::num::NonZeroUsize;
@@ -21,7 +22,8 @@ pub struct SweepControl<'a> {
 }
 
 impl Study {
-    /// The curves asked for, at every station of the motion. A station without a pose says why in its status.
+    /// The requested curves at every station of the motion, of one wheel or of an axle. The status of a station without a
+    /// pose gives the reason.
     ///
     /// ```
     /// # extern crate hardpoint_engine as hardpoint;
@@ -35,19 +37,20 @@ impl Study {
     /// let curves = study.curves()?;
     /// assert_eq!(curves.columns[1].name, "camber_d1_deg_per_mm");
     /// assert_eq!(curves.stations.len(), 9);
-    /// assert!(curves.stations[8].values[0].is_some());
+    /// assert!(curves.stations[8].values[0].is_ok());
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///
     /// # Errors
-    /// [`Error::Design`] if the design position itself cannot be solved; [`Error::Axle`] if the study is of an axle,
-    /// whose stations are of two wheels.
+    /// [`Error::Design`] if the design position itself cannot be solved.
     pub fn curves(&self) -> Result<Curves, Error> {
-        self.refuse_of_axle(
-            "tune, sweep and DesignFunction answer for it, and curves of one wheel do not",
-        )?;
-        curves(&self.suspension, &Plan::of(self))
-            .map_err(|fault| Error::design(&self.suspension, &fault))
+        match &self.axle {
+            Some(AxleStudy { axle, plan }) => axle_curves(axle, plan)
+                .map(|found| found.curves)
+                .map_err(|fault| Error::Design(axle.describe_fault(fault))),
+            None => curves(&self.suspension, &Plan::of(self))
+                .map_err(|fault| Error::design(&self.suspension, &fault)),
+        }
     }
 
     /// Tunes the variables towards the targets. The design found is [`Tuning::best`]; `None` if no start can be

@@ -479,10 +479,10 @@ fn what_an_axle_lacks_is_said_with_the_wheel() {
     // Both wheels' tie rods end on the same way of the rack, mirrored: the nearer end is of either wheel.
     let few = "outputs.characteristics=[\"camber\"]";
     for motion in ["heave = 0.0", "roll = 1.0"] {
-        for (rack, side, sign) in [("-300.0", "left", "-"), ("300.0", "right", "")] {
+        for (rack, side, sign) in [("-300", "left", "-"), ("300", "right", "")] {
             let motion = format!("motion={{ {motion}, rack = [0.0, {rack}] }}");
             let end = format!(
-                "rack_mm {rack}: {side} wheel: the rack moves no further than {sign}113.32"
+                "rack {rack} mm: {side} wheel: the rack moves no further than {sign}113.32"
             );
 
             let found = solved(&[few, &motion]);

@@ -9,6 +9,7 @@ use super::terminal::is_quiet;
 use super::{StudyArguments, TableFormat};
 use crate::attia::PaperTheta;
 use crate::curves::{Curves, curves};
+use crate::evaluate::NotInLanes;
 use crate::mechanism::DesignFault;
 use crate::model::Suspension;
 use crate::plan::Plan;
@@ -16,7 +17,7 @@ use crate::report::{Cell, SolveSummary, Summary, Table, counted, variable_plausi
 use crate::solve::StationOrder;
 use crate::solved::Solved;
 use crate::study::{Designs, Drive, Formulation, Study, Sweep, Tolerance};
-use crate::sweep::{NotInLanes, SweepPlan};
+use crate::sweep::SweepPlan;
 use crate::tolerance::Problem;
 use std::path::Path;
 

@@ -35,7 +35,7 @@ pub(super) fn run(arguments: &ToleranceArguments) -> Result<Exit, Stop> {
     let fault = |fault: DesignFault| design_fault(&study, path, &fault);
     let pool = pool(
         arguments.threads,
-        tolerance.builds.div_ceil(crate::sweep::BLOCK as u64),
+        tolerance.builds.div_ceil(crate::evaluate::BLOCK as u64),
     )?;
     let problem = problem(&study, tolerance, path)?.interruptible(interrupt::flag());
     let drawn = problem.drawn().map_err(fault)?;
@@ -203,7 +203,7 @@ fn fans(
     let plain = curves_alone(problem.study);
     let fault = |why| Stop::unsolved(path, why);
     let drawn = Solved::of(&plain).map_err(fault)?;
-    let stations: Vec<usize> = problem.stations.of_motion().collect();
+    let stations: Vec<usize> = problem.stations().of_motion().collect();
     let fans = FANS.map(|(name, file, percentile)| {
         let found = drawn.with_values(|output, station| {
             builds.spreads[problem.cell(output, stations[station])].percentiles[percentile]

@@ -35,7 +35,7 @@ pub enum Summary {
     /// An optimisation.
     Optimise(Box<TuningSummary>),
     /// Builds.
-    Tolerance(ToleranceSummary),
+    Tolerance(Box<ToleranceSummary>),
 }
 
 impl Summary {
@@ -109,7 +109,7 @@ impl Run {
         }
         let summary = match record.command.as_str() {
             "optimise" => Summary::Optimise(Box::new(folder.json("summary.json")?)),
-            "tolerance" => Summary::Tolerance(folder.json("summary.json")?),
+            "tolerance" => Summary::Tolerance(Box::new(folder.json("summary.json")?)),
             _ => Summary::Solve(folder.json("summary.json")?),
         };
         let history = match optimised {

@@ -503,11 +503,11 @@ fn values(
     expansion: &Expansion,
     builds: &MonteCarlo,
 ) -> Vec<ValueRecord> {
-    let stations = &problem.stations;
+    let stations = problem.stations();
     let sign = problem.study.suspension.frame.sign(Axis::Y);
     let mut values = Vec::new();
     let of_axle = problem.study.axle.as_ref();
-    for (output, looked) in problem.outputs.iter().enumerate() {
+    for (output, looked) in problem.outputs().iter().enumerate() {
         let (unit, factor) = (&looked.unit, looked.factor());
         let scaled = |v: f64| finite(v * factor);
         for station in 0..stations.count() {

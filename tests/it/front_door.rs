@@ -205,14 +205,15 @@ fn an_axle_has_curves_and_takes_its_outputs_from_its_text() {
     let curves = study.curves().unwrap();
     let both = study.axle.as_ref().unwrap();
     assert_eq!(curves.stations.len(), both.plan.course.stations());
-    // The left and the right toe of a mirrored axle are the same in the design position.
+    // The left and the right camber of a mirrored axle are the same in the design position.
     let column = |name: &str| curves.columns.iter().position(|c| c.name == name).unwrap();
     let is_design = |s: &&hardpoint::Station| {
         let given = curves.motion.iter().zip(&s.at).filter(|(c, _)| c.is_given);
         given.into_iter().all(|(_, value)| *value == Some(0.0))
     };
     let design = curves.stations.iter().find(is_design).unwrap();
-    let [left, right] = ["left_toe_deg", "right_toe_deg"].map(|name| design.value(column(name)));
+    let [left, right] =
+        ["left_camber_deg", "right_camber_deg"].map(|name| design.value(column(name)));
     assert!(left.is_some() && left == right);
     let asked = study.asking(&[Characteristic::Toe], Order::Position);
     assert!(matches!(asked, Err(Error::Axle(_))));

@@ -7,12 +7,12 @@ use crate::support::random::Random;
 use hardpoint::ask::{Need, Unit};
 use hardpoint::characteristics::{Characteristic, Constants, Quantity, WheelReading};
 use hardpoint::derive::{DesignSeries, MotionPoint};
+use hardpoint::evaluate::{AngleTarget, BLOCK, Block, Evaluator, Gradients, Stations};
 use hardpoint::evaluate::{Evaluated, GradientEvaluator};
-use hardpoint::model::{Axis, Drive, PointId, SteeringAxis};
+use hardpoint::model::{Axis, Drive, PointId, Side, SteeringAxis};
 use hardpoint::number::{Jet, Vector3, Width};
 use hardpoint::solve::Solver;
 use hardpoint::study::Study;
-use hardpoint::sweep::{AngleTarget, BLOCK, Block, Evaluator, Gradients, Stations};
 use std::ops::ControlFlow;
 use std::path::Path;
 
@@ -247,8 +247,11 @@ fn rounded(
     let evaluator = GradientEvaluator::new(suspension, stations, &quantities, &points, None);
     let mut evaluator = evaluator.expect("it is sound");
     let mut found = Evaluated::default();
-    evaluator.evaluate(design, &mut found);
-    let slopes = found.gradient(0, 0, station).iter().map(|by| by.norm());
+    evaluator.evaluate([design, &[]], &mut found);
+    let slopes = found
+        .gradient((0, 0, station), Side::Left)
+        .iter()
+        .map(|by| by.norm());
     OFF * suspension.size() * slopes.sum::<f64>()
 }
 
@@ -607,8 +610,8 @@ fn the_evaluator_of_gradients_falls_back_one_by_one() {
         let designs = scatter.block();
         let designs = &designs[..48 * points];
         let (mut found, mut wanted) = (Evaluated::default(), Evaluated::default());
-        let left = lanes.evaluate(designs, &mut found);
-        assert_eq!(alone.evaluate(designs, &mut wanted), 48);
+        let left = lanes.evaluate([designs, &[]], &mut found);
+        assert_eq!(alone.evaluate([designs, &[]], &mut wanted), 48);
         assert!(left < 48, "{name}: {left}");
         left_of_all += left;
         for design in 0..48 {
@@ -633,7 +636,8 @@ fn the_evaluator_of_gradients_falls_back_one_by_one() {
                         (a - b).abs() < 1e-11 * scale,
                         "{name}: {quantity:?} {a} {b}"
                     );
-                    let [a, b] = [&found, &wanted].map(|e| e.gradient(design, k, station));
+                    let [a, b] =
+                        [&found, &wanted].map(|e| e.gradient((design, k, station), Side::Left));
                     let scale = norm(b).max(scale / suspension.size());
                     for (a, b) in a.iter().zip(b) {
                         let missed = (*a - *b).norm();
@@ -676,18 +680,21 @@ fn one_design_alone_has_the_bits_it_has_among_others() {
         let designs = scatter.block();
         let designs = &designs[..16 * points];
         let (mut among, mut alone) = (Evaluated::default(), Evaluated::default());
-        let fallback = evaluator.evaluate(designs, &mut among);
+        let fallback = evaluator.evaluate([designs, &[]], &mut among);
         let mut fallback_alone = 0;
         for (number, design) in designs.chunks_exact(points).enumerate() {
-            fallback_alone += evaluator.evaluate(design, &mut alone);
+            fallback_alone += evaluator.evaluate([design, &[]], &mut alone);
             assert_eq!(among.fault(number), alone.fault(0), "{name}");
             for (k, quantity) in quantities.iter().enumerate() {
                 for station in 0..stations.count() {
                     let values = [among.value(number, k, station), alone.value(0, k, station)];
                     let bits = values.map(f64::to_bits);
                     assert_eq!(bits[0], bits[1], "{name}: {quantity:?}");
-                    let among = among.gradient(number, k, station);
-                    for (a, b) in among.iter().zip(alone.gradient(0, k, station)) {
+                    let among = among.gradient((number, k, station), Side::Left);
+                    for (a, b) in among
+                        .iter()
+                        .zip(alone.gradient((0, k, station), Side::Left))
+                    {
                         let bits = [a, b].map(|v| v.to_array().map(f64::to_bits));
                         assert_eq!(bits[0], bits[1], "{name}: {quantity:?}");
                     }

@@ -1,202 +1,31 @@
-//! Quantities at stations with their gradients by the hardpoints, for several designs at a time.
+//! Evaluates quantities of many designs at stations, of one wheel or of an axle.
 //!
-//! Designs are differentiated in SIMD lanes as far as the tracker accepts them and lanes support the quantities. (A single
-//! design has its stations in the lanes, with the same bits.) The others follow one by one, through the adjoint of the
-//! closure equations. The design alone decides which.
+//! A `Request` names vehicle, quantities and stations. An [`Evaluator`] fills a [`Block`] with the values of designs: in
+//! SIMD lanes as far as the tracker accepts them, else one by one. A [`GradientEvaluator`] finds values with their
+//! gradients by the hardpoints ([`Evaluated`]). A design's values depend on that design alone, never on its neighbours.
 
+mod aligned;
+mod axle;
+mod axle_gradients;
+mod axle_lanes;
+mod block;
+mod evaluator;
+mod gradient_evaluator;
+mod gradients_one_by_one;
+mod lane_gradients;
+mod lanes;
 mod one_by_one;
+mod rate_slopes;
+mod request;
+mod stations;
 
-use crate::characteristics::Quantity;
-use crate::mechanism::DesignFault;
-use crate::model::{PointId, Suspension};
-use crate::number::{Vector3, Width};
-use crate::sweep::{Gradients, Jacobians, Stations};
-use one_by_one::{DifferentiatesOneByOne, OneByOne};
-
-/// Values and gradients of some designs, in the kernel's frame, in radians and length units.
-#[derive(Clone, Debug, Default)]
-pub struct Evaluated {
-    quantities: usize,
-    stations: usize,
-    points: usize,
-    /// `[design][quantity][station]`
-    values: Vec<f64>,
-    /// `[design][quantity][station][point]`
-    gradients: Vec<Vector3<f64>>,
-    /// For each design, why it cannot be solved; `None` if it can.
-    faults: Vec<Option<DesignFault>>,
-    /// `[design][station]`
-    solved: Vec<bool>,
-}
-
-impl Evaluated {
-    fn clear(&mut self, designs: usize, quantities: usize, stations: usize, points: usize) {
-        let all = designs * quantities * stations;
-        (self.quantities, self.stations, self.points) = (quantities, stations, points);
-        self.values.clear();
-        self.values.resize(all, f64::NAN);
-        self.gradients.clear();
-        let unknown = Vector3::new(f64::NAN, f64::NAN, f64::NAN);
-        self.gradients.resize(all * points, unknown);
-        self.faults.clear();
-        self.faults.resize(designs, None);
-        self.solved.clear();
-        self.solved.resize(designs * stations, false);
-    }
-
-    /// Reason why a design cannot be solved at all; `None` if it can.
-    pub fn fault(&self, design: usize) -> Option<&DesignFault> {
-        self.faults[design].as_ref()
-    }
-
-    /// Returns true if a design has a pose at a station.
-    pub fn is_solved(&self, design: usize, station: usize) -> bool {
-        self.solved[design * self.stations + station]
-    }
-
-    /// Value of a quantity of a design at a station; NaN if it does not exist.
-    pub fn value(&self, design: usize, quantity: usize, station: usize) -> f64 {
-        self.values[self.place(design, quantity, station)]
-    }
-
-    /// The derivatives of a quantity by every hardpoint, in the order of the design's points.
-    pub fn gradient(&self, design: usize, quantity: usize, station: usize) -> &[Vector3<f64>] {
-        let first = self.place(design, quantity, station) * self.points;
-        &self.gradients[first..first + self.points]
-    }
-
-    fn place(&self, design: usize, quantity: usize, station: usize) -> usize {
-        (design * self.quantities + quantity) * self.stations + station
-    }
-
-    fn put(&mut self, design: usize, quantity: usize, station: usize, value: f64) {
-        let place = self.place(design, quantity, station);
-        self.values[place] = value;
-    }
-
-    fn put_gradient(&mut self, place: (usize, usize, usize), id: PointId, by: Vector3<f64>) {
-        let place = self.place(place.0, place.1, place.2) * self.points + id.0;
-        self.gradients[place] = by;
-    }
-
-    /// Leaves a design without values.
-    fn forget(&mut self, design: usize) {
-        let all = self.quantities * self.stations;
-        let first = design * all;
-        self.values[first..first + all].fill(f64::NAN);
-        let unknown = Vector3::new(f64::NAN, f64::NAN, f64::NAN);
-        self.gradients[first * self.points..(first + all) * self.points].fill(unknown);
-        self.solved_of(design).fill(false);
-    }
-
-    fn solved_of(&mut self, design: usize) -> &mut [bool] {
-        &mut self.solved[design * self.stations..][..self.stations]
-    }
-}
-
-/// Evaluates quantities at stations with their gradients.
-pub struct GradientEvaluator<'a> {
-    stations: &'a Stations,
-    quantities: &'a [Quantity],
-    points: usize,
-    /// The points by which gradients are formed.
-    wanted: Vec<PointId>,
-    lanes: Option<Gradients<'a>>,
-    one_by_one: Box<dyn DifferentiatesOneByOne + 'a>,
-}
-
-/// Evaluates at most as many designs as fit into the lanes, from the design with this number on: side by side, or the stations
-/// of one design.
-fn evaluate_in_lanes(
-    gradients: &mut Gradients<'_>,
-    designs: &[Vector3<f64>],
-    number: usize,
-    wanted: &[PointId],
-    into: &mut Evaluated,
-) {
-    let count = designs.len() / into.points;
-    let mut keep = |found: &Jacobians<'_>, lane: usize, design: usize, station: usize| {
-        for quantity in 0..into.quantities {
-            into.put(design, quantity, station, found.value(lane, quantity));
-            for id in wanted {
-                let by = found.gradient(lane, quantity, *id);
-                into.put_gradient((design, quantity, station), *id, by);
-            }
-        }
-    };
-    if count == 1 && gradients.takes_one() {
-        gradients.jacobians_of_one(designs, |found| {
-            for (lane, station) in found.side_by_side().iter().enumerate() {
-                keep(found, lane, number, *station);
-            }
-        });
-    } else {
-        gradients.jacobians(designs, |found| {
-            for lane in 0..count {
-                keep(found, lane, number + lane, found.station());
-            }
-        });
-    }
-}
-
-impl<'a> GradientEvaluator<'a> {
-    /// Prepares to evaluate designs like that of a suspension, with gradients by these points; gradients by other
-    /// points must not be used. Designs go in lanes of this width, or one by one without one.
-    ///
-    /// # Errors
-    /// If the suspension's own design cannot be solved.
-    pub fn new(
-        suspension: &'a Suspension,
-        stations: &'a Stations,
-        quantities: &'a [Quantity],
-        points: &[PointId],
-        width: Option<Width>,
-    ) -> Result<Self, DesignFault> {
-        let rates = quantities.iter().any(|q| q.rate_order() > 0);
-        Ok(GradientEvaluator {
-            stations,
-            quantities,
-            points: suspension.design.len(),
-            wanted: points.to_vec(),
-            lanes: width.and_then(|w| Gradients::new(suspension, stations, quantities, w)),
-            one_by_one: match rates {
-                false => OneByOne::<1>::new(suspension, stations, quantities, points)?,
-                true => OneByOne::<2>::new(suspension, stations, quantities, points)?,
-            },
-        })
-    }
-
-    /// Designs that are evaluated side by side.
-    pub fn at_once(&self) -> usize {
-        self.lanes.as_ref().map_or(1, |l| l.at_once())
-    }
-
-    /// Evaluates designs given as the points of one after the other, at every station that has a pose; returns how many
-    /// were left to be solved one by one.
-    pub fn evaluate(&mut self, designs: &[Vector3<f64>], into: &mut Evaluated) -> usize {
-        let points = self.points;
-        let count = designs.len() / points;
-        into.clear(count, self.quantities.len(), self.stations.count(), points);
-        let at_once = self.at_once();
-        let mut left = 0;
-        for first in (0..count).step_by(at_once) {
-            let together = at_once.min(count - first);
-            let group = &designs[first * points..(first + together) * points];
-            if let Some(lanes) = &mut self.lanes {
-                evaluate_in_lanes(lanes, group, first, &self.wanted, into);
-            }
-            for (number, design) in group.chunks_exact(points).enumerate() {
-                let place = first + number;
-                if self.lanes.as_ref().is_some_and(|l| l.is_accepted(number)) {
-                    into.solved_of(place).fill(true);
-                    continue;
-                }
-                left += 1;
-                into.forget(place);
-                let solved = self.one_by_one.evaluate(design, place, into);
-                into.faults[place] = solved.err();
-            }
-        }
-        left
-    }
-}
+pub(crate) use axle::AxleStations;
+pub use block::{BLOCK, Block, FailedStation};
+pub use evaluator::{Evaluator, Pairs};
+pub use gradient_evaluator::{Evaluated, GradientEvaluator};
+pub use lane_gradients::{AngleTarget, Deviations, Gradients, Jacobians};
+pub use lanes::NotInLanes;
+pub(crate) use lanes::scatter;
+pub(crate) use request::Request;
+pub use stations::Stations;
+pub(crate) use stations::place_of;

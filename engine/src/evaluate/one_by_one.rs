@@ -1,108 +1,132 @@
-//! One design at a time, by the adjoint of the closure equations.
+//! Designs one at a time, with every check on the way.
 
-use super::Evaluated;
+use super::Stations;
+use super::block::Block;
+use super::evaluator::{Pairs, SolvesOneByOne};
 use crate::characteristics::{Constants, Quantity, Slots, WheelReading};
 use crate::derive::{DesignSeries, MotionPoint};
-use crate::mechanism::DesignFault;
-use crate::model::{PointId, Suspension};
-use crate::number::{Jet, Vector3};
+use crate::mechanism::{DesignFault, Failure, Pose};
+use crate::model::{RockerId, Suspension};
+use crate::number::Vector3;
 use crate::solve::{Solver, Toggles};
-use crate::sweep::Stations;
 use std::ops::ControlFlow;
 
-/// Solver of one design after another.
-pub(super) trait DifferentiatesOneByOne: Send {
-    /// Evaluates the design of this number, at every station that has a pose.
-    fn evaluate(
-        &mut self,
-        design: &[Vector3<f64>],
-        number: usize,
-        into: &mut Evaluated,
-    ) -> Result<(), DesignFault>;
-}
-
-/// Solver of one design after another, with `N` coefficients of every series.
+/// Evaluates one design at a time, with `N` coefficients of the pose's power series at every station.
 pub(super) struct OneByOne<'a, const N: usize> {
     stations: &'a Stations,
     quantities: &'a [Quantity],
     constants: Constants,
-    reads: Slots,
+    /// Inputs of the quantities.
+    slots: Slots,
+    /// The rockers each quantity moves with.
+    rockers: Vec<Vec<RockerId>>,
     toggles: Toggles,
     solver: Solver<'a>,
     design_series: DesignSeries<N>,
-    buffer: Vec<Vector3<Jet<f64, N>>>,
+    with_slope: DesignSeries<2>,
 }
 
 impl<'a, const N: usize> OneByOne<'a, N> {
+    /// Evaluates these quantities, at these stations, with the solver of the suspension.
     pub(super) fn new(
         suspension: &'a Suspension,
         stations: &'a Stations,
         quantities: &'a [Quantity],
-        points: &[PointId],
-    ) -> Result<Box<Self>, DesignFault> {
+        solver: Solver<'a>,
+    ) -> Self {
         let (mechanism, design) = (&suspension.mechanism, &suspension.design);
-        let reads = Slots::of(quantities.iter().map(|q| q.reads()));
-        let rockers = quantities.iter().flat_map(|q| q.rockers(mechanism));
-        let none = Vector3::new(0.0, 0.0, 0.0).map(Jet::constant);
-        Ok(Box::new(OneByOne {
+        let slots = Slots::of(quantities.iter().map(|q| q.reads()));
+        let rockers: Vec<_> = quantities.iter().map(|q| q.rockers(mechanism)).collect();
+        let steering_axis = slots.contain_steering_axis();
+        OneByOne {
             stations,
             quantities,
             constants: Constants::of(suspension),
-            reads,
-            toggles: Toggles::of(mechanism, rockers),
-            solver: Solver::new(mechanism, design)?,
-            design_series: DesignSeries::new(mechanism, design)
-                .with_steering_axis(reads.contain_steering_axis())
-                .with_sensitivities_to(mechanism, points),
-            buffer: vec![none; design.len()],
-        }))
+            slots,
+            toggles: Toggles::of(mechanism, rockers.iter().flatten().copied()),
+            rockers,
+            solver,
+            design_series: DesignSeries::new(mechanism, design).with_steering_axis(steering_axis),
+            with_slope: DesignSeries::new(mechanism, design).with_steering_axis(steering_axis),
+        }
     }
 }
 
-impl<const N: usize> DifferentiatesOneByOne for OneByOne<'_, N> {
-    fn evaluate(
+impl<const N: usize> SolvesOneByOne for OneByOne<'_, N> {
+    fn evaluate(&mut self, designs: Pairs<'_>, numbers: &[usize], block: &mut Block) {
+        let points = self.solver.design().len();
+        for &number in numbers {
+            let design = &designs[0][number * points..(number + 1) * points];
+            block.forget(number);
+            if let Err(fault) = self.evaluate_design(number, design, block) {
+                // Values from before the fault must not be used.
+                block.forget(number);
+                block.failures.retain(|f| f.design != number);
+                block.faults.push((number, fault));
+            }
+        }
+    }
+}
+
+impl<const N: usize> OneByOne<'_, N> {
+    fn evaluate_design(
         &mut self,
-        design: &[Vector3<f64>],
         number: usize,
-        into: &mut Evaluated,
+        design: &[Vector3<f64>],
+        block: &mut Block,
     ) -> Result<(), DesignFault> {
         let OneByOne {
             stations,
             quantities,
             constants,
-            reads,
+            slots,
+            rockers,
             toggles,
             solver,
             design_series,
-            buffer,
+            with_slope,
         } = self;
         solver.prepare(design)?;
         design_series.prepare(solver.mechanism(), design);
+        with_slope.prepare(solver.mechanism(), design);
         let drive = stations.drive;
-        for (r, rack) in stations.racks.iter().copied().enumerate() {
+        for (r, rack) in stations.racks.iter().enumerate() {
+            let rack = *rack;
             toggles.begin(solver, drive, rack)?;
             solver.for_each_pose(drive, &stations.station_order, rack, |solver, v, pose| {
                 let station = stations.number(r, v);
-                let value = stations.values()[v];
-                let motion = MotionPoint { drive, value, rack }.along_drive::<N>();
-                let linearised =
-                    pose.and_then(|pose| solver.linearised(design_series, pose, &motion));
-                let Ok(linearised) = linearised else {
-                    return ControlFlow::Continue(());
+                let motion = MotionPoint {
+                    drive,
+                    value: stations.values()[v],
+                    rack,
                 };
-                if toggles.note(Some(solver), &linearised.at, value).is_some() {
-                    return ControlFlow::Continue(());
+                let read = |pose: &Pose<f64>| {
+                    let at =
+                        solver.configuration_series(design_series, pose, &motion.along_drive())?;
+                    let toggle = toggles.note(Some(solver), &at, motion.value);
+                    let free = |k: &usize| !rockers[*k].iter().any(|id| toggles.holds(*id));
+                    let view = WheelReading::reading(&at, *constants, *slots);
+                    for k in (0..quantities.len()).filter(free) {
+                        let quantity = &quantities[k];
+                        block.put(number, k, station, view.value(&at, *quantity)[0]);
+                    }
+                    if station == stations.design() {
+                        let at =
+                            solver.configuration_series(with_slope, pose, &motion.along_drive())?;
+                        let view = WheelReading::reading(&at, *constants, *slots);
+                        for k in (0..quantities.len()).filter(free) {
+                            let quantity = &quantities[k];
+                            if quantity.rate_order() == 0 {
+                                let slope = view.value(&at, *quantity).derivative(1);
+                                block.put_slope(number, k, slope);
+                            }
+                        }
+                    }
+                    toggle.map_or(Ok(()), |rod| Err(Failure::Toggle(rod)))
+                };
+                if let Err(failure) = pose.and_then(read) {
+                    block.fail(number, station, failure.into());
                 }
-                let reading = WheelReading::reading(&linearised.at, *constants, *reads);
-                for (k, quantity) in quantities.iter().enumerate() {
-                    let found = reading.value(&linearised.at, *quantity)[0];
-                    into.put(number, k, station, found);
-                    let mut receive = |_: usize, id: PointId, by: Vector3<f64>| {
-                        into.put_gradient((number, k, station), id, by);
-                    };
-                    reading.gradients(&linearised, *quantity, 0, buffer, &mut receive);
-                }
-                into.solved_of(number)[station] = true;
                 ControlFlow::Continue(())
             })?;
         }

@@ -9,10 +9,10 @@ use super::moves::{PointRate, moved_design, point_rates};
 use super::{Infeasible, Linearisation};
 use crate::ask::NoValue;
 use crate::axle::{Axle, AxleSolver, Hold, Placement, Quantity};
+use crate::evaluate::place_of;
 use crate::mechanism::DesignFault;
 use crate::number::Vector3;
 use crate::study::{Optimise, Variable};
-use crate::sweep::place_of;
 use nalgebra::DVector;
 
 /// A position, and what is wanted there.

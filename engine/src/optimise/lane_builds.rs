@@ -180,7 +180,7 @@ impl SimdTask for Assembling<'_, '_> {
                 }
             }
             let count = (lanes.accepted.len() - first).min(B::LANES);
-            crate::sweep::scatter(&built, first, count, &mut lanes.designs);
+            crate::evaluate::scatter(&built, first, count, &mut lanes.designs);
             for lane in 0..count {
                 lanes.accepted[first + lane] = B::lane(accepted, lane);
             }

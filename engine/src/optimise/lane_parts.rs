@@ -5,9 +5,9 @@
 
 use super::carried_triangle::CarriedTriangle;
 use crate::characteristics::{Characteristic, Input, Measure, Quantity, Stud, Vectors};
+use crate::evaluate::{Jacobians, place_of};
 use crate::model::{Axis, Body, PointId, Suspension};
 use crate::number::Vector3;
-use crate::sweep::{Jacobians, place_of};
 
 /// A measure, made of what lanes tell.
 #[derive(Clone)]

@@ -7,9 +7,9 @@ use super::lane_parts::{LanePart, Moving};
 use super::layout::{Leg, TargetLayout, TargetSample};
 use super::moves::PointRate;
 use crate::characteristics::Quantity;
+use crate::evaluate::{Gradients, Stations};
 use crate::model::Suspension;
 use crate::number::{Vector3, Width};
-use crate::sweep::{Gradients, Stations};
 
 /// Evaluates the targets of one wheel.
 #[derive(Clone)]

@@ -4,10 +4,10 @@ use super::Linearisation;
 use super::axle::AxleLayout;
 use super::trade::Aim;
 use crate::characteristics::{Measure, Slots};
+use crate::evaluate::place_of;
 use crate::model::{Axis, Drive, Frame, Mechanism, Suspension};
 use crate::solve::StationOrder;
 use crate::study::{Limited, Motion, Optimise, Sample, Site, Target};
-use crate::sweep::place_of;
 use nalgebra::DVector;
 
 /// What a target wants at one station of a leg or of an axle.

@@ -16,7 +16,7 @@ use toml::Spanned;
 pub const MOST_DESIGNS: u64 = 1_000_000_000_000;
 
 /// The most variables that are exchanged one by one: a group of such designs stays within a block.
-pub(crate) const MOST_EXCHANGED: usize = crate::sweep::BLOCK - 2;
+pub(crate) const MOST_EXCHANGED: usize = crate::evaluate::BLOCK - 2;
 
 impl Sampling {
     const ALL: [(&str, Sampling); 5] = [

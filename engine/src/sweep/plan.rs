@@ -1,22 +1,21 @@
 //! Results of a sweep for each design, and the workers that compute them.
 
-use super::axle::AxleStations;
 use super::in_order;
-use super::lanes::NotInLanes;
-use super::rate_slopes::RateSlopes;
 use super::record::{Kind, MoveRecord, OutputColumn, TargetColumn, VariableRecord};
 use super::rows::{Failing, Rows};
-use super::{BLOCKS_OF_PART, Block, Evaluator, FORM, Samples, Stations, SweepRecord};
+use super::{BLOCKS_OF_PART, FORM, Samples, SweepRecord};
 use crate::ask::with_unit;
+use crate::axle::AxlePlan;
 use crate::characteristics::Quantity;
 use crate::curves::Column;
+use crate::evaluate::{AxleStations, Block, Evaluator, NotInLanes, Request, Stations};
 use crate::mechanism::DesignFault;
 use crate::model::Suspension;
 use crate::number::{Vector3, Width};
 use crate::plan::{Output, Plan};
 use crate::study::{
-    AxleSample, DesignTable, Designs, FileFormat, Sample, Sampled, Sampling, Study, StudyErrors,
-    Sweep, Target,
+    AxleSample, AxleStudy, DesignTable, Designs, FileFormat, Sample, Sampled, Sampling, Study,
+    StudyErrors, Sweep, Target,
 };
 use std::borrow::Cow;
 use std::ops::{ControlFlow, Range};
@@ -26,16 +25,10 @@ use std::ops::{ControlFlow, Range};
 pub struct SweepPlan<'s> {
     /// Description of the results, as in `sweep.json`.
     pub record: SweepRecord,
-    /// The stations at which each design is solved.
-    pub stations: Stations,
-    /// The quantities that are read off each pose, those of targets included.
-    pub quantities: Vec<Quantity>,
-    /// The columns of values, by quantity.
-    pub values: Vec<Column>,
+    /// The quantities that are read off each pose, those of targets included, and the stations of each design.
+    request: Request<'s>,
     /// For each quantity its derivative by the drive, unless it is a derivative itself. For an axle, the requested derivatives.
     gains: Vec<Vec<Gain>>,
-    /// For an axle: its stations and quantities; `quantities` above is then unused.
-    axle: Option<AxleStations<'s>>,
     targets: Vec<SweptTarget>,
     samples: Samples,
     study: &'s Study,
@@ -105,71 +98,16 @@ impl<'s> SweepPlan<'s> {
         };
         let wanted: Vec<Vec<Sample>> = swept.iter().map(samples_in).collect();
         let further: Vec<f64> = wanted.iter().flatten().map(|s| s.drive).collect();
-        let mut stations = Stations::of(&study.motion, &suspension.frame, &further);
-        let plan = with_gains(study);
-        let quantities: Vec<Quantity> = plan.outputs.iter().map(|o| o.quantity).collect();
-        let columns = Column::all(&plan, suspension.length_unit);
-        let (values, gains): (Vec<_>, Vec<_>) = columns.into_iter().partition(|c| c.order == 0);
-        let mut values = values;
-        let gain = |(slope, gain): (usize, Column)| {
-            let own = Gain {
-                column: with_unit(format!("{}_gain", gain.output), &gain.unit),
-                factor: gain.factor(),
-                unit: gain.unit,
-                slope,
-            };
-            match quantities[slope].is_gain() {
-                true => Vec::new(),
-                false => vec![own],
+        let (request, gains, wishes) = match &study.axle {
+            Some(both) => {
+                let samples: Vec<_> = swept.iter().map(|t| t.axle_samples(&both.axle)).collect();
+                of_axle(both, &both.plan_with(swept), &samples)
+            }
+            None => {
+                let stations = Stations::of(&study.motion, &suspension.frame, &further);
+                of_corner(study, stations, swept, &wanted)
             }
         };
-        let mut gains: Vec<Vec<Gain>> = gains.into_iter().enumerate().map(gain).collect();
-        let mut wishes: Vec<Vec<SweptWish>> = Vec::new();
-        let mut axle = None;
-        if let Some(both) = &study.axle {
-            let samples: Vec<_> = swept.iter().map(|t| t.axle_samples(&both.axle)).collect();
-            let further = samples.iter().flatten().map(|sample| sample.placement);
-            let plan = both.plan_with(swept);
-            let of_axle = AxleStations::of(Cow::Borrowed(&both.axle), &plan, further);
-            stations = of_axle.stations();
-            values = of_axle.columns();
-            gains = vec![Vec::new(); values.len()];
-            for (slope, gain) in of_axle.gains.iter().enumerate() {
-                let same = |q: &crate::axle::Quantity| Some(*q) == gain.quantity();
-                let of = of_axle.quantities.iter().position(same);
-                gains[of.expect("a gain of what is read")].push(Gain {
-                    column: gain.name.clone(),
-                    unit: gain.unit.clone(),
-                    factor: gain.factor,
-                    slope,
-                });
-            }
-            let wish = |sample: &AxleSample| {
-                let [quantity, station] = of_axle.place(sample.quantity, sample.placement);
-                SweptWish {
-                    quantity,
-                    station,
-                    wanted: sample.wanted,
-                }
-            };
-            wishes.extend(samples.iter().map(|own| own.iter().map(wish).collect()));
-            axle = Some(of_axle);
-        } else {
-            for (target, wanted) in swept.iter().zip(&wanted) {
-                let measure = target.of.of_wheel().and_then(|of| of.quantity());
-                let quantity = quantities.iter().position(|q| measure == Some(*q));
-                let quantity = quantity.expect("the plan has the targets' characteristics");
-                let wish = |wanted: &Sample| {
-                    let station = stations.at(wanted.drive);
-                    SweptWish {
-                        quantity,
-                        station: station.expect("a station for each drive value"),
-                        wanted: *wanted,
-                    }
-                };
-                wishes.push(wanted.iter().map(wish).collect());
-            }
-        }
         let targets = swept
             .iter()
             .zip(wishes)
@@ -181,12 +119,9 @@ impl<'s> SweepPlan<'s> {
             });
         let mut plan = SweepPlan {
             targets: targets.collect(),
-            record: describe(study, sweep, &samples, &stations),
-            stations,
-            quantities,
-            values,
+            record: describe(study, sweep, &samples, request.stations()),
+            request,
             gains,
-            axle,
             samples,
             study,
         };
@@ -210,25 +145,10 @@ impl<'s> SweepPlan<'s> {
 
     /// A worker that solves designs in lanes of this width, or all of them one by one without one.
     pub fn worker_of_width(&self, width: Option<Width>) -> Result<Worker<'_>, DesignFault> {
-        let (values, stations) = (self.values.len(), &self.stations);
-        let (evaluator, block) = match &self.axle {
-            Some(axle) => {
-                let block = Block::with_gains(values, stations.count(), axle.gains.len());
-                (axle.evaluator(width)?, block)
-            }
-            None => {
-                let (suspension, quantities) = (&self.study.suspension, &self.quantities);
-                let has_gain = |k: usize| !self.gains[k].is_empty();
-                let slopes = RateSlopes::of(suspension, stations, quantities, has_gain)?;
-                let mut evaluator = Evaluator::with_width(suspension, stations, quantities, width)?;
-                evaluator.slopes = slopes.map(|slopes| Box::new(slopes) as _);
-                (evaluator, Block::new(values, stations.count()))
-            }
-        };
         Ok(Worker {
             plan: self,
-            evaluator,
-            block,
+            evaluator: self.request.evaluator(width)?,
+            block: self.request.block(),
             designs: Vec::new(),
             rows: Rows::default(),
         })
@@ -254,10 +174,25 @@ impl<'s> SweepPlan<'s> {
         );
     }
 
+    /// The stations at which each design is solved.
+    pub fn stations(&self) -> &Stations {
+        self.request.stations()
+    }
+
+    /// The quantities of a corner, those of targets included; empty for an axle.
+    pub fn quantities(&self) -> &[Quantity] {
+        self.request.of_wheel()
+    }
+
+    /// The columns of values, by quantity.
+    pub fn values(&self) -> &[Column] {
+        self.request.columns()
+    }
+
     /// The quantities that are read in each position of an axle, those of targets included; empty for a study of one
     /// wheel.
     pub fn axle_quantities(&self) -> &[crate::axle::Quantity] {
-        self.axle.as_ref().map_or(&[], |axle| &axle.quantities)
+        self.request.axle().map_or(&[], |axle| &axle.quantities)
     }
 
     /// The points of the design of this number, in the kernel's frame.
@@ -282,7 +217,7 @@ impl<'s> SweepPlan<'s> {
                 at_design: None,
             });
         };
-        for (value, gains) in self.values.iter().zip(&self.gains) {
+        for (value, gains) in self.values().iter().zip(&self.gains) {
             let output = value.output.as_str();
             for (word, kind) in [
                 ("min", Kind::Min),
@@ -323,10 +258,10 @@ impl<'s> SweepPlan<'s> {
                 false => f64::NAN,
             };
         };
-        for (k, (column, gains)) in self.values.iter().zip(&self.gains).enumerate() {
+        for (k, (column, gains)) in self.values().iter().zip(&self.gains).enumerate() {
             let (value_at, factor) = (|station| block.value(design, k, station), column.factor());
             let (mut min, mut max) = (f64::INFINITY, f64::NEG_INFINITY);
-            for station in self.stations.of_motion() {
+            for station in self.stations().of_motion() {
                 let value = value_at(station) * factor;
                 // A range over a part of the motion would look like one over all of it.
                 (min, max) = match value.is_nan() {
@@ -342,7 +277,7 @@ impl<'s> SweepPlan<'s> {
             }
             put(min);
             put(max);
-            put(value_at(self.stations.design()) * factor);
+            put(value_at(self.stations().design()) * factor);
             for gain in gains {
                 put(block.slope(design, gain.slope) * gain.factor);
             }
@@ -369,10 +304,10 @@ impl<'s> SweepPlan<'s> {
     fn failing(&self, block: &Block, into: &mut Vec<Option<Failing>>) {
         into.clear();
         into.resize(block.designs(), None);
-        let values = self.stations.values();
+        let values = self.stations().values();
         let drive = self.study.motion.drive;
         for failed in block.failures() {
-            let at = drive.printed(values[self.stations.value_of(failed.station)]);
+            let at = drive.printed(values[self.stations().value_of(failed.station)]);
             let entry = &mut into[failed.design];
             let nearer = |f: &Failing| f.at.is_some_and(|known| at.abs() < known.abs());
             let count = entry.as_ref().map_or(0, |f| f.stations);
@@ -385,7 +320,7 @@ impl<'s> SweepPlan<'s> {
         }
         let mechanism = &self.study.suspension.mechanism;
         for (design, fault) in block.faults() {
-            let all = self.stations.count();
+            let all = self.stations().count();
             into[*design] = Some(Failing::degenerate(fault, mechanism, all));
         }
     }
@@ -465,6 +400,81 @@ impl Worker<'_> {
         self.evaluate();
         self.rows.outputs.clone()
     }
+}
+
+/// Request of a sweep, the derivatives of each column in the design position, and the wanted values of each target.
+type Planned<'s> = (Request<'s>, Vec<Vec<Gain>>, Vec<Vec<SweptWish>>);
+
+/// Plans the sweep of a corner with the targets' wanted values.
+fn of_corner<'s>(
+    study: &'s Study,
+    stations: Stations,
+    swept: &[Target],
+    wanted: &[Vec<Sample>],
+) -> Planned<'s> {
+    let plan = with_gains(study);
+    let quantities: Vec<Quantity> = plan.outputs.iter().map(|o| o.quantity).collect();
+    let columns = Column::all(&plan, study.suspension.length_unit);
+    let (values, slopes): (Vec<_>, Vec<_>) = columns.into_iter().partition(|c| c.order == 0);
+    let gain = |(slope, gain): (usize, Column)| {
+        let own = Gain {
+            column: with_unit(format!("{}_gain", gain.output), &gain.unit),
+            factor: gain.factor(),
+            unit: gain.unit,
+            slope,
+        };
+        match quantities[slope].is_gain() {
+            true => Vec::new(),
+            false => vec![own],
+        }
+    };
+    let gains: Vec<Vec<Gain>> = slopes.into_iter().enumerate().map(gain).collect();
+    let wishes = swept.iter().zip(wanted).map(|(target, wanted)| {
+        let measure = target.of.of_wheel().and_then(|of| of.quantity());
+        let quantity = quantities.iter().position(|q| measure == Some(*q));
+        let quantity = quantity.expect("the plan has the targets' characteristics");
+        let wish = |wanted: &Sample| {
+            let station = stations.at(wanted.drive);
+            SweptWish {
+                quantity,
+                station: station.expect("a station for each drive value"),
+                wanted: *wanted,
+            }
+        };
+        wanted.iter().map(wish).collect()
+    });
+    let wishes = wishes.collect();
+    let suspension = Cow::Borrowed(&study.suspension);
+    let request = Request::of_corner(suspension, stations, quantities, values);
+    (request.with_slopes(|k| !gains[k].is_empty()), gains, wishes)
+}
+
+/// Plans the sweep of an axle with the targets' wanted values.
+fn of_axle<'s>(both: &'s AxleStudy, plan: &AxlePlan, samples: &[Vec<AxleSample>]) -> Planned<'s> {
+    let further = samples.iter().flatten().map(|sample| sample.placement);
+    let stations = AxleStations::of(Cow::Borrowed(&both.axle), plan, further);
+    let mut gains = vec![Vec::new(); stations.quantities.len()];
+    for (slope, gain) in stations.gains.iter().enumerate() {
+        let same = |q: &crate::axle::Quantity| Some(*q) == gain.quantity();
+        let of = stations.quantities.iter().position(same);
+        gains[of.expect("a gain of what is read")].push(Gain {
+            column: gain.name.clone(),
+            unit: gain.unit.clone(),
+            factor: gain.factor,
+            slope,
+        });
+    }
+    let wish = |sample: &AxleSample| {
+        let [quantity, station] = stations.place(sample.quantity, sample.placement);
+        SweptWish {
+            quantity,
+            station,
+            wanted: sample.wanted,
+        }
+    };
+    let wishes = samples.iter().map(|own| own.iter().map(wish).collect());
+    let wishes = wishes.collect();
+    (Request::of_axle(stations), gains, wishes)
 }
 
 /// The outputs of a study and its targets, each with its first derivative by the drive.

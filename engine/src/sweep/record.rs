@@ -3,8 +3,8 @@
 //! Together with the rows and statistics of its parts, it is all that `--resume`, `hardpoint merge` and a page need: the
 //! columns, the samples, and the division into parts.
 
-use super::BLOCK;
 use crate::axle::Coordinate;
+use crate::evaluate::BLOCK;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 

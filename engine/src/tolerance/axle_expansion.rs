@@ -12,64 +12,47 @@
 
 use super::Problem;
 use crate::assembly::{NoSetUp, Rest};
-use crate::axle::{AxleSolver, Hold};
+use crate::evaluate::Evaluated;
+use crate::model::Side;
 use crate::number::Vector3;
 use crate::study::Source;
-use crate::sweep::AxleStations;
-
-/// How fast every value changes with each source: `[cell][source]`, NaN where there is no value.
-pub(super) fn gradients(
-    problem: &Problem,
-    stations: &AxleStations,
-    sources: &[&Source],
-) -> Result<Vec<f64>, NoSetUp> {
-    let orders = stations.quantities.iter().map(|q| q.rate_order());
-    let on_plane = |p: &crate::axle::Placement| p.hold() != Hold::TravelsOnPads;
-    let by_ground = usize::from(stations.placements.iter().any(on_plane));
-    match orders.max().unwrap_or(0) + by_ground {
-        0 => found::<1>(problem, stations, sources),
-        1 => found::<2>(problem, stations, sources),
-        2 => found::<3>(problem, stations, sources),
-        _ => found::<4>(problem, stations, sources),
-    }
-}
 
 /// How every point of a wheel moves with a source.
 type Moves = Vec<Vector3<f64>>;
 
-fn found<const N: usize>(
-    problem: &Problem,
-    stations: &AxleStations,
-    sources: &[&Source],
-) -> Result<Vec<f64>, NoSetUp> {
+/// Derivatives of every value by each source, `[cell][source]`: NaN where there is no value, or none that can be
+/// differentiated.
+pub(super) fn gradients(problem: &Problem, sources: &[&Source]) -> Result<Vec<f64>, NoSetUp> {
     let moves = moves(problem, sources)?;
+    let drawn = |side: Side| {
+        &problem.workshops[side as usize]
+            .assembler
+            .suspension()
+            .design[..]
+    };
+    let evaluator = problem.request.gradients(&[], None);
+    let mut evaluator = evaluator.map_err(|(_, fault)| NoSetUp::Fault(fault))?;
+    let mut found = Evaluated::default();
+    evaluator.evaluate(Side::ALL.map(drawn), &mut found);
     let mut gradients = vec![f64::NAN; problem.cells() * sources.len()];
-    let solver = AxleSolver::<N>::new(&stations.axle, &stations.quantities, false);
-    let mut solver = solver.map_err(|(_, fault)| NoSetUp::Fault(fault))?;
-    let placed = solver.place_all(&stations.placements);
-    for (station, placed) in placed.into_iter().enumerate() {
-        let read = placed.and_then(|placed| Ok((placed, solver.read(&placed)?)));
-        let Ok((placed, read)) = read else {
-            continue;
-        };
-        let receive = |output: usize, by: [&[Vector3<f64>]; 2]| {
-            if read.value(stations.quantities[output]).is_err() {
-                return;
+    for output in 0..problem.outputs().len() {
+        for station in 0..problem.stations().count() {
+            if !found.is_solved(0, station) || found.value(0, output, station).is_nan() {
+                continue;
             }
             let cell = problem.cell(output, station);
             for (source, moves) in moves.iter().enumerate() {
-                let of_side = |(moves, by): (&Moves, &[Vector3<f64>])| -> f64 {
+                let of_side = |(side, moves): (Side, &Moves)| -> f64 {
+                    let by = found.gradient((0, output, station), side);
                     let pairs = moves.iter().zip(by);
-                    // What does not move adds nothing, even where the derivative by it has no value.
+                    // A point that does not move adds nothing, even where the derivative by it has no value.
                     let moving = pairs.filter(|(way, _)| way.to_array() != [0.0; 3]);
                     moving.map(|(way, by)| by.dot(*way)).sum()
                 };
-                let sides = moves.iter().zip(by).map(of_side);
+                let sides = Side::ALL.into_iter().zip(moves).map(of_side);
                 gradients[cell * sources.len() + source] = sides.sum();
             }
-        };
-        // What cannot be differentiated stays unknown.
-        let _ = solver.gradients(&placed, &stations.quantities, receive);
+        }
     }
     Ok(gradients)
 }

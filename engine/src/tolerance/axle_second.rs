@@ -15,13 +15,13 @@ use super::expansion::combined;
 use crate::assembly::{Built, NoSetUp, Rest};
 use crate::axle::{AxleSolver, AxleState, Hold, Parts, Quantity, Reading, Snapshot};
 use crate::derive::{MotionPoint, pose_series};
+use crate::evaluate::AxleStations;
 use crate::linear::lu::Lu6;
 use crate::mechanism::{Closure, Configuration, Driver, Ground, Pose};
 use crate::model::{Drive, Side, SteeringAxis};
 use crate::number::{Jet, Vector3};
 use crate::solve::Solver;
 use crate::study::Source;
-use crate::sweep::AxleStations;
 
 type Series = Jet<f64, 3>;
 

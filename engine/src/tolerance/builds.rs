@@ -1,13 +1,13 @@
 //! Builds by number: drawn, put together, solved.
 
+use super::Problem;
 use super::lanes::LaneBuilder;
 use super::workshop::Workshop;
-use super::{Looked, Problem};
 use crate::assembly::{Parts, Reject};
+use crate::evaluate::{BLOCK, Block, Evaluator, NotInLanes};
 use crate::mechanism::DesignFault;
 use crate::model::{Side, Suspension};
 use crate::number::{Vector3, Width};
-use crate::sweep::{BLOCK, Block, Evaluator, NotInLanes};
 
 impl Problem<'_> {
     /// Why no build is solved in SIMD lanes; `None` if most are.
@@ -24,7 +24,7 @@ impl Problem<'_> {
             return Ok(vec![f64::NAN; self.cells()]);
         }
         builder.finish(0, Vec::new());
-        let outputs = 0..self.outputs.len();
+        let outputs = 0..self.outputs().len();
         let values = outputs.flat_map(|output| builder.block.values(0, output));
         Ok(values.collect())
     }
@@ -92,14 +92,7 @@ struct WheelBuilder<'a> {
 impl<'a> Builder<'a> {
     /// In lanes of a width, or one by one alone.
     pub(super) fn new(problem: &'a Problem<'a>, width: Option<Width>) -> Result<Self, DesignFault> {
-        let stations = &problem.stations;
-        let mut evaluator = match &problem.looked {
-            Looked::Wheel { quantities, .. } => {
-                let suspension = problem.workshops[0].assembler.suspension();
-                Evaluator::with_width(suspension, stations, quantities, width)?
-            }
-            Looked::Axle(axles) => axles.evaluator(width)?,
-        };
+        let mut evaluator = problem.request.evaluator(width)?;
         evaluator.interrupt = problem.interrupt;
         let wheel = |workshop: &'a Workshop| WheelBuilder {
             workshop,
@@ -111,7 +104,7 @@ impl<'a> Builder<'a> {
             problem,
             wheels: problem.workshops.iter().map(wheel).collect(),
             evaluator,
-            block: Block::new(problem.outputs.len(), stations.count()),
+            block: problem.request.block(),
             draws: vec![0.0; problem.tolerance.sources()],
             draws_of_block: vec![0.0; problem.tolerance.sources() * BLOCK],
             places: Vec::with_capacity(BLOCK),

@@ -1,8 +1,9 @@
 //! Random numbers of builds: functions of seed, number of the build, wheel and number of the source alone.
 
+use crate::evaluate::BLOCK;
 use crate::model::Side;
 use crate::study::{Law, Source, Tolerance};
-use crate::sweep::{BLOCK, uniform};
+use crate::sweep::uniform;
 
 impl Law {
     /// Mean of the law.

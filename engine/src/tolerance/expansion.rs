@@ -5,7 +5,7 @@
 //! whose second coefficient is (H_jj + 2 H_jk + H_kk)/2. Quantities made of velocities (gains, roll centres,
 //! anti-features, swing arms, motion ratios) have no second-order part here: their series would have to be in travel as well.
 
-use super::{Looked, Problem, Spread, axle_expansion, axle_second};
+use super::{Problem, Spread, axle_expansion, axle_second};
 use crate::assembly::{BuildParameter, NoSetUp, Rest, built_curves};
 use crate::characteristics::{Constants, Slots, WheelReading};
 use crate::derive::MotionPoint;
@@ -44,10 +44,10 @@ impl Expansion {
     pub fn of(problem: &Problem) -> Result<Self, NoSetUp> {
         let sources: Vec<_> = problem.tolerance.each_source().collect();
         let (count, cells) = (sources.len(), problem.cells());
-        let (gradient, second) = match &problem.looked {
-            Looked::Wheel { .. } => of_wheel(problem, &sources)?,
-            Looked::Axle(stations) => {
-                let gradient = axle_expansion::gradients(problem, stations, &sources)?;
+        let (gradient, second) = match problem.request.axle() {
+            None => of_wheel(problem, &sources)?,
+            Some(stations) => {
+                let gradient = axle_expansion::gradients(problem, &sources)?;
                 (gradient, axle_second::second(problem, stations)?)
             }
         };
@@ -140,9 +140,9 @@ fn of_wheel(problem: &Problem, sources: &[&Source]) -> Result<(Vec<f64>, Vec<[f6
     let found = built_curves(assembler, &built, &plan, &borrowed)?;
     let count = sources.len();
     let mut gradient = vec![f64::NAN; problem.cells() * count];
-    for output in 0..problem.outputs.len() {
+    for output in 0..problem.outputs().len() {
         let factor = found.curves.columns[output].factor();
-        for station in 0..problem.stations.count() {
+        for station in 0..problem.stations().count() {
             let cell = problem.cell(output, station);
             for source in 0..count {
                 gradient[cell * count + source] =
@@ -158,14 +158,14 @@ fn plan(problem: &Problem) -> Plan {
     let mut study = problem.study.clone();
     study.suspension = problem.workshops[0].assembler.suspension().clone();
     study.formulation = Formulation::KnucklePose;
-    study.outputs = Outputs::of(problem.characteristics().to_vec());
+    study.outputs = Outputs::of(problem.characteristics().collect());
     study.motion.drive = Drive::Travel;
     study.motion.time = None;
     let mut plan = Plan::of(&study);
-    plan.station_order = StationOrder::through(problem.stations.values());
+    plan.station_order = StationOrder::through(problem.stations().values());
     // The stations have the rack in the kernel's axes.
     plan.racks = problem
-        .stations
+        .stations()
         .racks
         .iter()
         .map(|r| r * plan.rack_sign)
@@ -178,7 +178,6 @@ fn second(problem: &Problem, built: &crate::assembly::Built) -> Vec<[f64; 2]> {
     let mechanism = &problem.workshops[0].assembler.suspension().mechanism;
     let readable: Vec<bool> = problem
         .characteristics()
-        .iter()
         .map(|c| {
             let by_screw = mechanism.steering_axis == Some(SteeringAxis::Instantaneous)
                 && c.info().reads_steering_axis();
@@ -220,7 +219,7 @@ pub(super) fn combined(
     let place = |j: usize, k: usize| j * count - j * (j + 1) / 2 + k;
     let mut second = unknown;
     for (cell, entry) in second.iter_mut().enumerate() {
-        if !readable[cell / problem.stations.count()] {
+        if !readable[cell / problem.stations().count()] {
             continue;
         }
         let own = |j: usize| bends[place(j, j)][cell];
@@ -255,7 +254,7 @@ impl<'p> Poses<'p> {
     fn of(problem: &Problem, readable: &'p [bool]) -> Option<Self> {
         let suspension = problem.workshops[0].assembler.suspension();
         let mut solver = Solver::new(&suspension.mechanism, &suspension.design).ok()?;
-        let stations = &problem.stations;
+        let stations = problem.stations();
         let mut poses = vec![None; stations.count()];
         for (r, rack) in stations.racks.iter().enumerate() {
             let walked = solver.for_each_pose(
@@ -277,7 +276,7 @@ impl<'p> Poses<'p> {
             );
             walked.ok()?;
         }
-        let characteristics = problem.characteristics().iter().zip(readable);
+        let characteristics = problem.characteristics().zip(readable);
         let readable_ones = characteristics.filter(|(_, readable)| **readable);
         let slots = Slots::of(readable_ones.map(|(c, _)| c.info().reads));
         Some(Poses {
@@ -311,9 +310,9 @@ impl<'p> Poses<'p> {
             );
             let at = Configuration::new(mechanism, &design, pose, rack);
             let reading = WheelReading::reading(&at, self.constants, self.slots);
-            for (output, c) in problem.characteristics().iter().enumerate() {
+            for (output, c) in problem.characteristics().enumerate() {
                 if self.readable[output] {
-                    bends[problem.cell(output, station)] = reading.characteristic(*c).derivative(2);
+                    bends[problem.cell(output, station)] = reading.characteristic(c).derivative(2);
                 }
             }
         }

@@ -1,9 +1,9 @@
 //! Builds in SIMD lanes: from their numbers to their built designs.
 
 use super::workshop::Workshop;
+use crate::evaluate::{BLOCK, scatter};
 use crate::number::{SimdReal, SimdTask, Vector3, Width};
 use crate::study::Tolerance;
-use crate::sweep::{BLOCK, scatter};
 
 /// Puts together as many builds at a time as the processor has lanes.
 pub(super) struct LaneBuilder<'a> {

@@ -35,9 +35,9 @@ use crate::assembly::NoSetUp;
 use crate::axle::{Axle, Placement};
 use crate::characteristics::{Characteristic, Quantity};
 use crate::curves::Column;
+use crate::evaluate::{AxleStations, Request, Stations};
 use crate::model::Side;
 use crate::study::{About, AxleStudy, Band, Study, Tolerance};
-use crate::sweep::{AxleStations, Stations};
 use crate::threads::Interrupt;
 use std::borrow::Cow;
 use std::sync::atomic::AtomicBool;
@@ -52,32 +52,19 @@ pub struct Problem<'a> {
     pub study: &'a Study,
     /// Its tolerances.
     pub tolerance: &'a Tolerance,
-    /// Columns of the values: the study's outputs, then those of bands.
-    pub outputs: Vec<Column>,
-    /// Stations at which they are read: those of the motion, the drawn position, those of bands.
-    pub stations: Stations,
+    /// Quantities and stations: those of the study's outputs and motion, the design position, then those of bands. Of an
+    /// axle each wheel has hardpoints of its own.
+    request: Request<'static>,
     /// By band: the output and the station of each value, and between what they are to be.
     bands: Vec<Banded>,
     /// The workshop of each wheel: left, then right.
     workshops: Vec<Workshop>,
-    looked: Looked,
     /// Ends a Monte Carlo early.
     interrupt: Interrupt<'a>,
 }
 
 /// The values of a band: output and station of each, and between what they are to be.
 type Banded = (Vec<[usize; 2]>, [f64; 2]);
-
-/// The quantities whose scatter is computed.
-enum Looked {
-    /// Characteristics of one wheel.
-    Wheel {
-        characteristics: Vec<Characteristic>,
-        quantities: Vec<Quantity>,
-    },
-    /// Quantities of the axle as drawn, where each wheel has hardpoints of its own.
-    Axle(Box<AxleStations<'static>>),
-}
 
 impl<'a> Problem<'a> {
     /// The same, whose builds end early when a flag is raised: within a block, which is then left out.
@@ -132,21 +119,19 @@ impl<'a> Problem<'a> {
             let factor = unit.printed_factor(length);
             Column::of_value((*name).to_owned(), unit.suffix(length), positive, factor)
         };
+        let bands = tolerance.bands.iter().map(banded).collect();
+        let workshop = Workshop::of(study, tolerance, suspension, None)?;
+        let quantities = characteristics.iter().copied();
+        let quantities = quantities.map(Quantity::Characteristic).collect();
+        let columns = characteristics.iter().map(output).collect();
+        let drawn = Cow::Owned(workshop.assembler.suspension().clone());
         Ok(Problem {
             study,
             tolerance,
-            outputs: characteristics.iter().map(output).collect(),
-            bands: tolerance.bands.iter().map(banded).collect(),
-            workshops: vec![Workshop::of(study, tolerance, suspension, None)?],
-            stations,
+            request: Request::of_corner(drawn, stations, quantities, columns),
+            bands,
+            workshops: vec![workshop],
             interrupt: Interrupt::default(),
-            looked: Looked::Wheel {
-                quantities: characteristics
-                    .iter()
-                    .map(|c| Quantity::Characteristic(*c))
-                    .collect(),
-                characteristics,
-            },
         })
     }
 
@@ -203,33 +188,39 @@ impl<'a> Problem<'a> {
         Ok(Problem {
             study,
             tolerance,
-            outputs: stations.columns(),
             bands: wanted.iter().map(banded).collect(),
+            request: Request::of_axle(stations),
             workshops,
-            stations: stations.stations(),
             interrupt: Interrupt::default(),
-            looked: Looked::Axle(Box::new(stations)),
         })
     }
 
-    /// The characteristics of a study of one wheel, in the order of [`Problem::outputs`]; empty for an axle.
-    fn characteristics(&self) -> &[Characteristic] {
-        match &self.looked {
-            Looked::Wheel {
-                characteristics, ..
-            } => characteristics,
-            Looked::Axle(_) => &[],
-        }
+    /// Columns of the values: the study's outputs, then those of bands.
+    pub fn outputs(&self) -> &[Column] {
+        self.request.columns()
+    }
+
+    /// Stations at which they are read: those of the motion, the design position, those of bands.
+    pub fn stations(&self) -> &Stations {
+        self.request.stations()
+    }
+
+    /// The characteristics of a study of one wheel, in the order of [`Problem::outputs`]; none for an axle.
+    fn characteristics(&self) -> impl Iterator<Item = Characteristic> {
+        self.request.of_wheel().iter().filter_map(|q| match q {
+            Quantity::Characteristic(c) => Some(*c),
+            Quantity::Coordinate(..) | Quantity::AngularVelocity(_) => None,
+        })
     }
 
     /// Number of values of a build: outputs times stations.
     pub fn cells(&self) -> usize {
-        self.outputs.len() * self.stations.count()
+        self.outputs().len() * self.stations().count()
     }
 
     /// The value's number of an output at a station.
     pub fn cell(&self, output: usize, station: usize) -> usize {
-        output * self.stations.count() + station
+        output * self.stations().count() + station
     }
 
     /// For each band, the numbers ([`Problem::cell`]) of the values that are to keep to it.
@@ -241,9 +232,6 @@ impl<'a> Problem<'a> {
 
     /// The position of every station of an axle; empty for a study of one wheel.
     pub fn placements(&self) -> &[Placement] {
-        match &self.looked {
-            Looked::Wheel { .. } => &[],
-            Looked::Axle(stations) => &stations.placements,
-        }
+        self.request.axle().map_or(&[], |axle| &axle.placements)
     }
 }

@@ -4,10 +4,11 @@ use super::builds::{Builder, Outcome};
 use super::order::{Order, Sifted};
 use super::{PERCENTILES, Problem};
 use crate::assembly::Reject;
+use crate::evaluate::{BLOCK, Block};
 use crate::mechanism::DesignFault;
 use crate::model::Side;
 use crate::number::Width;
-use crate::sweep::{BLOCK, Block, in_order};
+use crate::sweep::in_order;
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 
@@ -97,8 +98,8 @@ impl Sums {
             in_bands: Vec::with_capacity(bands.len()),
         };
         let mut has_values = [false; BLOCK];
-        for output in 0..problem.outputs.len() {
-            for station in 0..problem.stations.count() {
+        for output in 0..problem.outputs().len() {
+            for station in 0..problem.stations().count() {
                 let about = drawn[problem.cell(output, station)];
                 let (powers, range) = powers(block.across(output, station), about);
                 sums.powers.push(powers);

@@ -20,7 +20,7 @@ fn of_wheel(plan: &SweepPlan, study: &Study) -> Places {
     );
     names.extend(motion.time.is_some().then(|| "time_s".to_owned()));
     let sign = suspension.frame.sign(Axis::Y);
-    let stations = &plan.stations;
+    let stations = plan.stations();
     let place = |station: usize| {
         let (rack, value) = (stations.rack_of(station), stations.value_of(station));
         let mut values = vec![motion.drive.printed(stations.values()[value])];

@@ -1,9 +1,10 @@
 //! Axles in SIMD lanes against the same one by one: same values, same refusals, the same bits at every width.
 
 use hardpoint::axle::Quantity;
+use hardpoint::evaluate::NotInLanes;
 use hardpoint::number::Width;
 use hardpoint::study::Study;
-use hardpoint::sweep::{NotInLanes, SweepPlan, Worker};
+use hardpoint::sweep::{SweepPlan, Worker};
 use std::path::Path;
 
 const DESIGNS: usize = 20;

@@ -56,7 +56,7 @@ fn solved(problem: &Problem) -> (Vec<f64>, MonteCarlo) {
 
 /// The place of a column among what is looked at.
 fn output(problem: &Problem, column: &str) -> usize {
-    let found = problem.outputs.iter().position(|o| o.name == column);
+    let found = problem.outputs().iter().position(|o| o.name == column);
     found.unwrap_or_else(|| panic!("no {column}"))
 }
 
@@ -118,7 +118,7 @@ fn a_printed_build_is_the_build() {
             values.sort_by(f64::total_cmp);
             let range = found.spreads[problem.cell(k, station)].range;
             for (value, limit) in values.into_iter().zip(range) {
-                let off = (value - limit * problem.outputs[k].factor()).abs();
+                let off = (value - limit * problem.outputs()[k].factor()).abs();
                 assert!(off < 1e-9, "{} {station}: {off:e}", column.name);
             }
         }
@@ -339,12 +339,12 @@ fn first_order_is_the_monte_carlo_where_scatter_is_small() {
             off < 0.01 * linear + 4.5 * spread.sigma_error,
             "{cell}: {spread:?} {linear}"
         );
-        let of_velocities = problem.outputs[cell / problem.stations.count()]
+        let of_velocities = problem.outputs()[cell / problem.stations().count()]
             .name
             .contains("roll");
         assert_eq!(expansion.holds(cell), (!of_velocities).then_some(true));
     }
-    let rest = problem.stations.design();
+    let rest = problem.stations().design();
     let variance = |column: &str| expansion.variance[problem.cell(output(&problem, column), rest)];
     let [left, right] = ["left_toe_deg", "right_toe_deg"].map(variance);
     assert!((left / right - 1.0).abs() < 1e-9, "{left} {right}");
@@ -361,7 +361,7 @@ fn a_side_scatters_by_itself() {
     let problem = problem(&study);
     let expansion = Expansion::of(&problem).unwrap();
     let (_, found) = solved(&problem);
-    for station in 0..problem.stations.count() {
+    for station in 0..problem.stations().count() {
         let cell = |column: &str| problem.cell(output(&problem, column), station);
         let sigma = |column: &str| found.spreads[cell(column)].sigma;
         assert!(sigma("left_toe_deg") < 1e-12 && sigma("right_toe_deg") > 1e-4);
@@ -388,10 +388,10 @@ fn each_wheel_is_aligned() {
     let expansion = Expansion::of(&problem).unwrap();
     let (drawn, found) = solved(&problem);
     for column in ["left_toe_deg", "right_toe_deg"] {
-        for station in 0..problem.stations.count() {
+        for station in 0..problem.stations().count() {
             let cell = problem.cell(output(&problem, column), station);
             let (spread, linear) = (&found.spreads[cell], expansion.variance[cell].sqrt());
-            if station == problem.stations.design() {
+            if station == problem.stations().design() {
                 assert!(spread.sigma < 1e-13 && linear < 1e-13);
                 assert!((spread.mean - drawn[cell]).abs() < 1e-13);
             } else {
@@ -461,7 +461,7 @@ fn a_wheel_that_cannot_be_put_together_is_named() {
     let rejected = &found.rejects["out_of_reach"];
     assert_eq!(rejected.side, Some(Side::Right));
     assert!(rejected.builds > 0 && found.rejected() < 200);
-    let at_rest = &found.spreads[problem.cell(0, problem.stations.design())];
+    let at_rest = &found.spreads[problem.cell(0, problem.stations().design())];
     assert_eq!(at_rest.count + found.rejected(), 200);
     let (side, _) = problem.built_wheels(rejected.first).unwrap_err();
     assert_eq!(side, Some(Side::Right));

@@ -58,11 +58,11 @@ fn a_printed_build_is_the_build_and_can_be_proved() {
         let found = monte_carlo(&problem, &drawn, |_| ControlFlow::Continue(())).unwrap();
         let both = [built, problem.built(1).unwrap()];
         let curves = both.map(|built| curves(&built, &plan(&drawing)).unwrap());
-        assert_eq!(curves[0].stations.len(), problem.stations.count());
+        assert_eq!(curves[0].stations.len(), problem.stations().count());
         for (cell, spread) in found.spreads.iter().enumerate() {
             let (output, number) = (
-                cell / problem.stations.count(),
-                cell % problem.stations.count(),
+                cell / problem.stations().count(),
+                cell % problem.stations().count(),
             );
             let mut values = [0, 1].map(|k| curves[k].stations[number].values[output].unwrap());
             values.sort_by(f64::total_cmp);

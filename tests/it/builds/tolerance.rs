@@ -162,13 +162,13 @@ fn aligned_builds_have_the_drawn_toe_and_camber() {
     let problem = problem(&study);
     let (_, expansion, builds) = built(&problem);
     for output in 0..2 {
-        let at_rest = problem.cell(output, problem.stations.design());
+        let at_rest = problem.cell(output, problem.stations().design());
         assert!(builds.spreads[at_rest].sigma < 1e-13);
         assert!(expansion.variance[at_rest].sqrt() < 1e-13);
-        for station in 0..problem.stations.count() {
+        for station in 0..problem.stations().count() {
             let cell = problem.cell(output, station);
             let (linear, spread) = (expansion.variance[cell].sqrt(), &builds.spreads[cell]);
-            if station != problem.stations.design() {
+            if station != problem.stations().design() {
                 let off = (spread.sigma - linear).abs();
                 assert!(off < 0.02 * linear + 4.0 * spread.sigma_error);
             }

@@ -64,7 +64,7 @@ fn a_named_motion_that_is_not_reached_is_said_by_all_three() {
             let said = said(&output);
             assert_eq!(output.status.code(), Some(code), "{command}: {said}");
             let told = said.contains(
-                "motion left_lock: not solved: travel -40 to 40, rack 360 (9 stations): the rack moves no further than 1",
+                "motion left_lock: not solved: travel -40 to 40 mm, rack 360 mm (9 stations): the rack moves no further than 1",
             );
             assert_eq!(told, code == 1, "{command}: {said}");
         }

@@ -2,9 +2,9 @@
 
 use hardpoint::characteristics::{Characteristic, Quantity};
 use hardpoint::curves::curves;
+use hardpoint::evaluate::{Block, Evaluator, Stations};
 use hardpoint::plan::Plan;
 use hardpoint::study::Study;
-use hardpoint::sweep::{Block, Evaluator, Stations};
 use std::path::Path;
 
 const QUANTITIES: [Quantity; 3] = [

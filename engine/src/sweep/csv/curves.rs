@@ -2,7 +2,8 @@
 
 use super::cells::{append_number, append_whole};
 use crate::curves::Status;
-use crate::sweep::{Block, SweepPlan};
+use crate::evaluate::Block;
+use crate::sweep::SweepPlan;
 
 /// The part of each row that is the same for all designs, and the names of the rest.
 #[derive(Clone, Debug)]
@@ -21,7 +22,7 @@ impl CurvesCsv {
     pub fn of(plan: &SweepPlan, places: Vec<String>, stations: Vec<(usize, Vec<f64>)>) -> Self {
         let mut names = vec!["design".to_owned()];
         names.extend(places);
-        names.extend(plan.values.iter().map(|c| c.name.clone()));
+        names.extend(plan.values().iter().map(|c| c.name.clone()));
         names.push("status".to_owned());
         let cells = |(number, values): (usize, Vec<f64>)| {
             let mut cells = Vec::new();
@@ -34,8 +35,8 @@ impl CurvesCsv {
         CurvesCsv {
             header: (names.join(",") + "\n").into_bytes(),
             stations: stations.into_iter().map(cells).collect(),
-            factors: plan.values.iter().map(|c| c.factor()).collect(),
-            stations_of_block: plan.stations.count(),
+            factors: plan.values().iter().map(|c| c.factor()).collect(),
+            stations_of_block: plan.stations().count(),
         }
     }
 

@@ -1,8 +1,9 @@
 //! Designs in SIMD lanes.
 
 use super::Stations;
-use super::evaluate::{Block, Pairs, SIDE_BY_SIDE, SolvesInLanes};
-use super::gradients::Differentiating;
+use super::block::{Block, SIDE_BY_SIDE};
+use super::evaluator::{Pairs, SolvesInLanes};
+use super::lane_gradients::Differentiating;
 use crate::characteristics::{Constants, LaneInputs, LaneReader, LaneWheels, Quantity};
 use crate::model::Suspension;
 use crate::number::{MOST_LANES, SimdReal, SimdTask, Vector3, Width};

@@ -5,7 +5,8 @@
 //! so they are found one design at a time, with power series.
 
 use super::Stations;
-use super::evaluate::{Block, FindsSlopes, Pairs};
+use super::block::Block;
+use super::evaluator::{FindsSlopes, Pairs};
 use crate::characteristics::{Constants, Quantity, Slots, WheelReading};
 use crate::derive::{DesignSeries, MotionPoint};
 use crate::mechanism::DesignFault;

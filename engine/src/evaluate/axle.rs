@@ -3,10 +3,10 @@
 //! A variable moves the same point of both wheels, one as the mirror image of the other, also where the right
 //! wheel has hardpoints of its own.
 
-use super::Stations;
 use super::axle_lanes::AxleLanes;
-use super::evaluate::{Block, Evaluator, FindsSlopes, Pairs, SolvesOneByOne};
+use super::evaluator::{Evaluator, FindsSlopes, Pairs, SolvesOneByOne};
 use super::stations::place_of;
+use super::{Block, Stations};
 use crate::axle::{Axle, AxleColumn, AxlePlan, AxleSolver, Placement, Quantity, Read};
 use crate::curves::Column;
 use crate::mechanism::DesignFault;

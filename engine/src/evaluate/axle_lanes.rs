@@ -1,7 +1,8 @@
 //! Axles in SIMD lanes.
 
 use super::axle::AxleStations;
-use super::evaluate::{Block, Pairs, SIDE_BY_SIDE, SolvesInLanes};
+use super::block::{Block, SIDE_BY_SIDE};
+use super::evaluator::{Pairs, SolvesInLanes};
 use super::lanes::{NotInLanes, gather};
 use crate::axle::{Axle, AxleState, Hold, LaneWheel, Placement, Quantity, Setup};
 use crate::characteristics::{LaneInputs, LaneReader, LaneWheels, Slots};

@@ -1,0 +1,76 @@
+//! Axles one at a time, with the gradients of their quantities by the hardpoints of both wheels.
+
+use super::gradients_one_by_one::DifferentiatesOneByOne;
+use super::{AxleStations, Evaluated, Pairs};
+use crate::axle::{AxleSolver, Hold};
+use crate::mechanism::DesignFault;
+use crate::model::Side;
+
+/// Solver of one axle after another, with `N` coefficients of every series.
+struct OneByOne<'a, const N: usize> {
+    stations: &'a AxleStations<'a>,
+    solver: AxleSolver<'a, N>,
+}
+
+impl AxleStations<'_> {
+    /// A solver of values with gradients. On a plane ground the design moves the travels, which takes one derivative more
+    /// than the values do. Errors if the axle's own design cannot be solved.
+    pub(super) fn differentiating(
+        &self,
+    ) -> Result<Box<dyn DifferentiatesOneByOne + '_>, (Side, DesignFault)> {
+        let orders = self.quantities.iter().map(|q| q.rate_order());
+        let is_on_plane = self
+            .placements
+            .iter()
+            .any(|placement| placement.hold() != Hold::TravelsOnPads);
+        Ok(match orders.max().unwrap_or(0) + usize::from(is_on_plane) {
+            0 => OneByOne::<1>::new(self)?,
+            1 => OneByOne::<2>::new(self)?,
+            2 => OneByOne::<3>::new(self)?,
+            _ => OneByOne::<4>::new(self)?,
+        })
+    }
+}
+
+impl<'a, const N: usize> OneByOne<'a, N> {
+    fn new(stations: &'a AxleStations<'a>) -> Result<Box<Self>, (Side, DesignFault)> {
+        let solver = AxleSolver::new(&stations.axle, &stations.quantities, false)?;
+        Ok(Box::new(OneByOne { stations, solver }))
+    }
+}
+
+impl<const N: usize> DifferentiatesOneByOne for OneByOne<'_, N> {
+    fn evaluate(
+        &mut self,
+        [left, right]: Pairs<'_>,
+        number: usize,
+        into: &mut Evaluated,
+    ) -> Result<(), DesignFault> {
+        let OneByOne { stations, solver } = self;
+        let right = if right.is_empty() { left } else { right };
+        solver.prepare([left, right]).map_err(|(_, fault)| fault)?;
+        let placed = solver.place_all(&stations.placements);
+        for (station, placed) in placed.into_iter().enumerate() {
+            let read = placed.and_then(|placed| Ok((solver.read(&placed)?, placed)));
+            let Ok((read, placed)) = read else {
+                continue;
+            };
+            // A quantity without a value has no derivatives either.
+            let (mut numbers, mut quantities) = (Vec::new(), Vec::new());
+            for (k, quantity) in stations.quantities.iter().enumerate() {
+                if let Ok(value) = read.value(*quantity) {
+                    into.put(number, k, station, value);
+                    numbers.push(k);
+                    quantities.push(*quantity);
+                }
+            }
+            let found = solver.gradients(&placed, &quantities, |k, gradients| {
+                for (side, gradient) in Side::ALL.into_iter().zip(gradients) {
+                    into.put_gradients((number, numbers[k], station), side, gradient);
+                }
+            });
+            into.solved_of(number)[station] = found.is_ok();
+        }
+        Ok(())
+    }
+}

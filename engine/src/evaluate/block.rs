@@ -1,0 +1,166 @@
+//! Values of a block of designs.
+
+use super::aligned::Aligned;
+use crate::mechanism::{DesignFault, NoPose};
+use crate::number::{MOST_LANES, SimdReal};
+
+/// Number of designs in a full block. Blocks are also the unit of sums, shards and resumption: the designs from
+/// `k * BLOCK` on always belong together, for any number of threads.
+pub const BLOCK: usize = 128;
+/// Designs whose values are stored side by side, as the lanes return them.
+pub(super) const SIDE_BY_SIDE: usize = MOST_LANES;
+const _: () = assert!(BLOCK.is_multiple_of(SIDE_BY_SIDE));
+
+/// A station of a design without a pose.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FailedStation {
+    /// Number of the design in the block.
+    pub design: usize,
+    /// Number of the station.
+    pub station: usize,
+    /// Reason for the missing pose.
+    pub failure: NoPose,
+}
+
+/// Values of up to [`BLOCK`] designs, in the kernel's frame, in radians and length units; NaN if a value does not exist.
+#[derive(Clone, Debug)]
+pub struct Block {
+    outputs: usize,
+    stations: usize,
+    /// Slopes of each design.
+    gains: usize,
+    designs: usize,
+    /// `[design / SIDE_BY_SIDE][output][station][design % SIDE_BY_SIDE]`
+    values: Aligned,
+    /// `[design / SIDE_BY_SIDE][output][design % SIDE_BY_SIDE]`: derivatives by the drive in the design
+    /// position; of an axle by each number that moves.
+    slopes: Aligned,
+    /// In rising order of the design's number.
+    pub(super) failures: Vec<FailedStation>,
+    /// Designs that cannot be solved at all, by rising number.
+    pub(super) faults: Vec<(usize, DesignFault)>,
+}
+
+impl Block {
+    /// Room for this number of outputs and stations, with a slope for each output.
+    pub fn new(outputs: usize, stations: usize) -> Self {
+        Block::with_gains(outputs, stations, outputs)
+    }
+
+    /// Room for values as in [`Block::new`], with `gains` slopes per design.
+    pub(super) fn with_gains(outputs: usize, stations: usize, gains: usize) -> Self {
+        // `from` points into the slopes, so at least one must exist even if none is requested.
+        let gains = gains.max(1);
+        Block {
+            outputs,
+            stations,
+            gains,
+            designs: 0,
+            values: Aligned::new(f64::NAN, BLOCK * outputs * stations),
+            slopes: Aligned::new(f64::NAN, BLOCK * gains),
+            failures: Vec::new(),
+            faults: Vec::new(),
+        }
+    }
+
+    /// Makes ready for this number of designs. Values are still those of the block before.
+    pub(super) fn clear(&mut self, designs: usize) {
+        assert!(designs <= BLOCK);
+        self.designs = designs;
+        self.failures.clear();
+        self.faults.clear();
+    }
+
+    /// Number of designs.
+    pub fn designs(&self) -> usize {
+        self.designs
+    }
+
+    /// The value of an output of a design at a station.
+    #[inline]
+    pub fn value(&self, design: usize, output: usize, station: usize) -> f64 {
+        self.values[self.place(design, output, station)]
+    }
+
+    /// The values of an output of a design, by station.
+    pub fn values(&self, design: usize, output: usize) -> impl Iterator<Item = f64> {
+        (0..self.stations).map(move |station| self.value(design, output, station))
+    }
+
+    /// The values of an output of all designs at a station, in pieces, by rising number of the design.
+    pub(crate) fn across(&self, output: usize, station: usize) -> impl Iterator<Item = &[f64]> {
+        (0..self.designs).step_by(SIDE_BY_SIDE).map(move |first| {
+            let count = (self.designs - first).min(SIDE_BY_SIDE);
+            &self.values[self.place(first, output, station)..][..count]
+        })
+    }
+
+    /// Derivative by the drive in the design position. NaN for a quantity made of velocities, unless the sweep requests it.
+    #[inline]
+    pub fn slope(&self, design: usize, output: usize) -> f64 {
+        self.slopes[self.slope_place(design, output)]
+    }
+
+    /// Writes down a value, or NaN for one that is not finite (a swing arm of a wheel that does not turn).
+    pub(super) fn put(&mut self, design: usize, output: usize, station: usize, value: f64) {
+        let place = self.place(design, output, station);
+        self.values[place] = value.finite();
+    }
+
+    /// Writes down a slope, or NaN for one that is not finite.
+    pub(super) fn put_slope(&mut self, design: usize, output: usize, slope: f64) {
+        let place = self.slope_place(design, output);
+        self.slopes[place] = slope.finite();
+    }
+
+    /// Writes down why a station of a design has no pose, or not all values.
+    pub(super) fn fail(&mut self, design: usize, station: usize, failure: NoPose) {
+        self.failures.push(FailedStation {
+            design,
+            station,
+            failure,
+        });
+    }
+
+    /// Room for the values and the slopes of the designs from one on, as many as are solved together: those
+    /// of the next station [`SIDE_BY_SIDE`] numbers on, those of the next output after all stations.
+    #[inline(always)]
+    pub(super) fn from(&mut self, design: usize) -> (&mut [f64], &mut [f64]) {
+        let (value, slope) = (self.place(design, 0, 0), self.slope_place(design, 0));
+        (&mut self.values[value..], &mut self.slopes[slope..])
+    }
+
+    /// Leaves a design without values.
+    pub(super) fn forget(&mut self, design: usize) {
+        for output in 0..self.outputs {
+            for station in 0..self.stations {
+                self.put(design, output, station, f64::NAN);
+            }
+        }
+        for gain in 0..self.gains {
+            self.put_slope(design, gain, f64::NAN);
+        }
+    }
+
+    #[inline(always)]
+    fn place(&self, design: usize, output: usize, station: usize) -> usize {
+        let row = (design / SIDE_BY_SIDE * self.outputs + output) * self.stations + station;
+        row * SIDE_BY_SIDE + design % SIDE_BY_SIDE
+    }
+
+    #[inline(always)]
+    fn slope_place(&self, design: usize, gain: usize) -> usize {
+        let row = design / SIDE_BY_SIDE * self.gains + gain;
+        row * SIDE_BY_SIDE + design % SIDE_BY_SIDE
+    }
+
+    /// The stations without a pose, by rising number of the design.
+    pub fn failures(&self) -> &[FailedStation] {
+        &self.failures
+    }
+
+    /// The designs that cannot be solved at all, by rising number.
+    pub fn faults(&self) -> &[(usize, DesignFault)] {
+        &self.faults
+    }
+}

@@ -1,0 +1,140 @@
+//! The variables of a function.
+
+use crate::model::Suspension;
+use crate::study::{Designs, Study, SweepVariable, Variable, nearest};
+use thiserror::Error;
+
+/// Why there is no function.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum FunctionError {
+    /// The study solves the seed paper's equations, which do not give every output of every design.
+    #[error(
+        "a study with formulation = \"point_coordinates\" or drive = \"paper_theta\" is no function of the design"
+    )]
+    Formulation,
+    /// The study asks for nothing that is a function of position.
+    #[error("the study asks for no characteristic and no point")]
+    NoOutputs,
+    /// The design itself cannot be solved.
+    #[error("{0}")]
+    Design(String),
+    /// No variable has this name.
+    #[error(
+        "there is no variable {0:?}; expected a hardpoint and how it moves, as in tie_rod_inner_dz for an offset \
+         or tie_rod_inner_z for a coordinate{1}"
+    )]
+    UnknownVariable(String, String),
+}
+
+/// One of the numbers that a design is a function of.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DesignVariable {
+    /// Unique: `tie_rod_inner_dz`, `lower_arm_front+lower_arm_rear_dz`, `tie_rod_inner_z` of a coordinate,
+    /// `lower_arm_front+lower_arm_rear_turn_x` of a turn.
+    pub name: String,
+    /// The points it moves and its range: an offset from the design in the study's length unit and axes, or degrees of
+    /// a turn.
+    pub(super) moved: Variable,
+    /// Whether the number is the coordinate itself rather than an offset.
+    pub(super) absolute: bool,
+}
+
+impl DesignVariable {
+    /// The variables of a study: those of `[optimise]`, else those of `[sweep]`, else every coordinate of every
+    /// hardpoint.
+    pub fn of(study: &Study) -> Vec<Self> {
+        if let Some(optimise) = &study.optimise {
+            return optimise.variables.iter().map(Self::tuned).collect();
+        }
+        match study.sweep.as_ref().map(|sweep| &sweep.designs) {
+            Some(Designs::Sampled(sampled)) => sampled.variables.iter().map(Self::swept).collect(),
+            Some(Designs::Given(table)) => table.variables.iter().map(Self::swept).collect(),
+            Some(Designs::File(_)) | None => Self::every_coordinate(&study.suspension),
+        }
+    }
+
+    /// The variable of this name: one of `[optimise]` or `[sweep]`, or the offset or the coordinate of any hardpoint
+    /// along an axis.
+    ///
+    /// # Errors
+    /// [`FunctionError::UnknownVariable`] if there is none, with the name that comes nearest.
+    pub fn named(name: &str, study: &Study) -> Result<Self, FunctionError> {
+        let mut known = Self::of(study);
+        if let Some(Designs::Sampled(sampled)) = study.sweep.as_ref().map(|sweep| &sweep.designs) {
+            known.extend(sampled.variables.iter().map(Self::swept));
+        }
+        let offsets = Self::every_coordinate(&study.suspension);
+        let coordinates: Vec<Self> = offsets
+            .iter()
+            .map(|v| v.as_coordinate(&study.suspension))
+            .collect();
+        known.extend(offsets.into_iter().chain(coordinates));
+        let meant = nearest(name, known.iter().map(|v| v.name.as_str()));
+        let meant = meant.map_or(String::new(), |near| format!("; did you mean {near}?"));
+        let found = known.iter().find(|v| v.name == name).cloned();
+        found.ok_or_else(|| FunctionError::UnknownVariable(name.to_owned(), meant))
+    }
+
+    fn tuned(variable: &Variable) -> Self {
+        DesignVariable {
+            name: variable.label(),
+            moved: variable.clone(),
+            absolute: false,
+        }
+    }
+
+    fn swept(variable: &SweepVariable) -> Self {
+        DesignVariable {
+            name: variable.name.clone(),
+            moved: Variable {
+                name: variable.name.clone(),
+                moves: variable.moves.clone(),
+                turn: None,
+                range: variable.range,
+                cost: 1.0,
+            },
+            absolute: variable.absolute,
+        }
+    }
+
+    /// An offset of every coordinate of every hardpoint by up to ten millimetres.
+    fn every_coordinate(suspension: &Suspension) -> Vec<Self> {
+        let far = 0.01 * suspension.length_unit.per_metre();
+        let all = Variable::every_coordinate(suspension, [-far, far]);
+        all.iter().map(Self::tuned).collect()
+    }
+
+    /// A variable that is the coordinate itself in place of its offset. A variable that moves more than one coordinate
+    /// stays as it is.
+    fn as_coordinate(&self, suspension: &Suspension) -> Self {
+        let [m] = self.moved.moves[..] else {
+            return self.clone();
+        };
+        let at = suspension.design[m.point.0][m.axis];
+        let at = at * suspension.frame.sign(m.axis) + 0.0;
+        let mut moved = self.moved.clone();
+        moved.range = moved.range.map(|offset| at + offset);
+        DesignVariable {
+            name: format!("{}_{}", self.moved.name, m.axis.name()),
+            moved,
+            absolute: true,
+        }
+    }
+
+    /// Lowest and highest value, in the study's axes and length unit, or in degrees for a turn.
+    pub fn range(&self) -> [f64; 2] {
+        self.moved.range
+    }
+
+    /// The variable as a column of a table of designs. `None` for a turn, which cannot be one.
+    pub fn swept_as(&self) -> Option<SweepVariable> {
+        self.moved.turn.is_none().then(|| SweepVariable {
+            name: self.name.clone(),
+            moves: self.moved.moves.clone(),
+            absolute: self.absolute,
+            range: self.moved.range,
+            steps: None,
+        })
+    }
+}

@@ -32,7 +32,7 @@ const MOST_UNDECIDED: usize = 3;
 pub(super) fn run(arguments: &AssembliesArguments) -> Result<Exit, Stop> {
     let path = &arguments.study.study;
     let study = Study::read(path, &arguments.study.set)?;
-    let why = "each wheel is assembled by itself, and both are alike or nearly so";
+    let why = "each wheel is assembled independently, and both are almost alike";
     super::axle::refuse(&study, path, "assemblies", why)?;
     for (option, value) in [("--travel", arguments.travel), ("--rack", arguments.rack)] {
         if !value.is_finite() {
@@ -112,11 +112,11 @@ pub(super) fn run(arguments: &AssembliesArguments) -> Result<Exit, Stop> {
     let unproved = all.found.iter().filter(|a| a.certificate.is_none()).count();
     let proof = match unproved {
         0 => String::new(),
-        n => format!("; {n} not proved: another is too close, if not the same"),
+        n => format!("; {n} not proved: another assembly is too close, or the same"),
     };
     match all.found.len() {
         0 => out.failure(&format!(
-            "at travel {} {unit}, rack {} {unit} the design's lengths have no assembly\n",
+            "at travel {} {unit}, rack {} {unit} the design's lengths cannot be assembled\n",
             as_written(arguments.travel),
             as_written(arguments.rack)
         ))?,
@@ -157,7 +157,7 @@ pub(super) fn run(arguments: &AssembliesArguments) -> Result<Exit, Stop> {
                 brief(share * 100.0)
             ),
         };
-        eprint(&format!("undecided: whether there {unknown}\n"));
+        eprint(&format!("undecided: it is not known whether there {unknown}\n"));
     }
     if let Some(more) = all.undecided.len().checked_sub(MOST_UNDECIDED + 1) {
         eprint(&format!("undecided: {}\n", counted(more + 1, "more place")));

@@ -10,9 +10,11 @@ use super::{StudyArguments, TableFormat};
 use crate::attia::PaperTheta;
 use crate::curves::{Curves, curves};
 use crate::mechanism::DesignFault;
-use crate::model::Suspension;
+use crate::model::{Axis, Suspension};
 use crate::plan::Plan;
-use crate::report::{Cell, SolveSummary, Summary, Table, counted, variable_plausibility};
+use crate::report::{
+    Cell, Column, SolveSummary, Summary, Table, as_written, counted, variable_plausibility,
+};
 use crate::solve::StationOrder;
 use crate::solved::Solved;
 use crate::study::{Designs, Drive, Formulation, Study, Sweep, Tolerance};
@@ -99,7 +101,7 @@ fn say_wheel(out: &mut Printer, study: &Study, path: &Path) -> Result<(), Stop> 
     }
     out.table("effects", plan_table(study, &plan))?;
     out.say(
-        "\nCosts are estimates, in poses without anything else; `hardpoint bench effects` measures them.\n",
+        "\nCosts are relative to solving the position alone (estimates; `hardpoint bench effects` measures them).\n",
     )?;
     let derivatives = match plan.outputs.iter().any(|o| o.highest > 0) {
         true => format!(", derivatives by {}", drive_name(&plan)),
@@ -141,16 +143,25 @@ fn drive_name(plan: &Plan) -> &'static str {
 
 /// What the motion asks for, in a sentence.
 fn motion(study: &Study, plan: &Plan) -> String {
-    let drive = drive_name(plan);
     let formulation = match plan.formulation {
         Formulation::KnucklePose => "",
         Formulation::PointCoordinates => ", in point coordinates",
     };
-    let racks = plan.racks.len();
-    let mut text = format!(
-        "{} values of {drive} x {racks} of rack{formulation}",
-        plan.stations() / racks
-    );
+    let racks = match plan.racks.as_slice() {
+        [] | [0.0] => "rack at 0".to_owned(),
+        [rack] => format!(
+            "rack at {} {}",
+            as_written(study.suspension.frame.sign(Axis::Y) * rack),
+            study.suspension.length_unit.symbol()
+        ),
+        racks => format!("{} rack positions", racks.len()),
+    };
+    let value = match plan.drive {
+        Drive::PaperTheta => "value of theta",
+        Drive::Travel | Drive::ArmAngle => drive_name(plan),
+    };
+    let drives = counted(plan.stations() / plan.racks.len().max(1), value);
+    let mut text = format!("{drives}, {racks}{formulation}");
     let outputs: Vec<&str> = plan.outputs.iter().map(|o| o.name.as_str()).collect();
     text += &format!("; outputs: {}.", outputs.join(", "));
     for line in asked(study) {
@@ -195,7 +206,7 @@ fn scattered(study: &Study, tolerance: &Tolerance) -> String {
     let problem = Problem::of(study, tolerance).ok();
     if let Some(why) = problem.and_then(|problem| problem.not_in_lanes()) {
         let why = why.describe();
-        text += &format!(" Its builds are solved one by one, not in SIMD lanes, {why}.");
+        text += &format!(" Its builds are solved one by one, not in SIMD lanes: {why}.");
     }
     text
 }
@@ -226,7 +237,7 @@ fn swept(study: &Study, sweep: &Sweep) -> String {
 pub(super) fn one_by_one(plan: &SweepPlan) -> Option<String> {
     let why = plan.worker().ok()?.not_in_lanes()?;
     let mut text = format!(
-        "Its designs are solved one by one, not in SIMD lanes, {}",
+        "Its designs are solved one by one, not in SIMD lanes: {}",
         why.describe()
     );
     let quantities = plan.axle_quantities().iter();
@@ -258,7 +269,13 @@ fn rods(suspension: &Suspension) -> impl Iterator<Item = String> {
 
 /// Every effect, on or off, what in the study asks for it and about what it costs.
 fn plan_table(study: &Study, plan: &Plan) -> Table {
-    let mut table = Table::new(["effect", "state", "cost", "because of", "what"]);
+    let mut table = Table::with_columns([
+        Column::from("effect"),
+        "state".into(),
+        "cost".into(),
+        Column::named("requested by", "because of"),
+        Column::named("detail", "what"),
+    ]);
     for effect in plan.effects(study) {
         let cost = match effect.cost {
             cost if !effect.on => Cell::shown(cost, ""),

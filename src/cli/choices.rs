@@ -61,7 +61,7 @@ impl Choices {
         if let Some(front) = &self.front {
             let names = optimise.front.iter().map(|goal| goal.name.as_str());
             output.say(&format!(
-                "\nfront of {}, misfits in tolerances: {}, none of them better in all\n\n",
+                "\nTrade-off between {}, misfits in tolerances: {}, none better in every target\n\n",
                 names.collect::<Vec<_>>().join(" and "),
                 counted(front.choices.len(), "design")
             ))?;
@@ -70,7 +70,7 @@ impl Choices {
         }
         if let Some(table) = summary.prices_table() {
             output.text_only(
-                "\nwhat moving further buys: moves in ranges, misfits in tolerances, gain by a tenth of a range\n\n",
+                "\nMisfit against size of change (1 = full range); gain per further tenth of a range\n\n",
             )?;
             output.table("prices", &table)?;
         }

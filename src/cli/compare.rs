@@ -89,7 +89,7 @@ pub(super) fn run(arguments: &CompareArguments) -> Result<Exit, Stop> {
         ));
     }
     for (column, labels) in &comparison.partial {
-        note(&format!("{column}: of {} alone\n", labels.join(", ")));
+        note(&format!("{column}: only in {}\n", labels.join(", ")));
     }
     Ok(Exit::of(is_complete))
 }
@@ -122,7 +122,7 @@ type FirstMotion = Option<(Vec<f64>, Vec<f64>, bool, LengthUnit)>;
 
 fn of_study(path: &Path, label: String, first: &mut FirstMotion) -> Result<(Compared, bool), Stop> {
     let mut study = Study::read(path, &[])?;
-    let why = "it compares curves over one travel and one place of the rack";
+    let why = "it compares curves over one travel and one rack position";
     axle::refuse(&study, path, "compare", why)?;
     let unit = study.suspension.length_unit;
     let motion = &mut study.motion;
@@ -166,7 +166,7 @@ fn of_run(path: &Path, label: String) -> Result<Compared, Stop> {
     let file = path.join("curves.csv");
     if !file.exists() {
         let reason =
-            "there is no curves.csv, which `hardpoint solve` and `hardpoint optimise` write";
+            "there is no curves.csv; `hardpoint solve` and `hardpoint optimise` write one";
         return Err(Stop::in_file(path, reason));
     }
     let csv = read_bytes(&file, LONGEST_TABLE);
@@ -180,7 +180,7 @@ fn of_run(path: &Path, label: String) -> Result<Compared, Stop> {
     let unit = first.rsplit('_').next().and_then(crate::exchange::unit_of);
     let unit = unit.ok_or_else(|| {
         refused(format!(
-            "the first column is {first}, which has no unit of length"
+            "the first column {first} has no unit of length"
         ))
     })?;
     Ok(Compared {

@@ -71,7 +71,7 @@ impl Stop {
 
     /// A study has nothing of a section that the command is about, which says `what`.
     pub(super) fn no_section(path: &Path, section: &str, what: &str) -> Self {
-        let reason = format!("there is no [{section}] section, which says {what}");
+        let reason = format!("the section [{section}] is missing: it gives {what}");
         Stop::in_file(path, reason)
     }
 

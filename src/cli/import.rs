@@ -195,7 +195,7 @@ pub(super) fn run(arguments: &ImportArguments) -> Result<Exit, Stop> {
         .map_err(|reason| {
             let summary = summary(&imported, None);
             refused(format!(
-                "the points do not make a suspension\n{summary}{reason}"
+                "the points do not form a valid suspension\n{summary}{reason}"
             ))
         })?;
     match &arguments.out {

@@ -12,7 +12,7 @@ use crate::derive::MotionPoint;
 use crate::mechanism::{DesignFault, LimitCause, Toggle};
 use crate::model::{self, Axis, PointId, RockerId, Side};
 use crate::plan::Plan;
-use crate::report::{Cell, FailureRange, Table, as_written, brief};
+use crate::report::{Cell, Column, FailureRange, Table, as_written, brief};
 use crate::solve::Solver;
 use crate::solved::Solved;
 use crate::study::{AxleStudy, Drive, Study};
@@ -67,8 +67,7 @@ fn of_axle(arguments: &StudyArguments, study: &Study, both: &AxleStudy) -> Resul
     let alone = motion_alone(study);
     let failures = Solved::of(&alone).map_err(fault)?.failures();
     let unit = study.suspension.length_unit.symbol();
-    let columns = ["quantity", "at", "from", "because", "to", "because there"];
-    let mut table = Table::new(columns).keyed(2);
+    let mut table = Table::with_columns(columns()).keyed(2);
     for (side, range) in Side::ALL.into_iter().zip(&limits.travels) {
         let quantity = format!("{}_travel_{unit}", side.name());
         let own = Row {
@@ -161,8 +160,8 @@ pub(super) struct Row {
 impl Row {
     fn of(&self, study: &Study, lower: &RangeEnd, upper: &RangeEnd) -> [Cell; 6] {
         let beyond = match (lower, upper) {
-            (RangeEnd::FullTurn, RangeEnd::FullTurn) => "it turns right round",
-            _ => "it goes on beyond half a turn",
+            (RangeEnd::FullTurn, RangeEnd::FullTurn) => "no limit: it turns all the way round",
+            _ => "no limit within half a turn",
         };
         let end = |end: &RangeEnd, turn: f64| match end {
             RangeEnd::Fold(limit) => (limit.value, because(limit, study)),
@@ -177,7 +176,7 @@ impl Row {
     /// Where the rack does not get to its place there is no range.
     fn of_no_rack(&self) -> [Cell; 6] {
         let [quantity, at] = [&self.quantity, &self.at].map(|text| Cell::from(text.as_str()));
-        let [why, also] = [(); 2].map(|()| Cell::from("the rack does not get there"));
+        let [why, also] = [(); 2].map(|()| Cell::from("the rack cannot reach this position"));
         [
             quantity,
             at,
@@ -270,6 +269,18 @@ fn driven(study: &Study, at: String) -> Row {
     }
 }
 
+/// Columns of the table of limits.
+fn columns() -> [Column; 6] {
+    [
+        "quantity".into(),
+        "at".into(),
+        Column::named("lower limit", "from"),
+        Column::named("cause", "because"),
+        Column::named("upper limit", "to"),
+        Column::named("its cause", "because there"),
+    ]
+}
+
 /// The name of the travel at which a rod of a rocker is at toggle.
 pub(super) fn rod_travel(study: &Study, rocker: RockerId) -> String {
     let rod = study.suspension.mechanism.rocker(rocker).rod.to_string();
@@ -279,8 +290,7 @@ pub(super) fn rod_travel(study: &Study, rocker: RockerId) -> String {
 
 /// How far each quantity goes, the others held.
 fn table(study: &Study, limits: &Limits, by_rack: &[(f64, Range)]) -> Table {
-    let columns = ["quantity", "at", "from", "because", "to", "because there"];
-    let mut table = Table::new(columns).keyed(2);
+    let mut table = Table::with_columns(columns()).keyed(2);
     for (row, range) in ranges(study, limits, by_rack) {
         table.push(match range.is_empty() {
             true => row.of_no_rack(),
@@ -349,15 +359,15 @@ fn margin(
     let stations = match moved.failed() {
         0 => "Over the study's motion".to_owned(),
         _ => format!(
-            "At the {reached} of {} stations that are reached",
+            "Over the {reached} of {} stations that the mechanism reaches",
             moved.stations.len()
         ),
     };
     if reached == 0 {
-        return Ok("No station of the study's motion is reached.".to_owned());
+        return Ok("The mechanism reaches no station of the study's motion.".to_owned());
     }
     let mut text = format!(
-        "{stations} the mechanism stays {} {unit} or more from a singularity (least at {} {}).",
+        "{stations} the smallest distance to a singularity is {} {unit}, at {} {}.",
         brief(distance),
         plan.drive.name(),
         as_written(plan.drive.printed(at))
@@ -366,16 +376,16 @@ fn margin(
         let reached = || by_rack.iter().filter(|(_, range)| !range.is_empty());
         let where_reached = match reached().count() == by_rack.len() {
             true => "",
-            false => " at the racks that are reached",
+            false => " at the rack positions that are reached",
         };
         let left = travel_left(reached().map(|(_, range)| range), values);
         text += &match left >= 0.0 {
             true => format!(
-                " Travel left to the nearer end{where_reached}: {} {unit}.",
+                " Nearest travel limit{where_reached}: {} {unit} away.",
                 brief(left)
             ),
             false => format!(
-                " The motion goes {} {unit} beyond the nearer end{where_reached}.",
+                " The motion goes {} {unit} beyond the travel limit{where_reached}.",
                 brief(-left)
             ),
         };

@@ -11,7 +11,7 @@ use crate::analyse::Range;
 use crate::mechanism::DesignFault;
 use crate::model::Suspension;
 use crate::plan::Plan;
-use crate::report::{Cell, Table, brief};
+use crate::report::{Cell, Column, Table, brief};
 use crate::solve::Solver;
 use crate::study::{Drive, Study};
 use rayon::prelude::*;
@@ -23,7 +23,7 @@ pub(super) fn run(
     count: NonZeroU64,
 ) -> Result<Exit, Stop> {
     let path = &arguments.study;
-    let why = "builds are looked at one wheel at a time";
+    let why = "builds are examined one wheel at a time";
     super::axle::refuse(study, path, "limits --builds", why)?;
     let tolerance = scatter(study, path)?;
     let problem = problem(study, tolerance, path)?;
@@ -48,8 +48,8 @@ pub(super) fn run(
     // By the paper's angle it is not looked at.
     let short = (study.motion.drive != Drive::PaperTheta).then_some(least.short);
     for (what, found) in [
-        ("that cannot be put together", Some(least.rejected)),
-        ("that do not reach the study's motion", short),
+        ("cannot be assembled", Some(least.rejected)),
+        ("do not reach the study's motion", short),
     ] {
         let (number, first) = found.unzip();
         counts.push_row([Cell::from(what), number.into(), first.flatten().into()]);
@@ -62,11 +62,11 @@ pub(super) fn run(
         let unit = study.suspension.length_unit.symbol();
         let left = match margin >= 0.0 {
             true => format!(
-                "Travel left to the nearer end: {} {unit} or more",
+                "Nearest travel limit: at least {} {unit} away",
                 brief(margin)
             ),
             false => format!(
-                "The motion goes up to {} {unit} beyond the nearer end",
+                "The motion goes up to {} {unit} beyond the travel limit",
                 brief(-margin)
             ),
         };
@@ -178,15 +178,15 @@ impl Least {
 
 /// How far each quantity goes as drawn, and in the build that goes least far.
 fn table(drawn: &LimitRanges, least: &Least) -> Table {
-    let mut table = Table::new([
-        "quantity",
-        "at",
-        "from",
-        "nearest",
-        "in build",
-        "to",
-        "nearest there",
-        "in build there",
+    let mut table = Table::with_columns([
+        Column::from("quantity"),
+        "at".into(),
+        Column::named("lower limit, nominal", "from"),
+        Column::named("of all builds", "nearest"),
+        Column::named("build", "in build"),
+        Column::named("upper limit, nominal", "to"),
+        Column::named("of all builds", "nearest there"),
+        Column::named("build", "in build there"),
     ]);
     let mut builds = least.rows.iter();
     for (quantity, at, [from, to]) in &drawn.rows {

@@ -50,7 +50,7 @@ fn say_openings(
 ) -> Result<(), Stop> {
     if let Some(errors) = refused {
         output.say(&format!(
-            "\nwarning: the tuned design is not one that other commands take:\n{}\n",
+            "\nwarning: other commands refuse the tuned design:\n{}\n",
             errors.render(false)
         ))?;
     }
@@ -58,13 +58,13 @@ fn say_openings(
     let unseen = summary.unseen();
     for combination in unseen.iter().take(MOST_DIRECTIONS) {
         output.say(&format!(
-            "\n  the targets cannot tell the tuned design from one moved by {combination} {unit}\n"
+            "\n  These moves together leave every target unchanged: {combination} {unit}\n"
         ))?;
     }
     if unseen.len() > MOST_DIRECTIONS {
         let more = unseen.len() - MOST_DIRECTIONS;
         output.say(&format!(
-            "\n  nor by {}, in summary.json\n",
+            "\n  and {}, in summary.json\n",
             counted(more, "more such move")
         ))?;
     }
@@ -84,7 +84,7 @@ pub(super) fn run(arguments: &OptimiseArguments) -> Result<Exit, Stop> {
     let path = &arguments.study.study;
     let study = Study::read(path, &arguments.study.set)?;
     let Some(optimise) = &study.optimise else {
-        let what = "what may move and what is wanted";
+        let what = "variables and targets";
         return Err(Stop::no_section(path, "optimise", what));
     };
     let pool = pool(arguments.threads, optimise.starts as u64)?;

@@ -58,7 +58,7 @@ impl ReportOptions {
         let to_stdout = arguments.out.as_deref() == Some(Path::new("-"));
         if to_stdout && (arguments.report || plots.is_some()) {
             return Err(Stop::wrong_input(
-                "--report and --plots are made of a run's directory; with --out - there is none",
+                "--report and --plots need a directory and do not work with --out -",
             ));
         }
         if let Some(plots) = plots {

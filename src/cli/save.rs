@@ -9,14 +9,14 @@ use std::path::{Path, PathBuf};
 pub(super) fn save(out: &Path, bytes: &[u8], force: bool, inputs: &[PathBuf]) -> Result<(), Stop> {
     if let Some(input) = inputs.iter().find(|input| are_one_file(input, out)) {
         return Err(Stop::wrong_input(format!(
-            "{} is {}, which was read: it is not replaced, not even with --force; give another file with --out",
+            "{} is {}, an input of this command: no command replaces its input, not even with --force; give another file with --out",
             out.display(),
             input.display()
         )));
     }
     if out.exists() && !force {
         return Err(Stop::wrong_input(format!(
-            "{} is there already; --force replaces it",
+            "{} exists already; --force replaces it",
             out.display()
         )));
     }

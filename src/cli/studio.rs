@@ -32,7 +32,7 @@ pub(super) fn run(arguments: &StudioArguments) -> Result<Exit, Stop> {
     writeln!(out, "{address}")?;
     out.flush()?;
     terminal::note(
-        "The address is for you alone. Ctrl-C ends the server; what is not saved stays in the browser.\n",
+        "Keep this address private. Ctrl-C ends the server; unsaved changes stay in the browser.\n",
     );
     if !arguments.no_open
         && let Err(error) = open::that_detached(&address)

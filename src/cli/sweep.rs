@@ -25,7 +25,7 @@ pub(super) fn run(arguments: &SweepArguments) -> Result<Exit, Stop> {
     let path = &arguments.study.study;
     let study = Study::read(path, &arguments.study.set)?;
     let Some(sweep) = &study.sweep else {
-        let what = "which designs are looked at";
+        let what = "the designs to solve";
         return Err(Stop::no_section(path, "sweep", what));
     };
     let plan = SweepPlan::of(&study, sweep).map_err(|reason| match reason {
@@ -34,7 +34,7 @@ pub(super) fn run(arguments: &SweepArguments) -> Result<Exit, Stop> {
         NotBegun::TwoColumns(name) => Stop::in_file(
             path,
             format!(
-                "two columns of the results would be called {name}; give a variable another name"
+                "two columns of the results would have the name {name}; give a variable another name"
             ),
         ),
     })?;
@@ -51,8 +51,8 @@ pub(super) fn run(arguments: &SweepArguments) -> Result<Exit, Stop> {
     let left_out = left_out(&study);
     if !left_out.is_empty() {
         terminal::note(&format!(
-            "A sweep keeps values, and slopes in the design position: {} of [outputs] it leaves to \
-             `hardpoint solve` (`--design N` prints the study of a design).\n",
+            "A sweep ignores {} of [outputs]: it keeps values, and slopes in the design position. Use \
+             `hardpoint solve` for them (`--design N` prints the study of a design).\n",
             left_out.join(", ")
         ));
     }
@@ -116,15 +116,15 @@ fn needs_no_directory(arguments: &SweepArguments, format: FileFormat) -> Result<
     let refused = [
         (
             arguments.resume,
-            "--resume goes on with the files of a directory; with --out - there are none",
+            "--resume continues the files of a directory and does not work with --out -",
         ),
         (
             arguments.report,
-            "--report is made of a run's directory; with --out - there is none",
+            "--report needs a directory and does not work with --out -",
         ),
         (
             arguments.shard.is_some(),
-            "--shard does parts of a directory; with --out - there is none",
+            "--shard needs a directory and does not work with --out -",
         ),
         (
             format == FileFormat::Parquet,
@@ -314,7 +314,7 @@ fn finish_shard(
         _ => format!(", parts {} to {}", parts.start, parts.end - 1),
     };
     output.say(&format!(
-        "{}: shard {shard}/{shards}{what}; whole are {} of the sweep's {}\n",
+        "{}: shard {shard}/{shards}{what}; {} of the sweep's {} are complete\n",
         record.study,
         record.parts() - missing.len() as u64,
         match record.parts() {

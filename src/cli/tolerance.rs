@@ -84,18 +84,18 @@ pub(super) fn run(arguments: &ToleranceArguments) -> Result<Exit, Stop> {
     output.say(&format!("{}: {}\n\n", study.name, summary.headline()))?;
     output.table("values", &summary.values_table())?;
     if summary.bands.is_empty() {
-        output.text_only("\nshares of the builds' variance in the drawn position: of first order, and what that leaves\n\n")?;
+        output.text_only("\nShares of the builds' variance in the design position: first-order shares and the remainder\n\n")?;
         output.table("shares", &summary.shares_table(&contributors))?;
     } else {
         output.text_only("\n")?;
         output.table("bands", &summary.bands_table())?;
-        output.text_only("\nwhat to hold tighter, what may be looser\n\n")?;
+        output.text_only("\nContributors, by the yield for half and twice the tolerance of each\n\n")?;
         output.table("ranking", &summary.ranking_table())?;
     }
     output.say_remarks(summary.failures())?;
     if interrupted {
         output.say_failure(&format!(
-            "\ninterrupted: these are {} of the {} builds asked for\n",
+            "\ninterrupted: {} of the {} requested builds are done\n",
             builds.builds, tolerance.builds
         ))?;
     }
@@ -109,7 +109,7 @@ pub(super) fn run(arguments: &ToleranceArguments) -> Result<Exit, Stop> {
 /// How the parts of a study scatter.
 pub(super) fn scatter<'s>(study: &'s Study, path: &Path) -> Result<&'s Tolerance, Stop> {
     let tolerance = study.tolerance.as_ref();
-    tolerance.ok_or_else(|| Stop::no_section(path, "tolerance", "how parts scatter"))
+    tolerance.ok_or_else(|| Stop::no_section(path, "tolerance", "the scatter of the parts"))
 }
 
 /// A study's tolerances, made ready.
@@ -127,7 +127,7 @@ fn not_aligned(study: &Study, path: &Path, reason: NoSetUp) -> Stop {
         NoSetUp::Reject(reject) => Stop::in_file(path, reject),
         NoSetUp::Unsettled | NoSetUp::OutOfReach(_) | NoSetUp::Absurd { .. } => Stop::in_file(
             path,
-            "aligned = true, but what [setup] adjusts does not move toe and camber one by one",
+            "aligned = true, but the adjustments of [setup] do not move toe and camber independently",
         ),
     }
 }
@@ -142,7 +142,7 @@ fn print_build(problem: &Problem, number: u64) -> Result<Exit, Stop> {
                 false => "as assembled",
             };
             let text = format!(
-                "# Build {number} of {} (seed {seed}, {aligned}): the design that its parts make at rest.\n{}",
+                "# Build {number} of {} (seed {seed}, {aligned}): the design of its parts at rest.\n{}",
                 study.name,
                 match &built[..] {
                     [left, right] => study.with_built_axle([left, right]),

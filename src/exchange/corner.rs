@@ -111,7 +111,7 @@ fn axle(
                 }
                 _ => {
                     return Err(Question::of(
-                        "the file has points of the front and of the rear axle, and a study is of one"
+                        "the file has points of the front and of the rear axle, and a study describes one"
                             .to_owned(),
                         "--axle",
                         &["front", "rear"],

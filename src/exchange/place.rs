@@ -69,7 +69,7 @@ fn said(
 ) -> Result<Placed, Refusal> {
     if !axes.is_right_handed() && options.axes.is_none() {
         return Err(left_handed(
-            format!("the file says that x, y and z point {axes}, which is left-handed"),
+            format!("the axes of the file ({axes}) are left-handed"),
             vec![("--axes", axes.to_string())],
         ));
     }
@@ -139,7 +139,7 @@ fn found(
         Verdict::Clear(reading) => reading,
         Verdict::Unclear(best) => {
             return Err(open_axes(
-                "which way x, y and z point is neither said in the file nor clear from its points"
+                "neither the file nor its points show the directions of x, y and z"
                     .to_owned(),
                 of_reading(&best, wheel),
             ));

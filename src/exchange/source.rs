@@ -23,7 +23,7 @@ pub fn read(
     let is_workbook = bytes.starts_with(b"PK\x03\x04");
     if !is_workbook && let Some(sheet) = sheet {
         return Err(format!(
-            "it is no workbook, so there is no sheet {sheet:?} in it"
+            "the file is not a workbook, so it has no sheet {sheet:?}"
         ));
     }
     if is_workbook {

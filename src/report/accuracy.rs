@@ -38,7 +38,7 @@ fn unsupported(study: &Study, curves: &Curves) -> Option<String> {
     };
     let stations = stations_in_words(count);
     Some(format!(
-        "warning: loads not carried at {stations}, the first at {}: {support} has next to no leverage there",
+        "warning: loads cannot be carried at {stations}, the first at {}: {support} has almost no leverage there",
         StationLabel::of(first, study.motion.drive)
     ))
 }
@@ -61,8 +61,8 @@ fn toggled(study: &Study, curves: &Curves) -> Option<String> {
 /// That a rod, with words for the wheel where there are two, is at toggle at so many stations.
 pub(super) fn at_toggle(of: &str, rod: Rod, count: usize, nearest: impl Display) -> String {
     format!(
-        "warning: the {of}{rod} is at toggle, or would be beyond it, at {}, the nearest at {nearest}: there it turns {} \
-         no further, and what moves with that has no values",
+        "warning: the {of}{rod} is at toggle or beyond it at {}, the nearest at {nearest}: it turns {} \
+         no further there, so quantities that move with it have no values",
         stations_in_words(count),
         rod.turns()
     )
@@ -112,7 +112,7 @@ impl ConditionSummary {
             n => format!("{n} stations have"),
         };
         Some(format!(
-            "warning: {stations} fewer than six digits left in derivatives and sensitivities; the worst at {} \
+            "warning: {stations} fewer than six correct digits in derivatives and sensitivities; the worst at {} \
              (condition number {})",
             self.at,
             brief(self.worst)
@@ -209,7 +209,7 @@ impl<L: Display> CertificateSummary<L> {
             // Up, so that what is shown is a bound too.
             let error = brief(error * 1.00001);
             text += &format!(
-                "; no point of the wheel carrier is off by more than {error} {length_unit} (at {at})"
+                "; largest error of a point of the wheel carrier {error} {length_unit} (at {at})"
             );
         }
         text

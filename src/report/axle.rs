@@ -361,7 +361,7 @@ fn unsupported(of_stations: &StationColumns<'_>, curves: &AxleCurves) -> Option<
     let mut lacking = stations.filter(|(_, s)| s.values.contains(&Err(Void::Unsupported)));
     let (number, first) = lacking.next()?;
     Some(format!(
-        "warning: loads not carried at {}, the first at {}: {}",
+        "warning: loads cannot be carried at {}, the first at {}: {}",
         stations_in_words(1 + lacking.count()),
         of_stations.words(number, first),
         Void::Unsupported.reason(),

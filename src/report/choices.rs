@@ -82,11 +82,11 @@ pub fn front_remarks(optimise: &Optimise, front: &Front) -> Vec<String> {
     let mut remarks = Vec::new();
     match front.choices.len() {
         0 => remarks.push(format!(
-            "no front of {}: no design keeps the constraints and the other targets",
+            "no trade-off between {}: no design keeps the constraints and the other targets",
             names.join(", ")
         )),
         1 => remarks.push(format!(
-            "nothing to trade between {}: one design is as good as can be in all of them",
+            "no trade-off between {}: one design is best in all of them",
             names.join(" and ")
         )),
         _ => {}
@@ -100,7 +100,7 @@ pub fn front_remarks(optimise: &Optimise, front: &Front) -> Vec<String> {
             amounts.join(", ")
         };
         remarks.push(format!(
-            "the front is broken between points {} ({}) and {} ({}): nothing was found between them",
+            "the front is broken between points {} ({}) and {} ({}): no design was found between them",
             place + 1,
             amounts(&front.choices[*place]),
             place + 2,

@@ -89,7 +89,7 @@ impl Comparison {
         };
         if let Some((_, axle)) = named().find(|(table, _)| is_of_axle(table)) {
             return Err(format!(
-                "{}: curves of an axle are not yet compared: only those over one travel and one place of the rack",
+                "{}: curves of an axle cannot be compared, only curves of one wheel over one travel and one rack position",
                 axle.label
             ));
         }
@@ -112,7 +112,7 @@ impl Comparison {
             .collect();
         if common.is_empty() {
             return Err(format!(
-                "they have no value of {drive} in common: run them over the same motion"
+                "they share no value of {drive}: run them over the same motion"
             ));
         }
         let is_motion = |name: &str| {
@@ -158,7 +158,7 @@ impl Comparison {
             });
         }
         if outputs.is_empty() {
-            return Err("they have no output in common".to_owned());
+            return Err("they share no output".to_owned());
         }
         Ok(Comparison {
             labels: designs.iter().map(|design| design.label.clone()).collect(),
@@ -430,7 +430,7 @@ mod tests {
         assert!(
             refused
                 .unwrap_err()
-                .contains("no value of travel_mm in common")
+                .contains("share no value of travel_mm")
         );
         let third = "travel_mm,toe_deg,status\n0,1.0,ok\n";
         let refused = Comparison::of(&[design("a", mm, table), design("b", mm, third)]);

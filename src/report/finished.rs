@@ -46,12 +46,12 @@ pub(super) fn in_form<T: DeserializeOwned>(
         form: u32,
         version: String,
     }
-    let wrong = |e: serde_json::Error| format!("not as `{writer}` writes it: {e}");
+    let wrong = |e: serde_json::Error| format!("not in the format of `{writer}`: {e}");
     let found: Form = serde_json::from_slice(text).map_err(wrong)?;
     match found.form == form {
         true => serde_json::from_slice(text).map_err(wrong),
         false => Err(format!(
-            "written in form {} by hardpoint {}, this version reads form {form}; run the {kind} again",
+            "written in format {} by hardpoint {}, this version reads format {form}; run the {kind} again",
             found.form, found.version
         )),
     }

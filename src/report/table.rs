@@ -24,6 +24,8 @@ pub enum Format {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Column {
     title: String,
+    /// Name for programs, if it differs from the title.
+    name: Option<&'static str>,
     readers: bool,
     programs: bool,
 }
@@ -45,9 +47,17 @@ impl Column {
         }
     }
 
-    /// The name a program knows it by: `at design` is `at_design`.
+    /// A column that programs know by another name than its title.
+    pub fn named(title: impl Into<String>, name: &'static str) -> Self {
+        Column {
+            name: Some(name),
+            ..Column::from(title.into())
+        }
+    }
+
+    /// Name for programs: `at design` is `at_design`.
     fn key(&self) -> String {
-        self.title.replace([' ', '-'], "_")
+        self.name.unwrap_or(&self.title).replace([' ', '-'], "_")
     }
 }
 
@@ -55,6 +65,7 @@ impl From<String> for Column {
     fn from(title: String) -> Self {
         Column {
             title,
+            name: None,
             readers: true,
             programs: true,
         }

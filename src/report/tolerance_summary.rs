@@ -243,7 +243,7 @@ impl ToleranceSummary {
             .iter()
             .map(|r| {
                 format!(
-                    "{} rejected, build {} the first: {}",
+                    "{} rejected, first build {}: {}",
                     counted(r.builds, "build"),
                     r.first,
                     r.what
@@ -270,10 +270,11 @@ impl ToleranceSummary {
         let head = head.chain(rack_moves.then_some("rack"));
         let head = head.chain(self.places.iter().map(String::as_str));
         let keys = head.clone().count();
-        let numbers = ["drawn", "mean", "sigma", "linear", "p5", "p95"];
-        let header = head.chain(numbers).chain(["linear holds"]);
+        let nominal = Column::named("nominal", "drawn");
+        let numbers = ["mean", "sigma", "linear", "p5", "p95", "linear holds"].map(Column::from);
+        let header = head.map(Column::from).chain([nominal]).chain(numbers);
         let because = Column::for_programs("because");
-        let mut table = Table::with_columns(header.map(Column::from).chain([because])).keyed(keys);
+        let mut table = Table::with_columns(header.chain([because])).keyed(keys);
         let mut outputs: Vec<&str> = Vec::new();
         for value in &self.values {
             if !outputs.contains(&&*value.output) {
@@ -352,15 +353,16 @@ impl ToleranceSummary {
         table
     }
 
-    /// A table of the tolerances to hold tighter and of those that may be looser.
+    /// Table of the contributors: the tolerances to tighten, and those that can be relaxed.
     pub fn ranking_table(&self) -> Table {
-        let yields = ["yield halved", "yield doubled", "may be looser"].map(Column::from);
+        let yields = ["yield halved", "yield doubled"].map(Column::from);
+        let relaxed = Column::named("can be relaxed", "may be looser");
         let shares = [
             Column::for_readers("largest share"),
             Column::for_programs("share"),
         ];
         let head = [Column::from("contributor")].into_iter();
-        let mut table = Table::with_columns(head.chain(shares).chain(yields));
+        let mut table = Table::with_columns(head.chain(shares).chain(yields).chain([relaxed]));
         for r in &self.ranking {
             let yields = [r.share, r.share, r.yield_halved, r.yield_doubled];
             let head = [Cell::from(r.contributor.as_str())];

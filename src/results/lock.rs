@@ -78,7 +78,7 @@ impl Lock {
             // It is made as a file; another program's link leads elsewhere, where a lock would hold nothing here.
             if std::fs::symlink_metadata(path).is_ok_and(|there| there.is_symlink()) {
                 return Err(NotLocked::Failed(io::Error::other(
-                    "it is a symbolic link, which no run has put there: remove it",
+                    "it is a symbolic link that no run created: remove it",
                 )));
             }
             let file = OpenOptions::new()

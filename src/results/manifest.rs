@@ -58,7 +58,7 @@ impl Manifest {
         match manifest.form {
             FORM => Ok(manifest),
             other => Err(format!(
-                "written in form {other}, this version reads form {FORM}"
+                "written in format {other}, this version reads format {FORM}"
             )),
         }
     }

@@ -32,7 +32,7 @@ pub enum Refusal {
     },
     /// The directory holds an input of the run under the name of a result.
     #[error(
-        "{file} is an input of this run, which its results would overwrite: give another directory \
+        "{file} is an input of this run, and the results would overwrite it: give another directory \
          with --out"
     )]
     Input {
@@ -41,7 +41,7 @@ pub enum Refusal {
     },
     /// The directory holds files that no run has written.
     #[error(
-        "{file} is there already, and not from a run recorded in run.json: give another \
+        "{file} exists already and is not from a run recorded in run.json: give another \
          directory with --out, or overwrite it with --force"
     )]
     Foreign {
@@ -55,7 +55,7 @@ pub enum Refusal {
         unfinished = if *is_finished { "" } else { "unfinished " },
         of = match same_study {
             Some(true) => "of this study".to_owned(),
-            Some(false) => "of another study, or of another state of it".to_owned(),
+            Some(false) => "of another study, or of another version of this study".to_owned(),
             None => format!("of the study {study}"),
         }
     )]
@@ -76,7 +76,7 @@ pub enum Refusal {
     },
     /// The directory holds a sweep that has not ended.
     #[error(
-        "{directory} holds an unfinished sweep of this study: go on with it by --resume, or begin it anew \
+        "{directory} holds an unfinished sweep of this study: continue it with --resume, or restart it \
          with --force"
     )]
     Unfinished {
@@ -85,7 +85,7 @@ pub enum Refusal {
     },
     /// The record of the runs in the directory cannot be read.
     #[error(
-        "{file} is not as hardpoint writes it ({reason}), so nothing is known of the files beside it: \
+        "hardpoint did not write {file} in this form ({reason}), so the files beside it are unknown: \
          give another directory with --out, or write there with --force"
     )]
     Unreadable {

@@ -79,7 +79,7 @@ fn ends(range: &Range, sign: f64) -> [LimitEnd; 2] {
         },
         RangeEnd::FullTurn => LimitEnd {
             value: None,
-            because: "it turns right round".to_owned(),
+            because: "no limit: it turns all the way round".to_owned(),
         },
         RangeEnd::Unresolved(value) => LimitEnd {
             value: Some(sign * value),

@@ -42,7 +42,7 @@ impl Job {
         let mut study = opened.moved(&request.of.design)?;
         let Some(optimise) = &mut study.optimise else {
             return Err(
-                "the study has no [optimise] section: what may move, what is wanted".into(),
+                "the study has no [optimise] section with variables and targets".into(),
             );
         };
         let free = |variable: &&Variable| {

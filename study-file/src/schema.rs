@@ -582,7 +582,7 @@ mod tests {
         let tolerance = "/properties/optimise/properties/targets/items/properties/tolerance";
         assert_eq!(
             at(tolerance)["description"],
-            "the deviation that still is acceptable"
+            "acceptable deviation"
         );
     }
 }

@@ -736,7 +736,7 @@ fn a_set_up_out_of_reach_names_the_wish() {
         "{error}"
     );
     assert!(
-        said.contains("what each adjustment does") && said.contains("tie_rod"),
+        said.contains("Effect of each adjustment") && said.contains("tie_rod"),
         "{said}"
     );
     let (header, rows) = csv(&directory, "effects.csv");

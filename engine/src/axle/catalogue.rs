@@ -33,15 +33,15 @@ impl Void {
     pub fn reason(self) -> &'static str {
         match self {
             Void::StraightAhead => {
-                "below 0.02 rad of mean steer it is a quotient of two angles that vanish"
+                "not defined near straight ahead (mean steer below 1.1 deg)"
             }
             Void::ParallelNormals => {
-                "the normals to the velocities of the contact points are all but parallel"
+                "the normals to the velocities of the contact points are nearly parallel"
             }
             Void::NoPlane => "the wheels stand on pads of different heights, not on a plane",
-            Void::Toggle => "a rocker it moves with is at a toggle",
+            Void::Toggle => "its rocker is at a toggle",
             Void::Unsupported => {
-                "the spring, or the support in its place, has next to no leverage there"
+                "the spring (or the support instead of it) has almost no leverage there"
             }
             Void::NotFinite => "its formula divides by zero there",
         }

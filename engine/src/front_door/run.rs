@@ -44,7 +44,7 @@ impl Study {
     /// whose stations are of two wheels.
     pub fn curves(&self) -> Result<Curves, Error> {
         self.refuse_of_axle(
-            "tune, sweep and DesignFunction answer for it, and curves of one wheel do not",
+            "use tune, sweep or DesignFunction; curves is for one wheel only",
         )?;
         curves(&self.suspension, &Plan::of(self))
             .map_err(|fault| Error::design(&self.suspension, &fault))

@@ -302,7 +302,7 @@ fn tolerance_sections(tolerance: &ToleranceSummary) -> String {
     let mut sections = tolerance.values_table().html();
     if !tolerance.bands.is_empty() {
         sections += &tolerance.bands_table().html();
-        sections += "<p>What to hold tighter, what may be looser</p>";
+        sections += "<p>Contributors, by the yield for half and twice the tolerance of each</p>";
         sections += &tolerance.ranking_table().html();
     }
     for line in tolerance.failures() {

@@ -153,7 +153,7 @@ impl SweepDirectory {
         };
         let bytes = std::fs::read(&statistics).map_err(|e| wrong(&statistics, &e.to_string()))?;
         let found: PartRecord = serde_json::from_slice(&bytes).map_err(|e| {
-            let reason = format!("not as `hardpoint sweep` writes it: {e}");
+            let reason = format!("not in the format of `hardpoint sweep`: {e}");
             wrong(&statistics, &reason)
         })?;
         let is_ours = found.form == PART_FORM && found.part == part;
@@ -225,6 +225,6 @@ fn read_record(directory: &Path) -> Result<SweepRecord, NotARun> {
     let is_sound = record.designs > 0 && record.block() > 0 && record.blocks_of_part > 0;
     match is_sound && record.designs <= crate::study::MOST_DESIGNS {
         true => Ok(record),
-        false => Err(wrong("not as `hardpoint sweep` writes it".to_owned())),
+        false => Err(wrong("not in the format of `hardpoint sweep`".to_owned())),
     }
 }

@@ -34,7 +34,7 @@ impl SweepRun {
         let done = directory.done()?;
         if done.statistics.designs == 0 {
             let reason =
-                "no part of the sweep is whole; `hardpoint sweep` with --resume goes on with it";
+                "no part of the sweep is complete; `hardpoint sweep` with --resume continues it";
             return Err(NotARun::at(path, reason));
         }
         let summary = SweepSummary::of(&record, &done.statistics);

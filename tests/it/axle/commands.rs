@@ -511,7 +511,7 @@ fn what_an_axle_lacks_is_said_with_the_wheel() {
     );
     let found = swept(&[few, "motion={ roll = [0.0, 60.0] }"]);
     assert!(
-        found.contains("no difference of travels puts both wheels on the ground"),
+        found.contains("at no difference of the travels do both wheels touch the ground"),
         "{found}"
     );
     let few = "outputs.characteristics=[\"camber\", \"ackermann\"]";
@@ -529,7 +529,7 @@ fn what_knows_one_wheel_does_not_pass_for_the_axle() {
     let out = out.to_str().unwrap();
     let of_studies = said(&["compare", path, path], &[], 2);
     assert!(
-        of_studies.contains("`hardpoint compare` is not yet there for an axle"),
+        of_studies.contains("`hardpoint compare` is not available for axles"),
         "{of_studies}"
     );
     run(&["solve", path, "--out", out], 0);

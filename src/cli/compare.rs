@@ -23,10 +23,10 @@ pub(super) struct CompareArguments {
     /// Directory for comparison.csv and report.html, or - for the CSV on standard output
     #[arg(long, value_name = "DIR", default_value = "out/compare")]
     out: PathBuf,
-    /// Replace what other commands have written there
+    /// Replace files of other commands
     #[arg(long)]
     force: bool,
-    /// How tables are printed
+    /// Format of printed tables
     #[arg(long, value_enum, default_value_t = TableFormat::Text)]
     format: TableFormat,
 }

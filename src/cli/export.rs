@@ -48,7 +48,7 @@ pub(super) struct ExportArguments {
     /// With --to stl: rack displacement along the file's y axis, as in --rack -20..20 [default: straight ahead]
     #[arg(long, value_name = "C..D", value_parser = span, allow_hyphen_values = true)]
     rack: Option<Span>,
-    /// With --to stl: a length added to the tyre all around
+    /// With --to stl: length to add to the tyre on all sides
     #[arg(long, value_name = "LENGTH", value_parser = length)]
     grow: Option<f64>,
     /// With --to adams: a subsystem whose hardpoints are replaced in a copy
@@ -60,10 +60,10 @@ pub(super) struct ExportArguments {
     /// Override a field of the study, as in --set motion.rack=5.0; may be given more than once
     #[arg(long, value_name = "PATH=VALUE")]
     pub(super) set: Vec<String>,
-    /// Where it goes [default: standard output; workbooks and solids need a file]
+    /// File for the result [default: standard output; workbooks and solids need a file]
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
-    /// Replace a file that is there; never one that is read
+    /// Replace an existing file, but never an input
     #[arg(long)]
     force: bool,
 }

@@ -32,13 +32,13 @@ pub(super) struct ImportArguments {
     /// Ways of the file's x, y and z, each forward, rearward, left, right, up or down: left,forward,up
     #[arg(long, value_name = "X,Y,Z", value_parser = Axes::parse)]
     axes: Option<Axes>,
-    /// Which wheel, left or right [default: the left one, or the one there is]
+    /// Wheel, left or right [default: the left one, or the only one in the file]
     #[arg(long, value_parser = side)]
     side: Option<Side>,
-    /// Which axle of a file with two, front or rear
+    /// Axle of a file with two, front or rear
     #[arg(long, value_parser = axle)]
     axle: Option<AxlePosition>,
-    /// Which wheel of a file with four: FL, FR, RL or RR
+    /// Wheel of a file with four: FL, FR, RL or RR
     #[arg(long, value_parser = corner, conflicts_with_all = ["axle", "side"])]
     corner: Option<(AxlePosition, Side)>,
     /// Distance of the wheel centre from the centre plane, for a file with its origin at the wheel
@@ -50,10 +50,10 @@ pub(super) struct ImportArguments {
     /// Sheet of a workbook [default: the one with points]
     #[arg(long, value_name = "NAME")]
     sheet: Option<String>,
-    /// Where the study goes [default: standard output]
+    /// File for the study [default: standard output]
     #[arg(long, value_name = "STUDY")]
     out: Option<PathBuf>,
-    /// Replace a file that is there; never one that is read
+    /// Replace an existing file, but never an input
     #[arg(long)]
     force: bool,
 }

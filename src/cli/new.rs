@@ -11,7 +11,7 @@ use std::io::Write;
 pub(super) struct NewArguments {
     /// Kind of suspension, such as macpherson
     topology: String,
-    /// What the study has besides, with commas between
+    /// Parts to add to the study, separated by commas
     #[arg(long, value_enum, value_delimiter = ',', value_name = "PART")]
     with: Vec<Part>,
 }
@@ -19,9 +19,9 @@ pub(super) struct NewArguments {
 /// Parts a template may have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Part {
-    /// Targets, and what may move towards them
+    /// Targets and variables
     Optimise,
-    /// A batch of designs
+    /// Solve a batch of designs
     Sweep,
     /// Pushrod and rocker
     Pushrod,

@@ -68,7 +68,7 @@ pub(super) struct Destination<'a> {
     default: PathBuf,
     /// As in `--force`.
     force: bool,
-    /// How tables are printed.
+    /// Format of printed tables.
     format: Format,
 }
 

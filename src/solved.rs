@@ -21,11 +21,11 @@ enum Found<'s> {
     Axle(&'s AxleStudy, AxlePlan, AxleCurves),
 }
 
-/// What curves are called, the file they are in, and they themselves.
+/// Name of some curves, the file that holds them, and the curves.
 pub type Labelled<'a> = (&'a str, &'a str, &'a Solved<'a>);
 
 impl<'s> Solved<'s> {
-    /// What a study asks for.
+    /// Solves the curves of a study.
     pub fn of(study: &'s Study) -> Result<Self, String> {
         match &study.axle {
             None => Solved::of_wheel(study, Plan::of(study)),
@@ -33,7 +33,7 @@ impl<'s> Solved<'s> {
         }
     }
 
-    /// What a study asks for, and what its targets are about.
+    /// Solves the curves of a study, with the quantities of its targets.
     pub fn with_targets(study: &'s Study) -> Result<Self, String> {
         let targets = study.optimise.as_ref().map(|o| &o.targets[..]);
         match &study.axle {
@@ -124,7 +124,7 @@ impl<'s> Solved<'s> {
         }
     }
 
-    /// What is doubtful of the design, a line each.
+    /// Doubts about the design, one line each.
     pub fn plausibility(&self) -> Result<Vec<String>, String> {
         let wheel = &self.study.suspension;
         let mut found = match &self.found {
@@ -136,7 +136,7 @@ impl<'s> Solved<'s> {
         Ok(found)
     }
 
-    /// What has to be said of the curves, a line each: of their accuracy, and of what has no value.
+    /// Remarks on the curves, one line each: their accuracy, and values that do not exist.
     pub fn remarks(&self) -> Vec<String> {
         match &self.found {
             Found::Wheel(_, curves) => remarks(self.study, curves),

@@ -1,4 +1,4 @@
-//! What commands that know one wheel say of an axle.
+//! Refusals of commands that support one wheel only.
 
 use super::exit::Stop;
 use crate::study::Study;

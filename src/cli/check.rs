@@ -84,7 +84,7 @@ impl<'s> Checked<'s> {
     }
 }
 
-/// What is asked of one wheel and what that costs, and its values in the design position.
+/// Prints the requests of a study of one wheel with their cost, and the values in the design position.
 fn say_wheel(out: &mut Printer, study: &Study, path: &Path) -> Result<(), Stop> {
     let plan = Plan::of(study);
     let fault = |fault: DesignFault| design_fault(study, path, &fault);
@@ -111,7 +111,7 @@ fn say_wheel(out: &mut Printer, study: &Study, path: &Path) -> Result<(), Stop> 
     out.table("design", SolveSummary::design_table(&design))
 }
 
-/// What is asked of both wheels, and the ranges of what they do.
+/// Prints the requests of a study of an axle, and the ranges of its outputs.
 fn say_axle(out: &mut Printer, study: &Study, summary: &Summary) -> Result<(), Stop> {
     out.say(&format!("{}\n\n", summary.headline()))?;
     for line in asked(study) {
@@ -141,7 +141,7 @@ fn drive_name(plan: &Plan) -> &'static str {
     }
 }
 
-/// What the motion asks for, in a sentence.
+/// Sentence on the motion and the outputs.
 fn motion(study: &Study, plan: &Plan) -> String {
     let formulation = match plan.formulation {
         Formulation::KnucklePose => "",
@@ -170,7 +170,7 @@ fn motion(study: &Study, plan: &Plan) -> String {
     text
 }
 
-/// What other commands than `solve` are asked, in sentences.
+/// Sentences on the requests of commands other than `solve`.
 fn asked(study: &Study) -> Vec<String> {
     let mut said = Vec::new();
     if let Some(sweep) = &study.sweep {
@@ -195,7 +195,7 @@ fn asked(study: &Study) -> Vec<String> {
     said
 }
 
-/// What scatters, and why builds do not go through the SIMD lanes, if they do not.
+/// Sentence on the scatter, and the reason if builds do not use SIMD lanes.
 fn scattered(study: &Study, tolerance: &Tolerance) -> String {
     let mut text = format!(
         "Tolerances (tolerance only): {}, {}, {}.",
@@ -211,7 +211,7 @@ fn scattered(study: &Study, tolerance: &Tolerance) -> String {
     text
 }
 
-/// What a sweep is of, and why its designs do not go through the SIMD lanes, if they do not.
+/// Sentence on a sweep, and the reason if its designs do not use SIMD lanes.
 fn swept(study: &Study, sweep: &Sweep) -> String {
     let mut text = match &sweep.designs {
         Designs::Sampled(sampled) => format!(
@@ -233,7 +233,7 @@ fn swept(study: &Study, sweep: &Sweep) -> String {
     text
 }
 
-/// Why the designs of a sweep do not go through the SIMD lanes, as a sentence, if they do not.
+/// Sentence with the reason if the designs of a sweep do not use SIMD lanes.
 pub(super) fn one_by_one(plan: &SweepPlan) -> Option<String> {
     let why = plan.worker().ok()?.not_in_lanes()?;
     let mut text = format!(

@@ -1,4 +1,4 @@
-//! What could be chosen instead of the tuned design: front and price list, where they are asked for.
+//! Alternatives to the tuned design: trade-off and price list, if requested.
 
 use super::exit::Stop;
 use super::interrupt;
@@ -14,7 +14,7 @@ pub(super) struct Choices {
 }
 
 impl Choices {
-    /// From where a tuning ended.
+    /// Alternatives, computed from the end of a tuning.
     pub(super) fn of(
         study: &Study,
         optimise: &Optimise,
@@ -51,7 +51,7 @@ impl Choices {
         output.file_if_any("front.csv", csv)
     }
 
-    /// Says what there is; whether there is a front where one was asked for.
+    /// Prints the alternatives. Returns false if a requested front does not exist.
     pub(super) fn say(
         &self,
         output: &Output,

@@ -14,7 +14,7 @@ use clap::Args;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// What is compared, and where it goes.
+/// Arguments of a comparison.
 #[derive(Args)]
 pub(super) struct CompareArguments {
     /// Studies and directories of runs, in any mixture; the first is what the others are compared with

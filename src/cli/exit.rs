@@ -1,4 +1,4 @@
-//! How a command ends.
+//! End of a command.
 
 use super::interrupt;
 use crate::results::WriteError;
@@ -11,7 +11,7 @@ use std::path::Path;
 pub(super) enum Exit {
     /// Everything asked for was done.
     Done,
-    /// It ran, but something could not be solved or written; the rest is there.
+    /// A part could not be solved or written; the rest exists.
     Incomplete,
     /// The input or the call is wrong; nothing was written.
     WrongInput,
@@ -20,7 +20,7 @@ pub(super) enum Exit {
 }
 
 impl Exit {
-    /// Of a command that ran: whether everything asked for was done.
+    /// Exit of a command that ran: done or incomplete.
     pub(super) fn of(is_complete: bool) -> Self {
         match is_complete {
             true => Exit::Done,
@@ -39,7 +39,7 @@ impl Exit {
     }
 }
 
-/// What stops a command before its end.
+/// Reason that stops a command early.
 #[derive(Debug)]
 pub(super) enum Stop {
     /// Whoever read our output has seen enough.
@@ -75,7 +75,7 @@ impl Stop {
         Stop::in_file(path, reason)
     }
 
-    /// What was asked for cannot be had.
+    /// A request that cannot be met.
     pub(super) fn not_met(message: impl std::fmt::Display) -> Self {
         Stop::Failed {
             message: format!("error: {message}"),
@@ -114,7 +114,7 @@ impl From<StudyErrors> for Stop {
     }
 }
 
-/// Of standard output and standard error.
+/// Errors of standard output and standard error.
 impl From<io::Error> for Stop {
     fn from(error: io::Error) -> Self {
         match error.kind() {

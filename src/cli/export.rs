@@ -15,7 +15,7 @@ use clap::{Args, ValueEnum};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// What is exported, and how.
+/// Arguments of an export.
 #[derive(Args)]
 pub(super) struct ExportArguments {
     /// A study file, or the directory of a run
@@ -211,7 +211,7 @@ fn inputs(source: &Source, arguments: &ExportArguments) -> Vec<PathBuf> {
     inputs
 }
 
-/// Says what a file does not hold, and returns the file.
+/// Prints the content that a file leaves out, and returns the file.
 fn say(written: Written) -> Vec<u8> {
     for line in written.notes {
         note(&format!("{line}\n"));

@@ -22,7 +22,7 @@ use std::path::{Path, PathBuf};
 /// The study that a tuning has found, in its directory.
 const TUNED: &str = "optimised.toml";
 
-/// What is exported.
+/// Source of an export.
 pub(super) struct Source {
     path: PathBuf,
     /// The files that were read.
@@ -289,7 +289,7 @@ fn of_sweep(study: &Study, number: u64, path: &Path) -> Result<Vec<Vector3<f64>>
     Ok(plan.design(number))
 }
 
-/// What rounding costs: the misfit of the targets, and the largest change of every curve.
+/// Prints the cost of rounding: the misfit of the targets, and the largest change of every curve.
 fn say_loss(before: &Study, after: &Study, rounded: &Rounded, free: &[bool]) {
     let grid = rounded.grid;
     let (step, unit) = (grid.step, grid.unit.symbol());

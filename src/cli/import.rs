@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 use std::io::{BufRead, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 
-/// What is imported, and what is known of it.
+/// Arguments of an import.
 #[derive(Args)]
 pub(super) struct ImportArguments {
     /// Points: a table (.csv, .xlsx), a map (.json, .yaml), an Adams/Car subsystem (.sub) or suspensions.ini

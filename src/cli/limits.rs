@@ -106,11 +106,11 @@ fn of_axle(arguments: &StudyArguments, study: &Study, both: &AxleStudy) -> Resul
     Ok(Exit::of(failures.is_empty()))
 }
 
-/// Why a range ends where nothing was found that ends it.
+/// Cause of a limit for which no singularity was found.
 const LOST: &str = "the path could not be followed further";
 
-/// What goes how far, from where to where and why: values times a factor, and axes that point the other way swap the
-/// ends.
+/// Row of a quantity with its limits and causes. Values are multiplied by a factor; a negative factor swaps the
+/// limits.
 fn row(what: [&str; 2], factor: f64, ends: [(f64, String); 2]) -> [Cell; 6] {
     let [quantity, at] = what.map(Cell::from);
     let [mut from, mut to] = ends.map(|(value, why)| (value * factor, why));
@@ -153,7 +153,7 @@ pub(super) fn ranges_by_rack(
 pub(super) struct Row {
     pub(super) quantity: String,
     pub(super) at: String,
-    /// What a value is multiplied by to be printed; axes that point the other way swap the ends.
+    /// Factor of printed values; a negative factor swaps the limits.
     pub(super) factor: f64,
 }
 
@@ -173,7 +173,7 @@ impl Row {
         row([&self.quantity, &self.at], self.factor, ends)
     }
 
-    /// Where the rack does not get to its place there is no range.
+    /// Row without a range, for a rack position that the mechanism cannot reach.
     fn of_no_rack(&self) -> [Cell; 6] {
         let [quantity, at] = [&self.quantity, &self.at].map(|text| Cell::from(text.as_str()));
         let [why, also] = [(); 2].map(|()| Cell::from("the rack cannot reach this position"));
@@ -188,7 +188,7 @@ impl Row {
     }
 }
 
-/// Why it goes no further: the part that is singular, or that none is and which comes nearest to it.
+/// Cause of a limit: the singular part, or the part that is nearest to a singularity.
 fn because(limit: &Limit, study: &Study) -> String {
     let name = |id: &PointId| {
         let name = study.suspension.mechanism.name(*id);
@@ -215,7 +215,7 @@ fn because(limit: &Limit, study: &Study) -> String {
     }
 }
 
-/// Where the rack is while something else goes as far as it can.
+/// Position of the rack while another quantity moves to its limits.
 pub(super) fn straight(limits: &Limits) -> &'static str {
     match &limits.rack {
         Some(_) => "rack 0",
@@ -223,7 +223,7 @@ pub(super) fn straight(limits: &Limits) -> &'static str {
     }
 }
 
-/// What goes how far, the others held: rockers apart, which end by another part than what moves.
+/// Ranges of the quantities, each with the others held. Rockers are separate, because other parts limit them.
 pub(super) fn ranges<'l>(
     study: &Study,
     limits: &'l Limits,
@@ -288,7 +288,7 @@ pub(super) fn rod_travel(study: &Study, rocker: RockerId) -> String {
     format!("{}_travel_{unit}", rod.replace(' ', "_"))
 }
 
-/// How far each quantity goes, the others held.
+/// Table of the limits of each quantity, the others held.
 fn table(study: &Study, limits: &Limits, by_rack: &[(f64, Range)]) -> Table {
     let mut table = Table::with_columns(columns()).keyed(2);
     for (row, range) in ranges(study, limits, by_rack) {
@@ -322,7 +322,7 @@ fn table(study: &Study, limits: &Limits, by_rack: &[(f64, Range)]) -> Table {
     table
 }
 
-/// What is left from drive values to the nearer end of all these ranges; negative beyond it.
+/// Margin from drive values to the nearest limit of all these ranges; negative beyond it.
 pub(super) fn travel_left<'r>(ranges: impl Iterator<Item = &'r Range>, values: &[f64]) -> f64 {
     let left = ranges.flat_map(|range| values.iter().map(move |value| range.margin(*value)));
     left.fold(f64::INFINITY, f64::min)

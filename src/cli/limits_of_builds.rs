@@ -76,12 +76,11 @@ pub(super) fn run(
     Ok(Exit::Done)
 }
 
-/// How far one mechanism goes.
+/// Limits of one mechanism.
 struct LimitRanges {
-    /// What goes how far, where the rest stands, and from where to where.
+    /// Rows of the table: quantity, held quantities, lower and upper limit.
     rows: Vec<(String, String, [f64; 2])>,
-    /// What is left from the motion of the study to the nearer end; negative beyond it. None where the study is driven
-    /// by the paper's angle.
+    /// Margin from the study's motion to the nearest limit; negative beyond it. `None` with the paper's drive.
     margin: Option<f64>,
 }
 
@@ -118,15 +117,15 @@ impl LimitRanges {
     }
 }
 
-/// What some builds reach at least: of equals, the first build.
+/// Smallest limits of some builds; of equal limits, those of the first build.
 #[derive(Default)]
 struct Least {
-    /// By row of [`LimitRanges`]: the greatest lower and the least upper end, each with its build.
+    /// For each row of [`LimitRanges`]: the largest lower and the smallest upper limit, each with its build.
     rows: Vec<[(f64, u64); 2]>,
     margin: Option<(f64, u64)>,
-    /// How many builds cannot be put together or cannot move, and the first.
+    /// Number of builds that cannot be assembled or cannot move, and the first.
     rejected: (u64, Option<u64>),
-    /// How many do not reach the motion of the study, and the first.
+    /// Number of builds that do not reach the motion of the study, and the first.
     short: (u64, Option<u64>),
 }
 
@@ -148,7 +147,7 @@ impl Least {
         }
     }
 
-    /// With builds of higher numbers.
+    /// Combines these limits with those of builds with higher numbers.
     fn and(mut self, later: Least) -> Least {
         if self.rows.is_empty() {
             self.rows = later.rows;
@@ -176,7 +175,7 @@ impl Least {
     }
 }
 
-/// How far each quantity goes as drawn, and in the build that goes least far.
+/// Table of the limits of the nominal design and the smallest limits of all builds.
 fn table(drawn: &LimitRanges, least: &Least) -> Table {
     let mut table = Table::with_columns([
         Column::from("quantity"),

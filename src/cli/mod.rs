@@ -99,7 +99,7 @@ enum Command {
     Man,
 }
 
-/// What names a study.
+/// Arguments that name a study.
 #[derive(Args)]
 struct StudyArguments {
     /// The study file (TOML), or - for standard input
@@ -112,7 +112,7 @@ struct StudyArguments {
     format: TableFormat,
 }
 
-/// What a run needs besides.
+/// Arguments of a run.
 #[derive(Args)]
 struct RunArguments {
     #[command(flatten)]
@@ -134,7 +134,7 @@ struct RunArguments {
     plots: Option<PathBuf>,
 }
 
-/// What builds need besides.
+/// Arguments of `hardpoint tolerance`.
 #[derive(Args)]
 struct ToleranceArguments {
     #[command(flatten)]
@@ -144,7 +144,7 @@ struct ToleranceArguments {
     build: Option<u64>,
 }
 
-/// What limits need besides.
+/// Arguments of `hardpoint limits`.
 #[derive(Args)]
 struct LimitsArguments {
     #[command(flatten)]
@@ -154,7 +154,7 @@ struct LimitsArguments {
     builds: Option<std::num::NonZeroU64>,
 }
 
-/// What a tuning needs besides.
+/// Arguments of a tuning.
 #[derive(Args)]
 struct OptimiseArguments {
     #[command(flatten)]
@@ -164,7 +164,7 @@ struct OptimiseArguments {
     prices: bool,
 }
 
-/// What a sweep needs besides.
+/// Arguments of a sweep.
 #[derive(Args)]
 struct SweepArguments {
     #[command(flatten)]
@@ -192,7 +192,7 @@ struct SweepArguments {
     design: Option<u64>,
 }
 
-/// Which parts are joined.
+/// Arguments of `hardpoint merge`.
 #[derive(Args)]
 struct MergeArguments {
     /// The directories with the parts, in any order
@@ -209,7 +209,7 @@ struct MergeArguments {
     format: TableFormat,
 }
 
-/// Where assemblies are looked for.
+/// Arguments of `hardpoint assemblies`.
 #[derive(Args)]
 struct AssembliesArguments {
     #[command(flatten)]
@@ -222,7 +222,7 @@ struct AssembliesArguments {
     rack: f64,
 }
 
-/// What is measured, and on what.
+/// Arguments of `hardpoint bench`.
 #[derive(Args)]
 struct BenchArguments {
     /// Kind of measurement
@@ -268,7 +268,7 @@ enum BenchKind {
     Effects,
 }
 
-/// What a report is made of.
+/// Arguments of `hardpoint report`.
 #[derive(Args)]
 struct ReportArguments {
     /// The directory with the results of a run

@@ -6,7 +6,7 @@ use clap::{Args, ValueEnum};
 use std::fmt::Write as _;
 use std::io::Write;
 
-/// What study is wanted.
+/// Arguments of `hardpoint new`.
 #[derive(Args)]
 pub(super) struct NewArguments {
     /// Kind of suspension, such as macpherson
@@ -51,12 +51,12 @@ const ANTI_ROLL_BAR: Points = &[
     ("anti_roll_bar_outer", "outboard point of the bar's axis"),
 ];
 
-/// What differs from template to template: coordinates are in its axes.
+/// Differences between templates: coordinates in the template's axes.
 struct Fitting {
     topology: &'static str,
     /// A hardpoint that steers the wheel in jounce.
     steers: &'static str,
-    /// What pushrod and drop link stand on.
+    /// Body of pushrod and drop link.
     carrier: &'static str,
     pushrod: Option<[[f64; 3]; PUSHROD.len()]>,
     anti_roll_bar: [[f64; 3]; ANTI_ROLL_BAR.len()],
@@ -134,11 +134,11 @@ const FITTINGS: [Fitting; 4] = [
     },
 ];
 
-/// What is wanted of the template: toe that stays in jounce.
+/// Targets of the template: constant toe.
 const TARGETS: &str = r#"  { characteristic = "toe", points = [[-80.0, 0.1], [0.0, 0.1], [80.0, 0.1]], tolerance = 0.02 },
 "#;
 
-/// Of an axle: toe that stays in heave, and wheels that do not steer in roll.
+/// Targets of an axle: constant toe in heave, and no roll steer.
 const AXLE_TARGETS: &str = r#"  { characteristic = "toe", over = "heave", points = [[-20.0, 0.1], [0.0, 0.1], [20.0, 0.1]], tolerance = 0.02 },
   { characteristic = "roll_steer", over = "roll", between = [-0.02, 0.02], tolerance = 0.005 },
 "#;
@@ -228,7 +228,7 @@ targets = [                      # a curve over the motion, or `at` one value of
     Ok(text)
 }
 
-/// What an axle is asked for.
+/// Outputs of an axle.
 const AXLE_OUTPUTS: [&str; 8] = [
     "camber",
     "camber_to_road",

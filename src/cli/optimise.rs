@@ -20,7 +20,7 @@ use std::path::Path;
 /// The most free moves that are said; the page and `summary.json` have all.
 const MOST_DIRECTIONS: usize = 2;
 
-/// Says what came of a tuning: misfit, targets, variables, constraints.
+/// Prints the result of a tuning: misfit, targets, variables, constraints.
 fn say_outcome(output: &Output, study: &Study, summary: &TuningSummary) -> Result<(), Stop> {
     output.say(&format!("{}: {}\n\n", study.name, summary.headline()))?;
     output.table_for_programs("misfit", || summary.misfit_table());
@@ -40,8 +40,8 @@ fn say_outcome(output: &Output, study: &Study, summary: &TuningSummary) -> Resul
     output.say_remarks(summary.remarks())
 }
 
-/// Says what the tuned design lacks, what the targets leave open, and how the starts ended. `refused` are the errors
-/// of the tuned study, if it is not one that can be read.
+/// Prints the faults of the tuned design, moves that leave the targets unchanged, and the ends of the starts.
+/// `refused` holds the errors of the tuned study, if it has any.
 fn say_openings(
     output: &Output,
     study: &Study,
@@ -205,7 +205,7 @@ fn keep(
     output.file("history.csv", &history_csv(&tuning.starts))
 }
 
-/// Of a robust tuning, what its builds keep to before and after: by Monte Carlo, as `hardpoint tolerance` has it.
+/// Yields of a robust tuning before and after, by Monte Carlo as in `hardpoint tolerance`.
 fn yields(study: &Study, optimise: &Optimise, tuned: Option<&Study>) -> Option<YieldRecord> {
     optimise.scatter.as_ref()?;
     let tolerance = study.tolerance.as_ref().filter(|t| !t.bands.is_empty())?;

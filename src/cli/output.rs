@@ -1,5 +1,5 @@
-//! Where a run's results go: a directory with a summary on standard output, or the main CSV on
-//! standard output with everything else on standard error.
+//! Destination of a run's results: a directory with a summary on standard output, or the main CSV on standard output
+//! with everything else on standard error.
 
 use super::exit::Stop;
 use super::interrupt;
@@ -56,24 +56,24 @@ const TOLERANCE_FILES: [&str; 9] = [
 pub(super) struct Output {
     directory: Option<RunDirectory>,
     format: Format,
-    /// What is printed at the end, where programs read it.
+    /// Tables for programs, printed at the end.
     tables: RefCell<Tables>,
 }
 
-/// What a command writes, and to where.
+/// Files of a command, and their destination.
 pub(super) struct Destination<'a> {
-    /// As in `--out`; `-` is standard output.
+    /// Value of `--out`; `-` is standard output.
     out: Option<&'a Path>,
-    /// Where it goes if that is not given.
+    /// Default destination.
     default: PathBuf,
-    /// As in `--force`.
+    /// Value of `--force`.
     force: bool,
     /// Format of printed tables.
     format: Format,
 }
 
 impl<'a> Destination<'a> {
-    /// As arguments give it; results that go by this name go below `out` where they give none.
+    /// Destination from the arguments; the default is the folder of this name below `out`.
     pub(super) fn of(
         out: Option<&'a Path>,
         name: &str,

@@ -36,7 +36,7 @@ impl Printer {
         Ok(())
     }
 
-    /// Says what was asked for and could not be had: an error, also where quiet was asked for.
+    /// Prints a request that could not be met. This is an error, so it is printed also with `--quiet`.
     pub(super) fn failure(&self, text: &str) -> Result<(), Stop> {
         match terminal::is_quiet() {
             true => terminal::eprint(text.trim_matches('\n')),

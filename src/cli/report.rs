@@ -40,7 +40,7 @@ pub(super) fn run(arguments: &ReportArguments) -> Result<Exit, Stop> {
     Ok(Exit::Done)
 }
 
-/// What a run is asked to show besides its results.
+/// Options for pages and pictures of a run.
 pub(super) struct ReportOptions {
     page: bool,
     plots: Option<PathBuf>,
@@ -122,7 +122,7 @@ fn write_page(page: &str, directory: &RunDirectory) -> Result<(), Stop> {
     written.map_err(Stop::unwritten)
 }
 
-/// What pictures want of their directory.
+/// Claim of the pictures on their directory.
 fn claim_of_pictures<'a>(names: &'a [&'a str], force: bool) -> Claim<'a> {
     Claim {
         command: "report --plots",

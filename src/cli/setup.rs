@@ -110,7 +110,7 @@ fn print_effects(output: &Output, summary: &SetUpSummary) -> Result<(), Stop> {
     }
 }
 
-/// Says why there is no set-up, and what each adjustment does to the design.
+/// Prints the reason why there is no set-up, and the effect of each adjustment.
 fn not_met(
     arguments: &RunArguments,
     study: &Study,

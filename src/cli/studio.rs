@@ -7,7 +7,7 @@ use clap::Args;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// What is served where.
+/// Arguments of the live page.
 #[derive(Args)]
 pub(super) struct StudioArguments {
     /// The study file (TOML)

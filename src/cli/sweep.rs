@@ -18,7 +18,7 @@ use std::ops::Range;
 use std::path::Path;
 use std::time::Duration;
 
-/// How long to wait before a part is looked at again that another process is at.
+/// Interval between two looks at a part that another process is computing.
 const WAIT: Duration = Duration::from_millis(200);
 
 pub(super) fn run(arguments: &SweepArguments) -> Result<Exit, Stop> {
@@ -111,7 +111,7 @@ pub(super) fn run(arguments: &SweepArguments) -> Result<Exit, Stop> {
     })
 }
 
-/// What only a directory has is refused where there is none.
+/// Refuses options that need a directory if there is none.
 fn needs_no_directory(arguments: &SweepArguments, format: FileFormat) -> Result<(), Stop> {
     let refused = [
         (
@@ -190,7 +190,7 @@ fn draw(
     )
 }
 
-/// What of the outputs a study asks for has no place in the results of a sweep.
+/// Requested outputs that a sweep does not compute.
 fn left_out(study: &Study) -> Vec<&'static str> {
     let outputs = &study.outputs;
     let of_axle = study.axle.as_ref().map(|both| &both.plan);

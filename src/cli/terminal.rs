@@ -1,5 +1,5 @@
-//! What reaches the terminal: nothing it would obey, no line longer than it is wide, and nothing but errors
-//! and what was asked for where quiet was asked for.
+//! Output to the terminal. It contains no control sequences and no line wider than the terminal. With `--quiet` it
+//! contains errors and requested data only.
 
 use crate::report::{is_printable, printable, wrapped};
 use crate::study::StudyErrors;

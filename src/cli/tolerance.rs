@@ -106,7 +106,7 @@ pub(super) fn run(arguments: &ToleranceArguments) -> Result<Exit, Stop> {
     })
 }
 
-/// How the parts of a study scatter.
+/// Scatter of the parts of a study.
 pub(super) fn scatter<'s>(study: &'s Study, path: &Path) -> Result<&'s Tolerance, Stop> {
     let tolerance = study.tolerance.as_ref();
     tolerance.ok_or_else(|| Stop::no_section(path, "tolerance", "the scatter of the parts"))

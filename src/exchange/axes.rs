@@ -158,7 +158,7 @@ impl fmt::Display for Axes {
     }
 }
 
-/// What a file says of one coordinate.
+/// Direction of one coordinate, as the file states it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) enum Coordinate {
     /// Nothing.
@@ -185,7 +185,7 @@ impl Coordinate {
     }
 }
 
-/// What a file says of its axes.
+/// Directions of the axes, as the file states them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Declared(pub(super) [Coordinate; 3]);
 
@@ -234,7 +234,7 @@ impl Declared {
         self == Declared::default()
     }
 
-    /// What a line of text says of axes: "SAE axes", "x forward, y left, z up".
+    /// Directions of axes in a line of text: "SAE axes", "x forward, y left, z up".
     pub(super) fn in_text(text: &str) -> Declared {
         let words = super::names::cut(text);
         let has = |wanted: &str| words.iter().any(|word| word == wanted);

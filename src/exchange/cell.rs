@@ -13,12 +13,12 @@ pub(super) enum Cell {
     Unusable(String),
 }
 
-/// How places of a table are called.
+/// Names of places in a table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Places {
-    /// By line and column, counted from 1.
+    /// Line and column, counted from 1.
     Lines,
-    /// As spreadsheets do: B3.
+    /// Cell names of spreadsheets: B3.
     Spreadsheet,
 }
 
@@ -29,7 +29,7 @@ pub(super) struct Sheet {
     pub name: String,
     /// The cells that hold something.
     pub cells: BTreeMap<(u32, u32), Cell>,
-    /// How its places are called.
+    /// Names of its places.
     pub places: Places,
 }
 

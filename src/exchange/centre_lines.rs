@@ -24,7 +24,7 @@ pub fn drawing(outgoing: &Outgoing<'_>) -> Vec<u8> {
     drawing.file(outgoing).into_bytes()
 }
 
-/// What the axes of a convention point to.
+/// Directions of the axes of a convention.
 pub(super) fn axes(convention: FrameConvention) -> &'static str {
     match convention {
         FrameConvention::Iso8855 => "x forward, y left, z up",

@@ -56,7 +56,7 @@ fn in_power(number: f64, power: i32, from: LengthUnit, to: LengthUnit) -> f64 {
 /// Words that units are made of, beside those of length.
 const UNIT_WORDS: [&str; 7] = ["deg", "percent", "N", "per", "rad", "s", "Hz"];
 
-/// Where the unit begins in the name of a column, with the sign before it.
+/// Start of the unit in a column name, including the sign before it.
 fn unit_start(name: &str) -> usize {
     let is_unit = |word: &str| {
         let word = word.trim_end_matches(|c: char| c.is_ascii_digit());

@@ -15,7 +15,7 @@ use super::{optimum, unit};
 use crate::model::{AxlePosition, FrameConvention, LengthUnit, Side, Topology};
 use std::collections::BTreeMap;
 
-/// What the user has said about a file.
+/// The user's options for a file.
 #[derive(Clone, Copy)]
 pub struct ImportOptions<'a> {
     /// The kind of suspension.
@@ -62,7 +62,7 @@ pub struct Imported {
     pub topology: &'static Topology,
     /// Its hardpoints, in the topology's order.
     pub hardpoints: Vec<Hardpoint>,
-    /// Which wheel it is.
+    /// The wheel.
     pub side: Side,
     /// Its axes.
     pub frame: FrameConvention,

@@ -280,7 +280,7 @@ impl Words {
         self.words.is_empty() && self.unknown == 0
     }
 
-    /// How often front or rear is said.
+    /// Number of words for front or rear.
     pub(super) fn ends(&self) -> usize {
         self.words.iter().filter(|w| end_of(w).is_some()).count()
     }

@@ -82,7 +82,7 @@ struct Rows<'a> {
     sheet: &'a Sheet,
     decimals: Decimals,
     columns: Option<Columns>,
-    /// What the last title says of the rows below it.
+    /// Marks of the last title, for the rows below it.
     section: Marks,
     table: PointTable,
 }

@@ -20,7 +20,7 @@ pub(super) struct Role {
     pub body: Option<&'static str>,
 }
 
-/// How the file uses a single letter `R`.
+/// Meaning of a single letter `R` in the file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Letters {
     /// Before a name it means the rear axle.
@@ -30,7 +30,7 @@ pub(super) struct Letters {
 }
 
 impl Letters {
-    /// As the names of a file pair it: with `F` and without `L`.
+    /// Meaning from the names of a file: with `F` and without `L`, it is rear.
     pub(super) fn of<'a>(names: impl Iterator<Item = &'a str> + Clone) -> Self {
         let has = |wanted: &str, last: bool| {
             names.clone().any(|name| {
@@ -46,7 +46,7 @@ impl Letters {
         }
     }
 
-    /// As the names of points pair it.
+    /// Meaning from the names of points.
     pub(super) fn of_points(points: &[NamedPoint]) -> Self {
         Letters::of(points.iter().map(|point| point.read_as.as_str()))
     }

@@ -61,7 +61,7 @@ pub(super) struct Figure {
     pub place: String,
 }
 
-/// What a file says an axle's suspension is.
+/// Kind of an axle's suspension, as the file states it.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Kind {
     /// A topology, by its name in studies.
@@ -83,7 +83,7 @@ pub struct PointTable {
     pub(super) declared: Declared,
     /// The kind of suspension of each axle, where the file says so; without an axle, of all.
     pub(super) kinds: Vec<(Option<AxlePosition>, Kind)>,
-    /// How it was read, for the user.
+    /// Notes for the user on the reading.
     pub(super) notes: Vec<String>,
     /// Parts that are not used, with the reason.
     pub(super) left_out: Vec<String>,

@@ -58,7 +58,7 @@ fn toggled(study: &Study, curves: &Curves) -> Option<String> {
     Some(at_toggle("", rod, count, nearest))
 }
 
-/// That a rod, with words for the wheel where there are two, is at toggle at so many stations.
+/// Warning that a rod is at toggle at some stations. `of` names the wheel of an axle.
 pub(super) fn at_toggle(of: &str, rod: Rod, count: usize, nearest: impl Display) -> String {
     format!(
         "warning: the {of}{rod} is at toggle or beyond it at {}, the nearest at {nearest}: it turns {} \

@@ -183,7 +183,7 @@ impl Panel {
 /// Kinds of marks.
 const MARKS: usize = 7;
 
-/// What tells one series from another beside its mark.
+/// Grey level that distinguishes a series in addition to its mark.
 fn grey(number: usize) -> RGBColor {
     let level = [0, 90, 0, 130, 60, 110, 30][number % MARKS];
     RGBColor(level, level, level)

@@ -58,7 +58,7 @@ impl StationColumns<'_> {
         values
     }
 
-    /// What the travels, or the roll angle, follow from.
+    /// Whether the travels, or the roll angle, are results of the motion.
     fn results(&self) -> [bool; 2] {
         let wheels = &self.plan.course.wheels;
         let rolls = matches!(wheels, WheelMotion::Roll { .. });
@@ -139,7 +139,7 @@ impl StationColumns<'_> {
         given
     }
 
-    /// In words, as in `roll_deg 2, heave_mm 0`.
+    /// The station in words, as in `roll_deg 2, heave_mm 0`.
     pub(super) fn words(&self, number: usize, station: &AxleStation) -> String {
         let values = self.values(number, station);
         let known = self.names().into_iter().zip(values);
@@ -157,8 +157,8 @@ fn degrees(angle: f64) -> f64 {
     }
 }
 
-/// Where the stations of an axle's motion are: the columns that curves begin with, as `heave_mm`, each with a value
-/// for every station where there is one.
+/// Columns with the coordinates of an axle's stations, such as `heave_mm`. A column has a value for every station
+/// that has one.
 pub fn axle_motion(
     axle: &Axle,
     plan: &AxlePlan,
@@ -323,7 +323,7 @@ impl AxleSummary {
     }
 }
 
-/// What has to be said of an axle's curves, a line each: of their accuracy, and of what has no value.
+/// Remarks on an axle's curves, one line each: their accuracy, and values that do not exist.
 pub fn axle_remarks(axle: &Axle, plan: &AxlePlan, curves: &AxleCurves) -> Vec<String> {
     let of_stations = StationColumns { plan, axle };
     let unit = axle.left.length_unit.symbol();
@@ -355,7 +355,7 @@ pub fn axle_failures(axle: &Axle, plan: &AxlePlan, curves: &AxleCurves) -> Vec<F
     failed.collect()
 }
 
-/// Where nothing carries the loads.
+/// Warning for stations at which nothing carries the loads.
 fn unsupported(of_stations: &StationColumns<'_>, curves: &AxleCurves) -> Option<String> {
     let stations = curves.stations.iter().enumerate();
     let mut lacking = stations.filter(|(_, s)| s.values.contains(&Err(Void::Unsupported)));
@@ -368,7 +368,7 @@ fn unsupported(of_stations: &StationColumns<'_>, curves: &AxleCurves) -> Option<
     ))
 }
 
-/// Where a rod of a rocker comes to a toggle, a sentence for each rod.
+/// Warnings for rods of rockers at their toggle, one sentence for each rod.
 fn toggled(of_stations: &StationColumns<'_>, curves: &AxleCurves) -> Vec<String> {
     let mut said = Vec::new();
     for side in Side::ALL {
@@ -394,7 +394,7 @@ fn toggled(of_stations: &StationColumns<'_>, curves: &AxleCurves) -> Vec<String>
     said
 }
 
-/// What was proved of some curves, where that was asked for: of the worse wheel.
+/// Certificate of some curves, if requested: that of the worse wheel.
 pub(super) fn certificate(
     of_stations: &StationColumns<'_>,
     curves: &AxleCurves,
@@ -424,7 +424,7 @@ pub(super) fn certificate(
     Some(summary.at(|(number, station)| of_stations.words(number, station)))
 }
 
-/// What of the right wheel is not the mirror image.
+/// Differences of the right wheel from the mirror image.
 fn right_wheel(axle: &Axle) -> String {
     let (left, right) = (&axle.left, axle.suspension(Side::Right));
     let springs = axle.setup.springs.as_ref();
@@ -449,7 +449,7 @@ fn right_wheel(axle: &Axle) -> String {
     }
 }
 
-/// What is possible but seldom meant in a study of an axle, a line each.
+/// Doubts about a study of an axle, one line each.
 pub fn axle_plausibility(axle: &Axle, curves: &AxleCurves, turns_against: bool) -> Vec<String> {
     let mut remarks = Vec::new();
     if turns_against {

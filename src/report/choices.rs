@@ -120,7 +120,7 @@ fn brief3(value: f64) -> String {
     without_zeros(&text).to_owned()
 }
 
-/// At most [`PRINTED`] numbers below `count`, evenly chosen, the first and the last among them.
+/// Selects at most [`PRINTED`] numbers below `count`, evenly spaced, including the first and the last.
 fn some_of(count: usize) -> Vec<usize> {
     match count {
         few if few <= PRINTED => (0..few).collect(),
@@ -200,7 +200,7 @@ pub struct PriceRecord {
     pub moved: f64,
     /// The least misfit that it buys, in tolerances.
     pub misfit: f64,
-    /// By how much the misfit falls for a tenth of a range more; `None` at the ends.
+    /// Decrease of the misfit for a further tenth of a range; `None` at the ends.
     pub gain: Option<f64>,
     /// The variable that moves most, as a share of its range.
     pub most: Option<String>,

@@ -14,7 +14,7 @@ pub type NamedPoints = (Vec<(String, [f64; 3])>, [f64; 3]);
 /// A design that is compared.
 #[derive(Clone, Debug)]
 pub struct Compared {
-    /// What it is called, different for each.
+    /// Label, unique for each design.
     pub label: String,
     /// The topology, where it is known.
     pub topology: Option<String>,
@@ -32,11 +32,11 @@ const SAME: f64 = 1e-9;
 /// Several designs laid over each other.
 #[derive(Clone, Debug, Serialize)]
 pub struct Comparison {
-    /// What the designs are called.
+    /// Labels of the designs.
     pub labels: Vec<String>,
     /// The column that the curves are drawn over.
     pub drive: String,
-    /// Where all of them stand: values of the drive and of the rack.
+    /// Common stations: values of the drive and of the rack.
     pub stations: Vec<[f64; 2]>,
     /// Whether the rack moves.
     pub rack: bool,
@@ -277,7 +277,7 @@ impl Comparison {
     }
 }
 
-/// Where each row stands: values of the drive and the rack.
+/// Station of each row: values of the drive and the rack.
 fn places(table: &CurveTable, drive: &str, rack: &str) -> Vec<[f64; 2]> {
     let rack = table.column(rack);
     let drive = table.column(drive).unwrap_or_default();

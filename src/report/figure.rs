@@ -96,7 +96,7 @@ pub fn as_written(value: f64) -> String {
     text.strip_suffix(".0").map_or(text.clone(), str::to_owned)
 }
 
-/// What is rounding in a unit, as in the names of columns: `deg`, `deg_per_mm2`, `N_mm`.
+/// Size of a rounding error in a unit, which is part of column names: `deg`, `deg_per_mm2`, `N_mm`.
 pub fn resolution(unit: &str) -> f64 {
     let (above, below) = match unit.strip_prefix("per_") {
         Some(below) => ("", below),

@@ -15,13 +15,13 @@ pub enum FinishedRun {
     Sweep(Box<SweepRun>),
 }
 
-/// Why a directory is not that of a run, or not of the one that was asked for.
+/// Reason why a directory does not hold the expected run.
 #[derive(Debug, thiserror::Error)]
 #[error("{path}: {reason}")]
 pub struct NotARun {
     /// The directory or the file in it.
     pub path: PathBuf,
-    /// What is wrong with it.
+    /// Fault of the file.
     pub reason: String,
 }
 

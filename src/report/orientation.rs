@@ -196,7 +196,7 @@ impl Directions {
         }
     }
 
-    /// In words, as in "x points forward, y outboard, z up".
+    /// The reading in words, as in "x points forward, y outboard, z up".
     pub(crate) fn describe(&self, reading: &Reading) -> String {
         let known = [self.forward, self.outboard, self.up];
         let mut words: Vec<(usize, &str)> = [

@@ -57,7 +57,7 @@ pub struct Clearance {
 }
 
 impl Places {
-    /// What the constraints of a study keep to, as the drawing shows it.
+    /// Regions of the study's constraints, for the drawing.
     pub fn of(study: &Study) -> Self {
         let mut places = Places::default();
         let suspension = &study.suspension;

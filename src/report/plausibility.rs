@@ -24,7 +24,7 @@ const WHEELBASE: [f64; 2] = [0.1, 20.0];
 const CG_HEIGHT: [f64; 2] = [0.01, 5.0];
 /// The least distance of a wheel from the centre plane, as a part of how far it is from the points on the body.
 const WHEEL_AT_CENTRE: f64 = 0.5;
-/// How far a wheel may be off half the track, as a part of it.
+/// Largest plausible deviation of a wheel from half the track, as a fraction of it.
 const OFF_TRACK: f64 = 0.1;
 
 /// Doubts about a suspension in its design position, a line each.
@@ -274,8 +274,8 @@ impl<'a> PlausibilityRemarks<'a> {
         }
     }
 
-    /// Of two points that are called front and rear, the front one is further forward; or they are side by side,
-    /// as on a transverse axis.
+    /// Doubts a rear point that is further forward than its front point. Equal positions are fine, as on a transverse
+    /// axis.
     fn front_and_rear(&mut self) {
         let mechanism = &self.suspension.mechanism;
         for (front, point) in mechanism.points.iter().enumerate() {

@@ -44,7 +44,7 @@ pub struct Record {
     /// Bands that were wanted.
     #[serde(default)]
     pub bands: Vec<BandCurve>,
-    /// What constraints keep to, as the drawing shows it.
+    /// Regions of the constraints, for the drawing.
     #[serde(default)]
     pub places: Places,
     /// The designs, the tuned one last.
@@ -67,7 +67,7 @@ pub struct OutputRecord {
     pub title: String,
     /// Unit for reading: `deg/mm`; empty for a plain number.
     pub unit: String,
-    /// When it is positive.
+    /// Meaning of a positive value.
     pub positive: Option<String>,
 }
 
@@ -93,7 +93,7 @@ pub struct BandCurve {
     /// Drive value, the least and the most that is wanted there; none where there is no limit. In the units of the CSV
     /// files.
     pub limits: Vec<(f64, Option<f64>, Option<f64>)>,
-    /// By how much they may be missed, in the column's unit.
+    /// Tolerance, in the column's unit.
     #[serde(default)]
     pub tolerance: f64,
 }

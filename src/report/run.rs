@@ -12,11 +12,11 @@ use std::path::Path;
 /// A finished run.
 #[derive(Clone, Debug)]
 pub struct Run {
-    /// What was run and drawn.
+    /// Record of the run and its drawing.
     pub record: Record,
     /// The curves of each design of the record.
     pub curves: Vec<CurveTable>,
-    /// What it came to.
+    /// Summary of the run.
     pub summary: Summary,
     /// Whether a signal ended it early: the results are those that were finished.
     pub interrupted: bool,
@@ -26,7 +26,7 @@ pub struct Run {
     pub files: Vec<String>,
 }
 
-/// What a run came to: `summary.json`.
+/// Summary of a run: `summary.json`.
 #[derive(Clone, Debug, Serialize)]
 #[serde(untagged)]
 pub enum Summary {
@@ -147,7 +147,7 @@ impl Run {
     }
 }
 
-/// How a run ended, as its summary says, and what else that says.
+/// End of a run as its summary states it, and the rest of the summary.
 #[derive(Deserialize)]
 struct State {
     #[serde(default)]

@@ -309,7 +309,7 @@ fn adjustment_record(
     }
 }
 
-/// What a mechanic does: "shorten 1 3/16 turns", "add 3 shims: 1.5 mm towards +y".
+/// Instruction for a mechanic: "shorten 1 3/16 turns", "add 3 shims: 1.5 mm towards +y".
 fn instruction(adjustment: &Adjustment, amount: f64, length: LengthUnit) -> String {
     let size = |amount: f64| {
         // A multiple of a decimal step: without the digits of rounding.

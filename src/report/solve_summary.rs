@@ -1,4 +1,4 @@
-//! What a solve came to.
+//! Summary of a solve.
 
 use super::accuracy::{CertificateSummary, ConditionSummary};
 use super::completeness::Completeness;
@@ -24,16 +24,16 @@ pub struct SolveSummary {
     completeness: Completeness,
     failed: Vec<FailedStation>,
     outputs: Vec<Range>,
-    /// Where there is a pose at least.
+    /// Accuracy, if at least one pose exists.
     #[serde(default)]
     condition: Option<ConditionSummary>,
-    /// Where each pose was to be proved.
+    /// Certificate, if the study requests one.
     #[serde(default)]
     certificate: Option<CertificateSummary>,
-    /// What was done for it.
+    /// Counts of the work.
     #[serde(default)]
     work: Work,
-    /// Why the tracker left stations to the continuation.
+    /// Reasons for which the tracker left stations to the continuation.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     left_to_continuation: Vec<Left>,
 }

@@ -24,7 +24,7 @@ pub struct ToleranceSummary {
     pub aligned: bool,
     /// Builds that could not be put together.
     pub rejected: u64,
-    /// How many were rejected for which reason, with the first of each.
+    /// Number of rejected builds for each reason, with the first of each.
     pub rejects: Vec<RejectRecord>,
     /// Builds without a pose somewhere in the motion.
     pub incomplete: u64,
@@ -54,11 +54,11 @@ pub struct RejectRecord {
     pub builds: u64,
     /// Number of the first of these builds.
     pub first: u64,
-    /// What was wrong with the first, in words.
+    /// Reason for the first rejection, in words.
     pub what: String,
 }
 
-/// How a value scatters; as it is printed.
+/// Scatter of a value, as printed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ValueRecord {
     /// Name with unit.
@@ -111,7 +111,7 @@ pub struct ValueRecord {
 /// A band.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BandRecord {
-    /// In words.
+    /// The band in words.
     pub band: String,
     /// The share of builds in it.
     pub kept: f64,
@@ -119,7 +119,7 @@ pub struct BandRecord {
     pub kept_linear: f64,
 }
 
-/// What a contributor is worth.
+/// Effect of a contributor on the yield.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RankingRecord {
     /// Its name.
@@ -138,7 +138,7 @@ fn finite(value: f64) -> Option<f64> {
     value.is_finite().then_some(value + 0.0)
 }
 
-/// Why a build cannot be put together, with the wheel of an axle that cannot.
+/// Reason for a rejected build, with the wheel in an axle.
 pub fn rejected(side: Option<Side>, why: &Reject) -> String {
     match side {
         None => why.to_string(),
@@ -236,7 +236,7 @@ impl ToleranceSummary {
         line
     }
 
-    /// In words, which builds were rejected and which have no pose somewhere.
+    /// Sentences on builds that were rejected or have no pose at some station.
     pub fn failures(&self) -> Vec<String> {
         let mut lines: Vec<String> = self
             .rejects

@@ -9,7 +9,7 @@ pub(super) const NAME: &str = "run.json";
 /// The form of the file. A reader takes no other.
 const FORM: u32 = 1;
 
-/// Which runs wrote which files of a directory.
+/// Record of the runs that wrote the files of a directory.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Manifest {
     form: u32,

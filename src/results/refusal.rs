@@ -1,4 +1,4 @@
-//! Why a directory is not for the results of a run.
+//! Refusals of a directory for the results of a run.
 
 use super::Owner;
 use std::path::PathBuf;
@@ -9,11 +9,11 @@ use std::path::PathBuf;
 pub struct WriteError {
     /// The file that was to be written.
     pub path: PathBuf,
-    /// Why it could not be written.
+    /// Error of the system.
     pub source: std::io::Error,
 }
 
-/// Why a directory is not for the results of a run. Each names the file and the way out.
+/// Refusal of a directory for the results of a run. Each names the file and a remedy.
 #[derive(Debug, thiserror::Error)]
 pub enum Refusal {
     /// The directory cannot be written to.
@@ -27,7 +27,7 @@ pub enum Refusal {
     Busy {
         /// The directory.
         directory: String,
-        /// Who writes, where it is known.
+        /// Process that writes, if known.
         owner: Option<Owner>,
     },
     /// The directory holds an input of the run under the name of a result.
@@ -62,7 +62,7 @@ pub enum Refusal {
     Taken {
         /// The directory.
         directory: String,
-        /// Whose results they are.
+        /// Command that wrote the results.
         command: String,
         /// The name of their study.
         study: String,
@@ -91,13 +91,13 @@ pub enum Refusal {
     Unreadable {
         /// The record.
         file: String,
-        /// What is wrong with it.
+        /// Fault of the file.
         reason: String,
     },
 }
 
 impl Refusal {
-    /// In words, of a directory that is given by another option than `--out`.
+    /// Message for a directory that another option than `--out` gives.
     pub fn with_option(&self, option: &str) -> String {
         let advice = |option| format!("give another directory with {option}");
         self.to_string().replace(&advice("--out"), &advice(option))

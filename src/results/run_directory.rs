@@ -312,7 +312,7 @@ impl RunDirectory {
         open_runs::end(&self.path, || self.put_undivided(manifest::NAME, &text))
     }
 
-    /// Says in `summary.json`, where this run has written one, how the run ended.
+    /// Records in `summary.json`, if this run has written one, how the run ended.
     fn restate_summary(&self, state: &RunState) -> Result<(), WriteError> {
         if !state.written.contains(SUMMARY) {
             return Ok(());

@@ -25,7 +25,7 @@ pub(super) struct Opened {
     pub layout: Option<TargetLayout>,
 }
 
-/// Why a file was not saved.
+/// Reason why a file was not saved.
 pub(super) enum NotSaved {
     /// The file has been changed since it was opened, or there is another file of that name.
     Changed(String),

@@ -15,7 +15,7 @@ struct Member {
     offset: usize,
 }
 
-/// How a member is stored.
+/// Storage of a member.
 #[derive(Clone, Copy)]
 enum Stored {
     Plain,

@@ -186,7 +186,7 @@ fn text(text: String) -> Option<Cell> {
     }
 }
 
-/// In words, what an archive is that has no workbook in this format.
+/// Description of an archive that holds no workbook in this format.
 fn what_else(archive: &Archive) -> String {
     let names: Vec<&str> = archive.names().collect();
     let what = if names.contains(&"content.xml") {

@@ -36,7 +36,7 @@ struct Data<'a> {
     kept_start: Option<usize>,
     /// Targets that are missed by more than their tolerance: column, and by how much and where.
     missed: Vec<(&'a str, String)>,
-    /// What moving further buys.
+    /// Misfit against the size of the change.
     prices: &'a [PriceRecord],
 }
 
@@ -110,7 +110,7 @@ fn drawn(run: &Run) -> (Vec<CurveTable>, String) {
     (run.curves.iter().map(|t| t.thinned(most)).collect(), note)
 }
 
-/// What matters most, first.
+/// Key values, at the head of the page.
 fn facts(run: &Run) -> Vec<(&'static str, String)> {
     let mut facts = Vec::new();
     if let Summary::Optimise(tuning) = &run.summary {
@@ -297,7 +297,7 @@ fn prices_section(tuning: &TuningSummary) -> String {
     })
 }
 
-/// What scatter comes to: below the fans about the curves.
+/// Results of the scatter, below the fans about the curves.
 fn tolerance_sections(tolerance: &ToleranceSummary) -> String {
     let mut sections = tolerance.values_table().html();
     if !tolerance.bands.is_empty() {

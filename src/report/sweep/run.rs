@@ -15,7 +15,7 @@ pub struct SweepRun {
     pub record: SweepRecord,
     /// Summary of its results.
     pub summary: SweepSummary,
-    /// How designs were chosen.
+    /// Choice of the designs.
     pub choice: Choice,
     /// The rows of those.
     pub shown: ShownDesigns,

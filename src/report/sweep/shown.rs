@@ -1,4 +1,4 @@
-//! Which designs of a sweep are shown if not all can be.
+//! Choice of the designs that the page shows if it cannot show all.
 
 use super::SweepSummary;
 use crate::sweep::{Rows, SweepRecord};

@@ -155,7 +155,7 @@ impl SweepSummary {
         self.done == self.designs && self.solved == self.done && !lacks
     }
 
-    /// Why designs failed; empty if none did.
+    /// Table of the reasons of failed designs; empty if none failed.
     pub fn failures_table(&self) -> Table {
         let mut table = Table::with_columns([
             Column::from("not solved"),
@@ -213,7 +213,7 @@ impl SweepSummary {
         table
     }
 
-    /// In words, which designs the statistics are of, if they are not of all.
+    /// Sentence on the designs behind the statistics, if these are not all designs.
     pub fn of_which(&self) -> Option<String> {
         (self.method == "saltelli").then(|| {
             format!(
@@ -317,7 +317,7 @@ fn notes(record: &SweepRecord, statistics: &SweepStatistics) -> Vec<String> {
     notes
 }
 
-/// Why an output may have no value.
+/// Reason why an output may have no value.
 fn undefined_where(record: &SweepRecord, output: &OutputColumn) -> Option<&'static str> {
     if record.is_of_axle() {
         let names = Quantity::names().into_iter();

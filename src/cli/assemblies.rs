@@ -157,7 +157,9 @@ pub(super) fn run(arguments: &AssembliesArguments) -> Result<Exit, Stop> {
                 brief(share * 100.0)
             ),
         };
-        eprint(&format!("undecided: it is not known whether there {unknown}\n"));
+        eprint(&format!(
+            "undecided: it is not known whether there {unknown}\n"
+        ));
     }
     if let Some(more) = all.undecided.len().checked_sub(MOST_UNDECIDED + 1) {
         eprint(&format!("undecided: {}\n", counted(more + 1, "more place")));

@@ -165,8 +165,7 @@ fn compared(label: String, suspension: &Suspension, curves: CurveTable) -> Compa
 fn of_run(path: &Path, label: String) -> Result<Compared, Stop> {
     let file = path.join("curves.csv");
     if !file.exists() {
-        let reason =
-            "there is no curves.csv; `hardpoint solve` and `hardpoint optimise` write one";
+        let reason = "there is no curves.csv; `hardpoint solve` and `hardpoint optimise` write one";
         return Err(Stop::in_file(path, reason));
     }
     let csv = read_bytes(&file, LONGEST_TABLE);
@@ -178,11 +177,8 @@ fn of_run(path: &Path, label: String) -> Result<Compared, Stop> {
     }
     let first = table.header.first().map_or("", String::as_str);
     let unit = first.rsplit('_').next().and_then(crate::exchange::unit_of);
-    let unit = unit.ok_or_else(|| {
-        refused(format!(
-            "the first column {first} has no unit of length"
-        ))
-    })?;
+    let unit =
+        unit.ok_or_else(|| refused(format!("the first column {first} has no unit of length")))?;
     Ok(Compared {
         label,
         topology: None,

@@ -258,7 +258,7 @@ fn with_axle(text: &str) -> String {
                         c_factor = -52.0                 # length of rack along +y per turn of the steering wheel to the left; \
                         negative: behind the axle\n\n";
                 }
-                written += "[motion]                         # the grid of all is solved, on a plane ground\n\
+                written += "[motion]                         # every combination is solved, on a plane ground\n\
                     roll = { from = -3.0, to = 3.0, steps = 13 }   # degrees; positive: right wheel in jounce, as in a left turn\n\
                     heave = [-20.0, 0.0, 20.0]       # mean travel of both wheels\n";
                 if is_steered {

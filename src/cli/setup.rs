@@ -69,8 +69,7 @@ fn print(output: &Output, summary: &SetUpSummary) -> Result<(), Stop> {
         output.table("steps", &summary.steps_table())?;
     }
     let width = terminal::width();
-    output
-        .text_only("\nInstructions, in this order (with rounded amounts)\n\n")?;
+    output.text_only("\nInstructions, in this order (with rounded amounts)\n\n")?;
     output.text_only(&summary.instructions().text(width))?;
     output.text_only("\nstatic values after each step, with computed amounts\n")?;
     for table in summary.values_after_steps() {

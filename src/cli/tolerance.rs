@@ -89,7 +89,9 @@ pub(super) fn run(arguments: &ToleranceArguments) -> Result<Exit, Stop> {
     } else {
         output.text_only("\n")?;
         output.table("bands", &summary.bands_table())?;
-        output.text_only("\nContributors, by the yield for half and twice the tolerance of each\n\n")?;
+        output.text_only(
+            "\nContributors, by the yield for half and twice the tolerance of each\n\n",
+        )?;
         output.table("ranking", &summary.ranking_table())?;
     }
     output.say_remarks(summary.failures())?;

@@ -139,8 +139,7 @@ fn found(
         Verdict::Clear(reading) => reading,
         Verdict::Unclear(best) => {
             return Err(open_axes(
-                "neither the file nor its points show the directions of x, y and z"
-                    .to_owned(),
+                "neither the file nor its points show the directions of x, y and z".to_owned(),
                 of_reading(&best, wheel),
             ));
         }

@@ -290,7 +290,9 @@ fn check_name(name: &str) -> Result<(), String> {
         return Err("expected the name of a file beside the study, without a folder".to_owned());
     }
     if !is_printable(name) {
-        return Err("expected a name without characters that change the direction of writing".to_owned());
+        return Err(
+            "expected a name without characters that change the direction of writing".to_owned(),
+        );
     }
     if is_reserved(name) {
         return Err(format!(

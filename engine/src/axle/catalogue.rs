@@ -32,9 +32,7 @@ impl Void {
     /// The reason in words.
     pub fn reason(self) -> &'static str {
         match self {
-            Void::StraightAhead => {
-                "not defined near straight ahead (mean steer below 1.1 deg)"
-            }
+            Void::StraightAhead => "not defined near straight ahead (mean steer below 1.1 deg)",
             Void::ParallelNormals => {
                 "the normals to the velocities of the contact points are nearly parallel"
             }

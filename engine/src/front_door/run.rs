@@ -43,9 +43,7 @@ impl Study {
     /// [`Error::Design`] if the design position itself cannot be solved; [`Error::Axle`] if the study is of an axle,
     /// whose stations are of two wheels.
     pub fn curves(&self) -> Result<Curves, Error> {
-        self.refuse_of_axle(
-            "use tune, sweep or DesignFunction; curves is for one wheel only",
-        )?;
+        self.refuse_of_axle("use tune, sweep or DesignFunction; curves is for one wheel only")?;
         curves(&self.suspension, &Plan::of(self))
             .map_err(|fault| Error::design(&self.suspension, &fault))
     }

@@ -155,9 +155,15 @@ impl fmt::Display for Termination {
             Termination::NoFeasibleStep(reason) => return write!(f, "no feasible step: {reason}"),
             Termination::NearestGoodEnough => "converged: smallest change that is good enough",
             Termination::NearestOfTheBest => "converged: smallest change among the best designs",
-            Termination::GoodEnoughNotKnownNearest => "good enough, not known to be the smallest change",
-            Termination::BestNotKnownNearest => "as good as the best, not known to be the smallest change",
-            Termination::NotStationary => "not converged: no step improves the design, but the slope is not zero",
+            Termination::GoodEnoughNotKnownNearest => {
+                "good enough, not known to be the smallest change"
+            }
+            Termination::BestNotKnownNearest => {
+                "as good as the best, not known to be the smallest change"
+            }
+            Termination::NotStationary => {
+                "not converged: no step improves the design, but the slope is not zero"
+            }
             Termination::ConstraintsExcludeEachOther => "the constraints exclude one another",
             Termination::IterationLimit => "the limit of iterations was reached",
             Termination::EvaluationLimit => "the limit of evaluations was reached",

@@ -433,8 +433,7 @@ fn course(file: &File, axle: &Axle, problems: &mut Problems) -> Option<AxleMotio
     };
     let (racks, steering_wheel) = match (racks, wheel_angles) {
         (Some(_), Some(_)) => {
-            let message =
-                "rack and steering_wheel_angle both give the rack; expected one of them";
+            let message = "rack and steering_wheel_angle both give the rack; expected one of them";
             return refuse(problems, &section.steering_wheel_angle, message);
         }
         (racks, None) => {

@@ -155,8 +155,9 @@ pub(super) fn target(
     ];
     for (key, span) in of_one_wheel {
         if let Some(span) = span {
-            let message =
-                format!("a target of an axle needs a characteristic; {key} is available for one wheel only");
+            let message = format!(
+                "a target of an axle needs a characteristic; {key} is available for one wheel only"
+            );
             let error = problems.add(span, message);
             error.help("use a constraint for lengths and positions of points");
             return None;

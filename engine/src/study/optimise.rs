@@ -51,7 +51,8 @@ pub(super) fn optimise(
     if let (true, Some(number)) = (fit, &section.good_enough)
         && number.value != 0.0
     {
-        let message = "fit = true seeks the least misfit: expected good_enough = 0, or no good_enough";
+        let message =
+            "fit = true seeks the least misfit: expected good_enough = 0, or no good_enough";
         problems.add(number.span.clone(), message);
     }
     let constraints = constraints(section, context, problems);
@@ -113,7 +114,9 @@ pub(super) fn scatter(
     let travels = |motion: &Motion| motion.drive == Drive::Travel;
     let motions = context.motions.iter().map(|(_, motion)| motion);
     if !motions.chain(context.motion).all(travels) {
-        wrong("scatter needs motions by travel, because an angle means another pose in every build");
+        wrong(
+            "scatter needs motions by travel, because an angle means another pose in every build",
+        );
         return None;
     }
     Some(Some(Scatter {

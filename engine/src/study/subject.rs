@@ -174,8 +174,7 @@ pub(super) fn subject(
             (Measure::Carried(force), column, Unit::Force, sign)
         }
         (None, None, None, None) => {
-            let message =
-                "expected characteristic, point with axis, length, or load";
+            let message = "expected characteristic, point with axis, length, or load";
             return problems.refuse(place, message);
         }
         _ => {
@@ -206,7 +205,8 @@ pub(super) fn site(
             let motions = context.motions.iter();
             let options: Vec<_> = motions.map(|named| (named.0.as_str(), named)).collect();
             if options.is_empty() {
-                let message = "this study has no named motions; give them in sections [motions.NAME]";
+                let message =
+                    "this study has no named motions; give them in sections [motions.NAME]";
                 return problems.refuse(text.span(), message);
             }
             Some(choose(text, "motion", &options, problems)?.clone())

@@ -39,8 +39,7 @@ pub(super) fn tolerance(
     if let Some(motion) = context.motion
         && motion.drive != Drive::Travel
     {
-        let message =
-            "[tolerance] needs a motion by travel, because an angle means another pose in every build";
+        let message = "[tolerance] needs a motion by travel, because an angle means another pose in every build";
         problems.add(place, message);
     }
     let written = some(&section.scatter, "scatter", problems)?;
@@ -181,8 +180,9 @@ fn contributors(
             && drawn + low <= 0.0
         {
             let unit = suspension.length_unit.symbol();
-            let message =
-                format!("the lowest limit leaves no length: {name} is {drawn:.1} {unit} long in the design");
+            let message = format!(
+                "the lowest limit leaves no length: {name} is {drawn:.1} {unit} long in the design"
+            );
             problems.add(limits.span(), message);
         }
         let change = (BuildParameter::Length(member), 1.0);
@@ -249,12 +249,12 @@ fn law(written: &file::Scatter, place: Span<usize>, problems: &mut Problems) -> 
             }
         },
         (Some(_), Some(limits)) => {
-            let message =
-                "expected sigma (normal scatter) or limits (uniform scatter), found both";
+            let message = "expected sigma (normal scatter) or limits (uniform scatter), found both";
             problems.refuse(limits.span(), message)
         }
         (None, None) => {
-            let message = "expected sigma = 0.2 (normal scatter) or limits = [-0.5, 0.5] (uniform scatter)";
+            let message =
+                "expected sigma = 0.2 (normal scatter) or limits = [-0.5, 0.5] (uniform scatter)";
             problems.refuse(place, message)
         }
     }
@@ -285,10 +285,7 @@ fn jig(
         .collect();
     let points = points?;
     if points.len() < 2 {
-        return problems.refuse(
-            names.span(),
-            "expected two hardpoints or more in a jig",
-        );
+        return problems.refuse(names.span(), "expected two hardpoints or more in a jig");
     }
     let sigma = |number: &Option<Number>, problems: &mut Problems| match number {
         None => Some(0.0),
@@ -299,10 +296,7 @@ fn jig(
         sigma(&written.turn, problems)?,
     );
     if shift == 0.0 && turn == 0.0 {
-        return problems.refuse(
-            place,
-            "expected shift, turn (degrees) or both",
-        );
+        return problems.refuse(place, "expected shift, turn (degrees) or both");
     }
     let places = points.iter().map(|id| suspension.design[id.0]);
     let sum = places.clone().fold(Vector3::default(), |a, b| a + b);

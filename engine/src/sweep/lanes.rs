@@ -35,7 +35,9 @@ impl NotInLanes {
             }
             NotInLanes::Stations => "two stations coincide, or one is far out of reach",
             NotInLanes::Reading => "lanes do not support a requested output",
-            NotInLanes::Travels => "the study gives travels of both wheels, or they follow from a load",
+            NotInLanes::Travels => {
+                "the study gives travels of both wheels, or they follow from a load"
+            }
         }
     }
 }

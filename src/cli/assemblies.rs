@@ -23,10 +23,10 @@ const ANGLES: [Characteristic; 4] = [
     Characteristic::Caster,
 ];
 
-/// Ranges of the arm's angle as wide as this (rad) are left by a search that was given up; what intervals cannot
-/// decide is far narrower.
+/// Width (rad) from which an undecided range of the arm's angle means that the search gave up. Ranges that intervals
+/// cannot decide are far narrower.
 const GIVEN_UP: f64 = 1e-6;
-/// Undecided places that are said one by one.
+/// Number of undecided places that are printed one by one.
 const MOST_UNDECIDED: usize = 3;
 
 pub(super) fn run(arguments: &AssembliesArguments) -> Result<Exit, Stop> {
@@ -45,7 +45,7 @@ pub(super) fn run(arguments: &AssembliesArguments) -> Result<Exit, Stop> {
     let fault = |fault| design_fault(&study, path, &fault);
     let mut solver = Solver::new(&suspension.mechanism, &suspension.design).map_err(fault)?;
     let rack = arguments.rack * Plan::of(&study).rack_sign;
-    // The one that is connected to the design position; a design that is singular is refused before the search.
+    // The assembly that is connected to the design position. A singular design is refused before the search.
     let mut connected = None;
     let station_order = StationOrder::through(&[arguments.travel]);
     let visited = solver.for_each_pose(Drive::Travel, &station_order, rack, |_, _, pose| {

@@ -69,7 +69,7 @@ pub(super) struct Checked<'s> {
 }
 
 impl<'s> Checked<'s> {
-    /// Solves a study by itself ([`motion_alone`]), or refuses it as `solve` does.
+    /// Solves the study's own motion ([`motion_alone`]), or refuses it as `solve` does.
     pub(super) fn of(alone: &'s Study, path: &Path) -> Result<Self, Stop> {
         let fault = |why| Stop::in_file(path, why);
         let solved = Solved::of(alone).map_err(fault)?;
@@ -250,7 +250,7 @@ pub(super) fn one_by_one(plan: &SweepPlan) -> Option<String> {
     Some(text + ".")
 }
 
-/// The rod of each rocker: how long it is, and what it stands on.
+/// Length of the rod of each rocker, and the bodies at its ends.
 fn rods(suspension: &Suspension) -> impl Iterator<Item = String> {
     let Suspension {
         mechanism, design, ..
@@ -267,7 +267,7 @@ fn rods(suspension: &Suspension) -> impl Iterator<Item = String> {
     })
 }
 
-/// Every effect, on or off, what in the study asks for it and about what it costs.
+/// Table of every effect: on or off, the requests for it, and its approximate cost.
 fn plan_table(study: &Study, plan: &Plan) -> Table {
     let mut table = Table::with_columns([
         Column::from("effect"),

@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 /// Arguments of a comparison.
 #[derive(Args)]
 pub(super) struct CompareArguments {
-    /// Studies and directories of runs, in any mixture; the first is what the others are compared with
+    /// Studies and directories of runs, in any mixture; the others are compared with the first
     #[arg(required = true, num_args = 2.., value_name = "STUDY_OR_RUN")]
     sources: Vec<PathBuf>,
     /// Directory for comparison.csv and report.html, or - for the CSV on standard output
@@ -94,7 +94,7 @@ pub(super) fn run(arguments: &CompareArguments) -> Result<Exit, Stop> {
     Ok(Exit::of(is_complete))
 }
 
-/// Names of files without what they share, each different.
+/// Unique names of files, without their common parts.
 fn labels(sources: &[PathBuf]) -> Vec<String> {
     let mut labels: Vec<String> = Vec::new();
     for path in sources {

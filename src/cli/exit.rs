@@ -6,16 +6,16 @@ use crate::study::StudyErrors;
 use std::io::{self, ErrorKind};
 use std::path::Path;
 
-/// The documented ways to end.
+/// Documented exits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Exit {
-    /// Everything asked for was done.
+    /// The whole request is done.
     Done,
     /// A part could not be solved or written; the rest exists.
     Incomplete,
     /// The input or the call is wrong; nothing was written.
     WrongInput,
-    /// A signal stopped it; what was finished is there.
+    /// A signal stopped it; finished work is kept.
     Interrupted,
 }
 
@@ -64,7 +64,7 @@ impl Stop {
         }
     }
 
-    /// Something is wrong in a file, or in what it was to be used for.
+    /// A file, or its use, is wrong.
     pub(super) fn in_file(path: &Path, reason: impl std::fmt::Display) -> Self {
         Stop::wrong_input(format!("{}: {reason}", path.display()))
     }
@@ -83,7 +83,7 @@ impl Stop {
         }
     }
 
-    /// Something asked for in a file could not be solved, after the input was accepted.
+    /// A request of an accepted file could not be solved.
     pub(super) fn unsolved(path: &Path, reason: impl std::fmt::Display) -> Self {
         Stop::not_met(format!("{}: {reason}", path.display()))
     }

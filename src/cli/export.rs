@@ -255,7 +255,7 @@ fn optimum_k(source: &Source, arguments: &ExportArguments) -> Result<Vec<u8>, St
     Ok(say(Written { bytes, notes }))
 }
 
-/// The curves as a table, under our names or those of another tool.
+/// Table of the curves, under the names of this program or of another tool.
 fn curves(source: &Source, arguments: &ExportArguments) -> Result<Vec<u8>, Stop> {
     let outgoing = source.outgoing()?;
     let page = curves_in(&outgoing, source.curves()?);

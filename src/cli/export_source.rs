@@ -29,7 +29,7 @@ pub(super) struct Source {
     pub(super) inputs: Vec<PathBuf>,
     /// The study at the design that is exported; `None` of a run that keeps none.
     study: Option<Study>,
-    /// Rounding, if it was asked for.
+    /// Rounding, if requested.
     rounded: Option<Rounded>,
     /// The tables of a run's directory: their names and contents.
     tables: Vec<(String, Vec<u8>)>,
@@ -94,7 +94,7 @@ impl Source {
         if self.tables.is_empty() && self.study.is_none() {
             return Err(Stop::in_file(
                 &self.path,
-                "not the directory of a run: there is no curves.csv, designs.csv or optimised.toml",
+                "it is not the directory of a run: there is no curves.csv, designs.csv or optimised.toml",
             ));
         }
         Ok(())
@@ -121,7 +121,7 @@ impl Source {
         self.path.is_dir() && self.path.join(TUNED).is_file()
     }
 
-    /// Rounds the coordinates that were moved or tuned, and says what that costs.
+    /// Rounds the moved or tuned coordinates, and prints the cost.
     fn round(&mut self, step: f64, all: bool, before: &[Vector3<f64>]) -> Result<(), Stop> {
         let study = self.study()?;
         let own_right = study.axle.as_ref().is_some_and(|a| a.axle.right.is_some());
@@ -136,7 +136,7 @@ impl Source {
             true => moved_coordinates(design, before),
             false => vec![true; 3 * design.len()],
         };
-        // In a run the tuned coordinates are those that differ; a study says which ones may.
+        // In a run, the changed coordinates are the tuned ones; a study names its variables.
         if !self.is_tuning() {
             let tuned = tuned_coordinates(study);
             free.iter_mut()
@@ -162,7 +162,7 @@ impl Source {
         Ok(())
     }
 
-    /// Renames the curves of a run that are not those of the points that are exported.
+    /// Renames curves of a run that do not belong to the exported points.
     fn set_other_curves_aside(&mut self, before: &[Vector3<f64>]) {
         let Some(study) = &self.study else { return };
         let manifest = Manifest::read(&self.path).unwrap_or_default();
@@ -211,7 +211,7 @@ impl Source {
         })
     }
 
-    /// The curves of the points that are exported: those of the run, or solved; in the study's unit and axes.
+    /// Curves of the exported points, from the run or solved, in the study's unit and axes.
     pub(super) fn curves(&self) -> Result<Page, Stop> {
         let refused = |reason: String| Stop::in_file(&self.path, reason);
         let of_run = self.tables.iter().find(|(name, _)| name == "curves");

@@ -23,10 +23,10 @@ pub(super) struct ImportArguments {
     /// Names in the file by hardpoint, as TOML: lower_arm_front = "LCA 1"
     #[arg(long, value_name = "NAMES.toml")]
     map: Option<PathBuf>,
-    /// Unit of length, mm, m or in [default: what the file says, or the one that makes it a car's]
+    /// Unit of length, mm, m or in [default: the file's, or the unit that gives the size of a car's suspension]
     #[arg(long, value_parser = unit)]
     unit: Option<LengthUnit>,
-    /// Axes: iso8855, sae_j670 or x_rear [default: those that the file says or the points show]
+    /// Axes: iso8855, sae_j670 or x_rear [default: from the file or its points]
     #[arg(long, value_parser = frame, conflicts_with = "axes")]
     frame: Option<FrameConvention>,
     /// Ways of the file's x, y and z, each forward, rearward, left, right, up or down: left,forward,up
@@ -251,7 +251,8 @@ fn ask(
     None
 }
 
-/// The role of each point, what was read and assumed, what is left out, and the command that shows the result.
+/// Summary of an import: roles of the points, readings and assumptions, parts left out, and the command that shows
+/// the result.
 fn summary(imported: &Imported, out: Option<Option<&Path>>) -> String {
     let longest = imported.hardpoints.iter().map(|h| h.name.len()).max();
     let longest = longest.unwrap_or(0);

@@ -11,7 +11,7 @@ use std::sync::mpsc;
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// Processor time in which a command that stops by itself does so.
+/// Processor time within which a command stops by itself.
 const MOST_WORK: Duration = Duration::from_millis(200);
 
 /// Time in which it does so where it waits for others: for the disk, or for whoever reads its output.
@@ -57,7 +57,7 @@ pub(super) fn end() -> ! {
 /// Listens to signals, for the rest of the process.
 pub(super) fn listen() {
     static LISTENING: Once = Once::new();
-    // Where nothing listens a signal ends the process, which is safe: files appear whole or not at all.
+    // Without a handler, a signal ends the process. This is safe, because files appear whole or not at all.
     LISTENING.call_once(|| {
         let _ = listen_on_a_thread();
     });

@@ -149,7 +149,7 @@ pub(super) fn ranges_by_rack(
     plan.racks.iter().map(|rack| range(*rack)).collect()
 }
 
-/// A row of the table: what goes how far, and in which position of the rest.
+/// Row of the table: a quantity, and the position of the others.
 pub(super) struct Row {
     pub(super) quantity: String,
     pub(super) at: String,
@@ -253,7 +253,7 @@ pub(super) fn ranges<'l>(
     rows
 }
 
-/// The row of what drives the study, the rack there.
+/// Row of the study's drive, with the rack at this position.
 fn driven(study: &Study, at: String) -> Row {
     let (quantity, factor) = match study.motion.drive.in_kernel() {
         model::Drive::Travel => (

@@ -1,4 +1,4 @@
-//! `hardpoint limits --builds`: how far the builds of `[tolerance]` go at least.
+//! `hardpoint limits --builds`: smallest limits of the builds of `[tolerance]`.
 
 use super::StudyArguments;
 use super::exit::{Exit, Stop};
@@ -45,7 +45,7 @@ pub(super) fn run(
     out.table("limits", table(&drawn, &least))?;
     out.say("\n")?;
     let mut counts = Table::new(["builds", "number", "first"]);
-    // By the paper's angle it is not looked at.
+    // Not available for the paper's drive.
     let short = (study.motion.drive != Drive::PaperTheta).then_some(least.short);
     for (what, found) in [
         ("cannot be assembled", Some(least.rejected)),

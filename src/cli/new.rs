@@ -32,7 +32,7 @@ enum Part {
     Axle,
 }
 
-/// The points of a part: names, and what each is.
+/// Points of a part, with name and description.
 type Points = &'static [(&'static str, &'static str)];
 
 const PUSHROD: Points = &[
@@ -291,7 +291,7 @@ fn with_axle(text: &str) -> String {
     written
 }
 
-/// The text with the points of a part behind its hardpoints, in place of those of the same name, and one more output.
+/// Text with the points of a part after its hardpoints, replacing those of the same name, and with one more output.
 fn with_points(
     text: &str,
     points: Points,
@@ -340,7 +340,7 @@ mod tests {
     use crate::study::Study;
     use std::path::Path;
 
-    /// Each part alone, all together, and all together of one wheel, over the whole motion.
+    /// Each part, all parts together, and all parts of one wheel, over the whole motion.
     #[test]
     fn every_template_runs_with_every_part() {
         for topology in Topology::ALL {

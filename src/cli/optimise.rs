@@ -17,7 +17,7 @@ use crate::tolerance::{Problem, monte_carlo};
 use std::ops::ControlFlow;
 use std::path::Path;
 
-/// The most free moves that are said; the page and `summary.json` have all.
+/// Largest number of printed free moves; the page and `summary.json` have all.
 const MOST_DIRECTIONS: usize = 2;
 
 /// Prints the result of a tuning: misfit, targets, variables, constraints.

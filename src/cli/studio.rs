@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 pub(super) struct StudioArguments {
     /// The study file (TOML)
     study: PathBuf,
-    /// Port on this machine [default: 7353, or another where that is taken]
+    /// Port on this machine [default: 7353, or any free port if it is in use]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     port: Option<u16>,
     /// Do not open a browser

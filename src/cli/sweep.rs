@@ -217,8 +217,8 @@ fn left_out(study: &Study) -> Vec<&'static str> {
         .collect()
 }
 
-/// Does parts until all of them are whole, or Ctrl-C; says whether they are. One that another process is at is
-/// waited for: if that dies, it is done here.
+/// Computes parts until all are complete or Ctrl-C stops it. Returns whether all are complete. It waits for a part of
+/// another process, and computes the part itself if that process dies.
 fn sweep_parts(
     plan: &SweepPlan<'_>,
     text: &SweepText,
@@ -266,7 +266,7 @@ fn sweep_parts(
     result
 }
 
-/// Writes the rows of all designs to standard output. Statistics are added up as those of parts are.
+/// Writes the rows of all designs to standard output. It adds up statistics in the same way as for parts.
 fn to_standard_output(
     plan: &SweepPlan<'_>,
     text: &SweepText,
@@ -298,7 +298,7 @@ fn to_standard_output(
     Ok(all)
 }
 
-/// Says what a shard has done of a sweep that is not whole yet.
+/// Prints the progress of a shard of an unfinished sweep.
 fn finish_shard(
     output: &Output,
     record: &SweepRecord,
@@ -331,7 +331,7 @@ fn finish_shard(
     Ok(Exit::of(own == 0))
 }
 
-/// Writes and says what a sweep, or as much of it as there is, came to.
+/// Writes and prints the results of a sweep, or of its finished parts.
 pub(super) fn finish(
     output: &Output,
     record: &SweepRecord,

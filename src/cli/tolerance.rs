@@ -49,7 +49,7 @@ pub(super) fn run(arguments: &ToleranceArguments) -> Result<Exit, Stop> {
     let expansion = pool
         .install(|| Expansion::of(&problem))
         .map_err(|reason| not_aligned(&study, path, reason).after_its_input())?;
-    // Before the builds: afterwards an interrupted run only writes.
+    // Before the builds, because afterwards an interrupted run only writes.
     let forecast = Forecast::of(&problem, &expansion, &drawn);
     let builds = pool
         .install(|| with_progress(&problem, tolerance, &drawn))
@@ -183,7 +183,7 @@ fn with_progress(
     found
 }
 
-/// The study as its curves are drawn: of what builds are looked at for, in the drawing.
+/// Study for the curves of the nominal design, with the quantities of the bands.
 fn curves_alone(study: &Study) -> Study {
     let mut plain = study.clone();
     plain.formulation = crate::study::Formulation::KnucklePose;
@@ -194,8 +194,8 @@ fn curves_alone(study: &Study) -> Study {
     plain
 }
 
-/// Writes the curves of the drawing and of percentiles of builds, each at every station by itself, with what a page needs; the
-/// files that makes.
+/// Writes the curves of the nominal design and of the percentiles at each station, with the data of the page. Returns
+/// the names of the files.
 fn fans(
     output: &Output,
     path: &Path,
@@ -213,7 +213,7 @@ fn fans(
         (name, file, found)
     });
     let fans = fans.iter().map(|(name, file, found)| (*name, *file, found));
-    // What matters most is the last.
+    // The last output is the most important one.
     let designs: Vec<_> = fans.chain([("drawn", "curves.csv", &drawn)]).collect();
     let mut files = Vec::new();
     for (_, file, curves) in &designs {

@@ -79,7 +79,7 @@ impl Way {
 pub struct Axes(pub(super) [Way; 3]);
 
 impl Axes {
-    /// The axes of these ways, if one runs along each axis of the car.
+    /// Axes with these directions, if one runs along each axis of the car.
     pub(super) fn new(ways: [Way; 3]) -> Option<Self> {
         let mut axes = ways.map(Way::axis);
         axes.sort_unstable();
@@ -166,7 +166,7 @@ pub(super) enum Coordinate {
     Unknown,
     /// Its axis in ISO 8855 ("lateral"), not its sign.
     Along(usize),
-    /// Its way.
+    /// Its direction.
     Grows(Way),
 }
 
@@ -201,8 +201,8 @@ impl Declared {
         for (k, coordinate) in both.0.iter_mut().enumerate() {
             *coordinate = coordinate.and(other.0[k]).ok_or_else(|| {
                 format!(
-                    "{place}: the axes are others than those said before; say with --axes which way x, y and z \
-                     point, as in --axes forward,left,up"
+                    "{place}: the axes differ from those above; give the directions of x, y and z with --axes, \
+                     as in --axes forward,left,up"
                 )
             })?;
         }
@@ -281,7 +281,7 @@ impl Declared {
     }
 }
 
-/// The ways of a reading of the points, for a wheel of this side.
+/// Directions of a reading of the points, for a wheel of this side.
 pub(super) fn of_reading(reading: &crate::report::Reading, side: Side) -> Axes {
     let mut ways = [Way::Forward; 3];
     let (along, forward) = reading.forward;

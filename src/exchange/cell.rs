@@ -1,4 +1,4 @@
-//! Cells of a table, whatever file it came from.
+//! Cells of a table of any file format.
 
 use std::collections::BTreeMap;
 
@@ -9,7 +9,7 @@ pub(super) enum Cell {
     Number(f64),
     /// A text; of a file of text, also one that may be a number.
     Text(String),
-    /// Something that has no value here, and what it is: "the error #REF!".
+    /// A cell without a usable value, with its description: "the error #REF!".
     Unusable(String),
 }
 

@@ -126,7 +126,7 @@ pub(super) fn read(name: &str, topology: &Topology, letters: Letters) -> Option<
     })
 }
 
-/// The ways to read sides in a name, the likeliest first.
+/// Possible readings of sides in a name, most likely first.
 fn readings(words: &[String], letters: Letters) -> Vec<(Vec<String>, Marks)> {
     let is_r = |word: Option<&String>| word.is_some_and(|word| word == "r");
     let rear = |words: &[String], first: bool, last: bool| {
@@ -147,7 +147,7 @@ fn readings(words: &[String], letters: Letters) -> Vec<(Vec<String>, Marks)> {
     all
 }
 
-/// Takes sides away that stand first or last.
+/// Removes sides at the start or the end.
 fn stripped(mut words: Vec<String>) -> (Vec<String>, Marks) {
     let mut marks = Marks::default();
     for at_end in [false, true] {
@@ -181,7 +181,7 @@ fn hardpoint(cut: &[String], marks: Marks, topology: &Topology) -> Option<(&'sta
     }
 }
 
-/// The body that a name says its end of a spring or rod sits on.
+/// Body in a name, for an end of a spring or rod.
 fn body(name: &str, hardpoint: &str, topology: &Topology) -> Option<&'static str> {
     if ![
         "spring_lower",

@@ -17,8 +17,8 @@ pub struct Written {
 /// The axes of these files.
 const AXES: FrameConvention = FrameConvention::XRear;
 
-/// A new subsystem with a study's hardpoints. Rows of both sides give the left wheel; a right wheel that is not the
-/// mirror image has rows of its own.
+/// New subsystem with a study's hardpoints. Rows for both sides give the left wheel; a right wheel that is no mirror
+/// image has separate rows.
 pub fn subsystem(outgoing: &Outgoing<'_>) -> Written {
     let outgoing = outgoing.in_convention(AXES);
     let wheels = outgoing.different_wheels();

@@ -43,7 +43,7 @@ fn unsupported(study: &Study, curves: &Curves) -> Option<String> {
     ))
 }
 
-/// A remark on stations where a rocker has come to a toggle, if there are any.
+/// Remark on stations at which a rocker is at its toggle.
 fn toggled(study: &Study, curves: &Curves) -> Option<String> {
     let is_toggled = |s: &&Station| matches!(s.status, Status::Toggle(_));
     let count = curves.stations.iter().filter(is_toggled).count();
@@ -206,7 +206,7 @@ impl<L: Display> CertificateSummary<L> {
             (false, n) => format!("; {n} with a pose that could not be proved"),
         };
         if let (Some(error), Some(at)) = (self.largest_position_error, &self.at) {
-            // Up, so that what is shown is a bound too.
+            // Rounded up, so that the printed value is a bound, too.
             let error = brief(error * 1.00001);
             text += &format!(
                 "; largest error of a point of the wheel carrier {error} {length_unit} (at {at})"

@@ -65,7 +65,7 @@ impl StationColumns<'_> {
         [rolls, self.plan.course.shows_roll() && !rolls]
     }
 
-    /// Names of the columns that say what is proved.
+    /// Names of the columns of the certificate.
     fn proof_names(&self) -> Vec<String> {
         if !self.plan.certify {
             return Vec::new();
@@ -256,7 +256,7 @@ struct FailedStation {
 }
 
 impl AxleSummary {
-    /// Summary of an axle's curves; `design` are the curves of the design position alone.
+    /// Summary of an axle's curves; `design` holds the curves of the design position.
     pub fn of(
         name: &str,
         axle: &Axle,
@@ -306,7 +306,7 @@ impl AxleSummary {
         Range::table(&self.outputs)
     }
 
-    /// For programs: how many stations there are of each status.
+    /// Number of stations of each status, for programs.
     pub fn stations_table(&self) -> Table {
         self.completeness.table()
     }
@@ -338,7 +338,7 @@ pub fn axle_remarks(axle: &Axle, plan: &AxlePlan, curves: &AxleCurves) -> Vec<St
         .collect()
 }
 
-/// Stations of an axle without a position, each by itself.
+/// Stations of an axle without a position, one by one.
 pub fn axle_failures(axle: &Axle, plan: &AxlePlan, curves: &AxleCurves) -> Vec<FailureRange> {
     let of_stations = StationColumns { plan, axle };
     let stations = curves.stations.iter().enumerate();

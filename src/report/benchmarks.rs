@@ -6,7 +6,7 @@ use crate::bench::accuracy::Accuracy;
 use crate::bench::effects::Effects;
 use crate::bench::throughput::Throughput;
 
-/// Poses per second, a row for each thing asked and each way to it.
+/// Table of poses per second, with a row for each output and method.
 pub fn throughput_table(throughput: &Throughput) -> Table {
     let mut table = Table::new([
         "asked",

@@ -17,8 +17,8 @@ fn column(variable: &Variable, unit: &str) -> String {
     format!("{}_{unit}", variable.label())
 }
 
-/// `front.csv`: a row for each point of the front: the misfit of each goal in tolerances, what each weighs, the
-/// offsets of the variables, and whether the front is broken behind it.
+/// `front.csv`: a row for each point of the front, with the misfit of each goal in tolerances, the weights, the
+/// offsets of the variables, and whether the front is broken after it.
 pub fn front_csv(study: &Study, optimise: &Optimise, front: &Front) -> Vec<u8> {
     let unit = study.suspension.length_unit.symbol();
     csv_of(|writer| {

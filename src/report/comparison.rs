@@ -34,7 +34,7 @@ const SAME: f64 = 1e-9;
 pub struct Comparison {
     /// Labels of the designs.
     pub labels: Vec<String>,
-    /// The column that the curves are drawn over.
+    /// Column of the horizontal axis.
     pub drive: String,
     /// Common stations: values of the drive and of the rack.
     pub stations: Vec<[f64; 2]>,
@@ -42,7 +42,7 @@ pub struct Comparison {
     pub rack: bool,
     /// The curves.
     pub outputs: Vec<ComparedOutput>,
-    /// Columns that not all of them have, with those that do.
+    /// Columns that some designs lack, with the designs that have them.
     #[serde(skip)]
     pub partial: Vec<(String, Vec<String>)>,
     #[serde(skip)]
@@ -172,7 +172,7 @@ impl Comparison {
         })
     }
 
-    /// A row for each output and design: its values, and how far it is from the first.
+    /// Table with a row for each output and design: values and difference from the first design.
     pub fn table(&self) -> Table {
         let mut table = Table::new([
             "output",

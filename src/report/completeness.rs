@@ -16,8 +16,7 @@ pub struct Completeness {
     /// Statuses, in the order of their first occurrence.
     #[serde(default)]
     statuses: Vec<StatusCount>,
-    /// Column by column; columns next to each other that are empty at as many stations for one reason stand
-    /// together.
+    /// Empty columns. Neighbouring columns with as many empty stations for one reason form one entry.
     #[serde(default)]
     empty: Vec<EmptyCells>,
 }

@@ -34,7 +34,7 @@ impl NotARun {
     }
 }
 
-/// The record of a run of a `kind`, if it is of the one form that is read.
+/// Record of a run of a `kind`, if its format can be read.
 pub(super) fn in_form<T: DeserializeOwned>(
     text: &[u8],
     form: u32,
@@ -58,8 +58,7 @@ pub(super) fn in_form<T: DeserializeOwned>(
 }
 
 impl FinishedRun {
-    /// Reads the directory of a solve, an optimisation or a sweep: of the one that ran last, where
-    /// several wrote to the same place.
+    /// Reads the directory of a solve, an optimisation or a sweep. If several wrote there, it reads the last run.
     pub fn read(directory: &Path) -> Result<Self, NotARun> {
         match is_sweep(directory) {
             true => Ok(FinishedRun::Sweep(Box::new(SweepRun::read(directory)?))),
@@ -68,7 +67,7 @@ impl FinishedRun {
     }
 }
 
-/// `summary.json` comes last and says what it is of. A sweep removes it as it begins.
+/// A run writes `summary.json` last, with its command. A sweep removes it at its start.
 fn is_sweep(directory: &Path) -> bool {
     #[derive(serde::Deserialize)]
     struct Summary {

@@ -18,7 +18,7 @@ pub struct Run {
     pub curves: Vec<CurveTable>,
     /// Summary of the run.
     pub summary: Summary,
-    /// Whether a signal ended it early: the results are those that were finished.
+    /// Whether a signal ended the run early, so that it has only finished results.
     pub interrupted: bool,
     /// The convergence history, of an optimisation.
     pub history: Option<CurveTable>,
@@ -108,7 +108,7 @@ impl Run {
         }
         let optimised = record.command == "optimise";
         let state: State = folder.json("summary.json")?;
-        // One that was ended between two writes has no results of its own.
+        // A run that ended between two writes has no results of its own.
         if state.interrupted && !state.has_results() {
             let message = "a signal ended the run before it had results; run the study again";
             return Err(folder.error(Some("summary.json"), message));

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 pub struct Scene {
     /// Name of each point.
     pub points: Vec<String>,
-    /// The bodies drawn between the points.
+    /// Bodies between the points.
     pub bodies: Vec<SceneBody>,
     /// Index of the wheel's centre.
     pub wheel_centre: usize,

@@ -100,7 +100,7 @@ impl SolveSummary {
         Range::table(&self.outputs)
     }
 
-    /// The values at the first station, for curves of the design position alone.
+    /// Values at the first station, for curves of the design position only.
     pub fn design_table(design: &Curves) -> Table {
         let unit = Column::for_programs("unit");
         let columns = ["output", "at design"].map(Column::from);
@@ -126,7 +126,7 @@ impl SolveSummary {
         table
     }
 
-    /// For programs: how many stations there are of each status.
+    /// Number of stations of each status, for programs.
     pub fn stations_table(&self) -> Table {
         self.completeness.table()
     }

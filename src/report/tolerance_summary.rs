@@ -96,7 +96,7 @@ pub struct ValueRecord {
     pub range: [Option<f64>; 2],
     /// First-order share of each contributor in the variance, in the order of the study.
     pub shares: Vec<Option<f64>>,
-    /// The part of the builds' variance that first order leaves: curvature and interaction.
+    /// Part of the builds' variance beyond first order: curvature and interaction.
     pub remainder: Option<f64>,
     /// Standard error of the remainder.
     pub remainder_error: Option<f64>,
@@ -436,8 +436,8 @@ impl ToleranceSummary {
         csv_of_rows(std::iter::once(header).chain(rows))
     }
 
-    /// `contributors.csv`: the share of each contributor in the first-order variance of each value and in that of the
-    /// builds, and what is left of that.
+    /// `contributors.csv`: the share of each contributor in the first-order variance of each value and in the
+    /// variance of the builds, and the remainder.
     pub fn contributors_csv(&self, contributors: &[String], length: &str) -> Vec<u8> {
         let mut header = vec!["output".to_owned()];
         header.extend(self.place_columns(length));
@@ -458,7 +458,7 @@ impl ToleranceSummary {
     }
 }
 
-/// A share with three digits, and never rounded up to all.
+/// A share with three digits, never rounded up to 100 %.
 pub(super) fn percent(share: f64) -> String {
     match share {
         s if s >= 1.0 => "100 %".to_owned(),

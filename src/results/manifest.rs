@@ -28,7 +28,7 @@ pub struct RunRecord {
     pub digest: String,
     /// The version of the program.
     pub version: String,
-    /// Whether the run has ended, with all of its results.
+    /// Whether the run has ended with all of its results.
     pub finished: bool,
     /// Whether a signal ended the run before that.
     #[serde(default)]

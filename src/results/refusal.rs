@@ -66,8 +66,7 @@ pub enum Refusal {
         command: String,
         /// The name of their study.
         study: String,
-        /// Whether it is the same study, where that is known: sweeps and other commands digest a study each in their
-        /// own way.
+        /// Whether it is the same study, if known: sweeps and other commands use different digests.
         same_study: Option<bool>,
         /// Whether that run has ended.
         is_finished: bool,

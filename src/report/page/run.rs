@@ -96,7 +96,7 @@ pub fn page(run: &Run) -> String {
     page.html()
 }
 
-/// The curves that are drawn, and a remark where those are not all.
+/// Curves on the page, and a remark if some are left out.
 fn drawn(run: &Run) -> (Vec<CurveTable>, String) {
     let widths = run.curves.iter().map(|table| table.header.len());
     let most = (MOST_NUMBERS / widths.sum::<usize>().max(1)).max(2);
@@ -161,7 +161,7 @@ fn facts(run: &Run) -> Vec<(&'static str, String)> {
     facts
 }
 
-/// Every failed stretch with its reason.
+/// Every failed range with its reason.
 fn failures(run: &Run) -> String {
     let mut items = String::new();
     for design in &run.record.designs {

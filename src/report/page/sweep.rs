@@ -37,7 +37,7 @@ struct Data<'a> {
     /// Numbers of the columns that a plot begins with.
     first: First,
     effects: &'a [OutputSummary],
-    /// Numbers of the outputs that nothing moves.
+    /// Numbers of the outputs that no variable changes.
     unmoved: Vec<usize>,
     /// The designs that are drawn with their curves and their mechanism; the first is the one as given.
     drawn: Vec<Option<u64>>,
@@ -216,7 +216,7 @@ fn facts(run: &SweepRun) -> Vec<(&'static str, String)> {
     facts
 }
 
-/// Failures by reason, and what is missing of an interrupted sweep.
+/// Failures by reason, and the missing part of an interrupted sweep.
 fn remarks(run: &SweepRun) -> String {
     let summary = &run.summary;
     let mut remarks = String::new();
@@ -361,7 +361,7 @@ fn key(value: Option<f64>) -> f64 {
 
 /// Explanation of the numbers of the effects.
 fn effects(record: &SweepRecord) -> String {
-    let change = "The change is that from the low to the high end of a variable's range in the plane of least \
+    let change = "The change is the change from the low to the high end of a variable's range in the plane of least \
                   squares through all designs that have every output";
     let share = match record.method.as_str() {
         "file" => {

@@ -163,7 +163,10 @@ impl SweepDirectory {
             || found.statistics.designs != designs
             || !found.statistics.are_of(record)
         {
-            return Err(wrong(&statistics, "not of this part of this sweep"));
+            return Err(wrong(
+                &statistics,
+                "it does not belong to this part of this sweep",
+            ));
         }
         let mut lengths = vec![(&rows, Some(found.rows_length))];
         lengths.extend(record.curves.then_some((&curves, found.curves_length)));
@@ -211,7 +214,7 @@ fn read_record(directory: &Path) -> Result<SweepRecord, NotARun> {
     let text = std::fs::read(&path).map_err(|e| match e.kind() {
         io::ErrorKind::NotFound => NotARun::at(
             directory,
-            "not the directory of a sweep: there is no sweep.json",
+            "it is not the directory of a sweep: there is no sweep.json",
         ),
         _ => wrong(e.to_string()),
     })?;

@@ -46,7 +46,8 @@ impl SweepRun {
             let mut reader = directory.rows(part)?;
             for block in record.blocks_of(part) {
                 let rows = reader.block(block).map_err(|e| wrong(e.to_string()))?;
-                let rows = rows.ok_or_else(|| wrong("it ends before its part does".to_owned()))?;
+                let rows =
+                    rows.ok_or_else(|| wrong("it has fewer rows than its part".to_owned()))?;
                 shown.take(&rows, &choice);
             }
         }

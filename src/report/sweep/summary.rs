@@ -379,7 +379,7 @@ fn output(
     }
 }
 
-/// Whether a range in a unit is what rounding makes of none.
+/// Whether a range is only rounding error in its unit.
 fn is_rounding(range: f64, unit: &str) -> bool {
     range < resolution(unit)
 }

@@ -522,7 +522,7 @@ fn tolerance_of_an_axle_as_a_command() {
     );
     refused(
         &["tolerance.bands=[{characteristic=\"toe\",at=0.0,at_most=0.1}]"],
-        "expected over, which of",
+        "expected over = one of",
     );
     refused(
         &["tolerance.bands=[{characteristic=\"toe\",over=\"roll\",at=9.0,at_most=0.1}]"],
@@ -540,7 +540,7 @@ fn tolerance_of_an_axle_as_a_command() {
     let [_, said] = run(&["tolerance", "wheel.toml"], 2);
     let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(
-        said.contains("side is of an axle") && said.contains("over is of an axle"),
+        said.contains("side needs [axle]") && said.contains("over needs [axle]"),
         "{said}"
     );
 }

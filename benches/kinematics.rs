@@ -1,4 +1,4 @@
-//! What the main jobs cost: poses, rates, sensitivities, a whole tuning.
+//! Cost of the main tasks: poses, rates, sensitivities, a whole tuning.
 //!
 //! `cargo bench`. Machines are noisy: read the fastest and compare within one run.
 

@@ -1,29 +1,26 @@
 //! Exact suspension kinematics with analytic derivatives, and the tuning of hardpoints.
 //!
-//! A suspension is given by its *hardpoints*, the points its arms, struts and rods hang on. This crate
-//! solves the mechanism exactly for any wheel travel, arm angle and rack displacement, differentiates
-//! everything it finds by travel, by time and by every hardpoint coordinate without a single difference
-//! quotient, and moves hardpoints within bounds until camber, kingpin and other curves are the ones asked
-//! for.
+//! *Hardpoints* define a suspension: the points at which its arms, struts and rods are attached. This crate solves the
+//! mechanism exactly for any wheel travel, arm angle and rack displacement. It differentiates all results by travel, by
+//! time and by every hardpoint coordinate, without difference quotients. It moves hardpoints within bounds until camber,
+//! kingpin inclination and other curves meet their targets.
 //!
 //! # Conventions
 //!
-//! Inside the crate there is one frame: a left wheel, x forward, y left (outboard), z up (ISO 8855).
-//! Right-hand wheels and other axis conventions differ by the signs of coordinates and are mapped at the
-//! edges by [`Frame`]. Lengths are in the study's unit, whatever it is; angles are in radians
-//! but where names say `deg`. Travel is the height of the wheel centre above its design position, jounce
-//! positive. Signs of characteristics are stated in their catalogue ([`Characteristic::info`]).
+//! The crate has one frame inside: a left wheel, x forward, y left (outboard), z up (ISO 8855). Right wheels and other
+//! axis conventions differ by signs of coordinates, and [`Frame`] converts them at the edges. Lengths are in the study's
+//! unit. Angles are in radians, except where names say `deg`. Travel is the height of the wheel centre above its design
+//! position, positive in jounce. The catalogue states the signs of characteristics ([`Characteristic::info`]).
 //!
-//! A derivative by a hardpoint coordinate moves the *design*: lengths and the shape of the knuckle are
-//! recomputed, the value of the drive is held.
+//! A derivative by a hardpoint coordinate moves the *design*: lengths and the shape of the knuckle are recomputed, and the
+//! value of the drive is held.
 //!
 //! # The front door
 //!
-//! What a program embeds is at the root of the crate: [`Suspension::builder`] makes a suspension from numbers and
-//! says what is wrong with them, [`Suspension::pose_at`] answers for one place of the wheel, and a [`Study`] made by
-//! [`Study::of`] holds what is asked and answers [`Study::curves`], [`Study::sweep`] and [`Study::tune`].
-//! [`DesignFunction`] is the same as a function with an exact Jacobian, for optimisers of one's own. All errors
-//! implement [`std::error::Error`].
+//! The interface for other programs is at the root of the crate. [`Suspension::builder`] makes a suspension from numbers
+//! and reports mistakes. [`Suspension::pose_at`] solves one position of the wheel. [`Study::of`] makes a [`Study`] that
+//! holds the requests for [`Study::curves`], [`Study::sweep`] and [`Study::tune`]. [`DesignFunction`] is a function with an
+//! exact Jacobian for your own optimiser. All errors implement [`std::error::Error`].
 //!
 //! ```
 //! use hardpoint::{Characteristic, Motion, Order, Study, Suspension};
@@ -54,49 +51,49 @@
 //!
 //! # Map
 //!
-//! Inside, data goes one way, from a study to its results. What is public is at the root of the crate; the rooms
-//! behind it are documented at the head of their files and may change with every version. What computes is a crate
-//! of its own in `engine` (`hardpoint-engine`), which knows nothing of files of results, pages and commands, and has the
-//! keys of studies and the words for what is wrong with them from another, in `study-file` (`hardpoint-study-file`):
+//! Data goes one way, from a study to its results. Public items are at the root of the crate. The modules behind them are
+//! documented at the head of their files and may change with every version. The numerics are a crate of their own in
+//! `engine` (`hardpoint-engine`), without result files, pages and commands. The keys of studies and the error messages
+//! come from another crate, in `study-file` (`hardpoint-study-file`). `ARCHITECTURE.md` shows the whole.
 //!
-//! | module of `engine` | what |
+//! | module of `engine` | content |
 //! |---|---|
-//! | `study` | what the file means, everything that can be wrong with it |
+//! | `study` | the meaning of a study file, and its mistakes |
 //! | `model` | hardpoints, bodies, constraints; one file for each topology |
-//! | `mechanism` | a design in a pose, the constraint rows that hold it, why there may be no pose |
+//! | `mechanism` | a design in a pose, its constraint rows, the reasons for a missing pose |
 //! | `derive` | derivatives of a pose by the drive, by the rack, by every hardpoint coordinate |
 //! | `solve` | poses connected to the design position, one design at a time or many side by side |
 //! | `analyse` | limits, loads, assemblies, certificates |
-//! | `assembly` | mechanisms as they are built: points of the body, lengths and shapes of parts, each off by a little |
-//! | `plan` | what a study asks for, turned into what is computed |
-//! | `characteristics` | the catalogue of wheel characteristics, a formula each |
-//! | `curves` | a plan carried out over a motion |
+//! | `assembly` | builds: mechanisms whose points, lengths and part shapes have deviations |
+//! | `plan` | the computations that a study needs |
+//! | `characteristics` | the catalogue of wheel characteristics, with one formula for each |
+//! | `curves` | the outputs of a plan over a motion |
 //! | `evaluate` | quantities at stations with their gradients, of several designs at a time |
 //! | `axle` | both wheels: roll on a plane ground, steering, springs |
 //! | `sweep` | many designs on all cores, in constant memory |
 //! | `optimise` | targets as bounded least squares, and their minimum |
-//! | `tolerance` | what manufacturing scatter does, and which tolerance is worth money |
-//! | `linear` | one elimination with its series, for every number of unknowns |
-//! | `threads` | pools of threads with stacks that are large enough |
-//! | `number` | Taylor series, gradients and SIMD registers as numbers: how one formula serves for all derivatives and lanes |
+//! | `tolerance` | effects of manufacturing scatter, and their contributors |
+//! | `linear` | elimination with series, for every number of unknowns |
+//! | `threads` | thread pools with large stacks |
+//! | `number` | Taylor series, gradients and SIMD registers as numbers, so that one formula serves all derivatives and lanes |
 //!
-//! Two more crates stand beside the engine: `attia` (`hardpoint-attia`) has the fifteen equations of Attia's paper as a
-//! formulation, which the program registers; `bench` (`hardpoint-bench`) measures poses per second, the cost of a digit
-//! and of an effect on this machine.
+//! Two more crates use the engine: `attia` (`hardpoint-attia`) has the fifteen equations of Attia's paper as a formulation,
+//! which the program registers. `bench` (`hardpoint-bench`) measures poses per second, and the cost of a digit and of an
+//! effect on this machine.
 //!
-//! What is made of it is here:
+//! This crate has the modules that show results:
 //!
-//! | module | what |
+//! | module | content |
 //! |---|---|
-//! | `drawing` | what a page shows beside the curves, solved before it is made |
-//! | `solved` | a study's curves, of one wheel or of both, and what is made of them |
+//! | `drawing` | drawings of a page, solved in advance |
+//! | `solved` | curves of a study, of one wheel or of both, with their files, tables and remarks |
 //! | `report` | files, tables, pages |
-//! | `results` | directories of results: who may replace what, locks |
+//! | `results` | directories of results: rules for replacing files, locks |
 //! | `exchange` | points and curves from and to spreadsheets, CAD and other tools |
-//! | `studio` | the live page: a server on this machine that follows dragged points |
+//! | `studio` | the live page: a server on this machine that solves dragged points |
 //! | `cli` | the command line |
 
-// What a command says goes through `cli::terminal`, which knows of pipes, widths and colours.
+// Commands print through `cli::terminal`, which knows pipes, widths and colours.
 #![cfg_attr(not(test), warn(clippy::print_stdout, clippy::print_stderr))]
 #![warn(clippy::allow_attributes_without_reason, unreachable_pub)]
 
@@ -115,7 +112,7 @@ pub mod solved;
 #[doc(hidden)]
 pub mod studio;
 
-// By the same names: what is public, and the rooms of the engine for those here.
+// Public items and modules of the engine, under the same names.
 #[doc(inline)]
 pub use hardpoint_engine::*;
 
@@ -124,7 +121,7 @@ pub use hardpoint_attia as attia;
 #[doc(hidden)]
 pub use hardpoint_bench as bench;
 
-/// The example of the manual's page is run.
+/// Runs the example of the manual's page.
 #[cfg(doctest)]
 #[doc = include_str!("../docs/rust.md")]
 struct Manual;

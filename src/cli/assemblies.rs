@@ -23,16 +23,16 @@ const ANGLES: [Characteristic; 4] = [
     Characteristic::Caster,
 ];
 
-/// Ranges of the arm's angle as wide as this (rad) are left by a search that was given up; what intervals cannot
-/// decide is far narrower.
+/// Width (rad) from which an undecided range of the arm's angle means that the search gave up. Ranges that intervals
+/// cannot decide are far narrower.
 const GIVEN_UP: f64 = 1e-6;
-/// Undecided places that are said one by one.
+/// Number of undecided places that are printed one by one.
 const MOST_UNDECIDED: usize = 3;
 
 pub(super) fn run(arguments: &AssembliesArguments) -> Result<Exit, Stop> {
     let path = &arguments.study.study;
     let study = Study::read(path, &arguments.study.set)?;
-    let why = "each wheel is assembled by itself, and both are alike or nearly so";
+    let why = "each wheel is assembled independently, and both are almost alike";
     super::axle::refuse(&study, path, "assemblies", why)?;
     for (option, value) in [("--travel", arguments.travel), ("--rack", arguments.rack)] {
         if !value.is_finite() {
@@ -45,7 +45,7 @@ pub(super) fn run(arguments: &AssembliesArguments) -> Result<Exit, Stop> {
     let fault = |fault| design_fault(&study, path, &fault);
     let mut solver = Solver::new(&suspension.mechanism, &suspension.design).map_err(fault)?;
     let rack = arguments.rack * Plan::of(&study).rack_sign;
-    // The one that is connected to the design position; a design that is singular is refused before the search.
+    // The assembly that is connected to the design position. A singular design is refused before the search.
     let mut connected = None;
     let station_order = StationOrder::through(&[arguments.travel]);
     let visited = solver.for_each_pose(Drive::Travel, &station_order, rack, |_, _, pose| {
@@ -112,11 +112,11 @@ pub(super) fn run(arguments: &AssembliesArguments) -> Result<Exit, Stop> {
     let unproved = all.found.iter().filter(|a| a.certificate.is_none()).count();
     let proof = match unproved {
         0 => String::new(),
-        n => format!("; {n} not proved: another is too close, if not the same"),
+        n => format!("; {n} not proved: another assembly is too close, or the same"),
     };
     match all.found.len() {
         0 => out.failure(&format!(
-            "at travel {} {unit}, rack {} {unit} the design's lengths have no assembly\n",
+            "at travel {} {unit}, rack {} {unit} the design's lengths cannot be assembled\n",
             as_written(arguments.travel),
             as_written(arguments.rack)
         ))?,
@@ -157,7 +157,9 @@ pub(super) fn run(arguments: &AssembliesArguments) -> Result<Exit, Stop> {
                 brief(share * 100.0)
             ),
         };
-        eprint(&format!("undecided: whether there {unknown}\n"));
+        eprint(&format!(
+            "undecided: it is not known whether there {unknown}\n"
+        ));
     }
     if let Some(more) = all.undecided.len().checked_sub(MOST_UNDECIDED + 1) {
         eprint(&format!("undecided: {}\n", counted(more + 1, "more place")));

@@ -1,4 +1,4 @@
-//! What commands that know one wheel say of an axle.
+//! Refusals of commands that support one wheel only.
 
 use super::exit::Stop;
 use crate::study::Study;
@@ -11,8 +11,8 @@ pub(super) fn refuse(study: &Study, path: &Path, command: &str, why: &str) -> Re
         Some(_) => Err(Stop::in_file(
             path,
             format!(
-                "axle: `hardpoint {command}` is not yet there for an axle: {why}; without [axle] the study is of \
-                 one wheel"
+                "axle: `hardpoint {command}` is not available for axles: {why}. Remove [axle] to use it on the left \
+                 wheel"
             ),
         )),
     }

@@ -11,9 +11,11 @@ use crate::attia::PaperTheta;
 use crate::curves::{Curves, curves};
 use crate::evaluate::NotInLanes;
 use crate::mechanism::DesignFault;
-use crate::model::Suspension;
+use crate::model::{Axis, Suspension};
 use crate::plan::Plan;
-use crate::report::{Cell, SolveSummary, Summary, Table, counted, variable_plausibility};
+use crate::report::{
+    Cell, Column, SolveSummary, Summary, Table, as_written, counted, variable_plausibility,
+};
 use crate::solve::StationOrder;
 use crate::solved::Solved;
 use crate::study::{Designs, Drive, Formulation, Study, Sweep, Tolerance};
@@ -68,7 +70,7 @@ pub(super) struct Checked<'s> {
 }
 
 impl<'s> Checked<'s> {
-    /// Solves a study by itself ([`motion_alone`]), or refuses it as `solve` does.
+    /// Solves the study's own motion ([`motion_alone`]), or refuses it as `solve` does.
     pub(super) fn of(alone: &'s Study, path: &Path) -> Result<Self, Stop> {
         let fault = |why| Stop::in_file(path, why);
         let solved = Solved::of(alone).map_err(fault)?;
@@ -83,7 +85,7 @@ impl<'s> Checked<'s> {
     }
 }
 
-/// What is asked of one wheel and what that costs, and its values in the design position.
+/// Prints the requests of a study of one wheel with their cost, and the values in the design position.
 fn say_wheel(out: &mut Printer, study: &Study, path: &Path) -> Result<(), Stop> {
     let plan = Plan::of(study);
     let fault = |fault: DesignFault| design_fault(study, path, &fault);
@@ -100,7 +102,7 @@ fn say_wheel(out: &mut Printer, study: &Study, path: &Path) -> Result<(), Stop> 
     }
     out.table("effects", plan_table(study, &plan))?;
     out.say(
-        "\nCosts are estimates, in poses without anything else; `hardpoint bench effects` measures them.\n",
+        "\nCosts are relative to solving the position alone (estimates; `hardpoint bench effects` measures them).\n",
     )?;
     let derivatives = match plan.outputs.iter().any(|o| o.highest > 0) {
         true => format!(", derivatives by {}", drive_name(&plan)),
@@ -110,7 +112,7 @@ fn say_wheel(out: &mut Printer, study: &Study, path: &Path) -> Result<(), Stop> 
     out.table("design", SolveSummary::design_table(&design))
 }
 
-/// What is asked of both wheels, and the ranges of what they do.
+/// Prints the requests of a study of an axle, and the ranges of its outputs.
 fn say_axle(out: &mut Printer, study: &Study, summary: &Summary) -> Result<(), Stop> {
     out.say(&format!("{}\n\n", summary.headline()))?;
     for line in asked(study) {
@@ -140,18 +142,27 @@ fn drive_name(plan: &Plan) -> &'static str {
     }
 }
 
-/// What the motion asks for, in a sentence.
+/// Sentence on the motion and the outputs.
 fn motion(study: &Study, plan: &Plan) -> String {
-    let drive = drive_name(plan);
     let formulation = match plan.formulation {
         Formulation::KnucklePose => "",
         Formulation::PointCoordinates => ", in point coordinates",
     };
-    let racks = plan.racks.len();
-    let mut text = format!(
-        "{} values of {drive} x {racks} of rack{formulation}",
-        plan.stations() / racks
-    );
+    let racks = match plan.racks.as_slice() {
+        [] | [0.0] => "rack at 0".to_owned(),
+        [rack] => format!(
+            "rack at {} {}",
+            as_written(study.suspension.frame.sign(Axis::Y) * rack),
+            study.suspension.length_unit.symbol()
+        ),
+        racks => format!("{} rack positions", racks.len()),
+    };
+    let value = match plan.drive {
+        Drive::PaperTheta => "value of theta",
+        Drive::Travel | Drive::ArmAngle => drive_name(plan),
+    };
+    let drives = counted(plan.stations() / plan.racks.len().max(1), value);
+    let mut text = format!("{drives}, {racks}{formulation}");
     let outputs: Vec<&str> = plan.outputs.iter().map(|o| o.name.as_str()).collect();
     text += &format!("; outputs: {}.", outputs.join(", "));
     for line in asked(study) {
@@ -160,7 +171,7 @@ fn motion(study: &Study, plan: &Plan) -> String {
     text
 }
 
-/// What other commands than `solve` are asked, in sentences.
+/// Sentences on the requests of commands other than `solve`.
 fn asked(study: &Study) -> Vec<String> {
     let mut said = Vec::new();
     if let Some(sweep) = &study.sweep {
@@ -185,7 +196,7 @@ fn asked(study: &Study) -> Vec<String> {
     said
 }
 
-/// What scatters, and why builds do not go through the SIMD lanes, if they do not.
+/// Sentence on the scatter, and the reason if builds do not use SIMD lanes.
 fn scattered(study: &Study, tolerance: &Tolerance) -> String {
     let mut text = format!(
         "Tolerances (tolerance only): {}, {}, {}.",
@@ -196,12 +207,12 @@ fn scattered(study: &Study, tolerance: &Tolerance) -> String {
     let problem = Problem::of(study, tolerance).ok();
     if let Some(why) = problem.and_then(|problem| problem.not_in_lanes()) {
         let why = why.describe();
-        text += &format!(" Its builds are solved one by one, not in SIMD lanes, {why}.");
+        text += &format!(" Its builds are solved one by one, not in SIMD lanes: {why}.");
     }
     text
 }
 
-/// What a sweep is of, and why its designs do not go through the SIMD lanes, if they do not.
+/// Sentence on a sweep, and the reason if its designs do not use SIMD lanes.
 fn swept(study: &Study, sweep: &Sweep) -> String {
     let mut text = match &sweep.designs {
         Designs::Sampled(sampled) => format!(
@@ -223,11 +234,11 @@ fn swept(study: &Study, sweep: &Sweep) -> String {
     text
 }
 
-/// Why the designs of a sweep do not go through the SIMD lanes, as a sentence, if they do not.
+/// Sentence with the reason if the designs of a sweep do not use SIMD lanes.
 pub(super) fn one_by_one(plan: &SweepPlan) -> Option<String> {
     let why = plan.worker().ok()?.not_in_lanes()?;
     let mut text = format!(
-        "Its designs are solved one by one, not in SIMD lanes, {}",
+        "Its designs are solved one by one, not in SIMD lanes: {}",
         why.describe()
     );
     let quantities = plan.axle_quantities().iter();
@@ -240,7 +251,7 @@ pub(super) fn one_by_one(plan: &SweepPlan) -> Option<String> {
     Some(text + ".")
 }
 
-/// The rod of each rocker: how long it is, and what it stands on.
+/// Length of the rod of each rocker, and the bodies at its ends.
 fn rods(suspension: &Suspension) -> impl Iterator<Item = String> {
     let Suspension {
         mechanism, design, ..
@@ -257,9 +268,15 @@ fn rods(suspension: &Suspension) -> impl Iterator<Item = String> {
     })
 }
 
-/// Every effect, on or off, what in the study asks for it and about what it costs.
+/// Table of every effect: on or off, the requests for it, and its approximate cost.
 fn plan_table(study: &Study, plan: &Plan) -> Table {
-    let mut table = Table::new(["effect", "state", "cost", "because of", "what"]);
+    let mut table = Table::with_columns([
+        Column::from("effect"),
+        "state".into(),
+        "cost".into(),
+        Column::named("requested by", "because of"),
+        Column::named("detail", "what"),
+    ]);
     for effect in plan.effects(study) {
         let cost = match effect.cost {
             cost if !effect.on => Cell::shown(cost, ""),

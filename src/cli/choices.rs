@@ -1,4 +1,4 @@
-//! What could be chosen instead of the tuned design: front and price list, where they are asked for.
+//! Alternatives to the tuned design: trade-off and price list, if requested.
 
 use super::exit::Stop;
 use super::interrupt;
@@ -14,7 +14,7 @@ pub(super) struct Choices {
 }
 
 impl Choices {
-    /// From where a tuning ended.
+    /// Alternatives, computed from the end of a tuning.
     pub(super) fn of(
         study: &Study,
         optimise: &Optimise,
@@ -51,7 +51,7 @@ impl Choices {
         output.file_if_any("front.csv", csv)
     }
 
-    /// Says what there is; whether there is a front where one was asked for.
+    /// Prints the alternatives. Returns false if a requested front does not exist.
     pub(super) fn say(
         &self,
         output: &Output,
@@ -61,7 +61,7 @@ impl Choices {
         if let Some(front) = &self.front {
             let names = optimise.front.iter().map(|goal| goal.name.as_str());
             output.say(&format!(
-                "\nfront of {}, misfits in tolerances: {}, none of them better in all\n\n",
+                "\nTrade-off between {}, misfits in tolerances: {}, none better in every target\n\n",
                 names.collect::<Vec<_>>().join(" and "),
                 counted(front.choices.len(), "design")
             ))?;
@@ -70,7 +70,7 @@ impl Choices {
         }
         if let Some(table) = summary.prices_table() {
             output.text_only(
-                "\nwhat moving further buys: moves in ranges, misfits in tolerances, gain by a tenth of a range\n\n",
+                "\nMisfit against size of change (1 = full range); gain per further tenth of a range\n\n",
             )?;
             output.table("prices", &table)?;
         }

@@ -14,19 +14,19 @@ use clap::Args;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// What is compared, and where it goes.
+/// Arguments of a comparison.
 #[derive(Args)]
 pub(super) struct CompareArguments {
-    /// Studies and directories of runs, in any mixture; the first is what the others are compared with
+    /// Studies and directories of runs, in any mixture; the others are compared with the first
     #[arg(required = true, num_args = 2.., value_name = "STUDY_OR_RUN")]
     sources: Vec<PathBuf>,
     /// Directory for comparison.csv and report.html, or - for the CSV on standard output
     #[arg(long, value_name = "DIR", default_value = "out/compare")]
     out: PathBuf,
-    /// Replace what other commands have written there
+    /// Replace files of other commands
     #[arg(long)]
     force: bool,
-    /// How tables are printed
+    /// Format of printed tables
     #[arg(long, value_enum, default_value_t = TableFormat::Text)]
     format: TableFormat,
 }
@@ -89,12 +89,12 @@ pub(super) fn run(arguments: &CompareArguments) -> Result<Exit, Stop> {
         ));
     }
     for (column, labels) in &comparison.partial {
-        note(&format!("{column}: of {} alone\n", labels.join(", ")));
+        note(&format!("{column}: only in {}\n", labels.join(", ")));
     }
     Ok(Exit::of(is_complete))
 }
 
-/// Names of files without what they share, each different.
+/// Unique names of files, without their common parts.
 fn labels(sources: &[PathBuf]) -> Vec<String> {
     let mut labels: Vec<String> = Vec::new();
     for path in sources {
@@ -122,7 +122,7 @@ type FirstMotion = Option<(Vec<f64>, Vec<f64>, bool, LengthUnit)>;
 
 fn of_study(path: &Path, label: String, first: &mut FirstMotion) -> Result<(Compared, bool), Stop> {
     let mut study = Study::read(path, &[])?;
-    let why = "it compares curves over one travel and one place of the rack";
+    let why = "it compares curves over one travel and one rack position";
     axle::refuse(&study, path, "compare", why)?;
     let unit = study.suspension.length_unit;
     let motion = &mut study.motion;
@@ -165,8 +165,7 @@ fn compared(label: String, suspension: &Suspension, curves: CurveTable) -> Compa
 fn of_run(path: &Path, label: String) -> Result<Compared, Stop> {
     let file = path.join("curves.csv");
     if !file.exists() {
-        let reason =
-            "there is no curves.csv, which `hardpoint solve` and `hardpoint optimise` write";
+        let reason = "there is no curves.csv; `hardpoint solve` and `hardpoint optimise` write one";
         return Err(Stop::in_file(path, reason));
     }
     let csv = read_bytes(&file, LONGEST_TABLE);
@@ -178,11 +177,8 @@ fn of_run(path: &Path, label: String) -> Result<Compared, Stop> {
     }
     let first = table.header.first().map_or("", String::as_str);
     let unit = first.rsplit('_').next().and_then(crate::exchange::unit_of);
-    let unit = unit.ok_or_else(|| {
-        refused(format!(
-            "the first column is {first}, which has no unit of length"
-        ))
-    })?;
+    let unit =
+        unit.ok_or_else(|| refused(format!("the first column {first} has no unit of length")))?;
     Ok(Compared {
         label,
         topology: None,

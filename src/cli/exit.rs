@@ -1,4 +1,4 @@
-//! How a command ends.
+//! End of a command.
 
 use super::interrupt;
 use crate::results::WriteError;
@@ -6,21 +6,21 @@ use crate::study::StudyErrors;
 use std::io::{self, ErrorKind};
 use std::path::Path;
 
-/// The documented ways to end.
+/// Documented exits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Exit {
-    /// Everything asked for was done.
+    /// The whole request is done.
     Done,
-    /// It ran, but something could not be solved or written; the rest is there.
+    /// A part could not be solved or written; the rest exists.
     Incomplete,
     /// The input or the call is wrong; nothing was written.
     WrongInput,
-    /// A signal stopped it; what was finished is there.
+    /// A signal stopped it; finished work is kept.
     Interrupted,
 }
 
 impl Exit {
-    /// Of a command that ran: whether everything asked for was done.
+    /// Exit of a command that ran: done or incomplete.
     pub(super) fn of(is_complete: bool) -> Self {
         match is_complete {
             true => Exit::Done,
@@ -39,7 +39,7 @@ impl Exit {
     }
 }
 
-/// What stops a command before its end.
+/// Reason that stops a command early.
 #[derive(Debug)]
 pub(super) enum Stop {
     /// Whoever read our output has seen enough.
@@ -64,18 +64,18 @@ impl Stop {
         }
     }
 
-    /// Something is wrong in a file, or in what it was to be used for.
+    /// A file, or its use, is wrong.
     pub(super) fn in_file(path: &Path, reason: impl std::fmt::Display) -> Self {
         Stop::wrong_input(format!("{}: {reason}", path.display()))
     }
 
     /// A study has nothing of a section that the command is about, which says `what`.
     pub(super) fn no_section(path: &Path, section: &str, what: &str) -> Self {
-        let reason = format!("there is no [{section}] section, which says {what}");
+        let reason = format!("the section [{section}] is missing: it gives {what}");
         Stop::in_file(path, reason)
     }
 
-    /// What was asked for cannot be had.
+    /// A request that cannot be met.
     pub(super) fn not_met(message: impl std::fmt::Display) -> Self {
         Stop::Failed {
             message: format!("error: {message}"),
@@ -83,7 +83,7 @@ impl Stop {
         }
     }
 
-    /// Something asked for in a file could not be solved, after the input was accepted.
+    /// A request of an accepted file could not be solved.
     pub(super) fn unsolved(path: &Path, reason: impl std::fmt::Display) -> Self {
         Stop::not_met(format!("{}: {reason}", path.display()))
     }
@@ -114,7 +114,7 @@ impl From<StudyErrors> for Stop {
     }
 }
 
-/// Of standard output and standard error.
+/// Errors of standard output and standard error.
 impl From<io::Error> for Stop {
     fn from(error: io::Error) -> Self {
         match error.kind() {

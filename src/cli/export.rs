@@ -15,7 +15,7 @@ use clap::{Args, ValueEnum};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// What is exported, and how.
+/// Arguments of an export.
 #[derive(Args)]
 pub(super) struct ExportArguments {
     /// A study file, or the directory of a run
@@ -48,7 +48,7 @@ pub(super) struct ExportArguments {
     /// With --to stl: rack displacement along the file's y axis, as in --rack -20..20 [default: straight ahead]
     #[arg(long, value_name = "C..D", value_parser = span, allow_hyphen_values = true)]
     rack: Option<Span>,
-    /// With --to stl: a length added to the tyre all around
+    /// With --to stl: length to add to the tyre on all sides
     #[arg(long, value_name = "LENGTH", value_parser = length)]
     grow: Option<f64>,
     /// With --to adams: a subsystem whose hardpoints are replaced in a copy
@@ -60,10 +60,10 @@ pub(super) struct ExportArguments {
     /// Override a field of the study, as in --set motion.rack=5.0; may be given more than once
     #[arg(long, value_name = "PATH=VALUE")]
     pub(super) set: Vec<String>,
-    /// Where it goes [default: standard output; workbooks and solids need a file]
+    /// File for the result [default: standard output; workbooks and solids need a file]
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
-    /// Replace a file that is there; never one that is read
+    /// Replace an existing file, but never an input
     #[arg(long)]
     force: bool,
 }
@@ -168,13 +168,13 @@ fn check_call(arguments: &ExportArguments) -> Result<(), Stop> {
     }
     if arguments.names == Some(Names::Spmm) {
         return Err(Stop::wrong_input(
-            "--names spmm: no public source defines the channels of that machine, so none of our curves can be \
-             said to be one of them",
+            "--names spmm: no public source defines the channels of that machine, so no curve can have one of their \
+             names",
         ));
     }
     if matches!(to, Target::Xlsx | Target::Stl) && arguments.out.is_none() {
         return Err(Stop::wrong_input(
-            "a workbook and solids are no text for a terminal: say with --out where they go",
+            "workbooks and solids cannot go to a terminal: give a file with --out",
         ));
     }
     let own_axes = match to {
@@ -211,7 +211,7 @@ fn inputs(source: &Source, arguments: &ExportArguments) -> Vec<PathBuf> {
     inputs
 }
 
-/// Says what a file does not hold, and returns the file.
+/// Prints the content that a file leaves out, and returns the file.
 fn say(written: Written) -> Vec<u8> {
     for line in written.notes {
         note(&format!("{line}\n"));
@@ -227,7 +227,7 @@ fn adams(source: &Source, arguments: &ExportArguments) -> Result<Written, Stop> 
     if outgoing.different_wheels().len() > 1 {
         return Err(Stop::in_file(
             &arguments.source,
-            "axle.right: --into writes the left wheel alone, and the right wheel has points of its own; leave out --into",
+            "axle.right: --into writes only the left wheel, but the right wheel has points of its own; leave out --into",
         ));
     }
     let refused = |reason: String| Stop::in_file(path, reason);
@@ -255,7 +255,7 @@ fn optimum_k(source: &Source, arguments: &ExportArguments) -> Result<Vec<u8>, St
     Ok(say(Written { bytes, notes }))
 }
 
-/// The curves as a table, under our names or those of another tool.
+/// Table of the curves, under the names of this program or of another tool.
 fn curves(source: &Source, arguments: &ExportArguments) -> Result<Vec<u8>, Stop> {
     let outgoing = source.outgoing()?;
     let page = curves_in(&outgoing, source.curves()?);
@@ -267,7 +267,7 @@ fn curves(source: &Source, arguments: &ExportArguments) -> Result<Vec<u8>, Stop>
     let (named, left_out) = under_names_of(tool, &outgoing, &page);
     if !left_out.is_empty() {
         note(&format!(
-            "left out, without a published definition that is the same: {}\n",
+            "left out, because no published definition is the same: {}\n",
             left_out.join(", ")
         ));
     }
@@ -281,7 +281,7 @@ fn curves(source: &Source, arguments: &ExportArguments) -> Result<Vec<u8>, Stop>
     {
         return Err(Stop::in_file(
             &arguments.source,
-            "none of its curves has a name of that tool; docs/exchange.md lists those that do",
+            "none of its curves has a name in that tool; docs/exchange.md lists the curves that have one",
         ));
     }
     Ok(csv(&named.rows))
@@ -293,7 +293,7 @@ fn envelope(source: &Source, arguments: &ExportArguments) -> Result<Vec<u8>, Sto
     let lacking = |key: &str, what: &str| {
         Stop::in_file(
             &arguments.source,
-            format!("[wheel] {key} is missing, the {what} of which the envelope is made"),
+            format!("[wheel] {key} is missing: the envelope needs the {what}"),
         )
     };
     let radius = suspension.wheel_radius;
@@ -322,7 +322,7 @@ fn envelope(source: &Source, arguments: &ExportArguments) -> Result<Vec<u8>, Sto
     };
     note(&format!(
         "{} solids, one for each pose, {} triangles; unit {unit}, frame {}. Between poses the tyre is up to {:.digits$} {unit} \
-         outside of them: more values (/N) make that less, --grow covers it.\n",
+         outside of them: more values (/N) reduce this, --grow covers it.\n",
         envelope.solids.len(),
         envelope.triangles(),
         outgoing.convention.name(),
@@ -330,7 +330,7 @@ fn envelope(source: &Source, arguments: &ExportArguments) -> Result<Vec<u8>, Sto
     ));
     if arguments.grow.is_none() {
         note(&format!(
-            "The radius is the loaded one, {:?} {unit}: the free tyre is larger. --grow LENGTH adds to radius and sides.\n",
+            "The radius is the loaded radius, {:?} {unit}; the free tyre is larger. --grow LENGTH adds to radius and sides.\n",
             outgoing.length(radius)
         ));
     }

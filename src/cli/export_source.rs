@@ -22,14 +22,14 @@ use std::path::{Path, PathBuf};
 /// The study that a tuning has found, in its directory.
 const TUNED: &str = "optimised.toml";
 
-/// What is exported.
+/// Source of an export.
 pub(super) struct Source {
     path: PathBuf,
     /// The files that were read.
     pub(super) inputs: Vec<PathBuf>,
     /// The study at the design that is exported; `None` of a run that keeps none.
     study: Option<Study>,
-    /// Rounding, if it was asked for.
+    /// Rounding, if requested.
     rounded: Option<Rounded>,
     /// The tables of a run's directory: their names and contents.
     tables: Vec<(String, Vec<u8>)>,
@@ -94,7 +94,7 @@ impl Source {
         if self.tables.is_empty() && self.study.is_none() {
             return Err(Stop::in_file(
                 &self.path,
-                "not the directory of a run: there is no curves.csv, designs.csv or optimised.toml",
+                "it is not the directory of a run: there is no curves.csv, designs.csv or optimised.toml",
             ));
         }
         Ok(())
@@ -121,14 +121,14 @@ impl Source {
         self.path.is_dir() && self.path.join(TUNED).is_file()
     }
 
-    /// Rounds the coordinates that were moved or tuned, and says what that costs.
+    /// Rounds the moved or tuned coordinates, and prints the cost.
     fn round(&mut self, step: f64, all: bool, before: &[Vector3<f64>]) -> Result<(), Stop> {
         let study = self.study()?;
         let own_right = study.axle.as_ref().is_some_and(|a| a.axle.right.is_some());
         if own_right {
             return Err(Stop::in_file(
                 &self.path,
-                "axle.right: --round is for one wheel and its mirror image, and the right wheel has points of its own",
+                "axle.right: --round needs a right wheel that mirrors the left one, but the right wheel has points of its own",
             ));
         }
         let design = &study.suspension.design;
@@ -136,7 +136,7 @@ impl Source {
             true => moved_coordinates(design, before),
             false => vec![true; 3 * design.len()],
         };
-        // In a run the tuned coordinates are those that differ; a study says which ones may.
+        // In a run, the changed coordinates are the tuned ones; a study names its variables.
         if !self.is_tuning() {
             let tuned = tuned_coordinates(study);
             free.iter_mut()
@@ -148,7 +148,7 @@ impl Source {
         }
         if !free.contains(&true) {
             note(
-                "no coordinate was moved or tuned, so none is rounded; --round-all rounds every one\n",
+                "no coordinate was moved or tuned, so none is rounded; --round-all rounds every coordinate\n",
             );
         }
         let unit = self.unit.unwrap_or(study.suspension.length_unit);
@@ -162,7 +162,7 @@ impl Source {
         Ok(())
     }
 
-    /// Renames the curves of a run that are not those of the points that are exported.
+    /// Renames curves of a run that do not belong to the exported points.
     fn set_other_curves_aside(&mut self, before: &[Vector3<f64>]) {
         let Some(study) = &self.study else { return };
         let manifest = Manifest::read(&self.path).unwrap_or_default();
@@ -186,7 +186,7 @@ impl Source {
         for (table, _) in &mut self.tables {
             if table == "curves" {
                 note(&format!(
-                    "curves: solved for the points of the file; those of the run are called {name}\n"
+                    "curves: solved for the points of the file; the sheet {name} has the curves of the run\n"
                 ));
                 table.clone_from(&name);
             }
@@ -197,7 +197,7 @@ impl Source {
         self.study.as_ref().ok_or_else(|| {
             Stop::in_file(
                 &self.path,
-                "this run keeps no study, so there are no points to export; export the study it was of",
+                "this run has no study.toml, so there are no points to export; export its study instead",
             )
         })
     }
@@ -211,7 +211,7 @@ impl Source {
         })
     }
 
-    /// The curves of the points that are exported: those of the run, or solved; in the study's unit and axes.
+    /// Curves of the exported points, from the run or solved, in the study's unit and axes.
     pub(super) fn curves(&self) -> Result<Page, Stop> {
         let refused = |reason: String| Stop::in_file(&self.path, reason);
         let of_run = self.tables.iter().find(|(name, _)| name == "curves");
@@ -238,7 +238,7 @@ impl Source {
                 pages.push(curves_in(outgoing, self.curves()?));
             }
             None => note(&format!(
-                "{}: this run keeps no study: the workbook has its tables alone, and no hardpoints\n",
+                "{}: this run has no study.toml, so the workbook has its tables and no hardpoints\n",
                 self.path.display()
             )),
         }
@@ -262,7 +262,7 @@ impl Source {
             let (own, axes) = (suspension.length_unit, suspension.frame.meaning().0);
             if (own, axes) != (outgoing.unit, outgoing.convention) {
                 note(&format!(
-                    "{}: as the run has them, in {} and {}\n",
+                    "{}: unit and axes of the run, {} and {}\n",
                     as_they_are.join(", "),
                     own.symbol(),
                     axes.name()
@@ -279,7 +279,7 @@ fn of_sweep(study: &Study, number: u64, path: &Path) -> Result<Vec<Vector3<f64>>
     let sweep = study.sweep.as_ref();
     let sweep = sweep.ok_or_else(|| refused("--design is of a sweep, and there is no [sweep]"))?;
     let plan = SweepPlan::of(study, sweep)
-        .map_err(|_| refused("the sweep cannot begin; `hardpoint sweep` says why"))?;
+        .map_err(|_| refused("the sweep cannot start; `hardpoint sweep` prints the reason"))?;
     if number >= plan.record.designs {
         return Err(refused(&format!(
             "there is no design {number}; the sweep has {}, numbered from 0",
@@ -289,7 +289,7 @@ fn of_sweep(study: &Study, number: u64, path: &Path) -> Result<Vec<Vector3<f64>>
     Ok(plan.design(number))
 }
 
-/// What rounding costs: the misfit of the targets, and the largest change of every curve.
+/// Prints the cost of rounding: the misfit of the targets, and the largest change of every curve.
 fn say_loss(before: &Study, after: &Study, rounded: &Rounded, free: &[bool]) {
     let grid = rounded.grid;
     let (step, unit) = (grid.step, grid.unit.symbol());
@@ -300,15 +300,15 @@ fn say_loss(before: &Study, after: &Study, rounded: &Rounded, free: &[bool]) {
     );
     match &rounded.loss {
         None => note(&format!(
-            "{rounded_to}; the study has no targets that would say what that costs\n"
+            "{rounded_to}; the study has no targets, so the cost is not known\n"
         )),
         Some(loss) => {
             let ordinary = loss
                 .ordinary
                 .map_or("no curve".to_owned(), |misfit| format!("{misfit:.4}"));
             note(&format!(
-                "{rounded_to}: misfit {:.4} -> {:.4} tolerances ({ordinary} if each coordinate were rounded by itself; {} \
-                 are rounded the other way)\n",
+                "{rounded_to}: misfit {:.4} -> {:.4} tolerances ({ordinary} with each coordinate rounded to its nearest multiple; \
+                 {} are rounded the other way)\n",
                 loss.exact, loss.best, loss.otherwise
             ));
         }

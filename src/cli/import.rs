@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 use std::io::{BufRead, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 
-/// What is imported, and what is known of it.
+/// Arguments of an import.
 #[derive(Args)]
 pub(super) struct ImportArguments {
     /// Points: a table (.csv, .xlsx), a map (.json, .yaml), an Adams/Car subsystem (.sub) or suspensions.ini
@@ -23,22 +23,22 @@ pub(super) struct ImportArguments {
     /// Names in the file by hardpoint, as TOML: lower_arm_front = "LCA 1"
     #[arg(long, value_name = "NAMES.toml")]
     map: Option<PathBuf>,
-    /// Unit of length, mm, m or in [default: what the file says, or the one that makes it a car's]
+    /// Unit of length, mm, m or in [default: the file's, or the unit that gives the size of a car's suspension]
     #[arg(long, value_parser = unit)]
     unit: Option<LengthUnit>,
-    /// Axes: iso8855, sae_j670 or x_rear [default: those that the file says or the points show]
+    /// Axes: iso8855, sae_j670 or x_rear [default: from the file or its points]
     #[arg(long, value_parser = frame, conflicts_with = "axes")]
     frame: Option<FrameConvention>,
     /// Ways of the file's x, y and z, each forward, rearward, left, right, up or down: left,forward,up
     #[arg(long, value_name = "X,Y,Z", value_parser = Axes::parse)]
     axes: Option<Axes>,
-    /// Which wheel, left or right [default: the left one, or the one there is]
+    /// Wheel, left or right [default: the left one, or the only one in the file]
     #[arg(long, value_parser = side)]
     side: Option<Side>,
-    /// Which axle of a file with two, front or rear
+    /// Axle of a file with two, front or rear
     #[arg(long, value_parser = axle)]
     axle: Option<AxlePosition>,
-    /// Which wheel of a file with four: FL, FR, RL or RR
+    /// Wheel of a file with four: FL, FR, RL or RR
     #[arg(long, value_parser = corner, conflicts_with_all = ["axle", "side"])]
     corner: Option<(AxlePosition, Side)>,
     /// Distance of the wheel centre from the centre plane, for a file with its origin at the wheel
@@ -50,10 +50,10 @@ pub(super) struct ImportArguments {
     /// Sheet of a workbook [default: the one with points]
     #[arg(long, value_name = "NAME")]
     sheet: Option<String>,
-    /// Where the study goes [default: standard output]
+    /// File for the study [default: standard output]
     #[arg(long, value_name = "STUDY")]
     out: Option<PathBuf>,
-    /// Replace a file that is there; never one that is read
+    /// Replace an existing file, but never an input
     #[arg(long)]
     force: bool,
 }
@@ -195,7 +195,7 @@ pub(super) fn run(arguments: &ImportArguments) -> Result<Exit, Stop> {
         .map_err(|reason| {
             let summary = summary(&imported, None);
             refused(format!(
-                "the points do not make a suspension\n{summary}{reason}"
+                "the points do not form a valid suspension\n{summary}{reason}"
             ))
         })?;
     match &arguments.out {
@@ -251,7 +251,8 @@ fn ask(
     None
 }
 
-/// The role of each point, what was read and assumed, what is left out, and the command that shows the result.
+/// Summary of an import: roles of the points, readings and assumptions, parts left out, and the command that shows
+/// the result.
 fn summary(imported: &Imported, out: Option<Option<&Path>>) -> String {
     let longest = imported.hardpoints.iter().map(|h| h.name.len()).max();
     let longest = longest.unwrap_or(0);

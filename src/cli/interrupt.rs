@@ -11,16 +11,16 @@ use std::sync::mpsc;
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// Processor time in which a command that stops by itself does so.
+/// Processor time within which a command stops by itself.
 const MOST_WORK: Duration = Duration::from_millis(200);
 
 /// Time in which it does so where it waits for others: for the disk, or for whoever reads its output.
 const MOST_WAIT: Duration = Duration::from_secs(2);
 
-/// How often both are looked at.
+/// Interval between checks of both.
 const LOOK: Duration = Duration::from_millis(5);
 
-/// How long standard error may take for a last line.
+/// Time limit for a last line on standard error.
 const LAST_WORDS: Duration = Duration::from_millis(20);
 
 static FLAG: AtomicBool = AtomicBool::new(false);
@@ -38,7 +38,7 @@ pub(super) fn is_raised() -> bool {
     FLAG.load(Ordering::SeqCst)
 }
 
-/// From now on the command looks at the flag and stops by itself.
+/// Declares that the command checks the flag and stops by itself.
 pub(super) fn stops_by_itself() {
     STOPS_BY_ITSELF.store(true, Ordering::SeqCst);
 }
@@ -57,7 +57,7 @@ pub(super) fn end() -> ! {
 /// Listens to signals, for the rest of the process.
 pub(super) fn listen() {
     static LISTENING: Once = Once::new();
-    // Where nothing listens a signal ends the process, which is safe: files appear whole or not at all.
+    // Without a handler, a signal ends the process. This is safe, because files appear whole or not at all.
     LISTENING.call_once(|| {
         let _ = listen_on_a_thread();
     });
@@ -118,7 +118,7 @@ fn work_done() -> Duration {
     BEGUN.get_or_init(Instant::now).elapsed()
 }
 
-/// Says something, unless nobody takes it.
+/// Prints a line, unless nobody reads it.
 fn say(text: &'static str) {
     let (said, done) = mpsc::channel();
     let spawned = thread::Builder::new().spawn(move || {

@@ -12,7 +12,7 @@ use crate::derive::MotionPoint;
 use crate::mechanism::{DesignFault, LimitCause, Toggle};
 use crate::model::{self, Axis, PointId, RockerId, Side};
 use crate::plan::Plan;
-use crate::report::{Cell, FailureRange, Table, as_written, brief};
+use crate::report::{Cell, Column, FailureRange, Table, as_written, brief};
 use crate::solve::Solver;
 use crate::solved::Solved;
 use crate::study::{AxleStudy, Drive, Study};
@@ -67,8 +67,7 @@ fn of_axle(arguments: &StudyArguments, study: &Study, both: &AxleStudy) -> Resul
     let alone = motion_alone(study);
     let failures = Solved::of(&alone).map_err(fault)?.failures();
     let unit = study.suspension.length_unit.symbol();
-    let columns = ["quantity", "at", "from", "because", "to", "because there"];
-    let mut table = Table::new(columns).keyed(2);
+    let mut table = Table::with_columns(columns()).keyed(2);
     for (side, range) in Side::ALL.into_iter().zip(&limits.travels) {
         let quantity = format!("{}_travel_{unit}", side.name());
         let own = Row {
@@ -107,11 +106,11 @@ fn of_axle(arguments: &StudyArguments, study: &Study, both: &AxleStudy) -> Resul
     Ok(Exit::of(failures.is_empty()))
 }
 
-/// Why a range ends where nothing was found that ends it.
+/// Cause of a limit for which no singularity was found.
 const LOST: &str = "the path could not be followed further";
 
-/// What goes how far, from where to where and why: values times a factor, and axes that point the other way swap the
-/// ends.
+/// Row of a quantity with its limits and causes. Values are multiplied by a factor; a negative factor swaps the
+/// limits.
 fn row(what: [&str; 2], factor: f64, ends: [(f64, String); 2]) -> [Cell; 6] {
     let [quantity, at] = what.map(Cell::from);
     let [mut from, mut to] = ends.map(|(value, why)| (value * factor, why));
@@ -150,19 +149,19 @@ pub(super) fn ranges_by_rack(
     plan.racks.iter().map(|rack| range(*rack)).collect()
 }
 
-/// A row of the table: what goes how far, and in which position of the rest.
+/// Row of the table: a quantity, and the position of the others.
 pub(super) struct Row {
     pub(super) quantity: String,
     pub(super) at: String,
-    /// What a value is multiplied by to be printed; axes that point the other way swap the ends.
+    /// Factor of printed values; a negative factor swaps the limits.
     pub(super) factor: f64,
 }
 
 impl Row {
     fn of(&self, study: &Study, lower: &RangeEnd, upper: &RangeEnd) -> [Cell; 6] {
         let beyond = match (lower, upper) {
-            (RangeEnd::FullTurn, RangeEnd::FullTurn) => "it turns right round",
-            _ => "it goes on beyond half a turn",
+            (RangeEnd::FullTurn, RangeEnd::FullTurn) => "no limit: it turns all the way round",
+            _ => "no limit within half a turn",
         };
         let end = |end: &RangeEnd, turn: f64| match end {
             RangeEnd::Fold(limit) => (limit.value, because(limit, study)),
@@ -174,10 +173,10 @@ impl Row {
         row([&self.quantity, &self.at], self.factor, ends)
     }
 
-    /// Where the rack does not get to its place there is no range.
+    /// Row without a range, for a rack position that the mechanism cannot reach.
     fn of_no_rack(&self) -> [Cell; 6] {
         let [quantity, at] = [&self.quantity, &self.at].map(|text| Cell::from(text.as_str()));
-        let [why, also] = [(); 2].map(|()| Cell::from("the rack does not get there"));
+        let [why, also] = [(); 2].map(|()| Cell::from("the rack cannot reach this position"));
         [
             quantity,
             at,
@@ -189,7 +188,7 @@ impl Row {
     }
 }
 
-/// Why it goes no further: the part that is singular, or that none is and which comes nearest to it.
+/// Cause of a limit: the singular part, or the part that is nearest to a singularity.
 fn because(limit: &Limit, study: &Study) -> String {
     let name = |id: &PointId| {
         let name = study.suspension.mechanism.name(*id);
@@ -216,7 +215,7 @@ fn because(limit: &Limit, study: &Study) -> String {
     }
 }
 
-/// Where the rack is while something else goes as far as it can.
+/// Position of the rack while another quantity moves to its limits.
 pub(super) fn straight(limits: &Limits) -> &'static str {
     match &limits.rack {
         Some(_) => "rack 0",
@@ -224,7 +223,7 @@ pub(super) fn straight(limits: &Limits) -> &'static str {
     }
 }
 
-/// What goes how far, the others held: rockers apart, which end by another part than what moves.
+/// Ranges of the quantities, each with the others held. Rockers are separate, because other parts limit them.
 pub(super) fn ranges<'l>(
     study: &Study,
     limits: &'l Limits,
@@ -254,7 +253,7 @@ pub(super) fn ranges<'l>(
     rows
 }
 
-/// The row of what drives the study, the rack there.
+/// Row of the study's drive, with the rack at this position.
 fn driven(study: &Study, at: String) -> Row {
     let (quantity, factor) = match study.motion.drive.in_kernel() {
         model::Drive::Travel => (
@@ -270,6 +269,18 @@ fn driven(study: &Study, at: String) -> Row {
     }
 }
 
+/// Columns of the table of limits.
+fn columns() -> [Column; 6] {
+    [
+        "quantity".into(),
+        "at".into(),
+        Column::named("lower limit", "from"),
+        Column::named("cause", "because"),
+        Column::named("upper limit", "to"),
+        Column::named("its cause", "because there"),
+    ]
+}
+
 /// The name of the travel at which a rod of a rocker is at toggle.
 pub(super) fn rod_travel(study: &Study, rocker: RockerId) -> String {
     let rod = study.suspension.mechanism.rocker(rocker).rod.to_string();
@@ -277,10 +288,9 @@ pub(super) fn rod_travel(study: &Study, rocker: RockerId) -> String {
     format!("{}_travel_{unit}", rod.replace(' ', "_"))
 }
 
-/// How far each quantity goes, the others held.
+/// Table of the limits of each quantity, the others held.
 fn table(study: &Study, limits: &Limits, by_rack: &[(f64, Range)]) -> Table {
-    let columns = ["quantity", "at", "from", "because", "to", "because there"];
-    let mut table = Table::new(columns).keyed(2);
+    let mut table = Table::with_columns(columns()).keyed(2);
     for (row, range) in ranges(study, limits, by_rack) {
         table.push(match range.is_empty() {
             true => row.of_no_rack(),
@@ -312,7 +322,7 @@ fn table(study: &Study, limits: &Limits, by_rack: &[(f64, Range)]) -> Table {
     table
 }
 
-/// What is left from drive values to the nearer end of all these ranges; negative beyond it.
+/// Margin from drive values to the nearest limit of all these ranges; negative beyond it.
 pub(super) fn travel_left<'r>(ranges: impl Iterator<Item = &'r Range>, values: &[f64]) -> f64 {
     let left = ranges.flat_map(|range| values.iter().map(move |value| range.margin(*value)));
     left.fold(f64::INFINITY, f64::min)
@@ -349,15 +359,15 @@ fn margin(
     let stations = match moved.failed() {
         0 => "Over the study's motion".to_owned(),
         _ => format!(
-            "At the {reached} of {} stations that are reached",
+            "Over the {reached} of {} stations that the mechanism reaches",
             moved.stations.len()
         ),
     };
     if reached == 0 {
-        return Ok("No station of the study's motion is reached.".to_owned());
+        return Ok("The mechanism reaches no station of the study's motion.".to_owned());
     }
     let mut text = format!(
-        "{stations} the mechanism stays {} {unit} or more from a singularity (least at {} {}).",
+        "{stations} the smallest distance to a singularity is {} {unit}, at {} {}.",
         brief(distance),
         plan.drive.name(),
         as_written(plan.drive.printed(at))
@@ -366,16 +376,16 @@ fn margin(
         let reached = || by_rack.iter().filter(|(_, range)| !range.is_empty());
         let where_reached = match reached().count() == by_rack.len() {
             true => "",
-            false => " at the racks that are reached",
+            false => " at the rack positions that are reached",
         };
         let left = travel_left(reached().map(|(_, range)| range), values);
         text += &match left >= 0.0 {
             true => format!(
-                " Travel left to the nearer end{where_reached}: {} {unit}.",
+                " Nearest travel limit{where_reached}: {} {unit} away.",
                 brief(left)
             ),
             false => format!(
-                " The motion goes {} {unit} beyond the nearer end{where_reached}.",
+                " The motion goes {} {unit} beyond the travel limit{where_reached}.",
                 brief(-left)
             ),
         };

@@ -1,4 +1,4 @@
-//! `hardpoint limits --builds`: how far the builds of `[tolerance]` go at least.
+//! `hardpoint limits --builds`: smallest limits of the builds of `[tolerance]`.
 
 use super::StudyArguments;
 use super::exit::{Exit, Stop};
@@ -11,7 +11,7 @@ use crate::analyse::Range;
 use crate::mechanism::DesignFault;
 use crate::model::Suspension;
 use crate::plan::Plan;
-use crate::report::{Cell, Table, brief};
+use crate::report::{Cell, Column, Table, brief};
 use crate::solve::Solver;
 use crate::study::{Drive, Study};
 use rayon::prelude::*;
@@ -23,7 +23,7 @@ pub(super) fn run(
     count: NonZeroU64,
 ) -> Result<Exit, Stop> {
     let path = &arguments.study;
-    let why = "builds are looked at one wheel at a time";
+    let why = "builds are examined one wheel at a time";
     super::axle::refuse(study, path, "limits --builds", why)?;
     let tolerance = scatter(study, path)?;
     let problem = problem(study, tolerance, path)?;
@@ -45,11 +45,11 @@ pub(super) fn run(
     out.table("limits", table(&drawn, &least))?;
     out.say("\n")?;
     let mut counts = Table::new(["builds", "number", "first"]);
-    // By the paper's angle it is not looked at.
+    // Not available for the paper's drive.
     let short = (study.motion.drive != Drive::PaperTheta).then_some(least.short);
     for (what, found) in [
-        ("that cannot be put together", Some(least.rejected)),
-        ("that do not reach the study's motion", short),
+        ("cannot be assembled", Some(least.rejected)),
+        ("do not reach the study's motion", short),
     ] {
         let (number, first) = found.unzip();
         counts.push_row([Cell::from(what), number.into(), first.flatten().into()]);
@@ -62,11 +62,11 @@ pub(super) fn run(
         let unit = study.suspension.length_unit.symbol();
         let left = match margin >= 0.0 {
             true => format!(
-                "Travel left to the nearer end: {} {unit} or more",
+                "Nearest travel limit: at least {} {unit} away",
                 brief(margin)
             ),
             false => format!(
-                "The motion goes up to {} {unit} beyond the nearer end",
+                "The motion goes up to {} {unit} beyond the travel limit",
                 brief(-margin)
             ),
         };
@@ -76,12 +76,11 @@ pub(super) fn run(
     Ok(Exit::Done)
 }
 
-/// How far one mechanism goes.
+/// Limits of one mechanism.
 struct LimitRanges {
-    /// What goes how far, where the rest stands, and from where to where.
+    /// Rows of the table: quantity, held quantities, lower and upper limit.
     rows: Vec<(String, String, [f64; 2])>,
-    /// What is left from the motion of the study to the nearer end; negative beyond it. None where the study is driven
-    /// by the paper's angle.
+    /// Margin from the study's motion to the nearest limit; negative beyond it. `None` with the paper's drive.
     margin: Option<f64>,
 }
 
@@ -118,15 +117,15 @@ impl LimitRanges {
     }
 }
 
-/// What some builds reach at least: of equals, the first build.
+/// Smallest limits of some builds; of equal limits, those of the first build.
 #[derive(Default)]
 struct Least {
-    /// By row of [`LimitRanges`]: the greatest lower and the least upper end, each with its build.
+    /// For each row of [`LimitRanges`]: the largest lower and the smallest upper limit, each with its build.
     rows: Vec<[(f64, u64); 2]>,
     margin: Option<(f64, u64)>,
-    /// How many builds cannot be put together or cannot move, and the first.
+    /// Number of builds that cannot be assembled or cannot move, and the first.
     rejected: (u64, Option<u64>),
-    /// How many do not reach the motion of the study, and the first.
+    /// Number of builds that do not reach the motion of the study, and the first.
     short: (u64, Option<u64>),
 }
 
@@ -148,7 +147,7 @@ impl Least {
         }
     }
 
-    /// With builds of higher numbers.
+    /// Combines these limits with those of builds with higher numbers.
     fn and(mut self, later: Least) -> Least {
         if self.rows.is_empty() {
             self.rows = later.rows;
@@ -176,17 +175,17 @@ impl Least {
     }
 }
 
-/// How far each quantity goes as drawn, and in the build that goes least far.
+/// Table of the limits of the nominal design and the smallest limits of all builds.
 fn table(drawn: &LimitRanges, least: &Least) -> Table {
-    let mut table = Table::new([
-        "quantity",
-        "at",
-        "from",
-        "nearest",
-        "in build",
-        "to",
-        "nearest there",
-        "in build there",
+    let mut table = Table::with_columns([
+        Column::from("quantity"),
+        "at".into(),
+        Column::named("lower limit, nominal", "from"),
+        Column::named("of all builds", "nearest"),
+        Column::named("build", "in build"),
+        Column::named("upper limit, nominal", "to"),
+        Column::named("of all builds", "nearest there"),
+        Column::named("build", "in build there"),
     ]);
     let mut builds = least.rows.iter();
     for (quantity, at, [from, to]) in &drawn.rows {

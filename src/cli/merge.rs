@@ -23,12 +23,12 @@ pub(super) fn run(arguments: &MergeArguments) -> Result<Exit, Stop> {
         .any(|part| target.is_some() && resolved(part) == target)
     {
         return Err(Stop::wrong_input(format!(
-            "{} has parts to be joined; expected another directory for the result",
+            "{} holds parts of the sweep; expected another directory for the result",
             arguments.out.display()
         )));
     }
     let record = &parts.record;
-    // The study that the parts are of, where they have one.
+    // Study of the parts, if they keep one.
     let mut kept = parts.directories().map(|part| part.join(STUDY_COPY));
     let kept = kept.find_map(|path| Study::read(&path, &[]).ok());
     let files = SweepDirectory::files(record);

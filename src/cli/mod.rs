@@ -41,12 +41,12 @@ use std::process::ExitCode;
 #[derive(Parser)]
 #[command(name = "hardpoint", version, max_term_width = 100)]
 #[command(
-    after_help = "Exit codes: 0 done; 1 it ran, but something asked for could not be solved \
+    after_help = "Exit codes: 0 done; 1 a part of the request could not be solved \
                         (the rest is written); 2 the input or the call is wrong (nothing is written); \
                         130 or 143 SIGINT or SIGTERM stopped it (finished work is kept)."
 )]
 struct Arguments {
-    /// Print nothing but errors and asked-for data
+    /// Print errors and requested data only
     #[arg(long, short, global = true)]
     quiet: bool,
     #[command(subcommand)]
@@ -55,26 +55,26 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Print a commented study that runs as it is
+    /// Print a commented study that runs
     New(new::NewArguments),
-    /// Read and validate a study, print what it will compute and why, solve the design position
+    /// Validate a study, list what it will compute and why, and solve the design position
     Check(StudyArguments),
-    /// Curves over the motion
+    /// Compute curves over the motion
     Solve(RunArguments),
-    /// A batch of designs
+    /// Solve a batch of designs
     Sweep(SweepArguments),
-    /// Join the parts of a sweep to one file, for those who want one
+    /// Join the parts of a sweep into one file
     Merge(MergeArguments),
-    /// Tune the hardpoints towards the targets
+    /// Tune the hardpoints until they meet the targets
     #[command(alias = "optimize")]
     Optimise(OptimiseArguments),
-    /// Adjustments that give the static values wanted, and what a turn of each does
+    /// Compute adjustments that give the wanted static values, and the effect of a turn of each
     Setup(RunArguments),
-    /// What manufacturing scatter does: sigma, percentiles, yield, who contributes
+    /// Compute the effect of manufacturing scatter: sigma, percentiles, yield, contributors
     Tolerance(ToleranceArguments),
-    /// How far travel, rack and arm go from the design position, and what stops them
+    /// Find the limits of travel, rack and arm, with the cause of each
     Limits(LimitsArguments),
-    /// Every way to assemble the design's lengths at a given travel
+    /// Find every way to assemble the design's lengths at a given travel
     Assemblies(AssembliesArguments),
     /// Measure this program on this machine
     Bench(BenchArguments),
@@ -82,24 +82,24 @@ enum Command {
     Report(ReportArguments),
     /// Print a study of points from a table (.csv, .xlsx), JSON, YAML or an Adams/Car subsystem
     Import(import::ImportArguments),
-    /// Points and curves for other tools: CSV, XLSX, Adams/Car
+    /// Export points and curves to other tools: CSV, XLSX, Adams/Car, OptimumKinematics, Assetto Corsa, CAD
     Export(export::ExportArguments),
-    /// Curves, points and figures of two or more designs side by side
+    /// Compare curves, points and key values of two or more designs
     Compare(compare::CompareArguments),
-    /// A live page on this machine: drag points, watch curves, tune, save
+    /// Open a live page on this machine: drag points, watch curves, tune, save
     Studio(studio::StudioArguments),
     /// Print the JSON schema of studies, for editors
     Schema,
-    /// Print what makes a shell complete commands and options
+    /// Print the completions of commands and options for a shell
     Completions {
         /// The shell
         shell: clap_complete::Shell,
     },
-    /// Print the manual page, for man
+    /// Print the manual page for man
     Man,
 }
 
-/// What names a study.
+/// Arguments that name a study.
 #[derive(Args)]
 struct StudyArguments {
     /// The study file (TOML), or - for standard input
@@ -107,12 +107,12 @@ struct StudyArguments {
     /// Override a field of the study, as in --set motion.rack=5.0; may be given more than once
     #[arg(long, value_name = "PATH=VALUE")]
     set: Vec<String>,
-    /// How tables are printed
+    /// Format of printed tables
     #[arg(long, value_enum, default_value_t = TableFormat::Text)]
     format: TableFormat,
 }
 
-/// What a run needs besides.
+/// Arguments of a run.
 #[derive(Args)]
 struct RunArguments {
     #[command(flatten)]
@@ -120,13 +120,13 @@ struct RunArguments {
     /// Directory for the results, or - for the main CSV on standard output [default: out/STUDY]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Overwrite what is there, whoever wrote it
+    /// Overwrite existing files, also those of other runs
     #[arg(long)]
     force: bool,
     /// Number of threads [default: one for each core]
     #[arg(long, value_name = "N")]
     threads: Option<std::num::NonZeroUsize>,
-    /// Write report.html as well: one page that needs nothing else
+    /// Also write report.html, one self-contained page
     #[arg(long)]
     report: bool,
     /// Write the curves as pictures (SVG and PNG) into a directory
@@ -134,37 +134,37 @@ struct RunArguments {
     plots: Option<PathBuf>,
 }
 
-/// What builds need besides.
+/// Arguments of `hardpoint tolerance`.
 #[derive(Args)]
 struct ToleranceArguments {
     #[command(flatten)]
     run: RunArguments,
-    /// Print one build, by its number from 0, as a study of its own, and nothing else
+    /// Only print one build as a study, by its number from 0
     #[arg(long, value_name = "N", conflicts_with_all = ["out", "force", "threads", "report", "plots"])]
     build: Option<u64>,
 }
 
-/// What limits need besides.
+/// Arguments of `hardpoint limits`.
 #[derive(Args)]
 struct LimitsArguments {
     #[command(flatten)]
     study: StudyArguments,
-    /// How far the first N builds of [tolerance] go at least, each part of the table with the build that ends it
+    /// Print the smallest limits of the first N builds of [tolerance], with the build that sets each limit
     #[arg(long, value_name = "N")]
     builds: Option<std::num::NonZeroU64>,
 }
 
-/// What a tuning needs besides.
+/// Arguments of a tuning.
 #[derive(Args)]
 struct OptimiseArguments {
     #[command(flatten)]
     run: RunArguments,
-    /// Print what moving further buys: the least misfit for some ten moves (made for --report, too)
+    /// Print the misfit against the size of the change, for about ten sizes (--report includes it)
     #[arg(long)]
     prices: bool,
 }
 
-/// What a sweep needs besides.
+/// Arguments of a sweep.
 #[derive(Args)]
 struct SweepArguments {
     #[command(flatten)]
@@ -172,27 +172,27 @@ struct SweepArguments {
     /// Directory for the results, or - for the designs on standard output [default: out/STUDY]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Overwrite what is there, whoever wrote it
+    /// Overwrite existing files, also those of other runs
     #[arg(long)]
     force: bool,
     /// Number of threads [default: one for each core]
     #[arg(long, value_name = "N")]
     threads: Option<std::num::NonZeroUsize>,
-    /// Go on with a sweep that was interrupted, or with more samples of its sequence
+    /// Continue an interrupted sweep, or add samples to its sequence
     #[arg(long)]
     resume: bool,
-    /// Write report.html as well: one page that needs nothing else
+    /// Also write report.html, one self-contained page
     #[arg(long)]
     report: bool,
-    /// Do the I-th of N shares of the sweep's parts, as in --shard 3/8, all into one directory
+    /// Compute the I-th of N shares of the sweep's parts, as in --shard 3/8; all shards use one directory
     #[arg(long, value_name = "I/N", value_parser = sweep::shard)]
     shard: Option<[u64; 2]>,
-    /// Print the study of one design, by its number, and do nothing else
+    /// Only print the study of one design, by its number
     #[arg(long, value_name = "NUMBER", conflicts_with_all = ["out", "resume", "shard", "report"])]
     design: Option<u64>,
 }
 
-/// Which parts are joined.
+/// Arguments of `hardpoint merge`.
 #[derive(Args)]
 struct MergeArguments {
     /// The directories with the parts, in any order
@@ -201,15 +201,15 @@ struct MergeArguments {
     /// Directory for the results
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// Overwrite what is there, whoever wrote it
+    /// Overwrite existing files, also those of other runs
     #[arg(long)]
     force: bool,
-    /// How tables are printed
+    /// Format of printed tables
     #[arg(long, value_enum, default_value_t = TableFormat::Text)]
     format: TableFormat,
 }
 
-/// Where assemblies are looked for.
+/// Arguments of `hardpoint assemblies`.
 #[derive(Args)]
 struct AssembliesArguments {
     #[command(flatten)]
@@ -222,30 +222,30 @@ struct AssembliesArguments {
     rack: f64,
 }
 
-/// What is measured, and on what.
+/// Arguments of `hardpoint bench`.
 #[derive(Args)]
 struct BenchArguments {
-    /// What to measure
+    /// Kind of measurement
     #[arg(value_enum)]
     kind: BenchKind,
-    /// The study whose suspension and travels are measured [default: the template of a strut]
+    /// Study with the suspension and travels to measure [default: the template of a strut]
     study: Option<PathBuf>,
     /// Override a field of the study, as in --set motion.rack=5.0; may be given more than once
     #[arg(long, value_name = "PATH=VALUE", requires = "study")]
     set: Vec<String>,
-    /// How the table is printed
+    /// Format of the printed table
     #[arg(long, value_enum, default_value_t = TableFormat::Text)]
     format: TableFormat,
     /// Directory for the results, or - for the CSV on standard output [default: out/bench_STUDY]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Overwrite what is there, whoever wrote it
+    /// Overwrite existing files, also those of other runs
     #[arg(long)]
     force: bool,
     /// Threads that throughput is measured on, beside one [default: every core]
     #[arg(long, value_parser = at_least_one, value_name = "N")]
     threads: Option<usize>,
-    /// Samples of each time: more of them for less noise
+    /// Number of samples of each time; more samples reduce noise
     #[arg(long, value_parser = at_least_one, value_name = "N", default_value_t = crate::bench::Clock::default().samples)]
     samples: usize,
 }
@@ -260,23 +260,23 @@ fn at_least_one(text: &str) -> Result<usize, String> {
 /// Benchmarks.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum BenchKind {
-    /// Poses per second: by lanes, by threads, by what is asked for, against the formulation of Attia's paper
+    /// Poses per second by lanes, threads and outputs, compared with the formulation of Attia's paper
     Throughput,
-    /// What a digit costs: time against true error of every way to a pose, a curve, a derivative
+    /// Cost of a digit: time against true error of poses, curves and derivatives
     Accuracy,
-    /// What each effect costs, alone and added up, relative to positions alone
+    /// Cost of each effect, alone and accumulated, relative to positions alone
     Effects,
 }
 
-/// What a report is made of.
+/// Arguments of `hardpoint report`.
 #[derive(Args)]
 struct ReportArguments {
-    /// The directory a run has written its results to
+    /// The directory with the results of a run
     run: PathBuf,
     /// Write the curves as pictures (SVG and PNG) into a directory
     #[arg(long, value_name = "DIR")]
     plots: Option<PathBuf>,
-    /// Overwrite what is there, whoever wrote it
+    /// Overwrite existing files, also those of other runs
     #[arg(long)]
     force: bool,
 }

@@ -15,7 +15,7 @@ pub(super) struct NamedCurves {
 }
 
 impl NamedCurves {
-    /// Those of every named motion; of an axle none, whose named motions are for constraints.
+    /// Curves of every named motion. An axle has none, because its named motions serve constraints only.
     pub(super) fn all(study: &Study) -> Result<Vec<Self>, String> {
         let motions = study.motions.iter().filter(|_| study.axle.is_none());
         let named = motions.map(|(name, motion)| {
@@ -34,7 +34,7 @@ impl NamedCurves {
         named.collect()
     }
 
-    /// What of it is not solved, a line each.
+    /// Failures of the motion, one line each.
     pub(super) fn failures(&self, wheel: &Suspension) -> Vec<String> {
         let failures = FailureRange::all(&self.curves, wheel);
         let said = failures.iter();

@@ -6,12 +6,12 @@ use clap::{Args, ValueEnum};
 use std::fmt::Write as _;
 use std::io::Write;
 
-/// What study is wanted.
+/// Arguments of `hardpoint new`.
 #[derive(Args)]
 pub(super) struct NewArguments {
     /// Kind of suspension, such as macpherson
     topology: String,
-    /// What the study has besides, with commas between
+    /// Parts to add to the study, separated by commas
     #[arg(long, value_enum, value_delimiter = ',', value_name = "PART")]
     with: Vec<Part>,
 }
@@ -19,9 +19,9 @@ pub(super) struct NewArguments {
 /// Parts a template may have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Part {
-    /// Targets, and what may move towards them
+    /// Targets and variables
     Optimise,
-    /// A batch of designs
+    /// Solve a batch of designs
     Sweep,
     /// Pushrod and rocker
     Pushrod,
@@ -32,7 +32,7 @@ enum Part {
     Axle,
 }
 
-/// The points of a part: names, and what each is.
+/// Points of a part, with name and description.
 type Points = &'static [(&'static str, &'static str)];
 
 const PUSHROD: Points = &[
@@ -51,12 +51,12 @@ const ANTI_ROLL_BAR: Points = &[
     ("anti_roll_bar_outer", "outboard point of the bar's axis"),
 ];
 
-/// What differs from template to template: coordinates are in its axes.
+/// Differences between templates: coordinates in the template's axes.
 struct Fitting {
     topology: &'static str,
     /// A hardpoint that steers the wheel in jounce.
     steers: &'static str,
-    /// What pushrod and drop link stand on.
+    /// Body of pushrod and drop link.
     carrier: &'static str,
     pushrod: Option<[[f64; 3]; PUSHROD.len()]>,
     anti_roll_bar: [[f64; 3]; ANTI_ROLL_BAR.len()],
@@ -134,11 +134,11 @@ const FITTINGS: [Fitting; 4] = [
     },
 ];
 
-/// What is wanted of the template: toe that stays in jounce.
+/// Targets of the template: constant toe.
 const TARGETS: &str = r#"  { characteristic = "toe", points = [[-80.0, 0.1], [0.0, 0.1], [80.0, 0.1]], tolerance = 0.02 },
 "#;
 
-/// Of an axle: toe that stays in heave, and wheels that do not steer in roll.
+/// Targets of an axle: constant toe in heave, and no roll steer.
 const AXLE_TARGETS: &str = r#"  { characteristic = "toe", over = "heave", points = [[-20.0, 0.1], [0.0, 0.1], [20.0, 0.1]], tolerance = 0.02 },
   { characteristic = "roll_steer", over = "roll", between = [-0.02, 0.02], tolerance = 0.005 },
 "#;
@@ -228,7 +228,7 @@ targets = [                      # a curve over the motion, or `at` one value of
     Ok(text)
 }
 
-/// What an axle is asked for.
+/// Outputs of an axle.
 const AXLE_OUTPUTS: [&str; 8] = [
     "camber",
     "camber_to_road",
@@ -258,7 +258,7 @@ fn with_axle(text: &str) -> String {
                         c_factor = -52.0                 # length of rack along +y per turn of the steering wheel to the left; \
                         negative: behind the axle\n\n";
                 }
-                written += "[motion]                         # the grid of all is solved, on a plane ground\n\
+                written += "[motion]                         # every combination is solved, on a plane ground\n\
                     roll = { from = -3.0, to = 3.0, steps = 13 }   # degrees; positive: right wheel in jounce, as in a left turn\n\
                     heave = [-20.0, 0.0, 20.0]       # mean travel of both wheels\n";
                 if is_steered {
@@ -291,7 +291,7 @@ fn with_axle(text: &str) -> String {
     written
 }
 
-/// The text with the points of a part behind its hardpoints, in place of those of the same name, and one more output.
+/// Text with the points of a part after its hardpoints, replacing those of the same name, and with one more output.
 fn with_points(
     text: &str,
     points: Points,
@@ -340,7 +340,7 @@ mod tests {
     use crate::study::Study;
     use std::path::Path;
 
-    /// Each part alone, all together, and all together of one wheel, over the whole motion.
+    /// Each part, all parts together, and all parts of one wheel, over the whole motion.
     #[test]
     fn every_template_runs_with_every_part() {
         for topology in Topology::ALL {

@@ -17,10 +17,10 @@ use crate::tolerance::{Problem, monte_carlo};
 use std::ops::ControlFlow;
 use std::path::Path;
 
-/// The most free moves that are said; the page and `summary.json` have all.
+/// Largest number of printed free moves; the page and `summary.json` have all.
 const MOST_DIRECTIONS: usize = 2;
 
-/// Says what came of a tuning: misfit, targets, variables, constraints.
+/// Prints the result of a tuning: misfit, targets, variables, constraints.
 fn say_outcome(output: &Output, study: &Study, summary: &TuningSummary) -> Result<(), Stop> {
     output.say(&format!("{}: {}\n\n", study.name, summary.headline()))?;
     output.table_for_programs("misfit", || summary.misfit_table());
@@ -40,8 +40,8 @@ fn say_outcome(output: &Output, study: &Study, summary: &TuningSummary) -> Resul
     output.say_remarks(summary.remarks())
 }
 
-/// Says what the tuned design lacks, what the targets leave open, and how the starts ended. `refused` are the errors
-/// of the tuned study, if it is not one that can be read.
+/// Prints the faults of the tuned design, moves that leave the targets unchanged, and the ends of the starts.
+/// `refused` holds the errors of the tuned study, if it has any.
 fn say_openings(
     output: &Output,
     study: &Study,
@@ -50,7 +50,7 @@ fn say_openings(
 ) -> Result<(), Stop> {
     if let Some(errors) = refused {
         output.say(&format!(
-            "\nwarning: the tuned design is not one that other commands take:\n{}\n",
+            "\nwarning: other commands refuse the tuned design:\n{}\n",
             errors.render(false)
         ))?;
     }
@@ -58,13 +58,13 @@ fn say_openings(
     let unseen = summary.unseen();
     for combination in unseen.iter().take(MOST_DIRECTIONS) {
         output.say(&format!(
-            "\n  the targets cannot tell the tuned design from one moved by {combination} {unit}\n"
+            "\n  These moves together leave every target unchanged: {combination} {unit}\n"
         ))?;
     }
     if unseen.len() > MOST_DIRECTIONS {
         let more = unseen.len() - MOST_DIRECTIONS;
         output.say(&format!(
-            "\n  nor by {}, in summary.json\n",
+            "\n  and {}, in summary.json\n",
             counted(more, "more such move")
         ))?;
     }
@@ -84,7 +84,7 @@ pub(super) fn run(arguments: &OptimiseArguments) -> Result<Exit, Stop> {
     let path = &arguments.study.study;
     let study = Study::read(path, &arguments.study.set)?;
     let Some(optimise) = &study.optimise else {
-        let what = "what may move and what is wanted";
+        let what = "variables and targets";
         return Err(Stop::no_section(path, "optimise", what));
     };
     let pool = pool(arguments.threads, optimise.starts as u64)?;
@@ -205,7 +205,7 @@ fn keep(
     output.file("history.csv", &history_csv(&tuning.starts))
 }
 
-/// Of a robust tuning, what its builds keep to before and after: by Monte Carlo, as `hardpoint tolerance` has it.
+/// Yields of a robust tuning before and after, by Monte Carlo as in `hardpoint tolerance`.
 fn yields(study: &Study, optimise: &Optimise, tuned: Option<&Study>) -> Option<YieldRecord> {
     optimise.scatter.as_ref()?;
     let tolerance = study.tolerance.as_ref().filter(|t| !t.bands.is_empty())?;

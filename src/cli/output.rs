@@ -1,5 +1,5 @@
-//! Where a run's results go: a directory with a summary on standard output, or the main CSV on
-//! standard output with everything else on standard error.
+//! Destination of a run's results: a directory with a summary on standard output, or the main CSV on standard output
+//! with everything else on standard error.
 
 use super::exit::Stop;
 use super::interrupt;
@@ -14,8 +14,8 @@ use std::io::{self, Write};
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
-/// The study as it was run, with what `--set` changed and target curves from files in it: what is made of the
-/// results later needs no other file.
+/// Study of the run, including the changes of `--set` and target curves from files, so that later commands need no
+/// other file.
 pub(super) const STUDY_COPY: &str = "study.toml";
 
 /// The files of a solve.
@@ -56,24 +56,24 @@ const TOLERANCE_FILES: [&str; 9] = [
 pub(super) struct Output {
     directory: Option<RunDirectory>,
     format: Format,
-    /// What is printed at the end, where programs read it.
+    /// Tables for programs, printed at the end.
     tables: RefCell<Tables>,
 }
 
-/// What a command writes, and to where.
+/// Files of a command, and their destination.
 pub(super) struct Destination<'a> {
-    /// As in `--out`; `-` is standard output.
+    /// Value of `--out`; `-` is standard output.
     out: Option<&'a Path>,
-    /// Where it goes if that is not given.
+    /// Default destination.
     default: PathBuf,
-    /// As in `--force`.
+    /// Value of `--force`.
     force: bool,
-    /// How tables are printed.
+    /// Format of printed tables.
     format: Format,
 }
 
 impl<'a> Destination<'a> {
-    /// As arguments give it; results that go by this name go below `out` where they give none.
+    /// Destination from the arguments; the default is the folder of this name below `out`.
     pub(super) fn of(
         out: Option<&'a Path>,
         name: &str,
@@ -97,8 +97,7 @@ impl<'a> Destination<'a> {
         self.out.unwrap_or(&self.default)
     }
 
-    /// Whether a copy of the study has its place there: not where one of the run's own inputs stands under that
-    /// name.
+    /// Whether the directory can hold a copy of the study: no, if an input of the run has that name.
     pub(super) fn keeps_study(&self, inputs: &[PathBuf]) -> bool {
         let copy = self.path().join(STUDY_COPY).canonicalize().ok();
         let is_input = |path: &PathBuf| copy.is_some() && path.canonicalize().ok() == copy;
@@ -167,7 +166,7 @@ impl Output {
         Ok(output)
     }
 
-    /// Writes the study as it is run, where there is a directory.
+    /// Writes the study of the run, if there is a directory.
     pub(super) fn keep_study(&self, study: &Study) -> Result<(), Stop> {
         match &self.directory {
             Some(directory) => {
@@ -178,9 +177,8 @@ impl Output {
         }
     }
 
-    /// Opens a directory, or standard output for `-`. Where results of another state of the study are in
-    /// the way in the directory that nobody has asked for, they are moved aside; elsewhere the run is
-    /// refused.
+    /// Opens a directory, or standard output for `-`. If the default directory holds results of another version of
+    /// the study, it moves them aside. In other directories it refuses the run.
     pub(super) fn at(destination: &Destination<'_>, claim: Claim<'_>) -> Result<Self, Stop> {
         let format = destination.format;
         if destination.out == Some(Path::new("-")) {
@@ -270,8 +268,8 @@ impl Output {
         self.format == Format::Text
     }
 
-    /// Prints text of the summary. With another format than text only tables are printed, so that
-    /// standard output can be read by a program; the rest goes to standard error.
+    /// Prints text of the summary. In other formats than text, standard output has tables only, for programs, and the
+    /// rest goes to standard error.
     pub(super) fn say(&self, text: &str) -> Result<(), Stop> {
         if terminal::is_quiet() {
             return Ok(());
@@ -293,7 +291,7 @@ impl Output {
         }
     }
 
-    /// Says what was asked for and could not be had: an error, also where quiet was asked for.
+    /// Prints a request that could not be met. It is an error, so it is printed also with `--quiet`.
     pub(super) fn say_failure(&self, text: &str) -> Result<(), Stop> {
         match terminal::is_quiet() {
             true => terminal::eprint(text.trim_start_matches('\n')),
@@ -302,7 +300,7 @@ impl Output {
         Ok(())
     }
 
-    /// Says remarks, each set off by itself.
+    /// Prints remarks, separated by empty lines.
     pub(super) fn say_remarks(
         &self,
         remarks: impl IntoIterator<Item = impl std::fmt::Display>,
@@ -311,8 +309,7 @@ impl Output {
         remarks.try_for_each(|remark| self.say(&format!("\n{remark}\n")))
     }
 
-    /// Says remarks. Where something that was asked for could not be had, the warnings among them say what: also where
-    /// quiet was asked for.
+    /// Prints remarks. If a request could not be met, the warnings among them are printed also with `--quiet`.
     pub(super) fn say_plausibility(
         &self,
         remarks: impl IntoIterator<Item = String>,
@@ -337,7 +334,7 @@ impl Output {
         Ok(())
     }
 
-    /// Hands a table to programs; to readers it is said in words.
+    /// Passes a table to programs; readers get words instead.
     pub(super) fn table_for_programs(&self, name: &'static str, table: impl FnOnce() -> Table) {
         if !self.is_text() {
             self.tables.borrow_mut().push(name, table());
@@ -361,7 +358,7 @@ impl Output {
         }
     }
 
-    /// Records a run that has not done all of its work, and that a later one goes on with.
+    /// Records an unfinished run that a later one continues.
     pub(super) fn leave_unfinished(&self) -> Result<(), Stop> {
         match &self.directory {
             Some(directory) => directory.leave_unfinished().map_err(Stop::unwritten),
@@ -403,8 +400,8 @@ pub(super) fn inputs(study: &Study, path: &Path) -> Vec<PathBuf> {
     inputs
 }
 
-/// The rayon pool of a run that can be divided into so many pieces of work. More threads than cores, or
-/// than pieces, buy nothing but memory: they are not started, and that is said.
+/// Thread pool of a run with a given number of pieces of work. It has no more threads than cores or pieces, because
+/// more would only use memory, and it reports a smaller number.
 pub(super) fn pool(asked: Option<NonZeroUsize>, pieces: u64) -> Result<rayon::ThreadPool, Stop> {
     let cores = std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
     let useful = cores
@@ -413,7 +410,7 @@ pub(super) fn pool(asked: Option<NonZeroUsize>, pieces: u64) -> Result<rayon::Th
     let threads = asked.map_or(useful, |asked| asked.get().min(useful));
     if let Some(asked) = asked.filter(|asked| asked.get() > threads) {
         terminal::note(&format!(
-            "Runs on {threads} of the {asked} threads asked for: there are {} and {} of work.\n",
+            "Runs on {threads} of the {asked} requested threads: there are {} and {} of work.\n",
             counted(cores, "core"),
             counted(pieces, "piece")
         ));

@@ -1,5 +1,4 @@
-//! Standard output of a command that writes no files: prose and tables to a reader, or the tables alone to a
-//! program.
+//! Standard output of a command without files: text and tables for readers, or tables only for programs.
 
 use super::exit::Stop;
 use super::terminal;
@@ -19,7 +18,7 @@ impl Printer {
         }
     }
 
-    /// Prints prose to a reader, unless quiet was asked for.
+    /// Prints text for readers, except with `--quiet`.
     pub(super) fn say(&self, text: &str) -> Result<(), Stop> {
         match self.format == Format::Text && !terminal::is_quiet() {
             true => Ok(terminal::print(text)?),
@@ -27,7 +26,7 @@ impl Printer {
         }
     }
 
-    /// Prints a remark: to a reader, or beside the tables of a program, unless quiet was asked for.
+    /// Prints a remark for readers, also beside the tables for programs, except with `--quiet`.
     pub(super) fn remark(&self, text: &str) -> Result<(), Stop> {
         match self.format {
             Format::Text => self.say(text)?,
@@ -36,7 +35,7 @@ impl Printer {
         Ok(())
     }
 
-    /// Says what was asked for and could not be had: an error, also where quiet was asked for.
+    /// Prints a request that could not be met. This is an error, so it is printed also with `--quiet`.
     pub(super) fn failure(&self, text: &str) -> Result<(), Stop> {
         match terminal::is_quiet() {
             true => terminal::eprint(text.trim_matches('\n')),
@@ -45,7 +44,7 @@ impl Printer {
         Ok(())
     }
 
-    /// Prints a table, which is what was asked for; to a program at the end.
+    /// Prints a requested table; for programs at the end.
     pub(super) fn table(&mut self, name: &'static str, table: Table) -> Result<(), Stop> {
         match self.format {
             Format::Text => terminal::print(&table.text(terminal::width()))?,

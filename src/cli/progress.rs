@@ -4,7 +4,7 @@ use super::terminal;
 use indicatif::{ProgressBar, ProgressState, ProgressStyle};
 use std::fmt::Write;
 
-/// A line on standard error, shown only where that is a terminal that can be written over.
+/// Progress line on standard error, shown only on a terminal.
 pub(super) fn line(total: u64, unit: &str) -> ProgressBar {
     if terminal::is_quiet() || terminal::is_dumb() {
         return ProgressBar::hidden();

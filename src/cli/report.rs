@@ -40,7 +40,7 @@ pub(super) fn run(arguments: &ReportArguments) -> Result<Exit, Stop> {
     Ok(Exit::Done)
 }
 
-/// What a run is asked to show besides its results.
+/// Options for pages and pictures of a run.
 pub(super) struct ReportOptions {
     page: bool,
     plots: Option<PathBuf>,
@@ -48,7 +48,7 @@ pub(super) struct ReportOptions {
 }
 
 impl ReportOptions {
-    /// Finds out whether it can be written, before anything is; `record` is of the curves that are to be drawn.
+    /// Checks before the run whether the pictures can be written. `record` describes their curves.
     pub(super) fn open(
         arguments: &RunArguments,
         study: &Study,
@@ -58,7 +58,7 @@ impl ReportOptions {
         let to_stdout = arguments.out.as_deref() == Some(Path::new("-"));
         if to_stdout && (arguments.report || plots.is_some()) {
             return Err(Stop::wrong_input(
-                "--report and --plots are made of a run's directory; with --out - there is none",
+                "--report and --plots need a directory and do not work with --out -",
             ));
         }
         if let Some(plots) = plots {
@@ -67,7 +67,7 @@ impl ReportOptions {
             let (out, format) = (arguments.out.as_deref(), arguments.study.format);
             let results = Destination::of(out, &study.name, arguments.force, format)?;
             if is_same(plots, results.path()) {
-                // There what a run has drawn is a result of its own.
+                // There the pictures of a run are results of their own.
                 let drawn = Manifest::read(plots).unwrap_or_default();
                 names.retain(|name| drawn.author(name).is_none());
             }
@@ -122,7 +122,7 @@ fn write_page(page: &str, directory: &RunDirectory) -> Result<(), Stop> {
     written.map_err(Stop::unwritten)
 }
 
-/// What pictures want of their directory.
+/// Claim of the pictures on their directory.
 fn claim_of_pictures<'a>(names: &'a [&'a str], force: bool) -> Claim<'a> {
     Claim {
         command: "report --plots",
@@ -150,8 +150,7 @@ fn is_same(one: &Path, other: &Path) -> bool {
     one == other || (real(one).is_some() && real(one) == real(other))
 }
 
-/// Writes pictures of a run. They are redrawn in a moment, so that those of any other run are replaced;
-/// what is not a picture of ours is not.
+/// Writes pictures of a run. It replaces pictures of other runs, because they can be drawn again, but no other files.
 fn write_pictures(run: &Run, plots: &Path, force: bool) -> Result<Vec<String>, Stop> {
     let pictures = pictures(run);
     let names: Vec<&str> = pictures.iter().map(|p| p.name.as_str()).collect();

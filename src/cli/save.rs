@@ -4,19 +4,18 @@ use super::exit::Stop;
 use crate::results;
 use std::path::{Path, PathBuf};
 
-/// Writes a file, whole or not at all. A file that is there is replaced only by force, and one that the command has read
-/// never is.
+/// Writes a file, whole or not at all. It replaces an existing file only with `--force`, and never an input.
 pub(super) fn save(out: &Path, bytes: &[u8], force: bool, inputs: &[PathBuf]) -> Result<(), Stop> {
     if let Some(input) = inputs.iter().find(|input| are_one_file(input, out)) {
         return Err(Stop::wrong_input(format!(
-            "{} is {}, which was read: it is not replaced, not even with --force; give another file with --out",
+            "{} is {}, an input of this command: no command replaces its input, not even with --force; give another file with --out",
             out.display(),
             input.display()
         )));
     }
     if out.exists() && !force {
         return Err(Stop::wrong_input(format!(
-            "{} is there already; --force replaces it",
+            "{} exists already; --force replaces it",
             out.display()
         )));
     }
@@ -49,7 +48,7 @@ fn are_one_inode(_: &Path, _: &Path) -> bool {
 mod tests {
     use super::*;
 
-    /// The input under its own name, by another way, through a link and as a second name of the same data.
+    /// The input under its own name, by another path, through a link and as a hard link.
     #[test]
     fn a_file_that_was_read_is_never_replaced() {
         let directory = tempfile::tempdir().unwrap();

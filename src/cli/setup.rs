@@ -69,8 +69,7 @@ fn print(output: &Output, summary: &SetUpSummary) -> Result<(), Stop> {
         output.table("steps", &summary.steps_table())?;
     }
     let width = terminal::width();
-    output
-        .text_only("\nset up, in this order (amounts rounded to what a mechanic can make)\n\n")?;
+    output.text_only("\nInstructions, in this order (with rounded amounts)\n\n")?;
     output.text_only(&summary.instructions().text(width))?;
     output.text_only("\nstatic values after each step, with computed amounts\n")?;
     for table in summary.values_after_steps() {
@@ -103,14 +102,14 @@ fn print(output: &Output, summary: &SetUpSummary) -> Result<(), Stop> {
 /// Prints the effects of the adjustments.
 fn print_effects(output: &Output, summary: &SetUpSummary) -> Result<(), Stop> {
     if output.is_text() {
-        output.text_only("\nwhat each adjustment does\n\n")?;
+        output.text_only("\nEffect of each adjustment\n\n")?;
         output.text_only(&summary.effects_for_readers().text(terminal::width()))
     } else {
         output.table("effects", &summary.effects_table())
     }
 }
 
-/// Says why there is no set-up, and what each adjustment does to the design.
+/// Prints the reason why there is no set-up, and the effect of each adjustment.
 fn not_met(
     arguments: &RunArguments,
     study: &Study,

@@ -7,12 +7,12 @@ use clap::Args;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// What is served where.
+/// Arguments of the live page.
 #[derive(Args)]
 pub(super) struct StudioArguments {
     /// The study file (TOML)
     study: PathBuf,
-    /// Port on this machine [default: 7353, or another where that is taken]
+    /// Port on this machine [default: 7353, or any free port if it is in use]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     port: Option<u16>,
     /// Do not open a browser
@@ -32,7 +32,7 @@ pub(super) fn run(arguments: &StudioArguments) -> Result<Exit, Stop> {
     writeln!(out, "{address}")?;
     out.flush()?;
     terminal::note(
-        "The address is for you alone. Ctrl-C ends the server; what is not saved stays in the browser.\n",
+        "Keep this address private. Ctrl-C ends the server; unsaved changes stay in the browser.\n",
     );
     if !arguments.no_open
         && let Err(error) = open::that_detached(&address)

@@ -18,14 +18,14 @@ use std::ops::Range;
 use std::path::Path;
 use std::time::Duration;
 
-/// How long to wait before a part is looked at again that another process is at.
+/// Interval between two looks at a part that another process is computing.
 const WAIT: Duration = Duration::from_millis(200);
 
 pub(super) fn run(arguments: &SweepArguments) -> Result<Exit, Stop> {
     let path = &arguments.study.study;
     let study = Study::read(path, &arguments.study.set)?;
     let Some(sweep) = &study.sweep else {
-        let what = "which designs are looked at";
+        let what = "the designs to solve";
         return Err(Stop::no_section(path, "sweep", what));
     };
     let plan = SweepPlan::of(&study, sweep).map_err(|reason| match reason {
@@ -34,7 +34,7 @@ pub(super) fn run(arguments: &SweepArguments) -> Result<Exit, Stop> {
         NotBegun::TwoColumns(name) => Stop::in_file(
             path,
             format!(
-                "two columns of the results would be called {name}; give a variable another name"
+                "two columns of the results would have the name {name}; give a variable another name"
             ),
         ),
     })?;
@@ -51,8 +51,8 @@ pub(super) fn run(arguments: &SweepArguments) -> Result<Exit, Stop> {
     let left_out = left_out(&study);
     if !left_out.is_empty() {
         terminal::note(&format!(
-            "A sweep keeps values, and slopes in the design position: {} of [outputs] it leaves to \
-             `hardpoint solve` (`--design N` prints the study of a design).\n",
+            "A sweep ignores {} of [outputs]: it keeps values, and slopes in the design position. Use \
+             `hardpoint solve` for them (`--design N` prints the study of a design).\n",
             left_out.join(", ")
         ));
     }
@@ -111,20 +111,20 @@ pub(super) fn run(arguments: &SweepArguments) -> Result<Exit, Stop> {
     })
 }
 
-/// What only a directory has is refused where there is none.
+/// Refuses options that need a directory if there is none.
 fn needs_no_directory(arguments: &SweepArguments, format: FileFormat) -> Result<(), Stop> {
     let refused = [
         (
             arguments.resume,
-            "--resume goes on with the files of a directory; with --out - there are none",
+            "--resume continues the files of a directory and does not work with --out -",
         ),
         (
             arguments.report,
-            "--report is made of a run's directory; with --out - there is none",
+            "--report needs a directory and does not work with --out -",
         ),
         (
             arguments.shard.is_some(),
-            "--shard does parts of a directory; with --out - there is none",
+            "--shard needs a directory and does not work with --out -",
         ),
         (
             format == FileFormat::Parquet,
@@ -190,7 +190,7 @@ fn draw(
     )
 }
 
-/// What of the outputs a study asks for has no place in the results of a sweep.
+/// Requested outputs that a sweep does not compute.
 fn left_out(study: &Study) -> Vec<&'static str> {
     let outputs = &study.outputs;
     let of_axle = study.axle.as_ref().map(|both| &both.plan);
@@ -217,8 +217,8 @@ fn left_out(study: &Study) -> Vec<&'static str> {
         .collect()
 }
 
-/// Does parts until all of them are whole, or Ctrl-C; says whether they are. One that another process is at is
-/// waited for: if that dies, it is done here.
+/// Computes parts until all are complete or Ctrl-C stops it. Returns whether all are complete. It waits for a part of
+/// another process, and computes the part itself if that process dies.
 fn sweep_parts(
     plan: &SweepPlan<'_>,
     text: &SweepText,
@@ -266,7 +266,7 @@ fn sweep_parts(
     result
 }
 
-/// Writes the rows of all designs to standard output. Statistics are added up as those of parts are.
+/// Writes the rows of all designs to standard output. It adds up statistics in the same way as for parts.
 fn to_standard_output(
     plan: &SweepPlan<'_>,
     text: &SweepText,
@@ -298,7 +298,7 @@ fn to_standard_output(
     Ok(all)
 }
 
-/// Says what a shard has done of a sweep that is not whole yet.
+/// Prints the progress of a shard of an unfinished sweep.
 fn finish_shard(
     output: &Output,
     record: &SweepRecord,
@@ -314,7 +314,7 @@ fn finish_shard(
         _ => format!(", parts {} to {}", parts.start, parts.end - 1),
     };
     output.say(&format!(
-        "{}: shard {shard}/{shards}{what}; whole are {} of the sweep's {}\n",
+        "{}: shard {shard}/{shards}{what}; {} of the sweep's {} are complete\n",
         record.study,
         record.parts() - missing.len() as u64,
         match record.parts() {
@@ -331,7 +331,7 @@ fn finish_shard(
     Ok(Exit::of(own == 0))
 }
 
-/// Writes and says what a sweep, or as much of it as there is, came to.
+/// Writes and prints the results of a sweep, or of its finished parts.
 pub(super) fn finish(
     output: &Output,
     record: &SweepRecord,

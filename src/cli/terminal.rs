@@ -1,5 +1,5 @@
-//! What reaches the terminal: nothing it would obey, no line longer than it is wide, and nothing but errors
-//! and what was asked for where quiet was asked for.
+//! Output to the terminal. It contains no control sequences and no line wider than the terminal. With `--quiet` it
+//! contains errors and requested data only.
 
 use crate::report::{is_printable, printable, wrapped};
 use crate::study::StudyErrors;
@@ -8,12 +8,12 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 /// The width where standard output is no terminal.
 const PAPER: usize = 100;
-/// The least width that anything is fitted to.
+/// Smallest width to which output is fitted.
 const LEAST: usize = 40;
 
 static QUIET: AtomicBool = AtomicBool::new(false);
 
-/// Whether nothing but errors and asked-for data is said from now on.
+/// Switches `--quiet` on: from now on only errors and requested data are printed.
 pub(super) fn be_quiet(quiet: bool) {
     QUIET.store(quiet, Ordering::Relaxed);
 }
@@ -51,7 +51,7 @@ pub(super) fn eprint(text: &str) {
     let _ = io::stderr().write_all(printable(text).as_bytes());
 }
 
-/// Writes to standard error what is worth knowing, unless quiet was asked for.
+/// Prints a remark on standard error, except with `--quiet`.
 pub(super) fn note(text: &str) {
     if !is_quiet() {
         match terminal_size::terminal_size_of(io::stderr()) {
@@ -73,7 +73,7 @@ pub(super) fn eprint_study_errors(errors: &StudyErrors) {
     }
 }
 
-/// Writes what is wrong with the arguments, or the help that was asked for.
+/// Prints errors of the arguments, or the requested help.
 pub(super) fn print_usage(error: &clap::Error) {
     let plain = error.render().to_string();
     if is_printable(&plain) {

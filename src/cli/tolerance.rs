@@ -49,7 +49,7 @@ pub(super) fn run(arguments: &ToleranceArguments) -> Result<Exit, Stop> {
     let expansion = pool
         .install(|| Expansion::of(&problem))
         .map_err(|reason| not_aligned(&study, path, reason).after_its_input())?;
-    // Before the builds: afterwards an interrupted run only writes.
+    // Before the builds, because afterwards an interrupted run only writes.
     let forecast = Forecast::of(&problem, &expansion, &drawn);
     let builds = pool
         .install(|| with_progress(&problem, tolerance, &drawn))
@@ -84,18 +84,20 @@ pub(super) fn run(arguments: &ToleranceArguments) -> Result<Exit, Stop> {
     output.say(&format!("{}: {}\n\n", study.name, summary.headline()))?;
     output.table("values", &summary.values_table())?;
     if summary.bands.is_empty() {
-        output.text_only("\nshares of the builds' variance in the drawn position: of first order, and what that leaves\n\n")?;
+        output.text_only("\nShares of the builds' variance in the design position: first-order shares and the remainder\n\n")?;
         output.table("shares", &summary.shares_table(&contributors))?;
     } else {
         output.text_only("\n")?;
         output.table("bands", &summary.bands_table())?;
-        output.text_only("\nwhat to hold tighter, what may be looser\n\n")?;
+        output.text_only(
+            "\nContributors, by the yield for half and twice the tolerance of each\n\n",
+        )?;
         output.table("ranking", &summary.ranking_table())?;
     }
     output.say_remarks(summary.failures())?;
     if interrupted {
         output.say_failure(&format!(
-            "\ninterrupted: these are {} of the {} builds asked for\n",
+            "\ninterrupted: {} of the {} requested builds are done\n",
             builds.builds, tolerance.builds
         ))?;
     }
@@ -106,10 +108,10 @@ pub(super) fn run(arguments: &ToleranceArguments) -> Result<Exit, Stop> {
     })
 }
 
-/// How the parts of a study scatter.
+/// Scatter of the parts of a study.
 pub(super) fn scatter<'s>(study: &'s Study, path: &Path) -> Result<&'s Tolerance, Stop> {
     let tolerance = study.tolerance.as_ref();
-    tolerance.ok_or_else(|| Stop::no_section(path, "tolerance", "how parts scatter"))
+    tolerance.ok_or_else(|| Stop::no_section(path, "tolerance", "the scatter of the parts"))
 }
 
 /// A study's tolerances, made ready.
@@ -127,7 +129,7 @@ fn not_aligned(study: &Study, path: &Path, reason: NoSetUp) -> Stop {
         NoSetUp::Reject(reject) => Stop::in_file(path, reject),
         NoSetUp::Unsettled | NoSetUp::OutOfReach(_) | NoSetUp::Absurd { .. } => Stop::in_file(
             path,
-            "aligned = true, but what [setup] adjusts does not move toe and camber one by one",
+            "aligned = true, but the adjustments of [setup] do not move toe and camber independently",
         ),
     }
 }
@@ -142,7 +144,7 @@ fn print_build(problem: &Problem, number: u64) -> Result<Exit, Stop> {
                 false => "as assembled",
             };
             let text = format!(
-                "# Build {number} of {} (seed {seed}, {aligned}): the design that its parts make at rest.\n{}",
+                "# Build {number} of {} (seed {seed}, {aligned}): the design of its parts at rest.\n{}",
                 study.name,
                 match &built[..] {
                     [left, right] => study.with_built_axle([left, right]),
@@ -181,7 +183,7 @@ fn with_progress(
     found
 }
 
-/// The study as its curves are drawn: of what builds are looked at for, in the drawing.
+/// Study for the curves of the nominal design, with the quantities of the bands.
 fn curves_alone(study: &Study) -> Study {
     let mut plain = study.clone();
     plain.formulation = crate::study::Formulation::KnucklePose;
@@ -192,8 +194,8 @@ fn curves_alone(study: &Study) -> Study {
     plain
 }
 
-/// Writes the curves of the drawing and of percentiles of builds, each at every station by itself, with what a page needs; the
-/// files that makes.
+/// Writes the curves of the nominal design and of the percentiles at each station, with the data of the page. Returns
+/// the names of the files.
 fn fans(
     output: &Output,
     path: &Path,
@@ -211,7 +213,7 @@ fn fans(
         (name, file, found)
     });
     let fans = fans.iter().map(|(name, file, found)| (*name, *file, found));
-    // What matters most is the last.
+    // The last output is the most important one.
     let designs: Vec<_> = fans.chain([("drawn", "curves.csv", &drawn)]).collect();
     let mut files = Vec::new();
     for (_, file, curves) in &designs {

@@ -1,5 +1,5 @@
-//! What a page shows beside the curves: the mechanism along its motion, which coordinate moves what, and some
-//! designs of a sweep. It is solved here, from a study; `report` draws what it is given.
+//! Drawings of a page: the mechanism along its motion, the effect of each coordinate, and some designs of a sweep.
+//! This module solves them from a study; `report` draws them.
 
 mod sweep;
 

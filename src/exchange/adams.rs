@@ -20,7 +20,7 @@
 use crate::model::LengthUnit;
 use crate::report::shortest;
 
-/// Which wheel a row is about.
+/// Wheel of a row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Symmetry {
     /// The left one, and the right one as its mirror image.
@@ -53,7 +53,7 @@ impl Symmetry {
 pub(super) struct SubsystemPoint {
     /// Its name, without padding.
     pub name: String,
-    /// Which wheel the point belongs to.
+    /// Wheel of the point.
     pub symmetry: Symmetry,
     /// x rearward, y right, z up, in the file's unit.
     pub position: [f64; 3],
@@ -66,7 +66,7 @@ pub(super) struct SubsystemPoint {
 pub(super) struct SubsystemParameter {
     /// Its name, without padding.
     pub name: String,
-    /// Which wheel the parameter belongs to.
+    /// Wheel of the parameter.
     pub symmetry: Symmetry,
     /// Its value, in the file's unit.
     pub value: f64,
@@ -295,7 +295,7 @@ fn fields(line: &str) -> Vec<Field<'_>> {
 pub(super) struct Rewritten {
     /// Its text; all but the coordinates is as it was.
     pub text: String,
-    /// How many rows were changed.
+    /// Number of changed rows.
     pub rows: usize,
 }
 

@@ -222,7 +222,7 @@ impl File<'_> {
         for key in RATES {
             if self.entry(name, key).is_some() {
                 let why = match *key {
-                    "TOE_OUT" => "a length by which the steering rod moves, no angle of toe",
+                    "TOE_OUT" => "a displacement of the steering rod, not a toe angle",
                     _ => "a rate or a length at the wheel, for which there is no hardpoint",
                 };
                 table.left_out.push(format!("[{name}] {key}: {why}"));

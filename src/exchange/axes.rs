@@ -79,7 +79,7 @@ impl Way {
 pub struct Axes(pub(super) [Way; 3]);
 
 impl Axes {
-    /// The axes of these ways, if one runs along each axis of the car.
+    /// Axes with these directions, if one runs along each axis of the car.
     pub(super) fn new(ways: [Way; 3]) -> Option<Self> {
         let mut axes = ways.map(Way::axis);
         axes.sort_unstable();
@@ -158,7 +158,7 @@ impl fmt::Display for Axes {
     }
 }
 
-/// What a file says of one coordinate.
+/// Direction of one coordinate, as the file states it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) enum Coordinate {
     /// Nothing.
@@ -166,7 +166,7 @@ pub(super) enum Coordinate {
     Unknown,
     /// Its axis in ISO 8855 ("lateral"), not its sign.
     Along(usize),
-    /// Its way.
+    /// Its direction.
     Grows(Way),
 }
 
@@ -185,7 +185,7 @@ impl Coordinate {
     }
 }
 
-/// What a file says of its axes.
+/// Directions of the axes, as the file states them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Declared(pub(super) [Coordinate; 3]);
 
@@ -201,8 +201,8 @@ impl Declared {
         for (k, coordinate) in both.0.iter_mut().enumerate() {
             *coordinate = coordinate.and(other.0[k]).ok_or_else(|| {
                 format!(
-                    "{place}: the axes are others than those said before; say with --axes which way x, y and z \
-                     point, as in --axes forward,left,up"
+                    "{place}: the axes differ from those above; give the directions of x, y and z with --axes, \
+                     as in --axes forward,left,up"
                 )
             })?;
         }
@@ -234,7 +234,7 @@ impl Declared {
         self == Declared::default()
     }
 
-    /// What a line of text says of axes: "SAE axes", "x forward, y left, z up".
+    /// Directions of axes in a line of text: "SAE axes", "x forward, y left, z up".
     pub(super) fn in_text(text: &str) -> Declared {
         let words = super::names::cut(text);
         let has = |wanted: &str| words.iter().any(|word| word == wanted);
@@ -281,7 +281,7 @@ impl Declared {
     }
 }
 
-/// The ways of a reading of the points, for a wheel of this side.
+/// Directions of a reading of the points, for a wheel of this side.
 pub(super) fn of_reading(reading: &crate::report::Reading, side: Side) -> Axes {
     let mut ways = [Way::Forward; 3];
     let (along, forward) = reading.forward;

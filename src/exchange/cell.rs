@@ -1,4 +1,4 @@
-//! Cells of a table, whatever file it came from.
+//! Cells of a table of any file format.
 
 use std::collections::BTreeMap;
 
@@ -9,16 +9,16 @@ pub(super) enum Cell {
     Number(f64),
     /// A text; of a file of text, also one that may be a number.
     Text(String),
-    /// Something that has no value here, and what it is: "the error #REF!".
+    /// A cell without a usable value, with its description: "the error #REF!".
     Unusable(String),
 }
 
-/// How places of a table are called.
+/// Names of places in a table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Places {
-    /// By line and column, counted from 1.
+    /// Line and column, counted from 1.
     Lines,
-    /// As spreadsheets do: B3.
+    /// Cell names of spreadsheets: B3.
     Spreadsheet,
 }
 
@@ -29,7 +29,7 @@ pub(super) struct Sheet {
     pub name: String,
     /// The cells that hold something.
     pub cells: BTreeMap<(u32, u32), Cell>,
-    /// How its places are called.
+    /// Names of its places.
     pub places: Places,
 }
 

@@ -24,7 +24,7 @@ pub fn drawing(outgoing: &Outgoing<'_>) -> Vec<u8> {
     drawing.file(outgoing).into_bytes()
 }
 
-/// What the axes of a convention point to.
+/// Directions of the axes of a convention.
 pub(super) fn axes(convention: FrameConvention) -> &'static str {
     match convention {
         FrameConvention::Iso8855 => "x forward, y left, z up",
@@ -108,7 +108,7 @@ impl Drawing {
         let said = format!("unit {unit}; frame {name}: {axes}");
         let height = outgoing.unit.convert(6.0, LengthUnit::Millimetre);
         self.text("UNIT_AND_FRAME", &said, [0.0; 3], height);
-        // Of the header, all but the unit is of release 12; readers that do not know it pass over it.
+        // All of the header except the unit is of release 12; readers that do not know the unit skip it.
         let code = match outgoing.unit {
             LengthUnit::Inch => 1,
             LengthUnit::Millimetre => 4,

@@ -155,7 +155,7 @@ pub(super) fn points_of(root: &Node) -> Result<Option<PointTable>, String> {
     Ok(Some(table))
 }
 
-/// Templates without a counterpart, with what comes nearest.
+/// Templates without a topology here, with the nearest one.
 fn refusal(template: &str) -> String {
     let nearest = match template {
         "SolidAxle"

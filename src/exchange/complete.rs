@@ -82,7 +82,7 @@ pub(super) fn drop_incomplete(
         ];
         hardpoints.retain(|h| !bar.contains(&h.name));
     }
-    // What the user names is wanted.
+    // The user wants a named point.
     let lost = before.iter().find(|was| {
         options.names.contains_key(was.name) && !hardpoints.iter().any(|h| h.name == was.name)
     });

@@ -1,4 +1,4 @@
-//! The study of an imported wheel: a text that runs as it is.
+//! Text of the study of an imported wheel; it runs.
 
 use super::import::Imported;
 use super::seats::Seat;
@@ -9,7 +9,7 @@ use crate::study::Study;
 use std::fmt::Write;
 use std::path::Path;
 
-/// The characteristics that the study asks for, as far as the points suffice for them.
+/// Characteristics of the study, as far as its points suffice.
 const OUTPUTS: [Characteristic; 8] = [
     Characteristic::Camber,
     Characteristic::Toe,
@@ -34,7 +34,7 @@ impl Imported {
     pub fn study(&self, name: &str, origin: &str) -> Result<String, String> {
         let read = |text: &str| Study::from_text(name, text, Path::new(""));
         let with = |travel: f64, outputs: &[Characteristic]| self.text(origin, travel, outputs);
-        // Whatever is wrong with the points is said once, not for each output.
+        // Report a fault of the points once, not for each output.
         read(&with(TRAVELS[0], &[])).map_err(|errors| errors.render(false))?;
         let available: Vec<Characteristic> = OUTPUTS
             .into_iter()

@@ -97,7 +97,7 @@ fn axle(
             Some(*only)
         }
         (None, _) => {
-            // Names that the user gave may settle it.
+            // Names from the user can settle it.
             let mapped = named
                 .iter()
                 .filter(|named| options.names.contains_key(named.role.hardpoint));
@@ -111,7 +111,7 @@ fn axle(
                 }
                 _ => {
                     return Err(Question::of(
-                        "the file has points of the front and of the rear axle, and a study is of one"
+                        "the file has points of the front and of the rear axle, and a study describes one"
                             .to_owned(),
                         "--axle",
                         &["front", "rear"],
@@ -152,7 +152,7 @@ pub(super) fn pick(
     named: &[Named<'_>],
     corner: Corner,
 ) -> Result<Option<Picked>, Refusal> {
-    // Points of the axle first, then those of no axle; points of the other one never.
+    // Points of the axle first, then points without an axle; never points of the other axle.
     let of_axle = |axle: Option<AxlePosition>| -> Vec<&Named<'_>> {
         let of = named.iter().filter(|n| n.role.hardpoint == hardpoint);
         of.filter(|n| corner.axle.is_none() || n.marks().axle == axle)
@@ -162,7 +162,7 @@ pub(super) fn pick(
     if candidates.is_empty() {
         candidates = of_axle(None);
     }
-    // Closest to the wheel first: its own rows, those for both, those without a side, and at last the other's.
+    // Order of preference: the wheel's own rows, rows for both wheels, rows without a side, rows of the other wheel.
     let rank = |named: &Named<'_>| match (named.marks().side, named.point.mirrored) {
         (Some(side), false) if Some(side) == corner.side => 0,
         (_, true) => 1,

@@ -53,10 +53,10 @@ fn in_power(number: f64, power: i32, from: LengthUnit, to: LengthUnit) -> f64 {
     }
 }
 
-/// Words that units are made of, beside those of length.
+/// Words of units other than lengths.
 const UNIT_WORDS: [&str; 7] = ["deg", "percent", "N", "per", "rad", "s", "Hz"];
 
-/// Where the unit begins in the name of a column, with the sign before it.
+/// Start of the unit in a column name, including the sign before it.
 fn unit_start(name: &str) -> usize {
     let is_unit = |word: &str| {
         let word = word.trim_end_matches(|c: char| c.is_ascii_digit());
@@ -163,7 +163,7 @@ pub enum Tool {
 /// A characteristic under the name of another tool: ours, its own, and -1 where its sign is the opposite.
 type Named = (&'static str, &'static str, f64);
 
-/// Published definitions that are those of our characteristics; `docs/exchange.md` names the source of each.
+/// Published definitions that equal our characteristics; `docs/exchange.md` names the source of each.
 const ADAMS: &[Named] = &[
     ("camber", "camber_angle", 1.0),
     ("toe", "toe_angle", 1.0),
@@ -198,8 +198,8 @@ impl Tool {
     }
 }
 
-/// Curves under another tool's names and signs: columns of the motion first, as they are, then those that the tool has
-/// the same definition of. With the names of those that it has not.
+/// Curves under another tool's names and signs: columns of the motion unchanged, then the columns with the same
+/// definition. Returns also the names of the others.
 pub fn under_names_of(tool: Tool, outgoing: &Outgoing<'_>, page: &Page) -> (Page, Vec<String>) {
     let header = page.rows.first().cloned().unwrap_or_default();
     let (_, own) = outgoing.study.suspension.frame.meaning();
@@ -243,7 +243,7 @@ pub fn under_names_of(tool: Tool, outgoing: &Outgoing<'_>, page: &Page) -> (Page
     (Page { name, rows }, left_out)
 }
 
-/// Whether a column says where the mechanism stands, or how it came out.
+/// Whether a column holds a station or its status.
 fn is_motion(stem: &str) -> bool {
     const MOTION: &str = "travel arm_angle theta time rack roll heave travel_left travel_right \
                           steering_wheel_angle side frame status";

@@ -3,7 +3,7 @@
 use super::cell::{Cell, Sheet};
 use super::header::{Columns, text};
 
-/// How a table writes decimals.
+/// Decimal notation of a table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Decimals {
     comma: bool,
@@ -12,8 +12,8 @@ pub(super) struct Decimals {
 }
 
 impl Decimals {
-    /// As the coordinates of a table are written. Where 1,250 may be as well a thousand as one and a
-    /// quarter, the table is refused.
+    /// Decimal notation of a table's coordinates. Refuses a table in which 1,250 may be a thousand or one and a
+    /// quarter.
     pub(super) fn of(sheet: &Sheet, columns: &Columns) -> Result<Self, String> {
         let places = || columns.triples.iter().flat_map(|triple| triple.columns);
         let texts = || {

@@ -2,7 +2,7 @@
 
 use super::cell::{Cell, Places, Sheet};
 
-/// Reads a table. The separator is the one of comma, semicolon and tab that parts the most lines.
+/// Reads a table. The separator is the comma, semicolon or tab that splits the most lines.
 pub(super) fn read(text: &str) -> Result<Sheet, String> {
     let text = text.trim_start_matches('\u{feff}');
     let mut sheet = Sheet::new("", Places::Lines);
@@ -22,7 +22,7 @@ pub(super) fn read(text: &str) -> Result<Sheet, String> {
     for record in reader.into_records() {
         let record = record.map_err(|error| error.to_string())?;
         let start = record.position().map_or(0, |p| p.byte() as usize);
-        // Rows follow each other, however lines end.
+        // Rows can end in any line break.
         let row = lines.of(start).max(next);
         next = row + 1;
         for (column, text) in record.iter().enumerate() {
@@ -38,7 +38,7 @@ pub(super) fn read(text: &str) -> Result<Sheet, String> {
     }
 }
 
-/// The lines of a text, asked for in order.
+/// Line numbers of a text, for rising positions.
 struct Lines<'a> {
     text: &'a str,
     at: usize,
@@ -67,8 +67,8 @@ impl Lines<'_> {
     }
 }
 
-/// A decimal comma never stands beside a comma that separates, so semicolon and tab go first where
-/// they part the lines at all.
+/// A table with decimal commas is not separated by commas. So semicolon and tab have priority if they split the lines
+/// at all.
 fn separator(text: &str) -> u8 {
     let lines = || {
         text.lines()

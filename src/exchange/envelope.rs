@@ -15,7 +15,7 @@ use std::f64::consts::PI;
 /// Corners of a ring.
 const CORNERS: usize = 96;
 
-/// The cylinder that stands for a tyre, in the file's unit.
+/// Cylinder of a tyre, in the file's unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tyre {
     /// Radius.
@@ -70,7 +70,7 @@ impl Envelope {
     ) -> Result<Self, String> {
         let points = &outgoing.study.suspension.mechanism.points;
         if rack.ends != [0.0; 2] && !points.iter().any(|point| point.body == Body::Rack) {
-            return Err("--rack: no point of this suspension is on the rack".to_owned());
+            return Err("--rack: this suspension has no point on the rack".to_owned());
         }
         let mut envelope = Envelope {
             solids: Vec::new(),
@@ -102,8 +102,8 @@ impl Envelope {
         Ok(envelope)
     }
 
-    /// Bound on how far a point of the tyre may be outside of all solids at poses between them: the way to the nearest of
-    /// them, half of a step along travel and half of one along the rack.
+    /// Bound on the distance of a tyre point outside of all solids at poses between them: half of a step along travel
+    /// plus half of a step along the rack.
     pub fn gap(&self) -> f64 {
         0.5 * (self.widest_steps[0] + self.widest_steps[1])
     }

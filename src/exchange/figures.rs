@@ -81,7 +81,7 @@ pub(super) fn read(
         if let Some((_, other, at)) = given.iter().find(|(known, ..)| *known == kind)
             && *other != value
         {
-            // Its own wheel's figure goes before one without a side.
+            // The figure of its own wheel has priority over a figure without a side.
             if at.marks.side.is_some() && marks.side.is_none() {
                 continue;
             }

@@ -25,7 +25,7 @@ pub(super) struct Columns {
     pub frame: Option<u32>,
 }
 
-/// A header with what it says of unit and axes.
+/// A header with the unit and the axes that it states.
 pub(super) struct Header {
     pub columns: Columns,
     pub unit: Option<LengthUnit>,
@@ -34,7 +34,7 @@ pub(super) struct Header {
 
 /// A coordinate's column, by its own header.
 struct Coordinates {
-    /// Its letter: 0 is x; `None` where words alone name it.
+    /// Letter of the axis, 0 for x; `None` if the header has only words.
     letter: Option<usize>,
     side: Option<Side>,
     unit: Option<LengthUnit>,
@@ -72,7 +72,7 @@ pub(super) fn header(
             found.push((column, header));
         }
     }
-    // Words alone make a header where they name all three axes.
+    // A header of words only must name all three axes.
     if found.iter().any(|(_, header)| header.letter.is_some()) {
         found.retain(|(_, header)| header.letter.is_some());
     }
@@ -93,7 +93,7 @@ pub(super) fn header(
             unit = unit.or(header.unit);
         }
         declared = declared.and(said, &sheet.row_place(row))?;
-        // A title across the three columns stands above the first, or on all of them.
+        // A title across three columns is in the first cell or in all of them.
         let [x, y, z] = columns;
         let title = above.and_then(|above| sheet.cell(above, x.min(y).min(z)));
         let title = title.and_then(text).map(cut).unwrap_or_default();
@@ -121,7 +121,7 @@ pub(super) fn header(
     }))
 }
 
-/// The side that all three headers name; of one alone it is the way of that coordinate.
+/// Side that all three headers name. A side in one header only is the direction of that coordinate.
 fn side_of_all(three: &[(u32, Coordinates)]) -> Option<Side> {
     let first = three.first()?.1.side?;
     three
@@ -130,7 +130,7 @@ fn side_of_all(three: &[(u32, Coordinates)]) -> Option<Side> {
         .then_some(first)
 }
 
-/// The columns of x, y and z, and what their headers say of the axes.
+/// Columns of x, y and z, and the axes that their headers state.
 fn coordinates(three: &[(u32, Coordinates)]) -> Option<([u32; 3], Declared)> {
     let mut columns = [None; 3];
     let mut declared = Declared::default();

@@ -15,7 +15,7 @@ use super::{optimum, unit};
 use crate::model::{AxlePosition, FrameConvention, LengthUnit, Side, Topology};
 use std::collections::BTreeMap;
 
-/// What the user has said about a file.
+/// The user's options for a file.
 #[derive(Clone, Copy)]
 pub struct ImportOptions<'a> {
     /// The kind of suspension.
@@ -24,7 +24,7 @@ pub struct ImportOptions<'a> {
     pub unit: Option<LengthUnit>,
     /// The axes, as a convention.
     pub frame: Option<FrameConvention>,
-    /// The axes, as the ways of x, y and z.
+    /// Directions of x, y and z.
     pub axes: Option<Axes>,
     /// The wheel.
     pub side: Option<Side>,
@@ -62,7 +62,7 @@ pub struct Imported {
     pub topology: &'static Topology,
     /// Its hardpoints, in the topology's order.
     pub hardpoints: Vec<Hardpoint>,
-    /// Which wheel it is.
+    /// The wheel.
     pub side: Side,
     /// Its axes.
     pub frame: FrameConvention,
@@ -82,7 +82,7 @@ pub struct Imported {
     pub axle: Option<AxlePosition>,
     /// Bodies of ends of springs and rods.
     pub(super) seats: Vec<Seat>,
-    /// Notes on what was read, guessed and assumed.
+    /// Notes on readings, guesses and assumptions.
     pub notes: Vec<String>,
     /// Parts of the file that are not used, each with its reason.
     pub left_out: Vec<String>,
@@ -236,7 +236,7 @@ struct Unused<'a> {
 }
 
 impl Unused<'_> {
-    /// Names what is not used, with the reason.
+    /// Lists unused points with the reason.
     fn say(&self, hardpoints: &[Hardpoint], notes: &mut Vec<String>, left_out: &mut Vec<String>) {
         let (table, topology) = (self.table, self.options.topology);
         let meanings = meanings(self.roles);
@@ -248,7 +248,7 @@ impl Unused<'_> {
                 other.name
             ));
         }
-        // Points of a group that is left out have their reason already; the other axle is said by name.
+        // Points of a group that is left out have their reason already; the other axle is named.
         let is_explained = |name: &str| {
             let at = table.points.iter().position(|point| point.name == name);
             at.is_some_and(|at| {

@@ -18,7 +18,7 @@ use std::fmt;
 /// The most points of a file, as of a table.
 const MOST_POINTS: usize = 50_000;
 
-/// A value with its keys as they stand there, repeated ones too.
+/// A value with its keys as written, including repeated keys.
 #[derive(Debug, PartialEq)]
 pub(super) enum Node {
     Number(f64),
@@ -299,7 +299,7 @@ fn in_words(text: &str) -> Declared {
     Declared::in_text(&format!("axes: {text}"))
 }
 
-/// The place of an entry: the keys on the way to it.
+/// Place of an entry: the keys that lead to it.
 pub(super) fn place(keys: &[&str]) -> String {
     match keys {
         [] => "the outermost list".to_owned(),
@@ -307,7 +307,7 @@ pub(super) fn place(keys: &[&str]) -> String {
     }
 }
 
-/// Three numbers, as a list or under x, y and z alone.
+/// Three numbers, as a list or as x, y and z only.
 pub(super) fn position(node: &Node) -> Option<[f64; 3]> {
     match node {
         Node::List(nodes) => match nodes[..] {

@@ -11,7 +11,7 @@ use crate::model::{AxlePosition, Side, Topology};
 /// A name longer than this is none.
 const LONGEST: usize = 300;
 
-/// Words of names, and what they stand for; nothing where they add nothing.
+/// Words of names and their meanings; empty for words without meaning.
 const SPELT: &[(&str, &str)] = &[
     ("lca lwishbone", "lower arm"),
     ("uca uwishbone", "upper arm"),
@@ -280,7 +280,7 @@ impl Words {
         self.words.is_empty() && self.unknown == 0
     }
 
-    /// How often front or rear is said.
+    /// Number of words for front or rear.
     pub(super) fn ends(&self) -> usize {
         self.words.iter().filter(|w| end_of(w).is_some()).count()
     }

@@ -153,7 +153,7 @@ impl Table<'_> {
         }
     }
 
-    /// The bar, if its axis is one that a single point across the car gives.
+    /// The bar, if a single point across the car gives its axis.
     fn bar(&mut self) {
         let [Some(inner), Some(outer)] =
             ["anti_roll_bar_inner", "anti_roll_bar_outer"].map(|name| self.point(name))
@@ -235,7 +235,7 @@ impl Table<'_> {
         Ok(())
     }
 
-    /// The parts that rod and drop link are mounted on.
+    /// Parts that carry rod and drop link.
     fn attachments(&mut self) {
         let mechanism = &self.outgoing.study.suspension.mechanism;
         let is_written = |name: &str| self.written.iter().any(|known| known == name);
@@ -270,7 +270,7 @@ impl Table<'_> {
         let absent: Vec<String> = names.filter(|name| !self.written.contains(name)).collect();
         if !absent.is_empty() {
             self.notes.push(format!(
-                "left out, without a place in the file: {}",
+                "left out, because the file cannot hold it: {}",
                 absent.join(", ")
             ));
         }

@@ -1,4 +1,4 @@
-//! A study's wheels as they go out: points in the unit and the axes of the receiver.
+//! Wheels of a study for an export: points in the unit and the axes of the receiver.
 
 use super::rounding::Rounded;
 use crate::model::{Axis, Frame, FrameConvention, LengthUnit, PointId, Side, SpinAxis, Suspension};
@@ -22,8 +22,7 @@ pub struct Outgoing<'s> {
 }
 
 impl<'s> Outgoing<'s> {
-    /// The study in a unit and axes; those of the study where none are given. A coordinate keeps its bits where the
-    /// unit stays.
+    /// Study in a unit and axes, by default its own. A coordinate keeps its bits if the unit stays.
     pub fn of(
         study: &'s Study,
         unit: Option<LengthUnit>,
@@ -45,7 +44,7 @@ impl<'s> Outgoing<'s> {
         }
     }
 
-    /// The study with the coordinates that rounding has given it, exactly as they are in the grid's unit.
+    /// Study with the rounded coordinates, exact in the unit of the grid.
     pub fn rounded(
         study: &'s Study,
         rounded: &Rounded,
@@ -113,7 +112,7 @@ impl<'s> Outgoing<'s> {
         self.in_axes(side, self.place(side, id))
     }
 
-    /// A place or a direction in the kernel's frame of a side as the file has it.
+    /// Position or direction of the kernel's frame of a side, in the axes of the file.
     pub fn in_axes(&self, side: Side, place: Vector3<f64>) -> [f64; 3] {
         self.frame(side).vector(place).to_array().map(|x| x + 0.0)
     }
@@ -152,7 +151,7 @@ impl<'s> Outgoing<'s> {
         }
     }
 
-    /// Static camber and toe in degrees, toe-in positive: as the study writes them, or those of the spin axis.
+    /// Static camber and toe in degrees, toe-in positive: from the study's text, or of the spin axis.
     pub fn static_angles(&self, side: Side) -> [f64; 2] {
         let suspension = self.suspension(side);
         let written = match suspension.mechanism.spin_axis {
@@ -166,7 +165,7 @@ impl<'s> Outgoing<'s> {
         })
     }
 
-    /// The angles that stand in the study's text; one that is not given is 0, or the left wheel's.
+    /// Angles in the study's text; a missing angle is 0, or that of the left wheel.
     fn written_angles(&self, side: Side) -> Option<[f64; 2]> {
         let document = Document::parse(self.study.text.as_str()).ok()?;
         let wheel = document.get("wheel");

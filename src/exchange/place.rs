@@ -22,11 +22,11 @@ use crate::report::{Directions, Verdict};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Placed {
     pub axes: Axes,
-    /// The wheel that the points which the axes were read from are of.
+    /// Wheel of the points that show the axes.
     pub side: Side,
 }
 
-/// The wheel that the evidence is of, and its points: those of one wheel only.
+/// Wheel of the evidence, with its points only.
 fn evidence(picked: &[Picked], wanted: Option<Side>) -> (Option<Side>, Vec<(&str, [f64; 3])>) {
     let has = |side: Side| picked.iter().any(|p| p.origin == Some(side));
     let origin = match wanted {
@@ -69,7 +69,7 @@ fn said(
 ) -> Result<Placed, Refusal> {
     if !axes.is_right_handed() && options.axes.is_none() {
         return Err(left_handed(
-            format!("the file says that x, y and z point {axes}, which is left-handed"),
+            format!("the axes of the file ({axes}) are left-handed"),
             vec![("--axes", axes.to_string())],
         ));
     }
@@ -125,7 +125,7 @@ fn said(
     Ok(placed)
 }
 
-/// Axes that the points show, as far as the file does not say them.
+/// Axes from the points, if the file does not state them.
 fn found(
     table: &PointTable,
     side: Option<Side>,
@@ -139,8 +139,7 @@ fn found(
         Verdict::Clear(reading) => reading,
         Verdict::Unclear(best) => {
             return Err(open_axes(
-                "which way x, y and z point is neither said in the file nor clear from its points"
-                    .to_owned(),
+                "neither the file nor its points show the directions of x, y and z".to_owned(),
                 of_reading(&best, wheel),
             ));
         }
@@ -190,7 +189,7 @@ fn found(
         ));
     }
     let assumed = if side.is_none() {
-        ", left assumed, since the file says no side"
+        ", left assumed, because the file states no side"
     } else {
         ""
     };
@@ -229,7 +228,7 @@ fn open_axes(reason: String, likely: Axes) -> Refusal {
     })
 }
 
-/// Mirrors the points that are of the other wheel than the wanted one, across the car.
+/// Mirrors points of the other wheel across the car.
 pub(super) fn mirror(
     placed: &mut Placed,
     wanted: Option<Side>,
@@ -240,7 +239,7 @@ pub(super) fn mirror(
     let (across, _) = placed.axes.across();
     let mut names = Vec::new();
     for point in picked.iter_mut() {
-        // A point without a side is of the wheel that the axes were read from.
+        // A point without a side belongs to the wheel of the axes.
         if point.origin.unwrap_or(placed.side) == wheel {
             continue;
         }

@@ -44,9 +44,7 @@ pub(super) fn read(sheet: &Sheet) -> Result<Option<PointTable>, String> {
     let decimals = Decimals::of(sheet, &first)?;
     if decimals.inches {
         if table.unit.is_some_and(|unit| unit != LengthUnit::Inch) {
-            return Err(
-                "coordinates are marked as inches, and the unit is said to be another".to_owned(),
-            );
+            return Err("coordinates have inch marks, but the file states another unit".to_owned());
         }
         table.unit = Some(LengthUnit::Inch);
     }
@@ -62,7 +60,7 @@ pub(super) fn read(sheet: &Sheet) -> Result<Option<PointTable>, String> {
         if is_header[place] {
             let above = place.checked_sub(1).map(|place| rows[place]);
             reader.columns = header(sheet, *row, above)?.map(|found| found.columns);
-            // Titles above two sets of coordinates are of these columns.
+            // Titles above two sets of coordinates refer to these columns.
             if reader.columns.as_ref().is_some_and(|c| c.triples.len() > 1) {
                 reader.section.side = None;
             }
@@ -82,7 +80,7 @@ struct Rows<'a> {
     sheet: &'a Sheet,
     decimals: Decimals,
     columns: Option<Columns>,
-    /// What the last title says of the rows below it.
+    /// Marks of the last title, for the rows below it.
     section: Marks,
     table: PointTable,
 }
@@ -165,7 +163,7 @@ impl Rows<'_> {
         Ok(())
     }
 
-    /// The section's marks, for a name that says no side itself.
+    /// Marks of the section, for a name without a side.
     fn of_section(&self, name: &str) -> Marks {
         let words = cut(name);
         let ends = [words.first(), words.last()];
@@ -217,7 +215,7 @@ impl Rows<'_> {
         true
     }
 
-    /// The axes that the cell of a frame column says.
+    /// Axes in a cell of a frame column.
     fn frame(&mut self, row: u32, columns: &Columns) -> Result<(), String> {
         let Some(column) = columns.frame else {
             return Ok(());
@@ -242,7 +240,7 @@ impl Rows<'_> {
         Ok(())
     }
 
-    /// The wheel and axle of a row's own cells, and whether it stands for both wheels.
+    /// Wheel and axle of a row's own cells, and whether the row serves both wheels.
     fn marks(&self, row: u32, columns: &Columns) -> Result<(Marks, bool), String> {
         let mut marks = Marks::default();
         let mut both = false;
@@ -294,7 +292,7 @@ impl Rows<'_> {
                 Err(_) if figure(name).is_none() => continue,
                 Err(reason) => return Err(format!("{place}: {reason}")),
             };
-            // One column of numbers for both wheels has no title of its own.
+            // One column of numbers for both wheels has no separate title.
             let is_alone = numbers.iter().flatten().flatten().count() == 1;
             let side = triple.side.filter(|_| !is_alone);
             let marks = Marks { side, axle: None }.or(marks).or(section);
@@ -345,7 +343,7 @@ fn unit_above(texts: &[&str]) -> Option<LengthUnit> {
         return unit_of(value.trim_matches(['[', ']', '(', ')']));
     }
     let mut words = texts.iter().flat_map(|text| cut(text));
-    // "in" and "m" alone are words of other meanings.
+    // As words of a text, "in" and "m" have other meanings.
     words.find_map(|word| unit_of(&word).filter(|_| word != "in" && word != "m"))
 }
 #[cfg(test)]
@@ -398,7 +396,7 @@ mod tests {
     fn decimal_commas_are_read_where_they_are_certain() {
         let read = table("name;x;y;z\na;120,5;360,25;-0,5\n");
         assert_eq!(position(&read, 0), [120.5, 360.25, -0.5]);
-        // All with three digits: the table is written so.
+        // All numbers have three decimals, so the comma is a decimal comma.
         assert_eq!(
             position(&table("n;x;y;z\na;1,250;0,500;0,000\n"), 0),
             [1.25, 0.5, 0.0]

@@ -20,7 +20,7 @@ pub(super) struct Role {
     pub body: Option<&'static str>,
 }
 
-/// How the file uses a single letter `R`.
+/// Meaning of a single letter `R` in the file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Letters {
     /// Before a name it means the rear axle.
@@ -30,7 +30,7 @@ pub(super) struct Letters {
 }
 
 impl Letters {
-    /// As the names of a file pair it: with `F` and without `L`.
+    /// Meaning from the names of a file: with `F` and without `L`, it is rear.
     pub(super) fn of<'a>(names: impl Iterator<Item = &'a str> + Clone) -> Self {
         let has = |wanted: &str, last: bool| {
             names.clone().any(|name| {
@@ -46,7 +46,7 @@ impl Letters {
         }
     }
 
-    /// As the names of points pair it.
+    /// Meaning from the names of points.
     pub(super) fn of_points(points: &[NamedPoint]) -> Self {
         Letters::of(points.iter().map(|point| point.read_as.as_str()))
     }
@@ -126,7 +126,7 @@ pub(super) fn read(name: &str, topology: &Topology, letters: Letters) -> Option<
     })
 }
 
-/// The ways to read sides in a name, the likeliest first.
+/// Possible readings of sides in a name, most likely first.
 fn readings(words: &[String], letters: Letters) -> Vec<(Vec<String>, Marks)> {
     let is_r = |word: Option<&String>| word.is_some_and(|word| word == "r");
     let rear = |words: &[String], first: bool, last: bool| {
@@ -147,7 +147,7 @@ fn readings(words: &[String], letters: Letters) -> Vec<(Vec<String>, Marks)> {
     all
 }
 
-/// Takes sides away that stand first or last.
+/// Removes sides at the start or the end.
 fn stripped(mut words: Vec<String>) -> (Vec<String>, Marks) {
     let mut marks = Marks::default();
     for at_end in [false, true] {
@@ -181,7 +181,7 @@ fn hardpoint(cut: &[String], marks: Marks, topology: &Topology) -> Option<(&'sta
     }
 }
 
-/// The body that a name says its end of a spring or rod sits on.
+/// Body in a name, for an end of a spring or rod.
 fn body(name: &str, hardpoint: &str, topology: &Topology) -> Option<&'static str> {
     if ![
         "spring_lower",

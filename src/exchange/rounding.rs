@@ -45,7 +45,7 @@ pub struct Rounded {
 pub struct Loss {
     /// Misfit of the design before rounding.
     pub exact: f64,
-    /// Misfit with each coordinate rounded to the nearest multiple by itself.
+    /// Misfit with each coordinate rounded to its nearest multiple.
     pub ordinary: Option<f64>,
     /// Misfit with the chosen rounding.
     pub best: f64,
@@ -125,7 +125,7 @@ impl Grid {
         length / self.step
     }
 
-    /// The length of this number of steps; a decimal grid gives the shortest decimal: 3 x 0.1 is 0.3.
+    /// Length of this number of steps. A decimal grid gives the shortest decimal: 3 x 0.1 is 0.3.
     fn length(&self, steps: f64) -> f64 {
         let parts = (1.0 / self.step).round();
         match parts >= 1.0 && 1.0 / parts == self.step {
@@ -160,7 +160,7 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// The steps of each coordinate rounded by itself.
+    /// Steps of each coordinate, rounded independently.
     fn nearest(&self) -> Vec<f64> {
         let coordinates = self.before.iter().zip(self.free);
         let steps = coordinates.map(|(x, free)| match free {
@@ -355,7 +355,7 @@ mod tests {
                 );
                 assert_eq!(grid.length((after / step).round()), *after);
             }
-            // The curves are of the points that are written.
+            // The curves belong to the written points.
             let own = study.suspension.length_unit;
             for (point, written) in rounded.design.iter().zip(&rounded.coordinates) {
                 let point = study.suspension.frame.vector(*point).to_array();

@@ -98,7 +98,7 @@ fn said(
     Ok(meant.and_then(|meant| possible.iter().find(|body| **body == meant).copied()))
 }
 
-/// How much nearer another body must be than the usual one to be believed.
+/// Ratio of distances below which another body is believed instead of the usual one.
 const NEARER: f64 = 0.5;
 
 /// The body whose members an end lies by, where the usual one is further away. `None` keeps the usual one.

@@ -13,7 +13,7 @@ use std::path::Path;
 /// The largest file that is read, in bytes.
 const MOST_BYTES: u64 = 64 << 20;
 
-/// The points of a file; `sheet` names one of a workbook, `axle` the one that is wanted of two.
+/// Points of a file; `sheet` names a sheet of a workbook, `axle` one of two axles.
 pub fn read(
     path: &Path,
     sheet: Option<&str>,
@@ -23,7 +23,7 @@ pub fn read(
     let is_workbook = bytes.starts_with(b"PK\x03\x04");
     if !is_workbook && let Some(sheet) = sheet {
         return Err(format!(
-            "it is no workbook, so there is no sheet {sheet:?} in it"
+            "the file is not a workbook, so it has no sheet {sheet:?}"
         ));
     }
     if is_workbook {
@@ -104,7 +104,7 @@ fn of_workbook(
     let mut found: Vec<(String, PointTable)> = Vec::new();
     let mut refused = None;
     for (number, name) in names.iter().enumerate() {
-        // A sheet that nobody asked for may be anything.
+        // A sheet that the user did not name may hold anything.
         match book.sheet(number).and_then(|sheet| points::read(&sheet)) {
             Ok(Some(table)) => found.push((name.clone(), table)),
             Ok(None) => (),
@@ -112,7 +112,7 @@ fn of_workbook(
         }
     }
     let mut by_axle = false;
-    // Sheets that are named after axles are told apart by the axle that is wanted.
+    // `--axle` chooses between sheets named after axles.
     let axle_of = |name: &str| {
         let words = super::names::cut(name);
         let of = |wanted: &str| words.iter().any(|word| word == wanted);

@@ -17,8 +17,8 @@ pub struct Written {
 /// The axes of these files.
 const AXES: FrameConvention = FrameConvention::XRear;
 
-/// A new subsystem with a study's hardpoints. Rows of both sides give the left wheel; a right wheel that is not the
-/// mirror image has rows of its own.
+/// New subsystem with a study's hardpoints. Rows for both sides give the left wheel; a right wheel that is no mirror
+/// image has separate rows.
 pub fn subsystem(outgoing: &Outgoing<'_>) -> Written {
     let outgoing = outgoing.in_convention(AXES);
     let wheels = outgoing.different_wheels();
@@ -87,12 +87,12 @@ pub fn into_subsystem(outgoing: &Outgoing<'_>, file: &[u8]) -> Result<Written, S
         .map(|number| mechanism.name(PointId(number)))
         .collect();
     if !absent.is_empty() {
-        notes.push(format!("without a row there: {}", absent.join(", ")));
+        notes.push(format!("no row in the file for: {}", absent.join(", ")));
     }
     let mut others = subsystem.points.iter();
     if others.any(|point| !is_for(point.symmetry)) {
         notes.push(format!(
-            "rows of the other wheel stay: the study is of the {} one",
+            "rows of the other wheel are unchanged: the study describes the {} wheel",
             side.name()
         ));
     }
@@ -126,7 +126,7 @@ fn meanings<'f>(
         let same = |(known, other): &&(&str, PointId)| *other == id && *known != point.name;
         if let Some((other, _)) = meanings.iter().find(same) {
             return Err(format!(
-                "{:?} and {other:?} both seem to be {}: which is to be written is not certain",
+                "{:?} and {other:?} both seem to be {}: remove or rename one of them",
                 point.name,
                 mechanism.name(id)
             ));
@@ -142,7 +142,7 @@ fn without_bodies(suspension: &Suspension) -> Vec<String> {
     match moved.is_empty() {
         true => Vec::new(),
         false => vec![format!(
-            "a subsystem does not say on which body a point is; [suspension.bodies] does, of {}",
+            "a subsystem cannot hold the bodies of [suspension.bodies]: {}",
             moved.join(", ")
         )],
     }

@@ -42,11 +42,12 @@ pub fn suspensions_ini(outgoing: &Outgoing<'_>) -> Result<Written, String> {
     let absent: Vec<&str> = points.map(|point| point.name.as_str()).collect();
     if !absent.is_empty() {
         let absent = absent.join(", ");
-        ini.notes
-            .push(format!("left out, without a place in the file: {absent}"));
+        ini.notes.push(format!(
+            "left out, because the file cannot hold it: {absent}"
+        ));
     }
     ini.notes.push(
-        "the place of the axle in the car is not held: points are relative to the wheel centre"
+        "the place of the axle in the car is left out: points are relative to the wheel centre"
             .to_owned(),
     );
     Ok(Written {
@@ -77,8 +78,8 @@ fn kind(outgoing: &Outgoing<'_>) -> Result<&'static str, String> {
     };
     if mechanism.strut_upper().is_some() {
         return Err(
-            "strut_upper: the axis of a STRUT runs through STRUT_CAR and STRUT_TYRE alone; a strut whose axis does not \
-             end in strut_top has no place in the file"
+            "strut_upper: the axis of a STRUT runs through STRUT_CAR and STRUT_TYRE; the file cannot hold a strut whose \
+             axis does not end in strut_top"
                 .to_owned(),
         );
     }
@@ -176,7 +177,7 @@ impl Ini<'_> {
         self.line("TOE_OUT", what);
         if toe != 0.0 {
             self.notes.push(format!(
-                "static toe of {} deg is not held: TOE_OUT is a length, and the points of the file are those of a wheel \
+                "static toe of {} deg is left out: TOE_OUT is a length, and the points of the file belong to a wheel \
                  straight ahead",
                 shortest(toe)
             ));

@@ -1,9 +1,9 @@
-//! Named rows of a file: what every reader of a format makes, and all that comes after it takes.
+//! Named rows of a file: the result of every format's reader, and the input of all later steps.
 
 use super::axes::Declared;
 use crate::model::{AxlePosition, LengthUnit, Side};
 
-/// The wheel or axle that a part of a file is about, as far as the file says so.
+/// Wheel or axle of a part of a file, if the file states it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Marks {
     pub side: Option<Side>,
@@ -11,7 +11,7 @@ pub(super) struct Marks {
 }
 
 impl Marks {
-    /// These marks, and those of another part where these say nothing.
+    /// These marks, completed by those of another part.
     pub(super) fn or(self, other: Marks) -> Marks {
         Marks {
             side: self.side.or(other.side),
@@ -19,7 +19,7 @@ impl Marks {
         }
     }
 
-    /// Whether nothing is said.
+    /// Whether there are no marks.
     pub(super) fn is_empty(self) -> bool {
         self == Marks::default()
     }
@@ -28,15 +28,15 @@ impl Marks {
 /// A named point of a file, in the file's axes and unit.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct NamedPoint {
-    /// Its name as it stands there, the keys on the way to it included.
+    /// Name as written, including the keys that lead to it.
     pub name: String,
-    /// The part of the name that says which hardpoint it is.
+    /// Part of the name with its meaning.
     pub read_as: String,
     /// Its wheel and axle, where the file says so beside the name.
     pub marks: Marks,
-    /// Whether it stands for the left wheel, and mirrored for the right one.
+    /// Whether it gives the left wheel and, mirrored, the right one.
     pub mirrored: bool,
-    /// Its coordinates, or what is wrong with them.
+    /// Coordinates, or their fault.
     pub position: Result<[f64; 3], String>,
     /// The body it sits on, where the file says so.
     pub body: Option<String>,
@@ -47,7 +47,7 @@ pub(super) struct NamedPoint {
 /// A single number with a name.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Figure {
-    /// Its name as it stands there.
+    /// Name as written.
     pub name: String,
     /// The part of the name that says what it is.
     pub read_as: String,
@@ -61,12 +61,12 @@ pub(super) struct Figure {
     pub place: String,
 }
 
-/// What a file says an axle's suspension is.
+/// Kind of an axle's suspension, as the file states it.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Kind {
     /// A topology, by its name in studies.
     Topology(&'static str),
-    /// None of ours, and what comes nearest.
+    /// No topology of this program, and the nearest one.
     Other(String),
 }
 
@@ -79,11 +79,11 @@ pub struct PointTable {
     pub(super) figures: Vec<Figure>,
     /// The unit of length, where the file says so.
     pub(super) unit: Option<LengthUnit>,
-    /// The axes, as far as the file says so.
+    /// Axes, if the file states them.
     pub(super) declared: Declared,
     /// The kind of suspension of each axle, where the file says so; without an axle, of all.
     pub(super) kinds: Vec<(Option<AxlePosition>, Kind)>,
-    /// How it was read, for the user.
+    /// Notes for the user on the reading.
     pub(super) notes: Vec<String>,
     /// Parts that are not used, with the reason.
     pub(super) left_out: Vec<String>,

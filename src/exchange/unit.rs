@@ -1,5 +1,4 @@
-//! The unit of a file's coordinates: the one that is said, or the one in which the points are as far apart as those of
-//! a car's suspension.
+//! Unit of a file's coordinates: the stated one, or the one that gives points the size of a car's suspension.
 
 use super::ImportOptions;
 use super::corner::Picked;

@@ -80,7 +80,7 @@ pub(super) fn read(text: &str) -> Result<Node, String> {
     })
 }
 
-/// A key as it stands there, a number as the number's text.
+/// A key as written; a number as its text.
 fn key_of(node: Node, line: usize) -> Result<String, String> {
     match node {
         Node::Text(text) => Ok(text),

@@ -29,7 +29,7 @@ fn unsupported(curves: &Curves) -> Option<String> {
     let mut lacking = stations.filter(|(_, s)| s.values.contains(&Err(NoValue::Unsupported)));
     let (first, _) = lacking.next()?;
     Some(format!(
-        "warning: loads not carried at {}, the first at {}: {}",
+        "warning: loads cannot be carried at {}, the first at {}: {}",
         stations_in_words(1 + lacking.count()),
         place_in_words(curves, first),
         NoValue::Unsupported.reason(),
@@ -59,8 +59,8 @@ fn toggled(curves: &Curves) -> Vec<String> {
             let nearest = stuck().min_by(|a, b| distance(a.1).total_cmp(&distance(b.1)));
             said.extend(nearest.map(|(nearest, _)| {
                 format!(
-                    "warning: the {of}{rod} is at toggle, or would be beyond it, at {}, the nearest at {}: there it \
-                     turns {} no further, and what moves with that has no values",
+                    "warning: the {of}{rod} is at toggle or beyond it at {}, the nearest at {}: it turns {} no further \
+                     there, so quantities that move with it have no values",
                     stations_in_words(stuck().count()),
                     place_in_words(curves, nearest),
                     rod.turns()
@@ -118,7 +118,7 @@ impl ConditionSummary {
             n => format!("{n} stations have"),
         };
         Some(format!(
-            "warning: {stations} fewer than six digits left in derivatives and sensitivities; the worst at {} \
+            "warning: {stations} fewer than six correct digits in derivatives and sensitivities; the worst at {} \
              (condition number {})",
             self.at_words,
             brief(self.worst)
@@ -195,7 +195,7 @@ impl CertificateSummary {
             // Up, so that what is shown is a bound too.
             let error = brief(error * 1.00001);
             text += &format!(
-                "; no point of the wheel carrier is off by more than {error} {length_unit} (at {})",
+                "; largest error of a point of the wheel carrier {error} {length_unit} (at {})",
                 self.at_words
             );
         }

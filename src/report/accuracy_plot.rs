@@ -1,5 +1,4 @@
-//! The picture of work and precision, for print: double logarithmic, every series with a mark and a
-//! grey of its own.
+//! Work-precision picture for print: double logarithmic, each series with a mark and a grey level of its own.
 
 use super::figure::power_of_ten;
 use crate::bench::accuracy::{Accuracy, Family, Measurement};
@@ -148,7 +147,7 @@ impl Panel {
                 0 => chart.draw_series(LineSeries::new(line, grey.stroke_width(1)))?,
                 _ => chart.draw_series(DashedLineSeries::new(line, 5, 3, grey.stroke_width(1)))?,
             };
-            // Each mark is a type of its own.
+            // Each mark has a type of its own.
             macro_rules! marked {
                 ($mark:expr) => {
                     chart
@@ -183,7 +182,7 @@ impl Panel {
 /// Kinds of marks.
 const MARKS: usize = 7;
 
-/// What tells one series from another beside its mark.
+/// Grey level that distinguishes a series in addition to its mark.
 fn grey(number: usize) -> RGBColor {
     let level = [0, 90, 0, 130, 60, 110, 30][number % MARKS];
     RGBColor(level, level, level)

@@ -1,4 +1,4 @@
-//! `report.json` of an axle: what its page needs beyond the other files of a run.
+//! `report.json` of an axle: data of its page that no other file of the run has.
 
 use super::accuracy::remarks;
 use super::failures::FailureRange;
@@ -12,7 +12,7 @@ use crate::mechanism::{DesignFault, NoPose};
 use crate::model::Side;
 use crate::study::{Study, Target};
 
-/// The most stations of the drawing, along what it is over and beside it.
+/// Largest number of stations in the drawing, along its first coordinate and along the second.
 const MOST_FRAMES: [usize; 2] = [41, 9];
 
 /// A design to be recorded: label, file with its curves, the axle and the curves themselves.
@@ -68,7 +68,7 @@ impl Record {
     }
 }
 
-/// Frames over the first of what moves, for places of the second, the rest where it is nearest to zero.
+/// Frames over the first coordinate that moves, for values of the second; the others have the value nearest to zero.
 fn frames(
     axle: &Axle,
     course: &AxleMotion,

@@ -6,7 +6,7 @@ use crate::bench::accuracy::Accuracy;
 use crate::bench::effects::Effects;
 use crate::bench::throughput::Throughput;
 
-/// Poses per second, a row for each thing asked and each way to it.
+/// Table of poses per second, with a row for each output and method.
 pub fn throughput_table(throughput: &Throughput) -> Table {
     let mut table = Table::new([
         "asked",
@@ -39,7 +39,7 @@ pub fn throughput_table(throughput: &Throughput) -> Table {
     table
 }
 
-/// What each effect costs, alone and added to the pose.
+/// Table of the cost of each effect, alone and added to the pose.
 pub fn effects_table(effects: &Effects) -> Table {
     let mut table = Table::new([
         "effect",
@@ -68,7 +68,7 @@ pub fn effects_table(effects: &Effects) -> Table {
     table
 }
 
-/// What a digit costs, a row for each way to a number.
+/// Table of the cost of a digit, with a row for each method.
 pub fn accuracy_table(accuracy: &Accuracy) -> Table {
     let mut table = Table::new([
         "family",

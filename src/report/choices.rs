@@ -17,8 +17,8 @@ fn column(variable: &Variable, unit: &str) -> String {
     format!("{}_{unit}", variable.label())
 }
 
-/// `front.csv`: a row for each point of the front: the misfit of each goal in tolerances, what each weighs, the
-/// offsets of the variables, and whether the front is broken behind it.
+/// `front.csv`: a row for each point of the front, with the misfit of each goal in tolerances, the weights, the
+/// offsets of the variables, and whether the front is broken after it.
 pub fn front_csv(study: &Study, optimise: &Optimise, front: &Front) -> Vec<u8> {
     let unit = study.suspension.length_unit.symbol();
     csv_of(|writer| {
@@ -82,11 +82,11 @@ pub fn front_remarks(optimise: &Optimise, front: &Front) -> Vec<String> {
     let mut remarks = Vec::new();
     match front.choices.len() {
         0 => remarks.push(format!(
-            "no front of {}: no design keeps the constraints and the other targets",
+            "no trade-off between {}: no design keeps the constraints and the other targets",
             names.join(", ")
         )),
         1 => remarks.push(format!(
-            "nothing to trade between {}: one design is as good as can be in all of them",
+            "no trade-off between {}: one design is best in all of them",
             names.join(" and ")
         )),
         _ => {}
@@ -100,7 +100,7 @@ pub fn front_remarks(optimise: &Optimise, front: &Front) -> Vec<String> {
             amounts.join(", ")
         };
         remarks.push(format!(
-            "the front is broken between points {} ({}) and {} ({}): nothing was found between them",
+            "the front is broken between points {} ({}) and {} ({}): no design was found between them",
             place + 1,
             amounts(&front.choices[*place]),
             place + 2,
@@ -120,7 +120,7 @@ fn brief3(value: f64) -> String {
     without_zeros(&text).to_owned()
 }
 
-/// At most [`PRINTED`] numbers below `count`, evenly chosen, the first and the last among them.
+/// Selects at most [`PRINTED`] numbers below `count`, evenly spaced, including the first and the last.
 fn some_of(count: usize) -> Vec<usize> {
     match count {
         few if few <= PRINTED => (0..few).collect(),
@@ -200,7 +200,7 @@ pub struct PriceRecord {
     pub moved: f64,
     /// The least misfit that it buys, in tolerances.
     pub misfit: f64,
-    /// By how much the misfit falls for a tenth of a range more; `None` at the ends.
+    /// Decrease of the misfit for a further tenth of a range; `None` at the ends.
     pub gain: Option<f64>,
     /// The variable that moves most, as a share of its range.
     pub most: Option<String>,

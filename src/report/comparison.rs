@@ -14,7 +14,7 @@ pub type NamedPoints = (Vec<(String, [f64; 3])>, [f64; 3]);
 /// A design that is compared.
 #[derive(Clone, Debug)]
 pub struct Compared {
-    /// What it is called, different for each.
+    /// Label, unique for each design.
     pub label: String,
     /// The topology, where it is known.
     pub topology: Option<String>,
@@ -32,17 +32,17 @@ const SAME: f64 = 1e-9;
 /// Several designs laid over each other.
 #[derive(Clone, Debug, Serialize)]
 pub struct Comparison {
-    /// What the designs are called.
+    /// Labels of the designs.
     pub labels: Vec<String>,
-    /// The column that the curves are drawn over.
+    /// Column of the horizontal axis.
     pub drive: String,
-    /// Where all of them stand: values of the drive and of the rack.
+    /// Common stations: values of the drive and of the rack.
     pub stations: Vec<[f64; 2]>,
     /// Whether the rack moves.
     pub rack: bool,
     /// The curves.
     pub outputs: Vec<ComparedOutput>,
-    /// Columns that not all of them have, with those that do.
+    /// Columns that some designs lack, with the designs that have them.
     #[serde(skip)]
     pub partial: Vec<(String, Vec<String>)>,
     #[serde(skip)]
@@ -89,7 +89,7 @@ impl Comparison {
         };
         if let Some((_, axle)) = named().find(|(table, _)| is_of_axle(table)) {
             return Err(format!(
-                "{}: curves of an axle are not yet compared: only those over one travel and one place of the rack",
+                "{}: curves of an axle cannot be compared, only curves of one wheel over one travel and one rack position",
                 axle.label
             ));
         }
@@ -112,7 +112,7 @@ impl Comparison {
             .collect();
         if common.is_empty() {
             return Err(format!(
-                "they have no value of {drive} in common: run them over the same motion"
+                "they share no value of {drive}: run them over the same motion"
             ));
         }
         let is_motion = |name: &str| {
@@ -158,7 +158,7 @@ impl Comparison {
             });
         }
         if outputs.is_empty() {
-            return Err("they have no output in common".to_owned());
+            return Err("they share no output".to_owned());
         }
         Ok(Comparison {
             labels: designs.iter().map(|design| design.label.clone()).collect(),
@@ -172,7 +172,7 @@ impl Comparison {
         })
     }
 
-    /// A row for each output and design: its values, and how far it is from the first.
+    /// Table with a row for each output and design: values and difference from the first design.
     pub fn table(&self) -> Table {
         let mut table = Table::new([
             "output",
@@ -277,7 +277,7 @@ impl Comparison {
     }
 }
 
-/// Where each row stands: values of the drive and the rack.
+/// Station of each row: values of the drive and the rack.
 fn places(table: &CurveTable, drive: &str, rack: &str) -> Vec<[f64; 2]> {
     let rack = table.column(rack);
     let drive = table.column(drive).unwrap_or_default();
@@ -427,11 +427,7 @@ mod tests {
         let other = "travel_mm,camber_deg,status\n1,1.0,ok\n";
         let mm = LengthUnit::Millimetre;
         let refused = Comparison::of(&[design("a", mm, table), design("b", mm, other)]);
-        assert!(
-            refused
-                .unwrap_err()
-                .contains("no value of travel_mm in common")
-        );
+        assert!(refused.unwrap_err().contains("share no value of travel_mm"));
         let third = "travel_mm,toe_deg,status\n0,1.0,ok\n";
         let refused = Comparison::of(&[design("a", mm, table), design("b", mm, third)]);
         assert!(refused.unwrap_err().contains("no output in common"));

@@ -1,8 +1,8 @@
-//! How much of what was asked for was found: stations by status, and cells that are empty by definition.
+//! Completeness of the requested results: stations by status, and cells that are empty by definition.
 //!
-//! A cell may be empty at a station that was solved, because the quantity has no value there: a swing arm where
-//! the wheel does not turn. That is no failure, but it is counted, with its reason; and a column without any value
-//! is one that was asked for and not found.
+//! A cell may be empty at a solved station if the quantity is not defined there: a swing arm where the wheel does not
+//! turn. This is no failure. It is counted with its reason. A column without any value counts as a request that was
+//! not met.
 
 use super::table::{Cell, Table};
 use crate::curves::{Curves, Status};
@@ -11,11 +11,10 @@ use serde::{Deserialize, Serialize};
 /// Stations by status, and empty cells by reason.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Completeness {
-    /// In the order in which they are first met.
+    /// Statuses, in the order of their first occurrence.
     #[serde(default)]
     statuses: Vec<StatusCount>,
-    /// Column by column; columns next to each other that are empty at as many stations for one reason stand
-    /// together.
+    /// Empty columns. Neighbouring columns with as many empty stations for one reason form one entry.
     #[serde(default)]
     empty: Vec<EmptyCells>,
 }
@@ -58,7 +57,7 @@ fn empty_columns(curves: &Curves) -> Vec<EmptyCells> {
 }
 
 impl Completeness {
-    /// How many stations there are of each status.
+    /// Number of stations of each status.
     pub fn table(&self) -> Table {
         let mut table = Table::new(["status", "stations"]);
         for count in &self.statuses {
@@ -91,7 +90,7 @@ impl Completeness {
         Completeness { statuses, empty }
     }
 
-    /// In words, how many stations were solved and what became of the others; `None` if nothing was counted.
+    /// Sentence with the number of solved stations and the statuses of the others; `None` if nothing was counted.
     pub fn headline(&self) -> Option<String> {
         let all: usize = self.statuses.iter().map(|count| count.stations).sum();
         let is_solved = |count: &&StatusCount| {

@@ -62,7 +62,7 @@ impl CurveTable {
         Some(&self.columns[place])
     }
 
-    /// At most `most` of the rows, evenly chosen, the first and the last among them.
+    /// Selects at most `most` rows, evenly spaced, including the first and the last.
     pub fn thinned(&self, most: usize) -> Self {
         let rows = self.rows();
         if rows <= most {

@@ -16,9 +16,9 @@ pub struct FailureRange {
     pub last: usize,
     /// The word in the `status` column.
     pub status: String,
-    /// Why there is no pose.
+    /// Reason why there is no pose.
     pub reason: String,
-    /// Where on the motion they are, in words.
+    /// Place on the motion, in words.
     pub place: String,
 }
 

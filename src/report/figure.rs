@@ -29,8 +29,7 @@ pub fn brief(value: f64) -> String {
     without_zeros(&format!("{value:.decimals$}")).to_owned()
 }
 
-/// Six significant digits, or 0 for what is rounding in this unit (as in the names of columns:
-/// `deg_per_mm`).
+/// Six significant digits, or 0 for a rounding error in this unit (named as in columns: `deg_per_mm`).
 pub fn figure(value: f64, unit: &str) -> String {
     match value.abs() < resolution(unit) {
         true => "0".to_owned(),
@@ -38,8 +37,8 @@ pub fn figure(value: f64, unit: &str) -> String {
     }
 }
 
-/// Values that are read side by side: with the decimals that the largest of them deserves, or where that
-/// would leave less than two digits of one, with its own. An unknown value is empty.
+/// Values side by side, with the decimals of the largest. A value that would have fewer than two digits gets its own
+/// decimals. An unknown value is empty.
 pub fn figures<const N: usize>(values: [Option<f64>; N], unit: &str) -> [String; N] {
     let largest = values
         .iter()
@@ -96,7 +95,7 @@ pub fn as_written(value: f64) -> String {
     text.strip_suffix(".0").map_or(text.clone(), str::to_owned)
 }
 
-/// What is rounding in a unit, as in the names of columns: `deg`, `deg_per_mm2`, `N_mm`.
+/// Size of a rounding error in a unit, which is part of column names: `deg`, `deg_per_mm2`, `N_mm`.
 pub fn resolution(unit: &str) -> f64 {
     let (above, below) = match unit.strip_prefix("per_") {
         Some(below) => ("", below),
@@ -106,7 +105,7 @@ pub fn resolution(unit: &str) -> f64 {
     ROUNDING * product(above) / product(below)
 }
 
-/// The order of what is measured in a unit.
+/// Typical size of a quantity in a unit.
 fn size(unit: &str) -> f64 {
     let (unit, power) = match unit.strip_suffix('2') {
         Some(unit) => (unit, 2),
@@ -161,7 +160,7 @@ mod tests {
         assert_eq!(figure(-7.26471e-34, "deg"), "0");
         assert_eq!(figure(1.98588e-15, "mm"), "0");
         assert_eq!(figure(3e-15, "per_mm"), "0");
-        // What can be told from zero is shown.
+        // Show values that differ from zero.
         assert_eq!(figure(1e-6, "deg"), "1e-6");
         assert_eq!(figure(2.5e-9, "deg_per_mm2"), "2.5e-9");
         assert_eq!(figure(2e-15, "deg_per_mm"), "0");

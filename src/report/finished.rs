@@ -15,13 +15,13 @@ pub enum FinishedRun {
     Sweep(Box<SweepRun>),
 }
 
-/// Why a directory is not that of a run, or not of the one that was asked for.
+/// Reason why a directory does not hold the expected run.
 #[derive(Debug, thiserror::Error)]
 #[error("{path}: {reason}")]
 pub struct NotARun {
     /// The directory or the file in it.
     pub path: PathBuf,
-    /// What is wrong with it.
+    /// Fault of the file.
     pub reason: String,
 }
 
@@ -34,7 +34,7 @@ impl NotARun {
     }
 }
 
-/// The record of a run of a `kind`, if it is of the one form that is read.
+/// Record of a run of a `kind`, if its format can be read.
 pub(super) fn in_form<T: DeserializeOwned>(
     text: &[u8],
     form: u32,
@@ -46,20 +46,19 @@ pub(super) fn in_form<T: DeserializeOwned>(
         form: u32,
         version: String,
     }
-    let wrong = |e: serde_json::Error| format!("not as `{writer}` writes it: {e}");
+    let wrong = |e: serde_json::Error| format!("not in the format of `{writer}`: {e}");
     let found: Form = serde_json::from_slice(text).map_err(wrong)?;
     match found.form == form {
         true => serde_json::from_slice(text).map_err(wrong),
         false => Err(format!(
-            "written in form {} by hardpoint {}, this version reads form {form}; run the {kind} again",
+            "written in format {} by hardpoint {}, this version reads format {form}; run the {kind} again",
             found.form, found.version
         )),
     }
 }
 
 impl FinishedRun {
-    /// Reads the directory of a solve, an optimisation or a sweep: of the one that ran last, where
-    /// several wrote to the same place.
+    /// Reads the directory of a solve, an optimisation or a sweep. If several wrote there, it reads the last run.
     pub fn read(directory: &Path) -> Result<Self, NotARun> {
         match is_sweep(directory) {
             true => Ok(FinishedRun::Sweep(Box::new(SweepRun::read(directory)?))),
@@ -68,7 +67,7 @@ impl FinishedRun {
     }
 }
 
-/// `summary.json` comes last and says what it is of. A sweep removes it as it begins.
+/// A run writes `summary.json` last, with its command. A sweep removes it at its start.
 fn is_sweep(directory: &Path) -> bool {
     #[derive(serde::Deserialize)]
     struct Summary {

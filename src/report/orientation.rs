@@ -15,7 +15,7 @@
 
 /// Least lead of the best reading's score over the second; a right angle of one direction loses 1.
 pub(crate) const LEAD: f64 = 0.5;
-/// Least cosine of the angle between a direction and the coordinate that stands for it.
+/// Smallest cosine of the angle between a direction and its coordinate.
 pub(crate) const LEAST_COSINE: f64 = 0.6;
 
 /// Pairs of hardpoints, the first above the second in a suspension.
@@ -63,7 +63,7 @@ const OUTBOARD: &[(&str, &str)] = &[
 /// A coordinate and the sign of its growth.
 pub(crate) type Signed = (usize, f64);
 
-/// The coordinates that stand for forward, outboard and up.
+/// Coordinates for forward, outboard and up.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Reading {
     pub(crate) forward: Signed,
@@ -128,7 +128,7 @@ impl Directions {
             });
             unit(total)
         };
-        // A rocker may hang the spring either way round.
+        // A rocker can turn the spring either way round.
         let springs: &[(&str, &str)] = match at("rocker_pivot_front").is_none() {
             true => &[("spring_upper", "spring_lower")],
             false => &[],
@@ -196,7 +196,7 @@ impl Directions {
         }
     }
 
-    /// In words, as in "x points forward, y outboard, z up".
+    /// The reading in words, as in "x points forward, y outboard, z up".
     pub(crate) fn describe(&self, reading: &Reading) -> String {
         let known = [self.forward, self.outboard, self.up];
         let mut words: Vec<(usize, &str)> = [

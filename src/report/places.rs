@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 /// Corners of a circle.
 const ROUND: usize = 36;
 
-/// Places of constraints, in the study's axes: as far as a point itself may go, clearances included.
+/// Regions of constraints in the study's axes, as limits for the point itself, clearances included.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Places {
     /// Boxes, spheres, cylinders and planes.
@@ -57,7 +57,7 @@ pub struct Clearance {
 }
 
 impl Places {
-    /// What the constraints of a study keep to, as the drawing shows it.
+    /// Regions of the study's constraints, for the drawing.
     pub fn of(study: &Study) -> Self {
         let mut places = Places::default();
         let suspension = &study.suspension;
@@ -143,7 +143,7 @@ impl Places {
                 over,
                 normal,
             } => {
-                // A square of the border, where the point is nearest to it.
+                // A square of the border near the point.
                 let place = design[point.0];
                 let off = first.lower.or(first.upper).unwrap_or(0.0);
                 let foot = place - *normal * ((place - *over).dot(*normal) - off);

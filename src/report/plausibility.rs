@@ -25,12 +25,13 @@ const WHEEL_RADIUS: [f64; 2] = [0.02, 2.5];
 const TYRE_WIDTH: [f64; 2] = [0.005, 2.0];
 const WHEELBASE: [f64; 2] = [0.1, 20.0];
 const CG_HEIGHT: [f64; 2] = [0.01, 5.0];
-/// The least distance of a wheel from the centre plane, as a part of how far it is from the points on the body.
+/// Smallest plausible distance of a wheel from the centre plane, relative to its distance from the points on the
+/// body.
 const WHEEL_AT_CENTRE: f64 = 0.5;
-/// How far a wheel may be off half the track, as a part of it.
+/// Largest plausible deviation of a wheel from half the track, as a fraction of it.
 const OFF_TRACK: f64 = 0.1;
 
-/// Doubts about a suspension in its design position, a line each.
+/// Doubts about a suspension in its design position, one line each.
 pub fn plausibility(suspension: &Suspension) -> Result<Vec<String>, DesignFault> {
     let mut remarks = PlausibilityRemarks {
         suspension,
@@ -47,8 +48,8 @@ pub fn plausibility(suspension: &Suspension) -> Result<Vec<String>, DesignFault>
     Ok(remarks.found)
 }
 
-/// Doubts about an axle, a line each: about its curves, and about both wheels in the design position. About a right
-/// wheel with hardpoints of its own only those are listed that do not hold for the left one, too.
+/// Doubts about an axle, one line each: about its curves, and about both wheels in the design position. For a right
+/// wheel with hardpoints of its own, only those that the left wheel does not have.
 pub fn both_wheels_plausibility(
     axle: &Axle,
     plan: &AxlePlan,
@@ -226,7 +227,7 @@ impl<'a> PlausibilityRemarks<'a> {
         let Some(other) = directions.contradict(&own) else {
             return;
         };
-        // A front pivot behind a rear one has a doubt of its own, with the likely cause.
+        // A front pivot behind a rear one has a separate doubt with the likely cause.
         if other.forward.0 == 0 && other.outboard.0 == 1 && other.up.0 == 2 {
             return;
         }
@@ -281,8 +282,8 @@ impl<'a> PlausibilityRemarks<'a> {
         }
     }
 
-    /// Bodies that the study does not name: that of a drop link beside a rocker, and those of points that are clearly nearer
-    /// to another body.
+    /// Bodies that the study does not name: of a drop link beside a rocker, and of points that are clearly nearer to
+    /// another body.
     fn seats(&mut self) {
         let Suspension {
             mechanism,
@@ -327,8 +328,8 @@ impl<'a> PlausibilityRemarks<'a> {
         }
     }
 
-    /// Of two points that are called front and rear, the front one is further forward; or they are side by side,
-    /// as on a transverse axis.
+    /// Doubts a rear point that is further forward than its front point. Equal positions are fine, as on a transverse
+    /// axis.
     fn front_and_rear(&mut self) {
         let mechanism = &self.suspension.mechanism;
         for (front, point) in mechanism.points.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! `report.json`: what the report needs beyond the other files of a run.
+//! `report.json`: data of the report that no other file of the run has.
 
 use super::accuracy::remarks;
 use super::choices::FrontRecord;
@@ -30,11 +30,11 @@ pub struct Record {
     pub length_unit: String,
     /// Column of the drive value.
     pub drive: String,
-    /// Other columns a curve can be drawn over.
+    /// Other columns for the horizontal axis of a curve.
     pub abscissae: Vec<String>,
     /// Column of the rack displacement, where it moves.
     pub rack: Option<String>,
-    /// For an axle: columns of what moves beside the drive value.
+    /// Columns of the other coordinates that move, for an axle.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub further: Vec<String>,
     /// Descriptions of the columns of the curves.
@@ -44,7 +44,7 @@ pub struct Record {
     /// Bands that were wanted.
     #[serde(default)]
     pub bands: Vec<BandCurve>,
-    /// What constraints keep to, as the drawing shows it.
+    /// Regions of the constraints, for the drawing.
     #[serde(default)]
     pub places: Places,
     /// The designs, the tuned one last.
@@ -67,7 +67,7 @@ pub struct OutputRecord {
     pub title: String,
     /// Unit for reading: `deg/mm`; empty for a plain number.
     pub unit: String,
-    /// When it is positive.
+    /// Meaning of a positive value.
     pub positive: Option<String>,
 }
 
@@ -85,15 +85,14 @@ pub struct TargetRecord {
     pub over: Option<String>,
 }
 
-/// A band that was wanted, at the stations where it is looked at.
+/// A target band, at its stations.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BandCurve {
     /// The column it is about.
     pub column: String,
-    /// Drive value, the least and the most that is wanted there; none where there is no limit. In the units of the CSV
-    /// files.
+    /// Drive value, lower and upper limit, in the units of the CSV files; `None` if there is no limit.
     pub limits: Vec<(f64, Option<f64>, Option<f64>)>,
-    /// By how much they may be missed, in the column's unit.
+    /// Tolerance, in the column's unit.
     #[serde(default)]
     pub tolerance: f64,
 }
@@ -112,7 +111,7 @@ pub struct DesignRecord {
     pub remarks: Vec<String>,
     /// The stations that failed.
     pub failures: Vec<FailureRange>,
-    /// Some of the stations, drawn; none where they are those of the last design.
+    /// Drawings of some stations; empty if they equal those of the last design.
     pub frames: Vec<Frame>,
 }
 
@@ -129,7 +128,7 @@ pub struct DrawnDesign<'a> {
 }
 
 impl Record {
-    /// The record of a run: its designs, and which coordinate moves what in the last of them.
+    /// Record of a run: its designs, and the effect of each coordinate in the last of them.
     pub fn with(
         command: &str,
         study: &Study,
@@ -223,8 +222,8 @@ fn bands(study: &Study) -> Vec<BandCurve> {
     bands.map(record).collect()
 }
 
-/// The limits of a target at stations: for each the drive value, the least and the most that is wanted there, as
-/// printed, by rising drive value; `None` where there is no limit.
+/// Limits of a target at stations: drive value, lower and upper limit, as printed, by rising drive value; `None` if
+/// there is no limit.
 pub(crate) fn wanted_between(
     target: &Target,
     stations: &[f64],
@@ -234,7 +233,7 @@ pub(crate) fn wanted_between(
     let printed = |limit: f64| limit.is_finite().then_some(limit * factor);
     let samples = target.wanted.samples(stations).into_iter();
     let limits = samples.map(|sample| {
-        // Where the study's axis points the other way, so do the limits.
+        // If the study's axis points the other way, the limits swap.
         let [low, high] = match factor < 0.0 {
             true => [sample.high, sample.low],
             false => [sample.low, sample.high],

@@ -12,13 +12,13 @@ use std::path::Path;
 /// A finished run.
 #[derive(Clone, Debug)]
 pub struct Run {
-    /// What was run and drawn.
+    /// Record of the run and its drawing.
     pub record: Record,
     /// The curves of each design of the record.
     pub curves: Vec<CurveTable>,
-    /// What it came to.
+    /// Summary of the run.
     pub summary: Summary,
-    /// Whether a signal ended it early: the results are those that were finished.
+    /// Whether a signal ended the run early, so that it has only finished results.
     pub interrupted: bool,
     /// The convergence history, of an optimisation.
     pub history: Option<CurveTable>,
@@ -26,7 +26,7 @@ pub struct Run {
     pub files: Vec<String>,
 }
 
-/// What a run came to: `summary.json`.
+/// Summary of a run: `summary.json`.
 #[derive(Clone, Debug, Serialize)]
 #[serde(untagged)]
 pub enum Summary {
@@ -102,7 +102,7 @@ impl Run {
         }
         let optimised = record.command == "optimise";
         let state: State = folder.json("summary.json")?;
-        // One that was ended between two writes has no results of its own.
+        // A run that ended between two writes has no results of its own.
         if state.interrupted && !state.has_results() {
             let message = "a signal ended the run before it had results; run the study again";
             return Err(folder.error(Some("summary.json"), message));
@@ -138,7 +138,7 @@ impl Run {
     }
 }
 
-/// How a run ended, as its summary says, and what else that says.
+/// End of a run as its summary states it, and the rest of the summary.
 #[derive(Deserialize)]
 struct State {
     #[serde(default)]

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 pub struct Scene {
     /// Name of each point.
     pub points: Vec<String>,
-    /// The bodies drawn between the points.
+    /// Bodies between the points.
     pub bodies: Vec<SceneBody>,
     /// Index of the wheel's centre.
     pub wheel_centre: usize,
@@ -29,13 +29,13 @@ pub struct Scene {
 pub struct SceneBody {
     /// `lower arm`, `tie rod`, `wheel carrier`.
     pub name: String,
-    /// What it is.
+    /// Kind of the body.
     pub kind: BodyKind,
     /// Its lines, at least one: indices of the points each runs through.
     pub lines: Vec<Vec<usize>>,
 }
 
-/// What a body of the drawing is.
+/// Kind of a body in the drawing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum BodyKind {

@@ -216,7 +216,7 @@ impl SetUpSummary {
     pub fn values_after_steps(&self) -> Vec<Table> {
         const MOST: usize = 5;
         let drawn = self.statics.iter().map(|s| s.drawn).collect();
-        let mut columns: Vec<(String, Vec<Option<f64>>)> = vec![("as drawn".to_owned(), drawn)];
+        let mut columns: Vec<(String, Vec<Option<f64>>)> = vec![("design".to_owned(), drawn)];
         for (number, a) in self.adjustments.iter().enumerate() {
             columns.push((format!("step {}", number + 1), a.after.clone()));
         }
@@ -309,7 +309,7 @@ fn adjustment_record(
     }
 }
 
-/// What a mechanic does: "shorten 1 3/16 turns", "add 3 shims: 1.5 mm towards +y".
+/// Instruction for a mechanic: "shorten 1 3/16 turns", "add 3 shims: 1.5 mm towards +y".
 fn instruction(adjustment: &Adjustment, amount: f64, length: LengthUnit) -> String {
     let size = |amount: f64| {
         // A multiple of a decimal step: without the digits of rounding.

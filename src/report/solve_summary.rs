@@ -1,4 +1,4 @@
-//! What a solve came to.
+//! Summary of a solve.
 
 use super::accuracy::{CertificateSummary, ConditionSummary};
 use super::completeness::Completeness;
@@ -31,10 +31,10 @@ pub struct SolveSummary {
     completeness: Completeness,
     failed: Vec<FailedStation>,
     outputs: Vec<Range>,
-    /// Where there is a pose at least.
+    /// Accuracy, if at least one pose exists.
     #[serde(default)]
     condition: Option<ConditionSummary>,
-    /// Where each pose was to be proved.
+    /// Certificate, if the study requests one.
     #[serde(default)]
     certificate: Option<CertificateSummary>,
     /// Counts of the work; none are counted for an axle.
@@ -120,7 +120,7 @@ impl SolveSummary {
         Range::table(&self.outputs)
     }
 
-    /// The values at the first station, for curves of the design position alone.
+    /// Values at the first station, for curves of the design position only.
     pub fn design_table(design: &Curves) -> Table {
         let unit = Column::for_programs("unit");
         let columns = ["output", "at design"].map(Column::from);
@@ -151,7 +151,7 @@ impl SolveSummary {
         table
     }
 
-    /// For programs: how many stations there are of each status.
+    /// Number of stations of each status, for programs.
     pub fn stations_table(&self) -> Table {
         self.completeness.table()
     }

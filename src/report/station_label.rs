@@ -1,4 +1,4 @@
-//! Labels that say where on the motion a station is.
+//! Labels of stations: their place on the motion.
 
 use super::figure::as_written;
 use super::table::Cell;

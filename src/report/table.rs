@@ -9,7 +9,7 @@ use super::shortest;
 use super::text::{broken, printable, printable_json, widest};
 use serde_json::{Map, Value};
 
-/// How tables are printed.
+/// Format of printed tables.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
     /// Aligned columns for reading.
@@ -24,6 +24,8 @@ pub enum Format {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Column {
     title: String,
+    /// Name for programs, if it differs from the title.
+    name: Option<&'static str>,
     readers: bool,
     programs: bool,
 }
@@ -45,9 +47,17 @@ impl Column {
         }
     }
 
-    /// The name a program knows it by: `at design` is `at_design`.
+    /// A column that programs know by another name than its title.
+    pub fn named(title: impl Into<String>, name: &'static str) -> Self {
+        Column {
+            name: Some(name),
+            ..Column::from(title.into())
+        }
+    }
+
+    /// Name for programs: `at design` is `at_design`.
     fn key(&self) -> String {
-        self.title.replace([' ', '-'], "_")
+        self.name.unwrap_or(&self.title).replace([' ', '-'], "_")
     }
 }
 
@@ -55,6 +65,7 @@ impl From<String> for Column {
     fn from(title: String) -> Self {
         Column {
             title,
+            name: None,
             readers: true,
             programs: true,
         }
@@ -111,7 +122,7 @@ impl Cell {
         }
     }
 
-    /// What a program gets as `data`, in words for a reader.
+    /// A cell with `data` for programs and words for readers.
     pub fn in_words(data: impl Into<Value>, words: &str) -> Self {
         Cell {
             shown: words.to_owned(),
@@ -125,7 +136,7 @@ impl Cell {
         Cell::shown(text.parse().unwrap_or(value), text)
     }
 
-    /// What a reader sees.
+    /// Text for readers.
     pub fn text(&self) -> &str {
         &self.shown
     }
@@ -138,7 +149,7 @@ impl Cell {
                 .starts_with(|c: char| c.is_ascii_digit() || "+-".contains(c))
     }
 
-    /// As a cell of a CSV file.
+    /// Text for a CSV file.
     fn csv(&self) -> String {
         match &self.data {
             Value::Null => String::new(),
@@ -207,7 +218,7 @@ impl<T: Into<Cell>> From<Option<T>> for Cell {
 pub struct Table {
     columns: Vec<Column>,
     rows: Vec<Vec<Cell>>,
-    /// How many of the columns that a reader sees say what a row is of.
+    /// Number of leading reader columns that identify a row.
     keys: usize,
 }
 
@@ -351,7 +362,7 @@ impl Table {
     }
 }
 
-/// How a column is laid out.
+/// Layout of a column.
 struct Layout {
     to_the_right: bool,
     /// Whether some cell has several words.

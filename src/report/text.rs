@@ -10,7 +10,7 @@ pub fn counted<N: Display + PartialEq + From<u8>>(number: N, thing: &str) -> Str
     }
 }
 
-/// Where a word may be broken: after these.
+/// Characters after which a word may be broken.
 const JOINTS: [char; 4] = ['_', '/', ',', '.'];
 
 /// The lines of a text of at most `width` characters each: broken at spaces, or after an underscore, slash,

@@ -24,7 +24,7 @@ pub struct ToleranceSummary {
     pub aligned: bool,
     /// Builds that could not be put together.
     pub rejected: u64,
-    /// How many were rejected for which reason, with the first of each.
+    /// Number of rejected builds for each reason, with the first of each.
     pub rejects: Vec<RejectRecord>,
     /// Builds without a pose somewhere in the motion.
     pub incomplete: u64,
@@ -54,11 +54,11 @@ pub struct RejectRecord {
     pub builds: u64,
     /// Number of the first of these builds.
     pub first: u64,
-    /// What was wrong with the first, in words.
+    /// Reason for the first rejection, in words.
     pub what: String,
 }
 
-/// How a value scatters; as it is printed.
+/// Scatter of a value, as printed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ValueRecord {
     /// Name with unit.
@@ -96,7 +96,7 @@ pub struct ValueRecord {
     pub range: [Option<f64>; 2],
     /// First-order share of each contributor in the variance, in the order of the study.
     pub shares: Vec<Option<f64>>,
-    /// The part of the builds' variance that first order leaves: curvature and interaction.
+    /// Part of the builds' variance beyond first order: curvature and interaction.
     pub remainder: Option<f64>,
     /// Standard error of the remainder.
     pub remainder_error: Option<f64>,
@@ -111,7 +111,7 @@ pub struct ValueRecord {
 /// A band.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BandRecord {
-    /// In words.
+    /// The band in words.
     pub band: String,
     /// The share of builds in it.
     pub kept: f64,
@@ -119,7 +119,7 @@ pub struct BandRecord {
     pub kept_linear: f64,
 }
 
-/// What a contributor is worth.
+/// Effect of a contributor on the yield.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RankingRecord {
     /// Its name.
@@ -138,7 +138,7 @@ fn finite(value: f64) -> Option<f64> {
     value.is_finite().then_some(value + 0.0)
 }
 
-/// Why a build cannot be put together, with the wheel of an axle that cannot.
+/// Reason for a rejected build, with the wheel in an axle.
 pub fn rejected(side: Option<Side>, why: &Reject) -> String {
     match side {
         None => why.to_string(),
@@ -236,14 +236,14 @@ impl ToleranceSummary {
         line
     }
 
-    /// In words, which builds were rejected and which have no pose somewhere.
+    /// Sentences on builds that were rejected or have no pose at some station.
     pub fn failures(&self) -> Vec<String> {
         let mut lines: Vec<String> = self
             .rejects
             .iter()
             .map(|r| {
                 format!(
-                    "{} rejected, build {} the first: {}",
+                    "{} rejected, first build {}: {}",
                     counted(r.builds, "build"),
                     r.first,
                     r.what
@@ -270,10 +270,11 @@ impl ToleranceSummary {
         let head = head.chain(rack_moves.then_some("rack"));
         let head = head.chain(self.places.iter().map(String::as_str));
         let keys = head.clone().count();
-        let numbers = ["drawn", "mean", "sigma", "linear", "p5", "p95"];
-        let header = head.chain(numbers).chain(["linear holds"]);
+        let nominal = Column::named("nominal", "drawn");
+        let numbers = ["mean", "sigma", "linear", "p5", "p95", "linear holds"].map(Column::from);
+        let header = head.map(Column::from).chain([nominal]).chain(numbers);
         let because = Column::for_programs("because");
-        let mut table = Table::with_columns(header.map(Column::from).chain([because])).keyed(keys);
+        let mut table = Table::with_columns(header.chain([because])).keyed(keys);
         let mut outputs: Vec<&str> = Vec::new();
         for value in &self.values {
             if !outputs.contains(&&*value.output) {
@@ -352,15 +353,16 @@ impl ToleranceSummary {
         table
     }
 
-    /// A table of the tolerances to hold tighter and of those that may be looser.
+    /// Table of the contributors: the tolerances to tighten, and those that can be relaxed.
     pub fn ranking_table(&self) -> Table {
-        let yields = ["yield halved", "yield doubled", "may be looser"].map(Column::from);
+        let yields = ["yield halved", "yield doubled"].map(Column::from);
+        let relaxed = Column::named("can be relaxed", "may be looser");
         let shares = [
             Column::for_readers("largest share"),
             Column::for_programs("share"),
         ];
         let head = [Column::from("contributor")].into_iter();
-        let mut table = Table::with_columns(head.chain(shares).chain(yields));
+        let mut table = Table::with_columns(head.chain(shares).chain(yields).chain([relaxed]));
         for r in &self.ranking {
             let yields = [r.share, r.share, r.yield_halved, r.yield_doubled];
             let head = [Cell::from(r.contributor.as_str())];
@@ -434,8 +436,8 @@ impl ToleranceSummary {
         csv_of_rows(std::iter::once(header).chain(rows))
     }
 
-    /// `contributors.csv`: the share of each contributor in the first-order variance of each value and in that of the
-    /// builds, and what is left of that.
+    /// `contributors.csv`: the share of each contributor in the first-order variance of each value and in the
+    /// variance of the builds, and the remainder.
     pub fn contributors_csv(&self, contributors: &[String], length: &str) -> Vec<u8> {
         let mut header = vec!["output".to_owned()];
         header.extend(self.place_columns(length));
@@ -456,7 +458,7 @@ impl ToleranceSummary {
     }
 }
 
-/// A share with three digits, and never rounded up to all.
+/// A share with three digits, never rounded up to 100 %.
 pub(super) fn percent(share: f64) -> String {
     match share {
         s if s >= 1.0 => "100 %".to_owned(),

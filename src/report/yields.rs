@@ -1,4 +1,4 @@
-//! What builds keep to before and after a robust tuning.
+//! Yields of builds before and after a robust tuning.
 
 use super::table::{Cell, Table};
 use super::text::counted;
@@ -21,7 +21,7 @@ pub struct YieldRecord {
 /// A band, and the shares of builds that keep to it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BandShares {
-    /// What it is, in words.
+    /// The band in words.
     pub band: String,
     /// Before and after.
     pub shares: [Option<f64>; 2],

@@ -131,7 +131,7 @@ pub(super) fn resolved(paths: &[PathBuf]) -> Vec<PathBuf> {
     paths.filter_map(|path| path.canonicalize().ok()).collect()
 }
 
-/// The names of what is in a directory, sorted.
+/// Sorted names of the files in a directory.
 pub(super) fn names(path: &Path) -> Vec<String> {
     let entries = std::fs::read_dir(path).into_iter().flatten().flatten();
     let mut names: Vec<String> = entries

@@ -7,10 +7,10 @@ use std::io::{self, Read, Seek, Write};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-/// How long a run waits for another that may be about to end.
+/// Time that a run waits for another one that may be about to end.
 const ALONE: Duration = Duration::from_millis(300);
 
-/// How long one that would share waits for another that puts the directory in order, as shards do when they begin.
+/// Time that a shard waits while another one prepares the directory.
 const TOGETHER: Duration = Duration::from_secs(10);
 
 /// A lock that is held until it is dropped. Its file goes with it.
@@ -20,7 +20,7 @@ pub struct Lock {
     file: File,
 }
 
-/// Why there is no lock.
+/// Reason why there is no lock.
 #[derive(Debug)]
 pub enum NotLocked {
     /// Someone else has it; who, where it could be read.
@@ -78,7 +78,7 @@ impl Lock {
             // It is made as a file; another program's link leads elsewhere, where a lock would hold nothing here.
             if std::fs::symlink_metadata(path).is_ok_and(|there| there.is_symlink()) {
                 return Err(NotLocked::Failed(io::Error::other(
-                    "it is a symbolic link, which no run has put there: remove it",
+                    "it is a symbolic link that no run created: remove it",
                 )));
             }
             let file = OpenOptions::new()

@@ -9,7 +9,7 @@ pub(super) const NAME: &str = "run.json";
 /// The form of the file. A reader takes no other.
 const FORM: u32 = 1;
 
-/// Which runs wrote which files of a directory.
+/// Record of the runs that wrote the files of a directory.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Manifest {
     form: u32,
@@ -28,7 +28,7 @@ pub struct RunRecord {
     pub digest: String,
     /// The version of the program.
     pub version: String,
-    /// Whether the run has ended, with all of its results.
+    /// Whether the run has ended with all of its results.
     pub finished: bool,
     /// Whether a signal ended the run before that.
     #[serde(default)]
@@ -58,7 +58,7 @@ impl Manifest {
         match manifest.form {
             FORM => Ok(manifest),
             other => Err(format!(
-                "written in form {other}, this version reads form {FORM}"
+                "written in format {other}, this version reads format {FORM}"
             )),
         }
     }

@@ -1,4 +1,4 @@
-//! Who holds a lock, for the message to those who find it held.
+//! Owner of a lock, named to others that want it.
 
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -10,7 +10,7 @@ pub struct Owner {
     pub process: u32,
     /// The machine it runs on.
     pub host: String,
-    /// What it does, as in `hardpoint sweep front`.
+    /// Command line of the owner, as in `hardpoint sweep front`.
     pub command: String,
 }
 

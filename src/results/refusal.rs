@@ -1,4 +1,4 @@
-//! Why a directory is not for the results of a run.
+//! Refusals of a directory for the results of a run.
 
 use super::Owner;
 use std::path::PathBuf;
@@ -9,11 +9,11 @@ use std::path::PathBuf;
 pub struct WriteError {
     /// The file that was to be written.
     pub path: PathBuf,
-    /// Why it could not be written.
+    /// Error of the system.
     pub source: std::io::Error,
 }
 
-/// Why a directory is not for the results of a run. Each names the file and the way out.
+/// Refusal of a directory for the results of a run. Each names the file and a remedy.
 #[derive(Debug, thiserror::Error)]
 pub enum Refusal {
     /// The directory cannot be written to.
@@ -27,12 +27,12 @@ pub enum Refusal {
     Busy {
         /// The directory.
         directory: String,
-        /// Who writes, where it is known.
+        /// Process that writes, if known.
         owner: Option<Owner>,
     },
     /// The directory holds an input of the run under the name of a result.
     #[error(
-        "{file} is an input of this run, which its results would overwrite: give another directory \
+        "{file} is an input of this run, and the results would overwrite it: give another directory \
          with --out"
     )]
     Input {
@@ -41,7 +41,7 @@ pub enum Refusal {
     },
     /// The directory holds files that no run has written.
     #[error(
-        "{file} is there already, and not from a run recorded in run.json: give another \
+        "{file} exists already and is not from a run recorded in run.json: give another \
          directory with --out, or overwrite it with --force"
     )]
     Foreign {
@@ -55,19 +55,18 @@ pub enum Refusal {
         unfinished = if *is_finished { "" } else { "unfinished " },
         of = match same_study {
             Some(true) => "of this study".to_owned(),
-            Some(false) => "of another study, or of another state of it".to_owned(),
+            Some(false) => "of another study, or of another version of this study".to_owned(),
             None => format!("of the study {study}"),
         }
     )]
     Taken {
         /// The directory.
         directory: String,
-        /// Whose results they are.
+        /// Command that wrote the results.
         command: String,
         /// The name of their study.
         study: String,
-        /// Whether it is the same study, where that is known: sweeps and other commands digest a study each in their
-        /// own way.
+        /// Whether it is the same study, if known: sweeps and other commands use different digests.
         same_study: Option<bool>,
         /// Whether that run has ended.
         is_finished: bool,
@@ -76,7 +75,7 @@ pub enum Refusal {
     },
     /// The directory holds a sweep that has not ended.
     #[error(
-        "{directory} holds an unfinished sweep of this study: go on with it by --resume, or begin it anew \
+        "{directory} holds an unfinished sweep of this study: continue it with --resume, or restart it \
          with --force"
     )]
     Unfinished {
@@ -85,19 +84,19 @@ pub enum Refusal {
     },
     /// The record of the runs in the directory cannot be read.
     #[error(
-        "{file} is not as hardpoint writes it ({reason}), so nothing is known of the files beside it: \
+        "hardpoint did not write {file} in this form ({reason}), so the files beside it are unknown: \
          give another directory with --out, or write there with --force"
     )]
     Unreadable {
         /// The record.
         file: String,
-        /// What is wrong with it.
+        /// Fault of the file.
         reason: String,
     },
 }
 
 impl Refusal {
-    /// In words, of a directory that is given by another option than `--out`.
+    /// Message for a directory that another option than `--out` gives.
     pub fn with_option(&self, option: &str) -> String {
         let advice = |option| format!("give another directory with {option}");
         self.to_string().replace(&advice("--out"), &advice(option))

@@ -153,7 +153,7 @@ impl RunDirectory {
         let owner = Owner::here(&format!("hardpoint {}", self.command));
         let shared = lock.share(&owner).map_err(|reason| {
             let error = match reason {
-                NotLocked::Held(_) => io::Error::other("another run has taken it"),
+                NotLocked::Held(_) => io::Error::other("another run has locked it"),
                 NotLocked::Failed(error) => error,
             };
             unwritten(&self.path)(error)
@@ -256,7 +256,7 @@ impl RunDirectory {
                 }
                 if !self.wrote(&state.manifest, name) {
                     let message =
-                        "it is there already, and not from this run; --force overwrites it";
+                        "it exists already and is not from this run; --force overwrites it";
                     let error = io::Error::new(io::ErrorKind::AlreadyExists, message);
                     return Err(unwritten(&self.path.join(name))(error));
                 }
@@ -312,7 +312,7 @@ impl RunDirectory {
         open_runs::end(&self.path, || self.put_undivided(manifest::NAME, &text))
     }
 
-    /// Says in `summary.json`, where this run has written one, how the run ended.
+    /// Records in `summary.json`, if this run has written one, how the run ended.
     fn restate_summary(&self, state: &RunState) -> Result<(), WriteError> {
         if !state.written.contains(SUMMARY) {
             return Ok(());

@@ -1,12 +1,12 @@
-//! Who may speak to the server.
+//! Access to the server.
 //!
-//! Any page in any browser on this machine, and any program, can reach a loopback port. The token keeps
-//! programs and pages out that were not told the address; `Host` keeps out names that were made to point at
-//! this machine (DNS rebinding); `Origin` pages that guess.
+//! Any page in any browser on this machine, and any program, can reach a loopback port. The token keeps out programs and
+//! pages that do not know the address. `Host` keeps out names that others made to point at this machine (DNS rebinding).
+//! `Origin` keeps out pages that guess the address.
 
 use std::net::SocketAddr;
 
-/// What a request must show to be answered.
+/// Requirements for a request to be answered.
 pub(super) struct Access {
     token: String,
     hosts: [String; 2],

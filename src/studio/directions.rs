@@ -57,7 +57,7 @@ pub(super) fn directions(opened: &Opened, of: &Designed) -> Result<DirectionsAns
     })
 }
 
-/// How far wheel and rack go from the design position, and what stops them.
+/// Limits of wheel and rack from the design position, with their causes.
 pub(super) fn limits(opened: &Opened, of: &Designed) -> Result<LimitsAnswer, String> {
     let suspension = opened.moved(&of.design)?.suspension;
     let mechanism = &suspension.mechanism;
@@ -79,7 +79,7 @@ fn ends(range: &Range, sign: f64) -> [LimitEnd; 2] {
         },
         RangeEnd::FullTurn => LimitEnd {
             value: None,
-            because: "it turns right round".to_owned(),
+            because: "no limit: it turns all the way round".to_owned(),
         },
         RangeEnd::Unresolved(value) => LimitEnd {
             value: Some(sign * value),

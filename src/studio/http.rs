@@ -1,5 +1,5 @@
-//! As much of HTTP/1.1 as one page needs: requests with a length, answers with a length, connections that are
-//! kept (RFC 9112). Heads are read by `httparse`.
+//! The part of HTTP/1.1 that one page needs: requests with a length, answers with a length, connections that are kept
+//! (RFC 9112). `httparse` reads the heads.
 
 use std::borrow::Cow;
 use std::io::{ErrorKind, Read, Write};
@@ -18,7 +18,7 @@ const IDLE: Duration = Duration::from_secs(120);
 /// The head of a request.
 pub(super) struct Head {
     pub method: String,
-    /// Without what follows a question mark.
+    /// Path without the query.
     pub path: String,
     pub host: Option<String>,
     pub origin: Option<String>,
@@ -27,7 +27,7 @@ pub(super) struct Head {
     length: usize,
 }
 
-/// Why there is no request.
+/// Reason why there is no request.
 pub(super) enum Unread {
     /// The other side has gone, or kept silent.
     Gone,

@@ -41,9 +41,7 @@ impl Job {
     ) -> Result<Arc<Job>, String> {
         let mut study = opened.moved(&request.of.design)?;
         let Some(optimise) = &mut study.optimise else {
-            return Err(
-                "the study has no [optimise] section: what may move, what is wanted".into(),
-            );
+            return Err("the study has no [optimise] section with variables and targets".into());
         };
         let free = |variable: &&Variable| {
             let points = variable.moves.iter().map(|m| (m.point.0, m.axis as usize));

@@ -101,7 +101,7 @@ pub(super) struct Slider {
     pub unit: &'static str,
     pub low: f64,
     pub high: f64,
-    /// In the design position.
+    /// Value in the design position.
     pub home: f64,
 }
 
@@ -196,7 +196,7 @@ impl ColumnValues {
 #[derive(Serialize)]
 pub(super) struct Misfit {
     pub value: Option<f64>,
-    /// Why there is none.
+    /// Reason why there is none.
     pub reason: Option<String>,
     pub gradient: Coordinates,
     pub targets: Vec<TargetMisfit>,
@@ -242,15 +242,15 @@ pub(super) struct DirectionsAnswer {
 
 #[derive(Serialize)]
 pub(super) struct FreeDirection {
-    /// In words: the variables and how far each goes.
+    /// The variables and their amounts, in words.
     pub name: String,
-    /// How far each point goes.
+    /// Displacement of each point.
     pub change: Coordinates,
-    /// How much of it is free, down and up.
+    /// Free amount, downward and upward.
     pub free: [f64; 2],
 }
 
-/// How far the mechanism goes.
+/// Limits of the mechanism.
 #[derive(Serialize)]
 pub(super) struct LimitsAnswer {
     pub travel: [LimitEnd; 2],
@@ -263,7 +263,7 @@ pub(super) struct LimitEnd {
     pub because: String,
 }
 
-/// How a tuning stands.
+/// State of a tuning.
 #[derive(Serialize)]
 pub(super) struct JobState {
     pub job: u64,

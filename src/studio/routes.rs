@@ -275,8 +275,8 @@ fn json(answer: &impl Serialize) -> Result<Response, Refused> {
     Ok(Response::new(200, "application/json", text))
 }
 
-/// What is wrong with a request has a status. A design that cannot be solved or a file that has changed is an
-/// ordinary answer: browsers write every other one to the console as an error.
+/// Response to a refused request, with a status. A design that cannot be solved or a file that has changed is an
+/// ordinary answer, because browsers write refusals to the console as errors.
 fn refusal((status, why): Refused) -> Response {
     match status {
         409 | 422 => {

@@ -16,10 +16,10 @@ use thiserror::Error;
 const USUAL_PORT: u16 = 7353;
 /// The most connections at a time; a tab holds up to six.
 const MOST_CONNECTIONS: usize = 64;
-/// How often it is looked whether to stop.
+/// Interval between checks whether to stop.
 const LOOK: Duration = Duration::from_millis(100);
 
-/// Why a study is not served.
+/// Reason why a study is not served.
 #[derive(Debug, Error)]
 pub enum NotServed {
     /// The study is wrong; in words.
@@ -30,7 +30,7 @@ pub enum NotServed {
     Port {
         /// The port that was asked for.
         port: u16,
-        /// Why.
+        /// Error of the system.
         source: std::io::Error,
     },
     /// The system does not give what a server needs.

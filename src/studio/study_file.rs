@@ -25,7 +25,7 @@ pub(super) struct Opened {
     pub layout: Option<TargetLayout>,
 }
 
-/// Why a file was not saved.
+/// Reason why a file was not saved.
 pub(super) enum NotSaved {
     /// The file has been changed since it was opened, or there is another file of that name.
     Changed(String),
@@ -290,7 +290,9 @@ fn check_name(name: &str) -> Result<(), String> {
         return Err("expected the name of a file beside the study, without a folder".to_owned());
     }
     if !is_printable(name) {
-        return Err("expected a name that reads as it is: without characters that turn the direction of writing".to_owned());
+        return Err(
+            "expected a name without characters that change the direction of writing".to_owned(),
+        );
     }
     if is_reserved(name) {
         return Err(format!(

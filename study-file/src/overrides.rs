@@ -126,5 +126,8 @@ fn no_element(key: &Key, count: usize) -> String {
 }
 
 fn no_table(key: &Key) -> String {
-    format!("what is to have the key {:?} is not a table", key.get())
+    format!(
+        "the value that should have the key {:?} is not a table",
+        key.get()
+    )
 }

@@ -580,9 +580,6 @@ mod tests {
         assert_eq!(sensitivities[0]["type"], "boolean");
         assert_eq!(sensitivities[1]["items"]["type"], "string");
         let tolerance = "/properties/optimise/properties/targets/items/properties/tolerance";
-        assert_eq!(
-            at(tolerance)["description"],
-            "the deviation that still is acceptable"
-        );
+        assert_eq!(at(tolerance)["description"], "acceptable deviation");
     }
 }

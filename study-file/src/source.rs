@@ -27,7 +27,7 @@ pub fn read_regular_text(path: &Path, longest: u64) -> Result<String, String> {
 /// shell) is read to its end. A device may have no end, and a named pipe may have no writer: both are refused.
 pub fn read_bytes(path: &Path, longest: u64) -> Result<Vec<u8>, String> {
     let failed = |e: std::io::Error| match e.kind() {
-        ErrorKind::NotFound => "there is no such file".to_owned(),
+        ErrorKind::NotFound => "the file does not exist".to_owned(),
         ErrorKind::PermissionDenied => "permission denied".to_owned(),
         _ => e.to_string(),
     };
@@ -60,7 +60,7 @@ fn bytes_of(
         .map_err(failed)?;
     if bytes.len() as u64 > longest {
         return Err(format!(
-            "it is longer than {} MB, the most that is read of such a file",
+            "it is longer than {} MB, the limit for such a file",
             longest >> 20
         ));
     }

@@ -449,7 +449,7 @@ fn wrong_calls_are_named() {
     let directory = tempfile::tempdir().unwrap();
     let here = directory.path().to_str().unwrap();
     for (arguments, phrase) in [
-        (vec!["solve", "absent.toml"], "no such file"),
+        (vec!["solve", "absent.toml"], "does not exist"),
         (vec!["solve", here], "directory"),
         (vec!["new", "unicycle"], "macpherson"),
         (vec!["sovle"], "solve"),
@@ -625,7 +625,7 @@ fn loads_without_support_are_reported() {
             .ends_with(",kerb_spring_N,status")
     );
     assert!(csv.lines().nth(2).unwrap().ends_with(",,,,unsupported"));
-    let warning = "warning: loads not carried at 1 station, the first at travel 0 mm: the spring, or the support in its place, has next to no leverage";
+    let warning = "warning: loads cannot be carried at 1 station, the first at travel 0 mm: the spring (or the support instead of it) has almost no leverage";
     assert!(text(said).contains(warning), "{}", text(said));
 }
 
@@ -736,7 +736,7 @@ fn a_set_up_out_of_reach_names_the_wish() {
         "{error}"
     );
     assert!(
-        said.contains("what each adjustment does") && said.contains("tie_rod"),
+        said.contains("Effect of each adjustment") && said.contains("tie_rod"),
         "{said}"
     );
     let (header, rows) = csv(&directory, "effects.csv");

@@ -427,7 +427,7 @@ fn mistakes_are_named() {
             "pushrod_outer",
             &[
                 "missing for the rocker: rocker_pivot_rear (rear point of the rocker's axis on the body)",
-                "left out as a whole",
+                "or none",
             ][..],
         ),
         (

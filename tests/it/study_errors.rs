@@ -276,7 +276,7 @@ fn loads_that_cannot_be() {
     let text = text.replace("[\"camber\", \"anti_dive\"]", "[\"camber\"]");
     let (text, _) = text.split_once("[optimise]").unwrap();
     let text = format!("{text}[solver]\nformulation = \"point_coordinates\"\n");
-    let phrase = "the formulation in point coordinates balances no loads";
+    let phrase = "loads are not available for the formulation in point coordinates";
     assert_mistake(&text, "loads = ", "outputs.loads", &[phrase]);
 }
 

@@ -36,7 +36,7 @@ const CORPUS: &[(&str, usize, &str)] = &[
     (
         "certify_point_coordinates",
         25,
-        "no certificates for the formulation in point coordinates",
+        "certify is not available for the formulation in point coordinates",
     ),
     (
         "coordinate_1e300",

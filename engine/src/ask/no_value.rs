@@ -26,16 +26,14 @@ impl NoValue {
     pub fn reason(self) -> &'static str {
         match self {
             NoValue::NoPose => "the station has no pose",
-            NoValue::StraightAhead => {
-                "below 0.02 rad of mean steer it is a quotient of two angles that vanish"
-            }
+            NoValue::StraightAhead => "not defined near straight ahead (mean steer below 1.1 deg)",
             NoValue::ParallelNormals => {
-                "the normals to the velocities of the contact points are all but parallel"
+                "the normals to the velocities of the contact points are nearly parallel"
             }
             NoValue::NoPlane => "the wheels stand on pads of different heights, not on a plane",
-            NoValue::Toggle => "a rocker it moves with is at a toggle",
+            NoValue::Toggle => "its rocker is at a toggle",
             NoValue::Unsupported => {
-                "the spring, or the support in its place, has next to no leverage there"
+                "the spring (or the support instead of it) has almost no leverage there"
             }
             NoValue::NotFinite => "its formula divides by zero there",
             NoValue::Undefined(condition) => condition,

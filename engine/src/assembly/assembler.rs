@@ -37,7 +37,7 @@ pub enum Reject {
     /// On the way from the drawn parts to these the mechanism comes to a singular position, beyond which the links
     /// cannot reach.
     #[error(
-        "the links cannot reach: from the drawn parts to these the mechanism goes together up to {:.0} %",
+        "the links cannot reach: the mechanism can be assembled with up to {:.0} % of these deviations",
         100.0 * share
     )]
     OutOfReach {
@@ -51,13 +51,13 @@ pub enum Reject {
     #[error("{0} would have no length")]
     NoLength(String),
     /// The spring cannot be given its length at any height nearby.
-    #[error("the spring keeps its length at no height nearby")]
+    #[error("at no height nearby does the spring have its length")]
     Spring,
     /// Toe and camber cannot be set to what they were drawn.
-    #[error("toe and camber cannot be set as they were drawn")]
+    #[error("toe and camber cannot be set to their design values")]
     Unaligned,
     /// The parts can be put together, but the result cannot move.
-    #[error("put together, it cannot move")]
+    #[error("the assembled mechanism cannot move")]
     Immovable(DesignFault),
 }
 

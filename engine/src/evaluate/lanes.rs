@@ -29,14 +29,16 @@ impl NotInLanes {
     /// The reason as the end of a sentence.
     pub fn describe(self) -> &'static str {
         match self {
-            NotInLanes::Asked => "as it was asked for",
+            NotInLanes::Asked => "the run requested it",
             NotInLanes::Mechanism => {
-                "since the drive, or the study's own design, is not one that the tracker takes (a linkage by its \
-                 arm's angle, a design next to a singularity or far from the origin)"
+                "the tracker does not support this drive or this design (a linkage driven by its arm's angle, a design \
+                 close to a singularity or far from the origin)"
             }
-            NotInLanes::Stations => "since two stations coincide, or one is out of all reach",
-            NotInLanes::Reading => "since something that is asked for cannot be read in lanes",
-            NotInLanes::Travels => "since travels of the wheels are given, or follow from a load",
+            NotInLanes::Stations => "two stations coincide, or one is far out of reach",
+            NotInLanes::Reading => "lanes do not support a requested output",
+            NotInLanes::Travels => {
+                "the study gives travels of both wheels, or they follow from a load"
+            }
         }
     }
 }

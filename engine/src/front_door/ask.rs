@@ -102,7 +102,7 @@ impl Study {
         characteristics: &[Characteristic],
         order: Order,
     ) -> Result<Self, Error> {
-        self.refuse_of_axle("what is asked of one stands in its text")?;
+        self.refuse_of_axle("give its requests in the study file")?;
         for characteristic in characteristics {
             Error::if_lacking(&self.suspension, *characteristic)?;
         }
@@ -116,7 +116,7 @@ impl Study {
     /// # Errors
     /// [`Error::UnknownPoint`]; [`Error::Axle`] as for [`Study::asking`].
     pub fn asking_points(mut self, names: &[&str]) -> Result<Self, Error> {
-        self.refuse_of_axle("what is asked of one stands in its text")?;
+        self.refuse_of_axle("give its requests in the study file")?;
         let points = names.iter().map(|name| self.suspension.point_named(name));
         self.outputs.points = points.collect::<Result<_, _>>()?;
         Ok(self)

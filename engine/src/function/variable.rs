@@ -10,11 +10,11 @@ use thiserror::Error;
 pub enum FunctionError {
     /// The study solves the seed paper's equations, which do not give every output of every design.
     #[error(
-        "a study with formulation = \"point_coordinates\" or drive = \"paper_theta\" is no function of the design"
+        "DesignFunction does not support formulation = \"point_coordinates\" or drive = \"paper_theta\""
     )]
     Formulation,
     /// The study asks for nothing that is a function of position.
-    #[error("the study asks for no characteristic and no point")]
+    #[error("the study requests no characteristic and no point")]
     NoOutputs,
     /// The design itself cannot be solved.
     #[error("{0}")]

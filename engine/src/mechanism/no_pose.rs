@@ -21,14 +21,14 @@ pub enum NoPose {
     },
     /// No difference of travels puts both wheels on the ground at this roll angle: a wheel falls where it
     /// should rise, or the iteration did not settle.
-    #[error("no difference of travels puts both wheels on the ground")]
+    #[error("at no difference of the travels do both wheels touch the ground")]
     NoGround,
     /// No mean travel gives the axle the load that is held: the load does not grow with the travel, or a wheel does not
     /// reach it.
-    #[error("at no mean travel the wheels carry the load that is held")]
+    #[error("at no mean travel do the wheels carry the held load")]
     NoLoad,
     /// A proof was requested: both poses are proved, but not that the ground under them is the only one there.
-    #[error("both poses are proved, but not that the ground under them is the only one there")]
+    #[error("both poses are proved, but not the uniqueness of the ground position")]
     Unproven,
 }
 

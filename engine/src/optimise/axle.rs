@@ -161,8 +161,9 @@ impl<const N: usize> AxleRows for Rows<'_, N> {
         let placed = solver.place_all(&placements);
         let mut pulling: Vec<&TargetSample> = Vec::new();
         for (AxleStation { placement, samples }, placed) in layout.stations.iter().zip(placed) {
-            let unreached =
-                |failure| Infeasible::Refused(format!("{placement} is not reached: {failure}"));
+            let unreached = |failure| {
+                Infeasible::Refused(format!("the axle does not reach {placement}: {failure}"))
+            };
             let placed = placed.map_err(unreached)?;
             let read = solver.read(&placed).map_err(unreached)?;
             wanted.clear();

@@ -83,7 +83,7 @@ impl<'a> Builds<'a> {
         let aligned = self.scatter.adjust.as_ref();
         let alignment = aligned.map(|adjust| Alignment::of(adjust, &self.assembler));
         alignment.transpose().map_err(|_| {
-            Infeasible::Refused("what [setup] adjusts does not move toe and camber".to_owned())
+            Infeasible::Refused("the adjustments of [setup] do not move toe and camber".to_owned())
         })
     }
 
@@ -105,7 +105,7 @@ impl<'a> Builds<'a> {
         } = self;
         let mechanism = &assembler.suspension().mechanism;
         let refused = |reject: crate::assembly::Reject| {
-            Infeasible::Refused(format!("build {number} cannot be put together: {reject}"))
+            Infeasible::Refused(format!("build {number} cannot be assembled: {reject}"))
         };
         let mut parts = assembler.drawn().clone();
         for (source, z) in sources(scatter).zip(&draws[number]) {

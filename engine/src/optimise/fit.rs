@@ -147,17 +147,23 @@ impl fmt::Display for Termination {
         f.write_str(match self {
             Termination::MisfitReached => "converged: the targets are met",
             Termination::MovedTargetsMet => {
-                "converged: the targets that variables move are met, the others are missed"
+                "converged: all targets that a variable moves are met, the others are missed"
             }
             Termination::NoFurtherDescent => "converged: no further descent",
             Termination::StepBelowResolution => "converged: the step is below resolution",
             Termination::Stationary => "converged: stationary between the bounds",
             Termination::NoFeasibleStep(reason) => return write!(f, "no feasible step: {reason}"),
-            Termination::NearestGoodEnough => "converged: the nearest design that is good enough",
-            Termination::NearestOfTheBest => "converged: the nearest of the best designs",
-            Termination::GoodEnoughNotKnownNearest => "good enough, not known to be the nearest",
-            Termination::BestNotKnownNearest => "as good as the best, not known to be the nearest",
-            Termination::NotStationary => "not converged: no step goes on, the slope is not zero",
+            Termination::NearestGoodEnough => "converged: smallest change that is good enough",
+            Termination::NearestOfTheBest => "converged: smallest change among the best designs",
+            Termination::GoodEnoughNotKnownNearest => {
+                "good enough, not known to be the smallest change"
+            }
+            Termination::BestNotKnownNearest => {
+                "as good as the best, not known to be the smallest change"
+            }
+            Termination::NotStationary => {
+                "not converged: no step improves the design, but the slope is not zero"
+            }
             Termination::ConstraintsExcludeEachOther => "the constraints exclude one another",
             Termination::IterationLimit => "the limit of iterations was reached",
             Termination::EvaluationLimit => "the limit of evaluations was reached",

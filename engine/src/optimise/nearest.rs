@@ -6,7 +6,7 @@
 //! the one before, and from the study's own design. Steps that would exceed the level by far are refused on all but the
 //! last.
 //! An answer for a lower level serves the higher one, so the nearest of all answers is taken. If no run for m converged,
-//! the design is not known to be the nearest, and the termination says so.
+//! the design is not known to be the smallest change, and the termination says so.
 
 use super::constrained::{Assessment, Constrained, ConstrainedFit, KEPT, constrained_fit};
 use super::fixed::FixedRows;

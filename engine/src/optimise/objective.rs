@@ -306,7 +306,7 @@ fn read_poses<'a>(
             Ok(()) => ControlFlow::Continue(()),
             Err(failure) => {
                 let place = place_in_words(place.drive, place.value);
-                let why = format!("{place} is not reached: {failure}");
+                let why = format!("the mechanism does not reach {place}: {failure}");
                 failed = Some(Infeasible::Refused(why));
                 ControlFlow::Break(())
             }
@@ -323,7 +323,7 @@ fn uncarried(measure: &Measure, found: f64, place: &MotionPoint<f64>) -> Option<
     is_uncarried.then(|| {
         let place = place_in_words(place.drive, place.value);
         Infeasible::Refused(format!(
-            "at {place} nothing has the leverage to carry the load"
+            "at {place} no part has the leverage to carry the load"
         ))
     })
 }

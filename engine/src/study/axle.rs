@@ -71,7 +71,7 @@ pub(super) fn refuse_without_axle(file: &File, problems: &mut Problems) {
     let sections = sections.into_iter();
     places.extend(sections.filter_map(|(name, span)| Some((name, span?))));
     for (key, span) in places {
-        let message = format!("{key} is of an axle, and this study is of one wheel");
+        let message = format!("{key} needs [axle]; this study describes one wheel");
         let error = problems.add(span, message);
         error.help("[axle] with right = \"mirrored\" makes it a study of both wheels");
     }
@@ -118,7 +118,7 @@ fn refuse_corner_keys(file: &File, problems: &mut Problems) -> bool {
         refused.extend(span.map(|span| (span, message.to_owned())));
     };
     let one_wheel =
-        "is of a study of one wheel; an axle moves by heave, roll, or travel_left and travel_right";
+        "drives one wheel only; an axle moves by heave, roll, or travel_left and travel_right";
     let values = |values: &Option<Spanned<Values>>| values.as_ref().map(Spanned::span);
     add(values(&motion.travel), &format!("travel {one_wheel}"));
     add(values(&motion.arm_angle), &format!("arm_angle {one_wheel}"));
@@ -129,13 +129,13 @@ fn refuse_corner_keys(file: &File, problems: &mut Problems) -> bool {
     );
     add(
         motion.time.as_ref().map(Spanned::span),
-        "time is not yet there for an axle",
+        "time is not available for axles",
     );
     // Of the left wheel by itself, for constraints.
     for motion in file.motions.values() {
         for (key, span) in keys_of_axles(motion.get_ref()) {
             let message = format!(
-                "{key} is of [motion]; a named motion is one of the left wheel, through which constraints hold: \
+                "{key} belongs in [motion]; a named motion moves the left wheel and serves constraints only: \
                  expected travel and rack"
             );
             add(Some(span), &message);
@@ -143,11 +143,11 @@ fn refuse_corner_keys(file: &File, problems: &mut Problems) -> bool {
     }
     add(
         file.solver.formulation.as_ref().map(Text::span),
-        "formulation is not there for an axle, which is always solved as \"knuckle_pose\"",
+        "an axle is always solved with formulation = \"knuckle_pose\"; leave formulation out",
     );
     add(
         file.solver.accuracy.as_ref().map(Spanned::span),
-        "accuracy is not there for an axle, which is always solved in full precision",
+        "an axle is always solved in full precision; leave accuracy out",
     );
     let sound = refused.is_empty();
     for (span, message) in refused {
@@ -346,13 +346,13 @@ fn at_load(file: &File, axle: &Axle, problems: &mut Problems) -> Option<bool> {
     let at_load = choose(text, "hold", &holds, problems)?;
     let certifies = file.outputs.as_ref().and_then(|o| o.certify.as_ref());
     let message = if section.roll.is_none() {
-        "hold says what roll holds, and there is no roll"
+        "hold applies to roll, and [motion] has no roll"
     } else if at_load && axle.setup.springs.is_none() {
-        "hold = \"load\" needs [spring]: what the wheels carry"
+        "hold = \"load\" needs [spring] for the wheel loads"
     } else if at_load && certifies.is_some_and(|c| *c.get_ref()) {
-        "positions at a load are not proved; expected hold = \"mean_travel\", or certify left out"
+        "certify does not work with hold = \"load\"; expected hold = \"mean_travel\", or no certify"
     } else if at_load && file.tolerance.is_some() {
-        "builds are not put at a load; expected hold = \"mean_travel\", or [tolerance] left out"
+        "[tolerance] does not work with hold = \"load\"; expected hold = \"mean_travel\", or no [tolerance]"
     } else {
         return Some(at_load);
     };
@@ -404,7 +404,7 @@ fn course(file: &File, axle: &Axle, problems: &mut Problems) -> Option<AxleMotio
         }
         (heave, Some(roll), ..) => {
             if let Some((false, span)) = on_plane {
-                let message = "roll is that of the body on a plane; expected ground = \"plane\", or travel_left and travel_right on pads";
+                let message = "roll needs a plane ground; expected ground = \"plane\", or travel_left and travel_right on pads";
                 return problems.refuse(span, message);
             }
             WheelMotion::Roll {
@@ -422,7 +422,7 @@ fn course(file: &File, axle: &Axle, problems: &mut Problems) -> Option<AxleMotio
             _ => WheelMotion::Heave(heave),
         },
         (None, None, None, None) => {
-            let message = "expected heave, roll, or travel_left and travel_right: where the axle is to be solved";
+            let message = "expected heave, roll, or travel_left and travel_right";
             return problems.refuse(place, message);
         }
         (None, None, left, right) => WheelMotion::Travels {
@@ -433,8 +433,7 @@ fn course(file: &File, axle: &Axle, problems: &mut Problems) -> Option<AxleMotio
     };
     let (racks, steering_wheel) = match (racks, wheel_angles) {
         (Some(_), Some(_)) => {
-            let message =
-                "rack already says where the rack is; expected rack or steering_wheel_angle";
+            let message = "rack and steering_wheel_angle both give the rack; expected one of them";
             return refuse(problems, &section.steering_wheel_angle, message);
         }
         (racks, None) => {
@@ -555,10 +554,10 @@ fn check_needs(file: &File, axle: &Axle, plan: &AxlePlan, problems: &mut Problem
         let place = made_of_most.map_or(file.motion.span(), Text::span);
         let name = made_of_most.map_or("an output", |text| text.get_ref());
         let message = format!(
-            "{name} is made of second derivatives itself, and derivatives of an axle are known up to the third"
+            "{name} contains second derivatives, and an axle has derivatives up to the third only"
         );
         let error = problems.add(place, message);
-        error.help("order = \"velocity\" goes with it");
+        error.help("use order = \"velocity\"");
         sound = false;
     }
     sound.then_some(())

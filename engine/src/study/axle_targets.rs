@@ -109,7 +109,7 @@ impl<'w> Where<'w> {
         let side = ("side", self.side.as_ref().map(Text::span));
         for (key, span) in places.chain([over, side]) {
             if let Some(span) = span {
-                let message = format!("{key} is of an axle, and this study is of one wheel");
+                let message = format!("{key} needs [axle]; this study describes one wheel");
                 problems.add(span, message);
             }
         }
@@ -155,25 +155,26 @@ pub(super) fn target(
     ];
     for (key, span) in of_one_wheel {
         if let Some(span) = span {
-            let message =
-                format!("a target of an axle is about a characteristic; {key} is of one wheel");
+            let message = format!(
+                "a target of an axle needs a characteristic; {key} is available for one wheel only"
+            );
             let error = problems.add(span, message);
-            error.help("lengths and places of points can be constraints");
+            error.help("use a constraint for lengths and positions of points");
             return None;
         }
     }
     if let Some(path) = &written.file {
-        let message = "a curve from a file is not there for an axle; expected points";
+        let message = "targets of an axle cannot read a file; expected points";
         return problems.refuse(path.span(), message);
     }
     if let Some(motion) = &written.motion {
         return problems.refuse(
             motion.span(),
-            "further motions are not there for an axle; expected over",
+            "targets of an axle cannot name a motion; expected over",
         );
     }
     let Some(name) = &written.characteristic else {
-        let message = "expected what it is about: characteristic";
+        let message = "expected characteristic";
         return problems.refuse(spanned.span(), message);
     };
     let of = subject(name, &written.side, study, problems);
@@ -215,7 +216,7 @@ fn subject(
             let own: Vec<_> = all.into_iter().filter(of_side).collect();
             if own.is_empty() {
                 let name = name.get_ref();
-                let message = format!("{name} is of the axle as a whole, not of one wheel");
+                let message = format!("{name} belongs to the axle, so it has no side");
                 return problems.refuse(text.span(), message);
             }
             own
@@ -277,7 +278,7 @@ fn site(
         (None, []) => available[0],
         (None, several) => {
             let message = format!(
-                "the motion has several numbers; expected over, which of {} is meant",
+                "several coordinates of the motion move; expected over = one of {}",
                 keys(several)
             );
             return problems.refuse(place, message);
@@ -297,7 +298,7 @@ fn site(
         if coordinate == over {
             if let Some(given) = given {
                 let message = format!(
-                    "it is over {0}: what is held is the rest, not {0}",
+                    "the target runs over {0}, so {0} cannot be held",
                     over.key()
                 );
                 return problems.refuse(given.span(), message);

@@ -22,7 +22,7 @@ pub(super) fn loads(
 ) -> Option<Vec<Load>> {
     let written = section.loads.iter().flat_map(|l| l.get_ref());
     for side in written.filter_map(|load| load.side.as_ref()) {
-        let message = "side is of an axle, and this study is of one wheel";
+        let message = "side needs [axle]; this study describes one wheel";
         problems.add(side.span(), message);
     }
     all(section, suspension, problems)

@@ -146,7 +146,7 @@ fn drive_values(
             let (key, name) = (other.key(), drive.name());
             let message = format!("{key} is given, but the drive is \"{name}\"");
             let error = problems.add(values.span(), message);
-            error.help(format!("drive = \"{}\" would use it", other.name()));
+            error.help(format!("use it with drive = \"{}\"", other.name()));
             return None;
         }
     }
@@ -180,7 +180,7 @@ fn drive_values(
         }
         (None, None) => {
             let or_time = if is_named { "" } else { " or time" };
-            let message = format!("expected {name}{or_time}: where the mechanism is to be solved");
+            let message = format!("expected {name}{or_time}: the values to solve");
             problems.refuse(place, message)
         }
     }

@@ -54,7 +54,7 @@ fn shares(written: &Written<'_>, problems: &mut Problems) -> Option<Vec<(Axis, f
             let entries: Vec<f64> = direction.get_ref().iter().map(|c| c.value).collect();
             let length = entries.iter().fold(0.0, |sum: f64, c| sum.hypot(*c));
             if entries.len() != 3 || !(length > 0.0 && length.is_finite()) {
-                let message = "expected a direction [x, y, z] that is not nothing";
+                let message = "expected a direction [x, y, z] other than 0";
                 return problems.refuse(direction.span(), message);
             }
             let shares = Axis::ALL.into_iter().zip(entries);
@@ -66,7 +66,7 @@ fn shares(written: &Written<'_>, problems: &mut Problems) -> Option<Vec<(Axis, f
             problems.refuse(direction.span(), message)
         }
         (None, None) => {
-            let message = "expected axis, along which it moves, or direction";
+            let message = "expected axis or direction of the movement";
             problems.refuse(written.place.clone(), message)
         }
     }
@@ -117,18 +117,18 @@ fn points(
     let list = match (written.hardpoint, written.hardpoints) {
         (Some(name), None) => {
             if let Some(factors) = written.factors {
-                let message = "factors belong to hardpoints, several that move together";
+                let message = "factors needs hardpoints, a list of points that move together";
                 problems.add(factors.span(), message);
             }
             return Some(vec![(hardpoint(name, suspension, problems)?, 1.0)]);
         }
         (None, Some(list)) => list,
         (Some(_), Some(list)) => {
-            let message = "expected hardpoint, or hardpoints that move together, found both";
+            let message = "expected hardpoint or hardpoints, found both";
             return problems.refuse(list.span(), message);
         }
         (None, None) => {
-            let message = "expected hardpoint, or hardpoints that move together";
+            let message = "expected hardpoint or hardpoints";
             return problems.refuse(written.place.clone(), message);
         }
     };

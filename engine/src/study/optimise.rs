@@ -51,7 +51,8 @@ pub(super) fn optimise(
     if let (true, Some(number)) = (fit, &section.good_enough)
         && number.value != 0.0
     {
-        let message = "a fit wants the least misfit: with fit = true, good_enough is 0";
+        let message =
+            "fit = true seeks the least misfit: expected good_enough = 0, or no good_enough";
         problems.add(number.span.clone(), message);
     }
     let constraints = constraints(section, context, problems);
@@ -98,22 +99,24 @@ pub(super) fn scatter(
         problems.add(written.span(), message);
     };
     if section.fit.as_ref().is_some_and(|fit| *fit.get_ref()) {
-        wrong("a fit is of the one car that was measured: scatter does not go with fit = true");
+        wrong("scatter does not work with fit = true, because measurements are of one car");
         return None;
     }
     if context.axle.is_some() {
-        wrong("scatter is not yet there for an axle");
+        wrong("scatter is not available for axles");
         return None;
     }
     if context.file.tolerance.is_none() {
-        wrong("scatter needs [tolerance], which says how builds scatter");
+        wrong("scatter needs [tolerance] for the scatter of the builds");
         return None;
     }
     let tolerance = tolerance?;
     let travels = |motion: &Motion| motion.drive == Drive::Travel;
     let motions = context.motions.iter().map(|(_, motion)| motion);
     if !motions.chain(context.motion).all(travels) {
-        wrong("scatter needs motions by travel: an angle is another pose in every build");
+        wrong(
+            "scatter needs motions by travel, because an angle means another pose in every build",
+        );
         return None;
     }
     Some(Some(Scatter {
@@ -143,7 +146,7 @@ fn front(
         return problems.refuse(written.span(), message);
     }
     if section.fit.as_ref().is_some_and(|fit| *fit.get_ref()) {
-        let message = "measurements are not traded: front does not go with fit = true";
+        let message = "front does not work with fit = true, because measurements are not traded";
         return problems.refuse(written.span(), message);
     }
     let length = context.suspension.length_unit;
@@ -230,7 +233,7 @@ fn variable(
     };
     for (key, given) in [("shift", &written.shift), ("turn", &written.turn)] {
         if let Some(given) = given {
-            let message = format!("{key} belongs to rigid, points that are one body");
+            let message = format!("{key} needs rigid, a list of points that move as one body");
             problems.add(given.span.clone(), message);
         }
     }
@@ -297,7 +300,7 @@ fn rigid(
     let mut wrong = false;
     for (key, place) in others {
         if let Some(place) = place {
-            let message = format!("{key} does not belong to rigid: a body has shift and turn");
+            let message = format!("{key} does not work with rigid: use shift and turn");
             problems.add(place, message);
             wrong = true;
         }
@@ -330,7 +333,7 @@ fn rigid(
     });
     let cost = cost(written, problems);
     if shift.is_none() && turn.is_none() {
-        let message = "expected shift, turn or both: how far the body moves, both ways";
+        let message = "expected shift, turn or both: the largest movement of the body, both ways";
         problems.add(variable.span(), message);
         return vec![None];
     }

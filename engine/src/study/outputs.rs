@@ -84,9 +84,9 @@ pub(super) fn sensitivities(
 pub(super) fn knuckle(section: &file::Outputs, order: Order, problems: &mut Problems) -> bool {
     let knuckle = section.knuckle.as_ref();
     if let Some(knuckle) = knuckle.filter(|k| *k.get_ref() && order == Order::Position) {
-        let message = "the knuckle's angular velocity is asked for, but order is \"position\"";
+        let message = "knuckle = true needs angular velocity, but order is \"position\"";
         let error = problems.add(knuckle.span(), message);
-        error.help("order = \"velocity\" or \"acceleration\" reports it");
+        error.help("use order = \"velocity\" or \"acceleration\"");
     }
     knuckle.is_some_and(|k| *k.get_ref())
 }

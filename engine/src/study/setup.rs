@@ -102,7 +102,7 @@ fn adjustment(
         (None, Some(shim)) => {
             let Some(axis) = &written.axis else {
                 let message =
-                    "expected axis: the way the shim moves the point, \"x\", \"y\" or \"z\"";
+                    "expected axis, along which the shim moves the point: \"x\", \"y\" or \"z\"";
                 return problems.refuse(place, message);
             };
             let change = coordinate(shim, axis, context.suspension, problems)?;

@@ -95,7 +95,7 @@ pub(super) fn check_outputs(
         (file.optimise.is_some(), "[optimise] needs"),
     ];
     for (_, who) in wanted.into_iter().filter(|(wanted, _)| *wanted) {
-        let message = format!("{what} has no sensitivities, which {who}");
+        let message = format!("sensitivities are not available for {what}, and {who}");
         let error = problems.add(text.span(), message);
         error.help(help);
         if let Some(place) = sensitivities(file).filter(|_| who.contains("[outputs]")) {
@@ -118,7 +118,7 @@ fn check_certificate(
     };
     let (message, help) = match (formulation, drive) {
         (Formulation::PointCoordinates, _) => (
-            "there are no certificates for the formulation in point coordinates",
+            "certify is not available for the formulation in point coordinates",
             "formulation = \"knuckle_pose\" has them",
         ),
         (Formulation::KnucklePose, Some(Drive::PaperTheta)) => (
@@ -138,7 +138,7 @@ fn check_loads(file: &File, formulation: Formulation, outputs: &Outputs, problem
         return;
     };
     if formulation == Formulation::PointCoordinates {
-        let message = "the formulation in point coordinates balances no loads";
+        let message = "loads are not available for the formulation in point coordinates";
         let error = problems.add(written.span(), message);
         error.help("formulation = \"knuckle_pose\" does");
     }

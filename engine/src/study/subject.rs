@@ -104,7 +104,7 @@ pub(super) fn force(
     problems: &mut Problems,
 ) -> Option<(CarriedForce, f64)> {
     if context.loads.is_empty() {
-        let message = "this study has no loads; they are in [outputs] loads";
+        let message = "this study has no loads; give them in [outputs] loads";
         return problems.refuse(name.span(), message);
     }
     let Suspension {
@@ -155,7 +155,7 @@ pub(super) fn subject(
         (None, Some(name), None, None) => {
             let id = point(name, suspension, problems);
             let Some(along) = &written.axis else {
-                let message = "point needs axis: the coordinate that is wanted";
+                let message = "point needs axis: its coordinate \"x\", \"y\" or \"z\"";
                 return problems.refuse(name.span(), message);
             };
             let axis = axis(along, problems)?;
@@ -174,8 +174,7 @@ pub(super) fn subject(
             (Measure::Carried(force), column, Unit::Force, sign)
         }
         (None, None, None, None) => {
-            let message =
-                "expected what it is about: characteristic, point with axis, length, or load";
+            let message = "expected characteristic, point with axis, length, or load";
             return problems.refuse(place, message);
         }
         _ => {
@@ -206,7 +205,8 @@ pub(super) fn site(
             let motions = context.motions.iter();
             let options: Vec<_> = motions.map(|named| (named.0.as_str(), named)).collect();
             if options.is_empty() {
-                let message = "this study names no motions; they are sections [motions.NAME]";
+                let message =
+                    "this study has no named motions; give them in sections [motions.NAME]";
                 return problems.refuse(text.span(), message);
             }
             Some(choose(text, "motion", &options, problems)?.clone())

@@ -116,7 +116,7 @@ fn hardpoints<'a>(
                 } else if let Some(near) = nearest(name, names()) {
                     error.help(format!("\"{near}\" is given already"));
                 } else {
-                    error.help("other points to report go into [suspension.extra_points]");
+                    error.help("put other points to report into [suspension.extra_points]");
                 }
             }
         }
@@ -157,7 +157,7 @@ fn add_group_fault(
     };
     let error = problems.add(place.unwrap_or_default(), fault.to_string());
     if let HardpointFault::Incomplete { group, .. } = fault {
-        error.help(format!("{group} may be left out as a whole"));
+        error.help(format!("give all points of {group}, or none"));
     }
 }
 
@@ -183,11 +183,11 @@ pub(super) fn bodies(
             Some(_) => {
                 sound = false;
                 let message = format!(
-                    "{name} sits where it does in every {}",
+                    "{name} has the same body in every {}",
                     mechanism.topology.name
                 );
                 let error = problems.add(text.span(), message);
-                error.help("the lower end of a spring and the outer ends of pushrod, pullrod and drop link may be put on a body");
+                error.help("you can choose the body of the lower end of a spring and of the outer ends of pushrod, pullrod and drop link");
             }
             None => {
                 sound = false;

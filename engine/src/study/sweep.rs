@@ -92,13 +92,13 @@ pub(super) fn sweep(
             sampled(section, variables, context.suspension, problems).map(Designs::Sampled)
         }
         (Some(path), Some(variables)) => {
-            let message = "expected variables or designs, a file with them, found both";
+            let message = "expected variables or designs (a file), found both";
             let error = problems.add(variables.span(), message);
             error.related(path.span(), "the file");
             None
         }
         (None, None) => {
-            let message = "expected what moves: variables = [...], or designs = \"designs.csv\"";
+            let message = "expected variables = [...], or designs = \"designs.csv\"";
             problems.refuse(section.span(), message)
         }
     };

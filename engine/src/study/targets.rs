@@ -56,7 +56,7 @@ fn target(
     if let (Some(column), None) = (&written.column, &written.file) {
         problems.add(
             column.span(),
-            "column belongs to file: it names one of its columns",
+            "column needs file: it names a column of the file",
         );
     }
     let (of, site) = (of?, site?);
@@ -104,15 +104,15 @@ fn target(
         }
         (None, None, at, None, true) => target.band(written, at.as_ref(), problems),
         (None, None, Some(at), None, false) => {
-            problems.refuse(at.span.clone(), "at needs value: what is wanted there")
+            problems.refuse(at.span.clone(), "at needs value: the target value there")
         }
         (None, None, None, Some(value), false) => problems.refuse(
             value.span.clone(),
-            "value needs at: the drive value where it is wanted",
+            "value needs at: the drive value of the target",
         ),
         (None, None, None, None, false) => {
-            let message = "expected what is wanted: points = [[drive, value], ...], file = \"curve.csv\", \
-                           at and value, or a band: between, at_least, at_most";
+            let message = "expected points = [[drive, value], ...], file = \"curve.csv\", at and value, or a band: \
+                           between, at_least, at_most";
             problems.refuse(target.place.clone(), message)
         }
         _ => {

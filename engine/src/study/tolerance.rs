@@ -33,21 +33,20 @@ pub(super) fn tolerance(
     let seed = whole(&section.seed, 1, 0..=i64::from(u32::MAX), problems);
     let aligned = section.aligned.as_ref().is_some_and(|a| *a.get_ref());
     if let (true, None, Some(written)) = (aligned, setup, &section.aligned) {
-        let message = "aligned = true needs [setup] with adjust: what toe and camber are set by";
+        let message = "aligned = true needs [setup] with adjust, to set toe and camber";
         problems.add(written.span(), message);
     }
     if let Some(motion) = context.motion
         && motion.drive != Drive::Travel
     {
-        let message =
-            "[tolerance] needs a motion by travel: an angle is another pose in every build";
+        let message = "[tolerance] needs a motion by travel, because an angle means another pose in every build";
         problems.add(place, message);
     }
     let written = some(&section.scatter, "scatter", problems)?;
     let scatter = each(written, |s| match context.axle {
         None => {
             if let Some(side) = &s.get_ref().side {
-                let message = "side is of an axle, and this study is of one wheel";
+                let message = "side needs [axle]; this study describes one wheel";
                 problems.add(side.span(), message);
             }
             contributors(s, context, problems)
@@ -155,7 +154,7 @@ fn contributors(
         written.jig.is_some(),
     ];
     if kinds.iter().filter(|given| **given).count() != 1 {
-        let message = "expected one of hardpoint, hardpoints, length and jig: what scatters";
+        let message = "expected one of hardpoint, hardpoints, length and jig";
         return problems.refuse(place, message);
     }
     if let Some(points) = &written.jig {
@@ -163,7 +162,7 @@ fn contributors(
     }
     for (given, key) in [(&written.shift, "shift"), (&written.turn, "turn")] {
         if let Some(number) = given {
-            problems.add(number.span.clone(), format!("{key} belongs to a jig"));
+            problems.add(number.span.clone(), format!("{key} needs jig"));
         }
     }
     let law = law(written, place.clone(), problems);
@@ -181,8 +180,9 @@ fn contributors(
             && drawn + low <= 0.0
         {
             let unit = suspension.length_unit.symbol();
-            let message =
-                format!("the lowest limit leaves no length: {name} has {drawn:.1} {unit} as drawn");
+            let message = format!(
+                "the lowest limit leaves no length: {name} is {drawn:.1} {unit} long in the design"
+            );
             problems.add(limits.span(), message);
         }
         let change = (BuildParameter::Length(member), 1.0);
@@ -249,12 +249,12 @@ fn law(written: &file::Scatter, place: Span<usize>, problems: &mut Problems) -> 
             }
         },
         (Some(_), Some(limits)) => {
-            let message =
-                "expected sigma, of a normal scatter, or limits, of a uniform one, found both";
+            let message = "expected sigma (normal scatter) or limits (uniform scatter), found both";
             problems.refuse(limits.span(), message)
         }
         (None, None) => {
-            let message = "expected sigma = 0.2, of a normal scatter, or limits = [-0.5, 0.5], of a uniform one";
+            let message =
+                "expected sigma = 0.2 (normal scatter) or limits = [-0.5, 0.5] (uniform scatter)";
             problems.refuse(place, message)
         }
     }
@@ -285,10 +285,7 @@ fn jig(
         .collect();
     let points = points?;
     if points.len() < 2 {
-        return problems.refuse(
-            names.span(),
-            "expected two hardpoints or more: what the jig holds",
-        );
+        return problems.refuse(names.span(), "expected two hardpoints or more in a jig");
     }
     let sigma = |number: &Option<Number>, problems: &mut Problems| match number {
         None => Some(0.0),
@@ -299,10 +296,7 @@ fn jig(
         sigma(&written.turn, problems)?,
     );
     if shift == 0.0 && turn == 0.0 {
-        return problems.refuse(
-            place,
-            "expected shift, turn (degrees) or both: how the jig scatters",
-        );
+        return problems.refuse(place, "expected shift, turn (degrees) or both");
     }
     let places = points.iter().map(|id| suspension.design[id.0]);
     let sum = places.clone().fold(Vector3::default(), |a, b| a + b);

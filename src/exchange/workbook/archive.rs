@@ -15,7 +15,7 @@ struct Member {
     offset: usize,
 }
 
-/// How a member is stored.
+/// Storage of a member.
 #[derive(Clone, Copy)]
 enum Stored {
     Plain,
@@ -53,7 +53,7 @@ impl Archive {
         self.members.iter().map(|member| member.name.as_str())
     }
 
-    /// A member to be read as it is unpacked, if it is there.
+    /// A member, unpacked while it is read, if it exists.
     pub(super) fn member(&self, name: &str) -> Option<Result<impl io::BufRead + '_, String>> {
         let found = self.members.iter().find(|member| member.name == name)?;
         Some(self.unpacked(found))

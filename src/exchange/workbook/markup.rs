@@ -116,7 +116,7 @@ impl<R: BufRead> Markup<R> {
         Ok(buffer.first().copied())
     }
 
-    /// The tag with what stands up to the next end of a tag.
+    /// The tag with its content up to the next end of a tag.
     fn through(&mut self, mut tag: String) -> Result<String, String> {
         tag.push('>');
         tag += &self.until(b'>')?;

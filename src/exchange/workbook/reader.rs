@@ -1,5 +1,5 @@
-//! Workbooks in, as spreadsheet programs write them (ECMA-376, Office Open XML, part 1, sections 12.3
-//! and 18): values as they were last computed. Formulas are not computed and macros are not looked at.
+//! Reads workbooks of spreadsheet programs (ECMA-376, Office Open XML, part 1, sections 12.3 and 18): values as last
+//! computed. It neither computes formulas nor runs macros.
 
 use super::archive::Archive;
 use super::markup::{Element, Event, Markup};
@@ -186,7 +186,7 @@ fn text(text: String) -> Option<Cell> {
     }
 }
 
-/// In words, what an archive is that has no workbook in this format.
+/// Description of an archive that holds no workbook in this format.
 fn what_else(archive: &Archive) -> String {
     let names: Vec<&str> = archive.names().collect();
     let what = if names.contains(&"content.xml") {
@@ -194,7 +194,7 @@ fn what_else(archive: &Archive) -> String {
     } else if names.contains(&"xl/workbook.bin") {
         "it is a binary workbook (.xlsb)"
     } else {
-        "it is no workbook"
+        "it is not a workbook"
     };
     format!("{what}; save it as .xlsx or .csv")
 }
@@ -326,7 +326,7 @@ fn merge(sheet: &mut Sheet, range: &str) -> Result<(), String> {
             Cell::Unusable(format!("one number for the merged cells {range}"))
         }
     };
-    // Merged cells beyond what tables of points have are decoration.
+    // More merged cells than tables of points have are decoration.
     for row in top..=bottom.min(top.saturating_add(1000)) {
         for column in left..=right.min(left.saturating_add(20)) {
             sheet.put(row, column, shared.clone())?;
@@ -354,7 +354,7 @@ mod tests {
             assert!(shows_a_date(date), "{date}");
         }
         for number in ["0.00", "0.0\" mm\"", "#,##0", "[Red]0", "General\\m"] {
-            // "General" has letters of its own, none of dates.
+            // The format "General" contains letters, but none of dates.
             assert!(!shows_a_date(number), "{number}");
         }
     }

@@ -151,7 +151,7 @@ fn sheet(page: &Page) -> String {
     text + "</sheetData></worksheet>"
 }
 
-/// As wide as the header and the first rows need.
+/// Column widths that fit the header and the first rows.
 fn column_widths(page: &Page) -> Vec<usize> {
     let columns = page.rows.iter().take(100).map(Vec::len).max().unwrap_or(0);
     let width = |cell: &Value| match cell {

@@ -27,9 +27,9 @@ const STAGE: &str = include_str!("stage.html");
 struct Page<'a, Data> {
     study: &'a str,
     about: String,
-    /// What matters most: names and values.
+    /// Key values: names and values.
     facts: Vec<(&'static str, String)>,
-    /// What the reader has to know before the plots.
+    /// Remarks before the plots.
     remarks: String,
     /// Sections: their identifiers and names.
     sections: Vec<(&'static str, &'static str)>,

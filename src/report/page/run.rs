@@ -36,7 +36,7 @@ struct Data<'a> {
     kept_start: Option<usize>,
     /// Targets that are missed by more than their tolerance: column, and by how much and where.
     missed: Vec<(&'a str, String)>,
-    /// What moving further buys.
+    /// Misfit against the size of the change.
     prices: &'a [PriceRecord],
 }
 
@@ -96,7 +96,7 @@ pub fn page(run: &Run) -> String {
     page.html()
 }
 
-/// The curves that are drawn, and a remark where those are not all.
+/// Curves on the page, and a remark if some are left out.
 fn drawn(run: &Run) -> (Vec<CurveTable>, String) {
     let widths = run.curves.iter().map(|table| table.header.len());
     let most = (MOST_NUMBERS / widths.sum::<usize>().max(1)).max(2);
@@ -110,7 +110,7 @@ fn drawn(run: &Run) -> (Vec<CurveTable>, String) {
     (run.curves.iter().map(|t| t.thinned(most)).collect(), note)
 }
 
-/// What matters most, first.
+/// Key values, at the head of the page.
 fn facts(run: &Run) -> Vec<(&'static str, String)> {
     let mut facts = Vec::new();
     if let Summary::Optimise(tuning) = &run.summary {
@@ -161,7 +161,7 @@ fn facts(run: &Run) -> Vec<(&'static str, String)> {
     facts
 }
 
-/// Every failed stretch with its reason.
+/// Every failed range with its reason.
 fn failures(run: &Run) -> String {
     let mut items = String::new();
     for design in &run.record.designs {
@@ -297,12 +297,12 @@ fn prices_section(tuning: &TuningSummary) -> String {
     })
 }
 
-/// What scatter comes to: below the fans about the curves.
+/// Results of the scatter, below the fans about the curves.
 fn tolerance_sections(tolerance: &ToleranceSummary) -> String {
     let mut sections = tolerance.values_table().html();
     if !tolerance.bands.is_empty() {
         sections += &tolerance.bands_table().html();
-        sections += "<p>What to hold tighter, what may be looser</p>";
+        sections += "<p>Contributors, by the yield for half and twice the tolerance of each</p>";
         sections += &tolerance.ranking_table().html();
     }
     for line in tolerance.failures() {

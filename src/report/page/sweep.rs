@@ -37,7 +37,7 @@ struct Data<'a> {
     /// Numbers of the columns that a plot begins with.
     first: First,
     effects: &'a [OutputSummary],
-    /// Numbers of the outputs that nothing moves.
+    /// Numbers of the outputs that no variable changes.
     unmoved: Vec<usize>,
     /// The designs that are drawn with their curves and their mechanism; the first is the one as given.
     drawn: Vec<Option<u64>>,
@@ -116,7 +116,7 @@ pub fn sweep_page(run: &SweepRun) -> String {
     page.html()
 }
 
-/// What to do for the curves of a design that are not on the page.
+/// Advice on the curves of a design that is not on the page.
 fn not_drawn(run: &SweepRun) -> &'static str {
     match &run.drawn {
         Some(_) => {
@@ -181,7 +181,7 @@ fn without_unit<'a>(column: &'a str, unit: &str) -> &'a str {
         .unwrap_or(column)
 }
 
-/// What matters most, first.
+/// Key values, at the head of the page.
 fn facts(run: &SweepRun) -> Vec<(&'static str, String)> {
     let summary = &run.summary;
     let class = match summary.solved == summary.done {
@@ -216,7 +216,7 @@ fn facts(run: &SweepRun) -> Vec<(&'static str, String)> {
     facts
 }
 
-/// Failures by reason, and what is missing of an interrupted sweep.
+/// Failures by reason, and the missing part of an interrupted sweep.
 fn remarks(run: &SweepRun) -> String {
     let summary = &run.summary;
     let mut remarks = String::new();
@@ -243,7 +243,7 @@ fn remarks(run: &SweepRun) -> String {
     remarks
 }
 
-/// Which designs are drawn.
+/// Description of the designs on the page.
 fn choice(run: &SweepRun) -> String {
     let (summary, shown) = (&run.summary, run.shown.design.len());
     let file = html(&run.files[0]);
@@ -359,9 +359,9 @@ fn key(value: Option<f64>) -> f64 {
     value.unwrap_or(f64::INFINITY)
 }
 
-/// What the numbers of the effects are.
+/// Explanation of the numbers of the effects.
 fn effects(record: &SweepRecord) -> String {
-    let change = "The change is that from the low to the high end of a variable's range in the plane of least \
+    let change = "The change is the change from the low to the high end of a variable's range in the plane of least \
                   squares through all designs that have every output";
     let share = match record.method.as_str() {
         "file" => {

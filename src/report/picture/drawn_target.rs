@@ -1,4 +1,4 @@
-//! What was wanted of a curve: values with a tolerance, or limits.
+//! Target of a curve: values with a tolerance, or limits.
 
 use super::panel::{number, path};
 use std::fmt::Write;
@@ -22,7 +22,7 @@ impl DrawnTarget {
     pub(super) const KINDS: [(&str, &str); 2] =
         [("target", "target ± tolerance"), ("limit", "wanted")];
 
-    /// What its line looks like.
+    /// Style of its line.
     pub(super) fn class(&self) -> &'static str {
         match self {
             DrawnTarget::Values { .. } => "target",

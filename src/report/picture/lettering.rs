@@ -11,15 +11,15 @@ use super::glyphs::{Command, Font};
 use super::panel::number;
 use std::fmt::Write;
 
-/// How words are written.
+/// Form of printed words.
 pub(super) enum Lettering {
-    /// As text.
+    /// Text elements.
     Text,
-    /// As outlines of a font.
+    /// Outlines of a font.
     Outlines(Font<'static>),
 }
 
-/// Which part of words is at their place.
+/// Anchor of words: the part at their place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Anchor {
     /// Their left end.
@@ -139,7 +139,7 @@ fn write_outlines(svg: &mut String, words: &Words, font: &Font) {
 #[derive(Default)]
 struct Outline {
     commands: String,
-    /// Where the next letter begins.
+    /// Start of the next letter.
     pen: i32,
 }
 

@@ -22,11 +22,11 @@ use panel::{Line, Look, Panel, SIZE};
 pub struct Picture {
     /// `camber_deg.svg`
     pub name: String,
-    /// What is in it.
+    /// Content of the file.
     pub contents: Vec<u8>,
 }
 
-/// What shows several outputs.
+/// Name of the picture with several outputs.
 const OVERVIEW: &str = "overview";
 
 /// The most panels of the overview.
@@ -42,13 +42,13 @@ const STYLE: &str = "text{font:12px system-ui,-apple-system,Segoe UI,Roboto,Helv
 .rack0{stroke:#0b63c5}.rack1{stroke:#c2570c}.rack2{stroke:#0b8a8a}.rack3{stroke:#b3267a}\
 .rack4{stroke:#6b7d00}.rack5{stroke:#7a4fc9}.rack6{stroke:#8a5a2b}";
 
-/// As many racks are named in a legend.
+/// Largest number of rack positions named in a legend.
 const MOST_NAMED: usize = 5;
 
 /// Colours of racks in the style.
 const HUES: usize = 7;
 
-/// What outlines of letters need besides.
+/// Style of letters as outlines.
 const LETTERS: &str = ".letters{fill:#3d454d}.letters.label{fill:#1b1f24}";
 
 /// Names of the pictures of a run that has this record.
@@ -204,8 +204,8 @@ fn families(record: &Record, table: &CurveTable) -> Vec<Vec<usize>> {
     families.into_iter().map(|(_, rows)| rows).collect()
 }
 
-/// Where the last design of a tuning is outside of limits by more than the tolerance, with the rack straight ahead or
-/// where the study has it: drive value and the column's value. Limits are the drive value, the least and the most.
+/// Places at which the last design of a tuning exceeds limits by more than the tolerance: drive value and value of
+/// the column. The rack is at 0 or at the study's position. A limit has a drive value, a minimum and a maximum.
 fn places_outside(
     run: &Run,
     column: &str,

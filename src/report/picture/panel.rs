@@ -11,7 +11,7 @@ pub(super) const SIZE: [f64; 2] = [400.0, 470.0];
 /// Left, top, right and bottom of the plot in it.
 const PLOT: [f64; 4] = [64.0, 58.0, 384.0, 418.0];
 
-/// How a curve is drawn.
+/// Style of a curve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Look {
     /// Whether it is of the last design.
@@ -33,7 +33,7 @@ impl Look {
 pub(super) struct Line {
     /// Name in the legend; none for further curves of one name.
     pub name: Option<String>,
-    /// How it is drawn.
+    /// Style of the curve.
     pub look: Look,
     /// Its points.
     pub points: Vec<Option<[f64; 2]>>,
@@ -50,7 +50,7 @@ pub(super) struct Panel {
     pub upright: bool,
     /// Curves, the most important one last.
     pub lines: Vec<Line>,
-    /// What was wanted.
+    /// Targets.
     pub wanted: Vec<DrawnTarget>,
     /// Places of the last design that miss a target by more than its tolerance.
     pub missed: Vec<[f64; 2]>,
@@ -149,7 +149,7 @@ impl Panel {
         }
     }
 
-    /// What the curves are, in as many rows as that takes, upward from the plot.
+    /// Legend of the curves, in as many rows as necessary, upward from the plot.
     fn legend(&self, svg: &mut String, lettering: &Lettering) {
         let mut entries: Vec<(String, &str)> = Vec::new();
         for line in &self.lines {

@@ -6,7 +6,7 @@ pub(super) struct Scale {
     low: f64,
     high: f64,
     step: f64,
-    /// Where the two ends are drawn.
+    /// Positions of the two ends.
     ends: [f64; 2],
 }
 
@@ -35,7 +35,7 @@ impl Scale {
         }
     }
 
-    /// Where a value is drawn.
+    /// Position of a value.
     pub(super) fn place(&self, value: f64) -> f64 {
         let share = (value - self.low) / (self.high - self.low);
         self.ends[0] + share * (self.ends[1] - self.ends[0])

@@ -31,7 +31,7 @@ fn of_wheel(plan: &SweepPlan, study: &Study) -> Places {
     (names, stations.of_motion().map(place).collect())
 }
 
-/// What the motion says of each position; what follows from it (the travels in roll) is not kept.
+/// Coordinates that the motion gives for each position. Results (the travels in roll) are left out.
 fn of_axle(AxleStudy { axle, plan }: &AxleStudy) -> Places {
     let columns = GivenColumns { plan, axle };
     let placements = plan.course.placements().into_iter().enumerate();

@@ -153,7 +153,7 @@ impl SweepDirectory {
         };
         let bytes = std::fs::read(&statistics).map_err(|e| wrong(&statistics, &e.to_string()))?;
         let found: PartRecord = serde_json::from_slice(&bytes).map_err(|e| {
-            let reason = format!("not as `hardpoint sweep` writes it: {e}");
+            let reason = format!("not in the format of `hardpoint sweep`: {e}");
             wrong(&statistics, &reason)
         })?;
         let is_ours = found.form == PART_FORM && found.part == part;
@@ -163,7 +163,10 @@ impl SweepDirectory {
             || found.statistics.designs != designs
             || !found.statistics.are_of(record)
         {
-            return Err(wrong(&statistics, "not of this part of this sweep"));
+            return Err(wrong(
+                &statistics,
+                "it does not belong to this part of this sweep",
+            ));
         }
         let mut lengths = vec![(&rows, Some(found.rows_length))];
         lengths.extend(record.curves.then_some((&curves, found.curves_length)));
@@ -211,7 +214,7 @@ fn read_record(directory: &Path) -> Result<SweepRecord, NotARun> {
     let text = std::fs::read(&path).map_err(|e| match e.kind() {
         io::ErrorKind::NotFound => NotARun::at(
             directory,
-            "not the directory of a sweep: there is no sweep.json",
+            "it is not the directory of a sweep: there is no sweep.json",
         ),
         _ => wrong(e.to_string()),
     })?;
@@ -225,6 +228,6 @@ fn read_record(directory: &Path) -> Result<SweepRecord, NotARun> {
     let is_sound = record.designs > 0 && record.block() > 0 && record.blocks_of_part > 0;
     match is_sound && record.designs <= crate::study::MOST_DESIGNS {
         true => Ok(record),
-        false => Err(wrong("not as `hardpoint sweep` writes it".to_owned())),
+        false => Err(wrong("not in the format of `hardpoint sweep`".to_owned())),
     }
 }

@@ -21,7 +21,7 @@ pub struct Parts {
     directories: Vec<SweepDirectory>,
 }
 
-/// Why parts cannot be joined.
+/// Reason why parts cannot be joined.
 #[derive(Debug, thiserror::Error)]
 pub enum MergeError {
     /// They are not all the parts of one sweep.

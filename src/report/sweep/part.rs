@@ -195,7 +195,7 @@ impl Whole {
     }
 }
 
-/// Removes what those who died at a part have left. Whoever holds its lock may.
+/// Removes remains of processes that died while they computed a part.
 fn clear_leftovers(directory: &Path, stem: &str) {
     let prefix = format!("{TEMPORARY}{stem}-");
     let entries = std::fs::read_dir(directory).into_iter().flatten().flatten();

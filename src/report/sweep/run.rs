@@ -15,7 +15,7 @@ pub struct SweepRun {
     pub record: SweepRecord,
     /// Summary of its results.
     pub summary: SweepSummary,
-    /// How designs were chosen.
+    /// Choice of the designs.
     pub choice: Choice,
     /// The rows of those.
     pub shown: ShownDesigns,
@@ -34,7 +34,7 @@ impl SweepRun {
         let done = directory.done()?;
         if done.statistics.designs == 0 {
             let reason =
-                "no part of the sweep is whole; `hardpoint sweep` with --resume goes on with it";
+                "no part of the sweep is complete; `hardpoint sweep` with --resume continues it";
             return Err(NotARun::at(path, reason));
         }
         let summary = SweepSummary::of(&record, &done.statistics);
@@ -46,7 +46,8 @@ impl SweepRun {
             let mut reader = directory.rows(part)?;
             for block in record.blocks_of(part) {
                 let rows = reader.block(block).map_err(|e| wrong(e.to_string()))?;
-                let rows = rows.ok_or_else(|| wrong("it ends before its part does".to_owned()))?;
+                let rows =
+                    rows.ok_or_else(|| wrong("it has fewer rows than its part".to_owned()))?;
                 shown.take(&rows, &choice);
             }
         }

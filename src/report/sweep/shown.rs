@@ -1,4 +1,4 @@
-//! Which designs of a sweep are shown if not all can be.
+//! Choice of the designs that the page shows if it cannot show all.
 
 use super::SweepSummary;
 use crate::sweep::{Rows, SweepRecord};
@@ -75,7 +75,7 @@ pub struct ShownDesigns {
     pub design: Vec<u64>,
     /// `[column][row]`: variables, then outputs; `None` for an empty cell.
     pub columns: Vec<Vec<Option<f64>>>,
-    /// Row by row, the number of the reason why it was not solved everywhere.
+    /// Reason number of each row that was not solved everywhere.
     pub failing: Vec<Option<usize>>,
     /// Drive value nearest to the design position at which it was not.
     pub failed_at: Vec<Option<f64>>,

@@ -127,11 +127,11 @@ impl SweepSummary {
         match self.done {
             done if done == self.designs => format!("{}, {failed}", counted(done, "design")),
             0 => format!(
-                "none of {} done yet; --resume goes on",
+                "none of {} done yet; --resume continues",
                 counted(self.designs, "design")
             ),
             _ => format!(
-                "{} of {}, {failed}; --resume goes on",
+                "{} of {}, {failed}; --resume continues",
                 self.done,
                 counted(self.designs, "design")
             ),
@@ -155,9 +155,15 @@ impl SweepSummary {
         self.done == self.designs && self.solved == self.done && !lacks
     }
 
-    /// Why designs failed; empty if none did.
+    /// Table of the reasons of failed designs; empty if none failed.
     pub fn failures_table(&self) -> Table {
-        let mut table = Table::new(["not solved", "designs", "nearest at", "such as", "because"]);
+        let mut table = Table::with_columns([
+            Column::from("not solved"),
+            "designs".into(),
+            Column::named("nearest failure at", "nearest at"),
+            Column::named("examples", "such as"),
+            Column::named("reason", "because"),
+        ]);
         for f in &self.failures {
             let examples: Vec<String> = f.examples.iter().map(u64::to_string).collect();
             table.push([
@@ -174,7 +180,7 @@ impl SweepSummary {
     /// The range of every output, and the variables that matter most for it.
     pub fn outputs_table(&self) -> Table {
         let columns = ["output", "at design", "min", "max"].map(Column::from);
-        let words = Column::for_readers("what matters");
+        let words = Column::for_readers("main effects");
         let programs = ["unit", "count", "mean", "standard deviation", "r2"];
         let programs = programs.map(Column::for_programs);
         let mut table = Table::with_columns(columns.into_iter().chain([words]).chain(programs));
@@ -207,12 +213,12 @@ impl SweepSummary {
         table
     }
 
-    /// In words, which designs the statistics are of, if they are not of all.
+    /// Sentence on the designs behind the statistics, if these are not all designs.
     pub fn of_which(&self) -> Option<String> {
         (self.method == "saltelli").then(|| {
             format!(
-                "Mean, standard deviation, r2 and change are of {} designs, those of the two independent samples; \
-                 min and max are of all, shares of all groups without a failure.",
+                "Mean, standard deviation, r2 and change refer to the {} designs of the two independent samples; min \
+                 and max to all designs; shares to all groups without a failure.",
                 self.statistics_designs
             )
         })
@@ -269,7 +275,7 @@ fn notes(record: &SweepRecord, statistics: &SweepStatistics) -> Vec<String> {
         let reason = undefined_where(record, output).unwrap_or("it is not a finite number there");
         let column = &output.column;
         notes.push(match lacking == statistics.solved {
-            true => format!("warning: no design that was solved has {column}: {reason}"),
+            true => format!("warning: {column} has no value in any solved design: {reason}"),
             false => format!(
                 "{} {} {column}: {reason}",
                 counted(lacking, "solved design"),
@@ -284,8 +290,8 @@ fn notes(record: &SweepRecord, statistics: &SweepStatistics) -> Vec<String> {
     });
     if drawn < designs {
         notes.push(format!(
-            "Means, standard deviations and changes are of the {count} designs that were drawn independently of each \
-             other; the other {} serve the indices.",
+            "Means, standard deviations and changes refer to the {count} designs that were sampled independently; the \
+             other {} serve the indices.",
             designs - drawn
         ));
     }
@@ -299,19 +305,19 @@ fn notes(record: &SweepRecord, statistics: &SweepStatistics) -> Vec<String> {
             false => format!("; it would be known without {}", names.join(", ")),
         };
         notes.push(format!(
-            "What matters is not known: it is told from designs that have every output, and none has{without}."
+            "Main effects are not known: they need designs that have every output, and none has{without}."
         ));
     }
     if count > 0 && count < drawn && record.method != "file" {
         notes.push(format!(
-            "Percentages are of the {count} of {drawn} designs that have every output. In these the variables are not \
-             independent of each other, so that percentages may sum up to more than 100."
+            "Percentages refer to the {count} of {drawn} designs that have every output. In these the variables are not \
+             independent of each other, so percentages may sum up to more than 100."
         ));
     }
     notes
 }
 
-/// Why an output may have no value.
+/// Reason why an output may have no value.
 fn undefined_where(record: &SweepRecord, output: &OutputColumn) -> Option<&'static str> {
     if record.is_of_axle() {
         let names = Quantity::names().into_iter();
@@ -373,7 +379,7 @@ fn output(
     }
 }
 
-/// Whether a range in a unit is what rounding makes of none.
+/// Whether a range is only rounding error in its unit.
 fn is_rounding(range: f64, unit: &str) -> bool {
     range < resolution(unit)
 }

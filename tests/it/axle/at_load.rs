@@ -158,12 +158,8 @@ fn a_load_is_held_where_the_motion_says_so() {
     assert_eq!(heave(2), 0.0);
     assert!(heave(1).abs() > 1e-3 && (heave(1) - heave(3)).abs() < 1e-9);
     for (motion, more, wanted) in [
-        (
-            "motion={ heave = 0.0, hold = \"load\" }",
-            "",
-            "there is no roll",
-        ),
-        (motion, "outputs.certify=true", "are not proved"),
+        ("motion={ heave = 0.0, hold = \"load\" }", "", "has no roll"),
+        (motion, "outputs.certify=true", "certify does not work"),
         (motion, "outputs.certify=false", ""),
         ("motion={ roll = 1.0, hold = \"weight\" }", "", "expected"),
     ] {

@@ -247,5 +247,5 @@ fn mistakes_in_loads_are_named() {
     }
     let load = "outputs.loads=[{name=\"a\", at=\"wheel_centre\", side=\"left\", force=[0, 0, 1]}]";
     let said = study("macpherson_solve.toml", &[load]).unwrap_err();
-    assert!(said.contains("side is of an axle"), "{said}");
+    assert!(said.contains("side needs [axle]"), "{said}");
 }

@@ -50,7 +50,7 @@ fn axles() -> [Named; 4] {
                 "macpherson_axle",
                 &[
                     (
-                        "right = \"mirrored\"               # or [axle.right.hardpoints]: those that are not the mirror image, with their true y",
+                        "right = \"mirrored\"               # or [axle.right.hardpoints]: hardpoints that are not the mirror image, with their true y",
                         "",
                     ),
                     ("[steering]", lopsided),

@@ -239,7 +239,7 @@ fn mistakes_in_a_right_wheel_are_named() {
             STEEP,
             "[axle.right.bodies]\ntie_rod_outer = \"knuckle\"\n",
             SOFT,
-            "sits where it does",
+            "has the same body",
         ),
         (
             STEEP,

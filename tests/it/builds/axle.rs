@@ -527,7 +527,7 @@ fn tolerance_of_an_axle_as_a_command() {
     );
     refused(
         &["tolerance.bands=[{characteristic=\"toe\",at=0.0,at_most=0.1}]"],
-        "expected over, which of",
+        "expected over = one of",
     );
     refused(
         &["tolerance.bands=[{characteristic=\"toe\",over=\"roll\",at=9.0,at_most=0.1}]"],
@@ -539,13 +539,13 @@ fn tolerance_of_an_axle_as_a_command() {
     );
     refused(&["tolerance.aligned=true"], "needs [setup]");
     let [_, said] = run(&["limits", "axle.toml", "--builds", "3"], 2);
-    assert!(said.contains("not yet there for an axle"), "{said}");
+    assert!(said.contains("not available for axles"), "{said}");
     let wheel = study_of_one_wheel();
     std::fs::write(directory.path().join("wheel.toml"), wheel).unwrap();
     let [_, said] = run(&["tolerance", "wheel.toml"], 2);
     let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(
-        said.contains("side is of an axle") && said.contains("over is of an axle"),
+        said.contains("side needs [axle]") && said.contains("over needs [axle]"),
         "{said}"
     );
 }

@@ -140,7 +140,7 @@ fn envelopes_that_cannot_be_are_refused_by_name() {
     assert!(
         steered
             .unwrap_err()
-            .contains("no point of this suspension is on the rack")
+            .contains("this suspension has no point on the rack")
     );
     let far = Envelope::of(&outgoing, tyre, span(-10.0, 4000.0), span(0.0, 0.0));
     let said = far.unwrap_err();

@@ -252,7 +252,7 @@ fn an_import_says_what_it_did_and_keeps_its_input() {
     }
     for own in [&table, &map] {
         let refused = import(&["--out", own, "--force"]).assert().code(2);
-        assert!(text(&refused.get_output().stderr).contains("which was read"));
+        assert!(text(&refused.get_output().stderr).contains("an input of this command"));
     }
     assert_eq!(std::fs::read_to_string(&table_path).unwrap(), points);
     import(&["--out", &study, "--force"]).assert().success();

@@ -289,7 +289,7 @@ fn inputs_are_never_written_over() {
             &["export", &study, "--to", "csv", "--force", "--out", out],
             2,
         );
-        assert!(said.contains("which was read"), "{said}");
+        assert!(said.contains("an input of this command"), "{said}");
         assert_eq!(std::fs::read(out).unwrap(), kept);
     }
     let into = [
@@ -363,7 +363,7 @@ fn calls_that_make_no_sense_are_refused() {
         (vec!["--to", "assetto", "--unit", "mm"], "is in metres"),
         (
             vec!["--to", "stl", "--travel", "-3..3"],
-            "say with --out where they go",
+            "give a file with --out",
         ),
         (
             vec!["--to", "stl", "--travel", "3", "--out", out],

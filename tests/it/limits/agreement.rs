@@ -202,7 +202,7 @@ fn a_rack_out_of_reach_has_no_range() {
     for place in ["rack 200", "every rack"] {
         let row = text.lines().find(|line| line.contains(place)).unwrap();
         assert_eq!(
-            row.matches("the rack does not get there").count(),
+            row.matches("the rack cannot reach this position").count(),
             2,
             "{text}"
         );
@@ -210,7 +210,7 @@ fn a_rack_out_of_reach_has_no_range() {
     }
     assert!(!text.contains("followed further"), "{text}");
     assert!(
-        said(&output).contains("Travel left to the nearer end at the racks that are reached:"),
+        said(&output).contains("Nearest travel limit at the rack positions that are reached:"),
         "{text}"
     );
 }

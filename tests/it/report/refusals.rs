@@ -100,7 +100,7 @@ fn a_sweep_whose_files_do_not_belong_together_is_refused() {
         refused(hardpoint(&["report"]).arg(run.path()), part);
     }
     fs::remove_file(&designs).unwrap();
-    let none = "no part of the sweep is whole";
+    let none = "no part of the sweep is complete";
     refused(hardpoint(&["report"]).arg(run.path()), none);
     assert!(!page.exists(), "nothing is written");
     // What it came to follows from the statistics of its parts.
@@ -114,14 +114,11 @@ fn a_report_needs_a_directory() {
     let sweep = studies().join("macpherson_sweep.toml");
     refused(
         hardpoint(&["sweep", "--out", "-", "--report"]).arg(&sweep),
-        "with --out - there is none",
+        "not work with --out -",
     );
     let study = studies().join("macpherson_solve.toml");
     for option in [&["--report"][..], &["--plots", "plots"]] {
         let mut command = hardpoint(&["solve", "--out", "-"]);
-        refused(
-            command.args(option).arg(&study),
-            "with --out - there is none",
-        );
+        refused(command.args(option).arg(&study), "not work with --out -");
     }
 }

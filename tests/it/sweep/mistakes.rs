@@ -333,7 +333,7 @@ fn it_is_said_which_designs_statistics_are_of() {
     ];
     let (text, _) = said(&bench.sweep("run", &few).success());
     assert!(
-        text.contains("are of 100 designs, those of the two independent"),
+        text.contains("refer to the 100 designs of the two independent"),
         "{text}"
     );
     let summary = bench.json("run/summary.json");
@@ -350,6 +350,6 @@ fn threads_are_no_more_than_help() {
     let bench = Bench::new(STUDY);
     let begun = std::time::Instant::now();
     let (_, error) = said(&bench.sweep("run", &["--threads", "10000"]).success());
-    assert!(error.contains("of the 10000 threads asked for"), "{error}");
+    assert!(error.contains("of the 10000 requested threads"), "{error}");
     assert!(begun.elapsed().as_secs() < 30);
 }

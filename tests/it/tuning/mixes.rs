@@ -498,7 +498,7 @@ fn rising_levels(seed: u64, problems: std::ops::Range<u64>, levels: usize) -> [u
         }
     }
     println!(
-        "{count} levels: {grown} grow, {silent} of them silently; {labelled} not known to be the nearest"
+        "{count} levels: {grown} grow, {silent} of them silently; {labelled} not known to be the smallest change"
     );
     [count, grown, silent, labelled]
 }

@@ -766,7 +766,7 @@ fn fronts_and_price_lists_are_written_and_shown() {
         said.contains("front of camber and kingpin_inclination"),
         "{said}"
     );
-    assert!(said.contains("what moving further buys"), "{said}");
+    assert!(said.contains("Misfit against size of change"), "{said}");
     let text = std::fs::read_to_string(out.join("front.csv")).unwrap();
     let mut lines = text.lines();
     assert_eq!(

@@ -40,14 +40,14 @@ impl Rejection {
     /// The reason in words, for tables.
     pub fn describe(self) -> &'static str {
         match self {
-            Rejection::NoLength => "a rod or axis is too short to have a direction",
+            Rejection::NoLength => "a rod or an axis is too short",
             Rejection::NotSettled => "Newton's method did not settle",
             Rejection::IllConditioned => "the equations are ill-conditioned",
             Rejection::ChangedTooMuch => "the equations changed too much in one step",
             Rejection::TurnedFar => "the mechanism turned far",
             Rejection::FoldNear => "a fold is near",
-            Rejection::ReadingUncertain => "what is read is not well known",
-            Rejection::NotOnTheWay => "the station is out of reach or doubled",
+            Rejection::ReadingUncertain => "an output is uncertain",
+            Rejection::NotOnTheWay => "the station is out of reach or listed twice",
         }
     }
 

@@ -142,7 +142,7 @@ impl Reader<'_> {
         if let Some((_, direction)) = given {
             let along = self.vector(direction, problems)?;
             if along.norm() == 0.0 {
-                return problems.refuse(direction.span(), "a stud has a direction");
+                return problems.refuse(direction.span(), "expected a direction other than 0");
             }
             return Some(Stud::Along(along * (1.0 / along.norm())));
         }

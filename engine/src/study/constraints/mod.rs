@@ -179,7 +179,7 @@ impl Reader<'_> {
         ];
         for (key, place) in given {
             if let Some(place) = place.filter(|_| is_refused(key)) {
-                let message = format!("{key} says nothing of this kind of constraint");
+                let message = format!("{key} has no meaning for this kind of constraint");
                 problems.add(place, message);
             }
         }
@@ -203,7 +203,7 @@ impl Reader<'_> {
         };
         let of = self.limited(Measure::Length(ends), lower, upper);
         let name = match kept {
-            true => format!("length {name} as it is"),
+            true => format!("length {name} kept"),
             false => format!("length {name} {}", words([lower, upper])),
         };
         Some((name, vec![of]))
@@ -275,7 +275,7 @@ impl Reader<'_> {
         self.takes(&["inside", "clearance", "radii"], problems);
         let [a, b] = names.get_ref().as_slice() else {
             let message = format!(
-                "expected two members that stay apart, found {}; or inside = {{ rim = ... }}",
+                "expected two members with a clearance, found {}; or inside = {{ rim = ... }}",
                 names.get_ref().len()
             );
             return problems.refuse(names.span(), message);

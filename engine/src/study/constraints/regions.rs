@@ -26,7 +26,7 @@ impl Reader<'_> {
             (Some(region), None) => (region, true),
             (None, Some(region)) => (region, false),
             _ => {
-                let message = "expected inside or outside: where the point stays, or does not go";
+                let message = "expected inside or outside";
                 return problems.refuse(self.place.clone(), message);
             }
         };
@@ -118,7 +118,7 @@ impl Reader<'_> {
         let normal = self.vector(&space.normal, problems)?;
         let length = normal.norm();
         if length == 0.0 {
-            return problems.refuse(space.normal.span(), "a normal has a length");
+            return problems.refuse(space.normal.span(), "expected a normal other than 0");
         }
         Some(Measure::Height {
             point: id,
@@ -222,7 +222,7 @@ impl Reader<'_> {
             };
             ("cylinder", of, gap)
         } else {
-            let message = "a rim has an inside only; what is outside of it is left of a wheel";
+            let message = "a rim works with inside only";
             return problems.refuse(place, message);
         };
         Some((what, vec![self.limited(of, Some(lower), None)]))
@@ -252,7 +252,7 @@ impl Reader<'_> {
         self.takes(&["inside", "clearance", "radii"], problems);
         let shape = region.get_ref();
         let Some(rim) = &shape.rim else {
-            let message = "members stay inside of a rim; expected rim = its radius";
+            let message = "members can stay inside a rim only; expected rim = its radius";
             return problems.refuse(region.span(), message);
         };
         let [from, to] = rim_ends(shape, region.span(), problems)?;
@@ -310,6 +310,6 @@ fn room_beside(room: f64, gap: f64, place: Span<usize>, problems: &mut Problems)
     if room > gap {
         return Some(room - gap);
     }
-    let message = format!("there is no room: {room} with a clearance of {gap}");
+    let message = format!("the region is empty: {room} with a clearance of {gap}");
     problems.refuse(place, message)
 }

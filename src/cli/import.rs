@@ -29,7 +29,7 @@ pub(super) struct ImportArguments {
     /// Axes: iso8855, sae_j670 or x_rear [default: from the file or its points]
     #[arg(long, value_parser = frame, conflicts_with = "axes")]
     frame: Option<FrameConvention>,
-    /// Ways of the file's x, y and z, each forward, rearward, left, right, up or down: left,forward,up
+    /// Directions of the file's x, y and z, each forward, rearward, left, right, up or down: left,forward,up
     #[arg(long, value_name = "X,Y,Z", value_parser = Axes::parse)]
     axes: Option<Axes>,
     /// Wheel, left or right [default: the left one, or the only one in the file]

@@ -303,8 +303,8 @@ pub fn run() -> ExitCode {
     ExitCode::from(run_with(std::env::args_os()))
 }
 
-/// As [`run`] with these arguments, the first of them the program's name, inside a process that handles its own
-/// signals; the exit code.
+/// Runs as [`run`] inside a process that handles its own signals. The first argument is the program's name. Returns
+/// the exit code.
 pub fn run_embedded<A: Into<std::ffi::OsString> + Clone>(
     arguments: impl IntoIterator<Item = A>,
 ) -> u8 {
@@ -323,8 +323,8 @@ pub fn run_embedded<A: Into<std::ffi::OsString> + Clone>(
     .code()
 }
 
-/// As [`run`] with these arguments, the first of them the program's name; the exit code. A second signal ends the
-/// process, and so does the first where nothing is to be kept.
+/// Runs as [`run`] with these arguments; the first is the program's name. Returns the exit code. A second signal ends
+/// the process; so does the first if there is nothing to keep.
 pub fn run_with<A: Into<std::ffi::OsString> + Clone>(arguments: impl IntoIterator<Item = A>) -> u8 {
     interrupt::listen();
     run_embedded(arguments)

@@ -233,7 +233,7 @@ impl Output {
         }
     }
 
-    /// Writes a file where there is something to write, and returns its name; else removes that of an earlier run.
+    /// Writes a file and returns its name. If there is nothing to write, it removes the file of an earlier run.
     pub(super) fn file_if_any<'n>(
         &self,
         name: &'n str,
@@ -348,7 +348,8 @@ impl Output {
         }
     }
 
-    /// Records the run as finished, or as interrupted: before anything is printed, as whoever reads that may stop.
+    /// Records the run as finished or interrupted. This precedes all printing, because the reader of the output may
+    /// stop early.
     pub(super) fn finish(&self) -> Result<(), Stop> {
         // A signal that comes now is too late to interrupt the run.
         interrupt::stops_by_itself();
@@ -386,7 +387,7 @@ impl Output {
     }
 }
 
-/// The study that a run's directory keeps, of a tuning the tuned one.
+/// Study in the run's directory; after a tuning the tuned one.
 pub(super) fn kept_study(directory: &Path, overrides: &[String]) -> Result<Option<Study>, Stop> {
     let kept = ["optimised.toml", STUDY_COPY].map(|name| directory.join(name));
     let kept = kept.iter().find(|file| file.is_file());

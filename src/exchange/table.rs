@@ -81,7 +81,7 @@ pub struct PointTable {
     pub(super) unit: Option<LengthUnit>,
     /// Axes, if the file states them.
     pub(super) declared: Declared,
-    /// The kind of suspension of each axle, where the file says so; without an axle, of all.
+    /// Kind of suspension of each axle, if the file states it; without an axle, of all axles.
     pub(super) kinds: Vec<(Option<AxlePosition>, Kind)>,
     /// Notes for the user on the reading.
     pub(super) notes: Vec<String>,

@@ -213,7 +213,7 @@ pub struct PriceRecord {
 }
 
 impl PriceRecord {
-    /// The steps of a price list; `kept` are the offsets of the design that is.
+    /// Steps of a price list; `kept` holds the offsets of the kept design.
     pub fn all(optimise: &Optimise, list: &[Choice], kept: Option<&[f64]>) -> Vec<Self> {
         let record = |choice: &Choice| {
             let [misfit, moved] = choice.amounts[..] else {

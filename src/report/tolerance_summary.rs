@@ -48,7 +48,7 @@ pub struct ToleranceSummary {
 /// A kind of reject.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RejectRecord {
-    /// A word for it.
+    /// Short name of the reason.
     pub reason: String,
     /// Number of builds that were rejected for it.
     pub builds: u64,

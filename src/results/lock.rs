@@ -75,7 +75,8 @@ impl Lock {
         take: &impl Fn(&File) -> Result<(), TryLockError>,
     ) -> Result<Self, NotLocked> {
         loop {
-            // It is made as a file; another program's link leads elsewhere, where a lock would hold nothing here.
+            // The lock must be a plain file: a link of another program leads elsewhere, where a lock holds nothing
+            // here.
             if std::fs::symlink_metadata(path).is_ok_and(|there| there.is_symlink()) {
                 return Err(NotLocked::Failed(io::Error::other(
                     "it is a symbolic link that no run created: remove it",

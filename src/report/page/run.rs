@@ -34,7 +34,7 @@ struct Data<'a> {
     curves: Vec<CurveTable>,
     history: Option<CurveTable>,
     kept_start: Option<usize>,
-    /// Targets that are missed by more than their tolerance: column, and by how much and where.
+    /// Targets missed by more than their tolerance: column, largest deviation and its place.
     missed: Vec<(&'a str, String)>,
     /// Misfit against the size of the change.
     prices: &'a [PriceRecord],

@@ -271,7 +271,7 @@ fn coordinates(
     values.collect()
 }
 
-/// Draws a contour of points and whether they are on the curve, with those of equation (1).
+/// Draws a contour from points with a flag each: on the curve or not. Equation (1) gives the points between.
 fn draw_contour(points: &[([f32; 2], bool)], draw: &mut impl FnMut(Command)) {
     let Some((first, others)) = points.split_first() else {
         return;

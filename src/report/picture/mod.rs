@@ -123,7 +123,7 @@ fn panel(run: &Run, output: &OutputRecord) -> Panel {
             let several = families.len() > 1;
             let rack = apart.and_then(|name| table.column(name));
             let rack = rack.and_then(|racks| racks[family[0]]).unwrap_or(0.0);
-            // Of more racks than there are colours every so many-th has a name.
+            // If there are more rack positions than colours, the legend names every n-th.
             let named = number.is_multiple_of(families.len().div_ceil(MOST_NAMED));
             lines.push(Line {
                 name: match (several, main) {

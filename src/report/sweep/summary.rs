@@ -26,8 +26,8 @@ pub struct SweepSummary {
     /// Designs solved one by one, which the SIMD lanes left or cannot take.
     #[serde(default)]
     one_by_one: u64,
-    /// Designs that mean, standard deviation, r2 and change are of: those with every output, and of Saltelli's
-    /// samples only the two independent ones.
+    /// Number of designs behind mean, standard deviation, r2 and change: designs with every output; with Saltelli's
+    /// method only those of the two independent samples.
     statistics_designs: u64,
     pub(in crate::report) failures: Vec<FailureCount>,
     variables: Vec<String>,

@@ -59,7 +59,7 @@ THRESHOLD = re.compile(r"^\s*(?:pub(?:\([^)]*\))? )?const \w+: (f64|usize) = ([^
 GUARD = re.compile(r"^\s*accepted\.require\(.*\);$")
 CONDITION = re.compile(r"^(\s*)if ((?!let\b)[^{]+) \{$")
 # Lines without a computation: comments, attributes, imports, signatures, bounds, messages.
-SKIPPED = re.compile(r"^\s*(//|#|use |pub use |mod |pub mod |impl|where|type |assert|debug_assert|pub fn|fn |pub\(\w+\) fn)|format!|panic!|'[a-z]+")
+SKIPPED = re.compile(r"^\s*(//|#|use |pub use |mod |pub mod |impl|where|type |assert|debug_assert|pub fn|fn |pub\(\w+\) fn)|format!|panic!|const \{|'[a-z]+")
 
 
 def code_lines(text):
@@ -99,7 +99,10 @@ def faults_of(line):
 def candidates(root, patterns):
     """Every fault in the files of some patterns: file, line number, the line, and the line in its place."""
     found = []
-    for path in sorted({path for pattern in patterns for path in root.glob(pattern)}):
+    paths = sorted({path for pattern in patterns for path in root.glob(pattern)})
+    # Files that only tests compile.
+    tests = {name for path in paths for name in re.findall(r"#\[cfg\(test\)\]\n(?:pub(?:\([^)]*\))? )?mod (\w+);", path.read_text())}
+    for path in [path for path in paths if path.stem not in tests]:
         for number, line in code_lines(path.read_text()):
             found += [(path.relative_to(root), number, line, fault) for fault in faults_of(line)]
     return found

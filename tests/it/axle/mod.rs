@@ -4,6 +4,7 @@ mod acceleration;
 mod at_load;
 mod certificate;
 mod commands;
+mod different_sides;
 mod gradients;
 mod lanes;
 mod limits;

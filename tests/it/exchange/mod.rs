@@ -5,6 +5,7 @@ mod cad;
 mod commands;
 mod export_commands;
 mod exports;
+mod figures;
 mod formats;
 mod hostile;
 mod other_tools;

@@ -154,3 +154,45 @@ fn ways_back_that_failed_reach_the_nearest_design() {
         assert!(fit.ended().contains("nearest"), "{}", fit.ended());
     }
 }
+
+/// A missed target that no variable moves is named, with constraints and without, and whether or not others are missed. A
+/// target that is met is not named, and none that a variable moves. The design position has the static angles of
+/// `[wheel]`, whatever moves.
+#[test]
+fn missed_targets_that_stand_still_are_named_with_and_without_constraints() {
+    let target = |name: &str, value: f64, tolerance: f64| {
+        format!(
+            "{{ characteristic = \"{name}\", at = 0.0, value = {value:?}, tolerance = {tolerance:?} }}"
+        )
+    };
+    // The design has less camber gain than 0.5 deg/mm, by far more than any variable can add.
+    let moving = target("camber_gain", -0.5, 0.0005);
+    let toe = |value: f64| target("toe", value, 0.05);
+    let camber = |value: f64| target("camber", value, 0.05);
+    let free = "{ length = \"tie_rod\", at_least = 1.0 }";
+    let binding = "{ length = \"tie_rod\", kept = true }";
+    for constraints in [vec![], vec![free], vec![binding], vec![free, binding]] {
+        for (toe, camber, expected) in [
+            (toe(-0.1), camber(-1.0), vec![]),
+            (toe(5.0), camber(-1.0), vec![1]),
+            (toe(-0.1), camber(-3.0), vec![2]),
+            (toe(-0.2), camber(-1.1), vec![1, 2]),
+        ] {
+            let targets = format!("optimise.targets=[{moving}, {toe}, {camber}]");
+            let constraints = format!("optimise.constraints=[{}]", constraints.join(", "));
+            let study = edited("double_wishbone_front.toml", &[&targets, &constraints]);
+            let tuning = tuned(&study);
+            assert_eq!(tuning.unmoved, expected, "{constraints} {targets}");
+            assert!(tuning.unmoved_constraints.is_empty(), "{constraints}");
+            // Named by what it is, once.
+            let optimise = study.optimise.as_ref().unwrap();
+            let names: Vec<&str> = tuning
+                .unmoved
+                .iter()
+                .map(|t| optimise.targets[*t].of.column.as_str())
+                .collect();
+            let wanted = expected.iter().map(|t| ["", "toe_deg", "camber_deg"][*t]);
+            assert_eq!(names, wanted.collect::<Vec<_>>());
+        }
+    }
+}

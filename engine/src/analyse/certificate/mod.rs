@@ -32,6 +32,8 @@
 //! there is a pose for each, within r- of the one pose that was looked at ([`Inclusion`]).
 
 mod branch;
+#[cfg(test)]
+mod constants;
 mod inclusion;
 mod quadratic;
 mod theorem;

@@ -1,5 +1,8 @@
 //! Designs with a closed form: one unknown, the tangent of half the angle of the lower arm.
 
+#[cfg(test)]
+mod guards;
+
 use super::pair::{Corrected, Linear, Wheel, WheelOnKnuckle};
 use super::route::{Leg, RouteStep};
 use super::track::{PlaceEquations, predicted, weighted};

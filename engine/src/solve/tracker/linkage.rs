@@ -30,6 +30,9 @@
     reason = "the closures of iterators may be left as calls, compiled for no lanes"
 )]
 
+#[cfg(test)]
+mod guards;
+
 use super::pair::{Corrected, Linear as Motion, Wheel, WheelOnKnuckle};
 use super::route::RouteStep;
 use super::track::{PlaceEquations, kept, predicted};

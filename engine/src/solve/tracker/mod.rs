@@ -25,6 +25,8 @@
 
 mod acceptance;
 mod arm;
+#[cfg(test)]
+mod boundary;
 mod linkage;
 mod pair;
 mod poses;

@@ -15,6 +15,9 @@
 //! In addition to the conditions for each wheel, a lane is rejected if a contact point rises less than half as fast as
 //! its wheel.
 
+#[cfg(test)]
+mod guards;
+
 use super::linkage::UNKNOWNS;
 use super::route::{Leg, Route, RouteStep};
 use super::track::{PlaceEquations, Tracked, kept, predicted, track};

@@ -1,0 +1,283 @@
+#!/usr/bin/env python3
+"""Plants single faults in a copy of the tree and says which of them no test sees.
+
+`MUTANTS_COUNT` (20) faults are drawn with the seed `MUTANTS_SEED` (1), equally many from each folder of FOLDERS. All of
+them are compiled at once, each behind a switch: the variable HARDPOINT_FAULT names the one that is planted. So twenty
+faults cost one build. For each of them the tests of its folder run, at most LIMIT seconds; the first failure ends the
+run. A fault that does not compile is left out and counted.
+
+cargo-mutants (27.0) was considered. It takes no seed, leaves constants as they are (here the thresholds of guards),
+runs the same tests for every file, and compiles once for each fault.
+"""
+
+import json
+import os
+import random
+import re
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+# Time for the tests of one fault, in seconds.
+LIMIT = 120
+ENGINE = "hardpoint-engine"
+# Folder: its files, the integration tests that see it, its crate, and the unit tests of that crate.
+FOLDERS = {
+    "tracker": (["engine/src/solve/tracker/*.rs", "engine/src/solve/closed_form/mod.rs"], ["lanes::"], ENGINE, ["solve::"]),
+    "certificates": (["engine/src/analyse/certificate/*.rs"], ["certificate::"], ENGINE, ["analyse::"]),
+    "tuning": (["engine/src/optimise/*.rs", "engine/src/optimise/constrained/*.rs"], ["tuning::"], ENGINE, ["optimise::"]),
+    "standard errors": (
+        [f"engine/src/optimise/{name}.rs" for name in
+         ["standard_errors", "covariance", "student", "profile_interval", "simulated_fits", "profile"]],
+        ["tuning::intervals"], ENGINE, ["optimise::"],
+    ),
+    "exchange": (["src/exchange/**/*.rs"], ["exchange::"], "hardpoint", ["exchange::"]),
+    "set-up": (["engine/src/assembly/set_up/*.rs"], ["builds::set_up"], ENGINE, ["assembly::"]),
+    "axle": (
+        [f"engine/src/axle/{name}.rs" for name in ["formulas/*", "state", "spring", "frames", "axle_motion", "certificate"]],
+        ["axle::"], ENGINE, ["axle::"],
+    ),
+}
+# Operators with what takes their place. Spaces on both sides keep generics and references out.
+OPERATORS = {
+    " + ": " - ", " - ": " + ", " < ": " > ", " > ": " < ", " <= ": " > ", " >= ": " < ", " && ": " || ", " || ": " && ",
+    " & ": " | ", ".max(": ".min(", ".min(": ".max(", "Side::Left": "Side::Right", "Side::Right": "Side::Left",
+    ".sin()": ".cos()", ".cos()": ".sin()",
+}
+NUMBER = re.compile(r"(?<![\w.\"])(\d[\d_]*\.\d[\d_]*(?:e-?\d+)?|\d+e-?\d+)(?![\w.])")
+THRESHOLD = re.compile(r"^(?:pub(?:\([^)]*\))? )?const (\w+): f64 = [^;]+;")
+GUARD = re.compile(r"^(\s*)(accepted\.require\(.*\);)$")
+CONDITION = re.compile(r"^(\s*)(\} else )?if ((?!let\b)[^{]+) \{$")
+VALUE = re.compile(r"^(\s*let (?:mut )?\w+ = )([^&|\"?][^|\"?]*);$")
+# Lines without a computation: comments, attributes, imports, signatures, constants, messages.
+SKIPPED = re.compile(r"^\s*(//|#|use |pub use |mod |pub mod |impl|where|type |assert|debug_assert|fn |pub fn|pub\(\w+\) fn)"
+                     r"|format!|panic!|const |static |&mut |'[a-z]+")
+SWITCH = '''//! Chooses the planted fault.
+
+/// Whether this fault is planted.
+#[inline]
+pub fn is(number: u32) -> bool {
+    static CHOSEN: std::sync::LazyLock<u32> = std::sync::LazyLock::new(|| {
+        let chosen = std::env::var("HARDPOINT_FAULT").ok();
+        chosen.and_then(|text| text.parse().ok()).unwrap_or(0)
+    });
+    *CHOSEN == number
+}
+
+/// The number, or the wrong one where this fault is planted.
+#[inline]
+pub fn number(fault: u32, right: f64, wrong: f64) -> f64 {
+    if is(fault) { wrong } else { right }
+}
+'''
+
+
+def code_lines(text):
+    """Numbers and contents of the lines of code before the unit tests, without constants of several lines."""
+    in_constant = False
+    for number, line in enumerate(text.split("\n")):
+        if line.strip() == "#[cfg(test)]":
+            return
+        if re.match(r"^\s*(pub(\([^)]*\))? )?(const|static) ", line) and not line.rstrip().endswith(("{", ";")):
+            in_constant = True
+        if not in_constant:
+            yield number, line
+        in_constant = in_constant and not line.rstrip().endswith(";")
+
+
+def faults_of(line):
+    """Faults of a line: what is said of each, and the line with `{n}` for the number of its switch."""
+    if SKIPPED.search(line):
+        return
+    escaped = line.replace("{", "{{").replace("}", "}}")
+    if match := GUARD.match(line):
+        yield "left out", f"{match[1]}if !crate::planted::is({{n}}) {{{{ {match[2]} }}}}"
+        return
+    if match := CONDITION.match(line):
+        indent, otherwise, condition = match.groups()
+        condition = condition.replace("{", "{{").replace("}", "}}")
+        yield f"!({condition})", f"{indent}{otherwise or ''}if crate::planted::is({{n}}) != ({condition}) {{{{".replace("} else", "}} else")
+    if match := VALUE.match(line):
+        head, value = match.groups()
+        for operator, other in OPERATORS.items():
+            for found in re.finditer(re.escape(operator), value):
+                wrong = value[:found.start()] + other + value[found.end():]
+                choice = f"{head}if crate::planted::is(@) {{ {wrong} }} else {{ {value} }};"
+                yield wrong, choice.replace("{", "{{").replace("}", "}}").replace("@", "{n}")
+    if "=>" in line:
+        return
+    for match in NUMBER.finditer(escaped):
+        for factor in ["1.001", "2.0"]:
+            if float(match[1].replace("_", "")) != 0.0:
+                planted = f"crate::planted::number({{n}}, {match[1]}, {match[1]} * {factor})"
+                yield f"{match[1]} * {factor}", escaped[:match.start()] + planted + escaped[match.end():]
+
+
+def candidates(root, patterns):
+    """Every fault in the files of some patterns: file, line numbers with the lines in their place, and what is said."""
+    found = []
+    paths = sorted({path for pattern in patterns for path in root.glob(pattern)})
+    # Files that only tests compile.
+    tests = {name for path in paths for name in re.findall(r"#\[cfg\(test\)\]\nmod (\w+);", path.read_text())}
+    for path in [path for path in paths if path.stem not in tests]:
+        lines = list(code_lines(path.read_text()))
+        for number, line in lines:
+            for said, fault in faults_of(line):
+                found.append((path.relative_to(root), {number: fault}, number, f"`{line.strip()}` -> `{said}`"))
+            if match := THRESHOLD.match(line):
+                # A constant is changed where it is used.
+                name = match[1]
+                uses = [(n, l) for n, l in lines if re.search(rf"\b{name}\b", l) and not SKIPPED.search(l)]
+                for factor in ["100.0", "0.01"] if uses else []:
+                    planted = f"crate::planted::number({{n}}, {name}, {name} * {factor})"
+                    changed = {n: re.sub(rf"\b{name}\b", lambda _: planted, l.replace("{", "{{").replace("}", "}}"))
+                               for n, l in uses}
+                    found.append((path.relative_to(root), changed, number, f"`{line.strip()}` -> `* {factor}`"))
+    return found
+
+
+def copy_tree(root, tree):
+    """Copies the files that git knows. A file that did not change keeps its time, so that cargo leaves it."""
+    listed = subprocess.run(["git", "ls-files", "-z", "-co", "--exclude-standard"], cwd=root, capture_output=True, check=True)
+    names = {name for name in listed.stdout.decode().split("\0") if name and (root / name).is_file()}
+    for name in names:
+        source, target = root / name, tree / name
+        content = source.read_bytes()
+        if not target.exists() or target.read_bytes() != content:
+            target.parent.mkdir(parents=True, exist_ok=True)
+            target.write_bytes(content)
+            target.chmod(source.stat().st_mode)
+    for path in tree.rglob("*"):
+        if path.is_file() and str(path.relative_to(tree)) not in names:
+            path.unlink()
+
+
+def plant(root, tree, faults):
+    """Writes the faults into the tree, each behind its switch, and returns the lines that changed by file."""
+    copy_tree(root, tree)
+    for crate in ["engine/src", "src"]:
+        (tree / crate / "planted.rs").write_text(SWITCH)
+        library = tree / crate / "lib.rs"
+        text = library.read_text()
+        at = re.search(r"^(pub )?mod ", text, re.MULTILINE).start()
+        library.write_text(text[:at] + "#[doc(hidden)]\npub mod planted;\n" + text[at:])
+    changed = {}
+    for number, (_, path, lines, *_) in faults.items():
+        for line, text in lines.items():
+            changed.setdefault(str(path), {})[line] = (number, text.format(n=number))
+    for path, lines in changed.items():
+        old = (tree / path).read_text().split("\n")
+        for line, (_, text) in lines.items():
+            old[line] = text
+        (tree / path).write_text("\n".join(old))
+    return changed
+
+
+def cargo(tree, arguments):
+    """Runs cargo. Returns its success and its messages."""
+    environment = dict(os.environ, CARGO_TARGET_DIR=str(tree.parent / "target"))
+    command = ["cargo", *arguments, "--message-format=json"]
+    ran = subprocess.run(command, cwd=tree, env=environment, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
+    return ran.returncode == 0, [json.loads(line) for line in ran.stdout.decode().splitlines() if line.startswith("{")]
+
+
+def broken(messages, changed):
+    """Numbers of the faults on whose lines the compiler has found errors."""
+    found = set()
+    for message in messages:
+        if message.get("reason") == "compiler-message" and message["message"]["level"] == "error":
+            for span in message["message"]["spans"]:
+                lines = changed.get(span["file_name"], {})
+                found |= {lines[n - 1][0] for n in range(span["line_start"], span["line_end"] + 1) if n - 1 in lines}
+    return found
+
+
+def first_failure(binary, directory, filters, seconds, fault):
+    """Runs tests until one fails. Returns its name, None if all pass, or `out of time`; and the time left."""
+    end = time.monotonic() + seconds
+    process = subprocess.Popen(
+        ["timeout", "--signal=KILL", f"{max(seconds, 1):.0f}", binary, *filters], cwd=directory,
+        env=dict(os.environ, HARDPOINT_FAULT=str(fault)), stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True,
+    )
+    failed = None
+    for line in process.stdout:
+        if match := re.match(r"test (.*) \.\.\. FAILED", line):
+            failed = match[1]
+            process.terminate()
+            break
+    code = process.wait()
+    if failed is None and code:
+        failed = "out of time" if time.monotonic() >= end - 1 else f"a crash, status {code}"
+    return failed, end - time.monotonic()
+
+
+def draw(root, count, seed):
+    """Faults by their numbers, from 1; at most one on a line."""
+    chance = random.Random(seed)
+    pools = {folder: candidates(root, patterns) for folder, (patterns, *_) in FOLDERS.items()}
+    order = list(FOLDERS)
+    chance.shuffle(order)
+    for pool in pools.values():
+        chance.shuffle(pool)
+    faults, taken = {}, set()
+    while len(faults) < count:
+        folder = order[len(faults) % len(order)]
+        path, lines, *said = pools[folder].pop()
+        if taken.isdisjoint((path, line) for line in lines):
+            taken.update((path, line) for line in lines)
+            faults[len(faults) + 1] = (folder, path, lines, *said)
+    return faults
+
+
+def compiled(root, tree, faults):
+    """Builds the tests with all faults that compile. Returns the test binaries and the faults that are left."""
+    unit = {ENGINE: ["test", "--locked", "--no-run", "-p", ENGINE, "--lib"],
+            "hardpoint": ["test", "--locked", "--no-run", "--lib", "--test", "it"]}
+    while True:
+        changed = plant(root, tree, faults)
+        binaries, out = {}, set()
+        for crate, arguments in unit.items():
+            works, messages = cargo(tree, arguments)
+            if not works:
+                out |= broken(messages, changed)
+                if not out:
+                    sys.exit(f"error: the tree does not compile: cargo {' '.join(arguments)}")
+                break
+            for message in messages:
+                if message.get("executable") and message["profile"]["test"]:
+                    is_it = message["target"]["name"] == "it"
+                    binaries["it" if is_it else crate] = message["executable"]
+        if not out:
+            return binaries, faults
+        faults = {number: fault for number, fault in faults.items() if number not in out}
+
+
+def run(root, tree, faults):
+    """Plants one fault after another and prints what the tests say."""
+    binaries, left = compiled(root, tree, faults)
+    counts = {"killed": 0, "survived": 0, "out of time": 0}
+    for number, (folder, path, _, line, said) in left.items():
+        _, modules, crate, units = FOLDERS[folder]
+        directory = tree / "engine" if crate == ENGINE else tree
+        found, seconds = first_failure(binaries[crate], directory, units, LIMIT, number)
+        if found is None:
+            found, _ = first_failure(binaries["it"], tree, modules, seconds, number)
+        kind = "survived" if found is None else found if found == "out of time" else "killed"
+        counts[kind] += 1
+        word = "SURVIVED" if found is None else f"ran {found}" if kind == "out of time" else f"killed by {found}"
+        print(f"mutant {number} {word}: {path}:{line + 1}: {said}", flush=True)
+    said = ", ".join(f"{count} {kind}" for kind, count in counts.items())
+    print(f"{len(faults)} mutants: {said}, {len(faults) - len(left)} do not compile", flush=True)
+
+
+def main():
+    root = Path(__file__).resolve().parent.parent
+    tree = root / "target" / "mutants" / "tree"
+    tree.mkdir(parents=True, exist_ok=True)
+    count, seed = (int(os.environ.get(f"MUTANTS_{name}", default)) for name, default in [("COUNT", 20), ("SEED", 1)])
+    run(root, tree, draw(root, count, seed))
+
+
+if __name__ == "__main__":
+    main()

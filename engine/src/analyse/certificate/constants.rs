@@ -1,0 +1,244 @@
+//! The constants of the theorem: second derivatives for every pair of variables, and the radii that follow from them.
+
+use super::quadratic::{PoseBend, Quadratic};
+use super::theorem::{Radii, radii};
+use super::{N, Square};
+use crate::mechanism::{Closure, Configuration, Driver, Pose, Unproven};
+use crate::model::{Drive, Mechanism, Suspension, Topology};
+use crate::number::{Interval, Matrix3, Real, Vector3};
+use crate::study::Study;
+use std::array::from_fn;
+use std::path::Path;
+
+fn suspensions() -> Vec<Suspension> {
+    let read = |topology: &&Topology| {
+        let study = Study::from_text("row.toml", topology.template, Path::new("."));
+        study.expect("a template is valid").suspension
+    };
+    Topology::ALL.iter().map(read).collect()
+}
+
+/// The twelve equations at a displacement of the pose's numbers from the design position, lengths divided by the scale.
+fn equations(suspension: &Suspension, drive: Drive, scale: f64, z: [f64; N]) -> [Interval; N] {
+    let mechanism: &Mechanism = &suspension.mechanism;
+    let design: Vec<_> = suspension
+        .design
+        .iter()
+        .map(|p| p.map(Interval::point))
+        .collect();
+    let closure = Closure::new(mechanism, &design);
+    let at = |j: usize| {
+        let unit = if j < 3 { scale } else { 1.0 };
+        let designed = match j {
+            0..3 => suspension.design[mechanism.origin.0].to_array()[j],
+            _ if (j - 3).is_multiple_of(4) => 1.0,
+            _ => 0.0,
+        };
+        Interval::point(designed) + Interval::point(z[j]).times(unit)
+    };
+    let vector = |first: usize| Vector3::new(at(first), at(first + 1), at(first + 2));
+    let pose = Pose {
+        origin: vector(0),
+        rotation: Matrix3 {
+            columns: [vector(3), vector(6), vector(9)],
+        },
+    };
+    let zero = Interval::point(0.0);
+    let driver = match drive {
+        Drive::Travel => Driver::Travel(zero),
+        Drive::ArmAngle => Driver::ArmAngle {
+            sine: zero,
+            cosine: Interval::point(1.0),
+        },
+    };
+    let configuration = Configuration::new(mechanism, &design, pose, zero);
+    let closed = closure.residuals(&configuration, driver);
+    let [a, b, c] = pose.rotation.columns;
+    let half = |v: Vector3<Interval>| (v.norm_squared() - Interval::point(1.0)).scaled(0.5);
+    let turned = [half(a), half(b), half(c), a.dot(b), b.dot(c), c.dot(a)];
+    let lengths = closed.map(|row| row.times(1.0 / scale));
+    let mut all = [zero; N];
+    all[..6].copy_from_slice(&lengths);
+    all[6..].copy_from_slice(&turned);
+    all
+}
+
+/// The second derivative of a polynomial of second degree by variables j and l, from its values alone:
+/// F(e_j + e_l) - F(e_j) - F(e_l) + F(0). For j = l this is F'' as well, since F(2 e) - 2 F(e) + F(0) = F''.
+fn differences(at: &impl Fn([f64; N]) -> [Interval; N], j: usize, l: usize) -> [Interval; N] {
+    let unit = |one: bool, other: bool| {
+        let mut z = [0.0; N];
+        z[j] += f64::from(u8::from(one));
+        z[l] += f64::from(u8::from(other));
+        at(z)
+    };
+    let values = [(true, true), (true, false), (false, true), (false, false)];
+    let [both, first, second, none] = values.map(|(one, other)| unit(one, other));
+    from_fn(|i| both[i] - first[i] - second[i] + none[i])
+}
+
+/// For every topology, drive, equation and pair of the pose's numbers: the constant is the true coefficient of the pair in
+/// H(z, z), which is H_jj for one number and H_jl + H_lj = 2 H_jl for two different ones.
+#[test]
+fn constants_are_the_second_derivatives_of_every_pair() {
+    for suspension in suspensions() {
+        let name = suspension.mechanism.topology.name;
+        let scale = suspension.size().log2().round().exp2();
+        for drive in [Drive::Travel, Drive::ArmAngle] {
+            if drive == Drive::ArmAngle && suspension.mechanism.arms.is_empty() {
+                continue;
+            }
+            let quadratic = Quadratic::new(&suspension.mechanism, &suspension.design, scale, drive);
+            let at = |z| equations(&suspension, drive, scale, z);
+            let mut mixed = 0;
+            for j in 0..N {
+                for l in j..N {
+                    let truth = differences(&at, j, l);
+                    for (equation, truth) in truth.into_iter().enumerate() {
+                        let truth = truth.times(if j == l { 1.0 } else { 2.0 });
+                        let own = quadratic.pose_bends.iter();
+                        let mut own = own.filter(|b| b.pair == N * j + l && b.equation == equation);
+                        let (middle, off) = own.next().map_or((0.0, 0.0), |b| (b.middle, b.off));
+                        assert!(own.next().is_none(), "{name}: a pair counts once");
+                        let what =
+                            format!("{name} {drive:?} {equation} {j} {l}: {middle} {truth:?}");
+                        // Both enclose the same number, and the bound of the constant is sharp.
+                        assert!(
+                            middle - off <= truth.high && truth.low <= middle + off,
+                            "{what}"
+                        );
+                        assert!(truth.width() < 1e-9 && off < 1e-9, "{what}");
+                        let is_mixed = j != l && middle != 0.0;
+                        mixed += usize::from(is_mixed);
+                    }
+                }
+            }
+            // Three equations a.b = 0 have three pairs each.
+            assert!(mixed >= 9, "{name} {drive:?}: {mixed}");
+        }
+    }
+}
+
+const IDENTITY: Square = {
+    let mut identity = [[0.0; N]; N];
+    let mut i = 0;
+    while i < N {
+        identity[i][i] = 1.0;
+        i += 1;
+    }
+    identity
+};
+
+fn proved(jacobian: &Square, bends: &[PoseBend], residual: f64) -> Result<Radii, Unproven> {
+    let intervals = jacobian.map(|row| row.map(Interval::point));
+    radii(&IDENTITY, &intervals, bends, residual)
+}
+
+/// A planted system of which a pair of variables makes the only second derivative: x_j + k x_j x_l = r, x_l - x_j = 0,
+/// with J = 1 after elimination, that is x_j + k x_j^2 = r along x_j = x_l. Its solutions are known. `pair` counts k as the
+/// certificate does: H_jj = 2 k for one number, H_jl + H_lj = 2 k for two.
+fn planted(equation: usize, j: usize, l: usize, k: f64) -> PoseBend {
+    PoseBend {
+        equation,
+        pair: N * j + l,
+        middle: 2.0 * k,
+        off: 0.0,
+    }
+}
+
+/// For every pair: x + k x^2 = 0 has its other solution at the distance 1/k, and no radius of uniqueness may reach it. With
+/// x + k x^2 = r, 4 k r < -1 leaves no solution: just beyond that nothing may be proved, and just before it is. The
+/// solution is x = (sqrt(1 + 4 k r) - 1)/(2 k), and the error must not be below its distance.
+#[test]
+fn planted_solutions_are_not_beyond_the_radii() {
+    for j in 0..N {
+        for l in j..N {
+            let equation = (5 * j + l) % N;
+            for k in [0.25, 1.0, 7.5] {
+                let bends = [planted(equation, j, l, k)];
+                let found = proved(&IDENTITY, &bends, 0.0).expect("a solution");
+                assert!(found.uniqueness <= 1.0 / k, "{j} {l}: {}", found.uniqueness);
+                assert!(found.uniqueness >= (1.0 - 1e-9) / k, "{}", found.uniqueness);
+                let limit = 0.25 / k;
+                for share in [0.1, 0.5, 0.999_999_99] {
+                    let found = proved(&IDENTITY, &bends, share * limit).expect("a solution");
+                    // The solutions of k x^2 - x + r = 0, in digits that do not cancel.
+                    let root = (1.0 - share).sqrt();
+                    let near = 2.0 * share * limit / (1.0 + root);
+                    let far = (1.0 + root) / (2.0 * k);
+                    assert!(found.error >= near * (1.0 - 1e-15), "{j} {l} {share}");
+                    assert!(found.error <= near * (1.0 + 1e-6), "{j} {l} {share}");
+                    assert!(found.uniqueness <= far * (1.0 + 1e-15), "{j} {l} {share}");
+                    assert!(found.uniqueness >= far * (1.0 - 1e-6), "{j} {l} {share}");
+                }
+                let beyond = proved(&IDENTITY, &bends, limit * 1.000_000_01);
+                assert_eq!(beyond.err(), Some(Unproven::TooClose), "{j} {l} {k}");
+            }
+        }
+    }
+}
+
+/// Constants of several pairs add up, those of one pair in several equations as the inverse mixes them, and what is not
+/// known of any of them counts as much.
+#[test]
+fn constants_of_all_pairs_add_up() {
+    let bends = [
+        planted(3, 0, 0, 0.5),
+        planted(3, 0, 7, -0.75),
+        planted(3, 4, 9, 0.25),
+        PoseBend {
+            off: 0.5,
+            ..planted(3, 11, 11, 0.0)
+        },
+        planted(8, 2, 5, 0.5),
+    ];
+    let found = proved(&IDENTITY, &bends, 0.0).unwrap();
+    // |H| of equation 3 is 1 + 1.5 + 0.5 + 0.5, of equation 8 it is 1.
+    let expected = 2.0 / 3.5;
+    assert!((found.uniqueness / expected - 1.0).abs() < 1e-9);
+    // The inverse adds equation 8 to equation 3: signs of one pair count before their sum.
+    let mut inverse = IDENTITY;
+    inverse[3][8] = -1.0;
+    let mut jacobian = IDENTITY;
+    jacobian[3][8] = 1.0;
+    let intervals = jacobian.map(|row| row.map(Interval::point));
+    let cancelling = [planted(3, 2, 5, 0.5), planted(8, 2, 5, 0.5)];
+    let found = radii(&inverse, &intervals, &cancelling, 0.0).unwrap();
+    assert!(
+        (found.uniqueness / 2.0 - 1.0).abs() < 1e-9,
+        "{}",
+        found.uniqueness
+    );
+    let adding = [planted(3, 2, 5, -0.5), planted(8, 2, 5, 0.5)];
+    let found = radii(&inverse, &intervals, &adding, 0.0).unwrap();
+    assert!(
+        (found.uniqueness - 1.0).abs() < 1e-9,
+        "{}",
+        found.uniqueness
+    );
+}
+
+/// An inverse that is off by a part z of 1 takes (1 - z): x (1 + z) + k x^2 = 0 with A = 1 is proved as if it were
+/// x (1 - z). From z = 1 on nothing is proved.
+#[test]
+fn an_inverse_that_is_off_narrows_the_radii() {
+    let bends = [planted(4, 1, 6, 0.5)];
+    for off in [0.125, 0.5, 0.875] {
+        let mut jacobian = IDENTITY;
+        jacobian[4][4] += off;
+        let found = proved(&jacobian, &bends, 0.0).unwrap();
+        let expected = 2.0 * (1.0 - off);
+        assert!(found.uniqueness <= expected && found.uniqueness > expected * (1.0 - 1e-9));
+        // The radius is that of 2 Z2 Y <= (1 - Z0)^2.
+        let limit = 0.5 * (1.0 - off).powi(2);
+        assert!(proved(&jacobian, &bends, limit * (1.0 - 1e-9)).is_ok());
+        let beyond = proved(&jacobian, &bends, limit * (1.0 + 1e-9));
+        assert_eq!(beyond.err(), Some(Unproven::TooClose));
+    }
+    let mut jacobian = IDENTITY;
+    jacobian[4][4] = 2.0;
+    assert_eq!(
+        proved(&jacobian, &bends, 0.0).err(),
+        Some(Unproven::Singular)
+    );
+}

@@ -1,0 +1,154 @@
+//! Designs at the boundary of those that the tracker accepts.
+//!
+//! On a line between an accepted and a rejected design, bisection ends at two neighbouring ones. What a guard looks at
+//! changes by rounding between these two. The guards that accept the first with some slack accept the second, too: so the
+//! second design is one that only the guard without slack rejects.
+
+use super::{Acceptance, Batch, LanePose, Rejection, Visit};
+use crate::model::{Drive, Suspension, Topology};
+use crate::number::Vector3;
+use crate::solve::StationOrder;
+use crate::study::Study;
+use std::collections::BTreeMap;
+use std::path::Path;
+
+struct Nothing;
+
+impl Visit<f64> for Nothing {
+    fn pose(&mut self, _: usize, _: &impl LanePose<f64>, _: Acceptance<f64>) {}
+}
+
+/// Follows a design. Returns the reason why a leg ends early, if one does. `history` receives the unknowns.
+pub(super) fn rejection(
+    batch: &Batch<'_>,
+    rack: usize,
+    design: &[Vector3<f64>],
+    history: &mut [f64],
+) -> Option<Rejection> {
+    let lanes = batch.design(design);
+    let tracked = batch.solve(&lanes, rack, history, &mut Nothing);
+    tracked.legs.iter().find_map(|leg| leg.reason(0))
+}
+
+/// Numbers in [-1, 1).
+pub(super) struct Noise(pub u64);
+
+impl Noise {
+    pub(super) fn next(&mut self) -> f64 {
+        self.0 = self
+            .0
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+    }
+}
+
+pub(super) fn template(topology: &str) -> Suspension {
+    let topology = Topology::named(topology).unwrap();
+    let study = Study::from_text("template.toml", topology.template, Path::new("."));
+    study.expect("a template is valid").suspension
+}
+
+/// How a guard judges a place: its name, its reason, and the slack, which is negative where it rejects.
+pub(super) struct Judgement {
+    pub guard: &'static str,
+    pub reason: Rejection,
+    /// Distance from the threshold as a part of it.
+    pub slack: f64,
+}
+
+/// Slack that counts as none: many roundings of a design, far less than what other guards have.
+const NONE: f64 = 1e-6;
+
+/// Looks for boundaries on lines from the study's own design, by turns with the rack in the middle and displaced.
+/// `judge` gives the guards at all places of an accepted design. Exactly one of them must be without slack and have
+/// the reason for which the neighbour is rejected. Returns how many boundaries each guard is.
+pub(super) fn boundaries(
+    suspension: &Suspension,
+    drive: Drive,
+    lines: usize,
+    judge: impl Fn(&Batch<'_>, usize, &[Vector3<f64>], &[f64]) -> Vec<Judgement>,
+) -> BTreeMap<&'static str, usize> {
+    let base = &suspension.design;
+    let size = suspension.size();
+    let (reach, rack) = match drive {
+        Drive::Travel => (0.25 * size, 0.15 * size),
+        Drive::ArmAngle => (1.0, 0.15 * size),
+    };
+    let stations: Vec<f64> = (-8..=8).map(|k| reach * f64::from(k) / 8.0).collect();
+    let order = StationOrder::through(&stations);
+    let batch = Batch::new(&suspension.mechanism, base, drive, &order, &[0.0, rack]).unwrap();
+    let mut noise = Noise(7);
+    let mut counts = BTreeMap::new();
+    for line in 0..lines {
+        let number = line % 2;
+        let direction: Vec<Vector3<f64>> = base
+            .iter()
+            .map(|_| Vector3::new(noise.next(), noise.next(), noise.next()) * (0.5 * size))
+            .collect();
+        let at = |t: f64| -> Vec<Vector3<f64>> {
+            let points = base.iter().zip(&direction);
+            points.map(|(point, along)| *point + *along * t).collect()
+        };
+        let mut history = batch.history(0.0_f64);
+        let mut reject = |t: f64| rejection(&batch, number, &at(t), &mut history);
+        // The nearest rejected design among a few, so that the boundary is one of ordinary designs.
+        let Some(mut high) = (1..=24)
+            .map(|k| f64::from(k) / 24.0)
+            .find(|t| reject(*t).is_some())
+        else {
+            continue;
+        };
+        let mut low = high - 1.0 / 24.0;
+        if reject(low).is_some() {
+            continue;
+        }
+        while low < 0.5 * (low + high) && 0.5 * (low + high) < high {
+            let middle = 0.5 * (low + high);
+            match reject(middle) {
+                Some(_) => high = middle,
+                None => low = middle,
+            }
+        }
+        let reason = reject(high).expect("rejected");
+        assert_eq!(reject(low), None);
+        let judged = judge(&batch, number, &at(low), &history);
+        for place in &judged {
+            assert!(place.slack > -NONE, "{}: {}", place.guard, place.slack);
+        }
+        let mut without: Vec<_> = judged.iter().filter(|j| j.slack < NONE).collect();
+        without.dedup_by_key(|j| j.guard);
+        let guard = match without[..] {
+            [only] => {
+                assert_eq!(only.reason, reason, "{}", only.guard);
+                only.guard
+            }
+            // Corrections are counted, and nothing has a slack.
+            [] if reason == Rejection::NotSettled => "settles",
+            [] => panic!("line {line}: no guard is at its threshold, but {reason:?}"),
+            // Two of one moment: which one rejects is open.
+            _ => continue,
+        };
+        *counts.entry(guard).or_insert(0) += 1;
+    }
+    println!(
+        "{} {drive:?}: {counts:?}",
+        suspension.mechanism.topology.name
+    );
+    counts
+}
+
+/// Slack below a threshold.
+pub(super) fn below(value: f64, threshold: f64) -> f64 {
+    1.0 - value / threshold
+}
+
+/// Slack above a threshold.
+pub(super) fn above(value: f64, threshold: f64) -> f64 {
+    value / threshold - 1.0
+}
+
+/// Slacks of a number that may neither halve nor double.
+pub(super) fn steady(now: f64, before: f64) -> [f64; 2] {
+    [above(now / before, 0.5), below(now / before, 2.0)]
+}

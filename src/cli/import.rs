@@ -238,7 +238,12 @@ pub(super) fn run(arguments: &ImportArguments) -> Result<Exit, Stop> {
     let shown = arguments.file.display();
     let (count, kind) = (imported.hardpoints.len(), imported.topology.name);
     let summary = summary(&imported, Some(arguments.out.as_deref()));
-    note(&format!("{shown}: {count} hardpoints of {kind}\n{summary}"));
+    note(&format!(
+        "{shown}: {count} hardpoints of {kind}, {} wheel, {}, {}\n{summary}",
+        imported.side.name(),
+        imported.unit.symbol(),
+        imported.frame.name()
+    ));
     Ok(Exit::Done)
 }
 

@@ -4,7 +4,8 @@ use super::exit::{Exit, Stop};
 use super::save::save;
 use super::terminal::{eprint, note};
 use crate::exchange::{
-    Axes, ImportOptions, Imported, Question, Refusal, bytes_of, import, read_points, unit_of,
+    Axes, ImportOptions, Imported, Question, Refusal, bytes_of, for_shell, import, read_points,
+    unit_of,
 };
 use crate::model::{AxlePosition, FrameConvention, LengthUnit, Side, Topology};
 use clap::Args;
@@ -114,8 +115,9 @@ fn body(text: &str) -> Result<(String, String), String> {
 }
 
 /// The answers that a file's open questions take.
-#[derive(Clone, Copy)]
+#[derive(Clone, Default)]
 struct Said {
+    sheet: Option<String>,
     axes: Option<Axes>,
     side: Option<Side>,
     axle: Option<AxlePosition>,
@@ -126,6 +128,7 @@ impl Said {
     fn of(arguments: &ImportArguments) -> Self {
         let corner = arguments.corner;
         Said {
+            sheet: arguments.sheet.clone(),
             axes: arguments.axes,
             side: arguments.side.or(corner.map(|(_, side)| side)),
             axle: arguments.axle.or(corner.map(|(axle, _)| axle)),
@@ -136,6 +139,7 @@ impl Said {
     /// Takes an answer as its flag would.
     fn take(&mut self, flag: &str, value: &str) -> Result<(), String> {
         match flag {
+            "--sheet" => self.sheet = Some(value.to_owned()),
             "--axes" => self.axes = Some(Axes::parse(value)?),
             "--side" => self.side = Some(side(value)?),
             "--axle" => self.axle = Some(axle(value)?),
@@ -146,8 +150,43 @@ impl Said {
     }
 }
 
-/// The most questions that a file leaves open: axle, side, axes, half track.
-const MOST_QUESTIONS: usize = 4;
+/// The most questions that a file leaves open: sheet, axle, side, axes, half track.
+const MOST_QUESTIONS: usize = 5;
+
+/// Asks the questions of a file.
+struct Questions<'a> {
+    file: &'a Path,
+    can_ask: bool,
+    asked: usize,
+}
+
+impl Questions<'_> {
+    /// Returns what `read` makes of the answers. A question is asked at a terminal, else it is the reason of a refusal.
+    fn settle<T>(
+        &mut self,
+        said: &mut Said,
+        mut read: impl FnMut(&Said) -> Result<T, Refusal>,
+    ) -> Result<T, Stop> {
+        let refused = |reason: String| Stop::in_file(self.file, reason);
+        loop {
+            let question = match read(said) {
+                Ok(found) => return Ok(found),
+                Err(Refusal::Open(question)) if self.can_ask && self.asked < MOST_QUESTIONS => {
+                    question
+                }
+                Err(refusal) => return Err(refused(refusal.to_string())),
+            };
+            self.asked += 1;
+            eprint(&format!("{}: {}\n", self.file.display(), question.reason));
+            let answer = ask(&question, &mut std::io::stdin().lock(), eprint);
+            let Some((flag, value)) = answer else {
+                return Err(refused(Refusal::Open(question).to_string()));
+            };
+            said.take(flag, &value).map_err(refused)?;
+            eprint(&format!("In a script: {flag} {}\n", for_shell(&value)));
+        }
+    }
+}
 
 pub(super) fn run(arguments: &ImportArguments) -> Result<Exit, Stop> {
     let refused = |reason: String| Stop::in_file(&arguments.file, reason);
@@ -157,11 +196,15 @@ pub(super) fn run(arguments: &ImportArguments) -> Result<Exit, Stop> {
     };
     let bodies: BTreeMap<String, String> = arguments.body.iter().cloned().collect();
     let mut said = Said::of(arguments);
-    let table = read_points(&arguments.file, arguments.sheet.as_deref(), said.axle);
-    let table = table.map_err(refused)?;
-    let can_ask = std::io::stdin().is_terminal() && std::io::stderr().is_terminal();
-    let mut questions = 0;
-    let imported = loop {
+    let mut questions = Questions {
+        file: &arguments.file,
+        can_ask: std::io::stdin().is_terminal() && std::io::stderr().is_terminal(),
+        asked: 0,
+    };
+    let table = questions.settle(&mut said, |said| {
+        read_points(&arguments.file, said.sheet.as_deref(), said.axle)
+    })?;
+    let imported = questions.settle(&mut said, |said| {
         let options = ImportOptions {
             topology: arguments.topology,
             unit: arguments.unit,
@@ -173,22 +216,8 @@ pub(super) fn run(arguments: &ImportArguments) -> Result<Exit, Stop> {
             names: &names,
             bodies: &bodies,
         };
-        match import(&table, &options) {
-            Ok(imported) => break imported,
-            Err(Refusal::Open(question)) if can_ask && questions < MOST_QUESTIONS => {
-                questions += 1;
-                let shown = arguments.file.display();
-                eprint(&format!("{shown}: {}\n", question.reason));
-                let answer = ask(&question, &mut std::io::stdin().lock(), eprint);
-                let Some((flag, value)) = answer else {
-                    return Err(refused(Refusal::Open(question).to_string()));
-                };
-                said.take(flag, &value).map_err(refused)?;
-                eprint(&format!("In a script: {flag} {value}\n"));
-            }
-            Err(refusal) => return Err(refused(refusal.to_string())),
-        }
-    };
+        import(&table, &options)
+    })?;
     let file_name = arguments.file.file_name().unwrap_or_default();
     let study = imported
         .study("the imported study", &file_name.to_string_lossy())
@@ -209,7 +238,12 @@ pub(super) fn run(arguments: &ImportArguments) -> Result<Exit, Stop> {
     let shown = arguments.file.display();
     let (count, kind) = (imported.hardpoints.len(), imported.topology.name);
     let summary = summary(&imported, Some(arguments.out.as_deref()));
-    note(&format!("{shown}: {count} hardpoints of {kind}\n{summary}"));
+    note(&format!(
+        "{shown}: {count} hardpoints of {kind}, {} wheel, {}, {}\n{summary}",
+        imported.side.name(),
+        imported.unit.symbol(),
+        imported.frame.name()
+    ));
     Ok(Exit::Done)
 }
 
@@ -220,6 +254,7 @@ fn ask(
     mut say: impl FnMut(&str),
 ) -> Option<(&'static str, String)> {
     for (number, (flag, value)) in question.choices.iter().enumerate() {
+        let value = for_shell(value);
         say(&format!("  {}) {flag} {value}\n", number + 1));
     }
     let last = question.choices.len();
@@ -326,12 +361,7 @@ mod tests {
         assert_eq!(answer(&of_axle, ""), None);
         let track = Some(("--half-track", "610".to_owned()));
         assert_eq!(answer(&of_track, "610\n"), track);
-        let mut said = Said {
-            axes: None,
-            side: None,
-            axle: None,
-            half_track: None,
-        };
+        let mut said = Said::default();
         said.take("--axle", "rear").unwrap();
         said.take("--half-track", "610").unwrap();
         assert_eq!(

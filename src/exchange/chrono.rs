@@ -170,9 +170,12 @@ fn refusal(template: &str) -> String {
             "an axle that joins both wheels; a study has wheels that move on their own"
         }
         "RigidSuspension" | "RigidPinnedAxle" => "it has no links that a study could hold",
+        "GenericWheeledSuspension" => {
+            "it lists bodies and joints of any kind; write the joints as hardpoints of a topology into a table"
+        }
         "ThreeLinkIRS" => {
-            "a trailing arm with two lateral links; what comes nearest is a five_link of which three links share \
-             the arm's joint on the body"
+            "a trailing arm with two lateral links; a five_link can stand for it (docs/suspensions.md): three links \
+             that share the arm's joint on the body, and the two lateral links"
         }
         _ => {
             "expected DoubleWishbone, DoubleWishboneReduced, MacPhersonStrut, MultiLink or SemiTrailingArm"
@@ -214,15 +217,55 @@ fn spring(root: &Node, topology: &str, table: &mut PointTable) {
         ("double_wishbone", "knuckle") | ("five_link", "knuckle") => "knuckle",
         ("semi_trailing_arm", _) => "arm",
         _ => {
-            table.left_out.push(format!(
-                "{part}: its lower end is on a link, and the spring of a {topology} stands on the knuckle"
-            ));
+            table
+                .left_out
+                .push(on_link(root, part, topology, upper, lower));
             return;
         }
     };
     let top = point("spring_upper", (part, "Location Chassis"), upper, None);
     let foot = point("spring_lower", (part, key), lower, Some(body));
     table.points.extend([top, foot]);
+}
+
+/// Says why a spring on the trailing link is left out, and how to get its motion ratio all the same.
+///
+/// The link turns about its inner joint, so a foot at the share t of its length moves t times as far as its outer
+/// joint. A parallel spring at the outer joint therefore has 1/t times the motion ratio. A foot beside the line of
+/// the joints moves along the link as well, which this leaves out.
+fn on_link(root: &Node, part: &str, topology: &str, upper: [f64; 3], lower: [f64; 3]) -> String {
+    let reason = format!(
+        "{part}: its lower end is on a link, and a {topology} takes a spring on the knuckle or on a rocker. The wheel \
+         moves the same without it; motion_ratio is not asked for"
+    );
+    let inner = location(root, ("Trailing Link", "Location Chassis"));
+    let outer = location(root, ("Trailing Link", "Location Upright"));
+    let (Some(inner), Some(outer)) = (inner, outer) else {
+        return reason;
+    };
+    let minus = |a: [f64; 3], b: [f64; 3]| -> [f64; 3] { std::array::from_fn(|k| a[k] - b[k]) };
+    let dot = |a: [f64; 3], b: [f64; 3]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let (link, foot, spring) = (
+        minus(outer, inner),
+        minus(lower, inner),
+        minus(upper, lower),
+    );
+    let share = dot(foot, link) / dot(link, link);
+    if !(0.0..=1.0).contains(&share) {
+        return reason;
+    }
+    let shown = |point: [f64; 3]| {
+        let [x, y, z] = point;
+        format!("[{x:.4}, {y:.4}, {z:.4}]")
+    };
+    let top: [f64; 3] = std::array::from_fn(|k| outer[k] + spring[k]);
+    format!(
+        "{reason}. For its motion ratio, add a parallel spring at the link's outer joint to the study, spring_lower = {} \
+         and spring_upper = {}, and take {share:.2} of its motion_ratio: the foot is at {share:.2} of the link. This \
+         holds in the design position, about",
+        shown(outer),
+        shown(top)
+    )
 }
 
 fn angles(root: &Node, table: &mut PointTable) {

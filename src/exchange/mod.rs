@@ -4,7 +4,7 @@
 //!
 //! | step | files |
 //! |---|---|
-//! | bytes to a format's own structure | `source`, `delimited`, `workbook`, `cell`, `decimals`, `header`, `yaml`, `map`, `adams` |
+//! | bytes to a format's own structure | `source`, `sheets`, `delimited`, `workbook`, `cell`, `decimals`, `header`, `yaml`, `map`, `adams` |
 //! | a format to a table of named rows, with the axes, units, wheels and axles that the file says | `points`, `map`, `chrono`, `assetto_in`, `hub_face`, `source`, into `table` |
 //! | names to roles | `names`, `roles` |
 //! | choice of axle and wheel | `corner` |
@@ -50,6 +50,7 @@ mod refusal;
 mod roles;
 mod rounding;
 mod seats;
+mod sheets;
 mod source;
 mod subsystem;
 mod suspensions_ini;
@@ -67,7 +68,7 @@ pub use header::unit_of;
 pub use import::{Hardpoint, ImportOptions, Imported, import};
 pub use optimum_table::{RowsAndNotes, optimum_k_rows};
 pub use outgoing::Outgoing;
-pub use refusal::{Question, Refusal};
+pub use refusal::{Question, Refusal, for_shell};
 pub use rounding::{Grid, Loss, Rounded, moved_coordinates, rounded, tuned_coordinates};
 pub use source::{bytes_of, read as read_points};
 pub use subsystem::{Written, into_subsystem, subsystem};

@@ -189,7 +189,7 @@ fn found(
         ));
     }
     let assumed = if side.is_none() {
-        ", left assumed, because the file states no side"
+        " (assumed: the file states no side)"
     } else {
         ""
     };
@@ -198,7 +198,7 @@ fn found(
         .convention()
         .map_or(placed.axes.to_string(), |frame| frame.name().to_owned());
     notes.push(format!(
-        "axes: {name}, {} wheel{assumed}, since {shown} (--axes and --side say others)",
+        "axes: {name}, {} wheel{assumed}; from the points, {shown} (--axes and --side change this)",
         placed.side.name()
     ));
     Ok(placed)

@@ -47,7 +47,7 @@ impl fmt::Display for Refusal {
         };
         let choices = question.choices.iter();
         let mut answers: Vec<String> = choices
-            .map(|(flag, value)| format!("{flag} {value}"))
+            .map(|(flag, value)| format!("{flag} {}", for_shell(value)))
             .collect();
         answers.extend(
             question
@@ -56,4 +56,13 @@ impl fmt::Display for Refusal {
         );
         write!(f, "{}: say {}", question.reason, answers.join(" or "))
     }
+}
+
+/// A value as a shell takes it: as it is, or between quotation marks.
+pub fn for_shell(value: &str) -> String {
+    let is_plain = |c: char| c.is_alphanumeric() || "_-.,+/:=@%".contains(c);
+    if !value.is_empty() && !value.starts_with('-') && value.chars().all(is_plain) {
+        return value.to_owned();
+    }
+    format!("'{}'", value.replace('\'', "'\\''"))
 }

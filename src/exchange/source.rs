@@ -3,9 +3,9 @@
 
 use super::adams::{self, Symmetry};
 use super::axes::{Axes, Declared};
-use super::names::marks_of_title;
+use super::refusal::Refusal;
 use super::table::{Figure, Marks, NamedPoint, PointTable};
-use super::{assetto_in, delimited, map, points, workbook, yaml};
+use super::{assetto_in, delimited, map, points, sheets, yaml};
 use crate::model::{AxlePosition, FrameConvention, Side};
 use crate::study::read_bytes;
 use std::path::Path;
@@ -13,27 +13,35 @@ use std::path::Path;
 /// The largest file that is read, in bytes.
 const MOST_BYTES: u64 = 64 << 20;
 
-/// Points of a file; `sheet` names a sheet of a workbook, `axle` one of two axles.
+/// The points of a file; `sheet` names one of a workbook, `axle` the one that is wanted of two.
+///
+/// # Errors
+/// The file has no points that can be read, or a workbook has points in several sheets and none is named.
 pub fn read(
     path: &Path,
     sheet: Option<&str>,
     axle: Option<AxlePosition>,
-) -> Result<PointTable, String> {
+) -> Result<PointTable, Refusal> {
     let bytes = bytes_of(path)?;
     let is_workbook = bytes.starts_with(b"PK\x03\x04");
     if !is_workbook && let Some(sheet) = sheet {
-        return Err(format!(
+        return Err(Refusal::Wrong(format!(
             "the file is not a workbook, so it has no sheet {sheet:?}"
-        ));
+        )));
     }
     if is_workbook {
-        return of_workbook(bytes, sheet, axle);
+        return sheets::of_workbook(bytes, sheet, axle);
     }
+    of_plain_file(path, &bytes).map_err(Refusal::Wrong)
+}
+
+/// The points of a file that is no workbook.
+fn of_plain_file(path: &Path, bytes: &[u8]) -> Result<PointTable, String> {
     // The container of old binary workbooks and of encrypted ones.
     if bytes.starts_with(&[0xd0, 0xcf, 0x11, 0xe0]) {
         return Err("it is an old or an encrypted workbook; save it as .xlsx or .csv".to_owned());
     }
-    let text = decoded(&bytes)?;
+    let text = decoded(bytes)?;
     if adams::is_subsystem(&text) {
         return of_subsystem(&text);
     }
@@ -50,7 +58,7 @@ pub fn read(
     table.ok_or_else(|| NO_POINTS.to_owned())
 }
 
-const NO_POINTS: &str = "it has no table of points: a header with a column of names and the columns x, y and z, \
+pub(super) const NO_POINTS: &str = "it has no table of points: a header with a column of names and the columns x, y and z, \
                          or lines of a name and three numbers, or names with three numbers in JSON or YAML";
 
 /// The bytes of a file, up to a bound. Devices and named pipes are refused.
@@ -80,76 +88,6 @@ fn decoded(bytes: &[u8]) -> Result<String, String> {
     match text.contains('\0') {
         true => Err("it is no text, no workbook and no subsystem of Adams/Car".to_owned()),
         false => Ok(text),
-    }
-}
-
-fn of_workbook(
-    bytes: Vec<u8>,
-    wanted: Option<&str>,
-    axle: Option<AxlePosition>,
-) -> Result<PointTable, String> {
-    let book = workbook::Workbook::open(bytes)?;
-    let names: Vec<String> = book.names().map(str::to_owned).collect();
-    let quoted = |names: &[String]| {
-        let quoted: Vec<String> = names.iter().map(|name| format!("{name:?}")).collect();
-        quoted.join(", ")
-    };
-    if let Some(wanted) = wanted {
-        let found = names.iter().position(|name| name == wanted);
-        let number = found
-            .ok_or_else(|| format!("there is no sheet {wanted:?}; there are {}", quoted(&names)))?;
-        let table = points::read(&book.sheet(number)?)?;
-        return table.ok_or_else(|| format!("sheet {wanted:?}: {NO_POINTS}"));
-    }
-    let mut found: Vec<(String, PointTable)> = Vec::new();
-    let mut refused = None;
-    for (number, name) in names.iter().enumerate() {
-        // A sheet that the user did not name may hold anything.
-        match book.sheet(number).and_then(|sheet| points::read(&sheet)) {
-            Ok(Some(table)) => found.push((name.clone(), table)),
-            Ok(None) => (),
-            Err(reason) => refused = refused.or(Some(format!("sheet {name:?}: {reason}"))),
-        }
-    }
-    let mut by_axle = false;
-    // `--axle` chooses between sheets named after axles.
-    let axle_of = |name: &str| {
-        let words = super::names::cut(name);
-        let of = |wanted: &str| words.iter().any(|word| word == wanted);
-        match (of("front"), of("rear")) {
-            (true, false) => Some(AxlePosition::Front),
-            (false, true) => Some(AxlePosition::Rear),
-            _ => marks_of_title(name).and_then(|marks| marks.axle),
-        }
-    };
-    if found.len() > 1 && axle.is_some() {
-        let of_axle = found.iter().filter(|(name, _)| axle_of(name) == axle);
-        if of_axle.count() == 1 {
-            found.retain(|(name, _)| axle_of(name) == axle);
-            by_axle = true;
-        }
-    }
-    match found.len() {
-        0 => Err(refused.unwrap_or_else(|| NO_POINTS.to_owned())),
-        1 => {
-            let (name, mut table) = found.remove(0);
-            if names.len() > 1 {
-                table.notes.push(match by_axle {
-                    true => format!("sheet {name:?}: the one of the axle that --axle names"),
-                    false => format!("sheet {name:?}: the only one with points"),
-                });
-            }
-            Ok(table)
-        }
-        _ => {
-            let with_points: Vec<String> = found.into_iter().map(|(name, _)| name).collect();
-            let names = quoted(&with_points);
-            let of_axles = with_points.iter().any(|name| axle_of(name).is_some());
-            Err(format!(
-                "points are in several sheets, {names}: choose one with --sheet{}",
-                if of_axles { " or --axle" } else { "" }
-            ))
-        }
     }
 }
 

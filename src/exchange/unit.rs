@@ -60,7 +60,8 @@ pub(super) fn unit(
         }
         (None, Some(unit)) => {
             notes.push(format!(
-                "unit: {}, since the points are {size:.4} apart (--unit says another)",
+                "unit: {}, because the file states none and the points are up to {size:.4} from the wheel, the size of a \
+                 car's suspension (--unit changes this)",
                 unit.symbol()
             ));
             Ok(unit)

@@ -195,7 +195,18 @@ fn sheets_are_chosen_by_name_or_by_their_points() {
     let two = file(&directory, "two.xlsx", &two);
     let refused = imported(&two, "macpherson", &Said::default()).unwrap_err();
     assert!(
-        refused.contains("\"front\", \"rear\": choose one with --sheet"),
+        refused.ends_with("has points in 2 sheets: say --sheet front or --sheet rear"),
+        "{refused}"
+    );
+    let mut broken = cells();
+    broken[1][1] = Value::Text("about 120".to_owned());
+    let mixed = workbook(&[page("it's front", cells()), page("old", broken)]);
+    let mixed = file(&directory, "mixed.xlsx", &mixed);
+    let read = imported(&mixed, "macpherson", &Said::default());
+    // A coordinate that is no number is a matter of the import, so the sheet counts.
+    let refused = read.unwrap_err();
+    assert!(
+        refused.contains("say --sheet 'it'\\''s front' or --sheet old"),
         "{refused}"
     );
     let said = |sheet| Said {

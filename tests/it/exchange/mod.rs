@@ -35,7 +35,7 @@ struct Said {
 }
 
 fn imported(path: &Path, topology: &str, said: &Said) -> Result<Imported, String> {
-    let table = read_points(path, said.sheet, said.axle)?;
+    let table = read_points(path, said.sheet, said.axle).map_err(|refusal| refusal.to_string())?;
     let options = ImportOptions {
         topology: Topology::named(topology).unwrap(),
         unit: said.unit,

@@ -75,6 +75,7 @@
 //! | `axle` | both wheels: roll on a plane ground, steering, springs |
 //! | `sweep` | many designs on all cores, in constant memory |
 //! | `optimise` | targets as bounded least squares, and their minimum |
+//! | `side_effects` | changes of a tuned design that no target asks for |
 //! | `tolerance` | what manufacturing scatter does, and which tolerance is worth money |
 //! | `linear` | one elimination with its series, for every number of unknowns |
 //! | `threads` | pools of threads with stacks that are large enough |

@@ -128,6 +128,7 @@ impl Run {
         let others = [
             "sensitivities.csv",
             "history.csv",
+            "side_effects.csv",
             "front.csv",
             "summary.json",
             "optimised.toml",

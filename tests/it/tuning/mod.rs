@@ -484,8 +484,8 @@ fn derivatives_are_exact_at_a_random_design_of_every_topology() {
 /// each what an own tuning with the second target held there comes to.
 #[test]
 fn a_front_of_two_targets_is_traced() {
-    let front = "optimise.front=[\"camber\", \"kingpin_inclination\"]";
-    let study = two_curves(edited("macpherson_front.toml", &[SIX, front]));
+    let goals = "optimise.front=[\"camber\", \"kingpin_inclination\"]";
+    let study = two_curves(edited("macpherson_front.toml", &[SIX, goals]));
     // Tolerances so tight that both cannot be had.
     let optimise = study.optimise.as_ref().unwrap();
     let (suspension, motion) = (&study.suspension, &study.motion);

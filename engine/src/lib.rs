@@ -70,6 +70,8 @@ pub mod optimise;
 #[doc(hidden)]
 pub mod plan;
 #[doc(hidden)]
+pub mod side_effects;
+#[doc(hidden)]
 pub mod solve;
 #[doc(hidden)]
 pub mod study;
@@ -109,6 +111,7 @@ pub use optimise::{
     Identifiability, Infeasible, Iteration, Multistart, Price, ProgressCallback, StandardErrors,
     Start, Termination, Tuning,
 };
+pub use side_effects::{PlaceCoordinate, SideEffect};
 pub use solve::Rejection;
 pub use sweep::{Failing, Rows};
 

@@ -39,7 +39,7 @@ from ._hardpoint import HardpointError, StudyError, __version__, topologies
 from ._runs import Run, Table, open
 from ._study import Study, check, limits, load, loads, solve
 from ._sweep import Sweep, sweep
-from ._tuning import Tuning, optimise
+from ._tuning import SideEffect, Tuning, optimise
 
 __all__ = [
     "Column",
@@ -48,6 +48,7 @@ __all__ = [
     "HardpointError",
     "Residuals",
     "Run",
+    "SideEffect",
     "Study",
     "StudyError",
     "Sweep",

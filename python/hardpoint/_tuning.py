@@ -14,6 +14,36 @@ Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
+class SideEffect:
+    """A change that no target asks for."""
+
+    output: str
+    """Name without unit; with the name of the motion if that is not [motion]."""
+    unit: str
+    """Unit of all values."""
+    before_min: float | None
+    """Least value before the tuning at the stations compared; None without a value."""
+    before_max: float | None
+    """Largest value before."""
+    after_min: float | None
+    """Least value after."""
+    after_max: float | None
+    """Largest value after."""
+    largest_change: float | None
+    """Change of the largest amount, with its sign."""
+    at: dict[str, float]
+    """Station of that change: its coordinates with their units, such as {"travel_mm": 80.0}."""
+    wheel: str | None
+    """Wheel of an axle that changes most, "left" or "right"."""
+    tolerance: float | None
+    """Customary tolerance; None if there is none."""
+    flagged: bool
+    """True if the change exceeds the tolerance, or if stations have lost their values."""
+    lost: int
+    """Number of stations with a value before the tuning and none after it."""
+
+
+@dataclass(frozen=True)
 class Tuning:
     """What came of a tuning."""
 
@@ -35,6 +65,8 @@ class Tuning:
     intervals: list[tuple[str, float | None, float | None]] | None = None
     """The 95 % interval of each offset of such a fit: "two_sided", "at_most" (at its lower bound), "at_least" (at its
     upper bound) or "not_determined"; lowest and highest offset, None on a side without a limit."""
+    side_effects: list[SideEffect] = field(default_factory=list)
+    """Changes that no target asks for, flagged ones first; empty with side_effects = false in [optimise]."""
     study: Study | None = None
     """The tuned study, comments kept."""
 
@@ -43,4 +75,6 @@ def optimise(study: Study, threads: int | None = None) -> Tuning:
     """Tunes the hardpoints as the study's [optimise] says; the numbers of `hardpoint optimise`."""
     found = _hardpoint.optimise(study._study, threads)
     text = found.pop("text")
-    return Tuning(study=None if text is None else loads(text, name=f"{study.name}.toml"), **found)
+    effects = [SideEffect(**effect) for effect in found.pop("side_effects", [])]
+    tuned = None if text is None else loads(text, name=f"{study.name}.toml")
+    return Tuning(side_effects=effects, study=tuned, **found)

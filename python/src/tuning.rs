@@ -3,8 +3,10 @@
 use crate::errors::failure;
 use crate::study::Study;
 use crate::threads::on_threads;
+use hardpoint::SideEffect;
 use hardpoint::optimise::{Control, TargetLayout, evaluated, tune};
 use hardpoint::report::FittedOffset;
+use hardpoint::side_effects::side_effects;
 use hardpoint::study::{Optimise, Variable};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1};
 use pyo3::prelude::*;
@@ -64,11 +66,37 @@ pub(crate) fn optimise<'py>(
                 result.set_item("standard_errors", errors.sigmas.clone())?;
                 result.set_item("intervals", fitted)?;
             }
-            let text = own.with_points_of(&own.moved(&best.offsets));
-            result.set_item("text", text)?;
+            let moved = own.moved(&best.offsets);
+            let effects = py.detach(|| side_effects(own, &moved));
+            let effects = effects.map_err(|fault| study.fault(&fault))?;
+            let effects = effects.iter().map(|effect| side_effect(py, effect));
+            result.set_item("side_effects", effects.collect::<PyResult<Vec<_>>>()?)?;
+            result.set_item("text", own.with_points_of(&moved))?;
         }
     }
     Ok(result)
+}
+
+/// A side effect by its fields.
+fn side_effect<'py>(py: Python<'py>, effect: &SideEffect) -> PyResult<Bound<'py, PyDict>> {
+    let fields = PyDict::new(py);
+    fields.set_item("output", &effect.output)?;
+    fields.set_item("unit", &effect.unit)?;
+    fields.set_item("before_min", effect.before_min)?;
+    fields.set_item("before_max", effect.before_max)?;
+    fields.set_item("after_min", effect.after_min)?;
+    fields.set_item("after_max", effect.after_max)?;
+    fields.set_item("largest_change", effect.largest_change)?;
+    let at = PyDict::new(py);
+    for place in &effect.at {
+        at.set_item(format!("{}_{}", place.name, place.unit), place.value)?;
+    }
+    fields.set_item("at", at)?;
+    fields.set_item("wheel", &effect.wheel)?;
+    fields.set_item("tolerance", effect.tolerance)?;
+    fields.set_item("flagged", effect.flagged)?;
+    fields.set_item("lost", effect.lost)?;
+    Ok(fields)
 }
 
 /// The targets of a study as least squares.

@@ -184,6 +184,11 @@ fn asked(study: &Study) -> Vec<String> {
             counted(optimise.targets.len(), "target"),
             counted(optimise.starts, "start")
         ));
+        let effects = match optimise.side_effects {
+            true => "changes that no target asks for are reported",
+            false => "off, by side_effects = false",
+        };
+        said.push(format!("Side effects (optimise only): {effects}."));
     }
     if let Some(setup) = &study.setup {
         said.push(format!(

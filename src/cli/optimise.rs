@@ -5,16 +5,16 @@ use super::choices::Choices;
 use super::exit::{Exit, Stop};
 use super::output::{Output, design_fault, pool};
 use super::report::ReportOptions;
-use super::{interrupt, progress};
+use super::yields::yields;
+use super::{interrupt, progress, terminal};
 use crate::optimise::{Control, Tuning, tune};
 use crate::report::{
-    FrontRecord, PriceRecord, Record, TuningSummary, YieldRecord, counted, history_csv,
-    variable_plausibility,
+    FrontRecord, PriceRecord, Record, TuningSummary, counted, history_csv, shown_side_effects,
+    side_effects_table, unchanged_in_words, variable_plausibility,
 };
+use crate::side_effects::side_effects;
 use crate::solved::Solved;
 use crate::study::{Optimise, Study, StudyErrors};
-use crate::tolerance::{Problem, monte_carlo};
-use std::ops::ControlFlow;
 use std::path::Path;
 
 /// Largest number of printed free moves; the page and `summary.json` have all.
@@ -37,7 +37,31 @@ fn say_outcome(output: &Output, study: &Study, summary: &TuningSummary) -> Resul
         output.text_only("\n")?;
         output.table("constraints", &table)?;
     }
+    say_side_effects(output, summary)?;
     output.say_remarks(summary.remarks())
+}
+
+/// Prints the changes that no target asks for, flagged ones first.
+fn say_side_effects(output: &Output, summary: &TuningSummary) -> Result<(), Stop> {
+    let effects = &summary.side_effects;
+    if effects.is_empty() {
+        return Ok(());
+    }
+    output.table_for_programs("side_effects", || side_effects_table(effects));
+    if !output.is_text() {
+        return Ok(());
+    }
+    let (shown, more) = shown_side_effects(effects);
+    if !shown.is_empty() {
+        output.say("\n")?;
+        output.say(&side_effects_table(&shown).text(terminal::width()))?;
+    }
+    let more =
+        (more > 0).then(|| format!("{} in side_effects.csv", counted(more, "further change")));
+    for line in more.into_iter().chain(unchanged_in_words(effects)) {
+        output.say(&format!("\n  {line}\n"))?;
+    }
+    Ok(())
 }
 
 /// Prints the faults of the tuned design, moves that leave the targets unchanged, and the ends of the starts.
@@ -117,6 +141,9 @@ pub(super) fn run(arguments: &OptimiseArguments) -> Result<Exit, Stop> {
         after.as_ref().map(Solved::curves),
     );
     summary.prices = PriceRecord::all(optimise, &choices.prices, kept);
+    if let Some(tuned) = &tuned {
+        summary.side_effects = side_effects(&study, tuned).map_err(of_wheel)?;
+    }
     summary.yields = pool.install(|| yields(&study, optimise, tuned.as_ref()));
 
     let interrupted = interrupt::is_raised();
@@ -141,6 +168,9 @@ pub(super) fn run(arguments: &OptimiseArguments) -> Result<Exit, Stop> {
         output.without("curves.csv")?;
         output.without("optimised.toml")?;
     }
+    let effects = &summary.side_effects;
+    let csv = (!effects.is_empty()).then(|| side_effects_table(effects).csv(None).into_bytes());
+    files.extend(output.file_if_any("side_effects.csv", csv)?);
     let csv = after.as_ref().and_then(Solved::sensitivities_csv);
     files.extend(output.file_if_any("sensitivities.csv", csv)?);
     files.extend(choices.write(&output, &study, optimise)?);
@@ -162,6 +192,7 @@ pub(super) fn run(arguments: &OptimiseArguments) -> Result<Exit, Stop> {
     if let Some(yields) = &summary.yields {
         output.say(&format!("\n{}\n\n", yields.headline()))?;
         output.table("yields", &yields.table())?;
+        output.say_remarks(yields.remark())?;
     }
     let is_complete = after.as_ref().is_some_and(Solved::is_complete);
     let plausibility = after.as_ref().map(Solved::plausibility);
@@ -203,25 +234,6 @@ fn keep(
     output.mark_interrupted();
     output.file("optimised.toml", study.with_points_of(tuned).as_bytes())?;
     output.file("history.csv", &history_csv(&tuning.starts))
-}
-
-/// Yields of a robust tuning before and after, by Monte Carlo as in `hardpoint tolerance`.
-fn yields(study: &Study, optimise: &Optimise, tuned: Option<&Study>) -> Option<YieldRecord> {
-    optimise.scatter.as_ref()?;
-    let tolerance = study.tolerance.as_ref().filter(|t| !t.bands.is_empty())?;
-    let of = |study: &Study| {
-        let problem = Problem::of(study, tolerance).ok()?;
-        let problem = problem.interruptible(interrupt::flag());
-        let drawn = problem.drawn().ok()?;
-        let found = monte_carlo(&problem, &drawn, |_| match interrupt::is_raised() {
-            true => ControlFlow::Break(()),
-            false => ControlFlow::Continue(()),
-        });
-        found.ok()
-    };
-    let yields = YieldRecord::of(tolerance, of(study), of(tuned?));
-    // Of an interrupted run they would be of other numbers of builds.
-    (!interrupt::is_raised()).then_some(yields)
 }
 
 fn tune_with_progress(

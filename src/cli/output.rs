@@ -27,10 +27,11 @@ const CURVE_FILES: [&str; 4] = [
 ];
 
 /// The files of a tuning.
-const TUNING_FILES: [&str; 7] = [
+const TUNING_FILES: [&str; 8] = [
     "curves.csv",
     "curves_before.csv",
     "optimised.toml",
+    "side_effects.csv",
     "front.csv",
     "history.csv",
     "summary.json",

@@ -27,6 +27,7 @@ mod record;
 mod run;
 mod scene;
 mod set_up_summary;
+mod side_effects;
 mod solve_summary;
 mod station_label;
 mod sweep;
@@ -62,6 +63,9 @@ pub use record::{BandCurve, DesignRecord, DrawnDesign, OutputRecord, Record, Tar
 pub use run::{Run, Summary};
 pub use scene::{BodyKind, Scene, SceneBody};
 pub use set_up_summary::{AdjustmentRecord, SetUpSummary, StaticRecord, static_column};
+pub use side_effects::{
+    shown_side_effects, side_effects_in_words, side_effects_table, unchanged_in_words,
+};
 pub use solve_summary::SolveSummary;
 pub use sweep::{
     Choice, Done, DrawnDesigns, Finished, MergeError, PartOutcome, PartRecord, Parts, ShownDesigns,

@@ -119,6 +119,7 @@ impl Run {
         let others = [
             "sensitivities.csv",
             "history.csv",
+            "side_effects.csv",
             "front.csv",
             "summary.json",
             "optimised.toml",

@@ -4,9 +4,11 @@ use super::accuracy::{CertificateSummary, ConditionSummary};
 use super::choices::PriceRecord;
 use super::figure::{as_written, brief, with_decimals};
 use super::fitted::FittedOffset;
+use super::side_effects::side_effects_in_words;
 use super::table::{Cell, Column, Table};
 use super::text::counted;
 use super::yields::YieldRecord;
+use crate::SideEffect;
 use crate::curves::Curves;
 use crate::model::Axis;
 use crate::optimise::{
@@ -67,6 +69,9 @@ pub struct TuningSummary {
     /// The least misfit by how far the design is moved, where that was asked for.
     #[serde(default)]
     pub prices: Vec<PriceRecord>,
+    /// Changes that no target asks for; empty where they were not asked for.
+    #[serde(default)]
+    pub side_effects: Vec<SideEffect>,
     /// For a robust tuning: the shares of builds that keep to the bands before and after.
     #[serde(default)]
     pub yields: Option<YieldRecord>,
@@ -376,6 +381,7 @@ impl TuningSummary {
             contradiction: contradiction.collect(),
             added_stations: added.collect(),
             prices: Vec::new(),
+            side_effects: Vec::new(),
             yields: None,
             scatter_builds: optimise.scatter.as_ref().map(|s| s.builds),
             condition: after.and_then(ConditionSummary::of),
@@ -739,8 +745,10 @@ impl TuningSummary {
                 let of_builds = self.scatter_builds.map_or(String::new(), |builds| {
                     format!(", root mean square of {builds} builds")
                 });
+                let effects = side_effects_in_words(&self.side_effects);
+                let effects = effects.map_or(String::new(), |words| format!("; {words}"));
                 format!(
-                    "misfit {} -> {} tolerances{of_builds}{kept}",
+                    "misfit {} -> {} tolerances{of_builds}{kept}{effects}",
                     hundredths(before),
                     hundredths(after)
                 )

@@ -1,6 +1,6 @@
-//! Yields of builds before and after a robust tuning.
+//! Shares of builds within the bands, before and after a robust tuning.
 
-use super::table::{Cell, Table};
+use super::table::{Cell, Column, Table};
 use super::text::counted;
 use super::tolerance_summary::{in_words, percent};
 use crate::study::Tolerance;
@@ -14,6 +14,9 @@ pub struct YieldRecord {
     pub builds: u64,
     /// The share that keeps to every band: of the design given and of the tuned one; none where it cannot be built.
     pub all: [Option<f64>; 2],
+    /// The same share of the optimum without scatter.
+    #[serde(default)]
+    pub plain: Option<f64>,
     /// Band by band.
     pub bands: Vec<BandShares>,
 }
@@ -25,29 +28,42 @@ pub struct BandShares {
     pub band: String,
     /// Before and after.
     pub shares: [Option<f64>; 2],
+    /// The share of the optimum without scatter.
+    #[serde(default)]
+    pub plain: Option<f64>,
 }
 
 impl YieldRecord {
-    /// Compares the builds of the given design, `before`, with those of the tuned one, `after`.
+    /// Compares the builds of the given design, `before`, with those of the optimum without scatter, `plain`, and of the
+    /// tuned design, `after`.
     pub fn of(
         tolerance: &Tolerance,
         before: Option<MonteCarlo>,
+        plain: Option<MonteCarlo>,
         after: Option<MonteCarlo>,
     ) -> Self {
-        let both = [before, after];
-        let share = |of: &dyn Fn(&MonteCarlo) -> u64| {
-            let share = |found: &MonteCarlo| of(found) as f64 / found.builds as f64;
-            [0, 1].map(|k: usize| both[k].as_ref().map(share))
+        let share = |found: &Option<MonteCarlo>, of: &dyn Fn(&MonteCarlo) -> u64| {
+            let found = found.as_ref()?;
+            Some(of(found) as f64 / found.builds as f64)
+        };
+        let shares = |of: &dyn Fn(&MonteCarlo) -> u64| {
+            [&before, &after, &plain].map(|found| share(found, of))
         };
         let bands = tolerance.bands.iter().enumerate();
-        let bands = bands.map(|(number, band)| BandShares {
-            band: in_words(band),
-            shares: share(&|found| found.in_bands[number]),
+        let bands = bands.map(|(number, band)| {
+            let [before, after, plain] = shares(&|found| found.in_bands[number]);
+            BandShares {
+                band: in_words(band),
+                shares: [before, after],
+                plain,
+            }
         });
+        let [before, after, plain] = shares(&|found| found.in_all_bands);
         YieldRecord {
             builds: tolerance.builds,
             bands: bands.collect(),
-            all: share(&|found| found.in_all_bands),
+            all: [before, after],
+            plain,
         }
     }
 
@@ -60,18 +76,40 @@ impl YieldRecord {
     /// The outcome in a sentence.
     pub fn headline(&self) -> String {
         let [before, after] = self.percentages();
+        let plain = self.plain.map_or(String::new(), |share| {
+            format!("; optimum without scatter: {}", percent(share))
+        });
         format!(
-            "yield {before} -> {after} of {}",
+            "yield {before} -> {after} of {}{plain}",
             counted(self.builds, "build")
         )
     }
 
+    /// A remark if the optimum without scatter has a higher yield, by more than chance allows.
+    pub fn remark(&self) -> Option<String> {
+        let (plain, after) = self.plain.zip(self.all[1])?;
+        // Standard error of the difference of two shares: sqrt((p (1 - p) + q (1 - q))/n).
+        let variance = plain * (1.0 - plain) + after * (1.0 - after);
+        let error = (variance / self.builds as f64).sqrt();
+        (plain - after > error).then(|| {
+            format!(
+                "the optimum without scatter keeps more builds in all bands ({} against {}): the robust tuning lowers the \
+                 mean squared misfit, not the number of builds outside of bands. Bring targets and tolerances in line with \
+                 the bands, or tune without scatter",
+                percent(plain),
+                percent(after)
+            )
+        })
+    }
+
     /// Band by band.
     pub fn table(&self) -> Table {
-        let mut table = Table::new(["band", "before", "after"]);
+        let columns = ["band", "before", "without scatter", "after"].map(Column::from);
+        let mut table = Table::with_columns(columns);
         for band in &self.bands {
             let [before, after] = band.shares.map(|share| Cell::by(share, percent));
-            table.push([Cell::from(band.band.as_str()), before, after]);
+            let plain = Cell::by(band.plain, percent);
+            table.push([Cell::from(band.band.as_str()), before, plain, after]);
         }
         table
     }

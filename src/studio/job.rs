@@ -1,10 +1,11 @@
 //! A tuning under way.
 
-use super::message::{JobState, Proposal, TuneRequest};
+use super::message::{JobState, Proposal, SideEffectRows, TuneRequest};
 use super::overview::coordinates;
 use super::study_file::Opened;
 use crate::optimise::{Control, Iteration, tune};
 use crate::report::TuningSummary;
+use crate::side_effects::side_effects;
 use crate::study::{Study, Variable};
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -100,10 +101,13 @@ impl Job {
             let why = first.and_then(|start| start.outcome.as_ref().err());
             return Err(why.map_or("no start came to an end".to_owned(), |w| w.to_string()));
         };
-        let summary = TuningSummary::of(study, optimise, &tuning, None);
+        let mut summary = TuningSummary::of(study, optimise, &tuning, None);
+        let tuned = study.moved(&best.offsets);
+        summary.side_effects = side_effects(study, &tuned).map_err(fault)?;
         Ok(Proposal {
             design: coordinates(suspension, &best.design),
             headline: summary.headline(),
+            side_effects: SideEffectRows::of(&summary.side_effects),
             remarks: summary.remarks(),
             interrupted: self.interrupt.load(Ordering::SeqCst),
         })

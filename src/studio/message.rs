@@ -1,8 +1,12 @@
 //! The messages between page and server, as JSON. Designs are coordinates in the study's axes, in the order of the
 //! points; numbers are printed so that they read back as the same.
 
+use crate::SideEffect;
 use crate::curves::Frame;
-use crate::report::{FailureRange, OutputRecord, Scene};
+use crate::report::{
+    FailureRange, OutputRecord, Scene, counted, shown_side_effects, side_effects_table,
+    unchanged_in_words,
+};
 use serde::{Deserialize, Serialize};
 
 /// Coordinates of every point, in the study's axes.
@@ -279,8 +283,47 @@ pub(super) struct JobState {
 pub(super) struct Proposal {
     pub design: Coordinates,
     pub headline: String,
+    pub side_effects: SideEffectRows,
     pub remarks: Vec<String>,
     pub interrupted: bool,
+}
+
+/// Changes that no target asks for, as a table.
+#[derive(Clone, Serialize)]
+pub(super) struct SideEffectRows {
+    pub header: Vec<String>,
+    pub rows: Vec<SideEffectRow>,
+    /// Outputs that are not in the table, in words.
+    pub rest: Vec<String>,
+}
+
+#[derive(Clone, Serialize)]
+pub(super) struct SideEffectRow {
+    pub cells: Vec<String>,
+    pub is_flagged: bool,
+}
+
+impl SideEffectRows {
+    pub(super) fn of(effects: &[SideEffect]) -> Self {
+        let (shown, more) = shown_side_effects(effects);
+        let table = side_effects_table(&shown);
+        let rows = table
+            .rows()
+            .zip(&shown)
+            .map(|(cells, effect)| SideEffectRow {
+                cells: cells.iter().map(|cell| cell.text().to_owned()).collect(),
+                is_flagged: effect.flagged,
+            });
+        let more = (more > 0).then(|| counted(more, "further change"));
+        SideEffectRows {
+            header: table.header().into_iter().map(str::to_owned).collect(),
+            rows: rows.collect(),
+            rest: more
+                .into_iter()
+                .chain(unchanged_in_words(effects))
+                .collect(),
+        }
+    }
 }
 
 #[derive(Serialize)]

@@ -363,6 +363,8 @@ pub struct Optimise {
     pub scatter: Option<Whole>,
     /// Names of the targets that are traded.
     pub front: Option<Spanned<Vec<Text>>>,
+    /// False if changes that no target asks for are not reported.
+    pub side_effects: Option<Spanned<bool>>,
     /// Design variables.
     pub variables: Spanned<Vec<Spanned<Variable>>>,
     /// Targets.

@@ -27,6 +27,7 @@ mod reference;
 mod report;
 mod robustness;
 mod rockers;
+mod side_effects;
 mod studio;
 mod study_errors;
 mod study_files;

@@ -179,6 +179,7 @@ impl Optimise {
             fit: false,
             front: Vec::new(),
             scatter: None,
+            side_effects: true,
             axle: None,
         }
     }

@@ -330,6 +330,8 @@ pub struct Optimise {
     pub front: Vec<FrontGoal>,
     /// The builds whose mean squared misfit is lowered; `None` to lower the misfit of the drawing.
     pub scatter: Option<Scatter>,
+    /// True if changes that no target asks for are reported beside the tuned design.
+    pub side_effects: bool,
 }
 
 /// Builds that scatter as `[tolerance]` says: a fixed sample of them.

@@ -76,6 +76,10 @@ pub(super) fn optimise(
         front: front?,
         // The tolerances are read later.
         scatter: None,
+        side_effects: section
+            .side_effects
+            .as_ref()
+            .is_none_or(|said| *said.get_ref()),
     };
     Some((optimise, curves))
 }

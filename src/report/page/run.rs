@@ -3,11 +3,13 @@
 use super::escape::html;
 use super::table::table;
 use super::{Page, STAGE};
+use crate::SideEffect;
 use crate::report::curve_table::CurveTable;
 use crate::report::failures::FailureRange;
 use crate::report::record::{DesignRecord, Record};
 use crate::report::run::{Run, Summary};
 use crate::report::{PriceRecord, ToleranceSummary, TuningSummary, YieldRecord};
+use crate::report::{side_effects_in_words, side_effects_table};
 use serde::Serialize;
 
 /// The page's own script.
@@ -130,6 +132,13 @@ fn facts(run: &Run) -> Vec<(&'static str, String)> {
         let met = targets - missed;
         let met = format!("<span{class}>{met}</span> of {targets} <small>targets</small>");
         facts.push(("Within tolerance", met));
+        if !tuning.side_effects.is_empty() {
+            let flagged = tuning.side_effects.iter().filter(|e| e.flagged).count();
+            let class = if flagged == 0 { "" } else { " class=\"bad\"" };
+            let all = tuning.side_effects.len();
+            let text = format!("<span{class}>{flagged}</span> of {all} <small>outputs</small>");
+            facts.push(("Side effects", text));
+        }
         if let Some([before, after]) = tuning.yields.as_ref().map(YieldRecord::percentages) {
             let text = format!(
                 "{} <span class=\"to\">→</span> <strong>{}</strong>",
@@ -266,6 +275,7 @@ fn tuning_sections(tuning: &TuningSummary) -> String {
         unseen = unseen,
         starts = tuning.starts_table().html(),
         prices = prices_section(tuning),
+        side_effects = side_effects(&tuning.side_effects),
         yields = tuning.yields.as_ref().map_or_else(String::new, |yields| {
             format!(
                 "<p class=\"note\">{}</p>{}",
@@ -273,6 +283,19 @@ fn tuning_sections(tuning: &TuningSummary) -> String {
                 yields.table().html()
             )
         }),
+    )
+}
+
+/// The section on changes that no target asks for.
+fn side_effects(effects: &[SideEffect]) -> String {
+    let Some(words) = side_effects_in_words(effects) else {
+        return String::new();
+    };
+    let flagged = |row: usize| effects[row].flagged.then_some("unmet");
+    format!(
+        r#"<p class="note">Side effects: changes that no target asks for; {}.</p>{}"#,
+        html(&words),
+        table(&side_effects_table(effects), flagged)
     )
 }
 

@@ -61,7 +61,18 @@ const taken = () => {
 };
 const preview = () => { if (proposal) askProposal(taken()); };
 
-const propose = (base, { design, headline, remarks, interrupted }) => {
+// Changes that no target asks for, flagged ones first.
+const effectsTable = ({ header, rows, rest }) => [
+  ...(rows.length
+    ? [html('div', { class: 'scroll' }, html('table', { id: 'side-effects' },
+      html('thead', {}, html('tr', {}, ...header.map((text) => html('th', { text })))),
+      html('tbody', {}, ...rows.map(({ cells, is_flagged: flagged }) => html('tr', { class: flagged ? 'bad' : null },
+        ...cells.map((text, k) => (k ? html('td', { text }) : html('th', { scope: 'row', text }))))))))]
+    : []),
+  ...rest.map((text) => html('p', { class: 'hint', text })),
+];
+
+const propose = (base, { design, headline, side_effects: effects, remarks, interrupted }) => {
   const changes = [];
   design.forEach((point, p) => point.forEach((c, axis) => { if (c !== base[p][axis]) changes.push({ p, axis }); }));
   proposal = { base, found: design, changes, share: 1 };
@@ -88,6 +99,7 @@ const propose = (base, { design, headline, remarks, interrupted }) => {
     changes.length
       ? html('div', { class: 'scroll' }, html('table', {}, html('thead', {}, html('tr', {}, ...['', 'coordinate', `now [${unit}]`, 'tuned', 'by'].map((text, k) => html('th', { text, class: k > 1 ? 'number' : null })))), html('tbody', {}, ...rows)))
       : html('p', { text: 'Nothing moves.' }),
+    ...effectsTable(effects),
     ...remarks.map((text) => html('p', { class: 'hint', text })),
   );
   preview();

@@ -467,9 +467,8 @@ fn what_an_axle_lacks_is_said_with_the_wheel() {
     let few = "outputs.characteristics=[\"camber\", \"roll_stiffness\"]";
     let stuck = solved(&[few, "motion={ roll = [0.0, -20.0, 20.0, 25.0] }"]);
     for side in ["left", "right"] {
-        let warning = format!(
-            "warning: the {side} wheel's drop link is at toggle or beyond it at "
-        );
+        let warning =
+            format!("warning: the {side} wheel's drop link is at toggle or beyond it at ");
         assert!(stuck.contains(&warning), "{stuck}");
     }
     assert!(

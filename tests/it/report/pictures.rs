@@ -36,7 +36,7 @@ fn there_is_one_for_each_output_and_an_overview() {
     ] {
         assert!(overview.contains(part), "{part}");
     }
-    assert_eq!(overview.matches("class=\"band\"").count(), 2);
+    assert_eq!(overview.matches("class=\"band\"").count(), 3);
 }
 
 #[test]
@@ -108,7 +108,7 @@ fn the_png_shows_what_the_svg_does() {
     let run = Run::of("optimise", "plain", &study("macpherson_front.toml"), &[]);
     let png = |name: &str| Pixmap::load_png(run.plots().join(format!("{name}.png"))).unwrap();
     let overview = png("overview");
-    assert_eq!((overview.width(), overview.height()), (1600, 940));
+    assert_eq!((overview.width(), overview.height()), (2400, 940));
     let camber = png("camber_deg");
     assert_eq!((camber.width(), camber.height()), (800, 940));
     assert_eq!(colour(&camber, [200.0, 10.0]), [255, 255, 255]);

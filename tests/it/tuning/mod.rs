@@ -16,8 +16,25 @@ use hardpoint::optimise::{
 use hardpoint::study::{Interpolation, Optimise, Study, Target, Variable, Wanted};
 use std::path::Path;
 
+/// Six coordinates of a strut, which camber and kingpin curves determine.
+const SIX: &str = "optimise.variables=[\
+    { hardpoint = \"strut_top\", axis = \"y\", range = [-20.0, 20.0] }, \
+    { hardpoint = \"lower_ball_joint\", axis = \"y\", range = [-10.0, 10.0] }, \
+    { hardpoint = \"lower_ball_joint\", axis = \"z\", range = [-20.0, 20.0] }, \
+    { hardpoint = \"lower_arm_front\", axis = \"y\", range = [-15.0, 15.0] }, \
+    { hardpoint = \"lower_arm_front\", axis = \"z\", range = [-20.0, 20.0] }, \
+    { hardpoint = \"lower_arm_rear\", axis = \"z\", range = [-20.0, 20.0] }]";
+
+/// The strut's camber and kingpin curves as targets, over those six coordinates.
 fn strut() -> Study {
-    edited("macpherson_front.toml", &[])
+    two_curves(edited("macpherson_front.toml", &[SIX]))
+}
+
+/// The study without its third target, which is about toe.
+fn two_curves(mut study: Study) -> Study {
+    let targets = &mut study.optimise.as_mut().unwrap().targets;
+    targets.truncate(2);
+    study
 }
 
 /// The study's tuning, wanted what its own design has.
@@ -467,10 +484,8 @@ fn derivatives_are_exact_at_a_random_design_of_every_topology() {
 /// each what an own tuning with the second target held there comes to.
 #[test]
 fn a_front_of_two_targets_is_traced() {
-    let study = edited(
-        "macpherson_front.toml",
-        &["optimise.front=[\"camber\", \"kingpin_inclination\"]"],
-    );
+    let goals = "optimise.front=[\"camber\", \"kingpin_inclination\"]";
+    let study = two_curves(edited("macpherson_front.toml", &[SIX, goals]));
     // Tolerances so tight that both cannot be had.
     let optimise = study.optimise.as_ref().unwrap();
     let (suspension, motion) = (&study.suspension, &study.motion);

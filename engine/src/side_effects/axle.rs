@@ -1,0 +1,167 @@
+//! Values of both wheels of an axle.
+
+use super::observed::{Grid, Observed, Series, Station};
+use super::{PlaceCoordinate, customary};
+use crate::ask::Unit;
+use crate::axle::{
+    AxleColumn, AxlePlan, AxleQuantity, Coordinate, Of, Placement, Quantity, axle_curves,
+};
+use crate::mechanism::DesignFault;
+use crate::study::{AxleStudy, Optimise, Study};
+
+/// Names of the quantities that are compared besides the study's outputs.
+const COMPARED: [&str; 9] = [
+    "camber",
+    "toe",
+    "caster",
+    "kingpin_inclination",
+    "scrub_radius",
+    "half_track_change",
+    "roll_centre_height",
+    "roll_steer",
+    "ackermann_error",
+];
+
+/// Values of a study's outputs, and of the compared quantities, over its motion.
+pub(super) fn observe(study: &Study, both: &AxleStudy) -> Result<Observed, DesignFault> {
+    let plan = plan(both);
+    let found = axle_curves(&both.axle, &plan).map_err(|(_, fault)| fault)?;
+    let found = found.curves;
+    let placements = plan.course.placements();
+    let coordinates = coordinates(&plan);
+    let place = |placement: &Placement| -> Vec<f64> {
+        coordinates.iter().map(|c| placement.along(*c)).collect()
+    };
+    let places: Vec<Vec<f64>> = placements.iter().map(place).collect();
+    let grid = Grid::of(&places);
+    let positions = places.iter().map(|place| grid.shares(place));
+    let stations = stations(&placements, positions.collect(), both, &plan);
+    let mut series = Vec::new();
+    for (number, column) in plan.columns(&both.axle).iter().enumerate() {
+        let Some(of_column) = series_of(column, &stations, study) else {
+            continue;
+        };
+        let targets = study.optimise.iter().flat_map(|o| &o.targets);
+        let mut wanted = Vec::new();
+        for target in targets {
+            let over = target.site.axle.as_ref().map(|site| site.over);
+            let along = coordinates
+                .iter()
+                .position(|c| over.is_some_and(|o| is_same(*c, o)));
+            let samples = target.axle_samples(&both.axle).into_iter();
+            let own = samples.filter(|sample| is_about(sample.quantity, column));
+            wanted.extend(own.filter_map(|sample| grid.station(&place(&sample.placement), along?)));
+        }
+        series.push(Series {
+            wanted,
+            values: found.stations.iter().map(|s| s.value(number)).collect(),
+            ..of_column
+        });
+    }
+    Ok(Observed {
+        motion: None,
+        stations,
+        series,
+    })
+}
+
+/// Returns true if a target of a quantity is about a column.
+fn is_about(quantity: Quantity, column: &AxleColumn) -> bool {
+    match (quantity, column.quantity()) {
+        (Quantity::Corner(side, gain), Some(Quantity::Corner(own, of)))
+            if customary::integral_of(gain) == Some(of) =>
+        {
+            side == own
+        }
+        (quantity, of) => of == Some(quantity),
+    }
+}
+
+/// The study's plan without derivatives, with the compared quantities that the axle has.
+fn plan(both: &AxleStudy) -> AxlePlan {
+    let mut plan = AxlePlan {
+        derivatives: 0,
+        ..both.plan.values_alone()
+    };
+    for quantity in COMPARED.into_iter().flat_map(Quantity::named) {
+        // The roll steer of the axle stands for that of its wheels.
+        let is_double = matches!(quantity, Quantity::Wheel(..));
+        if !is_double && both.axle.has(quantity) && !plan.quantities.contains(&quantity) {
+            plan.quantities.push(quantity);
+        }
+    }
+    plan
+}
+
+/// The coordinates of a motion. The rack stands for the steering wheel.
+fn coordinates(plan: &AxlePlan) -> Vec<Coordinate> {
+    let mut course = plan.course.clone();
+    let all = Coordinate::ALL.into_iter();
+    all.filter(|c| *c != Coordinate::SteeringWheel && course.along(*c).is_some())
+        .collect()
+}
+
+fn is_same(coordinate: Coordinate, over: Coordinate) -> bool {
+    coordinate == over || (coordinate, over) == (Coordinate::Rack, Coordinate::SteeringWheel)
+}
+
+fn stations(
+    placements: &[Placement],
+    positions: Vec<Vec<f64>>,
+    both: &AxleStudy,
+    plan: &AxlePlan,
+) -> Vec<Station> {
+    let moving = plan.course.moving();
+    let length = both.axle.left.length_unit;
+    let stations = placements.iter().zip(positions);
+    let station = |(placement, position): (&Placement, Vec<f64>)| Station {
+        position,
+        place: moving
+            .iter()
+            .map(|c| PlaceCoordinate {
+                name: c.key().to_owned(),
+                value: c.written(placement.along(*c), &both.axle) + 0.0,
+                unit: c.unit(length).to_owned(),
+            })
+            .collect(),
+        is_straight: placement.rack() == 0.0,
+    };
+    stations.map(station).collect()
+}
+
+/// The series of a column, without its values; `None` if it is not compared.
+fn series_of(column: &AxleColumn, stations: &[Station], study: &Study) -> Option<Series> {
+    let length = study.suspension.length_unit;
+    let new = |name: &str, unit: Unit| Series::new(name, unit, length, stations);
+    Some(match &column.of {
+        Of::Quantity(quantity) => {
+            let info = quantity.info();
+            let wheel = match quantity {
+                Quantity::Corner(side, _) | Quantity::Wheel(side, _) => Some(*side),
+                Quantity::Axle(_) => None,
+            };
+            let is_axle_name = AxleQuantity::ALL.iter().any(|q| q.info().name == info.name);
+            Series {
+                output: match wheel {
+                    Some(_) if is_axle_name => format!("wheel_{}", info.name),
+                    _ => info.name.to_owned(),
+                },
+                wheel,
+                ..new(info.name, info.unit)
+            }
+        }
+        Of::Point { id, name, .. } => {
+            let variables = study.optimise.iter().flat_map(|o: &Optimise| &o.variables);
+            // A variable is there to move its points.
+            if variables.flat_map(|v| v.points()).any(|p| p == *id) {
+                return None;
+            }
+            new(name, Unit::Length)
+        }
+        Of::Force { name, .. } => Series {
+            unit: column.unit.clone(),
+            ..new(name, Unit::Force)
+        },
+        Of::Turn(..) => return None,
+    })
+}

@@ -1,0 +1,201 @@
+//! Comparison of two designs, station by station.
+
+use super::SideEffect;
+use super::observed::{Observed, Series, Station};
+use std::collections::HashMap;
+
+/// Share of the values, or of the tolerance, up to which a change is rounding.
+const ROUNDING: f64 = 1e-9;
+/// Smallest change of an output without a tolerance, in its unit, that is no rounding.
+const LEAST_CHANGE: f64 = 1e-12;
+
+/// Changes that targets ask for over `[motion]`: for each output, drive values and changes by rising drive value.
+#[derive(Default)]
+pub(super) struct Asked(HashMap<String, Vec<(f64, f64)>>);
+
+impl Asked {
+    /// The changes that targets ask for over this motion.
+    pub(super) fn of(before: &Observed, after: &Observed) -> Self {
+        let pairs = before.series.iter().zip(&after.series);
+        let asked = pairs.map(|(from, to)| {
+            let shifts = Wanted::of(from, to, &before.stations).shifts.into_iter();
+            let drive = |number: usize| before.stations[number].place[0].value;
+            let mut by_drive: Vec<_> = shifts.map(|(_, k, change)| (drive(k), change)).collect();
+            by_drive.sort_by(|a, b| a.0.total_cmp(&b.0));
+            (from.output.clone(), by_drive)
+        });
+        Asked(asked.collect())
+    }
+
+    /// The change of an output at the nearest drive value; 0 if no target asks for one.
+    fn shift_at(&self, output: &str, drive: f64) -> f64 {
+        let Some(shifts) = self.0.get(output) else {
+            return 0.0;
+        };
+        let start = shifts.partition_point(|shift| shift.0 < drive);
+        let near = &shifts[start.saturating_sub(1)..shifts.len().min(start + 1)];
+        let away = |shift: &(f64, f64)| (shift.0 - drive).abs();
+        let nearest = near.iter().min_by(|a, b| away(a).total_cmp(&away(b)));
+        nearest.map_or(0.0, |shift| shift.1)
+    }
+}
+
+/// Side effects over one motion, in the order of the outputs. `asked` has the changes that targets in `[motion]` ask for.
+pub(super) fn compare(before: &Observed, after: &Observed, asked: &Asked) -> Vec<SideEffect> {
+    let mut outputs: Vec<Vec<usize>> = Vec::new();
+    for (number, series) in before.series.iter().enumerate() {
+        let same = |of: &&mut Vec<usize>| before.series[of[0]].output == series.output;
+        match outputs.iter_mut().find(same) {
+            Some(output) => output.push(number),
+            None => outputs.push(vec![number]),
+        }
+    }
+    let effects = outputs.iter().filter_map(|wheels| {
+        let pairs = wheels
+            .iter()
+            .map(|k| (&before.series[*k], &after.series[*k]));
+        effect(&pairs.collect::<Vec<_>>(), before, asked)
+    });
+    effects.collect()
+}
+
+/// Change of one series at one station.
+struct Change {
+    amount: f64,
+    station: usize,
+    series: usize,
+}
+
+/// The side effect of an output, from its series before and after; `None` if it has no value where it is compared.
+fn effect(pairs: &[(&Series, &Series)], observed: &Observed, asked: &Asked) -> Option<SideEffect> {
+    let stations = &observed.stations;
+    let (mut was, mut is) = (Range::default(), Range::default());
+    let (mut lost, mut largest) = (0, None::<Change>);
+    for (series, (before, after)) in pairs.iter().enumerate() {
+        let wanted = Wanted::of(before, after, stations);
+        for station in compared(before, stations) {
+            let values = [before.values[station], after.values[station]];
+            was.take(values[0]);
+            is.take(values[1]);
+            let [Some(from), Some(to)] = values else {
+                lost += usize::from(values[0].is_some());
+                continue;
+            };
+            let shift = match wanted.shifts.is_empty() {
+                true => asked.shift_at(&before.output, stations[station].place[0].value),
+                false => wanted.shift_at(stations, station),
+            };
+            let amount = to - from - shift;
+            if largest
+                .as_ref()
+                .is_none_or(|l| amount.abs() > l.amount.abs())
+            {
+                largest = Some(Change {
+                    amount,
+                    station,
+                    series,
+                });
+            }
+        }
+    }
+    let first = pairs[0].0;
+    let magnitude = was.magnitude().max(is.magnitude());
+    let rounding = ROUNDING * magnitude.max(first.tolerance.unwrap_or(LEAST_CHANGE / ROUNDING));
+    let change = largest.as_ref().filter(|l| l.amount.abs() > rounding);
+    let exceeds = |tolerance: f64| change.is_some_and(|l| l.amount.abs() > tolerance);
+    (was.ends.is_some() || is.ends.is_some()).then(|| SideEffect {
+        output: match &observed.motion {
+            None => first.output.clone(),
+            Some(motion) => format!("{}, {motion}", first.output),
+        },
+        unit: first.unit.clone(),
+        before_min: was.ends.map(|ends| ends[0]),
+        before_max: was.ends.map(|ends| ends[1]),
+        after_min: is.ends.map(|ends| ends[0]),
+        after_max: is.ends.map(|ends| ends[1]),
+        largest_change: largest.as_ref().map(|_| change.map_or(0.0, |l| l.amount)),
+        at: change.map_or(Vec::new(), |l| stations[l.station].place.clone()),
+        wheel: change.and_then(|l| Some(pairs[l.series].0.wheel?.name().to_owned())),
+        tolerance: first.tolerance,
+        flagged: lost > 0 || first.tolerance.is_some_and(exceeds),
+        lost,
+    })
+}
+
+/// Stations at which a series is compared: not those where a target is about it.
+fn compared(series: &Series, stations: &[Station]) -> Vec<usize> {
+    let mut counts: Vec<bool> = stations
+        .iter()
+        .map(|station| station.is_straight || !series.straight_only)
+        .collect();
+    for station in &series.wanted {
+        counts[*station] = false;
+    }
+    (0..stations.len()).filter(|k| counts[*k]).collect()
+}
+
+/// The changes that targets ask for.
+struct Wanted {
+    /// First coordinate of a station, its number and the change, by rising coordinate.
+    shifts: Vec<(f64, usize, f64)>,
+}
+
+impl Wanted {
+    fn of(before: &Series, after: &Series, stations: &[Station]) -> Self {
+        let counts = |station: &&usize| stations[**station].is_straight || !before.straight_only;
+        let shift = |number: &usize| {
+            let change = after.values[*number]? - before.values[*number]?;
+            Some((stations[*number].position[0], *number, change))
+        };
+        let wanted = before.wanted.iter().filter(counts);
+        let mut shifts: Vec<_> = wanted.filter_map(shift).collect();
+        shifts.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        shifts.dedup_by_key(|shift| shift.1);
+        Wanted { shifts }
+    }
+
+    /// The change asked for at the station nearest to this one; 0 if there is none.
+    fn shift_at(&self, stations: &[Station], number: usize) -> f64 {
+        let here = &stations[number].position;
+        let start = self.shifts.partition_point(|shift| shift.0 < here[0]);
+        let (mut nearest, mut found) = (f64::INFINITY, 0.0);
+        // Outwards in the first coordinate, as long as it alone is nearer than the nearest so far.
+        let (below, above) = self.shifts.split_at(start);
+        let ways: [&mut dyn Iterator<Item = &(f64, usize, f64)>; 2] =
+            [&mut below.iter().rev(), &mut above.iter()];
+        for way in ways {
+            for (first, other, shift) in way {
+                if (first - here[0]).powi(2) >= nearest {
+                    break;
+                }
+                let there = &stations[*other].position;
+                let squares = here.iter().zip(there).map(|(a, b)| (a - b) * (a - b));
+                let away = squares.sum::<f64>();
+                if away < nearest {
+                    (nearest, found) = (away, *shift);
+                }
+            }
+        }
+        found
+    }
+}
+
+/// Least and largest of some values.
+#[derive(Default)]
+struct Range {
+    ends: Option<[f64; 2]>,
+}
+
+impl Range {
+    fn take(&mut self, value: Option<f64>) {
+        if let Some(value) = value {
+            let [low, high] = self.ends.unwrap_or([value; 2]);
+            self.ends = Some([low.min(value), high.max(value)]);
+        }
+    }
+
+    fn magnitude(&self) -> f64 {
+        self.ends
+            .map_or(0.0, |[low, high]| low.abs().max(high.abs()))
+    }
+}

@@ -1,0 +1,178 @@
+//! Values of one wheel.
+
+use super::observed::{Grid, Named, Observed, Series, Station};
+use super::{PlaceCoordinate, customary};
+use crate::ask::Unit;
+use crate::characteristics::{Characteristic, Measure, Quantity};
+use crate::curves::curves;
+use crate::mechanism::DesignFault;
+use crate::model::LengthUnit;
+use crate::plan::Plan;
+use crate::study::{Constraint, Motion, Optimise, Order, Outputs, Site, Study};
+
+/// Characteristics that are compared besides the study's outputs.
+const COMPARED: [Characteristic; 6] = [
+    Characteristic::Camber,
+    Characteristic::Toe,
+    Characteristic::Caster,
+    Characteristic::KingpinInclination,
+    Characteristic::ScrubRadius,
+    Characteristic::HalfTrackChange,
+];
+
+/// Values of a study's outputs, and of the compared characteristics, over a motion.
+pub(super) fn observe(study: &Study, named: Named<'_>) -> Result<Observed, DesignFault> {
+    let motion = named.map_or(&study.motion, |(_, motion)| motion);
+    let asked = Study {
+        motion: motion.clone(),
+        outputs: outputs(study),
+        ..study.clone()
+    };
+    let plan = Plan::of(&asked);
+    let found = curves(&asked.suspension, &plan)?;
+    let length = asked.suspension.length_unit;
+    let (stations, grid) = stations(motion, length);
+    let optimise = study.optimise.as_ref();
+    let mut series = Vec::new();
+    for (number, column) in found.columns.iter().enumerate() {
+        let quantity = plan.outputs.get(number).map(|output| output.quantity);
+        let is_moved = |quantity| match quantity {
+            Quantity::Coordinate(point, _) => {
+                let variables = optimise.iter().flat_map(|o| &o.variables);
+                variables.flat_map(|v| v.points()).any(|p| p == point)
+            }
+            _ => false,
+        };
+        // A variable is there to move its points.
+        if quantity.is_some_and(is_moved) {
+            continue;
+        }
+        let unit = match quantity {
+            Some(Quantity::Characteristic(c)) => c.info().unit,
+            Some(Quantity::Coordinate(..)) => Unit::Length,
+            // Angular velocities are not asked for; other columns are forces under a load.
+            Some(Quantity::AngularVelocity(_)) | None => Unit::Force,
+        };
+        let at = Looked {
+            motion,
+            name: named.map(|(name, _)| name.as_str()),
+            grid: &grid,
+        };
+        let wanted = quantity.zip(optimise).map(|(q, o)| at.wanted(q, o));
+        series.push(Series {
+            unit: column.unit.clone(),
+            wanted: wanted.unwrap_or_default(),
+            values: found.stations.iter().map(|s| s.value(number)).collect(),
+            ..Series::new(&column.output, unit, length, &stations)
+        });
+    }
+    Ok(Observed {
+        motion: named.map(|(name, _)| name.clone()),
+        stations,
+        series,
+    })
+}
+
+/// The study's outputs in every position without derivatives, and the compared characteristics that it has.
+fn outputs(study: &Study) -> Outputs {
+    let mut characteristics = study.outputs.characteristics.clone();
+    for more in Characteristic::available(&study.suspension) {
+        if COMPARED.contains(&more) && !characteristics.contains(&more) {
+            characteristics.push(more);
+        }
+    }
+    Outputs {
+        characteristics,
+        knuckle: false,
+        order: Order::Position,
+        sensitivities: Vec::new(),
+        certify: false,
+        ..study.outputs.clone()
+    }
+}
+
+/// The stations of a motion, rack by rack, and their grid over drive and rack.
+fn stations(motion: &Motion, length: LengthUnit) -> (Vec<Station>, Grid) {
+    let racks = motion.rack.iter();
+    let places = racks.flat_map(|rack| motion.values.iter().map(|value| vec![*value, *rack]));
+    let places: Vec<Vec<f64>> = places.collect();
+    let grid = Grid::of(&places);
+    let station = |place: &Vec<f64>| {
+        let (drive, rack) = (motion.drive, place[1]);
+        let mut coordinates = vec![PlaceCoordinate {
+            name: drive.key().to_owned(),
+            value: drive.printed(place[0]),
+            unit: drive.unit(length).to_owned(),
+        }];
+        if motion.rack_moves || rack != 0.0 {
+            coordinates.push(PlaceCoordinate {
+                name: "rack".to_owned(),
+                value: rack,
+                unit: length.symbol().to_owned(),
+            });
+        }
+        Station {
+            position: grid.shares(place),
+            place: coordinates,
+            is_straight: rack == 0.0,
+        }
+    };
+    (places.iter().map(station).collect(), grid)
+}
+
+/// Stations of a motion at which targets and constraints are looked up.
+struct Looked<'a> {
+    motion: &'a Motion,
+    name: Option<&'a str>,
+    grid: &'a Grid,
+}
+
+impl Looked<'_> {
+    /// Stations at which a target or a constraint is about a quantity.
+    fn wanted(&self, quantity: Quantity, optimise: &Optimise) -> Vec<usize> {
+        let is_about = |measure: &Measure| match (measure, quantity) {
+            (Measure::Quantity(Quantity::Characteristic(gain)), Quantity::Characteristic(of))
+                if customary::integral_of(*gain) == Some(of) =>
+            {
+                true
+            }
+            (Measure::Quantity(other), quantity) => *other == quantity,
+            _ => false,
+        };
+        let mut places = Vec::new();
+        let targets = optimise.targets.iter();
+        for target in targets.filter(|t| t.of.of_wheel().is_some_and(is_about)) {
+            let samples = target.wanted.samples(&target.stations_in(self.motion));
+            let drives: Vec<f64> = samples.iter().map(|sample| sample.drive).collect();
+            places.extend(self.at(&target.site, &drives));
+        }
+        let limits = |c: &&Constraint| c.parts.iter().any(|part| is_about(&part.of));
+        for constraint in optimise.constraints.iter().filter(limits) {
+            match &constraint.site {
+                Some(site) => places.extend(self.at(site, &self.motion.values)),
+                None => places.extend(self.at(&Site::default(), &[0.0])),
+            }
+        }
+        places
+    }
+
+    /// The stations nearest to these drive values, if this motion has the site.
+    fn at(&self, site: &Site, drives: &[f64]) -> Vec<usize> {
+        if site.motion.as_ref().map(|(name, _)| name.as_str()) != self.name {
+            return Vec::new();
+        }
+        let home = match self.motion.rack_moves {
+            true => 0.0,
+            false => self.motion.rack[0],
+        };
+        let racks = match site.racks.as_slice() {
+            [] => vec![home],
+            racks => racks.to_vec(),
+        };
+        let places = racks
+            .iter()
+            .flat_map(|rack| drives.iter().map(move |drive| [*drive, *rack]));
+        let station = |place: [f64; 2]| self.grid.station(&place, 0);
+        places.filter_map(station).collect()
+    }
+}

@@ -1,0 +1,127 @@
+//! Side effects of a tuning: changes that no target asks for.
+//!
+//! A target says what a quantity shall be at the stations where it is compared. A change there is wanted. At all other
+//! stations, and for every other quantity, a change is a side effect. With b(s) and a(s) the values before and after the
+//! tuning at station s, the side effect is
+//!
+//! ```text
+//! c(s) = a(s) - b(s)                              if no target is about the quantity,           (1)
+//! c(s) = (a(s) - b(s)) - (a(n) - b(n))            n the station nearest to s at which one is.   (2)
+//! ```
+//!
+//! So a caster that a target asks for in the design position may change by the same amount over the whole travel; only a
+//! curve of another shape is a side effect. Distances between stations are in shares of the motion's ranges. Over a named
+//! motion without a target of the quantity, n is the station of `[motion]` with the nearest drive value.
+//!
+//! A target of a gain is one of the quantity that the gain is the slope of: bump steer of toe, motion ratio of spring
+//! length. Limits of a constraint on a quantity count as a target, too: between them the study allows any value.
+
+mod axle;
+mod comparison;
+mod corner;
+mod customary;
+mod observed;
+
+use crate::mechanism::DesignFault;
+use crate::study::Study;
+use serde::{Deserialize, Serialize};
+
+/// Change of an output between the design before and after a tuning, over one motion. For an axle, a quantity that both
+/// wheels have is one output.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SideEffect {
+    /// Name of the output without its unit; with the name of the motion if that is not `[motion]`.
+    pub output: String,
+    /// Unit of all values, as in column names; empty for a plain number.
+    pub unit: String,
+    /// Least value before the tuning at the stations compared; `None` if there is no value.
+    pub before_min: Option<f64>,
+    /// Largest value before the tuning.
+    pub before_max: Option<f64>,
+    /// Least value after the tuning.
+    pub after_min: Option<f64>,
+    /// Largest value after the tuning.
+    pub after_max: Option<f64>,
+    /// Change of the largest amount, with its sign; 0 if rounding alone changes the values. `None` if no station has a
+    /// value both before and after.
+    pub largest_change: Option<f64>,
+    /// Station of that change; empty without a change.
+    pub at: Vec<PlaceCoordinate>,
+    /// Wheel of an axle that changes most, `left` or `right`; `None` for other outputs.
+    pub wheel: Option<String>,
+    /// Customary tolerance; `None` if there is none for the output.
+    pub tolerance: Option<f64>,
+    /// True if the change exceeds the tolerance, or if stations have lost their values.
+    pub flagged: bool,
+    /// Number of stations that have a value before the tuning and none after it.
+    pub lost: usize,
+}
+
+/// Coordinate of a station.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PlaceCoordinate {
+    /// Name, as the key of `[motion]`.
+    pub name: String,
+    /// Value, as the study writes it.
+    pub value: f64,
+    /// Unit of the value.
+    pub unit: String,
+}
+
+impl SideEffect {
+    /// Name of the output with its unit, as the column of curves has it.
+    pub fn column(&self) -> String {
+        match self.output.split_once(", ") {
+            Some((output, motion)) => {
+                format!("{}, {motion}", crate::ask::with_unit(output, &self.unit))
+            }
+            None => crate::ask::with_unit(self.output.as_str(), &self.unit),
+        }
+    }
+
+    /// Returns true if the values before and after agree to rounding.
+    pub fn is_unchanged(&self) -> bool {
+        self.lost == 0 && self.largest_change.unwrap_or(0.0) == 0.0
+    }
+}
+
+/// Compares a study's design with a tuned one, over `[motion]` and, for one wheel, over the named motions. Flagged outputs
+/// come first: angles before lengths, those with the largest change in tolerances first. Empty without `[optimise]`, and if
+/// `[optimise]` has `side_effects = false`.
+///
+/// # Errors
+/// The design of one of both studies cannot be solved.
+pub fn side_effects(before: &Study, after: &Study) -> Result<Vec<SideEffect>, DesignFault> {
+    let asked = before.optimise.as_ref();
+    if !asked.is_some_and(|optimise| optimise.side_effects) {
+        return Ok(Vec::new());
+    }
+    let mut found = Vec::new();
+    let mut asked = comparison::Asked::default();
+    for motion in observed::motions(before) {
+        let [before, after] = [before, after].map(|study| observed::observe(study, motion));
+        let (before, after) = (before?, after?);
+        found.extend(comparison::compare(&before, &after, &asked));
+        if motion.is_none() {
+            asked = comparison::Asked::of(&before, &after);
+        }
+    }
+    found.sort_by(|one: &SideEffect, other| {
+        let (one, other) = (severity(one), severity(other));
+        one.0.cmp(&other.0).then(other.1.total_cmp(&one.1))
+    });
+    Ok(found)
+}
+
+/// Rank of a side effect, from 0 for the worst kind, and its size among those of the same rank.
+fn severity(effect: &SideEffect) -> (u8, f64) {
+    let share = effect.largest_change.zip(effect.tolerance);
+    let share = share.map_or(0.0, |(change, tolerance)| change.abs() / tolerance);
+    match (effect.flagged, effect.lost, effect.unit.as_str()) {
+        (true, 1.., _) => (0, share),
+        (true, 0, "deg") => (1, share),
+        (true, 0, _) => (2, share),
+        // In the order of the outputs.
+        (false, ..) => (3, 0.0),
+    }
+}

@@ -1,0 +1,162 @@
+//! Values of a design at the stations of a motion: the same data for one wheel and for an axle.
+
+use super::{PlaceCoordinate, axle, corner, customary};
+use crate::ask::Unit;
+use crate::mechanism::DesignFault;
+use crate::model::{LengthUnit, Side};
+use crate::study::{Motion, Study};
+use std::collections::HashMap;
+
+/// A named motion, or `None` for the study's own.
+pub(super) type Named<'s> = Option<&'s (String, Motion)>;
+
+/// Shares of a motion's range, or study units of a coordinate that does not move, within which two places are one.
+const SAME_PLACE: f64 = 1e-9;
+
+/// Values of a design over a motion.
+pub(super) struct Observed {
+    /// Name of the motion; `None` for the study's own.
+    pub motion: Option<String>,
+    /// Stations of the motion.
+    pub stations: Vec<Station>,
+    /// Values by output, and for an axle by wheel.
+    pub series: Vec<Series>,
+}
+
+/// Station of a motion.
+pub(super) struct Station {
+    /// Coordinates, each in shares of its range over the motion.
+    pub position: Vec<f64>,
+    /// Coordinates as the study writes them.
+    pub place: Vec<PlaceCoordinate>,
+    /// True if the rack is at 0.
+    pub is_straight: bool,
+}
+
+/// Values of one output at all stations.
+pub(super) struct Series {
+    /// Name without unit; the same for both wheels of an axle.
+    pub output: String,
+    /// Unit, as in column names.
+    pub unit: String,
+    /// Customary tolerance.
+    pub tolerance: Option<f64>,
+    /// True if stations with a steered rack are left out.
+    pub straight_only: bool,
+    /// Wheel of an axle.
+    pub wheel: Option<Side>,
+    /// Stations at which a target or a constraint is about the output.
+    pub wanted: Vec<usize>,
+    /// Values as printed.
+    pub values: Vec<Option<f64>>,
+}
+
+impl Series {
+    /// A series of a quantity of this name and unit, with its customary tolerance.
+    pub(super) fn new(name: &str, unit: Unit, length: LengthUnit, stations: &[Station]) -> Self {
+        let is_judged_straight = customary::is_judged_straight_ahead(name);
+        let straight_only = is_judged_straight && stations.iter().any(|s| s.is_straight);
+        let tolerance = customary::tolerance(name, unit, length);
+        Series {
+            output: name.to_owned(),
+            unit: unit.suffix(length),
+            // Without a station straight ahead there is no custom.
+            tolerance: tolerance.filter(|_| straight_only || !is_judged_straight),
+            straight_only,
+            wheel: None,
+            wanted: Vec::new(),
+            values: Vec::new(),
+        }
+    }
+}
+
+/// Motions over which designs are compared: `[motion]`, and the named ones of a study of one wheel. Named motions of an
+/// axle's study are for constraints on its left wheel.
+pub(super) fn motions(study: &Study) -> Vec<Named<'_>> {
+    let named = match study.axle {
+        None => &study.motions[..],
+        Some(_) => &[],
+    };
+    std::iter::once(None)
+        .chain(named.iter().map(Some))
+        .collect()
+}
+
+/// Values of a study's design over a motion.
+pub(super) fn observe(study: &Study, motion: Named<'_>) -> Result<Observed, DesignFault> {
+    match &study.axle {
+        None => corner::observe(study, motion),
+        Some(both) => axle::observe(study, both),
+    }
+}
+
+/// The grid of a motion's stations.
+pub(super) struct Grid {
+    /// Range of each coordinate; 1 for one that does not move.
+    ranges: Vec<f64>,
+    /// Values of each coordinate, rising.
+    axes: Vec<Vec<f64>>,
+    /// Numbers of the stations by the places of their coordinates in `axes`.
+    numbers: HashMap<Vec<usize>, usize>,
+}
+
+impl Grid {
+    /// The grid of stations with these coordinates.
+    pub(super) fn of(places: &[Vec<f64>]) -> Self {
+        let count = places.first().map_or(0, Vec::len);
+        let axis = |k: usize| {
+            let mut values: Vec<f64> = places.iter().map(|place| place[k]).collect();
+            values.sort_by(f64::total_cmp);
+            values.dedup();
+            values
+        };
+        let axes: Vec<Vec<f64>> = (0..count).map(axis).collect();
+        let range = |axis: &Vec<f64>| match axis[axis.len() - 1] - axis[0] {
+            range if range > 0.0 => range,
+            _ => 1.0,
+        };
+        let mut grid = Grid {
+            ranges: axes.iter().map(range).collect(),
+            axes,
+            numbers: HashMap::new(),
+        };
+        for (number, place) in places.iter().enumerate() {
+            let key = (0..count).map(|k| grid.nearest(k, place[k])).collect();
+            grid.numbers.entry(key).or_insert(number);
+        }
+        grid
+    }
+
+    /// The coordinates of a place, each in shares of its range.
+    pub(super) fn shares(&self, place: &[f64]) -> Vec<f64> {
+        let shares = place.iter().zip(&self.ranges);
+        shares.map(|(at, range)| at / range).collect()
+    }
+
+    /// Place in `axes` of the value of a coordinate that is nearest to another value.
+    fn nearest(&self, coordinate: usize, value: f64) -> usize {
+        let axis = &self.axes[coordinate];
+        let above = axis
+            .partition_point(|other| *other < value)
+            .min(axis.len() - 1);
+        let below = above.saturating_sub(1);
+        match value - axis[below] < axis[above] - value {
+            true => below,
+            false => above,
+        }
+    }
+
+    /// The station nearest to a place along one coordinate, if the grid has all others.
+    pub(super) fn station(&self, place: &[f64], along: usize) -> Option<usize> {
+        let mut key = Vec::with_capacity(place.len());
+        for (k, value) in place.iter().enumerate() {
+            let nearest = self.nearest(k, *value);
+            let away = (self.axes[k][nearest] - value).abs();
+            if k != along && away > SAME_PLACE * self.ranges[k] {
+                return None;
+            }
+            key.push(nearest);
+        }
+        self.numbers.get(&key).copied()
+    }
+}

@@ -1,0 +1,180 @@
+//! Side effects of a tuning, as tables and in words.
+
+use super::figure::{as_written, brief, with_decimals};
+use super::table::{Cell, Column, Table};
+use super::text::counted;
+use crate::{PlaceCoordinate, SideEffect};
+
+/// Digits of an output without a tolerance.
+const DIGITS: f64 = 3.0;
+/// Most rows on the terminal, unless more are flagged.
+const MOST_ROWS: usize = 10;
+
+/// Decimals of the values of a side effect: one more than its tolerance needs.
+fn decimals(effect: &SideEffect) -> usize {
+    let ends = [
+        effect.before_min,
+        effect.before_max,
+        effect.after_min,
+        effect.after_max,
+    ];
+    let magnitude = ends
+        .iter()
+        .flatten()
+        .fold(0.0, |most: f64, v| most.max(v.abs()));
+    let decimals = match effect.tolerance {
+        Some(tolerance) => 1.0 + (-tolerance.log10()).ceil(),
+        None if magnitude > 0.0 => DIGITS - 1.0 - magnitude.log10().floor(),
+        None => 0.0,
+    };
+    decimals.clamp(0.0, 9.0) as usize
+}
+
+/// The largest change with its sign.
+fn change(effect: &SideEffect) -> Option<String> {
+    let change = effect.largest_change?;
+    let text = with_decimals(change, decimals(effect));
+    let is_positive = change > 0.0 && text.contains(|c: char| ('1'..='9').contains(&c));
+    Some(if is_positive {
+        format!("+{text}")
+    } else {
+        text
+    })
+}
+
+/// Returns true if a reader sees no change.
+fn is_unchanged(effect: &SideEffect) -> bool {
+    let shown = change(effect).unwrap_or_default();
+    !effect.flagged && !shown.contains(|c: char| ('1'..='9').contains(&c))
+}
+
+/// The station of the largest change: `roll 3 deg, heave -40 mm, left wheel`.
+fn place(effect: &SideEffect) -> String {
+    let coordinate = |c: &PlaceCoordinate| {
+        let name = c.name.replace('_', " ");
+        format!("{name} {} {}", as_written(c.value), c.unit)
+    };
+    let wheel = effect.wheel.iter().map(|wheel| format!("{wheel} wheel"));
+    let coordinates = effect.at.iter().map(coordinate);
+    coordinates.chain(wheel).collect::<Vec<_>>().join(", ")
+}
+
+/// The same, as short as a reader needs it: without the name of a single coordinate, else without those that are 0.
+fn short_place(effect: &SideEffect) -> String {
+    match (effect.at.as_slice(), &effect.wheel) {
+        ([only], None) => format!("{} {}", as_written(only.value), only.unit),
+        (all, _) => {
+            let away = || all.iter().filter(|c| c.value != 0.0);
+            let at = match away().next() {
+                Some(_) => away().cloned().collect(),
+                None => all[..all.len().min(1)].to_vec(),
+            };
+            place(&SideEffect {
+                at,
+                ..effect.clone()
+            })
+        }
+    }
+}
+
+/// A row for each side effect. `side_effects.csv` is this table.
+pub fn side_effects_table(effects: &[SideEffect]) -> Table {
+    let columns = [
+        Column::for_readers("side effect"),
+        Column::for_programs("output"),
+        Column::for_programs("unit"),
+        Column::for_readers("before"),
+        Column::for_readers("after"),
+        Column::for_readers("change"),
+        Column::for_readers("tolerance"),
+        Column::for_readers("at"),
+    ];
+    let programs = [
+        "before min",
+        "before max",
+        "after min",
+        "after max",
+        "largest change",
+        "at",
+        "tolerance",
+        "flagged",
+        "lost",
+    ];
+    let programs = programs.map(Column::for_programs);
+    let columns = columns.into_iter().chain(programs);
+    let mut table = Table::with_columns(columns);
+    for effect in effects {
+        let decimals = decimals(effect);
+        let range = |ends: [Option<f64>; 2]| match ends {
+            [Some(low), Some(high)] => {
+                let [low, high] = [low, high].map(|end| with_decimals(end, decimals));
+                Cell::from(if low == high {
+                    low
+                } else {
+                    format!("{low} .. {high}")
+                })
+            }
+            _ => Cell::from("no value"),
+        };
+        let tolerance = effect.tolerance.map(brief);
+        let tolerance = match (effect.flagged, effect.lost) {
+            (true, 0) => tolerance.map(|tolerance| format!("{tolerance} exceeded")),
+            (true, lost) => Some(format!("no value at {}", counted(lost, "station"))),
+            (false, _) => tolerance,
+        };
+        table.push_row([
+            Cell::from(effect.column()),
+            effect.output.as_str().into(),
+            effect.unit.as_str().into(),
+            range([effect.before_min, effect.before_max]),
+            range([effect.after_min, effect.after_max]),
+            change(effect).into(),
+            tolerance.into(),
+            short_place(effect).into(),
+            effect.before_min.into(),
+            effect.before_max.into(),
+            effect.after_min.into(),
+            effect.after_max.into(),
+            effect.largest_change.into(),
+            place(effect).into(),
+            effect.tolerance.into(),
+            effect.flagged.into(),
+            effect.lost.into(),
+        ]);
+    }
+    table
+}
+
+/// The side effects that a reader is shown: the flagged ones, then others that change visibly, and how many more of
+/// these there are.
+pub fn shown_side_effects(effects: &[SideEffect]) -> (Vec<SideEffect>, usize) {
+    let changed: Vec<SideEffect> = effects
+        .iter()
+        .filter(|e| !is_unchanged(e))
+        .cloned()
+        .collect();
+    let flagged = changed.iter().filter(|e| e.flagged).count();
+    let shown = changed.len().min(MOST_ROWS.max(flagged));
+    let more = changed.len() - shown;
+    (changed.into_iter().take(shown).collect(), more)
+}
+
+/// The number of side effects beyond their tolerance, in words; `None` if no output was compared.
+pub fn side_effects_in_words(effects: &[SideEffect]) -> Option<String> {
+    if effects.is_empty() {
+        return None;
+    }
+    let flagged = effects.iter().filter(|e| e.flagged).count();
+    Some(match flagged {
+        0 => "no side effect beyond its tolerance".to_owned(),
+        1 => "1 side effect beyond its tolerance".to_owned(),
+        several => format!("{several} side effects beyond their tolerances"),
+    })
+}
+
+/// Names of the outputs that do not change visibly, in words; `None` without one.
+pub fn unchanged_in_words(effects: &[SideEffect]) -> Option<String> {
+    let unchanged = effects.iter().filter(|e| is_unchanged(e));
+    let names: Vec<String> = unchanged.map(SideEffect::column).collect();
+    (!names.is_empty()).then(|| format!("unchanged: {}", names.join("; ")))
+}

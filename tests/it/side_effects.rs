@@ -1,0 +1,434 @@
+//! Side effects of tunings against the curves of both designs, their rules, and what programs and people are told.
+
+use hardpoint::characteristics::Characteristic;
+use hardpoint::side_effects::side_effects;
+use hardpoint::study::{Outputs, Study};
+use hardpoint::{Control, SideEffect};
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+
+fn path(name: &str) -> PathBuf {
+    let studies = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies");
+    studies.join(format!("{name}.toml"))
+}
+
+fn study(name: &str, overrides: &[&str]) -> Study {
+    let overrides: Vec<String> = overrides.iter().map(|o| (*o).to_owned()).collect();
+    Study::read(&path(name), &overrides).unwrap_or_else(|e| panic!("{e}"))
+}
+
+/// A study, the tuned study, and the side effects between both.
+fn tuned(name: &str, overrides: &[&str]) -> (Study, Study, Vec<SideEffect>) {
+    let study = study(name, overrides);
+    let best = study.tune(Control::default()).unwrap().best.unwrap();
+    let after = study.moved(&best.offsets);
+    let effects = side_effects(&study, &after).unwrap();
+    (study, after, effects)
+}
+
+fn named<'e>(effects: &'e [SideEffect], output: &str) -> &'e SideEffect {
+    let found = effects.iter().find(|e| e.output == output);
+    found.unwrap_or_else(|| panic!("{output} is not among {effects:?}"))
+}
+
+/// Values of a characteristic over `[motion]`, by travel.
+fn values(study: &Study, characteristic: Characteristic) -> Vec<(f64, f64)> {
+    let alone = Study {
+        outputs: Outputs::of(vec![characteristic]),
+        ..study.clone()
+    };
+    let curves = alone.curves().unwrap();
+    let stations = curves.stations.iter();
+    stations
+        .map(|s| (s.at[0].unwrap(), s.values[0].unwrap()))
+        .collect()
+}
+
+fn changes(before: &Study, after: &Study, of: Characteristic) -> Vec<(f64, f64)> {
+    let pairs = values(before, of).into_iter().zip(values(after, of));
+    pairs.map(|((at, b), (_, a))| (at, a - b)).collect()
+}
+
+/// The largest of some changes, with its travel.
+fn largest(changes: &[(f64, f64)]) -> (f64, f64) {
+    let all = changes.iter().copied();
+    all.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs())).unwrap()
+}
+
+/// Camber and kingpin curves alone are wanted of a strut: toe is ruined, by as much as the curves of both designs differ, and
+/// comes first. What the targets are about is not listed.
+#[test]
+fn an_output_without_a_target_is_compared_with_the_curves_of_both_designs() {
+    let targets = "optimise.targets=[\
+        { characteristic = \"camber\", points = [[-80.0, 1.16], [0.0, -0.52], [80.0, -0.94]], tolerance = 0.02 }, \
+        { characteristic = \"kingpin_inclination\", points = [[-80.0, 9.9], [80.0, 13.38]], tolerance = 0.05 }]";
+    let variables = "optimise.variables=[\
+        { hardpoint = \"strut_top\", axis = \"y\", range = [-20.0, 20.0] }, \
+        { hardpoint = \"lower_arm_front\", axis = \"z\", range = [-20.0, 20.0] }]";
+    let (before, after, effects) = tuned("macpherson_front", &[targets, variables]);
+    for (output, of) in [
+        ("toe", Characteristic::Toe),
+        ("caster", Characteristic::Caster),
+        ("scrub_radius", Characteristic::ScrubRadius),
+        ("half_track_change", Characteristic::HalfTrackChange),
+    ] {
+        let effect = named(&effects, output);
+        let (at, change) = largest(&changes(&before, &after, of));
+        let found = effect.largest_change.unwrap();
+        assert!((found - change).abs() < 1e-9, "{output}: {found} {change}");
+        assert_eq!(effect.at[0].value, at, "{output}");
+        for (study, ends) in [
+            (&before, [effect.before_min, effect.before_max]),
+            (&after, [effect.after_min, effect.after_max]),
+        ] {
+            let all = values(study, of).into_iter().map(|(_, value)| value);
+            let low = all.clone().fold(f64::INFINITY, f64::min);
+            let high = all.fold(f64::NEG_INFINITY, f64::max);
+            assert!((ends[0].unwrap() - low).abs() < 1e-9, "{output}");
+            assert!((ends[1].unwrap() - high).abs() < 1e-9, "{output}");
+        }
+        let flagged = effect.tolerance.is_some_and(|most| change.abs() > most);
+        assert_eq!(effect.flagged, flagged, "{output}");
+    }
+    assert!(
+        effects
+            .iter()
+            .all(|e| e.output != "camber" && e.output != "kingpin_inclination")
+    );
+    let flagged = effects.iter().take_while(|e| e.flagged).count();
+    assert!(flagged > 0 && effects[flagged..].iter().all(|e| !e.flagged));
+    assert_eq!(effects[0].output, "toe");
+}
+
+/// The README's first study keeps its toe to 0.1 degrees at every station, and no angle is flagged.
+#[test]
+fn the_first_study_keeps_its_toe() {
+    let (before, after, effects) = tuned("macpherson_front", &[]);
+    let (at, change) = largest(&changes(&before, &after, Characteristic::Toe));
+    assert!(change.abs() < 0.1, "{change} at {at}");
+    let angles = effects.iter().filter(|e| e.unit == "deg");
+    assert!(angles.clone().count() > 0);
+    assert!(angles.clone().all(|e| !e.flagged), "{effects:?}");
+}
+
+/// A caster that is wanted in the design position may change by the same amount everywhere: only the change of its shape is
+/// a side effect. The same with the inclination, by a limit of a constraint.
+#[test]
+fn a_change_that_a_target_asks_for_at_one_place_is_taken_off_elsewhere() {
+    let targets = "optimise.targets=[{ characteristic = \"caster\", at = 0.0, value = 5.0, tolerance = 0.01 }]";
+    let variables = "optimise.variables=[\
+        { hardpoint = \"strut_top\", axis = \"x\", range = [-40.0, 40.0] }, \
+        { hardpoint = \"strut_top\", axis = \"y\", range = [-40.0, 40.0] }]";
+    let constraint = "optimise.constraints=[{ characteristic = \"kingpin_inclination\", between = [12.0, 14.0], at = \"design\" }]";
+    let (before, after, effects) = tuned("macpherson_front", &[targets, variables, constraint]);
+    for (output, of) in [
+        ("caster", Characteristic::Caster),
+        ("kingpin_inclination", Characteristic::KingpinInclination),
+    ] {
+        let changes = changes(&before, &after, of);
+        let wanted = changes.iter().find(|(at, _)| *at == 0.0).unwrap().1;
+        assert!(wanted.abs() > 0.5, "{output}: {wanted}");
+        let beyond: Vec<(f64, f64)> = changes.iter().map(|(at, c)| (*at, c - wanted)).collect();
+        let (at, change) = largest(&beyond);
+        let effect = named(&effects, output);
+        let found = effect.largest_change.unwrap();
+        assert!((found - change).abs() < 1e-9, "{output}: {found} {change}");
+        assert_eq!(effect.at[0].value, at);
+        let exceeds = change.abs() > effect.tolerance.unwrap();
+        assert_eq!(effect.flagged, exceeds, "{effect:?}");
+        assert!(change.abs() < 0.5 * wanted.abs(), "{effect:?}");
+    }
+}
+
+/// Bump steer that is wanted over the whole travel is a target of toe; over a part of it, only the rest is compared, beyond
+/// the change at the end of that part.
+#[test]
+fn a_target_of_a_gain_is_one_of_the_curve() {
+    let of = |ends: &str| {
+        let target = format!(
+            "optimise.targets=[{{ characteristic = \"bump_steer\", points = [[-80.0, 0.0], [{ends}, 0.0]], tolerance = 0.001 }}]"
+        );
+        let variables = "optimise.variables=[{ hardpoint = \"tie_rod_inner\", axis = \"z\", range = [-10.0, 10.0] }]";
+        tuned("macpherson_front", &[&target, variables])
+    };
+    let (_, _, effects) = of("80.0");
+    assert!(effects.iter().all(|e| e.output != "toe"), "{effects:?}");
+    let (before, after, effects) = of("20.0");
+    let changes = changes(&before, &after, Characteristic::Toe);
+    let end = changes.iter().find(|(at, _)| *at == 20.0).unwrap().1;
+    let rest = changes.iter().filter(|(at, _)| *at > 20.0);
+    let rest: Vec<(f64, f64)> = rest.map(|(at, c)| (*at, c - end)).collect();
+    let (at, change) = largest(&rest);
+    let toe = named(&effects, "toe");
+    assert!((toe.largest_change.unwrap() - change).abs() < 1e-9);
+    assert_eq!(toe.at[0].value, at);
+}
+
+/// A rocker does not touch the wheel: camber, toe and steering axis stay, exactly. The spring's length has a target in the
+/// design position and, by the motion ratio, everywhere.
+#[test]
+fn a_rocker_leaves_the_wheel_alone() {
+    let (_, _, effects) = tuned("double_wishbone_rocker", &[]);
+    for output in ["camber", "toe", "caster", "kingpin_inclination"] {
+        let effect = named(&effects, output);
+        assert!(effect.is_unchanged() && !effect.flagged, "{effect:?}");
+        assert_eq!(effect.largest_change, Some(0.0));
+        assert!(effect.at.is_empty());
+    }
+    assert!(effects.iter().all(|e| e.output != "spring_length"));
+    // Neither a contact point nor a scrub radius without a wheel radius.
+    assert!(effects.iter().all(|e| e.output != "scrub_radius"));
+}
+
+/// Units do not change what is flagged: in inches every length and its tolerance are 1/25.4 of those in millimetres.
+#[test]
+fn inches_flag_what_millimetres_flag() {
+    let text = std::fs::read_to_string(path("double_wishbone_front")).unwrap();
+    let targets = "optimise.targets=[{ characteristic = \"camber\", at = 0.0, between = [-5.0, 5.0], tolerance = 0.1 }]";
+    let study = Study::from_text("mm.toml", &text, Path::new("."))
+        .unwrap()
+        .with_overrides("mm.toml", &[targets.to_owned()])
+        .unwrap();
+    let moved = study.moved(&[8.0, -4.0, 12.0, -6.0]);
+    let effects = side_effects(&study, &moved).unwrap();
+    let scaled = |study: &Study| Study {
+        suspension: hardpoint::Suspension {
+            length_unit: hardpoint::LengthUnit::Inch,
+            design: study
+                .suspension
+                .design
+                .iter()
+                .map(|p| *p * (1.0 / 25.4))
+                .collect(),
+            wheel_radius: study.suspension.wheel_radius.map(|r| r / 25.4),
+            ..study.suspension.clone()
+        },
+        motion: hardpoint::Motion {
+            values: study.motion.values.iter().map(|v| v / 25.4).collect(),
+            ..study.motion.clone()
+        },
+        ..study.clone()
+    };
+    let inches = side_effects(&scaled(&study), &scaled(&moved)).unwrap();
+    assert_eq!(effects.len(), inches.len());
+    let lengths = effects.iter().filter(|e| e.unit == "mm");
+    assert!(lengths.clone().any(|e| e.flagged) && lengths.count() >= 3);
+    for (mm, inch) in effects.iter().zip(&inches) {
+        assert_eq!((&mm.output, mm.flagged), (&inch.output, inch.flagged));
+        let factor = match mm.unit.as_str() {
+            "mm" => 1.0 / 25.4,
+            "deg" => 1.0,
+            _ => continue,
+        };
+        let pairs = [
+            (mm.largest_change, inch.largest_change),
+            (mm.tolerance, inch.tolerance),
+            (mm.after_max, inch.after_max),
+        ];
+        for (mm, inch) in pairs {
+            let (mm, inch) = (mm.unwrap() * factor, inch.unwrap());
+            assert!((mm - inch).abs() < 1e-9, "{mm} {inch}");
+        }
+    }
+}
+
+/// Named motions have rows of their own. With the rack at a stop toe is a steer angle, which has no tolerance.
+#[test]
+fn named_motions_are_compared_too() {
+    let (study, after, effects) = tuned("formula_student_front", &["optimise.starts=1"]);
+    let locked = &study.motions[0].1;
+    let [before, after] = [&study, &after].map(|of| Study {
+        motion: locked.clone(),
+        ..of.clone()
+    });
+    let toe = named(&effects, "toe, locked");
+    assert_eq!((toe.tolerance, toe.flagged), (None, false));
+    // No target is about the half track: (1).
+    let (_, change) = largest(&changes(&before, &after, Characteristic::HalfTrackChange));
+    let found = named(&effects, "half_track_change, locked")
+        .largest_change
+        .unwrap();
+    assert!((found - change).abs() < 1e-9, "{found} {change}");
+    assert!(
+        named(&effects, "half_track_change, locked")
+            .at
+            .iter()
+            .any(|c| c.name == "rack")
+    );
+}
+
+/// A quantity that both wheels of an axle have is one row, with the worse wheel; toe is compared straight ahead.
+#[test]
+fn an_axle_has_one_row_for_both_wheels() {
+    let few = [
+        "optimise.starts=1",
+        "motion.roll=[-2.0, 0.0, 2.0]",
+        "motion.heave=[-40.0, 0.0, 40.0]",
+        "motion.steering_wheel_angle=[-360.0, 0.0, 360.0]",
+        "outputs.characteristics=[\"camber\", \"roll_steer\"]",
+        "optimise.targets=[{ characteristic = \"ackermann_error\", over = \"steering_wheel_angle\", between = [-0.5, 0.5], tolerance = 0.1 }]",
+    ];
+    let (before, after, effects) = tuned("macpherson_axle_front", &few);
+    let curves = |study: &Study| {
+        let both = study.axle.as_ref().unwrap();
+        hardpoint::axle::axle_curves(&both.axle, &both.plan)
+            .unwrap()
+            .curves
+    };
+    let (was, is) = (curves(&before), curves(&after));
+    let mut worst = 0.0_f64;
+    for (from, to) in was.stations.iter().zip(&is.stations) {
+        for column in [0, 1] {
+            assert!(was.columns[column].name.ends_with("camber_deg"));
+            worst = worst.max((to.value(column).unwrap() - from.value(column).unwrap()).abs());
+        }
+    }
+    let camber = named(&effects, "camber");
+    assert!((camber.largest_change.unwrap().abs() - worst).abs() < 1e-9);
+    assert!(
+        camber
+            .wheel
+            .as_deref()
+            .is_some_and(|w| w == "left" || w == "right")
+    );
+    let toe = named(&effects, "toe");
+    let steered = toe.at.iter().find(|c| c.name == "steering_wheel_angle");
+    assert!(steered.is_none_or(|c| c.value == 0.0), "{toe:?}");
+    assert!(toe.before_max.unwrap() < 2.0, "{toe:?}");
+    for output in [
+        "roll_steer",
+        "wheel_roll_steer",
+        "scrub_radius",
+        "half_track_change",
+    ] {
+        named(&effects, output);
+    }
+    // The target holds at 9 stations of 27; the others are compared beyond it.
+    named(&effects, "ackermann_error");
+}
+
+/// A large motion takes no longer than the tuning itself: the nearest place of a target is found without comparing all pairs.
+#[test]
+fn many_stations_are_compared_in_linear_time() {
+    let motion = "motion.travel={ from = -40.0, to = 40.0, steps = 20001 }";
+    let targets = "optimise.targets=[{ characteristic = \"toe\", points = [[-40.0, 0.1], [0.0, 0.1]], tolerance = 0.1 }]";
+    let study = study("macpherson_front", &[motion, targets]);
+    let moved = study.moved(&[1.0; 7]);
+    let start = std::time::Instant::now();
+    let effects = side_effects(&study, &moved).unwrap();
+    assert!(named(&effects, "toe").largest_change.unwrap().abs() > 1e-3);
+    assert!(start.elapsed().as_secs() < 60);
+}
+
+fn run(arguments: &[&str]) -> std::process::Output {
+    let mut command = assert_cmd::Command::cargo_bin("hardpoint").unwrap();
+    command
+        .env_remove("COLUMNS")
+        .args(arguments)
+        .output()
+        .unwrap()
+}
+
+/// Terminal, CSV, JSON, summary and page have the same side effects; off, none has one, and `check` says so.
+#[test]
+fn every_reader_gets_the_same_side_effects_or_none() {
+    let directory = tempfile::tempdir().unwrap();
+    let out = directory.path().join("run");
+    let study = path("double_wishbone_front");
+    let (study, to) = (study.to_str().unwrap(), out.to_str().unwrap());
+    let said = run(&["optimise", study, "--out", to, "--report"]);
+    let said = String::from_utf8(said.stdout).unwrap();
+    let read = |name: &str| std::fs::read_to_string(out.join(name)).unwrap();
+    let summary: Value = serde_json::from_str(&read("summary.json")).unwrap();
+    let effects = summary["side_effects"].as_array().unwrap();
+    let flagged = effects.iter().filter(|e| e["flagged"] == true).count();
+    assert!(
+        flagged > 0 && said.contains(&format!("{flagged} side effect")),
+        "{said}"
+    );
+    let csv = read("side_effects.csv");
+    let mut lines = csv.lines();
+    assert_eq!(
+        lines.next().unwrap(),
+        "output,unit,before_min,before_max,after_min,after_max,largest_change,at,tolerance,flagged,lost"
+    );
+    assert_eq!(lines.count(), effects.len());
+    // Names may be broken after their underscores.
+    let page = read("report.html").replace("<wbr>", "");
+    for effect in effects {
+        let output = effect["output"].as_str().unwrap();
+        assert!(csv.contains(&format!("\n{output},")), "{output}");
+        assert!(page.contains(output), "{output}");
+    }
+    let printed = run(&["optimise", study, "--out", to, "--format", "json"]);
+    let tables: Value = serde_json::from_slice(&printed.stdout).unwrap();
+    let rows = tables["side_effects"].as_array().unwrap();
+    assert_eq!(rows.len(), effects.len());
+    for (row, effect) in rows.iter().zip(effects) {
+        for key in [
+            "output",
+            "before_min",
+            "after_max",
+            "largest_change",
+            "tolerance",
+            "flagged",
+        ] {
+            assert_eq!(row[key], effect[key], "{key}");
+        }
+    }
+
+    let off = ["--set", "optimise.side_effects=false"];
+    let arguments = ["optimise", study, "--out", to, "--format", "json"];
+    let printed = run(&[&arguments[..], &off].concat());
+    let tables: Value = serde_json::from_slice(&printed.stdout).unwrap();
+    assert!(tables.get("side_effects").is_none());
+    assert!(!out.join("side_effects.csv").exists());
+    let summary: Value = serde_json::from_str(&read("summary.json")).unwrap();
+    assert_eq!(summary["side_effects"].as_array().map(Vec::len), Some(0));
+    let checked = |more: &[&str]| {
+        let said = run(&[&["check", study][..], more].concat());
+        String::from_utf8(said.stdout).unwrap().replace("\n  ", " ")
+    };
+    assert!(checked(&[]).contains("changes that no target asks for are reported"));
+    assert!(checked(&off).contains("off, by side_effects = false"));
+    let wrong = run(&["check", study, "--set", "optimise.side_effects=2"]);
+    assert_eq!(wrong.status.code(), Some(2));
+}
+
+/// A robust tuning stands beside the optimum without scatter, which is that of the study without `scatter`: the same builds,
+/// the same yields as `hardpoint tolerance` has.
+#[test]
+fn a_robust_tuning_stands_beside_the_plain_optimum() {
+    let directory = tempfile::tempdir().unwrap();
+    let place = |name: &str| directory.path().join(name).to_str().unwrap().to_owned();
+    let text = std::fs::read_to_string(path("double_wishbone_robust")).unwrap();
+    let text = text
+        .replace("builds = 20000", "builds = 2000")
+        .replace("scatter = 64", "scatter = 16");
+    // Bands so narrow that builds miss them.
+    let text = text.replace("between = [-0.006, 0.006]", "between = [-0.002, 0.002]");
+    let (robust, plain) = (place("robust.toml"), place("plain.toml"));
+    std::fs::write(&robust, &text).unwrap();
+    std::fs::write(&plain, text.replace("scatter = 16\n", "")).unwrap();
+    let read = |run: &str, file: &str| -> Value {
+        let text = std::fs::read_to_string(Path::new(run).join(file)).unwrap();
+        serde_json::from_str(&text).unwrap()
+    };
+    let (out, other, builds) = (place("out"), place("other"), place("builds"));
+    let said = run(&["optimise", &robust, "--out", &out]);
+    let said = String::from_utf8(said.stdout).unwrap();
+    run(&["optimise", &plain, "--out", &other]);
+    let tuned = Path::new(&other).join("optimised.toml");
+    run(&["tolerance", tuned.to_str().unwrap(), "--out", &builds]);
+    let yields = &read(&out, "summary.json")["yields"];
+    let share = yields["plain"].as_f64().unwrap();
+    assert!((0.01..0.99).contains(&share), "{share}");
+    let own = read(&builds, "summary.json")["yield_of_all"]
+        .as_f64()
+        .unwrap();
+    assert_eq!(share, own);
+    assert!(said.contains("optimum without scatter"), "{said}");
+    for band in yields["bands"].as_array().unwrap() {
+        assert!(band["plain"].as_f64().is_some());
+    }
+}

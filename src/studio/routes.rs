@@ -1,6 +1,7 @@
 //! The requests, and the functions that answer them.
 
 use super::access::Access;
+use super::connections::Place;
 use super::http::{Connection, Head, Response, Unread};
 use super::job::Job;
 use super::message::{
@@ -49,18 +50,25 @@ impl Workshop {
     }
 
     /// Serves a connection until it ends.
-    pub(super) fn serve(&self, connection: &mut Connection) {
+    pub(super) fn serve(&self, connection: &mut Connection, place: &mut Place) {
         loop {
             let (response, keeps) = match connection.head() {
                 Err(Unread::Gone) => return,
                 Err(Unread::Refused(status, why)) => (Response::refusal(status, why), false),
                 Ok(head) => match self.admitted(&head) {
                     // The body of a stranger is not read.
-                    Err((status, why)) => (Response::refusal(status, &why), false),
-                    Ok(rest) => match connection.body(&head) {
-                        Err(_) => return,
-                        Ok(body) => (self.answered(&head, rest, &body), head.keeps),
-                    },
+                    Err((status, why)) => (refused_page(&head, status, &why), false),
+                    Ok(_) if !place.admit() => {
+                        let why = "too many connections: close other tabs of this page";
+                        (Response::refusal(503, why), false)
+                    }
+                    Ok(rest) => {
+                        connection.admit();
+                        match connection.body(&head) {
+                            Err(_) => return,
+                            Ok(body) => (self.answered(&head, rest, &body), head.keeps),
+                        }
+                    }
                 },
             };
             if connection.answer(&response, keeps).is_err() || !keeps {
@@ -76,7 +84,9 @@ impl Workshop {
             return refused("this is not the address the server printed");
         }
         let Some(rest) = self.access.rest(&head.path) else {
-            return refused("the token is missing, or of a server that has ended");
+            return refused(
+                "the token in the address is missing, or belongs to a server that has ended",
+            );
         };
         match head.method.as_str() {
             "GET" => match &head.origin {
@@ -245,6 +255,15 @@ impl Workshop {
             ..Response::new(200, "text/html; charset=utf-8", body)
         })
     }
+}
+
+/// A refusal: a short page where a person may have opened an address, else plain text.
+fn refused_page(head: &Head, status: u16, why: &str) -> Response {
+    if head.method != "GET" || head.origin.is_some() || status != 403 {
+        return Response::refusal(status, why);
+    }
+    let body = include_str!("page/refused.html").replace("{why}", why);
+    Response::new(status, "text/html; charset=utf-8", body.into_bytes())
 }
 
 fn report(opened: &Opened, of: &Designed) -> Result<String, String> {

@@ -34,12 +34,14 @@ pub(super) fn run(arguments: &StudioArguments) -> Result<Exit, Stop> {
     terminal::note(
         "The address is for you alone. Ctrl-C ends the server; what is not saved stays in the browser.\n",
     );
+    // Signals are heard before the file is written, so that it never stays behind.
+    let stop = interrupt::flag();
     // The file stays until the server ends: a browser may be slow to start.
     let _invitation = match arguments.no_open {
         true => None,
         false => invited(&address),
     };
-    studio.serve(interrupt::flag()).map_err(Stop::wrong_input)?;
+    studio.serve(stop).map_err(Stop::wrong_input)?;
     Ok(Exit::Interrupted)
 }
 

@@ -16,6 +16,7 @@ mod answer;
 mod axle;
 mod connections;
 mod directions;
+mod groups;
 mod http;
 mod influence;
 mod invitation;

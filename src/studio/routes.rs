@@ -114,6 +114,7 @@ impl Workshop {
         }
         let answered = match rest {
             "study" => self.study(body),
+            "digest" => self.digest(body),
             "solve" => self.with_text(body, |r: &SolveRequest| &r.of, answer::solved),
             "influence" => self.with_text(body, |r: &InfluenceRequest| &r.of, influence::influence),
             "directions" => self.with_text(body, |r: &Designed| r, directions::directions),
@@ -155,6 +156,12 @@ impl Workshop {
         let opened = self.file.read().map_err(|why| (422, why))?;
         let opened = self.remember(opened);
         json(&overview::overview(&self.file, &opened))
+    }
+
+    /// The SHA-256 of the file's text as it is now.
+    fn digest(&self, body: &[u8]) -> Result<Response, Refused> {
+        let () = message(body)?;
+        json(&self.file.digest().map_err(|why| (422, why))?)
     }
 
     /// Answers what is asked of a design.

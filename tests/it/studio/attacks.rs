@@ -170,8 +170,7 @@ fn oversized_and_malformed_requests_are_refused() {
     );
     let overview = served.overview();
     let of = json!({"digest": overview["digest"], "design": overview["design"]});
-    let good =
-        json!({"of": of, "characteristics": ["camber"], "at": [0.0, 0.0], "curves_rack": null});
+    let good = json!({"of": of, "characteristics": ["camber"], "at": [0.0, 0.0], "curves_rack": null, "over": 0});
     let mut messages: Vec<(Value, u16)> = vec![
         (Value::Null, 400),
         (json!([]), 400),

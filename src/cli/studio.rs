@@ -34,14 +34,15 @@ pub(super) fn run(arguments: &StudioArguments) -> Result<Exit, Stop> {
     terminal::note(
         "The address is for you alone. Ctrl-C ends the server; what is not saved stays in the browser.\n",
     );
-    // Signals are heard before the file is written, so that it never stays behind.
-    let stop = interrupt::flag();
-    // The file stays until the server ends: a browser may be slow to start.
-    let _invitation = match arguments.no_open {
+    // From here on a signal ends the server in order, so that no file with the address stays behind.
+    interrupt::stops_by_itself();
+    let invitation = match arguments.no_open {
         true => None,
         false => invited(&address),
     };
-    studio.serve(stop).map_err(Stop::wrong_input)?;
+    studio
+        .serve(interrupt::flag(), invitation)
+        .map_err(Stop::wrong_input)?;
     Ok(Exit::Interrupted)
 }
 

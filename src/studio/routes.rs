@@ -14,6 +14,7 @@ use crate::solved::Solved;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::collections::VecDeque;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// Number of texts of the study that are remembered, so that tabs opened before a save go on.
@@ -24,6 +25,8 @@ const REPORTS: usize = 3;
 /// The state of the server.
 pub(super) struct Workshop {
     pub access: Access,
+    /// Whether a request with the token has come.
+    pub visited: AtomicBool,
     file: StudyFile,
     /// The latest last.
     texts: Mutex<VecDeque<Arc<Opened>>>,
@@ -41,6 +44,7 @@ impl Workshop {
     pub(super) fn new(access: Access, file: StudyFile, opened: Opened) -> Self {
         Workshop {
             access,
+            visited: AtomicBool::new(false),
             file,
             texts: Mutex::new(VecDeque::from([Arc::new(opened)])),
             job: Mutex::new(None),
@@ -64,6 +68,7 @@ impl Workshop {
                     }
                     Ok(rest) => {
                         connection.admit();
+                        self.visited.store(true, Ordering::SeqCst);
                         match connection.body(&head) {
                             Err(_) => return,
                             Ok(body) => (self.answered(&head, rest, &body), head.keeps),

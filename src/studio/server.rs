@@ -3,6 +3,7 @@
 use super::access::Access;
 use super::connections::Connections;
 use super::http::Connection;
+use super::invitation::Invitation;
 use super::routes::Workshop;
 use super::study_file::StudyFile;
 use std::net::{Ipv4Addr, TcpListener};
@@ -71,16 +72,25 @@ impl Studio {
         self.workshop.access.address()
     }
 
-    /// Serves until told to stop.
+    /// Serves until told to stop. The invitation is deleted when the page has been asked for, or at the end.
     ///
     /// # Errors
     /// If the thread that waits for connections cannot be started.
-    pub fn serve(self, stop: &AtomicBool) -> std::io::Result<()> {
+    pub fn serve(
+        self,
+        stop: &AtomicBool,
+        mut invitation: Option<Invitation>,
+    ) -> std::io::Result<()> {
         let Studio { listener, workshop } = self;
-        std::thread::Builder::new().spawn(move || accept(&listener, &workshop))?;
+        let served = workshop.clone();
+        std::thread::Builder::new().spawn(move || accept(&listener, &served))?;
         while !stop.load(Ordering::SeqCst) {
+            if workshop.visited.load(Ordering::SeqCst) {
+                invitation = None;
+            }
             std::thread::sleep(LOOK);
         }
+        drop(invitation);
         Ok(())
     }
 }

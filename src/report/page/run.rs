@@ -9,6 +9,7 @@ use crate::report::record::{DesignRecord, Record};
 use crate::report::run::{Run, Summary};
 use crate::report::{PriceRecord, ToleranceSummary, TuningSummary, YieldRecord};
 use serde::Serialize;
+use std::collections::BTreeMap;
 
 /// The page's own script.
 const GLUE: &str = concat!(
@@ -32,6 +33,8 @@ const MOST_NUMBERS: usize = 30_000;
 struct Data<'a> {
     record: &'a Record,
     curves: Vec<CurveTable>,
+    /// Columns that outputs are drawn over where that is not the drive value.
+    natural: BTreeMap<&'a str, &'a str>,
     history: Option<CurveTable>,
     kept_start: Option<usize>,
     /// Targets that are missed by more than their tolerance: column, and by how much and where.
@@ -50,6 +53,7 @@ pub fn page(run: &Run) -> String {
     let data = Data {
         record: &run.record,
         curves,
+        natural: natural(&run.record),
         history: run.history.as_ref().map(|h| h.thinned(MOST_NUMBERS / 9)),
         kept_start: tuning.and_then(TuningSummary::kept_start),
         missed: tuning.map_or_else(Vec::new, missed),
@@ -94,6 +98,13 @@ pub fn page(run: &Run) -> String {
         glue: GLUE,
     };
     page.html()
+}
+
+/// Outputs that are drawn over another column than the drive value, with that column.
+fn natural(record: &Record) -> BTreeMap<&str, &str> {
+    let columns = record.outputs.iter().map(|output| output.column.as_str());
+    let over = columns.map(|column| (column, record.natural_abscissa(column)));
+    over.filter(|(_, over)| *over != record.drive).collect()
 }
 
 /// The curves that are drawn, and a remark where those are not all.

@@ -302,6 +302,13 @@ fn idle_strangers_do_not_lock_the_owner_out() {
 #[cfg(target_os = "linux")]
 #[test]
 fn the_address_is_no_argument_of_the_browser() {
+    for is_visited in [true, false] {
+        assert_private_invitation(is_visited);
+    }
+}
+
+#[cfg(target_os = "linux")]
+fn assert_private_invitation(is_visited: bool) {
     use std::os::unix::fs::{MetadataExt, PermissionsExt};
     let folder = tempfile::tempdir().unwrap();
     let [opener, said, study] =
@@ -361,14 +368,25 @@ fn the_address_is_no_argument_of_the_browser() {
             place.display()
         );
     }
-    // It goes with the server.
+    // It goes when the page has been asked for, and else with the server.
+    let folder_of_it = invitation.parent().unwrap().to_owned();
+    if is_visited {
+        let port = address.split([':', '/']).nth(4).unwrap().parse().unwrap();
+        let host = format!("127.0.0.1:{port}");
+        let page = request("GET", &format!("/{token}/"), &[("Host", &host)], b"");
+        assert_eq!(send(port, &page).unwrap().status, 200);
+        while folder_of_it.exists() {
+            assert!(Instant::now() < deadline, "the file is still there");
+            std::thread::sleep(Duration::from_millis(20));
+        }
+    }
     let id = process.id().to_string();
-    std::process::Command::new("kill")
+    let killed = std::process::Command::new("kill")
         .args(["-INT", &id])
-        .status()
-        .unwrap();
-    process.wait().unwrap();
-    assert!(!invitation.exists() && !invitation.parent().unwrap().exists());
+        .status();
+    assert!(killed.unwrap().success());
+    assert_eq!(process.wait().unwrap().code(), Some(130));
+    assert!(!folder_of_it.exists());
 }
 
 /// A stale address says what to do, to a person; requests of pages get plain text.

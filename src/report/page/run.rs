@@ -1,6 +1,7 @@
 //! The page of a solve or an optimisation.
 
 use super::escape::html;
+use super::scatter::{contributors, distributions};
 use super::table::table;
 use super::{Page, STAGE};
 use crate::report::curve_table::CurveTable;
@@ -310,10 +311,11 @@ fn prices_section(tuning: &TuningSummary) -> String {
 
 /// What scatter comes to: below the fans about the curves.
 fn tolerance_sections(tolerance: &ToleranceSummary) -> String {
-    let mut sections = tolerance.values_table().html();
+    let mut sections = distributions(tolerance) + &contributors(tolerance);
+    sections += &tolerance.values_table().html();
     if !tolerance.bands.is_empty() {
         sections += &tolerance.bands_table().html();
-        sections += "<p>What to hold tighter, what may be looser</p>";
+        sections += "<p>Predicted yield by tolerance</p>";
         sections += &tolerance.ranking_table().html();
     }
     for line in tolerance.failures() {

@@ -46,8 +46,9 @@ const STYLE: &str = "text{font:12px system-ui,-apple-system,Segoe UI,Roboto,Helv
 /// As many racks are named in a legend.
 const MOST_NAMED: usize = 5;
 
-/// Colours of more lines than `rack0` to `rack6` have, from one end to the other.
-const SHADES: &str = ".shade0{stroke:#b45f06}.shade1{stroke:#9f602c}.shade2{stroke:#8a6052}\
+/// Looks that few pictures need: colours of more lines than `rack0` to `rack6` have, from one end to the other, and the
+/// dots of outer percentiles.
+const RARE: &str = ".outer{stroke-dasharray:1 4}.shade0{stroke:#b45f06}.shade1{stroke:#9f602c}.shade2{stroke:#8a6052}\
 .shade3{stroke:#756179}.shade4{stroke:#60619f}.shade5{stroke:#4a62c5}.shade6{stroke:#3549a8}\
 .shade7{stroke:#21308a}.shade8{stroke:#0c176d}";
 
@@ -85,8 +86,8 @@ pub fn pictures(run: &Run) -> Vec<Picture> {
     }
     let outlines = Lettering::outlines();
     let drawn = |(name, panels): &(String, Vec<Panel>)| {
-        let has_shades = panels.iter().any(Panel::has_shades);
-        let style = [STYLE, if has_shades { SHADES } else { "" }].concat();
+        let has_rare_looks = panels.iter().any(Panel::has_rare_looks);
+        let style = [STYLE, if has_rare_looks { RARE } else { "" }].concat();
         let svg = sheet(panels, &style, &Lettering::Text);
         let png = raster::png(&sheet(
             panels,
@@ -126,8 +127,8 @@ fn panel(run: &Run, output: &OutputRecord) -> Panel {
     let moving = moving_beside(record, abscissa);
     let mut lines = Vec::new();
     let mut failed = Vec::new();
-    for (number, (design, table)) in record.designs.iter().zip(&run.curves).enumerate() {
-        let main = number + 1 == record.designs.len();
+    for (design_number, (design, table)) in record.designs.iter().zip(&run.curves).enumerate() {
+        let main = design_number + 1 == record.designs.len();
         let families = families(&moving, table);
         let apart = moving.first();
         let (apart_name, _) = apart.map_or(("rack", ""), |name| split(name));
@@ -147,6 +148,7 @@ fn panel(run: &Run, output: &OutputRecord) -> Panel {
                 look: Look {
                     main,
                     hue: several.then(|| Hue::of(number, families.len())),
+                    is_outer: is_outer(design_number, record.designs.len()),
                 },
                 points: points(table, family, abscissa, &output.column),
             });
@@ -189,6 +191,11 @@ fn panel(run: &Run, output: &OutputRecord) -> Panel {
         missed,
         failed,
     }
+}
+
+/// Whether a design is of the outer of two pairs of percentiles, which stand about the last design in order.
+fn is_outer(design: usize, designs: usize) -> bool {
+    designs == 5 && (design == 0 || design == 3)
 }
 
 /// Columns of what moves beside the abscissa: the rack of a wheel, of an axle what else it has.

@@ -46,11 +46,17 @@ pub(super) struct Look {
     pub main: bool,
     /// Colour of its family, where there are several.
     pub hue: Option<Hue>,
+    /// Whether it is of the outer of several pairs of designs about the last one.
+    pub is_outer: bool,
 }
 
 impl Look {
     fn class(self) -> String {
-        let design = if self.main { "main" } else { "former" };
+        let design = match (self.main, self.is_outer) {
+            (true, _) => "main",
+            (false, false) => "former",
+            (false, true) => "former outer",
+        };
         let hue = self.hue.map(|hue| match hue {
             Hue::Apart(number) => format!(" rack{number}"),
             Hue::Shade(number) => format!(" shade{number}"),
@@ -90,10 +96,10 @@ pub(super) struct Panel {
 }
 
 impl Panel {
-    /// Whether some line has a shade of a scale.
-    pub(super) fn has_shades(&self) -> bool {
-        let mut hues = self.lines.iter().filter_map(|line| line.look.hue);
-        hues.any(|hue| matches!(hue, Hue::Shade(_)))
+    /// Whether some line has a look that few pictures need: a shade of a scale, or that of an outer pair.
+    pub(super) fn has_rare_looks(&self) -> bool {
+        let mut looks = self.lines.iter().map(|line| line.look);
+        looks.any(|look| look.is_outer || matches!(look.hue, Some(Hue::Shade(_))))
     }
 
     /// Height that the legend needs beyond the room above the plot.

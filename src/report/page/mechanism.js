@@ -11,6 +11,9 @@ const frameAt = (design, place) => record.designs[design].frames[place.rack * st
 const [second] = record?.further ?? [];
 const [forward, outboard, up] = scene ? scene.signs : [1, 1, 1];
 const radius = scene?.wheel_radius ?? null;
+// Where the study does not say how large the wheel is, a dashed circle shows only where it is.
+const ASSUMED_RADIUS = { mm: 300, m: 0.3, in: 12 };
+const drawnRadius = radius ?? ASSUMED_RADIUS[record?.length_unit];
 const ROUND = 72;
 
 // The wheels of a placement: one, or both of an axle.
@@ -23,7 +26,7 @@ const isAxle = scene?.right_wheel_centre != null;
 const bodiesPerSide = scene ? scene.bodies.length / (isAxle ? 2 : 1) : 0;
 
 // A wheel, or another circle about its centre, normal to the spin axis.
-const rim = ({ centre, spin_axis: n }, r = radius) => {
+const rim = ({ centre, spin_axis: n }, r = drawnRadius) => {
   const across = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
   const unit = (v) => v.map((x) => x / Math.hypot(...v));
   const first = unit(across(n, [0, 0, 1]));
@@ -202,8 +205,11 @@ const mainParts = (c, state) => {
       look: { mode: 'text', text: named.map(({ name }) => plain(name)), textposition: named.map(({ kind }) => sides[kind] ?? 'top center'), textfont: { size: 12, color: hues } },
     },
     {
-      at: (p) => (radius ? coordinates(wheelsOf(p).flatMap((wheel) => [...rim(wheel), null])) : nothing),
-      look: { mode: 'lines', name: 'wheel', legendgroup: 'wheel', showlegend: Boolean(radius), line: { color: c.wheel, width: 5 } },
+      at: (p) => coordinates(wheelsOf(p).flatMap((wheel) => [...rim(wheel), null])),
+      look: {
+        mode: 'lines', name: radius ? 'wheel' : 'wheel, its radius is not in the study', legendgroup: 'wheel', showlegend: true,
+        line: radius ? { color: c.wheel, width: 5 } : { color: c.wheel, width: 2, dash: 'dash' },
+      },
     },
     {
       at: (p) => (radius ? coordinates(wheelsOf(p).flatMap((wheel) => [...rim(wheel).slice(1), wheel.centre])) : nothing),
@@ -235,7 +241,7 @@ const mainParts = (c, state) => {
         const found = centresOf(p, state.view);
         return { ...words(found.map(({ text }) => text), found.map(({ end }) => end), c.centre), marker: { symbol: 'diamond', color: c.centre, size: found.map(({ isFar }) => (isFar ? 0 : 5)) } };
       },
-      look: { mode: 'markers+text', legendgroup: 'centres', textposition: each.flatMap(() => ['top center', 'bottom center', 'top center']) },
+      look: { mode: 'markers+text', legendgroup: 'centres', textposition: each.flatMap(() => ['top center', 'bottom left', 'bottom right']) },
     },
     {
       at: (p, design, place) => (isAxle && state.centres ? coordinates(rollCentres(design, place)) : nothing),
@@ -282,7 +288,7 @@ const stageRanges = () => {
     if (!placement) continue;
     const wheels = wheelsOf(placement);
     const ground = radius && placement.contact ? [...wheels.flatMap(road), ...arrow(placement).filter(Boolean)] : [];
-    for (const p of [...placement.points, ...(radius ? wheels.flatMap((wheel) => rim(wheel)) : []), ...ground]) {
+    for (const p of [...placement.points, ...wheels.flatMap((wheel) => rim(wheel)), ...ground]) {
       for (let k = 0; k < 3; k += 1) {
         low[k] = Math.min(low[k], p[k]);
         high[k] = Math.max(high[k], p[k]);

@@ -219,7 +219,7 @@ fn sections(run: &Run) -> Vec<(&'static str, &'static str)> {
     let all = [
         ("curves", "Curves", true),
         ("mechanism", "Mechanism", true),
-        ("turn", "Turn", has_turn(run)),
+        ("turn", "Steering geometry", has_turn(run)),
         ("front", "Front", run.record.front.is_some()),
         ("hardpoints", "Hardpoints", tuned),
         ("convergence", "Convergence", tuned),

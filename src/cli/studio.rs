@@ -2,7 +2,7 @@
 
 use super::exit::{Exit, Stop};
 use super::{interrupt, terminal};
-use crate::studio::Studio;
+use crate::studio::{Invitation, Studio};
 use clap::Args;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -34,13 +34,29 @@ pub(super) fn run(arguments: &StudioArguments) -> Result<Exit, Stop> {
     terminal::note(
         "Keep this address private. Ctrl-C ends the server; unsaved changes stay in the browser.\n",
     );
-    if !arguments.no_open
-        && let Err(error) = open::that_detached(&address)
-    {
-        terminal::note(&format!(
-            "No browser could be opened ({error}): open the address yourself.\n"
-        ));
-    }
-    studio.serve(interrupt::flag()).map_err(Stop::wrong_input)?;
+    // From here on a signal ends the server in order, so that no file with the address stays behind.
+    interrupt::stops_by_itself();
+    let invitation = match arguments.no_open {
+        true => None,
+        false => invited(&address),
+    };
+    studio
+        .serve(interrupt::flag(), invitation)
+        .map_err(Stop::wrong_input)?;
     Ok(Exit::Interrupted)
+}
+
+/// Opens a browser, which reads the address from a file: arguments of programs are no secret.
+fn invited(address: &str) -> Option<Invitation> {
+    let opened = Invitation::to(address).and_then(|invitation| {
+        open::that_detached(invitation.path())?;
+        Ok(invitation)
+    });
+    opened
+        .inspect_err(|error| {
+            terminal::note(&format!(
+                "No browser could be opened ({error}): open the address yourself.\n"
+            ));
+        })
+        .ok()
 }

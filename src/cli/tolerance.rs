@@ -8,7 +8,7 @@ use super::terminal;
 use super::{interrupt, progress};
 use crate::assembly::NoSetUp;
 use crate::mechanism::DesignFault;
-use crate::report::ToleranceSummary;
+use crate::report::{BandCurve, ToleranceSummary};
 use crate::solved::Solved;
 use crate::study::{Outputs, Study, Tolerance};
 use crate::tolerance::{Expansion, Forecast, MonteCarlo, Problem, monte_carlo};
@@ -42,7 +42,9 @@ pub(super) fn run(arguments: &ToleranceArguments) -> Result<Exit, Stop> {
     let record = || {
         let plain = curves_alone(&study);
         let drawn = Solved::of(&plain)?;
-        Solved::record("tolerance", &[("drawn", "curves.csv", &drawn)])
+        let mut record = Solved::record("tolerance", &[("drawn", "curves.csv", &drawn)])?;
+        record.bands = bands(&study, tolerance);
+        Ok(record)
     };
     let report = ReportOptions::open(arguments, &study, record)?;
     let output = Output::open(arguments, &study, "tolerance")?;
@@ -106,6 +108,20 @@ pub(super) fn run(arguments: &ToleranceArguments) -> Result<Exit, Stop> {
         true => Exit::Interrupted,
         false => Exit::Done,
     })
+}
+
+/// The bands of one wheel as they are drawn beside its curves.
+fn bands(study: &Study, tolerance: &Tolerance) -> Vec<BandCurve> {
+    let drive = study.motion.drive;
+    let drives: Vec<f64> = study
+        .motion
+        .values
+        .iter()
+        .map(|v| drive.printed(*v))
+        .collect();
+    let of_wheel = tolerance.bands.iter().filter(|_| study.axle.is_none());
+    let drawn = of_wheel.map(|band| BandCurve::of_tolerance(band, &drives));
+    drawn.collect()
 }
 
 /// Scatter of the parts of a study.

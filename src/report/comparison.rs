@@ -42,6 +42,10 @@ pub struct Comparison {
     pub rack: bool,
     /// The curves.
     pub outputs: Vec<ComparedOutput>,
+    /// Stations of each design: values of the drive and of the rack.
+    own_stations: Vec<Vec<[f64; 2]>>,
+    /// All curves, at the stations of each design: also those that not all designs have.
+    own_outputs: Vec<OwnOutput>,
     /// Columns that some designs lack, with the designs that have them.
     #[serde(skip)]
     pub partial: Vec<(String, Vec<String>)>,
@@ -62,6 +66,16 @@ pub struct ComparedOutput {
     pub unit: String,
     /// Design by design, at the stations.
     pub values: Vec<Vec<Option<f64>>>,
+}
+
+/// A curve of each design that has it.
+#[derive(Clone, Debug, Serialize)]
+struct OwnOutput {
+    column: String,
+    title: String,
+    unit: String,
+    /// Design by design, at its own stations; none where the design has no such column.
+    values: Vec<Option<Vec<Option<f64>>>>,
 }
 
 /// A point that is not where the first design has it.
@@ -131,6 +145,7 @@ impl Comparison {
             .contains(&name)
         };
         let mut outputs = Vec::new();
+        let mut own_outputs = Vec::new();
         let mut partial: Vec<(String, Vec<String>)> = Vec::new();
         let mut names: Vec<&String> = Vec::new();
         for name in tables.iter().flat_map(|table| &table.header) {
@@ -138,6 +153,15 @@ impl Comparison {
                 continue;
             }
             names.push(name);
+            let (title, of) = split(name);
+            let (title, of) = (title.replace('_', " "), readable_unit(of));
+            let own = tables.iter().map(|t| t.column(name).map(<[_]>::to_vec));
+            own_outputs.push(OwnOutput {
+                column: name.clone(),
+                title: title.clone(),
+                unit: of.clone(),
+                values: own.collect(),
+            });
             let having = named().filter(|(table, _)| table.column(name).is_some());
             let having: Vec<String> = having.map(|(_, design)| design.label.clone()).collect();
             if having.len() < designs.len() {
@@ -149,11 +173,10 @@ impl Comparison {
                 let value = |row: &usize| column[find(design, &places[0][*row])?];
                 common.iter().map(value).collect()
             });
-            let (title, of) = split(name);
             outputs.push(ComparedOutput {
                 column: name.clone(),
-                title: title.replace('_', " "),
-                unit: readable_unit(of),
+                title,
+                unit: of,
                 values: values.collect(),
             });
         }
@@ -166,6 +189,8 @@ impl Comparison {
             stations: common.iter().map(|row| places[0][*row]).collect(),
             drive,
             outputs,
+            own_stations: places,
+            own_outputs,
             partial,
             unit: first.unit,
             moved: moved(designs),
@@ -406,6 +431,17 @@ mod tests {
             ("bump_steer_deg_per_mm", "°/mm")
         );
         assert!((steer.values[1][0].unwrap() - 0.5).abs() < 1e-15);
+        // Each design keeps its own stations, and what it alone has.
+        let own = |column: &str| {
+            let mut all = comparison.own_outputs.iter();
+            &all.find(|o| o.column == column).unwrap().values
+        };
+        assert_eq!(comparison.own_stations[0].len(), 3);
+        assert_eq!(
+            own("camber_deg")[0],
+            Some(vec![Some(1.0), Some(2.0), Some(9.0)])
+        );
+        assert_eq!(own("toe_deg")[..], [None, Some(vec![Some(0.0); 2])]);
         assert_eq!(
             comparison.partial,
             [("toe_deg".to_owned(), vec!["b".to_owned()])]

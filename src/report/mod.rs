@@ -3,6 +3,7 @@
 //! A run writes its files and a [`Record`] of what they mean; [`Run`] reads them back, and [`page()`] and
 //! [`pictures`] are made of that alone.
 
+mod abscissa;
 mod accuracy;
 mod accuracy_plot;
 mod axle_record;

@@ -5,9 +5,10 @@ use super::choices::FrontRecord;
 use super::failures::FailureRange;
 use super::places::Places;
 use super::scene::Scene;
+use super::tolerance_summary::limits_of;
 use crate::curves::{Column, Curves, Frame, Influence};
 use crate::plan::Plan;
-use crate::study::{Drive, Site, Study, Target, Wanted};
+use crate::study::{Band, Drive, Site, Study, Target, Wanted};
 use serde::{Deserialize, Serialize};
 
 /// The form of the file. A reader takes no other.
@@ -185,6 +186,23 @@ fn targets(study: &Study) -> Vec<TargetRecord> {
         })
     };
     targets.filter(|t| t.is_plain()).map(record).collect()
+}
+
+impl BandCurve {
+    /// The band of a tolerance, over the drive values of a motion.
+    pub fn of_tolerance(band: &Band, drives: &[f64]) -> Self {
+        let [low, high] = limits_of(band);
+        let ends = [drives.first(), drives.last()].into_iter().flatten();
+        let places: Vec<f64> = match band.at {
+            Some(at) => vec![at],
+            None => ends.copied().collect(),
+        };
+        BandCurve {
+            column: band.of.column.clone(),
+            limits: places.into_iter().map(|at| (at, low, high)).collect(),
+            tolerance: 0.0,
+        }
+    }
 }
 
 impl TargetRecord {

@@ -1,5 +1,6 @@
 //! The answer to a dragged point: the design, solved.
 
+use super::groups::Groups;
 use super::message::{ColumnValues, Designed, SolveRequest, SolvedAnswer};
 use super::misfit;
 use super::study_file::Opened;
@@ -44,6 +45,9 @@ pub(super) fn solved(opened: &Opened, request: &SolveRequest) -> Result<SolvedAn
     let &[drive, rack] = request.at.as_slice() else {
         return Err("expected a value for each of two sliders".to_owned());
     };
+    if request.over > 1 {
+        return Err("expected the number of one of two sliders".to_owned());
+    }
     let study = asking_for(moved, &request.characteristics)?;
     let (suspension, mechanism) = (&study.suspension, &study.suspension.mechanism);
     let mut plan = Plan::of(&study);
@@ -79,16 +83,28 @@ pub(super) fn solved(opened: &Opened, request: &SolveRequest) -> Result<SolvedAn
         ));
     }
     let along = plan.station_order.values().len().max(1);
-    let far = |number: &usize| (plan.racks[*number] - rack).abs();
-    let shown = (0..plan.racks.len())
-        .min_by(|a, b| far(a).total_cmp(&far(b)))
-        .unwrap_or(0);
+    let stations = found.stations.len();
+    let drives = || found.along(plan.drive.key());
+    let (groups, drive) = if request.over == 0 || plan.time.is_some() {
+        let groups = Groups::by_rack(&plan.racks, stations, along, rack);
+        (groups, drives().collect())
+    } else {
+        let rack_of = |station: usize| plan.racks[station / along];
+        // Stations without a pose have no drive: they are in a group that is not drawn.
+        let place = |(station, drive): (usize, Option<f64>)| {
+            vec![drive.unwrap_or(f64::NAN), rack_of(station)]
+        };
+        let places: Vec<Vec<f64>> = drives().enumerate().map(place).collect();
+        let racks = (0..stations).map(|station| Some(rack_of(station)));
+        (Groups::of(&places, 1, &request.at), racks.collect())
+    };
     Ok(SolvedAnswer {
         columns: columns(&found),
-        drive: found.along(plan.drive.key()).collect(),
-        groups: (0..found.stations.len()).map(|s| s / along).collect(),
-        shown,
-        rack: plan.racks[shown],
+        drive,
+        rack: groups.shown_place().map_or(rack, |place| place[1]),
+        groups: groups.of_stations,
+        group_places: groups.places,
+        shown: groups.shown,
         status: found.stations.iter().map(|s| s.status.word()).collect(),
         failures: FailureRange::all(&found, suspension),
         frame: frame(suspension),

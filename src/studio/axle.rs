@@ -4,6 +4,7 @@
 //! way, as they do with a variable of a tuning.
 
 use super::answer::columns;
+use super::groups::Groups;
 use super::message::{
     CharacteristicOverview, InfluenceAnswer, InfluenceColumn, Slider, SolveRequest, SolvedAnswer,
 };
@@ -34,7 +35,7 @@ fn coordinates(course: &AxleMotion) -> Vec<Coordinate> {
 }
 
 /// The number that curves are drawn over: the first that moves.
-pub(super) fn main(course: &AxleMotion) -> Coordinate {
+fn main(course: &AxleMotion) -> Coordinate {
     let all = coordinates(course);
     let moves = |c: &&Coordinate| course.clone().along(**c).is_some_and(|v| v.len() > 1);
     *all.iter().find(moves).unwrap_or(&all[0])
@@ -53,8 +54,13 @@ fn printed(coordinate: Coordinate, value: f64, axle: &Axle) -> f64 {
     coordinate.written(value, axle) + 0.0
 }
 
-/// Sliders, the main one, its values over the motion, and those of the rack.
-pub(super) fn sliders(both: &AxleStudy) -> (Vec<Slider>, usize, Vec<f64>, Vec<f64>) {
+/// Number of the slider of a coordinate, if the course has one.
+pub(super) fn slider_of(course: &AxleMotion, coordinate: Coordinate) -> Option<usize> {
+    coordinates(course).iter().position(|c| *c == coordinate)
+}
+
+/// Sliders, and the number of the main one.
+pub(super) fn sliders(both: &AxleStudy) -> (Vec<Slider>, usize) {
     let (course, axle) = (&both.plan.course, &both.axle);
     let left = &axle.left;
     let all = coordinates(course);
@@ -82,11 +88,8 @@ pub(super) fn sliders(both: &AxleStudy) -> (Vec<Slider>, usize, Vec<f64>, Vec<f6
         }
         slider
     };
-    let over = main(course);
-    let number = all.iter().position(|c| *c == over).unwrap_or(0);
-    let racks = values(course, Coordinate::Rack, axle);
-    let sliders = all.iter().map(slider).collect();
-    (sliders, number, values(course, over, axle), racks)
+    let number = slider_of(course, main(course)).unwrap_or(0);
+    (all.iter().map(slider).collect(), number)
 }
 
 /// The name of a quantity's column.
@@ -148,14 +151,14 @@ pub(super) fn solved(
         plan.course.steering_wheel = None;
     }
     let all = coordinates(&plan.course);
-    if request.at.len() != all.len() {
+    if request.at.len() != all.len() || request.over >= all.len() {
         return Err(format!(
-            "expected a value for each of {} sliders",
+            "expected a value for each of {} sliders, and the number of one of them",
             all.len()
         ));
     }
     let found = axle_curves(axle, &plan).map_err(|fault| axle.describe_fault(fault))?;
-    let over = main(&plan.course);
+    let over = request.over;
     let placements = plan.course.placements();
     let place = |placement: &Placement| {
         let numbers = all.iter();
@@ -164,19 +167,20 @@ pub(super) fn solved(
             .collect()
     };
     let places: Vec<Vec<f64>> = placements.iter().map(place).collect();
-    let main = all.iter().position(|c| *c == over).unwrap_or(0);
-    let (groups, shown) = grouped(&places, main, &request.at);
-    let rack = groups.iter().position(|group| *group == shown);
+    let groups = Groups::of(&places, over, &request.at);
     let fault = |fault: DesignFault| fault.describe(&left.mechanism);
     let mut said = plausibility(left).map_err(fault)?;
     said.extend(axle_plausibility(axle, &plan, &found, false));
     let frame = |axle: &Axle, side| frame(axle, &plan, &request.at, side, study);
     Ok(SolvedAnswer {
         columns: columns(&found.curves),
-        drive: places.iter().map(|place| Some(place[main])).collect(),
-        groups,
-        shown,
-        rack: rack.map_or(0.0, |station| places[station][all.len() - 1]),
+        drive: places.iter().map(|place| Some(place[over])).collect(),
+        rack: groups
+            .shown_place()
+            .map_or(0.0, |place| place[all.len() - 1]),
+        groups: groups.of_stations,
+        group_places: groups.places,
+        shown: groups.shown,
         status: (found.curves.stations.iter())
             .map(|s| s.status.word())
             .collect(),
@@ -194,30 +198,6 @@ pub(super) fn solved(
         remarks: said,
         milliseconds: start.elapsed().as_secs_f64() * 1e3,
     })
-}
-
-/// Stations that differ in the main number alone as groups, and the group nearest to a place.
-fn grouped(places: &[Vec<f64>], main: usize, at: &[f64]) -> (Vec<usize>, usize) {
-    let mut keys: Vec<Vec<f64>> = Vec::new();
-    let rest = |place: &[f64]| -> Vec<f64> {
-        let others = place.iter().enumerate().filter(|(k, _)| *k != main);
-        others.map(|(_, value)| *value).collect()
-    };
-    let group = |place: &Vec<f64>| {
-        let key = rest(place);
-        keys.iter().position(|k| *k == key).unwrap_or_else(|| {
-            keys.push(key);
-            keys.len() - 1
-        })
-    };
-    let groups = places.iter().map(group).collect();
-    let here = rest(at);
-    let far = |number: &usize| -> f64 {
-        let pairs = keys[*number].iter().zip(&here);
-        pairs.map(|(a, b)| (a - b) * (a - b)).sum()
-    };
-    let shown = (0..keys.len()).min_by(|a, b| far(a).total_cmp(&far(b)));
-    (groups, shown.unwrap_or(0))
 }
 
 /// A wheel where the sliders are, or why it is not there.

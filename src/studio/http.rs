@@ -11,7 +11,9 @@ const LONGEST_HEAD: usize = 16 << 10;
 const MOST_HEADERS: usize = 64;
 /// The longest body: a design of a thousand points has a tenth of it.
 pub(super) const LONGEST_BODY: usize = 1 << 20;
-/// A request that has begun must be here by then, one that has not is waited for so long.
+/// Time for a request without the token so far, from connecting to its complete head.
+const STRANGER_PATIENCE: Duration = Duration::from_secs(5);
+/// Time for the rest of a request that has begun, and for the next request of a connection that has shown the token.
 const PATIENCE: Duration = Duration::from_secs(10);
 const IDLE: Duration = Duration::from_secs(120);
 
@@ -40,6 +42,8 @@ pub(super) struct Connection {
     stream: TcpStream,
     /// Read, and not used yet.
     ahead: Vec<u8>,
+    /// Whether an earlier request has shown the token.
+    is_admitted: bool,
 }
 
 impl Connection {
@@ -50,13 +54,20 @@ impl Connection {
         Ok(Connection {
             stream,
             ahead: Vec::new(),
+            is_admitted: false,
         })
+    }
+
+    /// Grants the time that connections have which have shown the token.
+    pub(super) fn admit(&mut self) {
+        self.is_admitted = true;
     }
 
     /// The head of the next request.
     pub(super) fn head(&mut self) -> Result<Head, Unread> {
-        let mut deadline = Instant::now() + IDLE;
-        let mut begun = false;
+        let mut begun = !self.is_admitted;
+        let first = if begun { STRANGER_PATIENCE } else { IDLE };
+        let mut deadline = Instant::now() + first;
         loop {
             if !self.ahead.is_empty() {
                 if !begun {

@@ -31,6 +31,8 @@ pub(super) struct SolveRequest {
     pub at: Vec<f64>,
     /// Rack displacement of the curves; `None` for the study's own displacements.
     pub curves_rack: Option<f64>,
+    /// Number of the slider that curves are drawn over.
+    pub over: usize,
 }
 
 #[derive(Deserialize)]
@@ -85,15 +87,12 @@ pub(super) struct Overview {
     pub is_axle: bool,
     /// A slider for each number that moves.
     pub sliders: Vec<Slider>,
-    /// Number of the slider that curves are drawn over.
+    /// Number of the slider that curves are drawn over at first.
     pub main: usize,
-    /// Values of that, over the motion.
-    pub values: Vec<f64>,
-    /// Rack displacements of the motion.
-    pub racks: Vec<f64>,
     pub targets: Vec<TargetOverview>,
     pub variables: Vec<VariableOverview>,
     pub tunes: bool,
+    pub has_constraints: bool,
     pub starts: usize,
 }
 
@@ -107,6 +106,8 @@ pub(super) struct Slider {
     pub high: f64,
     /// Value in the design position.
     pub home: f64,
+    /// Values over the motion.
+    pub values: Vec<f64>,
 }
 
 #[derive(Serialize)]
@@ -135,8 +136,8 @@ pub(super) struct TargetOverview {
     pub tolerance: f64,
     /// Drive value, lowest and highest wanted value; none where there is no limit.
     pub points: Vec<(f64, Option<f64>, Option<f64>)>,
-    /// Whether it is about the motion that is drawn.
-    pub is_drawn: bool,
+    /// Number of the slider that its points are over; none if it has a motion of its own.
+    pub over: Option<usize>,
     /// Rack displacements it is for; empty for all.
     pub racks: Vec<f64>,
     pub is_band: bool,
@@ -159,6 +160,8 @@ pub(super) struct SolvedAnswer {
     pub drive: Vec<Option<f64>>,
     /// Stations that differ in that alone are a group.
     pub groups: Vec<usize>,
+    /// Values of all sliders at the first station of each group.
+    pub group_places: Vec<Vec<f64>>,
     /// The group nearest to the sliders, and the rack's displacement in it.
     pub shown: usize,
     pub rack: f64,

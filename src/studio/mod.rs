@@ -14,9 +14,12 @@
 mod access;
 mod answer;
 mod axle;
+mod connections;
 mod directions;
+mod groups;
 mod http;
 mod influence;
+mod invitation;
 mod job;
 mod message;
 mod misfit;
@@ -26,4 +29,5 @@ mod routes;
 mod server;
 mod study_file;
 
+pub use invitation::Invitation;
 pub use server::{NotServed, Studio};

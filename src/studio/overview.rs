@@ -40,7 +40,7 @@ pub(super) fn overview(file: &StudyFile, opened: &Opened) -> Overview {
             .map_or("a point to report", |hardpoint| hardpoint.about)
             .to_owned(),
     };
-    let (sliders, main, values, racks) = match &study.axle {
+    let (sliders, main) = match &study.axle {
         None => of_corner(study),
         Some(both) => super::axle::sliders(both),
     };
@@ -61,8 +61,6 @@ pub(super) fn overview(file: &StudyFile, opened: &Opened) -> Overview {
         is_axle: study.axle.is_some(),
         sliders,
         main,
-        values,
-        racks,
         targets: optimise
             .iter()
             .flat_map(|o| &o.targets)
@@ -83,6 +81,7 @@ pub(super) fn overview(file: &StudyFile, opened: &Opened) -> Overview {
             })
             .collect(),
         tunes: optimise.is_some(),
+        has_constraints: optimise.is_some_and(|o| !o.constraints.is_empty()),
         starts: optimise.map_or(0, |o| o.starts),
     }
 }
@@ -105,8 +104,8 @@ fn home(study: &Study) -> f64 {
     }
 }
 
-/// Sliders of one wheel, the main one, its values over the motion, and those of the rack.
-fn of_corner(study: &Study) -> (Vec<Slider>, usize, Vec<f64>, Vec<f64>) {
+/// Sliders of one wheel, and the number of the main one.
+fn of_corner(study: &Study) -> (Vec<Slider>, usize) {
     let Suspension {
         mechanism,
         length_unit,
@@ -135,7 +134,7 @@ fn of_corner(study: &Study) -> (Vec<Slider>, usize, Vec<f64>, Vec<f64>) {
     if mechanism.steering_axis.is_none() && !motion.rack_moves {
         sliders[1].high = sliders[1].low;
     }
-    (sliders, 0, values, motion.rack.clone())
+    (sliders, 0)
 }
 
 /// The slider of the rack: as far as the motion goes, or what an ordinary rack does.
@@ -164,6 +163,7 @@ impl Slider {
             low: values.iter().copied().fold(home, f64::min),
             high: values.iter().copied().fold(home, f64::max),
             home,
+            values: values.to_vec(),
         }
     }
 }
@@ -195,9 +195,9 @@ fn target(target: &Target, study: &Study) -> TargetOverview {
         tolerance: target.tolerance * target.of.factor().abs(),
         is_band: matches!(target.wanted, crate::study::Wanted::Band { .. }),
         points: wanted_between(target, &stations, own.drive),
-        is_drawn: match (&study.axle, &target.site.axle) {
-            (Some(both), Some(site)) => site.over == super::axle::main(&both.plan.course),
-            _ => motion.is_none(),
+        over: match (&study.axle, &target.site.axle) {
+            (Some(both), Some(site)) => super::axle::slider_of(&both.plan.course, site.over),
+            _ => motion.is_none().then_some(0),
         },
         racks,
     }

@@ -15,6 +15,7 @@ pub(super) fn file(name: &str) -> Option<Response> {
         "draw.js" => (SCRIPT, include_str!("page/draw.js")),
         "views.js" => (SCRIPT, include_str!("page/views.js")),
         "curves.js" => (SCRIPT, include_str!("page/curves.js")),
+        "frame.js" => (SCRIPT, include_str!("page/frame.js")),
         "table.js" => (SCRIPT, include_str!("page/table.js")),
         "notes.js" => (SCRIPT, include_str!("page/notes.js")),
         "tuning.js" => (SCRIPT, include_str!("page/tuning.js")),

@@ -1,6 +1,7 @@
 //! The requests, and the functions that answer them.
 
 use super::access::Access;
+use super::connections::Place;
 use super::http::{Connection, Head, Response, Unread};
 use super::job::Job;
 use super::message::{
@@ -13,6 +14,7 @@ use crate::solved::Solved;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::collections::VecDeque;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// Number of texts of the study that are remembered, so that tabs opened before a save go on.
@@ -23,6 +25,8 @@ const REPORTS: usize = 3;
 /// The state of the server.
 pub(super) struct Workshop {
     pub access: Access,
+    /// Whether a request with the token has come.
+    pub visited: AtomicBool,
     file: StudyFile,
     /// The latest last.
     texts: Mutex<VecDeque<Arc<Opened>>>,
@@ -40,6 +44,7 @@ impl Workshop {
     pub(super) fn new(access: Access, file: StudyFile, opened: Opened) -> Self {
         Workshop {
             access,
+            visited: AtomicBool::new(false),
             file,
             texts: Mutex::new(VecDeque::from([Arc::new(opened)])),
             job: Mutex::new(None),
@@ -49,18 +54,26 @@ impl Workshop {
     }
 
     /// Serves a connection until it ends.
-    pub(super) fn serve(&self, connection: &mut Connection) {
+    pub(super) fn serve(&self, connection: &mut Connection, place: &mut Place) {
         loop {
             let (response, keeps) = match connection.head() {
                 Err(Unread::Gone) => return,
                 Err(Unread::Refused(status, why)) => (Response::refusal(status, why), false),
                 Ok(head) => match self.admitted(&head) {
                     // The body of a stranger is not read.
-                    Err((status, why)) => (Response::refusal(status, &why), false),
-                    Ok(rest) => match connection.body(&head) {
-                        Err(_) => return,
-                        Ok(body) => (self.answered(&head, rest, &body), head.keeps),
-                    },
+                    Err((status, why)) => (refused_page(&head, status, &why), false),
+                    Ok(_) if !place.admit() => {
+                        let why = "too many connections: close other tabs of this page";
+                        (Response::refusal(503, why), false)
+                    }
+                    Ok(rest) => {
+                        connection.admit();
+                        self.visited.store(true, Ordering::SeqCst);
+                        match connection.body(&head) {
+                            Err(_) => return,
+                            Ok(body) => (self.answered(&head, rest, &body), head.keeps),
+                        }
+                    }
                 },
             };
             if connection.answer(&response, keeps).is_err() || !keeps {
@@ -76,7 +89,9 @@ impl Workshop {
             return refused("this is not the address the server printed");
         }
         let Some(rest) = self.access.rest(&head.path) else {
-            return refused("the token is missing, or of a server that has ended");
+            return refused(
+                "the token in the address is missing, or belongs to a server that has ended",
+            );
         };
         match head.method.as_str() {
             "GET" => match &head.origin {
@@ -104,6 +119,7 @@ impl Workshop {
         }
         let answered = match rest {
             "study" => self.study(body),
+            "digest" => self.digest(body),
             "solve" => self.with_text(body, |r: &SolveRequest| &r.of, answer::solved),
             "influence" => self.with_text(body, |r: &InfluenceRequest| &r.of, influence::influence),
             "directions" => self.with_text(body, |r: &Designed| r, directions::directions),
@@ -145,6 +161,12 @@ impl Workshop {
         let opened = self.file.read().map_err(|why| (422, why))?;
         let opened = self.remember(opened);
         json(&overview::overview(&self.file, &opened))
+    }
+
+    /// The SHA-256 of the file's text as it is now.
+    fn digest(&self, body: &[u8]) -> Result<Response, Refused> {
+        let () = message(body)?;
+        json(&self.file.digest().map_err(|why| (422, why))?)
     }
 
     /// Answers what is asked of a design.
@@ -245,6 +267,15 @@ impl Workshop {
             ..Response::new(200, "text/html; charset=utf-8", body)
         })
     }
+}
+
+/// A refusal: a short page where a person may have opened an address, else plain text.
+fn refused_page(head: &Head, status: u16, why: &str) -> Response {
+    if head.method != "GET" || head.origin.is_some() || status != 403 {
+        return Response::refusal(status, why);
+    }
+    let body = include_str!("page/refused.html").replace("{why}", why);
+    Response::new(status, "text/html; charset=utf-8", body.into_bytes())
 }
 
 fn report(opened: &Opened, of: &Designed) -> Result<String, String> {

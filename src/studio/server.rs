@@ -1,21 +1,21 @@
 //! The server: a listener on the loopback interface, a thread for each connection.
 
 use super::access::Access;
+use super::connections::Connections;
 use super::http::Connection;
+use super::invitation::Invitation;
 use super::routes::Workshop;
 use super::study_file::StudyFile;
-use std::net::{Ipv4Addr, TcpListener, TcpStream};
+use std::net::{Ipv4Addr, TcpListener};
 use std::path::Path;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 use thiserror::Error;
 
 /// The port that is tried where none is asked for: the same every time, so that a browser finds what it kept of
 /// an earlier session.
 const USUAL_PORT: u16 = 7353;
-/// The most connections at a time; a tab holds up to six.
-const MOST_CONNECTIONS: usize = 64;
 /// Interval between checks whether to stop.
 const LOOK: Duration = Duration::from_millis(100);
 
@@ -72,60 +72,47 @@ impl Studio {
         self.workshop.access.address()
     }
 
-    /// Serves until told to stop.
+    /// Serves until told to stop. The invitation is deleted when the page has been asked for, or at the end.
     ///
     /// # Errors
     /// If the thread that waits for connections cannot be started.
-    pub fn serve(self, stop: &AtomicBool) -> std::io::Result<()> {
+    pub fn serve(
+        self,
+        stop: &AtomicBool,
+        mut invitation: Option<Invitation>,
+    ) -> std::io::Result<()> {
         let Studio { listener, workshop } = self;
-        std::thread::Builder::new().spawn(move || accept(&listener, &workshop))?;
+        let served = workshop.clone();
+        std::thread::Builder::new().spawn(move || accept(&listener, &served))?;
         while !stop.load(Ordering::SeqCst) {
+            if workshop.visited.load(Ordering::SeqCst) {
+                invitation = None;
+            }
             std::thread::sleep(LOOK);
         }
+        drop(invitation);
         Ok(())
     }
 }
 
 /// Takes connections, each on a thread of its own.
 fn accept(listener: &TcpListener, workshop: &Arc<Workshop>) {
-    let open = Arc::new(AtomicUsize::new(0));
+    let connections = Arc::new(Connections::default());
     for stream in listener.incoming() {
         let Ok(stream) = stream else {
             // No more files, say: others have to be closed first.
             std::thread::sleep(LOOK);
             continue;
         };
-        if open.load(Ordering::SeqCst) >= MOST_CONNECTIONS {
+        let Ok(mut place) = connections.enter(&stream) else {
             continue;
-        }
-        let slot = ConnectionSlot::taken(&open);
+        };
         let workshop = workshop.clone();
         // Where there is no thread to be had, the connection is closed.
         let _ = std::thread::Builder::new().spawn(move || {
-            let _slot = slot;
-            serve(stream, &workshop);
+            if let Ok(mut connection) = Connection::new(stream) {
+                workshop.serve(&mut connection, &mut place);
+            }
         });
-    }
-}
-
-fn serve(stream: TcpStream, workshop: &Workshop) {
-    if let Ok(mut connection) = Connection::new(stream) {
-        workshop.serve(&mut connection);
-    }
-}
-
-/// One of the connections; given back however its thread ends.
-struct ConnectionSlot(Arc<AtomicUsize>);
-
-impl ConnectionSlot {
-    fn taken(open: &Arc<AtomicUsize>) -> Self {
-        open.fetch_add(1, Ordering::SeqCst);
-        ConnectionSlot(open.clone())
-    }
-}
-
-impl Drop for ConnectionSlot {
-    fn drop(&mut self) {
-        self.0.fetch_sub(1, Ordering::SeqCst);
     }
 }

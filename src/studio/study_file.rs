@@ -107,6 +107,11 @@ impl StudyFile {
         Opened::of(&self.path, text).map_err(|errors| errors.render(false))
     }
 
+    /// The SHA-256 of the text as it is now.
+    pub(super) fn digest(&self) -> Result<String, String> {
+        Ok(digest(&self.text()?))
+    }
+
     fn text(&self) -> Result<String, String> {
         let text = read_regular_text(&self.path, LONGEST_TEXT);
         text.map_err(|e| format!("{}: {e}", self.path.display()))

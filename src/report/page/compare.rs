@@ -22,7 +22,9 @@ pub fn comparison_page(comparison: &Comparison, topologies: &[String], files: &[
         .collect();
     let partial = match partial.is_empty() {
         true => partial,
-        false => format!("<p>Not of all of them:</p><ul>{partial}</ul>"),
+        false => format!(
+            "<p>Outputs that not all designs have, with those that do:</p><ul>{partial}</ul>"
+        ),
     };
     let moved = comparison.moved_table();
     let moved = match moved.is_empty() {

@@ -43,7 +43,9 @@ const rackColour = (c, number, all) => {
 };
 const isSolved = (status) => ['ok', 'ill_conditioned', 'unsupported', 'toggle'].includes(status);
 
-const designTraces = (c, output, state, design) => {
+// Each wheel has its colour in a plot of both.
+const sideOf = (output) => /^(left|right)_/.exec(output.column)?.[1];
+const designTraces = (c, output, state, design, isPair) => {
   const table = run.curves[design];
   const values = column(table, output.column);
   const places = column(table, state.abscissa);
@@ -54,23 +56,28 @@ const designTraces = (c, output, state, design) => {
   const main = isMain(state, design);
   const only = shownDesigns(state).length === 1;
   const traces = [];
+  const side = isPair ? sideOf(output) : null;
+  const present = nearestToZero([...byRack.keys()]);
   let number = 0;
   for (const [rack, rows] of byRack) {
     const rackName = `${apartName} ${brief(rack)} ${apartUnit}`;
     const several = byRack.size > 1;
-    const colour = several ? rackColour(c, number, byRack.size) : main ? c.accent : c.before;
+    const ofSide = side === 'right' ? c.hues[3] : c.accent;
+    const colour = side ? (main ? ofSide : mixed(ofSide, c.before, 0.6)) : several ? rackColour(c, number, byRack.size) : main ? c.accent : c.before;
     // Of many racks the legend names the first, the last and one between.
     const named = byRack.size <= c.hues.length || [0, Math.floor(byRack.size / 2), byRack.size - 1].includes(number);
-    const name = !several ? label : main ? rackName : `${label} (dashed)`;
+    const words = !several ? label : main ? rackName : `${label} (dashed)`;
+    const name = !side ? words : main ? `${side}${several ? `, strong at ${apartName} ${brief(present)} ${apartUnit}` : ''}` : `${side}, ${label}`;
     traces.push({
       type: 'scatter', mode: 'lines+markers', connectgaps: false, name: plain(name),
-      legendgroup: several && !main ? label : undefined, showlegend: several && !main ? number === 0 : named,
+      legendgroup: several && !main ? label : undefined, showlegend: side ? (main ? rack === present : number === 0) : several && !main ? number === 0 : named,
       legendrank: main ? 1000 : 1100,
-      hovertemplate: `%{${state.upright ? 'x' : 'y'}:.5~g}<extra>${plain(several ? (only ? rackName : `${label}, ${rackName}`) : label)}</extra>`,
+      hovertemplate: `%{${state.upright ? 'x' : 'y'}:.5~g} ${plain(output.unit)}<extra>${plain([side, several ? (only ? rackName : `${label}, ${rackName}`) : only && side ? null : label].filter(Boolean).join(', '))}</extra>`,
+      hoverlabel: { namelength: -1 },
       marker: { size: 6, color: 'rgba(0,0,0,0)' },
       x: rows.map(({ row }) => values[row]), y: rows.map(({ row }) => places[row]),
       line: { color: colour, width: main ? 2.2 : 1.6, dash: main ? 'solid' : dashes[besides(design) % dashes.length] },
-      opacity: several && !main ? 0.6 : 1,
+      opacity: side && several && rack !== present ? 0.28 : several && !main ? 0.6 : 1,
     });
     number += 1;
     const failed = rows.filter(({ row }) => !isSolved(table.status[row]) && places[row] !== null);
@@ -89,7 +96,8 @@ const designTraces = (c, output, state, design) => {
 };
 
 // Targets are given by drive value; over anything else they are where the last design has that value.
-const targetTraces = (c, output, { abscissa }) => {
+const targetTraces = (c, output, state) => {
+  const { abscissa } = state;
   const table = run.curves[run.curves.length - 1];
   const place = (drive, over) => {
     if (abscissa === (over ?? record.drive)) return drive;
@@ -101,11 +109,12 @@ const targetTraces = (c, output, { abscissa }) => {
     const points = target.points.map(([drive, value]) => [place(drive, target.over), value]).filter(([at]) => at !== null);
     const y = points.map(([at]) => at);
     const x = points.map(([, value]) => value);
-    const shared = { type: 'scatter', legendgroup: 'target', name: 'target ± tolerance' };
+    const shared = { type: 'scatter', legendgroup: 'target', name: 'target ± tolerance', hoverlabel: { namelength: -1 } };
+    const said = `%{${state.upright ? 'x' : 'y'}:.5~g} ± ${brief(target.tolerance)} ${plain(output.unit)}<extra>target</extra>`;
     if (!points.length) return [];
     if (points.length === 1) {
       return [{
-        ...shared, mode: 'markers', x, y, marker: { color: c.target, size: 8, symbol: 'diamond' },
+        ...shared, hovertemplate: said, mode: 'markers', x, y, marker: { color: c.target, size: 8, symbol: 'diamond' },
         error_x: { type: 'constant', value: target.tolerance, color: c.target, thickness: 2, width: 5 },
       }];
     }
@@ -115,7 +124,7 @@ const targetTraces = (c, output, { abscissa }) => {
         ...shared, mode: 'lines', x: band, y: [...y, ...[...y].reverse()], fill: 'toself', showlegend: false,
         fillcolor: faint(c.target, 0.25), line: { width: 0 }, hoverinfo: 'skip',
       },
-      { ...shared, mode: 'lines', x, y, line: { color: c.target, width: 1.2, dash: 'dot' } },
+      { ...shared, hovertemplate: said, mode: 'lines', x, y, line: { color: c.target, width: 1.2, dash: 'dot' } },
     ];
   });
 };
@@ -169,16 +178,25 @@ const missTraces = (c, output, { abscissa }) => {
   }];
 };
 
-const drawCurve = (element, output, state) => {
+// What an output is drawn over: what is chosen, or what is natural for it.
+const over = (output, state) => (state.abscissa === 'natural' ? { ...state, abscissa: run.natural[output.column] ?? record.drive } : state);
+
+const drawCurve = (element, outputs, chosen) => {
   const c = colours();
-  const traces = [
-    ...bandTraces(c, output, state),
-    ...targetTraces(c, output, state),
-    ...shownDesigns(state).flatMap((design) => designTraces(c, output, state, design)),
-    ...missTraces(c, output, state),
-  ].map((trace) => turned(state.upright, trace));
+  const [output] = outputs;
+  const state = over(output, chosen);
+  const isPair = outputs.length > 1;
+  const title = isPair ? titleOfBoth(output) : output.title;
+  const traces = outputs.flatMap((one) => [
+    ...bandTraces(c, one, state),
+    ...targetTraces(c, one, state),
+    ...shownDesigns(state).flatMap((design) => designTraces(c, one, state, design, isPair)),
+    ...missTraces(c, one, state),
+  ]).map((trace) => turned(state.upright, trace));
+  // A single line needs no name: the caption has it.
+  const named = traces.filter((trace) => trace.showlegend !== false && trace.x.length);
   const motion = axis(c, { title: { text: axisTitle(state.abscissa) } });
-  const value = axis(c, { title: { text: plain(withUnit(output.title, output.unit)) }, hoverformat: '.5~g' });
+  const value = axis(c, { title: { text: plain(withUnit(title, output.unit)) }, hoverformat: '.5~g' });
   const edge = { range: [0, 1], visible: false, fixedrange: true };
   const axes = state.upright
     ? { xaxis: value, yaxis: motion, xaxis2: { ...edge, overlaying: 'x' } }
@@ -186,26 +204,39 @@ const drawCurve = (element, output, state) => {
   return draw(element, traces, layout(c, {
     ...axes,
     hovermode: state.upright ? 'y unified' : 'x unified',
-    showlegend: true,
+    showlegend: named.length > 1,
     legend: below,
     uirevision: `${state.abscissa} ${state.upright} ${shownDesigns(state)}`,
   }));
 };
 
-const curvePlots = (record?.outputs ?? []).map((output) => {
+// Outputs of both wheels belong into one plot.
+const titleOfBoth = ({ title }) => `${title.replace(/^(left|right) /, '')}, both wheels`;
+const plotsOf = (outputs) => {
+  const known = new Map(outputs.map((output) => [output.column, output]));
+  return outputs.flatMap((output) => {
+    const side = sideOf(output);
+    const other = side && known.get(output.column.replace(/^(left|right)/, side === 'left' ? 'right' : 'left'));
+    if (!other) return [[output]];
+    return side === 'left' ? [[output, other]] : [];
+  });
+};
+
+const curvePlots = plotsOf(record?.outputs ?? []).map((outputs) => {
+  const [output] = outputs;
   const figure = byId('curve-plots').appendChild(document.createElement('figure'));
   const caption = figure.appendChild(document.createElement('figcaption'));
-  caption.append(withUnit(output.title, output.unit));
-  if (output.positive) {
+  caption.append(withUnit(outputs.length > 1 ? titleOfBoth(output) : output.title, output.unit));
+  if (output.positive && output.positive !== 'always') {
     caption.appendChild(document.createElement('small')).textContent = `positive: ${output.positive}`;
   }
   for (const [missed, by] of run.missed ?? []) {
-    if (missed !== output.column) continue;
+    if (!outputs.some(({ column: own }) => own === missed)) continue;
     const small = caption.appendChild(document.createElement('small'));
     small.className = 'unmet';
     small.textContent = `target missed by up to ${by}`;
   }
   const element = figure.appendChild(document.createElement('div'));
   element.className = 'plot';
-  return (state) => drawCurve(element, output, state);
+  return (state) => drawCurve(element, outputs, state);
 });

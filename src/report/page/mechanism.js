@@ -11,6 +11,9 @@ const frameAt = (design, place) => record.designs[design].frames[place.rack * st
 const [second] = record?.further ?? [];
 const [forward, outboard, up] = scene ? scene.signs : [1, 1, 1];
 const radius = scene?.wheel_radius ?? null;
+// Where the study does not say how large the wheel is, a dashed circle shows only where it is.
+const ASSUMED_RADIUS = { mm: 300, m: 0.3, in: 12 };
+const drawnRadius = radius ?? ASSUMED_RADIUS[record?.length_unit];
 const ROUND = 72;
 
 // The wheels of a placement: one, or both of an axle.
@@ -23,7 +26,7 @@ const isAxle = scene?.right_wheel_centre != null;
 const bodiesPerSide = scene ? scene.bodies.length / (isAxle ? 2 : 1) : 0;
 
 // A wheel, or another circle about its centre, normal to the spin axis.
-const rim = ({ centre, spin_axis: n }, r = radius) => {
+const rim = ({ centre, spin_axis: n }, r = drawnRadius) => {
   const across = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
   const unit = (v) => v.map((x) => x / Math.hypot(...v));
   const first = unit(across(n, [0, 0, 1]));
@@ -52,7 +55,7 @@ const arrow = ({ contact: c }) => {
   return [at(1.1, 0), at(1.75, 0), at(1.6, 0.06), null, at(1.75, 0), at(1.6, -0.06)];
 };
 
-// A line from the contact point to a centre, cut off at the edge of the stage.
+// Whether a centre is on the stage, and where: one that is not has no place there, only a direction.
 const toCentre = (wheel, centre) => {
   const from = wheel.contact;
   const reach = Math.min(1, ...centre.map((v, k) => {
@@ -61,18 +64,28 @@ const toCentre = (wheel, centre) => {
     if (Math.abs(way) < 1e-9) return 1;
     return ((way > 0 ? high : low) - from[k]) / way;
   }));
-  return { end: from.map((v, k) => v + Math.max(0, reach) * (centre[k] - v)), cut: reach < 1 };
+  if (reach === 1) return { end: centre, barbs: [], isFar: false };
+  // An arrow of fixed length from the contact point: it must not look like a place.
+  const way = centre.map((v, k) => v - from[k]);
+  const unit = way.map((v) => v / Math.hypot(...way));
+  const across = Math.abs(unit[0]) > Math.abs(unit[1]) ? [0, 1, 0] : [1, 0, 0];
+  const tip = offset(from, unit.map((v) => 0.8 * radius * v));
+  const barb = (sign) => tip.map((v, k) => v - 0.12 * radius * unit[k] + sign * 0.06 * radius * across[k]);
+  const barbUp = (sign) => tip.map((v, k) => v - 0.12 * radius * unit[k] + (k === 2 ? sign * 0.06 * radius : 0));
+  return { end: tip, barbs: [null, barb(1), tip, barb(-1), null, barbUp(1), tip, barbUp(-1)], isFar: true };
 };
 const centreNames = [['roll_centre', 'roll centre'], ['front_view_centre', 'centre in front view'], ['side_view_centre', 'centre in side view']];
-const centresOf = (placement) => wheelsOf(placement).flatMap((wheel) => centreNames.map(([key, name]) => {
+// Views in which the name of a centre is not upon others.
+const seenIn = { roll_centre: ['front', 'oblique'], front_view_centre: ['front', 'oblique'], side_view_centre: ['side', 'oblique'] };
+const centresOf = (placement, view) => wheelsOf(placement).flatMap((wheel) => centreNames.map(([key, name]) => {
   const centre = key === 'roll_centre' ? placement.roll_centre : wheel[key];
   // One at infinity has no place; its label keeps its number.
-  if (!centre) return { from: wheel.contact, end: wheel.contact, cut: true, text: '' };
-  const { end, cut } = toCentre(wheel, centre);
+  if (!centre) return { from: wheel.contact, end: wheel.contact, barbs: [], isFar: true, text: '' };
+  const { end, barbs, isFar } = toCentre(wheel, centre);
   const away = Math.hypot(...centre.map((v, k) => v - wheel.contact[k]));
-  // Both wheels have one roll centre.
-  const called = key === 'roll_centre' && wheel.side < 0 ? '' : name;
-  return { from: wheel.contact, end, cut, text: cut && called ? `${called}, ${Math.round(away)} ${record.length_unit} away` : called };
+  // Both wheels have one roll centre, and the names of the left one's centres are enough.
+  const called = wheel.side < 0 || !seenIn[key].includes(view) ? '' : name;
+  return { from: wheel.contact, end, barbs, isFar, text: isFar && called ? `to the ${called}, ${Math.round(away)} ${record.length_unit} away` : called };
 }));
 
 // Where the roll centre of an axle goes along the motion, as far as it stays on the stage.
@@ -192,8 +205,11 @@ const mainParts = (c, state) => {
       look: { mode: 'text', text: named.map(({ name }) => plain(name)), textposition: named.map(({ kind }) => sides[kind] ?? 'top center'), textfont: { size: 12, color: hues } },
     },
     {
-      at: (p) => (radius ? coordinates(wheelsOf(p).flatMap((wheel) => [...rim(wheel), null])) : nothing),
-      look: { mode: 'lines', name: 'wheel', legendgroup: 'wheel', showlegend: Boolean(radius), line: { color: c.wheel, width: 5 } },
+      at: (p) => coordinates(wheelsOf(p).flatMap((wheel) => [...rim(wheel), null])),
+      look: {
+        mode: 'lines', name: radius ? 'wheel' : 'wheel, its radius is not in the study', legendgroup: 'wheel', showlegend: true,
+        line: radius ? { color: c.wheel, width: 5 } : { color: c.wheel, width: 2, dash: 'dash' },
+      },
     },
     {
       at: (p) => (radius ? coordinates(wheelsOf(p).flatMap((wheel) => [...rim(wheel).slice(1), wheel.centre])) : nothing),
@@ -216,16 +232,16 @@ const mainParts = (c, state) => {
       look: { mode: 'text', legendgroup: 'ground', textposition: 'top center' },
     },
     {
-      at: (p) => (state.centres && hasWheel(p) ? coordinates(centresOf(p).flatMap(({ from, end }) => [from, end, null])) : nothing),
+      at: (p) => (state.centres && hasWheel(p) ? coordinates(centresOf(p, state.view).flatMap(({ from, end, barbs }) => [from, end, ...barbs, null])) : nothing),
       look: { mode: 'lines', name: 'instantaneous centres', legendgroup: 'centres', showlegend: Boolean(radius && state.centres), line: { color: c.centre, width: 2.5, dash: 'dot' } },
     },
     {
       at: (p) => {
         if (!state.centres || !hasWheel(p)) return nothing;
-        const found = centresOf(p);
-        return { ...words(found.map(({ text }) => text), found.map(({ end }) => end), c.centre), marker: { symbol: found.map(({ cut }) => (cut ? 'circle-open' : 'diamond')), color: c.centre, size: 5 } };
+        const found = centresOf(p, state.view);
+        return { ...words(found.map(({ text }) => text), found.map(({ end }) => end), c.centre), marker: { symbol: 'diamond', color: c.centre, size: found.map(({ isFar }) => (isFar ? 0 : 5)) } };
       },
-      look: { mode: 'markers+text', legendgroup: 'centres', textposition: each.flatMap(() => ['top center', 'bottom center', 'top center']) },
+      look: { mode: 'markers+text', legendgroup: 'centres', textposition: each.flatMap(() => ['top center', 'bottom left', 'bottom right']) },
     },
     {
       at: (p, design, place) => (isAxle && state.centres ? coordinates(rollCentres(design, place)) : nothing),
@@ -272,7 +288,7 @@ const stageRanges = () => {
     if (!placement) continue;
     const wheels = wheelsOf(placement);
     const ground = radius && placement.contact ? [...wheels.flatMap(road), ...arrow(placement).filter(Boolean)] : [];
-    for (const p of [...placement.points, ...(radius ? wheels.flatMap((wheel) => rim(wheel)) : []), ...ground]) {
+    for (const p of [...placement.points, ...wheels.flatMap((wheel) => rim(wheel)), ...ground]) {
       for (let k = 0; k < 3; k += 1) {
         low[k] = Math.min(low[k], p[k]);
         high[k] = Math.max(high[k], p[k]);
@@ -341,7 +357,7 @@ const moveStage = async (state) => {
   const marks = at.map((p, k) => [p, k]).filter(([p]) => p.text);
   await Plotly.restyle(stage, { x: each('x'), y: each('y'), z: each('z') });
   if (marks.length) {
-    await Plotly.restyle(stage, { text: marks.map(([p]) => p.text), 'marker.symbol': marks.map(([p]) => p.marker?.symbol ?? 'circle') }, marks.map(([, k]) => k));
+    await Plotly.restyle(stage, { text: marks.map(([p]) => p.text), 'marker.size': marks.map(([p]) => p.marker?.size ?? 4) }, marks.map(([, k]) => k));
   }
   sayPlace(state);
 };
@@ -364,7 +380,7 @@ const setUpStage = (state) => {
     button.addEventListener('click', () => {
       state.view = button.dataset.view;
       const seen = ['xaxis', 'yaxis', 'zaxis'].map((name) => [`scene.${name}.visible`, hiddenAxis[state.view] !== name]);
-      Plotly.relayout(stage, { 'scene.camera': camera(state.view), ...Object.fromEntries(seen) });
+      Plotly.relayout(stage, { 'scene.camera': camera(state.view), ...Object.fromEntries(seen) }).then(() => moveStage(state));
     });
   }
   for (const button of document.querySelectorAll('[data-shows]')) {
@@ -408,7 +424,8 @@ const nearestToDesign = () => {
 };
 const stageState = () => ({
   view: views[wishes.get('view')] ? wishes.get('view') : 'oblique',
-  names: true,
+  // The legend names the bodies as well; where there are many their names lie on each other.
+  names: bodiesPerSide <= 5,
   centres: true,
   place: {
     station: wished('station', stations, nearestToDesign()),

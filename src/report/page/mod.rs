@@ -8,6 +8,7 @@ mod escape;
 mod library;
 mod policy;
 mod run;
+mod scatter;
 mod sweep;
 mod table;
 

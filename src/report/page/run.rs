@@ -1,6 +1,7 @@
 //! The page of a solve or an optimisation.
 
 use super::escape::html;
+use super::scatter::{contributors, distributions};
 use super::table::table;
 use super::{Page, STAGE};
 use crate::SideEffect;
@@ -11,6 +12,7 @@ use crate::report::run::{Run, Summary};
 use crate::report::{PriceRecord, ToleranceSummary, TuningSummary, YieldRecord};
 use crate::report::{side_effects_in_words, side_effects_table};
 use serde::Serialize;
+use std::collections::BTreeMap;
 
 /// The page's own script.
 const GLUE: &str = concat!(
@@ -34,6 +36,8 @@ const MOST_NUMBERS: usize = 30_000;
 struct Data<'a> {
     record: &'a Record,
     curves: Vec<CurveTable>,
+    /// Columns that outputs are drawn over where that is not the drive value.
+    natural: BTreeMap<&'a str, &'a str>,
     history: Option<CurveTable>,
     kept_start: Option<usize>,
     /// Targets missed by more than their tolerance: column, largest deviation and its place.
@@ -52,6 +56,7 @@ pub fn page(run: &Run) -> String {
     let data = Data {
         record: &run.record,
         curves,
+        natural: natural(&run.record),
         history: run.history.as_ref().map(|h| h.thinned(MOST_NUMBERS / 9)),
         kept_start: tuning.and_then(TuningSummary::kept_start),
         missed: tuning.map_or_else(Vec::new, missed),
@@ -96,6 +101,13 @@ pub fn page(run: &Run) -> String {
         glue: GLUE,
     };
     page.html()
+}
+
+/// Outputs that are drawn over another column than the drive value, with that column.
+fn natural(record: &Record) -> BTreeMap<&str, &str> {
+    let columns = record.outputs.iter().map(|output| output.column.as_str());
+    let over = columns.map(|column| (column, record.natural_abscissa(column)));
+    over.filter(|(_, over)| *over != record.drive).collect()
 }
 
 /// Curves on the page, and a remark if some are left out.
@@ -216,7 +228,7 @@ fn sections(run: &Run) -> Vec<(&'static str, &'static str)> {
     let all = [
         ("curves", "Curves", true),
         ("mechanism", "Mechanism", true),
-        ("turn", "Turn", has_turn(run)),
+        ("turn", "Steering geometry", has_turn(run)),
         ("front", "Front", run.record.front.is_some()),
         ("hardpoints", "Hardpoints", tuned),
         ("convergence", "Convergence", tuned),
@@ -322,10 +334,11 @@ fn prices_section(tuning: &TuningSummary) -> String {
 
 /// Results of the scatter, below the fans about the curves.
 fn tolerance_sections(tolerance: &ToleranceSummary) -> String {
-    let mut sections = tolerance.values_table().html();
+    let mut sections = distributions(tolerance) + &contributors(tolerance);
+    sections += &tolerance.values_table().html();
     if !tolerance.bands.is_empty() {
         sections += &tolerance.bands_table().html();
-        sections += "<p>Contributors, by the yield for half and twice the tolerance of each</p>";
+        sections += "<p>Predicted yield by tolerance</p>";
         sections += &tolerance.ranking_table().html();
     }
     for line in tolerance.failures() {

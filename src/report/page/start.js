@@ -1,6 +1,6 @@
 // Controls of a run's page, and the first drawing.
 const state = {
-  abscissa: record.abscissae.includes('time_s') ? 'time_s' : record.drive,
+  abscissa: record.abscissae.includes('time_s') ? 'time_s' : Object.keys(run.natural).length ? 'natural' : record.drive,
   upright: wishes.has('lying') ? false : !record.abscissae.includes('time_s'),
   ...stageState(),
 };
@@ -8,6 +8,7 @@ const state = {
 const drawCurves = () => Promise.all(curvePlots.map((plot) => plot(state)));
 const drawAll = () => Promise.all([drawCurves(), drawStage(state), drawTurn(state), drawHistory(), drawFront(), drawPrices(), influenced.length && drawInfluences()]);
 
+if (Object.keys(run.natural).length) option(byId('abscissa'), 'natural', 'the usual quantity of each');
 for (const name of [record.drive, ...record.abscissae]) option(byId('abscissa'), name, axisTitle(name));
 byId('abscissa').value = state.abscissa;
 byId('abscissa').addEventListener('change', (e) => {

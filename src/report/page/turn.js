@@ -38,8 +38,8 @@ const drawTurn = async (state) => {
   await draw(turnPlot, traces, layout(c, {
     xaxis: axis(c, { title: { text: `to the right [${record.length_unit}]` }, constrain: 'domain' }),
     yaxis: axis(c, { title: { text: `forward [${record.length_unit}]` }, scaleanchor: 'x', scaleratio: 1 }),
-    hovermode: 'closest', showlegend: true, legend: { orientation: 'h', y: 1.02, yanchor: 'bottom', x: 0 },
+    hovermode: 'closest', showlegend: traces.filter((trace) => trace.showlegend).length > 1, legend: { orientation: 'h', y: 1.02, yanchor: 'bottom', x: 0 },
   }));
   const turn = turnOf(record.designs.length - 1, state.place);
-  byId('turn-text').textContent = turn?.centre ? '' : 'Straight ahead here: the spin axes are all but parallel to the other axle. Move the slider of the rack or steering wheel.';
+  byId('turn-text').textContent = turn?.centre ? '' : 'Straight ahead: the spin axes are almost parallel to the other axle. Move the slider of the rack or steering wheel.';
 };

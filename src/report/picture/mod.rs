@@ -15,7 +15,7 @@ use super::run::Run;
 use crate::curves::Status;
 use drawn_target::DrawnTarget;
 use lettering::Lettering;
-use panel::{Line, Look, Panel, SIZE};
+use panel::{Hue, Line, Look, Panel, SIZE};
 
 /// A file with a picture.
 #[derive(Clone, Debug, PartialEq)]
@@ -45,8 +45,11 @@ const STYLE: &str = "text{font:12px system-ui,-apple-system,Segoe UI,Roboto,Helv
 /// Largest number of rack positions named in a legend.
 const MOST_NAMED: usize = 5;
 
-/// Colours of racks in the style.
-const HUES: usize = 7;
+/// Looks that few pictures need: colours of more lines than `rack0` to `rack6` have, from one end to the other, and the
+/// dots of outer percentiles.
+const RARE: &str = ".outer{stroke-dasharray:1 4}.shade0{stroke:#b45f06}.shade1{stroke:#9f602c}.shade2{stroke:#8a6052}\
+.shade3{stroke:#756179}.shade4{stroke:#60619f}.shade5{stroke:#4a62c5}.shade6{stroke:#3549a8}\
+.shade7{stroke:#21308a}.shade8{stroke:#0c176d}";
 
 /// Style of letters as outlines.
 const LETTERS: &str = ".letters{fill:#3d454d}.letters.label{fill:#1b1f24}";
@@ -82,8 +85,14 @@ pub fn pictures(run: &Run) -> Vec<Picture> {
     }
     let outlines = Lettering::outlines();
     let drawn = |(name, panels): &(String, Vec<Panel>)| {
-        let svg = sheet(panels, STYLE, &Lettering::Text);
-        let png = raster::png(&sheet(panels, &[STYLE, LETTERS].concat(), &outlines));
+        let has_rare_looks = panels.iter().any(Panel::has_rare_looks);
+        let style = [STYLE, if has_rare_looks { RARE } else { "" }].concat();
+        let svg = sheet(panels, &style, &Lettering::Text);
+        let png = raster::png(&sheet(
+            panels,
+            &[style.as_str(), LETTERS].concat(),
+            &outlines,
+        ));
         let file = |kind: &str, contents| Picture {
             name: format!("{name}.{kind}"),
             contents,
@@ -95,14 +104,16 @@ pub fn pictures(run: &Run) -> Vec<Picture> {
 
 /// Panels side by side.
 fn sheet(panels: &[Panel], style: &str, lettering: &Lettering) -> String {
-    let [width, height] = [SIZE[0] * panels.len() as f64, SIZE[1]];
+    // Legends of many rows need more height; all plots of a sheet stand in line.
+    let lower = panels.iter().map(Panel::legend_beyond).fold(0.0, f64::max);
+    let [width, height] = [SIZE[0] * panels.len() as f64, SIZE[1] + lower];
     let mut svg = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" width=\"{width}\" \
          height=\"{height}\">\n<style>{style}</style>\n<rect width=\"{width}\" height=\"{height}\" \
          rx=\"6\" fill=\"#ffffff\"/>\n"
     );
     for (number, panel) in panels.iter().enumerate() {
-        svg += &panel.svg(number as f64 * SIZE[0], lettering);
+        svg += &panel.svg([number as f64 * SIZE[0], lower], lettering);
     }
     svg + "</svg>\n"
 }
@@ -110,13 +121,15 @@ fn sheet(panels: &[Panel], style: &str, lettering: &Lettering) -> String {
 fn panel(run: &Run, output: &OutputRecord) -> Panel {
     let record = &run.record;
     let by_time = record.abscissae.iter().find(|a| *a == "time_s");
-    let abscissa = by_time.unwrap_or(&record.drive);
+    let natural = record.natural_abscissa(&output.column);
+    let abscissa = by_time.map_or(natural, String::as_str);
+    let moving = moving_beside(record, abscissa);
     let mut lines = Vec::new();
     let mut failed = Vec::new();
-    for (number, (design, table)) in record.designs.iter().zip(&run.curves).enumerate() {
-        let main = number + 1 == record.designs.len();
-        let families = families(record, table);
-        let apart = record.further.first().or(record.rack.as_ref());
+    for (design_number, (design, table)) in record.designs.iter().zip(&run.curves).enumerate() {
+        let main = design_number + 1 == record.designs.len();
+        let families = families(&moving, table);
+        let apart = moving.first();
         let (apart_name, _) = apart.map_or(("rack", ""), |name| split(name));
         let apart_name = apart_name.replace('_', " ");
         for (number, family) in families.iter().enumerate() {
@@ -133,7 +146,8 @@ fn panel(run: &Run, output: &OutputRecord) -> Panel {
                 },
                 look: Look {
                     main,
-                    hue: several.then_some(number * HUES / families.len().max(HUES)),
+                    hue: several.then(|| Hue::of(number, families.len())),
+                    is_outer: is_outer(design_number, record.designs.len()),
                 },
                 points: points(table, family, abscissa, &output.column),
             });
@@ -149,7 +163,7 @@ fn panel(run: &Run, output: &OutputRecord) -> Panel {
     let mut wanted = Vec::new();
     let mut missed = Vec::new();
     for target in record.targets.iter().filter(|t| t.column == output.column) {
-        if target.over.as_ref().is_none_or(|o| *o == record.drive) {
+        if target.over.as_ref().unwrap_or(&record.drive) == abscissa {
             let (points, tolerance) = (target.points.clone(), target.tolerance);
             let limits = points
                 .iter()
@@ -178,11 +192,21 @@ fn panel(run: &Run, output: &OutputRecord) -> Panel {
     }
 }
 
-/// Rows by displacement of the rack; of an axle by the first of what moves beside the drive value, the rest nearest to
-/// zero.
-fn families(record: &Record, table: &CurveTable) -> Vec<Vec<usize>> {
-    let columns = record.further.iter().chain(&record.rack);
-    let mut columns = columns.filter_map(|name| table.column(name));
+/// Whether a design is of the outer of two pairs of percentiles, which stand about the last design in order.
+fn is_outer(design: usize, designs: usize) -> bool {
+    designs == 5 && (design == 0 || design == 3)
+}
+
+/// Columns of what moves beside the abscissa: the rack of a wheel, of an axle what else it has.
+fn moving_beside<'r>(record: &'r Record, abscissa: &str) -> Vec<&'r String> {
+    let drive = (!record.further.is_empty()).then_some(&record.drive);
+    let all = drive.into_iter().chain(&record.further).chain(&record.rack);
+    all.filter(|name| *name != abscissa).collect()
+}
+
+/// Rows by the first column of what moves beside the abscissa, the rest nearest to zero.
+fn families(moving: &[&String], table: &CurveTable) -> Vec<Vec<usize>> {
+    let mut columns = moving.iter().filter_map(|name| table.column(name));
     let apart = columns.next();
     let held: Vec<_> = columns
         .map(|values| {

@@ -11,19 +11,56 @@ pub(super) const SIZE: [f64; 2] = [400.0, 470.0];
 /// Left, top, right and bottom of the plot in it.
 const PLOT: [f64; 4] = [64.0, 58.0, 384.0, 418.0];
 
+/// Number of colours that are told apart at once.
+const HUES: usize = 7;
+/// Number of shades of a scale.
+const SHADES: usize = 9;
+/// Height of a row of the legend.
+const ROW: f64 = 15.0;
+/// Number of rows of the legend for which there is room above the plot.
+const ROWS: usize = 2;
+
+/// A colour of one line among several.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Hue {
+    /// One of few that are told apart at once.
+    Apart(usize),
+    /// A shade of a scale from one end to the other, of many.
+    Shade(usize),
+}
+
+impl Hue {
+    /// The colour of a line, by its number among so many.
+    pub(super) fn of(number: usize, lines: usize) -> Self {
+        match lines {
+            0..=HUES => Hue::Apart(number),
+            _ => Hue::Shade((number * (SHADES - 1) + (lines - 1) / 2) / (lines - 1)),
+        }
+    }
+}
+
 /// Style of a curve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Look {
     /// Whether it is of the last design.
     pub main: bool,
-    /// Number of its rack's colour, where there are several racks.
-    pub hue: Option<usize>,
+    /// Colour of its family, where there are several.
+    pub hue: Option<Hue>,
+    /// Whether it is of the outer of several pairs of designs about the last one.
+    pub is_outer: bool,
 }
 
 impl Look {
     fn class(self) -> String {
-        let design = if self.main { "main" } else { "former" };
-        let hue = self.hue.map(|hue| format!(" rack{hue}"));
+        let design = match (self.main, self.is_outer) {
+            (true, _) => "main",
+            (false, false) => "former",
+            (false, true) => "former outer",
+        };
+        let hue = self.hue.map(|hue| match hue {
+            Hue::Apart(number) => format!(" rack{number}"),
+            Hue::Shade(number) => format!(" shade{number}"),
+        });
         design.to_owned() + &hue.unwrap_or_default()
     }
 }
@@ -59,8 +96,19 @@ pub(super) struct Panel {
 }
 
 impl Panel {
-    /// The panel as an SVG group, moved to the right by `shift`.
-    pub(super) fn svg(&self, shift: f64, lettering: &Lettering) -> String {
+    /// Whether some line has a look that few pictures need: a shade of a scale, or that of an outer pair.
+    pub(super) fn has_rare_looks(&self) -> bool {
+        let mut looks = self.lines.iter().map(|line| line.look);
+        looks.any(|look| look.is_outer || matches!(look.hue, Some(Hue::Shade(_))))
+    }
+
+    /// Height that the legend needs beyond the room above the plot.
+    pub(super) fn legend_beyond(&self) -> f64 {
+        ROW * self.legend_rows().len().saturating_sub(ROWS) as f64
+    }
+
+    /// The panel as an SVG group, moved to the right and down by `shift`.
+    pub(super) fn svg(&self, shift: [f64; 2], lettering: &Lettering) -> String {
         let [left, top, right, bottom] = PLOT;
         let points = || self.lines.iter().flat_map(|l| l.points.iter().flatten());
         let wanted: Vec<[f64; 2]> = self.wanted.iter().flat_map(DrawnTarget::edges).collect();
@@ -81,7 +129,8 @@ impl Panel {
             true => [x.place(value), y.place(motion)],
             false => [x.place(motion), y.place(value)],
         };
-        let mut svg = format!("<g transform=\"translate({} 0)\">\n", number(shift));
+        let [across, down] = shift.map(number);
+        let mut svg = format!("<g transform=\"translate({across} {down})\">\n");
         self.axes(&mut svg, lettering, &x, &y);
         for wanted in &self.wanted {
             wanted.draw(&mut svg, &place);
@@ -149,8 +198,8 @@ impl Panel {
         }
     }
 
-    /// Legend of the curves, in as many rows as necessary, upward from the plot.
-    fn legend(&self, svg: &mut String, lettering: &Lettering) {
+    /// Entries of the legend in rows: place, class and name.
+    fn legend_rows(&self) -> Vec<Vec<(f64, String, &str)>> {
         let mut entries: Vec<(String, &str)> = Vec::new();
         for line in &self.lines {
             if let Some(name) = &line.name {
@@ -168,7 +217,7 @@ impl Panel {
         if !self.failed.is_empty() {
             entries.push(("failed".to_owned(), "not solved"));
         }
-        let [left, top, right, _] = PLOT;
+        let [left, _, right, _] = PLOT;
         let mut rows: Vec<Vec<(f64, String, &str)>> = vec![Vec::new()];
         let mut at = left;
         for (class, name) in entries {
@@ -181,9 +230,15 @@ impl Panel {
             row.push((at, class, name));
             at += width;
         }
-        let first = top - 24.0 - 15.0 * (rows.len() - 1) as f64;
+        rows
+    }
+
+    /// Names of the curves, in as many rows as that takes, upward from the plot.
+    fn legend(&self, svg: &mut String, lettering: &Lettering) {
+        let rows = self.legend_rows();
+        let first = PLOT[1] - 24.0 - ROW * (rows.len() - 1) as f64;
         for (number, row) in rows.into_iter().enumerate() {
-            let y = first + 15.0 * number as f64;
+            let y = first + ROW * number as f64;
             for (at, class, name) in row {
                 let _ = match class.as_str() {
                     "missed" => {

@@ -1,11 +1,15 @@
-// Curves over the drive: now, as opened, wanted, and a proposal beside them.
+// Curves over one of the sliders: now, as opened, wanted, and a proposal beside them.
 import { brief, byId, html, set, signed, svg, ticks } from './draw.js';
 import { ask, askGhost, emit, here as placeNow, isInGesture, on, state } from './design.js';
+import { framed } from './frame.js';
 
-const MARGIN = { left: 46, right: 10, top: 8, bottom: 22 };
+const MARGIN = { left: 46, right: 10, top: 15, bottom: 33 };
+// Number of lines of a family that have a label each; of more only the first, the last and the present one.
+const MOST_LABELS = 5;
 let charts = [];
+let clips = 0;
 
-// Stations of one group by rising drive value, in runs without gaps.
+// Stations of one group by rising place, in runs without gaps.
 const runs = (answer, values, group) => {
   const places = answer.drive.map((x, i) => i).filter((i) => answer.groups[i] === group && answer.drive[i] !== null);
   places.sort((a, b) => answer.drive[a] - answer.drive[b]);
@@ -22,7 +26,17 @@ const runs = (answer, values, group) => {
 };
 const groupsOf = (answer) => [...new Set(answer.groups)];
 
-// The value of a curve at a drive value, by straight lines between stations.
+// Groups that differ from the one that is shown in the family's slider alone.
+const familyOf = (answer) => {
+  const { family, over } = state;
+  if (family === null || !answer.group_places.length) return [];
+  const own = answer.group_places[answer.shown];
+  const isOfFamily = (place) => place.every((v, k) => k === over || k === family || v === own[k]);
+  const found = groupsOf(answer).filter((g) => g !== answer.shown && isOfFamily(answer.group_places[g]));
+  return found.sort((a, b) => answer.group_places[a][family] - answer.group_places[b][family]);
+};
+
+// The value of a curve at a place, by straight lines between stations.
 const at = (pieces, x) => {
   for (const piece of pieces) {
     for (let i = 1; i < piece.length; i += 1) {
@@ -33,34 +47,56 @@ const at = (pieces, x) => {
   }
   return null;
 };
+const heights = (pieces) => pieces.flat().map(([, y]) => y);
 
-// Targets of a column in the study's own motion, for the rack that is shown.
-const targetsOf = (column, rack) => state.overview.targets.filter((target) => target.columns.includes(column)
-  && target.is_drawn && (!target.racks.length || target.racks.includes(rack)));
+// Targets of columns over the slider that is chosen, for the rack that is shown.
+const targetsOf = (columns, rack) => state.overview.targets.filter((target) => target.columns.some((c) => columns.includes(c))
+  && target.over === state.over && (!target.racks.length || target.racks.includes(rack)));
+
+// Columns of both wheels belong into one chart.
+const SIDE = /^(left|right)_/;
+const partsOf = (columns) => {
+  const byKey = new Map();
+  for (const column of columns) {
+    const [, side] = SIDE.exec(column) ?? [];
+    const key = side ? column.replace(SIDE, '') : column;
+    const name = side && columns.includes(`left_${key}`) && columns.includes(`right_${key}`) ? `both ${key}` : column;
+    if (!byKey.has(name)) byKey.set(name, []);
+    byKey.get(name).push({ column, side: name === column ? null : side });
+  }
+  return [...byKey];
+};
 
 class Chart {
-  constructor(column) {
-    this.column = column;
+  constructor(key, parts) {
+    this.key = key;
     this.title = html('b');
     this.unit = html('span', { class: 'unit' });
     this.value = html('output');
     this.range = html('small');
     this.svg = svg('svg', { class: 'chart', role: 'img' });
-    this.parts = Object.fromEntries(['axes', 'bands', 'ghosts', 'others', 'influence', 'proposal', 'now', 'gaps', 'cursor']
-      .map((name) => [name, this.svg.appendChild(svg('g', { class: name }))]));
-    this.now = this.parts.now.appendChild(svg('path'));
-    this.old = this.parts.ghosts.appendChild(svg('path'));
-    this.proposed = this.parts.proposal.appendChild(svg('path'));
-    this.moved = this.parts.influence.appendChild(svg('path'));
+    const id = `clip-${clips += 1}`;
+    this.clip = svg('rect', { x: MARGIN.left, y: MARGIN.top });
+    this.svg.append(svg('clipPath', { id }, this.clip));
+    this.parts = Object.fromEntries(['axes', 'bands', 'ghosts', 'others', 'influence', 'proposal', 'now', 'gaps', 'cursor', 'labels']
+      .map((name) => [name, this.svg.appendChild(svg('g', { class: name, 'clip-path': ['axes', 'labels', 'gaps', 'cursor'].includes(name) ? null : `url(#${id})` }))]));
+    this.series = parts.map(({ column, side }) => ({
+      column, side,
+      now: this.parts.now.appendChild(svg('path', { class: side })),
+      old: this.parts.ghosts.appendChild(svg('path')),
+      proposed: this.parts.proposal.appendChild(svg('path')),
+      moved: this.parts.influence.appendChild(svg('path')),
+      spot: svg('circle', { r: 3.5, class: side }),
+    }));
     this.line = this.parts.cursor.appendChild(svg('path'));
-    this.spot = this.parts.cursor.appendChild(svg('circle', { r: 3.5 }));
-    this.figure = html('figure', { class: 'chartbox', 'data-column': column },
-      html('figcaption', {}, this.title, this.unit, this.value, this.range), this.svg);
+    this.parts.cursor.append(...this.series.map(({ spot }) => spot));
+    this.figure = html('figure', { class: 'chartbox', 'data-column': key },
+      html('figcaption', {}, html('span', { class: 'name' }, this.title, this.unit), html('span', { class: 'values' }, this.value, this.range)), this.svg);
     const point = (event) => {
       const box = this.svg.getBoundingClientRect();
       const [low, high] = this.xs;
       const x = low + ((event.clientX - box.x - MARGIN.left) / this.inner[0]) * (high - low);
-      state.at[state.overview.main] = Math.max(low, Math.min(high, x));
+      state.at[state.over] = Math.max(low, Math.min(high, x));
       emit('place', event);
     };
     this.svg.addEventListener('pointerdown', (event) => {
@@ -78,50 +114,44 @@ class Chart {
     }).observe(this.svg);
   }
 
-  // The frame holds everything; while a point is dragged it grows but does not shrink, so that curves move and
-  // not their axes.
-  fitted(values) {
-    let [low, high] = [Math.min(...values), Math.max(...values)];
-    if (!Number.isFinite(low)) [low, high] = [-1, 1];
-    const least = Math.max(1e-9, 1e-6 * Math.max(Math.abs(low), Math.abs(high)));
-    if (high - low < least) [low, high] = [low - Math.max(least, 0.05 * Math.abs(low), 0.05), high + Math.max(least, 0.05 * Math.abs(high), 0.05)];
-    const room = 0.07 * (high - low);
-    const wanted = [low - room, high + room];
-    if (isInGesture() && this.ys) return [Math.min(this.ys[0], wanted[0]), Math.max(this.ys[1], wanted[1])];
-    return wanted;
-  }
-
   draw() {
     const { answer, ghost, proposed, influence } = state;
-    const found = answer?.columns.find((c) => c.column === this.column);
-    if (!found) return;
+    const found = this.series.map(({ column }) => answer?.columns.find((c) => c.column === column));
+    if (!found.every(Boolean)) return;
     const { width, height } = this.size ??= this.svg.getBoundingClientRect();
     if (width < 40) return;
+    // Printed in another size, the picture is scaled.
+    set(this.svg, { viewBox: `0 0 ${width} ${height}` });
     this.inner = [width - MARGIN.left - MARGIN.right, height - MARGIN.top - MARGIN.bottom];
+    set(this.clip, { width: this.inner[0] + MARGIN.right, height: this.inner[1] });
     const group = answer.shown;
-    this.values = found.values;
-    const pieces = runs(answer, found.values, group);
-    const of = (other) => {
-      const column = other?.columns.find((c) => c.column === this.column);
-      return column && groupsOf(other).includes(group) ? runs(other, column.values, group) : [];
+    const family = familyOf(answer);
+    const of = (other, column) => {
+      const values = other?.columns.find((c) => c.column === column)?.values;
+      return values && groupsOf(other).includes(group) ? runs(other, values, group) : [];
     };
-    const old = of(ghost);
-    const next = of(proposed);
-    const others = groupsOf(answer).filter((g) => g !== group).map((g) => runs(answer, found.values, g)).flat();
-    const targets = targetsOf(this.column, answer.rack);
-    const slopes = influence?.columns.get(this.column);
     // By one unit of length, or by a tenth where that is much.
     const far = influence ? 10 * state.step : 0;
-    const bent = slopes ? runs(answer, found.values.map((v, i) => (v === null || slopes[i] === null ? null : v + slopes[i] * far)), group) : [];
+    const lines = found.map(({ column, values }, k) => {
+      const slopes = influence?.columns.get(column);
+      const bent = slopes ? runs(answer, values.map((v, i) => (v === null || slopes[i] === null ? null : v + slopes[i] * far)), group) : [];
+      return {
+        ...this.series[k], found: found[k], slopes, bent, pieces: runs(answer, values, group), old: of(ghost, column), next: of(proposed, column),
+        family: family.map((g) => ({ value: answer.group_places[g][state.family], pieces: runs(answer, values, g) })),
+      };
+    });
+    this.series.forEach((one, k) => { one.values = found[k].values; });
+    const targets = targetsOf(this.series.map(({ column }) => column), answer.rack);
 
     const drives = answer.drive.filter((x) => x !== null);
     const wantedAt = targets.flatMap((t) => t.points.map((p) => p[0]));
-    const all = [...drives, ...state.overview.values, ...wantedAt];
+    const all = [...drives, ...state.overview.sliders[state.over].values, ...wantedAt];
     this.xs = [Math.min(...all), Math.max(...all)];
     if (this.xs[0] === this.xs[1]) this.xs = [this.xs[0] - 1, this.xs[1] + 1];
     const bands = targets.flatMap((t) => t.points.flatMap(([, low, high]) => [low, high].filter((v) => v !== null)));
-    const heights = (p) => p.flat().map(([, y]) => y);
-    this.ys = this.fitted([...heights(pieces), ...heights(others), ...heights(old), ...heights(next), ...bands]);
+    const still = [...lines.flatMap(({ old, next }) => [...heights(old), ...heights(next)]), ...bands];
+    const moving = lines.flatMap(({ pieces, family: some }) => [...heights(pieces), ...some.flatMap((f) => heights(f.pieces))]);
+    this.ys = framed(this, still, moving, isInGesture());
     const x = (v) => MARGIN.left + ((v - this.xs[0]) / (this.xs[1] - this.xs[0])) * this.inner[0];
     const y = (v) => MARGIN.top + (1 - (v - this.ys[0]) / (this.ys[1] - this.ys[0])) * this.inner[1];
     this.scales = { x, y };
@@ -129,59 +159,102 @@ class Chart {
       ? `M${x(piece[0][0]) - 3} ${y(piece[0][1])}h6`
       : `M${piece.map(([a, b]) => `${x(a).toFixed(2)} ${y(b).toFixed(2)}`).join('L')}`)).join('');
 
-    this.drawAxes(width, height, x, y);
+    this.drawAxes(width, height, x, y, found[0].unit);
     this.drawBands(targets, x, y);
-    set(this.now, { d: path(pieces) });
-    set(this.old, { d: path(old) });
-    set(this.proposed, { d: path(next) });
-    set(this.moved, { d: path(bent) });
-    this.parts.others.replaceChildren(...others.map((piece) => svg('path', { d: path([piece]) })));
-    this.drawGaps(answer, found.values, group, x, height);
     const now = placeNow();
-    const here = at(pieces, now);
-    const cursor = x(now);
-    set(this.line, { d: `M${cursor.toFixed(1)} ${MARGIN.top}V${height - MARGIN.bottom}` });
-    this.spot.style.display = here === null ? 'none' : '';
-    if (here !== null) set(this.spot, { cx: cursor.toFixed(1), cy: y(here).toFixed(1) });
-    this.say(found, here, at(old, now), pieces, slopes);
+    this.series.forEach((one, k) => {
+      const { pieces, old, next, bent } = lines[k];
+      set(one.now, { d: path(pieces) });
+      set(one.old, { d: path(old) });
+      set(one.proposed, { d: path(next) });
+      set(one.moved, { d: path(bent) });
+      const here = at(pieces, now);
+      lines[k].here = here;
+      lines[k].before = at(old, now);
+      one.spot.style.display = here === null || here < this.ys[0] || here > this.ys[1] ? 'none' : '';
+      if (here !== null) set(one.spot, { cx: x(now).toFixed(1), cy: y(here).toFixed(1) });
+    });
+    this.parts.others.replaceChildren(...lines.flatMap(({ side, family: some }) => some.map((f) => svg('path', { class: side, d: path(f.pieces) }))));
+    this.drawLabels(lines, x, y);
+    this.drawGaps(answer, group, x, height);
+    set(this.line, { d: `M${x(now).toFixed(1)} ${MARGIN.top}V${height - MARGIN.bottom}` });
+    this.say(lines);
   }
 
-  say(found, here, before, pieces, slopes) {
-    // What rounding leaves of nothing is nothing.
-    if (here !== null && Math.abs(here) < 1e-9 * (this.ys[1] - this.ys[0])) here = 0;
-    this.title.textContent = found.title;
-    this.unit.textContent = found.unit ? ` ${found.unit}` : '';
-    const change = here !== null && before !== null && Math.abs(here - before) > 1e-12 ? ` (${signed(here - before)})` : '';
-    this.value.textContent = brief(here, 4) + change;
-    const values = pieces.flat().map(([, v]) => v);
+  say(lines) {
+    const [first] = lines;
+    const { unit, positive } = first.found;
+    const isPair = lines.length > 1;
+    this.title.textContent = isPair ? `${first.found.title.replace(/^(left|right) /i, '')}, both wheels` : first.found.title;
+    this.unit.textContent = unit ? ` [${unit}]` : '';
+    const words = lines.map(({ side, here, before }) => {
+      // A value that rounding leaves of nothing is nothing.
+      const is = here !== null && Math.abs(here) < 1e-9 * (this.ys[1] - this.ys[0]) ? 0 : here;
+      const change = !isPair && is !== null && before !== null && Math.abs(is - before) > 1e-12 ? ` (${signed(is - before)})` : '';
+      return `${side && isPair ? `${side} ` : ''}${brief(is, 4)}${change}`;
+    });
+    this.value.textContent = words.join('  ');
+    const values = lines.flatMap(({ pieces }) => heights(pieces));
     let text = values.length ? `${brief(Math.min(...values), 3)} … ${brief(Math.max(...values), 3)}` : 'no value';
-    if (slopes) {
-      const known = slopes.filter((s) => s !== null);
+    if (first.slopes) {
+      const known = lines.flatMap(({ slopes }) => slopes ?? []).filter((s) => s !== null);
       const rms = Math.sqrt(known.reduce((sum, s) => sum + s * s, 0) / Math.max(1, known.length));
       text = `${brief(rms, 3)} per ${state.overview.unit}`;
     }
     this.range.textContent = text;
-    this.svg.setAttribute('aria-label', `${found.title}: ${brief(here, 4)} ${found.unit} at ${brief(placeNow())}, ${text}${found.positive ? `; positive: ${found.positive}` : ''}`);
-    this.figure.title = found.positive ? `positive: ${found.positive}` : '';
+    const sign = positive && positive !== 'always' ? `positive: ${positive}` : '';
+    this.svg.setAttribute('aria-label', `${this.title.textContent}: ${words.join(', ')} ${unit} at ${brief(placeNow())}, ${text}${sign ? `; ${sign}` : ''}`);
+    this.figure.title = sign;
   }
 
-  drawAxes(width, height, x, y) {
-    const key = [width, height, ...this.xs, ...this.ys].join();
+  drawAxes(width, height, x, y, unit) {
+    const { name, unit: own } = state.overview.sliders[state.over];
+    const key = [width, height, ...this.xs, ...this.ys, name].join();
     if (key === this.frame) return;
     this.frame = key;
     const { axes } = this.parts;
     axes.replaceChildren();
     const bottom = height - MARGIN.bottom;
     for (const tick of ticks(...this.ys, this.inner[1] / 34)) {
-      const at = y(tick).toFixed(1);
-      axes.append(svg('path', { class: tick === 0 ? 'zero' : null, d: `M${MARGIN.left} ${at}H${width - MARGIN.right}` }));
-      axes.append(svg('text', { x: MARGIN.left - 5, y: Number(at) + 3.5, 'text-anchor': 'end', text: brief(tick) }));
+      const place = y(tick).toFixed(1);
+      axes.append(svg('path', { class: tick === 0 ? 'zero' : null, d: `M${MARGIN.left} ${place}H${width - MARGIN.right}` }));
+      axes.append(svg('text', { x: MARGIN.left - 5, y: Number(place) + 3.5, 'text-anchor': 'end', text: brief(tick) }));
     }
     for (const tick of ticks(...this.xs, this.inner[0] / 62)) {
-      const at = x(tick).toFixed(1);
-      axes.append(svg('path', { class: tick === 0 ? 'zero' : null, d: `M${at} ${MARGIN.top}V${bottom}` }));
-      axes.append(svg('text', { x: at, y: bottom + 14, 'text-anchor': 'middle', text: brief(tick) }));
+      const place = x(tick).toFixed(1);
+      axes.append(svg('path', { class: tick === 0 ? 'zero' : null, d: `M${place} ${MARGIN.top}V${bottom}` }));
+      axes.append(svg('text', { x: place, y: bottom + 13, 'text-anchor': 'middle', text: brief(tick) }));
     }
+    axes.append(svg('text', { class: 'axis-title', x: (MARGIN.left + this.inner[0] / 2).toFixed(1), y: height - 4, 'text-anchor': 'middle', text: `${name} [${own}]` }));
+    if (unit) axes.append(svg('text', { class: 'axis-title', x: MARGIN.left - 5, y: 9, 'text-anchor': 'end', text: `[${unit}]` }));
+  }
+
+  // Names at the right end of lines: of both wheels, and of the lines of a family.
+  drawLabels(lines, x, y) {
+    const wanted = [];
+    const end = (pieces) => pieces.at(-1)?.at(-1);
+    const isPair = lines.length > 1;
+    for (const { side, pieces, family } of lines) {
+      const own = end(pieces);
+      const unit = family.length ? state.overview.sliders[state.family].unit : '';
+      const place = family.length ? state.answer.group_places[state.answer.shown][state.family] : null;
+      const text = [isPair ? side : null, place === null ? null : `${brief(place, 3)} ${unit}`].filter(Boolean).join(' ');
+      if (own && text) wanted.push([own, text, `strong ${side ?? ''}`]);
+      const known = family.filter((f) => end(f.pieces));
+      const named = known.length <= MOST_LABELS ? known : [known[0], known.at(-1)];
+      for (const f of named) if (!isPair || side === 'left') wanted.push([end(f.pieces), `${brief(f.value, 3)} ${unit}`, side ?? '']);
+    }
+    const taken = [];
+    const labels = wanted.flatMap(([[a, b], text, kind]) => {
+      const height = y(b);
+      if (height < MARGIN.top - 1 || height > MARGIN.top + this.inner[1] + 1) return [];
+      // Above the line's end, or below where that is taken or outside.
+      const free = [height - 4, height + 11].find((h) => h > MARGIN.top + 6 && h < MARGIN.top + this.inner[1] && taken.every((t) => Math.abs(t - h) > 10));
+      if (free === undefined) return [];
+      taken.push(free);
+      return [svg('text', { class: kind, x: (x(a) + 6).toFixed(1), y: free.toFixed(1), 'text-anchor': 'end', text })];
+    });
+    this.parts.labels.replaceChildren(...labels);
   }
 
   drawBands(targets, x, y) {
@@ -193,44 +266,47 @@ class Chart {
       if (!points.length) continue;
       const by = isBand ? 0 : tolerance;
       if (points.length === 1) {
-        const [[at, low, high]] = points;
+        const [[place, low, high]] = points;
         const [a, b] = [y(limit(low, 0, -by)), y(limit(high, 1, by))];
-        bands.append(svg('path', { class: 'line', d: `M${x(at)} ${a.toFixed(1)}V${b.toFixed(1)}M${x(at) - 4} ${a.toFixed(1)}h8M${x(at) - 4} ${b.toFixed(1)}h8` }));
+        bands.append(svg('path', { class: 'line', d: `M${x(place)} ${a.toFixed(1)}V${b.toFixed(1)}M${x(place) - 4} ${a.toFixed(1)}h8M${x(place) - 4} ${b.toFixed(1)}h8` }));
         continue;
       }
-      const upper = points.map(([at, , high]) => `${x(at).toFixed(1)} ${y(limit(high, 1, by)).toFixed(1)}`);
-      const lower = points.map(([at, low]) => `${x(at).toFixed(1)} ${y(limit(low, 0, -by)).toFixed(1)}`).reverse();
+      const upper = points.map(([place, , high]) => `${x(place).toFixed(1)} ${y(limit(high, 1, by)).toFixed(1)}`);
+      const lower = points.map(([place, low]) => `${x(place).toFixed(1)} ${y(limit(low, 0, -by)).toFixed(1)}`).reverse();
       bands.append(svg('path', { class: 'area', d: `M${[...upper, ...lower].join('L')}Z` }));
-      if (!isBand) bands.append(svg('path', { class: 'line', d: `M${points.map(([at, low]) => `${x(at).toFixed(1)} ${y(low).toFixed(1)}`).join('L')}` }));
+      if (!isBand) bands.append(svg('path', { class: 'line', d: `M${points.map(([place, low]) => `${x(place).toFixed(1)} ${y(low).toFixed(1)}`).join('L')}` }));
     }
   }
 
   // Stations without a value, each with its reason.
-  drawGaps(answer, values, group, x, height) {
+  drawGaps(answer, group, x, height) {
     const { gaps } = this.parts;
     gaps.replaceChildren();
-    values.forEach((value, i) => {
-      if (value !== null || answer.groups[i] !== group || answer.drive[i] === null) return;
-      const stretch = answer.failures.find((f) => i >= f.first && i <= f.last);
-      const reason = stretch ? stretch.reason : answer.status[i] === 'ok' ? 'has no value here' : answer.status[i].replace('_', ' ');
-      gaps.append(svg('rect', { x: (x(answer.drive[i]) - 2).toFixed(1), y: height - MARGIN.bottom - 5, width: 4, height: 5 }, svg('title', { text: `${brief(answer.drive[i])}: ${reason}` })));
-    });
+    for (const { values } of this.series) {
+      values.forEach((value, i) => {
+        if (value !== null || answer.groups[i] !== group || answer.drive[i] === null) return;
+        const stretch = answer.failures.find((f) => i >= f.first && i <= f.last);
+        const reason = stretch ? stretch.reason : answer.status[i] === 'ok' ? 'has no value here' : answer.status[i].replace('_', ' ');
+        gaps.append(svg('rect', { x: (x(answer.drive[i]) - 2).toFixed(1), y: height - MARGIN.bottom - 5, width: 4, height: 5 }, svg('title', { text: `${brief(answer.drive[i])}: ${reason}` })));
+      });
+    }
   }
 }
 
-export const chartSvgs = () => charts.map((chart) => [chart.column, chart.title.textContent + chart.unit.textContent, chart.svg]);
-export const drawnValues = () => Object.fromEntries(charts.map((chart) => [chart.column, chart.values]));
-export const drawnPlaces = (column) => {
-  const chart = charts.find((c) => c.column === column);
-  return { d: chart.now.getAttribute('d'), drive: state.answer.drive.map((v) => v !== null && chart.scales.x(v)), value: chart.values.map((v) => v !== null && chart.scales.y(v)) };
+export const chartSvgs = () => charts.map((chart) => [chart.key, chart.title.textContent + chart.unit.textContent, chart.svg]);
+const everySeries = () => charts.flatMap((chart) => chart.series.map((one) => ({ chart, ...one })));
+export const drawnValues = () => Object.fromEntries(everySeries().map(({ column, values }) => [column, values]));
+export const drawnPlaces = (wanted) => {
+  const { chart, now, values } = everySeries().find(({ column }) => column === wanted);
+  return { d: now.getAttribute('d'), drive: state.answer.drive.map((v) => v !== null && chart.scales.x(v)), value: values.map((v) => v !== null && chart.scales.y(v)) };
 };
 
-// One chart for each column of the answer.
+// One chart for each column of the answer, or for the columns of both wheels.
 const arrange = () => {
-  const columns = state.answer?.columns.map((c) => c.column) ?? [];
-  if (columns.join() === charts.map((c) => c.column).join()) return;
-  const kept = new Map(charts.map((chart) => [chart.column, chart]));
-  charts = columns.map((column) => kept.get(column) ?? new Chart(column));
+  const parts = partsOf(state.answer?.columns.map((c) => c.column) ?? []);
+  if (parts.map(([key]) => key).join() === charts.map((c) => c.key).join()) return;
+  const kept = new Map(charts.map((chart) => [chart.key, chart]));
+  charts = parts.map(([key, own]) => kept.get(key) ?? new Chart(key, own));
   byId('charts').replaceChildren(...charts.map((chart) => chart.figure));
   lay();
 };
@@ -249,7 +325,7 @@ const offer = () => {
     if (!available) continue;
     const box = html('input', { type: 'checkbox', value: name, on: { change: choose } });
     box.checked = state.chosen.includes(name);
-    choices.append(html('label', { title: `positive: ${positive}` }, box, ` ${name.replaceAll('_', ' ')}`, html('small', { text: unit ? ` ${unit.replaceAll('_', ' ')}` : '' })));
+    choices.append(html('label', { title: positive === 'always' ? null : `positive: ${positive}` }, box, ` ${name.replaceAll('_', ' ')}`, html('small', { text: unit ? ` ${unit.replaceAll('_', ' ')}` : '' })));
   }
 };
 const choose = () => {
@@ -259,13 +335,45 @@ const choose = () => {
   emit('chosen');
 };
 
+// The slider that curves are drawn over, and the one whose values have a line each. Only what the motion moves can be one.
+const offerAxes = () => {
+  const { sliders } = state.overview;
+  const moving = sliders.map((slider, k) => [k, slider]).filter(([k, { values }]) => values.length > 1 || k === state.overview.main);
+  const option = ([k, { name }]) => html('option', { value: k, text: name });
+  const [over, family] = ['over', 'family'].map(byId);
+  over.replaceChildren(...moving.map(option));
+  over.value = String(state.over);
+  const rest = moving.filter(([k]) => k !== state.over);
+  if (!rest.some(([k]) => k === state.family)) state.family = rest.at(-1)?.[0] ?? null;
+  family.replaceChildren(...rest.map(option), html('option', { value: '', text: 'none' }));
+  family.value = state.family === null ? '' : String(state.family);
+  byId('over-label').hidden = moving.length < 2;
+  byId('family-label').hidden = moving.length < 2;
+  const elsewhere = [...new Set(state.overview.targets.map((t) => t.over).filter((o) => o !== null && o !== state.over))];
+  byId('elsewhere').textContent = elsewhere.length ? `Targets over ${elsewhere.map((o) => sliders[o].name).join(', ')} are not drawn here.` : '';
+};
+
 export const startCurves = () => {
   new ResizeObserver(lay).observe(byId('charts'));
+  byId('over').addEventListener('change', (event) => {
+    state.over = Number(event.target.value);
+    offerAxes();
+    ask();
+    askGhost();
+    emit('chosen');
+  });
+  byId('family').addEventListener('change', (event) => {
+    state.family = event.target.value === '' ? null : Number(event.target.value);
+    drawAll();
+  });
   on('study', () => {
     state.chosen = state.overview.characteristics.filter((c) => c.asked && c.available).map((c) => c.name);
+    state.over = state.overview.main;
+    state.family = null;
     charts = [];
     byId('charts').replaceChildren();
     offer();
+    offerAxes();
   });
   on('answer', () => { arrange(); drawAll(); });
   on('ghost', drawAll);

@@ -10,6 +10,9 @@ export const state = {
   locked: [],
   // A value for each slider.
   at: [],
+  // Number of the slider that curves are drawn over, and of the one whose values each have a line.
+  over: 0,
+  family: null,
   step: 0.1,
   coupled: true,
   curvesAtRack: false,
@@ -123,8 +126,8 @@ export const setCoordinate = (point, axis, value) => {
   finish();
 };
 
-// The place on the number that curves are drawn over. The rack is the last slider.
-export const here = () => state.at[state.overview.main];
+// The place on the number that curves are drawn over.
+export const here = () => state.at[state.over];
 
 export const of = (design = state.design) => ({ digest: state.overview.digest, design });
 const request = (design) => ({
@@ -132,6 +135,7 @@ const request = (design) => ({
   characteristics: state.chosen,
   at: state.at,
   curves_rack: state.curvesAtRack ? state.at.at(-1) : null,
+  over: state.over,
 });
 
 // Asks for the latest design, one request at a time: what was wanted in between is never computed, and an

@@ -4,6 +4,7 @@ import { askGhost, copy, emit, forget, isMoved, isSame, of, on, put, state } fro
 import { chartSvgs } from './curves.js';
 import { viewSvgs } from './views.js';
 import { post, postForText } from './server.js';
+import { acceptProposal, hasProposal, isTuning } from './tuning.js';
 
 // A question with answers; the answer, or null.
 const ask = (title, text, answers, field) => new Promise((done) => {
@@ -17,12 +18,14 @@ const ask = (title, text, answers, field) => new Promise((done) => {
   dialog.showModal();
   input?.select();
 });
+// A message over the page, which moves nothing on it.
 export const say = (text, kind = 'good', ...actions) => {
   const banner = byId('banner');
   banner.className = kind;
-  banner.replaceChildren(html('span', { text }), ...actions);
+  const close = html('button', { class: 'close', text: '✕', 'aria-label': 'Close the message', on: { click: () => { banner.hidden = true; } } });
+  banner.replaceChildren(html('span', { text }), ...actions, close);
   banner.hidden = false;
-  if (kind === 'good' && !actions.length) setTimeout(() => { if (banner.firstChild?.textContent === text) banner.hidden = true; }, 4000);
+  if (kind === 'good' && !actions.length) setTimeout(() => { if (banner.firstChild?.textContent === text) banner.hidden = true; }, 5000);
 };
 const action = (text, handler) => html('button', { text, on: { click: () => { byId('banner').hidden = true; handler(); } } });
 
@@ -44,15 +47,27 @@ export const readStudy = async () => {
 };
 
 const saved = ({ file, digest }, design) => {
+  const wasMoved = isMoved();
   state.overview.digest = digest;
   state.opened = design;
   dropDraft();
   askGhost();
   emit('saved');
   emit('design');
-  say(`${file} saved`);
+  if (!wasMoved) say(`No point was moved: ${file} stays as it was.`);
+  else say(isTuning() ? `${file} saved with the present points; the tuning that runs is not in it.` : `${file} saved`);
+};
+// A proposal on the page is no part of the design yet.
+const settleProposal = async () => {
+  if (!hasProposal()) return true;
+  const chosen = await ask('A proposal is open', 'Tune has proposed other points. The file gets the points as they are now, unless you accept the proposal first.', [
+    ['accept', 'Accept it and save'], ['without', 'Save without it'], ['', 'Cancel'],
+  ]);
+  if (chosen?.answer === 'accept') acceptProposal();
+  return chosen !== null;
 };
 const save = async (anyway = false) => {
+  if (!anyway && !await settleProposal()) return;
   const design = copy(state.design);
   try {
     saved(await post('save', { of: of(design), name: null, anyway }), design);
@@ -71,14 +86,15 @@ const reload = async () => {
   dropDraft();
   try {
     await readStudy();
-    say('Read anew');
+    say(`${state.overview.file} read again`);
   } catch (refused) { say(refused.message, 'bad'); }
 };
 const saveAs = async () => {
+  if (!await settleProposal()) return;
   const chosen = await ask('Save as', 'A new study beside this one, with its comments.', [['ok', 'Save'], ['', 'Cancel']], state.overview.file.replace(/\.toml$/, '_2.toml'));
   if (!chosen) return;
   const name = chosen.text.trim();
-  const write = async (anyway) => say(`${(await post('save', { of: of(), name, anyway })).file} written; this page goes on with ${state.overview.file}`);
+  const write = async (anyway) => say(`${(await post('save', { of: of(), name, anyway })).file} written. This page still shows ${state.overview.file}.`);
   try {
     await write(false);
   } catch (refused) {
@@ -86,6 +102,19 @@ const saveAs = async () => {
     const sure = await ask('Replace it?', `${refused.message}.`, [['yes', 'Replace'], ['', 'Cancel']]);
     if (sure) await write(true).catch((again) => say(again.message, 'bad'));
   }
+};
+
+// Looks now and then whether another program has changed the file.
+const WATCH = 5000;
+let told = null;
+const watchFile = async () => {
+  if (document.hidden || !state.overview || isTuning() || hasProposal()) return;
+  const { digest, file } = state.overview;
+  const now = await post('digest', null).catch(() => null);
+  if (now === null || now === digest || now === told || digest !== state.overview.digest) return;
+  told = now;
+  say(`${file} was changed by another program. This page still shows the earlier text.`, 'ask',
+    action(isMoved() ? 'Read it again, keep my moves' : 'Read it again', () => readStudy().catch((refused) => say(refused.message, 'bad'))));
 };
 
 // What is not saved is kept by the browser, by point, so that it outlives the tab and the server.
@@ -112,7 +141,7 @@ const offerDraft = () => {
   }
   if (isSame(design, state.design)) return;
   const when = new Date(draft.when).toLocaleTimeString([], { hour: '2-digit', minute: '2-digit' });
-  say(`Moves of ${when} were not saved.`, 'ask', action('Take them up', () => put(design, 'draft')), action('Forget them', dropDraft));
+  say(`Unsaved changes from ${when}.`, 'ask', action('Restore', () => put(design, 'draft')), action('Discard', dropDraft));
 };
 
 // Pictures: what is drawn, with the look it has on the screen.
@@ -193,6 +222,8 @@ export const startFiles = () => {
       save();
     }
   });
+  setInterval(watchFile, WATCH);
+  window.addEventListener('focus', watchFile);
   on('study', offerDraft);
   on('deed', keepDraft);
   on('design', () => {

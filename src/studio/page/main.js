@@ -76,6 +76,13 @@ const startDeeds = () => {
     byId('undo').disabled = !canUndo();
     byId('redo').disabled = !canRedo();
   });
+  document.addEventListener('keydown', (event) => {
+    if (event.key !== 'Escape') return;
+    for (const menu of document.querySelectorAll('details.menu[open]')) {
+      menu.open = false;
+      menu.querySelector('summary').focus();
+    }
+  });
   document.addEventListener('click', (event) => {
     for (const menu of document.querySelectorAll('details.menu[open]')) if (!menu.contains(event.target)) menu.open = false;
   });
@@ -92,9 +99,9 @@ const startWatch = () => watchServer((there) => {
       ask();
     }
   } else if (there === 'other') {
-    say('The server was started anew: open the address it printed. Moves that are not saved are kept in this browser and offered there.', 'bad');
+    say('Another server answers at this port. Open the address that it printed; this browser keeps unsaved moves and offers them there.', 'bad');
   } else {
-    say('The server does not answer. Curves are of its last answer; moves are kept in this browser.', 'bad');
+    say('The server does not answer. The curves show its last answer; this browser keeps your moves.', 'bad');
     retry = setInterval(() => ask(), 1000);
   }
 });

@@ -7,32 +7,58 @@ let limits = null;
 let free = [];
 
 const words = (column) => column.replaceAll('_', ' ');
-const panel = (title, ...children) => html('div', { class: 'panel' }, html('h2', { text: title }), ...children);
+const panel = (title, ...children) => html('div', { class: 'panel', id: `panel-${title.toLowerCase().replaceAll(' ', '-')}` }, html('h2', { text: title }), ...children);
 const table = (head, body) => html('table', {}, html('thead', {}, html('tr', {}, ...head.map((text, k) => html('th', { text, class: k ? 'number' : null })))), html('tbody', {}, ...body));
 
+// Chips in the header: of fixed width, so that nothing moves while they change. Each leads to its panel.
+let chips = new Map();
+const buildChips = () => {
+  const { tunes, has_constraints: hasConstraints } = state.overview;
+  const names = [...(tunes ? [['misfit', 'Misfit', 'targets'], ['met', 'Within tolerance', 'targets']] : []),
+    ...(hasConstraints ? [['constraints', 'Constraints', 'constraints']] : []), ['solved', 'Solved', 'warnings'], ['warnings', 'Warnings', 'warnings']];
+  chips = new Map(names.map(([key, name, place]) => {
+    const [value, note] = [html('b'), html('small')];
+    const chip = html('button', { class: 'chip', 'data-chip': key, on: { click: () => lead(place) } }, html('span', { text: name }), html('span', { class: 'value' }, value, note));
+    return [key, { chip, value, note }];
+  }));
+  byId('figures').replaceChildren(...[...chips.values()].map(({ chip }) => chip));
+};
+const lead = (place) => {
+  const found = byId(`panel-${place}`) ?? byId('notes');
+  found.tabIndex = -1;
+  found.focus({ preventScroll: true });
+  found.scrollIntoView({ block: 'center' });
+};
+const tell = (key, value, note, bad) => {
+  const found = chips.get(key);
+  if (!found) return;
+  found.value.textContent = value;
+  found.note.textContent = note ? ` ${note}` : '';
+  found.chip.classList.toggle('bad', Boolean(bad));
+  found.chip.title = note ? `${value} ${note}` : '';
+};
+
 const figures = () => {
-  const list = byId('figures');
   const misfit = state.answer?.misfit;
-  const fact = (name, value, note, bad) => html('div', {}, html('dt', { text: name }), html('dd', { class: bad ? 'bad' : null }, value, note ? html('small', { text: ` ${note}` }) : ''));
-  const facts = [];
   if (misfit) {
     const before = state.ghost?.misfit?.value;
     const is = misfit.value === null ? 'none' : brief(misfit.value, 3);
     const changed = before !== null && before !== undefined && misfit.value !== null && Math.abs(before - misfit.value) > 5e-4;
-    facts.push(fact('Misfit', is, changed ? `from ${brief(before, 3)}` : 'tolerances', misfit.value === null));
+    tell('misfit', is, changed ? `from ${brief(before, 3)}` : 'tolerances', misfit.value === null);
     const met = misfit.targets.filter((t) => t.rms <= 1).length;
-    if (misfit.targets.length) facts.push(fact('Within tolerance', `${met} of ${misfit.targets.length}`, 'targets', met < misfit.targets.length));
-    const broken = misfit.constraints.filter((c) => c.is_violated).length;
-    if (misfit.constraints.length) facts.push(fact('Constraints', broken ? `${broken} violated` : 'kept', '', broken > 0));
+    tell('met', misfit.value === null ? '–' : `${met} of ${misfit.targets.length}`, 'targets', met < misfit.targets.length || misfit.value === null);
+    const broken = misfit.constraints.filter((c) => c.is_violated);
+    const [first, ...more] = broken;
+    if (misfit.value === null) tell('constraints', '–', 'not known', true);
+    else tell('constraints', first ? `${broken.length} violated:` : 'kept', first ? `${first.name}${more.length ? `, ${more.map((c) => c.name).join(', ')}` : ''}` : '', Boolean(first));
   }
   if (state.answer) {
     const all = state.answer.status.length;
     const failed = state.answer.failures.reduce((sum, f) => sum + f.last - f.first + 1, 0);
-    facts.push(fact('Solved', `${all - failed} of ${all}`, 'stations', failed > 0));
+    tell('solved', `${all - failed} of ${all}`, 'stations', failed > 0);
   }
   const doubts = state.answer?.remarks.length ?? 0;
-  if (doubts) facts.push(fact('Warnings', String(doubts), '', true));
-  list.replaceChildren(...facts);
+  tell('warnings', doubts ? String(doubts) : 'none', '', doubts > 0);
 };
 
 const targets = () => {
@@ -45,7 +71,7 @@ const targets = () => {
     html('td', { class: 'number', text: brief(t.worst, 3) }), html('td', { class: 'number', text: `${brief(t.worst_at, 4)} ${t.worst_at_unit}` })));
   const found = [panel('Targets', table(['target, in tolerances', 'rms', 'worst', 'at'], body))];
   if (misfit.constraints.length) {
-    const rows = misfit.constraints.map((c) => html('tr', {}, html('th', { scope: 'row', text: c.name }),
+    const rows = misfit.constraints.map((c) => html('tr', { class: c.is_violated ? 'violated' : null }, html('th', { scope: 'row', text: c.is_violated ? `${c.name}, violated` : c.name }),
       html('td', { class: `number ${c.is_violated ? 'bad' : ''}`, text: `${brief(c.room, 3)} ${c.unit}` })));
     found.push(panel('Constraints', table(['constraint', 'margin'], rows)));
   }
@@ -68,7 +94,7 @@ const freeDirections = () => {
     slider.addEventListener('change', () => { slider.began = false; finish(); });
     return html('label', { class: 'direction' }, html('span', { text: name }), slider);
   });
-  return [panel('Free directions', html('p', { class: 'hint', text: 'Moves that the targets do not feel, each across its range.' }), ...rows)];
+  return [panel('Free directions', html('p', { class: 'hint', text: 'Directions that leave all targets unchanged to first order, each across its range.' }), ...rows)];
 };
 
 const limitsPanel = () => {
@@ -79,7 +105,7 @@ const limitsPanel = () => {
   const rows = [row('travel', limits.travel)];
   if (limits.rack) rows.push(row('rack', limits.rack));
   const why = [...limits.travel.map((e, k) => [`travel ${k ? 'up' : 'down'}`, e]), ...(limits.rack ?? []).map((e, k) => [`rack ${k ? '+' : '−'}`, e])];
-  return [panel('Limits', table(['goes', 'from', 'to'], rows), html('ul', { class: 'hint' }, ...why.map(([name, { because }]) => html('li', { text: `${name}: ${because}` }))))];
+  return [panel('Limits', table(['quantity', 'minimum', 'maximum'], rows), html('ul', { class: 'hint' }, ...why.map(([name, { because }]) => html('li', { text: `${name}: ${because}` }))))];
 };
 
 const warnings = () => {
@@ -89,7 +115,7 @@ const warnings = () => {
   const frame = state.answer?.frame;
   if (frame?.pose?.Err) lines.push(['bad', `no pose at the sliders' place: ${frame.pose.Err}`]);
   for (const remark of state.answer?.remarks ?? []) lines.push(['warn', remark]);
-  if (!lines.length) return [];
+  if (!lines.length) lines.push(['hint', 'none']);
   return [panel('Warnings', html('ul', {}, ...lines.map(([kind, text]) => html('li', { class: kind, text }))))];
 };
 
@@ -97,7 +123,7 @@ const draw = () => {
   figures();
   // A slider that is held must stay.
   if (byId('notes').querySelector('input:active')) return;
-  byId('notes').replaceChildren(...warnings(), ...targets(), ...freeDirections(), ...limitsPanel());
+  byId('notes').replaceChildren(...targets(), ...freeDirections(), ...limitsPanel(), ...warnings());
   const select = byId('arrows');
   select.value = state.arrows === null ? 'all' : String(state.arrows);
 };
@@ -120,6 +146,7 @@ const rest = () => {
 
 export const startNotes = () => {
   on('study', () => {
+    buildChips();
     limits = null;
     free = [];
     const select = byId('arrows');

@@ -16,6 +16,15 @@ const point = (p, axis) => {
   }, p === null ? 30 : 90);
 };
 
+// All digits where there is room for them; else as many as there is, marked. The field shows all when it has the focus.
+const MOST_DIGITS = 9;
+const short = (value) => {
+  const whole = String(value);
+  if (whole.length <= MOST_DIGITS || whole.includes('e')) return whole;
+  const decimals = Math.max(0, MOST_DIGITS - 2 - Math.trunc(value).toString().length);
+  return `${value.toFixed(decimals)}…`;
+};
+
 const typed = (input, p, axis) => {
   // A decimal comma is one, too.
   const value = Number(input.value.trim().replace('−', '-').replace(',', '.'));
@@ -39,7 +48,7 @@ const cell = (p, axis) => {
     type: 'text', inputmode: 'decimal', size: 9, 'aria-label': label, 'data-point': p, 'data-axis': axis, autocomplete: 'off',
     on: {
       change: () => typed(input, p, axis),
-      focus: () => { select(p); point(p, axis); },
+      focus: () => { input.value = String(state.design[p][axis]); select(p); point(p, axis); },
       blur: () => { point(null); draw(); },
       keydown: (event) => {
         const by = { ArrowUp: 1, ArrowDown: -1 }[event.key];
@@ -90,12 +99,13 @@ const draw = () => {
     for (const { input, lock, slope, bar, axis } of cells) {
       const value = state.design[p][axis];
       const changed = value !== state.opened[p][axis];
-      if (document.activeElement !== input || Number(input.value) !== value) input.value = String(value);
+      if (document.activeElement !== input) input.value = short(value);
+      else if (Number(input.value) !== value) input.value = String(value);
       input.classList.toggle('changed', changed);
       const ends = range(p, axis);
       const outside = ends && (value < ends[0] || value > ends[1]);
       input.classList.toggle('outside', Boolean(outside));
-      set(input, { title: [changed ? `file: ${state.opened[p][axis]}` : '', ends ? `range for Tune: ${brief(ends[0], 6)} … ${brief(ends[1], 6)}${outside ? ', outside' : ''}` : ''].filter(Boolean).join('; ') || null });
+      set(input, { title: [input.value.endsWith('…') ? String(value) : '', changed ? `file: ${state.opened[p][axis]}` : '', ends ? `range for Tune: ${brief(ends[0], 6)} … ${brief(ends[1], 6)}${outside ? ', outside' : ''}` : ''].filter(Boolean).join('; ') || null });
       set(lock, { 'aria-pressed': String(state.locked[p][axis]), text: state.locked[p][axis] ? '●' : '○' });
       input.readOnly = state.locked[p][axis];
       const g = slopes?.[p][axis] ?? 0;

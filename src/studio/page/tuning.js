@@ -1,6 +1,6 @@
 // Tune: progress, cancel, and the result as a proposal beside the present state.
 import { AXES, brief, byId, html, signed } from './draw.js';
-import { askProposal, copy, of, on, put, state } from './design.js';
+import { askProposal, copy, of, on, put, snapped, state } from './design.js';
 import { post } from './server.js';
 
 let job = null;
@@ -15,6 +15,17 @@ const close = () => {
   proposal = null;
   show();
   askProposal(null);
+};
+// Steps that accepted coordinates are rounded to, by unit; the first is the usual one, 0 keeps all digits.
+const ROUNDINGS = { mm: [0.01, 0.001, 0.1, 0.5, 1, 0], m: [0.00001, 0.000001, 0.0001, 0.0005, 0.001, 0], in: [0.001, 0.0001, 0.005, 0.01, 0.05, 0] };
+const rounded = (value, step) => (step ? snapped(value, step) : value);
+
+export const hasProposal = () => proposal !== null;
+export const isTuning = () => job !== null;
+export const acceptProposal = () => {
+  const design = taken();
+  close();
+  put(design, 'tune');
 };
 const wait = (milliseconds) => new Promise((done) => { setTimeout(done, milliseconds); });
 
@@ -51,15 +62,24 @@ const tune = async () => {
 
 // The part of a proposal that is taken: what is ticked, by so much of the way.
 const taken = () => {
-  const { base, found, changes, share } = proposal;
+  const { base, found, changes, share, step } = proposal;
   const design = copy(state.design);
   for (const { p, axis, box: tick } of changes) {
     const whole = found[p][axis];
-    if (tick.checked) design[p][axis] = share === 1 ? whole : Number((base[p][axis] + share * (whole - base[p][axis])).toPrecision(9));
+    if (tick.checked) design[p][axis] = rounded(share === 1 ? whole : Number((base[p][axis] + share * (whole - base[p][axis])).toPrecision(12)), step);
   }
   return design;
 };
-const preview = () => { if (proposal) askProposal(taken()); };
+const preview = () => {
+  if (!proposal) return;
+  const design = taken();
+  for (const { p, axis, box: tick, to, by } of proposal.changes) {
+    const value = tick.checked ? design[p][axis] : proposal.base[p][axis];
+    to.textContent = brief(value, 8);
+    by.textContent = signed(value - proposal.base[p][axis]);
+  }
+  askProposal(design);
+};
 
 // Changes that no target asks for, flagged ones first.
 const effectsTable = ({ header, rows, rest }) => [
@@ -75,27 +95,31 @@ const effectsTable = ({ header, rows, rest }) => [
 const propose = (base, { design, headline, side_effects: effects, remarks, interrupted }) => {
   const changes = [];
   design.forEach((point, p) => point.forEach((c, axis) => { if (c !== base[p][axis]) changes.push({ p, axis }); }));
-  proposal = { base, found: design, changes, share: 1 };
   const { points, unit } = state.overview;
+  const [usual] = ROUNDINGS[unit];
+  proposal = { base, found: design, changes, share: 1, step: usual, exact: null };
   const rows = changes.map((change) => {
     const { p, axis } = change;
     const label = `${points[p].name} ${AXES[axis]}`;
     change.box = html('input', { type: 'checkbox', 'aria-label': `take ${label}`, on: { change: preview } });
     change.box.checked = true;
     return html('tr', {}, html('td', {}, change.box), html('th', { scope: 'row', text: label }), html('td', { class: 'number', text: brief(base[p][axis], 6) }),
-      html('td', { class: 'number', text: brief(design[p][axis], 6) }), html('td', { class: 'number', text: signed(design[p][axis] - base[p][axis]) }));
+      (change.to = html('td', { class: 'number' })), (change.by = html('td', { class: 'number' })));
   });
   const amount = html('output', { text: '100 %' });
   const share = html('input', {
-    type: 'range', min: 0, max: 100, value: 100, id: 'share', 'aria-label': 'share of the way',
+    type: 'range', min: 0, max: 100, value: 100, id: 'share', 'aria-label': 'Apply, percent',
     on: { input: () => { proposal.share = Number(share.value) / 100; amount.textContent = `${share.value} %`; preview(); } },
   });
-  const accept = html('button', { id: 'accept', class: 'strong', text: 'Accept', on: { click: () => { const design = taken(); close(); put(design, 'tune'); } } });
+  const rounding = html('select', { id: 'rounding', on: { change: () => { proposal.step = Number(rounding.value); preview(); } } },
+    ...ROUNDINGS[unit].map((value) => html('option', { value, text: value ? `${value} ${unit}` : 'no rounding' })));
+  const accept = html('button', { id: 'accept', class: 'strong', text: 'Accept', on: { click: acceptProposal } });
   const reject = html('button', { id: 'reject', text: 'Reject', on: { click: close } });
   const result = html('span', { id: 'proposal-misfit' });
   show(
     html('div', { class: 'heading' }, html('h2', { text: interrupted ? 'Proposal, cancelled before its end' : 'Proposal' }), html('p', { text: headline.replace('->', '→') }), result, html('span', { class: 'group' }, accept, reject)),
-    html('label', { class: 'direction' }, html('span', { text: 'share of the way' }), share, amount),
+    html('label', { class: 'direction' }, html('span', { text: 'Apply' }), share, amount),
+    html('label', { class: 'direction' }, html('span', { text: 'Round coordinates to' }), rounding),
     changes.length
       ? html('div', { class: 'scroll' }, html('table', {}, html('thead', {}, html('tr', {}, ...['', 'coordinate', `now [${unit}]`, 'tuned', 'by'].map((text, k) => html('th', { text, class: k > 1 ? 'number' : null })))), html('tbody', {}, ...rows)))
       : html('p', { text: 'Nothing moves.' }),
@@ -119,6 +143,6 @@ export const startTuning = () => {
   on('proposed', () => {
     const value = state.proposed?.misfit?.value;
     const words = byId('proposal-misfit');
-    if (words) words.textContent = value === undefined || value === null ? '' : `misfit as taken: ${brief(value, 3)}`;
+    if (words) words.textContent = value === undefined || value === null ? '' : `misfit with these coordinates: ${brief(value, 4)}`;
   });
 };

@@ -5,6 +5,9 @@ import { ask, begin, emit, finish, gradient, grip, moveTo, on, snapped, state } 
 const ROUND = 64;
 const HUES = 7;
 
+// Points nearer to each other than this, in pixels, lie on each other.
+const STACKED = 9;
+
 const views = [];
 let others = false;
 
@@ -85,6 +88,8 @@ class View {
     const { width, height } = this.svg.getBoundingClientRect();
     const is = width !== this.width || height !== this.height;
     [this.width, this.height] = [width, height];
+    // Printed in another size, the picture is scaled.
+    if (width > 0) set(this.svg, { viewBox: `0 0 ${width} ${height}` });
     return is && width > 0;
   }
 
@@ -162,6 +167,8 @@ class View {
       const title = svg('title');
       return { group: this.layers.arrows.appendChild(svg('g', {}, title, hit, line)), hit, line, title };
     });
+    // The selected point, over all that lie on it.
+    this.top = this.layers.words.appendChild(svg('circle', { class: 'top', r: 7 }));
     this.words = points.map(({ name }) => this.layers.words.appendChild(svg('text', { text: name })));
     const handle = (point, other) => {
       const circle = svg('circle', { r: 5.5 });
@@ -209,6 +216,8 @@ class View {
     this.centre.setAttribute('d', inside ? `M${centre[0] - 6} ${centre[1]}h12M${centre[0]} ${centre[1] - 6}v12` : '');
     const slopes = gradient();
     const steepest = slopes ? Math.max(...slopes.map(norm), 1e-300) : 1;
+    this.places = [];
+    this.mirrorPlaces = [];
     points.forEach(({ name }, p) => {
       // Where there is no pose, handles stay where the design has them: what went wrong can be undone.
       const at = frame ? frame.points[p] : state.design[p];
@@ -225,21 +234,27 @@ class View {
       mirror.style.display = other ? '' : 'none';
       if (other) {
         const [mx, my] = this.project(other.points[p]);
+        this.mirrorPlaces[p] = [mx, my];
         mirror.setAttribute('transform', `translate(${mx.toFixed(1)} ${my.toFixed(1)})`);
         mirror.setAttribute('aria-label', `${name}, other side`);
       }
+      this.places[p] = [x, y];
       this.drawArrow(p, [x, y], slopes?.[p], steepest);
     });
+    const top = state.selected === null ? null : this.places[state.selected];
+    this.top.style.display = top ? '' : 'none';
+    if (top) set(this.top, { cx: top[0].toFixed(1), cy: top[1].toFixed(1) });
     this.drawWords(frame);
   }
 
   // Names, each on the first of four places that is free.
   drawWords(frame) {
     const taken = [];
+    const near = this.hovered === null || this.hovered === undefined ? [] : this.stack(this.places[this.hovered], this.places);
     const order = this.words.map((_, p) => p).sort((a, b) => (b === state.selected) - (a === state.selected));
     for (const p of order) {
       const word = this.words[p];
-      const shown = named || state.selected === p || this.hovered === p;
+      const shown = named || state.selected === p || near.includes(p);
       word.style.display = shown ? '' : 'none';
       if (!shown) continue;
       const [x, y] = this.project(frame ? frame.points[p] : state.design[p]);
@@ -349,11 +364,22 @@ class View {
     });
   }
 
-  // A point is dragged in the plane of the picture.
-  grab(event, point, other) {
+  // Points that lie on each other at a place, the nearest first.
+  stack(place, places) {
+    const far = (p) => (places[p] ? Math.hypot(places[p][0] - place[0], places[p][1] - place[1]) : Infinity);
+    return places.map((_, p) => p).filter((p) => far(p) <= STACKED).sort((a, b) => far(a) - far(b) || a - b);
+  }
+
+  // A point is dragged in the plane of the picture. Of points that lie on each other it is the selected one, else the
+  // nearest; a click without a move goes on to the next.
+  grab(event, hit, other) {
     if (event.button !== 0) return;
     event.preventDefault();
     event.stopPropagation();
+    const box = this.svg.getBoundingClientRect();
+    const stack = this.stack([event.clientX - box.x, event.clientY - box.y], other ? this.mirrorPlaces : this.places);
+    const wasSelected = stack.includes(state.selected);
+    const point = wasSelected ? state.selected : stack[0] ?? hit;
     this.handles[point].focus({ preventScroll: true });
     select(point);
     const start = grip();
@@ -378,6 +404,13 @@ class View {
       for (const name of ['pointermove', 'pointerup', 'pointercancel']) target.removeEventListener(name, handlers[name]);
       this.svg.classList.remove('dragging');
       if (now.type === 'pointercancel') { state.design = start; emit('design'); }
+      const isClick = now.type === 'pointerup' && Math.hypot(now.clientX - from[0], now.clientY - from[1]) < 3;
+      if (isClick && stack.length > 1) {
+        const ring = [...stack].sort((a, b) => a - b);
+        const next = wasSelected ? ring[(ring.indexOf(point) + 1) % ring.length] : point;
+        this.handles[next].focus({ preventScroll: true });
+        select(next);
+      }
       finish();
     };
     const handlers = { pointermove: move, pointerup: end, pointercancel: end };

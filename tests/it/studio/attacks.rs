@@ -4,8 +4,9 @@ use super::client::{answer, request, send};
 use super::{Served, sample};
 use serde_json::{Value, json};
 use std::fs;
-use std::io::Write;
+use std::io::{BufRead, BufReader, ErrorKind, Read, Write};
 use std::net::{TcpListener, TcpStream};
+use std::time::{Duration, Instant};
 
 /// Requests that are whole but for what makes them a stranger's.
 #[test]
@@ -169,8 +170,7 @@ fn oversized_and_malformed_requests_are_refused() {
     );
     let overview = served.overview();
     let of = json!({"digest": overview["digest"], "design": overview["design"]});
-    let good =
-        json!({"of": of, "characteristics": ["camber"], "at": [0.0, 0.0], "curves_rack": null});
+    let good = json!({"of": of, "characteristics": ["camber"], "at": [0.0, 0.0], "curves_rack": null, "over": 0});
     let mut messages: Vec<(Value, u16)> = vec![
         (Value::Null, 400),
         (json!([]), 400),
@@ -257,6 +257,156 @@ fn a_crowd_of_connections_is_survived() {
         }
         std::thread::sleep(std::time::Duration::from_millis(50));
     }
+}
+
+/// Strangers who stay and say nothing, or a letter at a time, do not keep the owner waiting.
+#[test]
+fn idle_strangers_do_not_lock_the_owner_out() {
+    let served = Served::of(&sample("macpherson_front.toml"));
+    let host = format!("127.0.0.1:{}", served.port());
+    let mut crowd: Vec<TcpStream> = (0..200)
+        .map(|_| TcpStream::connect(&host).unwrap())
+        .collect();
+    for stranger in &mut crowd {
+        // The oldest are closed already.
+        let _ = stranger.write_all(b"G");
+    }
+    let own = format!("GET /{}/ HTTP/1.1\r\nHost: {host}\r\n\r\n", served.token());
+    let mut page = TcpStream::connect(&host).unwrap();
+    page.set_read_timeout(Some(Duration::from_secs(4))).unwrap();
+    page.write_all(own.as_bytes()).unwrap();
+    assert_eq!(answer(&mut page).expect("an answer").status, 200);
+    // The page's connection is no stranger's any more: those that follow do not close it.
+    crowd.extend((0..100).map(|_| TcpStream::connect(&host).unwrap()));
+    page.write_all(own.as_bytes()).unwrap();
+    assert_eq!(answer(&mut page).expect("an answer").status, 200);
+    assert_eq!(served.get("main.js").status, 200);
+    // All strangers are gone after their time.
+    let deadline = Instant::now() + Duration::from_secs(30);
+    for stranger in &mut crowd {
+        let left = deadline.saturating_duration_since(Instant::now());
+        stranger
+            .set_read_timeout(Some(left.max(Duration::from_millis(1))))
+            .unwrap();
+        let ended = match stranger.read(&mut [0; 64]) {
+            Ok(count) => count == 0,
+            Err(error) => error.kind() == ErrorKind::ConnectionReset,
+        };
+        assert!(ended, "a stranger is still there");
+    }
+    page.write_all(own.as_bytes()).unwrap();
+    assert_eq!(answer(&mut page).expect("an answer").status, 200);
+}
+
+/// The arguments of a program can be read by every user of the machine.
+#[cfg(target_os = "linux")]
+#[test]
+fn the_address_is_no_argument_of_the_browser() {
+    for is_visited in [true, false] {
+        assert_private_invitation(is_visited);
+    }
+}
+
+#[cfg(target_os = "linux")]
+fn assert_private_invitation(is_visited: bool) {
+    use std::os::unix::fs::{MetadataExt, PermissionsExt};
+    let folder = tempfile::tempdir().unwrap();
+    let [opener, said, study] =
+        ["xdg-open", "said.txt", "study.toml"].map(|n| folder.path().join(n));
+    fs::write(
+        &opener,
+        format!(
+            "#!/bin/sh\necho \"$@\" > {0}.part\nmv {0}.part {0}\n",
+            said.display()
+        ),
+    )
+    .unwrap();
+    fs::set_permissions(&opener, fs::Permissions::from_mode(0o755)).unwrap();
+    fs::write(&study, sample("macpherson_front.toml")).unwrap();
+    let path = std::env::var("PATH").unwrap();
+    let mut process = std::process::Command::new(env!("CARGO_BIN_EXE_hardpoint"))
+        .args([
+            "studio",
+            "study.toml",
+            "--port",
+            &super::free_port().to_string(),
+        ])
+        .current_dir(folder.path())
+        .env("PATH", format!("{}:{path}", folder.path().display()))
+        .stdout(std::process::Stdio::piped())
+        .stderr(std::process::Stdio::null())
+        .spawn()
+        .unwrap();
+    let mut address = String::new();
+    let out = process.stdout.take().unwrap();
+    BufReader::new(out).read_line(&mut address).unwrap();
+    let deadline = Instant::now() + Duration::from_secs(30);
+    while !said.exists() {
+        assert!(Instant::now() < deadline, "no browser was opened");
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    let said = fs::read_to_string(&said).unwrap();
+    let token = address.trim().split('/').nth(3).unwrap();
+    assert_eq!(token.len(), 32);
+    assert!(!said.contains(token) && !said.contains("http"), "{said}");
+    let invitation = std::path::PathBuf::from(said.trim());
+    assert!(
+        fs::read_to_string(&invitation)
+            .unwrap()
+            .contains(address.trim())
+    );
+    let own = fs::metadata(&study).unwrap().uid();
+    for (place, mode) in [
+        (invitation.as_path(), 0o600),
+        (invitation.parent().unwrap(), 0o700),
+    ] {
+        let is = fs::metadata(place).unwrap();
+        assert_eq!(
+            (is.mode() & 0o777, is.uid()),
+            (mode, own),
+            "{}",
+            place.display()
+        );
+    }
+    // It goes when the page has been asked for, and else with the server.
+    let folder_of_it = invitation.parent().unwrap().to_owned();
+    if is_visited {
+        let port = address.split([':', '/']).nth(4).unwrap().parse().unwrap();
+        let host = format!("127.0.0.1:{port}");
+        let page = request("GET", &format!("/{token}/"), &[("Host", &host)], b"");
+        assert_eq!(send(port, &page).unwrap().status, 200);
+        while folder_of_it.exists() {
+            assert!(Instant::now() < deadline, "the file is still there");
+            std::thread::sleep(Duration::from_millis(20));
+        }
+    }
+    let id = process.id().to_string();
+    let killed = std::process::Command::new("kill")
+        .args(["-INT", &id])
+        .status();
+    assert!(killed.unwrap().success());
+    assert_eq!(process.wait().unwrap().code(), Some(130));
+    assert!(!folder_of_it.exists());
+}
+
+/// A stale address says what to do, to a person; requests of pages get plain text.
+#[test]
+fn a_stale_address_says_what_to_do() {
+    let served = Served::of(&sample("macpherson_front.toml"));
+    let host = format!("127.0.0.1:{}", served.port());
+    let path = format!("/{}/", "0".repeat(32));
+    let opened = send(
+        served.port(),
+        &request("GET", &path, &[("Host", &host)], b""),
+    )
+    .unwrap();
+    assert_eq!(opened.status, 403);
+    assert!(opened.head.contains("text/html") && opened.text().contains("hardpoint studio"));
+    assert!(!opened.text().contains(served.token()));
+    let origin = format!("http://{host}");
+    let asked = request("POST", &path, &[("Host", &host), ("Origin", &origin)], b"");
+    let asked = send(served.port(), &asked).unwrap();
+    assert!(asked.status == 403 && asked.head.contains("text/plain"));
 }
 
 #[test]

@@ -31,7 +31,8 @@ fn solve(served: &Served, of: &Value) -> Value {
         .iter()
         .map(|slider| &slider["home"])
         .collect();
-    let message = json!({"of": of, "characteristics": asked, "at": at, "curves_rack": null});
+    let message =
+        json!({"of": of, "characteristics": asked, "at": at, "curves_rack": null, "over": 0});
     served.post("solve", &message).json()
 }
 
@@ -174,8 +175,7 @@ fn influences_are_slopes_of_the_curves() {
     let found = served.post("influence", &asked).json();
     let toe = |by: f64| {
         let of = served.moved("tie_rod_inner", 2, by);
-        let message =
-            json!({"of": of, "characteristics": ["toe"], "at": [0.0, 0.0], "curves_rack": null});
+        let message = json!({"of": of, "characteristics": ["toe"], "at": [0.0, 0.0], "curves_rack": null, "over": 0});
         answered(&served.post("solve", &message).json())
             .into_iter()
             .find(|(name, _)| name == "toe_deg")
@@ -344,7 +344,7 @@ fn coordinates_beyond_those_of_a_study_are_refused_everywhere() {
             ("tune", json!({"of": of, "locked": locked})),
             (
                 "solve",
-                json!({"of": of, "characteristics": ["toe"], "at": [0.0, 0.0], "curves_rack": null}),
+                json!({"of": of, "characteristics": ["toe"], "at": [0.0, 0.0], "curves_rack": null, "over": 0}),
             ),
             ("save", json!({"of": of, "name": "x.toml", "anyway": false})),
         ] {

@@ -1,0 +1,190 @@
+//! Pictures of how values scatter in their bands, and of what each contributor is worth: SVG in the page.
+
+use super::escape::html;
+use crate::report::figure::brief;
+use crate::report::tolerance_summary::{BandRecord, RankingRecord, ToleranceSummary, ValueRecord};
+use std::fmt::Write;
+
+/// Width of a picture; of its names; of the numbers at its right end.
+const WIDTH: f64 = 760.0;
+const NAMES: f64 = 250.0;
+const NUMBERS: f64 = 110.0;
+/// Height of a row.
+const ROW: f64 = 46.0;
+/// Height of a contributor's row.
+const BAR: f64 = 26.0;
+
+/// Places of [`ValueRecord::percentiles`].
+const P1: usize = 1;
+const P5: usize = 2;
+const P50: usize = 3;
+const P95: usize = 4;
+const P99: usize = 5;
+
+/// The distribution of every banded value with its band.
+pub(super) fn distributions(summary: &ToleranceSummary) -> String {
+    let bands = summary.bands.iter();
+    let drawn: Vec<(&BandRecord, &ValueRecord)> = bands
+        .filter_map(|band| Some((band, band.worst_value(&summary.values)?)))
+        .collect();
+    if drawn.is_empty() {
+        return String::new();
+    }
+    let height = ROW * drawn.len() as f64;
+    let mut svg = opening(height, "Distribution of each banded value with its band");
+    for (number, (band, value)) in drawn.iter().enumerate() {
+        row(&mut svg, ROW * number as f64, band, value);
+    }
+    format!(
+        "<h3>Distributions in the bands</h3><p class=\"note\">Line: least to greatest of the builds. Light box: 1 % to 99 %. \
+         Dark box: 5 % to 95 %. Stroke: median. Dot: nominal. Shaded: the band. Where a band holds over the motion, the \
+         position with the least margin is drawn.</p><div class=\"scatter\">{svg}</svg></div>"
+    )
+}
+
+fn opening(height: f64, title: &str) -> String {
+    format!("<svg viewBox=\"0 0 {WIDTH} {height}\" role=\"img\" aria-label=\"{title}\">")
+}
+
+fn row(svg: &mut String, top: f64, band: &BandRecord, value: &ValueRecord) {
+    let [least, most] = value.range;
+    let limits = [band.low, band.high];
+    let all = limits
+        .into_iter()
+        .chain([least, most, value.drawn])
+        .flatten();
+    let (low, high) = all.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
+        (low.min(v), high.max(v))
+    });
+    let room = 0.06 * (high - low).max(f64::MIN_POSITIVE);
+    let (low, high) = (low - room, high + room);
+    let (left, right) = (NAMES, WIDTH - NUMBERS);
+    let x = |v: f64| left + (v - low) / (high - low) * (right - left);
+    let middle = top + 18.0;
+    let (from, to) = (band.low.map_or(left, x), band.high.map_or(right, x));
+    let _ = write!(
+        svg,
+        "<text x=\"0\" y=\"{:.1}\">{}</text><rect class=\"band\" x=\"{from:.1}\" y=\"{:.1}\" width=\"{:.1}\" height=\"28\"/>",
+        middle + 4.0,
+        html(&band.band),
+        middle - 14.0,
+        to - from
+    );
+    for (limit, anchor) in [(band.low, "start"), (band.high, "end")] {
+        if let Some(limit) = limit {
+            let place = x(limit);
+            let _ = write!(
+                svg,
+                "<path class=\"limit\" d=\"M{place:.1} {:.1}v28\"/><text class=\"small\" x=\"{place:.1}\" y=\"{:.1}\" text-anchor=\"{anchor}\">{}</text>",
+                middle - 14.0,
+                middle + 25.0,
+                brief(limit)
+            );
+        }
+    }
+    if let [Some(least), Some(most)] = value.range {
+        let _ = write!(
+            svg,
+            "<path class=\"whisker\" d=\"M{:.1} {middle}H{:.1}\"/>",
+            x(least),
+            x(most)
+        );
+    }
+    for (from, to, class, half) in [(P1, P99, "light", 6.0), (P5, P95, "dark", 9.0)] {
+        if let [Some(from), Some(to)] = [from, to].map(|p| value.percentiles[p]) {
+            let _ = write!(
+                svg,
+                "<rect class=\"{class}\" x=\"{:.1}\" y=\"{:.1}\" width=\"{:.1}\" height=\"{:.1}\"/>",
+                x(from),
+                middle - half,
+                (x(to) - x(from)).max(1.0),
+                2.0 * half
+            );
+        }
+    }
+    if let Some(median) = value.percentiles[P50] {
+        let _ = write!(
+            svg,
+            "<path class=\"median\" d=\"M{:.1} {:.1}v22\"/>",
+            x(median),
+            middle - 11.0
+        );
+    }
+    if let Some(nominal) = value.drawn {
+        let _ = write!(
+            svg,
+            "<circle class=\"nominal\" cx=\"{:.1}\" cy=\"{middle}\" r=\"3\"/>",
+            x(nominal)
+        );
+    }
+    let _ = write!(
+        svg,
+        "<text x=\"{WIDTH}\" y=\"{:.1}\" text-anchor=\"end\">{:.2} % in band</text>",
+        middle + 4.0,
+        100.0 * band.kept
+    );
+}
+
+/// The predicted yield with half and with twice the tolerance of each contributor.
+pub(super) fn contributors(summary: &ToleranceSummary) -> String {
+    let (Some(now), [_, ..]) = (summary.yield_of_all, &summary.ranking[..]) else {
+        return String::new();
+    };
+    let ranking = &summary.ranking;
+    let ends = ranking
+        .iter()
+        .flat_map(|r| [r.yield_halved, r.yield_doubled]);
+    let low = ends.clone().fold(now, f64::min);
+    let high = ends.fold(now, f64::max);
+    let span = (high - low).max(1e-6);
+    let (left, right) = (NAMES, WIDTH - 10.0);
+    let x = |v: f64| left + 60.0 + (v - low) / span * (right - left - 120.0);
+    let height = BAR * ranking.len() as f64 + 24.0;
+    let mut svg = opening(
+        height,
+        "Predicted yield with half and with twice the tolerance of each contributor",
+    );
+    for (
+        number,
+        RankingRecord {
+            contributor,
+            yield_halved,
+            yield_doubled,
+            ..
+        },
+    ) in ranking.iter().enumerate()
+    {
+        let middle = BAR * number as f64 + 36.0;
+        let _ = write!(
+            svg,
+            "<text x=\"0\" y=\"{:.1}\">{}</text>",
+            middle + 4.0,
+            html(contributor)
+        );
+        for (class, end) in [("better", *yield_halved), ("worse", *yield_doubled)] {
+            let (a, b) = (x(now).min(x(end)), x(now).max(x(end)));
+            let (place, anchor) = match end < now {
+                true => (a - 4.0, "end"),
+                false => (b + 4.0, "start"),
+            };
+            let _ = write!(
+                svg,
+                "<rect class=\"{class}\" x=\"{a:.1}\" y=\"{:.1}\" width=\"{:.1}\" height=\"14\"/><text class=\"small\" x=\"{place:.1}\" y=\"{:.1}\" text-anchor=\"{anchor}\">{:.1} %</text>",
+                middle - 7.0,
+                b - a,
+                middle + 4.0,
+                100.0 * end
+            );
+        }
+    }
+    let place = x(now);
+    let _ = write!(
+        svg,
+        "<path class=\"median\" d=\"M{place:.1} 20V{height:.1}\"/><text class=\"small\" x=\"{place:.1}\" y=\"14\" text-anchor=\"middle\">now {:.2} %</text>",
+        100.0 * now
+    );
+    format!(
+        "<h3>Contributors</h3><p class=\"note\">Predicted share of builds in all bands with half (blue) and with twice (orange) the \
+         tolerance of each contributor.</p><div class=\"scatter\">{svg}</svg></div>"
+    )
+}

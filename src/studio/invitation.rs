@@ -1,0 +1,47 @@
+//! A file that leads a browser to the page.
+//!
+//! Every user of a machine can read the arguments of its programs. The address with its token must therefore not be
+//! one. The browser is given the path of a file instead, which only its owner can read and which leads to the address.
+
+use std::fs::OpenOptions;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use tempfile::TempDir;
+
+/// A file that leads to an address; deleted when it is dropped.
+pub struct Invitation {
+    _folder: TempDir,
+    path: PathBuf,
+}
+
+impl Invitation {
+    /// Writes a file that leads to an address, in a new folder that only its owner can open.
+    ///
+    /// # Errors
+    /// If the folder or the file cannot be written.
+    pub fn to(address: &str) -> io::Result<Self> {
+        let mut builder = tempfile::Builder::new();
+        builder.prefix("hardpoint-studio-");
+        #[cfg(unix)]
+        let permissions = std::os::unix::fs::PermissionsExt::from_mode(0o700);
+        #[cfg(unix)]
+        builder.permissions(permissions);
+        let folder = builder.tempdir()?;
+        let path = folder.path().join("open.html");
+        let mut options = OpenOptions::new();
+        options.write(true).create_new(true);
+        #[cfg(unix)]
+        std::os::unix::fs::OpenOptionsExt::mode(&mut options, 0o600);
+        let page = include_str!("page/open.html").replace("{address}", address);
+        options.open(&path)?.write_all(page.as_bytes())?;
+        Ok(Invitation {
+            _folder: folder,
+            path,
+        })
+    }
+
+    /// Path of the file.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+}

@@ -1,0 +1,52 @@
+// The range of a chart's vertical axis.
+
+// Time after which an axis that has become too wide shrinks while a point is still dragged.
+const REST = 300;
+// How much wider than its curves an axis may be, and than most of their values.
+const TOO_WIDE = 1.5;
+const FAR_OUT = 4;
+
+const ends = (values) => (values.length ? [Math.min(...values), Math.max(...values)] : [Infinity, -Infinity]);
+const span = ([low, high]) => high - low;
+
+// The ends of most values: a bad pose at one station does not flatten the rest.
+const robust = (values) => {
+  const all = ends(values);
+  if (values.length < 8) return all;
+  const sorted = [...values].sort((a, b) => a - b);
+  const at = (part) => sorted[Math.round(part * (sorted.length - 1))];
+  const most = [at(0.05), at(0.95)];
+  if (span(all) <= FAR_OUT * span(most)) return all;
+  const by = 0.5 * span(most);
+  return [Math.max(all[0], most[0] - by), Math.min(all[1], most[1] + by)];
+};
+
+// At rest the axis holds all values. While a point is dragged it leaves out what lies far from the rest, grows at
+// once and shrinks after a pause, so that curves move and not their axes.
+export const framed = (chart, still, moving, isInGesture) => {
+  const own = isInGesture ? robust(moving) : ends(moving);
+  const fixed = ends(still);
+  let [low, high] = [Math.min(own[0], fixed[0]), Math.max(own[1], fixed[1])];
+  if (!Number.isFinite(low)) [low, high] = [-1, 1];
+  const least = Math.max(1e-9, 1e-6 * Math.max(Math.abs(low), Math.abs(high)));
+  if (high - low < least) [low, high] = [low - Math.max(least, 0.05 * Math.abs(low), 0.05), high + Math.max(least, 0.05 * Math.abs(high), 0.05)];
+  const room = 0.07 * (high - low);
+  const wanted = [low - room, high + room];
+  if (!isInGesture || !chart.ys) {
+    chart.wideSince = null;
+    return wanted;
+  }
+  const grown = [Math.min(chart.ys[0], wanted[0]), Math.max(chart.ys[1], wanted[1])];
+  if (span(grown) <= TOO_WIDE * span(wanted)) {
+    chart.wideSince = null;
+    return grown;
+  }
+  const now = performance.now();
+  if (chart.wideSince === null || chart.wideSince === undefined) {
+    chart.wideSince = now;
+    setTimeout(() => chart.draw(), REST + 10);
+  }
+  if (now - chart.wideSince < REST) return grown;
+  chart.wideSince = null;
+  return wanted;
+};

@@ -89,6 +89,8 @@
 //! | module | what |
 //! |---|---|
 //! | `drawing` | what a page shows beside the curves, solved before it is made |
+//! | `checked` | a study checked: its curves, doubts, stations that are not solved |
+//! | `assembled`, `compared`, `scatter` | assemblies, comparisons and builds, in memory |
 //! | `solved` | a study's curves, of one wheel or of both, and what is made of them |
 //! | `report` | files, tables, pages |
 //! | `results` | directories of results: who may replace what, locks |
@@ -101,7 +103,13 @@
 #![warn(clippy::allow_attributes_without_reason, unreachable_pub)]
 
 #[doc(hidden)]
+pub mod assembled;
+#[doc(hidden)]
+pub mod checked;
+#[doc(hidden)]
 pub mod cli;
+#[doc(hidden)]
+pub mod compared;
 #[doc(hidden)]
 pub mod drawing;
 #[doc(hidden)]
@@ -110,6 +118,8 @@ pub mod exchange;
 pub mod report;
 #[doc(hidden)]
 pub mod results;
+#[doc(hidden)]
+pub mod scatter;
 #[doc(hidden)]
 pub mod solved;
 #[doc(hidden)]

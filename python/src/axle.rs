@@ -1,12 +1,13 @@
 //! Curves and limits of both wheels.
 
+use crate::curves::{Columns, mostly_nan, reason};
 use crate::errors::failure;
-use crate::study::{cause_of, ends, mostly_nan};
+use crate::study::{cause_of, ends};
+use crate::threads::on_threads;
 use hardpoint::axle::{AxleEnd, axle_curves};
 use hardpoint::model::{Axis, Side};
-use hardpoint::report::axle_motion;
+use hardpoint::report::{axle_motion, axle_proofs};
 use hardpoint::study::AxleStudy;
-use numpy::{IntoPyArray, PyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -16,28 +17,34 @@ pub(crate) fn solve<'py>(
     py: Python<'py>,
     AxleStudy { axle, plan }: &AxleStudy,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let found = py
-        .detach(|| axle_curves(axle, plan))
-        .map_err(|fault| failure(axle.describe_fault(fault)))?;
-    let array = |values: Vec<f64>| -> Bound<'py, PyArray1<f64>> { values.into_pyarray(py) };
+    let found = on_threads(py, Some(1), |_| axle_curves(axle, plan))?;
+    let found = found.map_err(|fault| failure(axle.describe_fault(fault)))?;
     let stations = &found.stations;
-    let (columns, info) = (PyDict::new(py), PyDict::new(py));
-    for (k, c) in found.columns.iter().enumerate() {
-        let values = stations.iter().map(|s| s.value(k).unwrap_or(f64::NAN));
-        columns.set_item(&c.name, array(values.collect()))?;
-        info.set_item(&c.name, (c.output(), &c.unit, c.positive()))?;
-    }
-    let motion = PyDict::new(py);
+    let columns = Columns::new(py);
+    let mut motion = Vec::new();
     for (name, values) in axle_motion(axle, plan, &found) {
-        let values = values.into_iter().map(|v| v.unwrap_or(f64::NAN));
-        motion.set_item(name, array(values.collect()))?;
+        let (output, unit) = name.rsplit_once('_').unwrap_or((&name, ""));
+        columns.push(&name, (output, unit, None), values.into_iter())?;
+        motion.push(name);
     }
-    let result = PyDict::new(py);
-    result.set_item("columns", columns)?;
-    result.set_item("info", info)?;
+    for (k, c) in found.columns.iter().enumerate() {
+        let values = stations.iter().map(|s| s.value(k));
+        columns.push(&c.name, (&c.output(), &c.unit, c.positive()), values)?;
+    }
+    for (name, values) in axle_proofs(axle, plan, &found) {
+        let (output, unit) = name.rsplit_once('_').unwrap_or((&name, ""));
+        columns.push(&name, (output, unit, None), values.into_iter())?;
+    }
+    let result = columns.finish(stations.iter().map(|station| {
+        let reason = match &station.placed {
+            Err(failure) => Some(failure.describe(axle)),
+            Ok(_) => reason(station.status),
+        };
+        (station.status, reason)
+    }))?;
     result.set_item("motion", motion)?;
-    let words: Vec<&str> = stations.iter().map(|s| s.status).collect();
-    result.set_item("status", words)?;
+    let names = found.columns.iter().map(|c| c.name.as_str());
+    result.set_item("outputs", names.collect::<Vec<_>>())?;
     let points = &plan.sensitivities;
     if !points.is_empty() {
         let sides = if axle.right.is_some() { 2 } else { 1 };
@@ -59,7 +66,7 @@ pub(crate) fn limits<'py>(
     py: Python<'py>,
     AxleStudy { axle, .. }: &AxleStudy,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let found = py.detach(|| axle.limits());
+    let found = on_threads(py, Some(1), |_| axle.limits())?;
     let found = found.map_err(|fault| failure(axle.describe_fault(fault)))?;
     let result = PyDict::new(py);
     for (name, range) in ["left_travel", "right_travel"]

@@ -178,6 +178,21 @@ pub fn axle_motion(
     columns
 }
 
+/// Bounds that the proofs of an axle's stations give, as columns; none where the plan asks for no proofs.
+pub fn axle_proofs(
+    axle: &Axle,
+    plan: &AxlePlan,
+    curves: &AxleCurves,
+) -> Vec<(String, Vec<Option<f64>>)> {
+    let of_stations = StationColumns { plan, axle };
+    let names = of_stations.proof_names().into_iter().enumerate();
+    let column = |place: usize| -> Vec<Option<f64>> {
+        let value = |station| of_stations.proof_values(station)[place];
+        curves.stations.iter().map(value).collect()
+    };
+    names.map(|(place, name)| (name, column(place))).collect()
+}
+
 /// `curves.csv` of an axle: a row for each station, `status` last.
 pub fn axle_curves_csv(axle: &Axle, plan: &AxlePlan, curves: &AxleCurves) -> Vec<u8> {
     let of_stations = StationColumns { plan, axle };

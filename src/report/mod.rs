@@ -39,8 +39,8 @@ mod yields;
 pub use crate::curves::Influence;
 pub use accuracy::remarks;
 pub use axle::{
-    AxleSummary, axle_curves_csv, axle_failures, axle_motion, axle_plausibility, axle_remarks,
-    axle_sensitivities_csv,
+    AxleSummary, axle_curves_csv, axle_failures, axle_motion, axle_plausibility, axle_proofs,
+    axle_remarks, axle_sensitivities_csv,
 };
 pub use axle_record::SolvedAxle;
 pub use benchmarks::{accuracy_picture, accuracy_table, effects_table, throughput_table};
@@ -64,7 +64,9 @@ pub(crate) use record::wanted_between;
 pub use record::{BandCurve, DesignRecord, DrawnDesign, OutputRecord, Record, TargetRecord};
 pub use run::{Run, Summary};
 pub use scene::{BodyKind, Scene, SceneBody};
-pub use set_up_summary::{AdjustmentRecord, SetUpSummary, StaticRecord, static_column};
+pub use set_up_summary::{
+    AdjustmentRecord, SetUpSummary, StaticRecord, adjusted, set_up_refusal, static_column,
+};
 pub use solve_summary::SolveSummary;
 pub use sweep::{
     Choice, Done, DrawnDesigns, Finished, MergeError, PartOutcome, PartRecord, Parts, ShownDesigns,

@@ -78,18 +78,30 @@ impl Studio {
     /// If the thread that waits for connections cannot be started.
     pub fn serve(self, stop: &AtomicBool) -> std::io::Result<()> {
         let Studio { listener, workshop } = self;
-        std::thread::Builder::new().spawn(move || accept(&listener, &workshop))?;
+        let address = listener.local_addr()?;
+        let closes = Arc::new(AtomicBool::new(false));
+        let flag = closes.clone();
+        let accepting =
+            std::thread::Builder::new().spawn(move || accept(&listener, &workshop, &flag))?;
         while !stop.load(Ordering::SeqCst) {
             std::thread::sleep(LOOK);
+        }
+        closes.store(true, Ordering::SeqCst);
+        // A last connection wakes the thread, which then closes the port.
+        if TcpStream::connect_timeout(&address, LOOK).is_ok() {
+            let _ = accepting.join();
         }
         Ok(())
     }
 }
 
-/// Takes connections, each on a thread of its own.
-fn accept(listener: &TcpListener, workshop: &Arc<Workshop>) {
+/// Takes connections, each on a thread of its own, until `closes` is set.
+fn accept(listener: &TcpListener, workshop: &Arc<Workshop>, closes: &AtomicBool) {
     let open = Arc::new(AtomicUsize::new(0));
     for stream in listener.incoming() {
+        if closes.load(Ordering::SeqCst) {
+            return;
+        }
         let Ok(stream) = stream else {
             // No more files, say: others have to be closed first.
             std::thread::sleep(LOOK);

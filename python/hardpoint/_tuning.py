@@ -36,7 +36,8 @@ class Tuning:
     variables: list[str]
     """Names of the variables (k)."""
     moves: Frame
-    """A row for each variable: design, tuned, offset, range, bound; of a fit its standard error and interval."""
+    """A row for each variable: design, tuned, offset, low, high, at_bound ("lower", "upper" or ""); of a fit its standard
+    error and interval."""
     targets: Frame
     """A row for each target: rms and worst deviation in tolerances, before and after."""
     constraints: Frame
@@ -56,6 +57,12 @@ class Tuning:
 
     def __repr__(self) -> str:
         return f"<hardpoint.Tuning: {'success' if self.success else 'NO SUCCESS'}: {self.message}>"
+
+
+def _move(name: str, record: dict[str, Any]) -> dict[str, Any]:
+    """A row of `Tuning.moves`."""
+    low, high = record.pop("range")
+    return {"name": name, **record, "low": low, "high": high, "at_bound": record["at_bound"] or ""}
 
 
 def optimise(
@@ -88,9 +95,7 @@ def optimise(
         misfit=float("nan") if misfit is None else misfit,
         before=summary["misfit_before"],
         variables=found["variables"],
-        moves=Frame.of_records(
-            {"name": name, **record} for name, record in zip(found["variables"], summary["variables"], strict=True)
-        ),
+        moves=Frame.of_records(map(_move, found["variables"], summary["variables"])),
         targets=Frame.of_records(summary["targets"]),
         constraints=Frame.of_records(constraints),
         front=None if found["front"] is None else Frame(_hardpoint.parse_table(found["front"])),

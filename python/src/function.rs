@@ -18,7 +18,7 @@ use std::time::Instant;
 const CHUNK: usize = 128;
 const DIFFERENTIATED: usize = 32;
 /// The same of an axle, whose designs are solved one after the other.
-const OF_AXLE: usize = 2;
+const OF_AXLE: usize = 1;
 
 /// A pure function of the design.
 #[pyclass(frozen, module = "hardpoint._hardpoint")]

@@ -191,7 +191,7 @@ class Frame(dict[str, Array]):
     def __ne__(self, other: object) -> bool:
         return self is not other
 
-    def __hash__(self) -> int:
+    def __hash__(self) -> int:  # type: ignore[override]
         return id(self)
 
     def __copy__(self) -> Self:
@@ -203,7 +203,7 @@ class Frame(dict[str, Array]):
     def _refuse(self, *_: Any, **__: Any) -> NoReturn:
         raise TypeError("results cannot be changed; dict(frame) is a copy that can")
 
-    __setitem__ = __delitem__ = __ior__ = update = pop = popitem = setdefault = clear = _refuse  # type: ignore[assignment]
+    __setitem__ = __delitem__ = __ior__ = update = pop = popitem = setdefault = clear = _refuse
 
 
 def _restored(cls: type[Frame], columns: dict[str, Array], state: dict[str, Any]) -> Frame:

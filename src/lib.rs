@@ -87,6 +87,8 @@
 //! | module | content |
 //! |---|---|
 //! | `drawing` | drawings of a page, solved in advance |
+//! | `checked` | a checked study: curves, doubts, and stations that are not solved |
+//! | `assembled`, `compared`, `scatter` | assemblies, comparisons and builds, in memory |
 //! | `solved` | curves of a study, of one wheel or of both, with their files, tables and remarks |
 //! | `report` | files, tables, pages |
 //! | `results` | directories of results: rules for replacing files, locks |
@@ -99,7 +101,13 @@
 #![warn(clippy::allow_attributes_without_reason, unreachable_pub)]
 
 #[doc(hidden)]
+pub mod assembled;
+#[doc(hidden)]
+pub mod checked;
+#[doc(hidden)]
 pub mod cli;
+#[doc(hidden)]
+pub mod compared;
 #[doc(hidden)]
 pub mod drawing;
 #[doc(hidden)]
@@ -108,6 +116,8 @@ pub mod exchange;
 pub mod report;
 #[doc(hidden)]
 pub mod results;
+#[doc(hidden)]
+pub mod scatter;
 #[doc(hidden)]
 pub mod solved;
 #[doc(hidden)]

@@ -55,7 +55,7 @@ class Bench:
     def jacobian(self) -> Iterator[tuple[str, float, str, float]]:
         """Value and Jacobian of one design, of the four angles over 41 travels by four variables."""
         angles = ["camber", "toe", "caster", "kingpin_inclination"]
-        study = self.study.replace(set={"outputs.characteristics": angles})
+        study = self.study.replace({"outputs.characteristics": angles})
         f = study.function()
         x = np.zeros(len(f.variables))
         yield "value and Jacobian, one design", 1e6 * median(lambda: f.value_and_jacobian(x), 2000), "us", 60.0
@@ -64,7 +64,7 @@ class Bench:
         """A tuning by SciPy with the exact Jacobian."""
         from scipy.optimize import least_squares
 
-        r = hp.load(STUDIES / "macpherson_front.toml").residuals
+        r = hp.load(STUDIES / "macpherson_front.toml").residuals()
         lower, upper = r.bounds.T
 
         def tune() -> object:

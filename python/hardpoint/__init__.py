@@ -18,57 +18,48 @@ from collections.abc import Sequence
 from os import PathLike
 
 from . import _hardpoint
-from ._commands import (
-    assemblies,
-    bench,
-    compare,
-    completions,
-    export,
-    import_points,
-    man,
-    merge,
-    report,
-    schema,
-    setup,
-    template,
-    tolerance,
-)
-from ._curves import Column, Curves
+from ._commands import assemblies, compare, export, import_points, merge, report, schema, setup, template, tolerance
+from ._curves import Curves
+from ._frame import Column, Frame
 from ._function import Function, Residuals
+from ._hardpoint import STATUS as _STATUS
 from ._hardpoint import HardpointError, StudyError, __version__, topologies
-from ._runs import Run, Table, open
-from ._study import Study, check, limits, load, loads, solve
+from ._runs import Results, Run, read_run
+from ._study import Limits, Study, check, limits, load, loads, solve
 from ._sweep import Sweep, sweep
 from ._tuning import SideEffect, Tuning, optimise
 
+STATUS: tuple[str, ...] = tuple(_STATUS)
+"""Words of the codes in `status`, by code. New ones are appended."""
+
 __all__ = [
+    "STATUS",
     "Column",
     "Curves",
+    "Frame",
     "Function",
     "HardpointError",
+    "Limits",
     "Residuals",
+    "Results",
     "Run",
     "SideEffect",
     "Study",
     "StudyError",
     "Sweep",
-    "Table",
     "Tuning",
     "__version__",
     "assemblies",
-    "bench",
     "check",
     "compare",
-    "completions",
     "export",
     "import_points",
     "limits",
     "load",
     "loads",
-    "man",
     "merge",
-    "open",
     "optimise",
+    "read_run",
     "report",
     "run",
     "schema",
@@ -83,7 +74,7 @@ __all__ = [
 
 def run(arguments: Sequence[str | PathLike[str]]) -> int:
     """Runs a command of the program in this process, as in run(["report", "out/front"]), printing as it does; its exit
-    code: 0 done, 1 something could not be solved, 2 wrong input."""
+    code: 0 done, 1 something could not be solved, 2 wrong input. Ctrl-C stops it."""
     return _hardpoint.command([str(a) for a in arguments])
 
 

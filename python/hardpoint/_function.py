@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,89 +15,146 @@ if TYPE_CHECKING:
     from ._study import Study
 
 Floats = NDArray[np.float64]
+Designs = ArrayLike | Mapping[str, Any]
 
 
-def rows_of(x: ArrayLike, names: list[str]) -> tuple[Floats, bool]:
-    """Designs as an array (n, k), and whether it was one alone."""
-    try:
-        array = np.ascontiguousarray(x, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise HardpointError(f"x is no array of numbers ({error}); expected float64") from None
+def rows_of(x: Designs, names: list[str], unit: str = "") -> tuple[Floats, bool]:
+    """Designs as an array (n, k), and whether it was one alone. Tables and mappings are read by the names of their columns,
+    which may end in the length unit. A masked number is NaN."""
     k = len(names)
+    if isinstance(x, Mapping) or hasattr(x, "columns"):
+        x = _by_name(x, names, unit)
+    if isinstance(x, np.ma.MaskedArray):
+        x = np.ma.filled(x.astype(np.float64), np.nan)
+    try:
+        array = np.asarray(x)
+        if array.dtype.kind not in "biuf" and array.size:
+            kind = "complex numbers" if array.dtype.kind == "c" else f"dtype {array.dtype}"
+            raise TypeError(kind)
+        array = np.ascontiguousarray(array, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise HardpointError(f"x is no array of real numbers ({error}); expected float64") from None
     if array.ndim not in (1, 2) or array.shape[-1] != k or np.ndim(x) == 0:
-        raise HardpointError(f"x has shape {np.shape(x)}; expected ({k},) or (n, {k}), a column for each of variables")
+        raise HardpointError(f"x has shape {np.shape(x)}; expected ({k},) or (n, {k}), a column for each of {names}")
     return np.atleast_2d(array), array.ndim == 1
+
+
+def _by_name(table: Any, names: list[str], unit: str) -> Floats:
+    """The columns of these names, side by side."""
+    there = set(table.columns if hasattr(table, "columns") else table)
+    chosen = [name if name in there else f"{name}_{unit}" for name in names]
+    missing = [name for name, column in zip(names, chosen, strict=True) if column not in there]
+    if missing:
+        raise HardpointError(f"x has no column {', '.join(missing)}; expected a column for each of {names}")
+    columns = [np.ma.filled(np.ma.asarray(table[column], dtype=np.float64), np.nan) for column in chosen]
+    return np.stack(columns, axis=-1)
 
 
 class Function:
     """Curves as a pure function of the design.
 
-    `f(x)` takes offsets (k,) and gives (A, S), or (n, k) and gives (n, A, S): A outputs at S stations. A variable that a
-    sweep marks as absolute is a coordinate, not an offset.
+    `f(x)` takes offsets (k,) and gives (A, S), or (n, k) and gives (n, A, S): A outputs at S stations. A variable such as
+    "tie_rod_inner_z" is a coordinate, not an offset. A table with columns of these names may be given for x.
     """
 
-    words = ("ok", "failed", "faulty")
-    """What the numbers of `status` mean: every station has a pose; some has none; the design cannot be solved."""
-
-    def __init__(self, function: _hardpoint.Function) -> None:
-        self._function = function
-        self.variables: list[str] = function.variables
+    def __init__(self, study: Study, variables: list[str] | None = None) -> None:
+        self._study = study
+        self._function = _hardpoint.Function(study._study, variables)
+        self.variables: list[str] = self._function.variables
         """Names (k)."""
-        self.bounds: Floats = function.bounds
+        self.bounds: Floats = self._function.bounds
         """Lowest and highest value (k, 2), in the length unit; degrees of a turn."""
-        self.outputs: list[str] = function.outputs
+        self.outputs: list[str] = self._function.outputs
         """Column names (A)."""
-        self.stations: Floats = function.stations
-        """Drive value and rack displacement (S, 2)."""
+        self._motion: Mapping[str, Floats] | None = None
 
-    def __call__(self, x: ArrayLike, threads: int | None = None) -> Floats:
+    @property
+    def motion(self) -> Mapping[str, Floats]:
+        """Where the stations are, each (S,), as in `Curves.motion`."""
+        if self._motion is None:
+            from ._study import solve
+
+            self._motion = solve(self._study).motion
+        return self._motion
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """(A, S): numbers of outputs and stations."""
+        return len(self.outputs), self._function.stations
+
+    def _rows(self, x: Designs) -> tuple[Floats, bool]:
+        return rows_of(x, self.variables, self._study.length_unit)
+
+    def __call__(self, x: Designs, threads: int | None = None) -> Floats:
         """Values (A, S) or (n, A, S); NaN where a design has none."""
-        rows, single = rows_of(x, self.variables)
+        rows, single = self._rows(x)
         values, _ = self._function.values(rows, threads)
         return values[0] if single else values
 
-    def value_and_jacobian(self, x: ArrayLike, threads: int | None = None) -> tuple[Floats, Floats]:
+    def value_and_jacobian(self, x: Designs, threads: int | None = None) -> tuple[Floats, Floats]:
         """Values, and their exact derivatives by the variables: (A, S, k) or (n, A, S, k)."""
-        rows, single = rows_of(x, self.variables)
+        rows, single = self._rows(x)
         values, jacobian, _ = self._function.value_and_jacobian(rows, threads)
         return (values[0], jacobian[0]) if single else (values, jacobian)
 
-    def status(self, x: ArrayLike, threads: int | None = None) -> NDArray[np.uint8]:
-        """What came of each design (n,), a place in `words`."""
-        rows, _ = rows_of(x, self.variables)
+    def status(self, x: Designs, threads: int | None = None) -> NDArray[np.uint8]:
+        """Code of each design (n,), a place in `hardpoint.STATUS`: "ok" if every station has a pose, "incomplete" if some
+        has none, "degenerate" if the design cannot be solved."""
+        rows, _ = self._rows(x)
         return self._function.values(rows, threads)[1]
 
     def __repr__(self) -> str:
         return repr(self._function)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return (Function, (self._function,))
+        return (Function, (self._study, self.variables))
 
 
 class Residuals:
     """The targets of [optimise] as least squares: r(x) (m,) in tolerances, weighted so that the misfit is the root of
     their mean square. SciPy asks for r and its Jacobian apart; the last x is remembered."""
 
-    def __init__(self, study: Study) -> None:
+    def __init__(self, study: Study, on_failure: Literal["nan", "raise"] = "nan") -> None:
+        if on_failure not in ("nan", "raise"):
+            raise HardpointError(f'on_failure is {on_failure!r}; expected "nan" or "raise"')
+        self._study = study
         self._residuals = _hardpoint.Residuals(study._study)
-        self.names: list[str] = self._residuals.variables
+        self.on_failure = on_failure
+        """What a design without residuals gives: "nan", so that an optimiser shortens its step, or "raise"."""
+        self.variables: list[str] = self._residuals.variables
         """Names of the variables (k)."""
         self.bounds: Floats = self._residuals.bounds
         """Lowest and highest offset (k, 2)."""
+        self.rows: tuple[str, ...] = tuple(self._residuals.rows)
+        """Column of the target of each residual (m)."""
         self._last: tuple[bytes, Floats, Floats] | None = None
 
-    def value_and_jacobian(self, x: ArrayLike) -> tuple[Floats, Floats]:
-        """r (m,) and its derivatives (m, k). A design that cannot be solved raises `HardpointError`."""
-        array = np.ascontiguousarray(x, dtype=np.float64)
-        key = array.tobytes()
+    def value_and_jacobian(self, x: Designs) -> tuple[Floats, Floats]:
+        """r (m,) and its derivatives (m, k). A design that cannot be solved gives NaN, or raises `HardpointError`."""
+        rows, single = rows_of(x, self.variables, self._study.length_unit)
+        if not single:
+            k = len(self.variables)
+            raise HardpointError(f"x has shape {rows.shape}; expected ({k},), one design")
+        key = rows.tobytes()
         if self._last is None or self._last[0] != key:
-            values, jacobian = self._residuals.value_and_jacobian(array)
-            self._last = (key, values, jacobian)
+            if np.isfinite(rows).all():
+                found = self._residuals.value_and_jacobian(rows[0])
+            else:
+                found = "x has a number that is not finite"
+            if isinstance(found, str):
+                if self.on_failure == "raise":
+                    raise HardpointError(found)
+                m = len(self.rows)
+                found = np.full(m, np.nan), np.full((m, len(self.variables)), np.nan)
+            self._last = (key, *found)
         return self._last[1].copy(), self._last[2].copy()
 
-    def __call__(self, x: ArrayLike) -> Floats:
+    def __call__(self, x: Designs) -> Floats:
         return self.value_and_jacobian(x)[0]
 
-    def jacobian(self, x: ArrayLike) -> Floats:
+    def jacobian(self, x: Designs) -> Floats:
         """Derivatives (m, k)."""
         return self.value_and_jacobian(x)[1]
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return (Residuals, (self._study, self.on_failure))

@@ -1,4 +1,4 @@
-"""Results of runs, read back from their directories."""
+"""Results of runs: in memory, or read back from their directories."""
 
 from __future__ import annotations
 
@@ -8,57 +8,63 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from . import _hardpoint
+from ._frame import Frame
 from ._hardpoint import HardpointError
 from ._study import Study, load
 
-Floats = NDArray[np.float64]
 
+class Results(Mapping[str, Frame]):
+    """Results of a command in memory: a mapping from tables, such as "tolerance", to their columns."""
 
-class Table(Mapping[str, Any]):
-    """A table: a mapping from column names to arrays (n,), NaN where a cell is empty; columns of words are lists."""
-
-    def __init__(self, columns: dict[str, Any]) -> None:
-        self._columns = columns
-
-    def __getitem__(self, name: str) -> Any:
-        return self._columns[name]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._columns)
-
-    def __len__(self) -> int:
-        return len(self._columns)
+    def __init__(self, files: Mapping[str, bytes], study: Study | None = None) -> None:
+        self.files: dict[str, bytes] = dict(files)
+        """Contents of the files that the command writes, by name."""
+        self.study = study
+        """The study; None of several studies."""
+        self._tables: dict[str, Frame] = {}
 
     @property
-    def rows(self) -> int:
-        """Number of rows."""
-        return len(next(iter(self._columns.values()), ()))
+    def summary(self) -> Any:
+        """The contents of `summary.json`."""
+        return json.loads(self.files.get("summary.json", b"{}"))
 
-    def to_pandas(self) -> Any:
-        """A pandas DataFrame that shares the columns' memory."""
-        import pandas
+    def save(self, directory: str | os.PathLike[str]) -> Path:
+        """Writes the files into a directory that is new or empty; the directory."""
+        path = Path(directory)
+        path.mkdir(parents=True, exist_ok=True)
+        if any(path.iterdir()):
+            raise HardpointError(f"{path}: the directory is not empty; give another one")
+        for name, contents in self.files.items():
+            (path / name).write_bytes(contents)
+        if self.study is not None:
+            (path / "study.toml").write_text(self.study.text, encoding="utf-8")
+        return path
 
-        return pandas.DataFrame(self._columns, copy=False)
+    def __getitem__(self, name: str) -> Frame:
+        if name not in self._tables:
+            self._tables[name] = Frame(_hardpoint.parse_table(self.files[f"{name}.csv"]))
+        return self._tables[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return (name[:-4] for name in self.files if name.endswith(".csv"))
+
+    def __len__(self) -> int:
+        return sum(1 for _ in self)
 
     def __repr__(self) -> str:
-        return f"<hardpoint.Table: {self.rows} rows; {', '.join(self._columns)}>"
+        return f"<hardpoint.Results: {', '.join(self)}>"
 
 
-class Run(Mapping[str, Table]):
+class Run(Mapping[str, Frame]):
     """The results of a run: a mapping from the tables of its directory, such as "curves", to their columns.
 
     The rows of a sweep are its table "designs", whether they stand in one file or in parts.
     """
 
-    def __init__(self, path: str | os.PathLike[str], keep: Any = None) -> None:
+    def __init__(self, path: str | os.PathLike[str]) -> None:
         self.path = Path(path)
         """The directory."""
-        # A temporary directory goes when nobody has the run any more.
-        self._keep = keep
         if not self.path.is_dir():
             raise HardpointError(f"{self.path}: there is no such directory")
         self.files: list[str] = sorted(p.name for p in self.path.iterdir() if p.is_file() and not p.name.startswith("."))
@@ -71,13 +77,13 @@ class Run(Mapping[str, Table]):
             # part-000000000.csv are rows of designs, curves-000000000.csv their curves.
             stem = {"part": "designs"}.get(kind, kind) if kind and number.isdigit() else stem
             self._tables.setdefault(stem, []).append(self.path / name)
-        self._read: dict[str, Table] = {}
+        self._read: dict[str, Frame] = {}
         if not self._tables:
             raise HardpointError(f"{self.path}: not the directory of a run: there is no table in it")
 
     @property
     def command(self) -> str | None:
-        """What was run, such as "solve"."""
+        """The command, such as "solve"."""
         found = self.summary.get("command")
         if found is None and (self.path / "run.json").is_file():
             runs = json.loads((self.path / "run.json").read_text(encoding="utf-8"))["runs"]
@@ -86,7 +92,7 @@ class Run(Mapping[str, Table]):
 
     @property
     def summary(self) -> dict[str, Any]:
-        """What it came to: the contents of `summary.json`."""
+        """The contents of `summary.json`."""
         path = self.path / "summary.json"
         return json.loads(path.read_text(encoding="utf-8")) if path.is_file() else {}
 
@@ -107,10 +113,10 @@ class Run(Mapping[str, Table]):
         files = [str(path) for path in self._tables["designs"]]
         return pyarrow.dataset.dataset(files, format=files[0].rsplit(".", 1)[1])
 
-    def __getitem__(self, name: str) -> Table:
+    def __getitem__(self, name: str) -> Frame:
         if name not in self._read:
             files = self._tables[name]
-            self._read[name] = Table(_parquet(files) if files[0].suffix == ".parquet" else _hardpoint.read_tables(files))
+            self._read[name] = Frame(_parquet(files) if files[0].suffix == ".parquet" else _hardpoint.read_tables(files))
         return self._read[name]
 
     def __iter__(self) -> Iterator[str]:
@@ -130,6 +136,6 @@ def _parquet(files: list[Path]) -> dict[str, Any]:
     return {name: table[name].to_numpy() for name in table.column_names}
 
 
-def open(path: str | os.PathLike[str]) -> Run:
+def read_run(directory: str | os.PathLike[str]) -> Run:
     """The results in a run's directory."""
-    return Run(path)
+    return Run(directory)

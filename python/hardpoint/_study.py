@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+import tomllib
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from os import PathLike
-from typing import Any
+from typing import Any, Literal, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -39,6 +41,18 @@ def _written(overrides: Overrides | None) -> list[str]:
     return [f"{path}={_toml(v)}" for path, v in (overrides or {}).items()]
 
 
+def _positions(values: ArrayLike, name: str) -> Floats:
+    """Coordinates as an array of numbers."""
+    array = np.asarray(values)
+    if array.dtype.kind not in "iuf":
+        raise HardpointError(f"{name} is no array of real numbers (dtype {array.dtype}); expected float64")
+    if np.ma.is_masked(values):
+        raise HardpointError(f"{name} has masked numbers; expected finite coordinates")
+    if name == "design" and array.ndim != 2:
+        raise HardpointError(f"design has shape {array.shape}; expected (P, 3), a row for each of points")
+    return np.ascontiguousarray(array, dtype=np.float64)
+
+
 def load(path: str | PathLike[str], overrides: Overrides | None = None) -> Study:
     """The study in a file; `overrides` such as {"motion.rack": 5.0} as the program's `--set`."""
     return Study(_hardpoint.Study.load(path, _written(overrides)))
@@ -49,7 +63,7 @@ def loads(
 ) -> Study:
     """The study of a text; `directory` is where the files that it names are."""
     study = Study(_hardpoint.Study.loads(text, name, directory))
-    return study.replace(set=overrides) if overrides else study
+    return study.replace(overrides) if overrides else study
 
 
 class Study:
@@ -58,6 +72,11 @@ class Study:
     __slots__ = ("_study",)
 
     def __init__(self, study: _hardpoint.Study) -> None:
+        if not isinstance(study, _hardpoint.Study):
+            raise HardpointError(
+                f"Study() takes no {type(study).__name__}; hp.load(path) reads a file, hp.loads(text) a text, "
+                "hp.Study.from_dict(sections) a mapping"
+            )
         self._study = study
 
     @property
@@ -87,6 +106,16 @@ class Study:
         return self._study.variables
 
     @property
+    def sweep_variables(self) -> list[str]:
+        """Names of the variables of [sweep]; empty without it."""
+        return self._study.sweep_variables
+
+    @property
+    def motions(self) -> list[str]:
+        """Names of the motions in [motions]."""
+        return self._study.motions
+
+    @property
     def points(self) -> list[str]:
         """Names of the P points."""
         return self._study.points
@@ -96,14 +125,49 @@ class Study:
         """Design positions (P, 3) in the study's axes and unit: a copy."""
         return self._study.design
 
-    def replace(self, design: ArrayLike | None = None, set: Overrides | None = None) -> Study:
-        """The study with other design positions (P, 3), or with fields overridden."""
+    def __getitem__(self, name: str) -> Any:
+        """The position (3,) of a point, as a copy; else the value of a key such as "motion.rack"."""
+        points = self._study.points
+        if name in points:
+            return self._study.design[points.index(name)].copy()
+        found: Any = self.to_dict()
+        for key in name.split("."):
+            if not isinstance(found, Mapping) or key not in found:
+                raise KeyError(f"{name}: neither a point nor a key of the study; points are {', '.join(points)}")
+            found = found[key]
+        return found
+
+    def replace(
+        self,
+        values: Overrides | None = None,
+        /,
+        *,
+        points: Mapping[str, ArrayLike] | None = None,
+        design: ArrayLike | None = None,
+    ) -> Study:
+        """The study with other values, as in {"motion.rack": 5.0}, and with other positions: of `points` by name, or the
+        whole `design` (P, 3). Positions alone are replaced without reading the text again."""
         study = self._study
-        if set:
-            study = study.with_overrides(_written(set))
-        if design is not None:
-            study = study.with_design(np.ascontiguousarray(design, dtype=np.float64).reshape(-1, 3))
-        return Study(study)
+        if values:
+            study = study.with_overrides(_written(values))
+        if design is None and points is None:
+            return Study(study)
+        place = study.design if design is None else _positions(design, "design")
+        if points is not None:
+            names = study.points
+            place = place.copy()
+            for name, position in points.items():
+                if name not in names:
+                    raise HardpointError(f"there is no point {name!r}; points are {', '.join(names)}")
+                row = _positions(position, name)
+                if row.shape != (3,):
+                    raise HardpointError(f"{name} has shape {row.shape}; expected (3,): x, y, z")
+                place[names.index(name)] = row
+        return Study(study.with_design(place))
+
+    def to_dict(self) -> dict[str, Any]:
+        """The sections of the study as nested dicts and lists, which `Study.from_dict` takes."""
+        return tomllib.loads(self.text)
 
     @classmethod
     def from_dict(cls, sections: Mapping[str, Any], name: str = "study.toml") -> Study:
@@ -114,12 +178,20 @@ class Study:
         """The curves as a pure function of the design: by `variables` such as "tie_rod_inner_dz" for offsets,
         "tie_rod_inner_z" for coordinates; by default those of [optimise], else of [sweep], else every coordinate of
         every hardpoint."""
-        return Function(_hardpoint.Function(self._study, None if variables is None else list(variables)))
+        return Function(self, None if variables is None else list(variables))
 
-    @property
-    def residuals(self) -> Residuals:
-        """The targets of [optimise] as a function of its variables, in tolerances."""
-        return Residuals(self)
+    def residuals(self, on_failure: Literal["nan", "raise"] = "nan") -> Residuals:
+        """The targets of [optimise] as a function of its variables, in tolerances. Where a design has none they are NaN, so
+        that an optimiser shortens its step, or an exception."""
+        return Residuals(self, on_failure)
+
+    def swept(self, number: int) -> Study:
+        """The study of one design of [sweep], by its number from 0."""
+        return Study(_hardpoint.swept_design(self._study, number))
+
+    def built(self, number: int) -> Study:
+        """The study of one build of [tolerance], by its number from 0: the design that its parts make at rest."""
+        return Study(_hardpoint.build(self._study, number))
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Study) and self.text == other.text and self.name == other.name
@@ -134,18 +206,78 @@ class Study:
         return (Study, (self._study,))
 
 
-def solve(study: Study) -> Curves:
+def study_of(source: Study | str | PathLike[str]) -> Study:
+    """A study, or the study in a file."""
+    if isinstance(source, Study):
+        return source
+    if isinstance(source, (str, PathLike)):
+        return load(source)
+    raise HardpointError(f"expected a Study or the path of a study file, found {type(source).__name__}")
+
+
+def solve(study: Study | str | PathLike[str], *, motion: str | None = None) -> Curves:
     """The curves of the study's design over its motion, of both wheels where it is of an axle; the numbers of
-    `hardpoint solve`, to the bit."""
-    return Curves(_hardpoint.solve(study._study))
+    `hardpoint solve`, to the bit. `motion` names one of [motions]."""
+    return Curves(_hardpoint.solve(study_of(study)._study, motion))
 
 
-def limits(study: Study) -> dict[str, Any]:
-    """How far travel, rack and arm go: for each ((value, cause), (value, cause)), the lower end first; None where there
-    is nothing to move."""
-    return _hardpoint.limits(study._study)
+@dataclass(frozen=True)
+class End:
+    """An end of a range."""
+
+    value: float
+    """In the length unit, or degrees."""
+    cause: str
+    """Why it goes no further."""
 
 
-def check(study: Study) -> list[str]:
-    """Solves the design position; what is doubtful about it, in words. A study that is wrong was refused before."""
-    return _hardpoint.check(study._study)
+@dataclass(frozen=True)
+class Extent:
+    """How far something moves from the design position."""
+
+    low: End
+    high: End
+
+
+class Limits(Mapping[str, Extent | None]):
+    """How far things move, by name: of a wheel `travel`, `rack` and `arm_angle_deg`, of an axle `left_travel`,
+    `right_travel`, `rack` and `roll_deg`; None where there is nothing to move. Also as attributes:
+    `limits.travel.low.value`."""
+
+    def __init__(self, found: Mapping[str, Any]) -> None:
+        ends = {name: both and Extent(*(End(*end) for end in both)) for name, both in found.items()}
+        self._ends: dict[str, Extent | None] = ends
+
+    def __getitem__(self, name: str) -> Extent | None:
+        return self._ends[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._ends)
+
+    def __len__(self) -> int:
+        return len(self._ends)
+
+    def __getattr__(self, name: str) -> Extent:
+        if name.startswith("_") or self._ends.get(name) is None:
+            raise AttributeError(f"there is no range {name!r}; there are {', '.join(self)}")
+        return cast(Extent, self._ends[name])
+
+    def __dir__(self) -> list[str]:
+        return [*super().__dir__(), *self._ends]
+
+    def __repr__(self) -> str:
+        ranges = [f"{n} {e.low.value:.6g} to {e.high.value:.6g}" for n, e in self._ends.items() if e]
+        return f"<hardpoint.Limits: {'; '.join(ranges)}>"
+
+
+def limits(study: Study | str | PathLike[str]) -> Limits:
+    """How far travel, rack and arm go, and why no further."""
+    return Limits(_hardpoint.limits(study_of(study)._study))
+
+
+def check(study: Study | str | PathLike[str]) -> list[str]:
+    """Solves the study as `hardpoint check` does; a line for each doubt and remark, and a line that begins with
+    "not solved" (of a named motion "motion NAME: not solved") for each stretch of the motion without a pose. A wrong study
+    was refused before."""
+    remarks, failures = _hardpoint.check(study_of(study)._study)
+    return [*remarks, *failures]

@@ -2,77 +2,76 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from os import PathLike
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from . import _hardpoint
-from ._function import rows_of
-from ._hardpoint import HardpointError
-from ._study import Study
+from ._frame import Frame
+from ._function import Designs, rows_of
+from ._hardpoint import STATUS, HardpointError
+from ._study import Study, study_of
 
 Floats = NDArray[np.float64]
+_NOT_FINITE = STATUS.index("not_finite")
 
 
-class Sweep(Mapping[str, Floats]):
-    """Rows of a sweep: a mapping from the columns of `designs.csv` to arrays (n,)."""
+class Sweep(Frame):
+    """Rows of a sweep: the columns of `designs.csv`, a row for each design."""
 
-    def __init__(self, found: dict[str, Any]) -> None:
-        self._columns: dict[str, Floats] = found["columns"]
-        self.failed: NDArray[np.int64] = found["failed"]
-        """Numbers of the designs that were not solved at every station."""
-        self.reasons: list[str] = found["reasons"]
-        """Why, one for each of them."""
+    variables: tuple[str, ...]
+    """Columns of the variables, which come first."""
 
-    def __getitem__(self, name: str) -> Floats:
-        return self._columns[name]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._columns)
-
-    def __len__(self) -> int:
-        return len(self._columns)
-
-    def to_pandas(self) -> Any:
-        """A pandas DataFrame that shares the columns' memory."""
-        import pandas
-
-        return pandas.DataFrame(self._columns, copy=False)
-
-    def __arrow_c_stream__(self, requested_schema: Any = None) -> Any:
-        """The columns for whoever speaks Arrow (polars, DuckDB, pyarrow); takes pyarrow."""
-        import pyarrow
-
-        return pyarrow.table(dict(self._columns)).__arrow_c_stream__(requested_schema)
-
-    def to_parquet(self, path: str | PathLike[str]) -> None:
-        """Writes the columns as Apache Parquet (zstd), a row group for each 131,072 designs; takes pyarrow."""
-        import pyarrow
-        import pyarrow.parquet
-
-        table = pyarrow.table(dict(self._columns))
-        pyarrow.parquet.write_table(table, path, compression="zstd", row_group_size=131_072)
+    def __init__(self, columns: dict[str, Floats], found: dict[str, Any]) -> None:
+        super().__init__(columns, status=found["status"], reasons=found["reasons"])
+        self.variables = tuple(list(self)[: found["variables"]])
 
     def __repr__(self) -> str:
-        rows = len(next(iter(self._columns.values()), ()))
-        return f"<hardpoint.Sweep: {rows} designs, {len(self.failed)} failed; {len(self)} columns>"
+        return f"<hardpoint.Sweep: {self.rows} designs, {len(self.failed)} failed; {len(self)} columns>"
 
 
 def sweep(
-    study: Study, x: ArrayLike | None = None, *, variables: Sequence[str] | None = None, threads: int | None = None
+    study: Study | str | PathLike[str],
+    x: Designs | None = None,
+    *,
+    variables: Sequence[str] | None = None,
+    threads: int | None = None,
+    progress: Callable[[int, int], object] | None = None,
 ) -> Sweep:
-    """The designs of the study's [sweep], in arrays; the numbers of `hardpoint sweep`, to the bit. Ctrl-C is heard.
+    """The designs of the study's [sweep], in arrays; the numbers of `hardpoint sweep`, to the bit.
 
-    With `x` (n, k) the designs are its rows, a column for each of `variables` (as in `Study.function`; by default those
-    of the study), and no [sweep] is needed.
+    With `x` (n, k) the designs are its rows, and no [sweep] is needed. Its columns are `variables`, by default those of
+    [sweep], else those of `study.variables`. A row with a number that is not finite has no values, and a status.
+    `progress(done, all)` is called about twenty times a second.
     """
+    study = study_of(study)
     if x is None:
         if variables is not None:
             raise HardpointError("variables are the columns of x, and there is no x")
-        return Sweep(_hardpoint.sweep(study._study, None, None, threads))
-    names = list(variables) if variables is not None else study.variables
-    rows, _ = rows_of(x, names)
-    return Sweep(_hardpoint.sweep(study._study, rows, names, threads))
+        found = _hardpoint.sweep(study._study, None, None, threads, progress)
+        return Sweep(found["columns"], found)
+    names = list(variables) if variables is not None else study.sweep_variables or study.variables
+    rows, _ = rows_of(x, names, study.length_unit)
+    good: NDArray[np.bool_] = np.asarray(np.isfinite(rows).all(axis=1))
+    solved = rows
+    if not good.all() or not len(rows):
+        middle = study.function(names).bounds.mean(axis=1)
+        solved = np.where(good[:, None], rows, middle) if len(rows) else middle[None, :]
+    found = _hardpoint.sweep(study._study, solved, names, threads, progress)
+    columns = found["columns"]
+    if not len(rows):
+        columns = {name: values[:0] for name, values in columns.items()}
+        found["status"], found["reasons"] = found["status"][:0], {}
+    bad = np.flatnonzero(~good)
+    for place, values in enumerate(columns.values()):
+        if place < len(names):
+            values[bad] = rows[bad, place]
+        else:
+            values[bad] = np.nan
+    found["status"][bad] = _NOT_FINITE
+    for row in bad.tolist():
+        found["reasons"][row] = "x has a number that is not finite"
+    return Sweep(columns, found)

@@ -2,79 +2,116 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+import json
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from os import PathLike
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from . import _hardpoint
-from ._study import Study, loads
+from ._frame import Frame
+from ._study import Study, study_of
 
 Floats = NDArray[np.float64]
 
 
-@dataclass(frozen=True)
-class SideEffect:
-    """A change that no target asks for."""
-
-    output: str
-    """Name without unit; with the name of the motion if that is not [motion]."""
-    unit: str
-    """Unit of all values."""
-    before_min: float | None
-    """Least value before the tuning at the stations compared; None without a value."""
-    before_max: float | None
-    """Largest value before."""
-    after_min: float | None
-    """Least value after."""
-    after_max: float | None
-    """Largest value after."""
-    largest_change: float | None
-    """Change of the largest amount, with its sign."""
-    at: dict[str, float]
-    """Station of that change: its coordinates with their units, such as {"travel_mm": 80.0}."""
-    wheel: str | None
-    """Wheel of an axle that changes most, "left" or "right"."""
-    tolerance: float | None
-    """Customary tolerance; None if there is none."""
-    flagged: bool
-    """True if the change exceeds the tolerance, or if stations have lost their values."""
-    lost: int
-    """Number of stations with a value before the tuning and none after it."""
-
-
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Tuning:
-    """What came of a tuning."""
+    """Result of a tuning. Names are those of SciPy's OptimizeResult where it has them."""
 
-    variables: list[str]
-    """What moved."""
     x: Floats | None
     """Offsets of the best design (k,); None if no start succeeded."""
+    success: bool
+    """True if every constraint is kept, no target is missed for want of a variable, and every curve of the tuned design was
+    found: where it is False, `hardpoint optimise` ends with exit code 1."""
+    message: str
+    """Outcome in words: misfit, violated constraints, how the kept start ended."""
     misfit: float
-    """Root of the weighted mean of squared deviations, in tolerances."""
+    """Root of the weighted mean of squared deviations, in tolerances; NaN if no start succeeded."""
     before: float | None
     """The same of the study's own design."""
-    targets: list[tuple[float, float, float]] = field(default_factory=list)
-    """Of each target: rms and largest deviation in tolerances, and the drive value of the latter."""
-    scatter: float | None = None
-    """Scatter of the measurements about a fit, in tolerances; None if the tuning is no fit with intervals."""
-    standard_errors: list[float | None] | None = None
-    """Standard error of each offset of such a fit; None where the measurements do not determine it, and for all
-    variables if one of them is at its bound."""
-    intervals: list[tuple[str, float | None, float | None]] | None = None
-    """The 95 % interval of each offset of such a fit: "two_sided", "at_most" (at its lower bound), "at_least" (at its
-    upper bound) or "not_determined"; lowest and highest offset, None on a side without a limit."""
-    side_effects: list[SideEffect] = field(default_factory=list)
-    """Changes that no target asks for, flagged ones first; empty with side_effects = false in [optimise]."""
-    study: Study | None = None
-    """The tuned study, comments kept."""
+    variables: list[str]
+    """Names of the variables (k)."""
+    moves: Frame
+    """A row for each variable: design, tuned, offset, low, high, at_bound ("lower", "upper" or ""); of a fit its standard
+    error and interval."""
+    targets: Frame
+    """A row for each target: rms and worst deviation in tolerances, before and after."""
+    constraints: Frame
+    """A row for each constraint: margin (negative if violated), status "kept", "binds" or "violated", price."""
+    side_effects: Frame
+    """A row for each change that no target asks for, flagged ones first: output, unit, before_min .. after_max,
+    largest_change, at, tolerance, flagged, lost; empty with side_effects = false in [optimise]."""
+    front: Frame | None
+    """The trade-off of `front` in [optimise], a row for each design; None without it."""
+    prices: Frame | None
+    """The least misfit by size of the move, with `prices=True`."""
+    history: Frame
+    """A row for each iteration of each start."""
+    starts: Frame
+    """A row for each start: how it ended."""
+    scatter: float | None
+    """Scatter of the measurements about a fit, in tolerances; None if the tuning is no fit."""
+    study: Study | None
+    """The tuned study, comments kept; None if there is none or if it is refused, which `message` says."""
+
+    def __repr__(self) -> str:
+        return f"<hardpoint.Tuning: {'success' if self.success else 'NO SUCCESS'}: {self.message}>"
 
 
-def optimise(study: Study, threads: int | None = None) -> Tuning:
-    """Tunes the hardpoints as the study's [optimise] says; the numbers of `hardpoint optimise`."""
-    found = _hardpoint.optimise(study._study, threads)
-    text = found.pop("text")
-    effects = [SideEffect(**effect) for effect in found.pop("side_effects", [])]
-    tuned = None if text is None else loads(text, name=f"{study.name}.toml")
-    return Tuning(side_effects=effects, study=tuned, **found)
+def _move(name: str, record: dict[str, Any]) -> dict[str, Any]:
+    """A row of `Tuning.moves`."""
+    low, high = record.pop("range")
+    return {"name": name, **record, "low": low, "high": high, "at_bound": record["at_bound"] or ""}
+
+
+def _effect(record: dict[str, Any]) -> dict[str, Any]:
+    """A row of `Tuning.side_effects`, its station in words."""
+    at = ", ".join(f"{place['name']} {place['value']:g} {place['unit']}" for place in record["at"])
+    return {**record, "at": at, "wheel": record["wheel"] or ""}
+
+
+def optimise(
+    study: Study | str | PathLike[str],
+    *,
+    front: Sequence[str] | bool | None = None,
+    prices: bool = False,
+    threads: int | None = None,
+    callback: Callable[[int, int, float], object] | None = None,
+) -> Tuning:
+    """Tunes the hardpoints as the study's [optimise] says; the numbers of `hardpoint optimise`.
+
+    `front` names targets to be traded against each other, in place of those of the study; False makes no front. With
+    `prices` the least misfit by size of the move is found, too. `callback(start, iteration, misfit)` is called on this
+    thread; `StopIteration` or a true answer ends the tuning with what it has.
+    """
+    study = study_of(study)
+    if front is not None and not isinstance(front, bool):
+        study = study.replace({"optimise.front": list(front)})
+    found = _hardpoint.optimise(study._study, front is not False, prices, threads, callback)
+    summary: dict[str, Any] = json.loads(found["summary"])
+    constraints = [
+        {"margin" if key == "room" else key: value for key, value in record.items()} for record in summary["constraints"]
+    ]
+    misfit = summary["misfit_after"]
+    return Tuning(
+        x=found["x"],
+        success=found["success"],
+        message=found["message"],
+        misfit=float("nan") if misfit is None else misfit,
+        before=summary["misfit_before"],
+        variables=found["variables"],
+        moves=Frame.of_records(map(_move, found["variables"], summary["variables"])),
+        targets=Frame.of_records(summary["targets"]),
+        constraints=Frame.of_records(constraints),
+        side_effects=Frame.of_records(map(_effect, summary.get("side_effects", []))),
+        front=None if found["front"] is None else Frame(_hardpoint.parse_table(found["front"])),
+        prices=Frame.of_records(summary["prices"]) if prices else None,
+        history=Frame(_hardpoint.parse_table(found["history"])),
+        starts=Frame.of_records(summary["starts"]),
+        scatter=summary["scatter"],
+        study=None if found["study"] is None else Study(found["study"]),
+    )

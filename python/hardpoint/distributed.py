@@ -18,7 +18,7 @@ import logging
 import os
 import tempfile
 from collections.abc import Callable
-from concurrent.futures import Executor, as_completed
+from concurrent.futures import Executor, Future, as_completed
 from pathlib import Path
 
 from . import HardpointError, Study, _hardpoint
@@ -33,16 +33,21 @@ def parts(study: Study) -> int:
     return _hardpoint.sweep_parts(study._study)
 
 
+class Refused(HardpointError):
+    """A part cannot be done by any worker: the study or the directory is wrong."""
+
+
 def sweep_part(text: str, name: str, out: str, part: int, of: int) -> int:
-    """Does a part (from 0) of so many into the directory `out`, on the calling thread; its number. One that is whole is
+    """Does a part (from 0) of so many into the directory `out`, on one thread; its number. One that is whole is
     passed over, one that another process is at is waited for."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / f"{name}.toml"
         path.write_text(text, encoding="utf-8")
-        arguments = ["--quiet", "sweep", str(path), "--out", out, "--shard", f"{part + 1}/{of}", "--threads", "1"]
-        code = _hardpoint.command(arguments)
+        arguments = ["sweep", str(path), "--out", out, "--shard", f"{part + 1}/{of}", "--threads", "1"]
+        code, said = _hardpoint.command_captured(arguments)
     if code != 0:
-        raise HardpointError(f"part {part} of {of} ended with exit code {code}; standard error of its worker says why")
+        reason = said.strip().removeprefix("error: ").replace(str(path), f"{name}.toml") or f"exit code {code}"
+        raise (Refused if code == 2 else HardpointError)(f"part {part} of {of}: {reason}")
     return part
 
 
@@ -62,21 +67,17 @@ def sweep(
     left = set(range(count))
     for attempt in range(tries):
         engine = executor() if callable(executor) else executor
-        futures = []
+        futures: list[Future[int]] = []
         try:
             for part in sorted(left):
                 futures.append(engine.submit(sweep_part, study.text, study.name, str(directory), part, count))
         except Exception as error:  # noqa: BLE001: an engine that has lost its workers already
             _log.warning("the engine takes no more parts: %s", error)
-        for future in as_completed(futures):
-            try:
-                left.discard(future.result())
-            except HardpointError:
-                # It would end so everywhere: said at the last try, since a full disk may be another's.
-                if attempt + 1 == tries:
-                    raise
-            except Exception as error:  # noqa: BLE001: whatever the engine makes of a lost worker
-                _log.warning("a part is tried again: %s", error)
+        try:
+            left -= _done(futures, is_last=attempt + 1 == tries)
+        except BaseException:
+            _stop(engine, futures, is_own=callable(executor))
+            raise
         if callable(executor) and hasattr(engine, "shutdown"):
             engine.shutdown()
         if not left:
@@ -84,3 +85,31 @@ def sweep(
     raise HardpointError(f"{len(left)} of {count} parts are not done after {tries} tries: {sorted(left)[:10]}")
 
 
+def _done(futures: list[Future[int]], is_last: bool) -> set[int]:
+    """Numbers of the parts that are done."""
+    done: set[int] = set()
+    for future in as_completed(futures):
+        try:
+            done.add(future.result())
+        except Refused:
+            raise
+        except HardpointError:
+            # It would end so everywhere: raised at the last try, since a full disk may be another's.
+            if is_last:
+                raise
+        except Exception as error:  # noqa: BLE001: whatever the engine makes of a lost worker
+            _log.warning("a part is tried again: %s", error)
+    return done
+
+
+def _stop(engine: Executor, futures: list[Future[int]], is_own: bool) -> None:
+    """Cancels parts that have not begun, and ends the workers of an engine that was made here: a part that is not whole is
+    not there."""
+    for future in futures:
+        future.cancel()
+    if is_own:
+        processes = dict(getattr(engine, "_processes", None) or {})
+        for process in processes.values():
+            process.terminate()
+        if hasattr(engine, "shutdown"):
+            engine.shutdown(wait=not processes, cancel_futures=True)

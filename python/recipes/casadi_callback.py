@@ -23,10 +23,10 @@ class Jacobian(ca.Callback):
         return 1
 
     def get_sparsity_in(self, i):
-        return ca.Sparsity.dense(len(self.residuals.names)) if i == 0 else ca.Sparsity.dense(self.m)
+        return ca.Sparsity.dense(len(self.residuals.variables)) if i == 0 else ca.Sparsity.dense(self.m)
 
     def get_sparsity_out(self, i):
-        return ca.Sparsity.dense(self.m, len(self.residuals.names))
+        return ca.Sparsity.dense(self.m, len(self.residuals.variables))
 
     def eval(self, arguments):
         return [self.residuals.jacobian(np.array(arguments[0]).ravel())]
@@ -37,12 +37,12 @@ class Residuals(ca.Callback):
 
     def __init__(self, study):
         super().__init__()
-        self.residuals = study.residuals
-        self.m = len(self.residuals(np.zeros(len(self.residuals.names))))
+        self.residuals = study.residuals()
+        self.m = len(self.residuals(np.zeros(len(self.residuals.variables))))
         self.construct("residuals", {})
 
     def get_sparsity_in(self, i):
-        return ca.Sparsity.dense(len(self.residuals.names))
+        return ca.Sparsity.dense(len(self.residuals.variables))
 
     def get_sparsity_out(self, i):
         return ca.Sparsity.dense(self.m)
@@ -61,7 +61,7 @@ class Residuals(ca.Callback):
 if __name__ == "__main__":
     study = hp.load(Path(__file__).resolve().parents[2] / "studies" / "macpherson_front.toml")
     residuals = Residuals(study)
-    low, high = study.residuals.bounds.T
+    low, high = study.residuals().bounds.T
     unit = ca.MX.sym("u", len(low))
     r = residuals(unit * (high - low))
     problem = {"x": unit, "f": ca.dot(r, r) / residuals.m}

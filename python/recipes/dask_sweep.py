@@ -24,6 +24,6 @@ if __name__ == "__main__":
         LocalCluster(n_workers=2, threads_per_worker=1, host="127.0.0.1", dashboard_address=None) as cluster,
         Client(cluster) as client,
     ):
-        run = hp.open(distributed.sweep(study, Path(folder) / "run", client.get_executor))
+        run = hp.read_run(distributed.sweep(study, Path(folder) / "run", client.get_executor))
         assert run["designs"].rows == samples
         print(f"misfit from {min(run['designs']['misfit']):.3g}, of {samples} designs in {distributed.parts(study)} parts")

@@ -13,8 +13,8 @@ jax.config.update("jax_enable_x64", True)
 
 def misfit_of(study: hp.Study):
     """The mean squared residual as a function that JAX can jit and differentiate."""
-    residuals = study.residuals
-    m, k = residuals.value_and_jacobian(np.zeros(len(residuals.names)))[1].shape
+    residuals = study.residuals()
+    m, k = residuals.value_and_jacobian(np.zeros(len(residuals.variables)))[1].shape
     shapes = (jax.ShapeDtypeStruct((m,), jnp.float64), jax.ShapeDtypeStruct((m, k), jnp.float64))
 
     def both(x):
@@ -35,9 +35,9 @@ def misfit_of(study: hp.Study):
 if __name__ == "__main__":
     study = hp.load(Path(__file__).resolve().parents[2] / "studies" / "macpherson_front.toml")
     misfit = misfit_of(study)
-    x = jnp.zeros(len(study.residuals.names))
+    x = jnp.zeros(len(study.residuals().variables))
     value, gradient = jax.jit(jax.value_and_grad(misfit))(x)
-    values, jacobian = study.residuals.value_and_jacobian(np.zeros(len(x)))
+    values, jacobian = study.residuals().value_and_jacobian(np.zeros(len(x)))
     exact = 2 / len(values) * jacobian.T @ values
     np.testing.assert_allclose(gradient, exact, rtol=1e-12, atol=1e-12)
     print(f"mean squared misfit {value:.6g}, gradient as J'r")

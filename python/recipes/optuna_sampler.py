@@ -18,12 +18,10 @@ TRIALS = 40
 
 def chosen(study: hp.Study, trials: int) -> optuna.Study:
     """A choice that no derivative reaches, each tuned by what knows derivatives."""
-    inner, outer = (study.points.index(f"tie_rod_{end}") for end in ("inner", "outer"))
-
     def misfit(trial: optuna.Trial) -> float:
-        design = study.design
-        design[[inner, outer], 0] += trial.suggest_categorical("rack_shifted_by", [-20.0, -10.0, 0.0, 10.0])
-        return hp.optimise(study.replace(design=design), threads=1).misfit
+        shift = [trial.suggest_categorical("rack_shifted_by", [-20.0, -10.0, 0.0, 10.0]), 0.0, 0.0]
+        points = {name: study[name] + shift for name in ("tie_rod_inner", "tie_rod_outer")}
+        return hp.optimise(study.replace(points=points), threads=1).misfit
 
     search = optuna.create_study(sampler=optuna.samplers.TPESampler(seed=1))
     search.optimize(misfit, n_trials=trials)
@@ -32,14 +30,14 @@ def chosen(study: hp.Study, trials: int) -> optuna.Study:
 
 def sampled(study: hp.Study, trials: int) -> optuna.Study:
     """The coordinates themselves by sampling: not what it is for."""
-    r = study.residuals
+    r = study.residuals()
 
     def misfit(trial: optuna.Trial) -> float:
-        x = [trial.suggest_float(name, low, high) for name, (low, high) in zip(r.names, r.bounds)]
-        try:
-            return float(np.sqrt(np.mean(r(x) ** 2)))
-        except hp.HardpointError:  # the design cannot be assembled over the whole motion
-            raise optuna.TrialPruned from None
+        x = [trial.suggest_float(name, low, high) for name, (low, high) in zip(r.variables, r.bounds)]
+        misfit = float(np.sqrt(np.mean(r(x) ** 2)))
+        if np.isnan(misfit):  # the design cannot be assembled over the whole motion
+            raise optuna.TrialPruned
+        return misfit
 
     search = optuna.create_study(sampler=optuna.samplers.TPESampler(seed=1))
     search.optimize(misfit, n_trials=trials)

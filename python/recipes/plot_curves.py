@@ -21,7 +21,7 @@ def plot(study: hp.Study, path: Path) -> None:
     targets = [t for t in tomllib.loads(study.text)["optimise"]["targets"] if "points" in t]
     figure, axes = plt.subplots(1, len(targets), figsize=(5 * len(targets), 4), squeeze=False, layout="constrained")
     for axis, target in zip(axes[0], targets):
-        column = next(c for c in after.columns if c.output == target["characteristic"])
+        column = next(c for c in after.info.values() if c.output == target["characteristic"])
         travel, wanted = zip(*target["points"])
         band = [[w + sign * target["tolerance"] for w in wanted] for sign in (-1, 1)]
         axis.fill_between(travel, *band, alpha=0.3, label="target and tolerance")

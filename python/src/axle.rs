@@ -2,6 +2,7 @@
 
 use crate::errors::failure;
 use crate::study::{cause_of, ends};
+use crate::threads::on_threads;
 use hardpoint::axle::AxleEnd;
 use hardpoint::model::Axis;
 use hardpoint::study::AxleStudy;
@@ -14,7 +15,7 @@ pub(crate) fn limits<'py>(
     py: Python<'py>,
     AxleStudy { axle, .. }: &AxleStudy,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let found = py.detach(|| axle.limits());
+    let found = on_threads(py, Some(1), |_| axle.limits())?;
     let found = found.map_err(|fault| failure(axle.describe_fault(fault)))?;
     let result = PyDict::new(py);
     for (name, range) in ["left_travel", "right_travel"]

@@ -1,24 +1,24 @@
 //! Exceptions.
 
 use hardpoint::study::StudyErrors;
-use pyo3::exceptions::PyException;
+use pyo3::exceptions::{PyException, PyMemoryError};
 use pyo3::prelude::*;
 
 pyo3::create_exception!(
     hardpoint,
     HardpointError,
     PyException,
-    "Something asked for cannot be computed."
+    "Base of all errors of this module: a request cannot be computed, and the text says why."
 );
 pyo3::create_exception!(
     hardpoint,
     StudyError,
     HardpointError,
-    "A study is wrong. The text says where and what was expected; `line`, `column`, `key` and `help` say so of \
+    "A study is wrong. The text says where and what was expected; `line`, `column`, `key` and `help` describe \
      the first mistake."
 );
 
-/// What is wrong with a study, as an exception with its place.
+/// The mistakes of a study as an exception with their place.
 pub(crate) fn study_error(errors: &StudyErrors) -> PyErr {
     Python::attach(|python| {
         let error = StudyError::new_err(errors.render(false));
@@ -35,7 +35,14 @@ pub(crate) fn study_error(errors: &StudyErrors) -> PyErr {
     })
 }
 
-/// What cannot be computed.
+/// An exception for a request that cannot be computed.
 pub(crate) fn failure(message: impl Into<String>) -> PyErr {
     HardpointError::new_err(message.into())
+}
+
+/// An exception for a result that is larger than the memory.
+pub(crate) fn too_large(shape: &[usize]) -> PyErr {
+    PyMemoryError::new_err(format!(
+        "a result of shape {shape:?} does not fit into memory"
+    ))
 }

@@ -1,28 +1,32 @@
 //! Curves as a pure function of the design.
 
-use crate::errors::failure;
+use crate::errors::{failure, too_large};
+use crate::status::of_designs;
 use crate::study::Study;
-use crate::threads::{checked, on_threads};
-use hardpoint::{DesignFunction, DesignStatus, DesignVariable, Evaluation, FunctionError};
+use crate::threads::{LISTEN, checked, on_threads};
+use hardpoint::{DesignFunction, DesignStatus, DesignVariable, Evaluation, FunctionError, Move};
 use numpy::{
-    IntoPyArray, PyArray1, PyArray2, PyArray3, PyArrayDyn, PyArrayMethods, PyReadonlyArray2,
-    PyUntypedArrayMethods,
+    Element, IntoPyArray, PyArray, PyArray1, PyArray2, PyArray3, PyArray4, PyArrayMethods,
+    PyReadonlyArray2, PyUntypedArrayMethods,
 };
 use pyo3::prelude::*;
 use rayon::prelude::*;
+use std::sync::atomic::Ordering;
+use std::time::Instant;
 
 /// Designs that one thread takes at a time: of values, and of values with Jacobians, which take longer.
 const CHUNK: usize = 128;
 const DIFFERENTIATED: usize = 32;
-/// Chunks between two looks for Ctrl-C.
-const GROUP: usize = 512;
+/// The same of an axle, whose designs are solved one after the other.
+const OF_AXLE: usize = 1;
 
 /// A pure function of the design.
 #[pyclass(frozen, module = "hardpoint._hardpoint")]
 pub(crate) struct Function {
     function: DesignFunction,
-    text: String,
-    name: String,
+    /// The study, for copies in other processes.
+    study: Py<Study>,
+    is_axle: bool,
 }
 
 /// Designs of one chunk, and where their results go.
@@ -37,14 +41,14 @@ struct Chunk<'a> {
 impl Function {
     #[new]
     #[pyo3(signature = (study, variables=None))]
-    fn new(py: Python<'_>, study: &Study, variables: Option<Vec<String>>) -> PyResult<Self> {
-        let own = &study.study;
-        let function = named(own, variables)
-            .and_then(|variables| py.detach(|| DesignFunction::with_variables(own, variables)));
+    fn new(py: Python<'_>, study: Py<Study>, variables: Option<Vec<String>>) -> PyResult<Self> {
+        let own = &study.get().study;
+        let variables = named(own, variables)?;
+        let function = py.detach(|| DesignFunction::with_variables(own, variables));
         Ok(Function {
             function: function.map_err(|e| failure(e.to_string()))?,
-            text: own.text.clone(),
-            name: own.name.clone(),
+            is_axle: own.axle.is_some(),
+            study,
         })
     }
 
@@ -67,16 +71,13 @@ impl Function {
         self.function.outputs()
     }
 
-    /// Drive value and rack displacement of each station, (stations, 2), as columns print them.
+    /// Number of stations.
     #[getter]
-    fn stations<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let stations = self.function.motion();
-        let count = stations.len();
-        let flat: Vec<f64> = stations.into_iter().flatten().collect();
-        flat.into_pyarray(py).reshape([count, 2])
+    fn stations(&self) -> usize {
+        self.function.stations()
     }
 
-    /// Values of designs (n, variables): (n, outputs, stations), and what came of each design.
+    /// Values of designs (n, variables): (n, outputs, stations), and the status of each design.
     #[pyo3(signature = (x, threads=None))]
     fn values<'py>(
         &self,
@@ -87,16 +88,18 @@ impl Function {
         let f = &self.function;
         let n = x.shape()[0];
         let x = rows(&x, f.variables().len())?;
-        let values = PyArray3::<f64>::zeros(py, [n, f.len() / f.stations(), f.stations()], false);
+        let values: Bound<'_, PyArray3<f64>> =
+            zeros(py, &[n, f.len() / f.stations(), f.stations()])?;
         let mut status = vec![DesignStatus::Ok; n];
         {
             let mut write = values.readwrite();
             let (k, row) = (f.variables().len(), f.len());
-            let chunks = (write.as_slice_mut()?.chunks_mut(CHUNK * row))
-                .zip(status.chunks_mut(CHUNK))
+            let at_once = if self.is_axle { OF_AXLE } else { CHUNK };
+            let chunks = (write.as_slice_mut()?.chunks_mut(at_once * row))
+                .zip(status.chunks_mut(at_once))
                 .enumerate()
                 .map(|(number, (values, status))| Chunk {
-                    x: &x[number * CHUNK * k..][..status.len() * k],
+                    x: &x[number * at_once * k..][..status.len() * k],
                     values,
                     jacobian: &mut [],
                     status,
@@ -106,7 +109,7 @@ impl Function {
                 evaluation.values(chunk.x, chunk.values, chunk.status);
             })?;
         }
-        Ok((values, words(status).into_pyarray(py)))
+        Ok((values, of_designs(&status).into_pyarray(py)))
     }
 
     /// Values and exact Jacobians of designs (n, variables): (n, outputs, stations) and (n, outputs, stations,
@@ -119,7 +122,7 @@ impl Function {
         threads: Option<usize>,
     ) -> PyResult<(
         Bound<'py, PyArray3<f64>>,
-        Bound<'py, PyArrayDyn<f64>>,
+        Bound<'py, PyArray4<f64>>,
         Bound<'py, PyArray1<u8>>,
     )> {
         let f = &self.function;
@@ -127,22 +130,27 @@ impl Function {
         let x = rows(&x, f.variables().len())?;
         let (stations, k) = (f.stations(), f.variables().len());
         let outputs = f.len() / stations;
-        let values = PyArray3::<f64>::zeros(py, [n, outputs, stations], false);
-        let jacobian = PyArrayDyn::<f64>::zeros(py, &[n, outputs, stations, k][..], false);
+        let values: Bound<'_, PyArray3<f64>> = zeros(py, &[n, outputs, stations])?;
+        let jacobian: Bound<'_, PyArray4<f64>> = zeros(py, &[n, outputs, stations, k])?;
         let mut status = vec![DesignStatus::Ok; n];
         {
             let (mut write_y, mut write_j) = (values.readwrite(), jacobian.readwrite());
             let row = f.len();
-            let chunks = (write_y.as_slice_mut()?.chunks_mut(DIFFERENTIATED * row))
+            let at_once = if self.is_axle {
+                OF_AXLE
+            } else {
+                DIFFERENTIATED
+            };
+            let chunks = (write_y.as_slice_mut()?.chunks_mut(at_once * row))
                 .zip(
                     write_j
                         .as_slice_mut()?
-                        .chunks_mut((DIFFERENTIATED * row * k).max(1)),
+                        .chunks_mut((at_once * row * k).max(1)),
                 )
-                .zip(status.chunks_mut(DIFFERENTIATED))
+                .zip(status.chunks_mut(at_once))
                 .enumerate()
                 .map(|(number, ((values, jacobian), status))| Chunk {
-                    x: &x[number * DIFFERENTIATED * k..][..status.len() * k],
+                    x: &x[number * at_once * k..][..status.len() * k],
                     values,
                     jacobian,
                     status,
@@ -152,7 +160,7 @@ impl Function {
                 evaluation.value_and_jacobian(chunk.x, chunk.values, chunk.jacobian, chunk.status);
             })?;
         }
-        Ok((values, jacobian, words(status).into_pyarray(py)))
+        Ok((values, jacobian, of_designs(&status).into_pyarray(py)))
     }
 
     fn __repr__(&self) -> String {
@@ -163,15 +171,13 @@ impl Function {
         );
         format!(
             "<hardpoint.Function {:?}: {k} variables -> {a} outputs x {s} stations>",
-            self.name
+            self.study.get().study.name
         )
     }
 
-    fn __reduce__(&self, py: Python<'_>) -> PyResult<(Py<PyAny>, (Py<PyAny>, Vec<String>))> {
+    fn __reduce__(&self, py: Python<'_>) -> (Py<PyAny>, (Py<Study>, Vec<String>)) {
         let class = py.get_type::<Function>().into_any().unbind();
-        let loads = py.get_type::<Study>().getattr("loads")?;
-        let study = loads.call1((&self.text, format!("{}.toml", self.name)))?;
-        Ok((class, (study.unbind(), self.variables())))
+        (class, (self.study.clone_ref(py), self.variables()))
     }
 }
 
@@ -186,39 +192,100 @@ impl Function {
     ) -> PyResult<()> {
         checked(threads)?;
         let f = &self.function;
-        let alone = threads == Some(1) || chunks.len() == 1;
-        for group in chunks.chunks_mut(GROUP) {
-            py.detach(|| match alone {
-                true => {
-                    let mut evaluation = f.evaluation();
-                    group
-                        .iter_mut()
-                        .for_each(|chunk| work(&mut evaluation, chunk));
-                    Ok(())
+        if threads != Some(1) && chunks.len() > 1 {
+            return on_threads(py, threads, |flag| {
+                let all = chunks.par_iter_mut();
+                all.for_each_init(
+                    || f.evaluation(),
+                    |evaluation, chunk| {
+                        if !flag.load(Ordering::Relaxed) {
+                            work(evaluation, chunk);
+                        }
+                    },
+                );
+            });
+        }
+        let mut left = chunks.iter_mut();
+        loop {
+            let (left, work) = (&mut left, &work);
+            let is_done = py.detach(move || {
+                let (begun, mut evaluation) = (Instant::now(), f.evaluation());
+                for chunk in left {
+                    work(&mut evaluation, chunk);
+                    if begun.elapsed() > LISTEN {
+                        return false;
+                    }
                 }
-                false => on_threads(threads, || {
-                    let all = group.par_iter_mut();
-                    all.for_each_init(|| f.evaluation(), &work);
-                }),
-            })?;
+                true
+            });
+            if is_done {
+                return Ok(());
+            }
             py.check_signals()?;
         }
-        Ok(())
     }
+}
+
+/// An array of zeros, or a `MemoryError`.
+pub(crate) fn zeros<'py, T: Element, D: numpy::ndarray::Dimension>(
+    py: Python<'py>,
+    shape: &[usize],
+) -> PyResult<Bound<'py, PyArray<T, D>>> {
+    let made = py.import("numpy")?.call_method1("zeros", (shape.to_vec(),));
+    let array = made.map_err(|_| too_large(shape))?;
+    Ok(array.cast_into()?)
 }
 
 /// The variables of these names, or those a study moves where none are given.
 pub(crate) fn named(
     study: &hardpoint::Study,
     names: Option<Vec<String>>,
-) -> Result<Vec<DesignVariable>, FunctionError> {
-    match names {
-        None => Ok(DesignVariable::of(study)),
-        Some(names) => {
-            let names = names.iter();
-            names.map(|n| DesignVariable::named(n, study)).collect()
-        }
+) -> PyResult<Vec<DesignVariable>> {
+    let Some(names) = names else {
+        return Ok(DesignVariable::of(study));
+    };
+    let variables = names.iter().map(|n| DesignVariable::named(n, study));
+    let variables: Result<Vec<_>, FunctionError> = variables.collect();
+    let variables = variables.map_err(|e| failure(e.to_string()))?;
+    let later = |place: usize| {
+        variables[place + 1..]
+            .iter()
+            .map(move |later| (place, later))
+    };
+    let mut pairs = (0..variables.len()).flat_map(later);
+    match pairs.find(|(first, later)| contradict(study, &variables[*first], later)) {
+        None => Ok(variables),
+        Some((first, later)) => Err(failure(format!(
+            "{} and {} give the same coordinate; leave one of them out",
+            variables[first].name, later.name
+        ))),
     }
+}
+
+/// True if two variables are one, or if one is a coordinate that the other one moves. Offsets of the same coordinate add
+/// up.
+fn contradict(study: &hardpoint::Study, a: &DesignVariable, b: &DesignVariable) -> bool {
+    if a.name == b.name {
+        return true;
+    }
+    match (a.swept_as(), b.swept_as()) {
+        (Some(a), Some(b)) => {
+            let same = |m: &Move| (b.moves.iter()).any(|n| (n.point, n.axis) == (m.point, m.axis));
+            (a.absolute || b.absolute) && a.moves.iter().any(same)
+        }
+        // A turn is named by its points.
+        (Some(other), None) => other.absolute && turns(study, &b.name, &other.moves),
+        (None, Some(other)) => other.absolute && turns(study, &a.name, &other.moves),
+        (None, None) => false,
+    }
+}
+
+/// True if a turn of this name turns one of the points of these moves.
+fn turns(study: &hardpoint::Study, name: &str, moves: &[Move]) -> bool {
+    let (points, _) = name.rsplit_once("_turn_").unwrap_or((name, ""));
+    let mechanism = &study.suspension.mechanism;
+    let mut moved = moves.iter().map(|m| mechanism.name(m.point));
+    moved.any(|moved| points.split('+').any(|point| point == moved))
 }
 
 /// The rows of an array of designs, one after the other, with a column for each of `k` variables.
@@ -231,8 +298,4 @@ pub(crate) fn rows<'a>(x: &'a PyReadonlyArray2<'_, f64>, k: usize) -> PyResult<&
     }
     x.as_slice()
         .map_err(|_| failure("x is not contiguous in C order"))
-}
-
-fn words(status: Vec<DesignStatus>) -> Vec<u8> {
-    status.into_iter().map(|s| s as u8).collect()
 }

@@ -9,9 +9,12 @@
     reason = "tuples of arrays are what Python takes and gives"
 )]
 
+mod answers;
 mod axle;
+mod curves;
 mod errors;
 mod function;
+mod status;
 mod study;
 mod sweep;
 mod tables;
@@ -25,6 +28,7 @@ fn _hardpoint(module: &Bound<'_, PyModule>) -> PyResult<()> {
     hardpoint::attia::register();
     let python = module.py();
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    module.add("STATUS", status::WORDS.to_vec())?;
     module.add("StudyError", python.get_type::<errors::StudyError>())?;
     module.add(
         "HardpointError",
@@ -35,14 +39,23 @@ fn _hardpoint(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<tuning::Residuals>()?;
     module.add_function(wrap_pyfunction!(study::topologies, module)?)?;
     module.add_function(wrap_pyfunction!(study::template, module)?)?;
-    module.add_function(wrap_pyfunction!(study::solve, module)?)?;
+    module.add_function(wrap_pyfunction!(curves::solve, module)?)?;
     module.add_function(wrap_pyfunction!(study::limits, module)?)?;
     module.add_function(wrap_pyfunction!(study::check, module)?)?;
     module.add_function(wrap_pyfunction!(study::schema, module)?)?;
     module.add_function(wrap_pyfunction!(tables::read_tables, module)?)?;
+    module.add_function(wrap_pyfunction!(tables::parse_table, module)?)?;
     module.add_function(wrap_pyfunction!(study::command, module)?)?;
+    module.add_function(wrap_pyfunction!(study::command_captured, module)?)?;
+    module.add_function(wrap_pyfunction!(answers::report, module)?)?;
     module.add_function(wrap_pyfunction!(tuning::optimise, module)?)?;
     module.add_function(wrap_pyfunction!(sweep::sweep, module)?)?;
+    module.add_function(wrap_pyfunction!(answers::setup, module)?)?;
+    module.add_function(wrap_pyfunction!(answers::tolerance, module)?)?;
+    module.add_function(wrap_pyfunction!(answers::build, module)?)?;
+    module.add_function(wrap_pyfunction!(answers::swept_design, module)?)?;
+    module.add_function(wrap_pyfunction!(answers::assemblies, module)?)?;
+    module.add_function(wrap_pyfunction!(answers::compare, module)?)?;
     module.add_function(wrap_pyfunction!(sweep::sweep_parts, module)?)?;
     Ok(())
 }

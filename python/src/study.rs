@@ -1,24 +1,29 @@
-//! Studies, and what is asked of one design.
+//! Studies, and requests about one design.
 
 use crate::errors::{failure, study_error};
+use crate::threads::on_threads;
 use hardpoint::Topology;
 use hardpoint::analyse::{Range, RangeEnd};
-use hardpoint::axle::axle_curves;
-use hardpoint::curves::{Curves, curves};
-use hardpoint::model::{Axis, Side};
+use hardpoint::mechanism::GeometryFault;
+use hardpoint::model::Axis;
 use hardpoint::number::Vector3;
-use hardpoint::plan::Plan;
 use hardpoint::solve::Solver;
-use hardpoint::study::StudyErrors;
-use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayDyn, PyArrayMethods, PyReadonlyArray2};
+use hardpoint::study::{Designs, StudyErrors};
+use numpy::{IntoPyArray, PyArray2, PyArrayMethods, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::PathBuf;
+use std::sync::OnceLock;
 
 /// A study: frozen, pickled as its text.
 #[pyclass(frozen, module = "hardpoint._hardpoint")]
 pub(crate) struct Study {
+    /// Its text is that of `moved_from`, if there is one.
     pub(crate) study: hardpoint::study::Study,
+    /// The study whose points were moved, if this one was not read from a text.
+    moved_from: Option<Py<Study>>,
+    /// The study with its own text, where its points were moved.
+    whole: OnceLock<hardpoint::study::Study>,
 }
 
 #[pymethods]
@@ -26,24 +31,22 @@ impl Study {
     /// From a file.
     #[staticmethod]
     #[pyo3(signature = (path, overrides=Vec::new()))]
-    fn load(path: PathBuf, overrides: Vec<String>) -> PyResult<Self> {
-        let study = hardpoint::study::Study::read(&path, &overrides);
-        Study::of(study)
+    fn load(py: Python<'_>, path: PathBuf, overrides: Vec<String>) -> PyResult<Self> {
+        Study::of(py.detach(|| hardpoint::study::Study::read(&path, &overrides)))
     }
 
     /// From its text; `directory` is where the files it names are.
     #[staticmethod]
     #[pyo3(signature = (text, name="study.toml", directory=None))]
-    fn loads(text: &str, name: &str, directory: Option<PathBuf>) -> PyResult<Self> {
+    fn loads(py: Python<'_>, text: &str, name: &str, directory: Option<PathBuf>) -> PyResult<Self> {
         let directory = directory.unwrap_or_default();
-        let study = hardpoint::study::Study::from_text(name, text, &directory);
-        Study::of(study)
+        Study::of(py.detach(|| hardpoint::study::Study::from_text(name, text, &directory)))
     }
 
     /// The text, target curves from files written out.
     #[getter]
     fn text(&self) -> &str {
-        &self.study.text
+        &self.whole().text
     }
 
     #[getter]
@@ -68,6 +71,31 @@ impl Study {
         variables.into_iter().map(|v| v.name).collect()
     }
 
+    /// Names of the variables of `[sweep]`; empty without it.
+    #[getter]
+    fn sweep_variables(&self) -> Vec<String> {
+        let designs = self.study.sweep.as_ref().map(|sweep| &sweep.designs);
+        let variables = match designs {
+            Some(Designs::Sampled(sampled)) => &sampled.variables[..],
+            Some(Designs::Given(table)) => &table.variables,
+            Some(Designs::File(_)) | None => &[],
+        };
+        variables.iter().map(|v| v.name.clone()).collect()
+    }
+
+    /// Names of the motions in `[motions]`.
+    #[getter]
+    fn motions(&self) -> Vec<String> {
+        let motions = self.study.motions.iter();
+        motions.map(|(name, _)| name.clone()).collect()
+    }
+
+    /// True for an axle.
+    #[getter]
+    fn is_axle(&self) -> bool {
+        self.study.axle.is_some()
+    }
+
     /// Names of the points.
     #[getter]
     fn points(&self) -> Vec<String> {
@@ -87,15 +115,17 @@ impl Study {
         rows.into_pyarray(py).reshape([suspension.design.len(), 3])
     }
 
-    /// The study with other design positions.
-    fn with_design(&self, design: PyReadonlyArray2<'_, f64>) -> PyResult<Self> {
-        let suspension = &self.study.suspension;
+    /// The study with other design positions, as its text with these points would be read.
+    fn with_design(slf: &Bound<'_, Self>, design: PyReadonlyArray2<'_, f64>) -> PyResult<Self> {
+        let (py, this) = (slf.py(), slf.get());
+        let suspension = &this.study.suspension;
         let expected = [suspension.design.len(), 3];
         let array = design.as_array();
         if array.shape() != expected {
             return Err(failure(format!(
-                "design has shape {:?}; expected ({}, 3), a row for each of points",
-                array.shape(),
+                "design has shape ({}, {}); expected ({}, 3), a row for each of points",
+                array.shape()[0],
+                array.shape()[1],
                 expected[0]
             )));
         }
@@ -108,15 +138,27 @@ impl Study {
         let moved: Vec<Vector3<f64>> = rows
             .map(|p| suspension.frame.vector(Vector3::new(p[0], p[1], p[2])))
             .collect();
-        let text = self.study.with_design(&moved);
-        Self::loads(&text, &self.file_name(), None)
+        let moved = this.study.at_design(moved);
+        let root = match &this.moved_from {
+            Some(root) => root.clone_ref(py),
+            None => slf.clone().unbind(),
+        };
+        // The body of a drop link that the study does not name depends on the points.
+        if suspension.mechanism.unsaid_seats.is_empty() && is_sound(&moved) {
+            return Ok(Study {
+                study: moved,
+                moved_from: Some(root),
+                whole: OnceLock::new(),
+            });
+        }
+        let text = root.get().study.with_points_of(&moved);
+        Self::loads(py, &text, &this.file_name(), None)
     }
 
     /// The study with fields overridden, each as in `motion.rack=5.0`.
-    fn with_overrides(&self, overrides: Vec<String>) -> PyResult<Self> {
-        let file = self.file_name();
-        let study = self.study.with_overrides(&file, &overrides);
-        Study::of(study)
+    fn with_overrides(&self, py: Python<'_>, overrides: Vec<String>) -> PyResult<Self> {
+        let (file, whole) = (self.file_name(), self.whole());
+        Study::of(py.detach(|| whole.with_overrides(&file, &overrides)))
     }
 
     fn __repr__(&self) -> String {
@@ -129,17 +171,33 @@ impl Study {
 
     fn __reduce__(&self, py: Python<'_>) -> PyResult<(Py<PyAny>, (String, String))> {
         let loads = py.get_type::<Study>().getattr("loads")?.unbind();
-        Ok((loads, (self.study.text.clone(), self.file_name())))
+        Ok((loads, (self.text().to_owned(), self.file_name())))
     }
 }
 
 impl Study {
-    fn of(read: Result<hardpoint::study::Study, StudyErrors>) -> PyResult<Self> {
+    pub(crate) fn of(read: Result<hardpoint::study::Study, StudyErrors>) -> PyResult<Self> {
         let study = read.map_err(|errors| study_error(&errors))?;
-        Ok(Study { study })
+        Ok(Study {
+            study,
+            moved_from: None,
+            whole: OnceLock::new(),
+        })
     }
 
-    fn file_name(&self) -> String {
+    /// The study with its own text.
+    pub(crate) fn whole(&self) -> &hardpoint::study::Study {
+        match &self.moved_from {
+            None => &self.study,
+            Some(root) => self.whole.get_or_init(|| {
+                let mut whole = self.study.clone();
+                whole.text = root.get().study.with_points_of(&self.study);
+                whole
+            }),
+        }
+    }
+
+    pub(crate) fn file_name(&self) -> String {
         format!("{}.toml", self.study.name)
     }
 
@@ -147,6 +205,16 @@ impl Study {
     pub(crate) fn fault(&self, fault: &hardpoint::mechanism::DesignFault) -> PyErr {
         failure(fault.describe(&self.study.suspension.mechanism))
     }
+}
+
+/// True if reading the study's points finds no mistake in them.
+fn is_sound(study: &hardpoint::study::Study) -> bool {
+    let right = study
+        .axle
+        .as_ref()
+        .and_then(|both| both.axle.right.as_ref());
+    let mut wheels = [Some(&study.suspension), right].into_iter().flatten();
+    wheels.all(|wheel| GeometryFault::all_of(wheel).is_empty())
 }
 
 /// Names of the topologies.
@@ -157,115 +225,16 @@ pub(crate) fn topologies() -> Vec<&'static str> {
 
 /// A commented study that runs as it is.
 #[pyfunction]
-pub(crate) fn template(topology: &str) -> PyResult<&'static str> {
-    let known = Topology::named(topology);
-    let known = known.ok_or_else(|| failure(format!("there is no topology {topology:?}")))?;
-    Ok(known.template)
+#[pyo3(signature = (topology, parts=Vec::new()))]
+pub(crate) fn template(topology: &str, parts: Vec<String>) -> PyResult<String> {
+    hardpoint::cli::template(topology, &parts).map_err(failure)
 }
 
 /// The JSON schema of studies, as text.
 #[pyfunction]
-pub(crate) fn schema() -> String {
-    hardpoint::study::schema().to_string()
-}
-
-/// The curves: columns, stations, statuses and, where the study asks for them, sensitivities.
-#[pyfunction]
-pub(crate) fn solve<'py>(py: Python<'py>, study: &Study) -> PyResult<Bound<'py, PyDict>> {
-    let own = &study.study;
-    let found = match &own.axle {
-        Some(both) => py
-            .detach(|| axle_curves(&both.axle, &both.plan))
-            .map(|found| found.curves)
-            .map_err(|fault| failure(both.axle.describe_fault(fault)))?,
-        None => py
-            .detach(|| curves(&own.suspension, &Plan::of(own)))
-            .map_err(|fault| study.fault(&fault))?,
-    };
-    let column = |values: &mut dyn Iterator<Item = Option<f64>>| -> Bound<'py, PyArray1<f64>> {
-        let values: Vec<f64> = values.map(|v| v.unwrap_or(f64::NAN)).collect();
-        values.into_pyarray(py)
-    };
-    let (columns, info) = (PyDict::new(py), PyDict::new(py));
-    for (k, c) in found.columns.iter().enumerate() {
-        let mut values = found.stations.iter().map(|s| s.value(k));
-        columns.set_item(&c.name, column(&mut values))?;
-        info.set_item(&c.name, (&c.output, &c.unit, c.positive))?;
-    }
-    let motion = PyDict::new(py);
-    for c in &found.motion {
-        if own.axle.is_none() || c.is_written {
-            motion.set_item(c.name(), column(&mut found.along(c.key)))?;
-        }
-    }
-    let result = PyDict::new(py);
-    result.set_item("columns", columns)?;
-    result.set_item("info", info)?;
-    if own.axle.is_none() {
-        let drive = own.motion.drive.key();
-        result.set_item("drive", column(&mut found.along(drive)))?;
-    }
-    result.set_item("motion", motion)?;
-    let words: Vec<&str> = found.stations.iter().map(|s| s.status.word()).collect();
-    result.set_item("status", words)?;
-    set_sensitivities(py, own, &found, &result)?;
-    Ok(result)
-}
-
-/// Adds the sensitivities of curves to a result: `[station][column][point][axis]`, of an axle by side before that.
-fn set_sensitivities(
-    py: Python<'_>,
-    study: &hardpoint::study::Study,
-    found: &Curves,
-    result: &Bound<'_, PyDict>,
-) -> PyResult<()> {
-    let (points, sides) = match &study.axle {
-        Some(both) => {
-            let sides = if both.axle.right.is_some() { 2 } else { 1 };
-            (&both.plan.sensitivities, Some(sides))
-        }
-        None => (&study.outputs.sensitivities, None),
-    };
-    if points.is_empty() {
-        return Ok(());
-    }
-    let shape = [found.stations.len(), found.columns.len(), points.len(), 3];
-    let known = found.sensitivities.iter().filter_map(|s| {
-        let point = points.iter().position(|p| *p == s.point)?;
-        Some((s, [s.station, s.column, point, s.axis as usize]))
-    });
-    let array = match sides {
-        None => mostly_nan(py, shape, known.map(|(s, at)| (at, s.value))),
-        Some(sides) => {
-            let [stations, columns, points, axes] = shape;
-            let known = known.map(|(s, [station, column, point, axis])| {
-                let side = usize::from(s.side == Some(Side::Right));
-                ([side, station, column, point, axis], s.value)
-            });
-            mostly_nan(py, [sides, stations, columns, points, axes], known)
-        }
-    };
-    let names = points.iter().map(|p| study.suspension.mechanism.name(*p));
-    result.set_item("sensitivities", array)?;
-    result.set_item("sensitivity_points", names.collect::<Vec<_>>())
-}
-
-/// An array with values at some places, NaN at all others.
-pub(crate) fn mostly_nan<const N: usize>(
-    py: Python<'_>,
-    shape: [usize; N],
-    known: impl Iterator<Item = ([usize; N], f64)>,
-) -> Bound<'_, PyArrayDyn<f64>> {
-    let array = PyArrayDyn::<f64>::zeros(py, &shape[..], false);
-    {
-        let mut write = array.readwrite();
-        let mut view = write.as_array_mut();
-        view.fill(f64::NAN);
-        for (at, value) in known {
-            view[&at[..]] = value;
-        }
-    }
-    array
+pub(crate) fn schema(py: Python<'_>) -> &'static str {
+    static SCHEMA: OnceLock<String> = OnceLock::new();
+    py.detach(|| SCHEMA.get_or_init(|| hardpoint::study::schema().to_string()))
 }
 
 /// How far travel, rack and arm go from the design position: (lower, upper) with their causes.
@@ -275,9 +244,9 @@ pub(crate) fn limits<'py>(py: Python<'py>, study: &Study) -> PyResult<Bound<'py,
         return crate::axle::limits(py, axle);
     }
     let suspension = &study.study.suspension;
-    let found = py.detach(|| {
+    let found = on_threads(py, Some(1), |_| {
         Solver::new(&suspension.mechanism, &suspension.design).and_then(|mut s| s.limits())
-    });
+    })?;
     let found = found.map_err(|fault| study.fault(&fault))?;
     let range =
         |range: &Range, factor: f64| ends([&range.lower, &range.upper].map(cause_of), factor);
@@ -321,25 +290,35 @@ pub(crate) fn ends([lower, upper]: [End; 2], factor: f64) -> [End; 2] {
     }
 }
 
-/// Solves the design position and says what is doubtful about it, in words.
+/// Checks a study as `hardpoint check` does: doubts and remarks, each on a line, and what cannot be solved.
 #[pyfunction]
-pub(crate) fn check(py: Python<'_>, study: &Study) -> PyResult<Vec<String>> {
+pub(crate) fn check(py: Python<'_>, study: &Study) -> PyResult<(Vec<String>, Vec<String>)> {
     let own = &study.study;
-    let doubts = py.detach(|| hardpoint::report::study_doubts(own));
-    doubts.map_err(|(side, fault)| match &own.axle {
-        Some(both) => failure(both.axle.describe_fault((side, fault))),
-        None => study.fault(&fault),
-    })
+    on_threads(py, Some(1), |_| -> Result<_, String> {
+        let alone = hardpoint::checked::motion_alone(own);
+        let checked = hardpoint::checked::Checked::of(&alone)?;
+        Ok((checked.remarks(own), checked.failures(&own.suspension)))
+    })?
+    .map_err(failure)
 }
 
 /// Runs a command of the program in this process, as in `["report", "out/front"]`; its exit code. As the program
-/// itself it handles signals, else they are left to Python.
+/// itself it handles signals.
 #[pyfunction]
 #[pyo3(signature = (arguments, is_program=false))]
-pub(crate) fn command(py: Python<'_>, arguments: Vec<String>, is_program: bool) -> u8 {
+pub(crate) fn command(py: Python<'_>, arguments: Vec<String>, is_program: bool) -> PyResult<u8> {
     let arguments = ["hardpoint".to_owned()].into_iter().chain(arguments);
-    py.detach(|| match is_program {
-        true => hardpoint::cli::run_with(arguments),
-        false => hardpoint::cli::run_embedded(arguments),
-    })
+    if is_program {
+        return Ok(py.detach(|| hardpoint::cli::run_with(arguments)));
+    }
+    crate::threads::command(py, || hardpoint::cli::run_embedded(arguments))
+}
+
+/// Runs a command without its text on standard output; its exit code and its text for standard error.
+#[pyfunction]
+pub(crate) fn command_captured(py: Python<'_>, arguments: Vec<String>) -> PyResult<(u8, String)> {
+    let arguments = ["hardpoint".to_owned(), "--quiet".to_owned()]
+        .into_iter()
+        .chain(arguments);
+    crate::threads::command(py, || hardpoint::cli::run_captured(arguments))
 }

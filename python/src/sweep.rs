@@ -1,23 +1,20 @@
 //! Sweeps into arrays.
 
-use crate::errors::failure;
+use crate::errors::{failure, too_large};
 use crate::function::{named, rows};
+use crate::status;
 use crate::study::Study;
-use crate::threads::on_threads;
+use crate::threads::{interruptible, on_threads};
+use hardpoint::Rows;
 use hardpoint::study::{DesignTable, Designs, FileFormat, StudyErrors, Sweep};
-use hardpoint::sweep::{NotBegun, SweepPlan};
+use hardpoint::sweep::{NotBegun, SweepPlan, SweepRecord};
 use numpy::{IntoPyArray, PyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::ops::ControlFlow;
-use std::time::{Duration, Instant};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
-/// Blocks between two looks for Ctrl-C at first, and how long they should take: at the end of a piece the threads wait for
-/// one another, and whoever stops it for the piece to end.
-const PIECE: u64 = 64;
-const SHORT: Duration = Duration::from_millis(200);
-
-fn not_begun(study: &Study, error: NotBegun) -> PyErr {
+pub(crate) fn not_begun(study: &Study, error: NotBegun) -> PyErr {
     let of_file = |errors: StudyErrors| crate::errors::study_error(&errors);
     match error {
         NotBegun::Designs(errors) => of_file(errors),
@@ -27,7 +24,7 @@ fn not_begun(study: &Study, error: NotBegun) -> PyErr {
 }
 
 /// The designs of a study's own `[sweep]`.
-fn own_sweep(study: &Study) -> PyResult<&Sweep> {
+pub(crate) fn own_sweep(study: &Study) -> PyResult<&Sweep> {
     let sweep = study.study.sweep.as_ref();
     sweep.ok_or_else(|| {
         failure("the study has no [sweep], which says which designs there are; give them as x")
@@ -41,7 +38,7 @@ fn given(
     variables: Option<Vec<String>>,
 ) -> PyResult<Sweep> {
     let own = &study.study;
-    let variables = named(own, variables).map_err(|e| failure(e.to_string()))?;
+    let variables = named(own, variables)?;
     let swept = variables.iter().map(|variable| {
         let turns = || {
             failure(format!(
@@ -68,16 +65,56 @@ fn append(rows: &[f64], columns: &mut [Vec<f64>]) {
     }
 }
 
-/// The rows of a sweep: a column for each variable and output, the numbers of the designs that failed and why. Of
-/// the study's own designs, or of those in the rows of `x`.
+/// Rows that are taken from the threads.
+struct Table {
+    columns: Vec<Vec<f64>>,
+    status: Vec<u8>,
+    reasons: Vec<(u64, String)>,
+}
+
+impl Table {
+    /// Room for the rows of a sweep, or `MemoryError`.
+    fn of(record: &SweepRecord) -> PyResult<Self> {
+        let designs = usize::try_from(record.designs).unwrap_or(usize::MAX);
+        let count = record.value_columns().len();
+        let mut columns: Vec<Vec<f64>> = vec![Vec::new(); count];
+        let mut status = Vec::new();
+        let room = (columns.iter_mut()).try_for_each(|column| column.try_reserve_exact(designs));
+        let room = room.and_then(|()| status.try_reserve_exact(designs));
+        room.map_err(|_| too_large(&[designs, count]))?;
+        Ok(Table {
+            columns,
+            status,
+            reasons: Vec::new(),
+        })
+    }
+
+    fn append(&mut self, rows: &Rows, variables: usize) {
+        let (of_variables, of_outputs) = self.columns.split_at_mut(variables);
+        append(&rows.variables, of_variables);
+        append(&rows.outputs, of_outputs);
+        for (design, failing) in rows.failing.iter().enumerate() {
+            let word = failing.as_ref().map_or("ok", |failing| &failing.status);
+            self.status.push(status::code(word));
+            if let Some(failing) = failing {
+                let design = rows.first + design as u64;
+                self.reasons.push((design, failing.reason.clone()));
+            }
+        }
+    }
+}
+
+/// The rows of a sweep: a column for each variable and output, the status of each design, and why designs failed. Of
+/// the study's own designs, or of those in the rows of `x`. `progress(done, all)` is called on this thread.
 #[pyfunction]
-#[pyo3(signature = (study, x=None, variables=None, threads=None))]
+#[pyo3(signature = (study, x=None, variables=None, threads=None, progress=None))]
 pub(crate) fn sweep<'py>(
     py: Python<'py>,
     study: &Study,
     x: Option<PyReadonlyArray2<'py, f64>>,
     variables: Option<Vec<String>>,
     threads: Option<usize>,
+    progress: Option<Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let own = &study.study;
     let given = x.map(|x| given(study, &x, variables)).transpose()?;
@@ -85,62 +122,40 @@ pub(crate) fn sweep<'py>(
         Some(sweep) => sweep,
         None => own_sweep(study)?,
     };
-    let plan = SweepPlan::of(own, sweep).map_err(|e| not_begun(study, e))?;
+    let plan = on_threads(py, Some(1), |_| SweepPlan::of(own, sweep))?;
+    let plan = plan.map_err(|e| not_begun(study, e))?;
     let record = &plan.record;
-    let names = record.value_columns();
-    let width = record.variables.len();
-    let mut columns: Vec<Vec<f64>> = vec![Vec::new(); names.len()];
-    for column in &mut columns {
-        let room = column.try_reserve_exact(usize::try_from(record.designs).unwrap_or(usize::MAX));
-        room.map_err(|_| {
-            let (designs, columns) = (record.designs, names.len());
-            failure(format!(
-                "{designs} designs with {columns} columns do not fit into memory"
-            ))
-        })?;
-    }
-    let mut failed: Vec<i64> = Vec::new();
-    let mut reasons: Vec<String> = Vec::new();
-    let blocks = record.blocks();
-    let (mut first, mut piece) = (0, PIECE);
-    while first < blocks {
-        let (end, begun) = (blocks.min(first + piece), Instant::now());
-        py.detach(|| {
-            on_threads(threads, || {
-                plan.run(
-                    first..end,
-                    || true,
-                    |rows| {
-                        let (of_variables, of_outputs) = columns.split_at_mut(width);
-                        append(&rows.variables, of_variables);
-                        append(&rows.outputs, of_outputs);
-                        for design in 0..rows.designs() {
-                            if let Some(failing) = &rows.failing[design] {
-                                failed.push(rows.first as i64 + design as i64);
-                                reasons.push(failing.reason.clone());
-                            }
-                        }
-                        ControlFlow::Continue(())
-                    },
-                );
-            })
-        })?;
-        py.check_signals()?;
-        piece = match begun.elapsed() {
-            took if took < SHORT => 2 * piece,
-            took if took > 4 * SHORT => (piece / 2).max(1),
-            _ => piece,
-        };
-        first = end;
-    }
-    let table = PyDict::new(py);
-    for (name, column) in names.iter().zip(columns) {
+    let mut table = Table::of(record)?;
+    let done = AtomicU64::new(0);
+    let listen = |_: Python<'_>, _: &AtomicBool| match &progress {
+        None => Ok(()),
+        Some(progress) => {
+            let done = done.load(Ordering::Relaxed);
+            progress.call1((done, record.designs)).map(drop)
+        }
+    };
+    let work = |flag: &AtomicBool| {
+        let go_on = || !flag.load(Ordering::Relaxed);
+        plan.run(0..record.blocks(), go_on, |rows| {
+            table.append(rows, record.variables.len());
+            done.fetch_add(rows.designs() as u64, Ordering::Relaxed);
+            ControlFlow::Continue(())
+        });
+    };
+    interruptible(py, threads, work, listen)?;
+    let columns = PyDict::new(py);
+    for (name, column) in record.value_columns().iter().zip(table.columns) {
         let column: Bound<'py, PyArray1<f64>> = column.into_pyarray(py);
-        table.set_item(name, column)?;
+        columns.set_item(name, column)?;
     }
     let result = PyDict::new(py);
-    result.set_item("columns", table)?;
-    result.set_item("failed", failed.into_pyarray(py))?;
+    result.set_item("columns", columns)?;
+    result.set_item("variables", record.variables.len())?;
+    result.set_item("status", table.status.into_pyarray(py))?;
+    let reasons = PyDict::new(py);
+    for (design, reason) in table.reasons {
+        reasons.set_item(design, reason)?;
+    }
     result.set_item("reasons", reasons)?;
     Ok(result)
 }

@@ -4,7 +4,9 @@ use crate::errors::failure;
 use numpy::IntoPyArray;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use std::path::{Path, PathBuf};
+use std::fs::File;
+use std::io::Read;
+use std::path::PathBuf;
 
 /// A column: numbers, NaN where a cell is empty, or words.
 enum Cells {
@@ -41,8 +43,8 @@ impl Cells {
     }
 }
 
-fn read(path: &Path, columns: &mut Vec<(String, Cells)>) -> Result<(), csv::Error> {
-    let mut reader = csv::Reader::from_path(path)?;
+fn read(from: impl Read, columns: &mut Vec<(String, Cells)>) -> Result<(), csv::Error> {
+    let mut reader = csv::Reader::from_reader(from);
     let header: Vec<String> = reader.headers()?.iter().map(str::to_owned).collect();
     if columns.is_empty() {
         let none = |name| (name, Cells::Numbers(Vec::new()));
@@ -71,9 +73,24 @@ pub(crate) fn read_tables(py: Python<'_>, paths: Vec<PathBuf>) -> PyResult<Bound
         let mut all = paths.iter();
         all.try_for_each(|path| {
             let described = |e: csv::Error| failure(format!("{}: {e}", path.display()));
-            read(path, &mut columns).map_err(described)
+            let file = File::open(path).map_err(csv::Error::from);
+            file.and_then(|file| read(file, &mut columns))
+                .map_err(described)
         })
     })?;
+    columns_of(py, columns)
+}
+
+/// The columns of a CSV file in memory, as [`read_tables`] reads those of files.
+#[pyfunction]
+pub(crate) fn parse_table<'py>(py: Python<'py>, csv: &[u8]) -> PyResult<Bound<'py, PyDict>> {
+    let mut columns = Vec::new();
+    py.detach(|| read(csv, &mut columns))
+        .map_err(|e| failure(e.to_string()))?;
+    columns_of(py, columns)
+}
+
+fn columns_of(py: Python<'_>, columns: Vec<(String, Cells)>) -> PyResult<Bound<'_, PyDict>> {
     let table = PyDict::new(py);
     for (name, cells) in columns {
         match cells {

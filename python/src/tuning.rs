@@ -2,101 +2,174 @@
 
 use crate::errors::failure;
 use crate::study::Study;
-use crate::threads::on_threads;
-use hardpoint::SideEffect;
-use hardpoint::optimise::{Control, TargetLayout, evaluated, tune};
-use hardpoint::report::FittedOffset;
+use crate::threads::{interruptible, on_threads};
+use hardpoint::mechanism::DesignFault;
+use hardpoint::optimise::{
+    Control, Iteration, TargetLayout, Tuning, evaluated, front, price_list, tune,
+};
+use hardpoint::report::{PriceRecord, TuningSummary, front_csv, history_csv};
 use hardpoint::side_effects::side_effects;
+use hardpoint::solved::Solved;
 use hardpoint::study::{Optimise, Variable};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1};
+use pyo3::exceptions::PyStopIteration;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyBytes, PyDict};
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::channel;
 
 /// A study and its `[optimise]`.
 fn tuned(study: &Study) -> PyResult<(&hardpoint::study::Study, &Optimise)> {
-    let own = &study.study;
+    let own = study.whole();
     let optimise = own.optimise.as_ref().ok_or_else(|| {
-        failure("the study has no [optimise], which says what may move and what is wanted")
+        failure(
+            "the study has no [optimise] section, which gives variables, their ranges and targets",
+        )
     })?;
     Ok((own, optimise))
 }
 
-/// Tunes a study towards its targets.
+/// A tuning with the results that are made of it.
+struct Tuned {
+    tuning: Tuning,
+    summary: TuningSummary,
+    front: Option<Vec<u8>>,
+    /// True if every curve of the tuned design was found, and a front where one was asked for.
+    is_complete: bool,
+    is_interrupted: bool,
+}
+
+/// Tunes a study. Errors are those of the design itself, in words.
+fn tune_study(
+    own: &hardpoint::study::Study,
+    optimise: &Optimise,
+    wants: [bool; 2],
+    control: Control<'_>,
+) -> Result<Tuned, String> {
+    let [with_front, with_prices] = wants;
+    let words = |fault: DesignFault| fault.describe(&own.suspension.mechanism);
+    let (suspension, motion) = (&own.suspension, &own.motion);
+    let tuning = tune(suspension, motion, optimise, control).map_err(words)?;
+    let is_raised = || control.interrupt.is_some_and(|f| f.load(Ordering::Relaxed));
+    let moved = tuning.best.as_ref().map(|best| own.moved(&best.offsets));
+    let after = moved.as_ref().map(Solved::with_targets).transpose()?;
+    let goes_on = tuning.best.is_some() && !is_raised();
+    let front = match goes_on && with_front && !optimise.front.is_empty() {
+        true => Some(front(suspension, motion, optimise, &tuning, control).map_err(words)?),
+        false => None,
+    };
+    let prices = match goes_on && with_prices && !optimise.fit {
+        true => price_list(suspension, motion, optimise, &tuning, control).map_err(words)?,
+        false => Vec::new(),
+    };
+    let curves = after.as_ref().map(Solved::curves);
+    let mut summary = TuningSummary::of(own, optimise, &tuning, curves);
+    let kept = tuning.best.as_ref().map(|best| &best.offsets[..]);
+    summary.prices = PriceRecord::all(optimise, &prices, kept);
+    if let Some(moved) = &moved {
+        summary.side_effects = side_effects(own, moved).map_err(words)?;
+    }
+    let has_front = front.as_ref().is_none_or(|front| !front.choices.is_empty());
+    Ok(Tuned {
+        is_complete: after.as_ref().is_some_and(Solved::is_complete) && has_front,
+        front: front.map(|front| front_csv(own, optimise, &front)),
+        summary,
+        tuning,
+        is_interrupted: is_raised(),
+    })
+}
+
+/// Tunes a study towards its targets. `callback(start, iteration, misfit)` is called on this thread; a true answer or
+/// `StopIteration` ends the tuning with what it has.
 #[pyfunction]
-#[pyo3(signature = (study, threads=None))]
+#[pyo3(signature = (study, with_front=true, with_prices=false, threads=None, callback=None))]
 pub(crate) fn optimise<'py>(
     py: Python<'py>,
     study: &Study,
+    with_front: bool,
+    with_prices: bool,
     threads: Option<usize>,
+    callback: Option<Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let (own, optimise) = tuned(study)?;
-    let tuning = py.detach(|| {
-        on_threads(threads, || {
-            tune(&own.suspension, &own.motion, optimise, Control::default())
-        })
-    })?;
-    py.check_signals()?;
-    let tuning = tuning.map_err(|fault| study.fault(&fault))?;
+    let (sender, iterations) = channel();
+    let watch = move |start: usize, iteration: &Iteration| {
+        let _ = sender.send((start, iteration.iteration, iteration.misfit));
+    };
+    let has_callback = callback.is_some();
+    let listen = |_: Python<'_>, flag: &AtomicBool| -> PyResult<()> {
+        let Some(callback) = &callback else {
+            return Ok(());
+        };
+        for progress in iterations.try_iter() {
+            let stops = match callback.call1(progress) {
+                Ok(answer) => answer.is_truthy()?,
+                Err(error) if error.is_instance_of::<PyStopIteration>(py) => true,
+                Err(error) => return Err(error),
+            };
+            if stops {
+                flag.store(true, Ordering::Relaxed);
+            }
+        }
+        Ok(())
+    };
+    let work = |flag: &AtomicBool| {
+        let control = Control {
+            interrupt: Some(flag),
+            watch: if has_callback { Some(&watch) } else { None },
+        };
+        tune_study(own, optimise, [with_front, with_prices], control)
+    };
+    let found = interruptible(py, threads, work, listen)?.map_err(failure)?;
+    let Tuned {
+        tuning, summary, ..
+    } = &found;
     let result = PyDict::new(py);
-    result.set_item("before", tuning.before.as_ref().map(|b| b.misfit).ok())?;
     let names: Vec<String> = optimise.variables.iter().map(Variable::label).collect();
     result.set_item("variables", names)?;
+    let mut message = vec![summary.headline()];
+    message.extend(tuning.starts.best_fit().map(|fit| fit.ended()));
+    message.extend(summary.remarks());
+    let mut is_whole = found.is_complete && !summary.falls_short() && !found.is_interrupted;
+    is_whole &= (tuning.starts.best_fit()).is_some_and(|fit| fit.is_feasible());
     match &tuning.best {
         None => {
             result.set_item("x", py.None())?;
-            result.set_item("misfit", f64::NAN)?;
-            result.set_item("text", py.None())?;
+            result.set_item("study", py.None())?;
         }
         Some(best) => {
             result.set_item("x", best.offsets.clone().into_pyarray(py))?;
-            result.set_item("misfit", best.after.misfit)?;
-            let targets = best.after.targets.iter();
-            let targets: Vec<(f64, f64, f64)> =
-                targets.map(|t| (t.rms, t.worst, t.worst_at)).collect();
-            result.set_item("targets", targets)?;
-            if let Some(errors) = &best.errors {
-                let fitted = errors.intervals.iter().map(|i| FittedOffset::from(*i));
-                let fitted: Vec<(&str, Option<f64>, Option<f64>)> = fitted
-                    .map(|fitted| {
-                        let [lower, upper] = fitted.ends();
-                        (fitted.word(), lower, upper)
-                    })
-                    .collect();
-                result.set_item("scatter", errors.scatter)?;
-                result.set_item("standard_errors", errors.sigmas.clone())?;
-                result.set_item("intervals", fitted)?;
+            let text = own.with_points_of(&own.moved(&best.offsets));
+            let file = study.file_name();
+            let read = hardpoint::study::Study::from_text(&file, &text, Path::new(""));
+            match read {
+                Ok(read) => result.set_item("study", Bound::new(py, Study::of(Ok(read))?)?)?,
+                Err(errors) => {
+                    is_whole = false;
+                    message.push(format!(
+                        "the tuned study is refused: {}",
+                        errors.render(false)
+                    ));
+                    result.set_item("study", py.None())?;
+                }
             }
-            let moved = own.moved(&best.offsets);
-            let effects = py.detach(|| side_effects(own, &moved));
-            let effects = effects.map_err(|fault| study.fault(&fault))?;
-            let effects = effects.iter().map(|effect| side_effect(py, effect));
-            result.set_item("side_effects", effects.collect::<PyResult<Vec<_>>>()?)?;
-            result.set_item("text", own.with_points_of(&moved))?;
         }
     }
-    Ok(result)
-}
-
-/// A side effect by its fields.
-fn side_effect<'py>(py: Python<'py>, effect: &SideEffect) -> PyResult<Bound<'py, PyDict>> {
-    let fields = PyDict::new(py);
-    fields.set_item("output", &effect.output)?;
-    fields.set_item("unit", &effect.unit)?;
-    fields.set_item("before_min", effect.before_min)?;
-    fields.set_item("before_max", effect.before_max)?;
-    fields.set_item("after_min", effect.after_min)?;
-    fields.set_item("after_max", effect.after_max)?;
-    fields.set_item("largest_change", effect.largest_change)?;
-    let at = PyDict::new(py);
-    for place in &effect.at {
-        at.set_item(format!("{}_{}", place.name, place.unit), place.value)?;
+    if found.is_interrupted {
+        message.push(summary.interrupted_in_words());
     }
-    fields.set_item("at", at)?;
-    fields.set_item("wheel", &effect.wheel)?;
-    fields.set_item("tolerance", effect.tolerance)?;
-    fields.set_item("flagged", effect.flagged)?;
-    fields.set_item("lost", effect.lost)?;
-    Ok(fields)
+    result.set_item("success", is_whole)?;
+    result.set_item("message", message.join("; "))?;
+    let json = serde_json::to_string(summary).map_err(|e| failure(e.to_string()))?;
+    result.set_item("summary", json)?;
+    let history = history_csv(&tuning.starts);
+    result.set_item("history", PyBytes::new(py, &history))?;
+    result.set_item(
+        "front",
+        found.front.as_deref().map(|csv| PyBytes::new(py, csv)),
+    )?;
+    Ok(result)
 }
 
 /// The targets of a study as least squares.
@@ -109,9 +182,9 @@ pub(crate) struct Residuals {
 #[pymethods]
 impl Residuals {
     #[new]
-    fn new(study: &Study) -> PyResult<Self> {
+    fn new(py: Python<'_>, study: &Study) -> PyResult<Self> {
         let (own, optimise) = tuned(study)?;
-        let layout = TargetLayout::of(optimise, &own.motion, &own.suspension);
+        let layout = py.detach(|| TargetLayout::of(optimise, &own.motion, &own.suspension));
         Ok(Residuals {
             study: own.clone(),
             layout,
@@ -132,32 +205,34 @@ impl Residuals {
         flat.into_pyarray(py).reshape([count, 2])
     }
 
+    /// Names of the columns of the targets, one for each residual.
+    #[getter]
+    fn rows(&self) -> Vec<String> {
+        let targets = self.study.optimise.iter().flat_map(|o| &o.targets);
+        let names: Vec<&str> = targets.map(|t| t.of.column.as_str()).collect();
+        let rows = self.layout.targets_of_rows();
+        let name = |target: &usize| names[*target].to_owned();
+        rows.iter().map(name).collect()
+    }
+
+    /// Residuals and their derivatives at offsets; a reason in words where the design there has none.
     fn value_and_jacobian<'py>(
         &self,
         py: Python<'py>,
         x: PyReadonlyArray1<'py, f64>,
-    ) -> PyResult<(Bound<'py, PyArray1<f64>>, Bound<'py, PyArray2<f64>>)> {
-        let variables = self
-            .study
-            .optimise
-            .as_ref()
-            .map_or(&[][..], |o| &o.variables);
+    ) -> PyResult<Evaluated<'py>> {
+        let optimise = self.study.optimise.as_ref();
+        let variables = optimise.map_or(&[][..], |o| &o.variables);
         let x = x.as_slice().map_err(|_| failure("x is not contiguous"))?;
-        if x.len() != variables.len() {
-            return Err(failure(format!(
-                "x has shape ({},); expected ({},), a value for each of names",
-                x.len(),
-                variables.len()
-            )));
-        }
-        if let Some(bad) = x.iter().find(|v| !v.is_finite()) {
-            return Err(failure(format!("x has {bad}; expected finite offsets")));
-        }
         let suspension = &self.study.suspension;
-        let evaluation = py
-            .detach(|| evaluated(suspension, variables, &self.layout, x))
-            .map_err(|fault| failure(fault.describe(&suspension.mechanism)))?
-            .map_err(|infeasible| failure(infeasible.to_string()))?;
+        let evaluation = on_threads(py, Some(1), |_| {
+            evaluated(suspension, variables, &self.layout, x)
+        })?
+        .map_err(|fault| failure(fault.describe(&suspension.mechanism)))?;
+        let evaluation = match evaluation {
+            Ok(evaluation) => evaluation,
+            Err(infeasible) => return Ok(Err(infeasible.to_string()).into()),
+        };
         let (rows, columns) = evaluation.jacobian.shape();
         // nalgebra lies column by column.
         let jacobian: Vec<f64> = (0..rows)
@@ -165,9 +240,25 @@ impl Residuals {
             .map(|at| evaluation.jacobian[at])
             .collect();
         let values: Vec<f64> = evaluation.residuals.iter().copied().collect();
-        Ok((
-            values.into_pyarray(py),
-            jacobian.into_pyarray(py).reshape([rows, columns])?,
-        ))
+        let jacobian = jacobian.into_pyarray(py).reshape([rows, columns])?;
+        Ok(Ok((values.into_pyarray(py), jacobian)).into())
+    }
+}
+
+/// Residuals with their Jacobian, or the reason why there are none.
+#[derive(IntoPyObject)]
+enum Evaluated<'py> {
+    Found((Bound<'py, PyArray1<f64>>, Bound<'py, PyArray2<f64>>)),
+    Not(String),
+}
+
+impl<'py> From<Result<(Bound<'py, PyArray1<f64>>, Bound<'py, PyArray2<f64>>), String>>
+    for Evaluated<'py>
+{
+    fn from(found: Result<(Bound<'py, PyArray1<f64>>, Bound<'py, PyArray2<f64>>), String>) -> Self {
+        match found {
+            Ok(found) => Evaluated::Found(found),
+            Err(reason) => Evaluated::Not(reason),
+        }
     }
 }

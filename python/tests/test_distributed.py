@@ -132,4 +132,4 @@ def test_dask_with_a_killed_worker_and_a_killed_driver_makes_the_same_bytes(alon
         # The same call again does what is missing.
         distributed.sweep(study, run, client.get_executor)
     assert digests(run) == alone
-    assert hp.open(run)["designs"].rows == SAMPLES
+    assert hp.read_run(run)["designs"].rows == SAMPLES

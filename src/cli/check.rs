@@ -1,23 +1,19 @@
 //! `hardpoint check`
 
 use super::exit::{Exit, Stop};
-use super::limits::motion_alone;
-use super::motions::NamedCurves;
 use super::output::design_fault;
 use super::printer::Printer;
 use super::terminal::is_quiet;
 use super::{StudyArguments, TableFormat};
 use crate::attia::PaperTheta;
-use crate::curves::{Curves, curves};
+use crate::checked::{Checked, motion_alone};
+use crate::curves::curves;
 use crate::evaluate::NotInLanes;
 use crate::mechanism::DesignFault;
 use crate::model::{Axis, Suspension};
 use crate::plan::Plan;
-use crate::report::{
-    Cell, Column, SolveSummary, Summary, Table, as_written, counted, variable_plausibility,
-};
+use crate::report::{Cell, Column, SolveSummary, Summary, Table, as_written, counted};
 use crate::solve::StationOrder;
-use crate::solved::Solved;
 use crate::study::{Designs, Drive, Formulation, Study, Sweep, Tolerance};
 use crate::sweep::SweepPlan;
 use crate::tolerance::Problem;
@@ -28,61 +24,24 @@ pub(super) fn run(arguments: &StudyArguments) -> Result<Exit, Stop> {
     let study = Study::read(path, &arguments.set)?;
     let fault = |why| Stop::in_file(path, why);
     let alone = motion_alone(&study);
-    let Checked {
-        solved,
-        of_motions,
-        plausibility: mut said,
-    } = Checked::of(&alone, path)?;
-    said.extend(variable_plausibility(&study));
-    said.extend(solved.remarks());
+    let checked = Checked::of(&alone).map_err(fault)?;
 
     let mut out = Printer::new(arguments.format);
     out.say(&format!("{}: valid\n\n", path.display()))?;
-    for line in said {
+    for line in checked.remarks(&study) {
         out.remark(&format!("{line}\n\n"))?;
     }
-    for failure in solved.failures() {
-        out.failure(&format!("not solved: {failure}\n\n"))?;
-    }
-    for failure in of_motions
-        .iter()
-        .flat_map(|motion| motion.failures(&study.suspension))
-    {
+    for failure in checked.failures(&study.suspension) {
         out.failure(&format!("{failure}\n\n"))?;
     }
     if !(is_quiet() && arguments.format == TableFormat::Text) {
         match study.axle {
             None => say_wheel(&mut out, &study, path)?,
-            Some(_) => say_axle(&mut out, &study, &solved.summary().map_err(fault)?)?,
+            Some(_) => say_axle(&mut out, &study, &checked.solved.summary().map_err(fault)?)?,
         }
         out.finish()?;
     }
-    let mut motions = of_motions.iter().map(|motion| &motion.curves);
-    let is_complete = solved.is_complete() && motions.all(Curves::are_complete);
-    Ok(Exit::of(is_complete))
-}
-
-/// Curves of a study that `solve` takes.
-pub(super) struct Checked<'s> {
-    solved: Solved<'s>,
-    of_motions: Vec<NamedCurves>,
-    plausibility: Vec<String>,
-}
-
-impl<'s> Checked<'s> {
-    /// Solves the study's own motion ([`motion_alone`]), or refuses it as `solve` does.
-    pub(super) fn of(alone: &'s Study, path: &Path) -> Result<Self, Stop> {
-        let fault = |why| Stop::in_file(path, why);
-        let solved = Solved::of(alone).map_err(fault)?;
-        let of_motions = NamedCurves::all(alone).map_err(fault)?;
-        let plausibility = solved.plausibility().map_err(fault)?;
-        Solved::record("solve", &[("design", "curves.csv", &solved)]).map_err(fault)?;
-        Ok(Checked {
-            solved,
-            of_motions,
-            plausibility,
-        })
-    }
+    Ok(Exit::of(checked.is_complete()))
 }
 
 /// Prints the requests of a study of one wheel with their cost, and the values in the design position.

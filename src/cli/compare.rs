@@ -5,11 +5,10 @@ use super::axle;
 use super::exit::{Exit, Stop};
 use super::output::kept_study;
 use super::terminal::{eprint, is_quiet, note, print, width};
-use crate::model::{Axis, LengthUnit, Suspension};
+use crate::compared::{FirstMotion, compared};
 use crate::report::{Compared, Comparison, CurveTable, Format, Tables, comparison_page, printable};
 use crate::results::{Claim, RunDirectory};
-use crate::solved::Solved;
-use crate::study::{Drive, LONGEST_TABLE, Study, read_bytes};
+use crate::study::{LONGEST_TABLE, Study, read_bytes};
 use clap::Args;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -117,48 +116,11 @@ fn labels(sources: &[PathBuf]) -> Vec<String> {
     labels
 }
 
-/// The travels and racks of the first study, and the unit they are in.
-type FirstMotion = Option<(Vec<f64>, Vec<f64>, bool, LengthUnit)>;
-
 fn of_study(path: &Path, label: String, first: &mut FirstMotion) -> Result<(Compared, bool), Stop> {
-    let mut study = Study::read(path, &[])?;
+    let study = Study::read(path, &[])?;
     let why = "it compares curves over one travel and one rack position";
     axle::refuse(&study, path, "compare", why)?;
-    let unit = study.suspension.length_unit;
-    let motion = &mut study.motion;
-    if motion.drive == Drive::Travel && motion.time.is_none() {
-        match first {
-            None => {
-                let racks = (motion.rack.clone(), motion.rack_moves);
-                *first = Some((motion.values.clone(), racks.0, racks.1, unit));
-            }
-            Some((travels, racks, moves, of)) => {
-                let ratio = unit.per_metre() / of.per_metre();
-                motion.values = travels.iter().map(|travel| travel * ratio).collect();
-                motion.rack = racks.iter().map(|rack| rack * ratio).collect();
-                motion.rack_moves = *moves;
-            }
-        }
-    }
-    let solved = Solved::of(&study).map_err(|why| Stop::in_file(path, why))?;
-    let table = CurveTable::read(&solved.csv()).expect("curves are written as they are read");
-    let compared = compared(label, &study.suspension, table);
-    Ok((compared, solved.is_complete()))
-}
-
-fn compared(label: String, suspension: &Suspension, curves: CurveTable) -> Compared {
-    let points = suspension.mechanism.points.iter().zip(&suspension.design);
-    let points = points.map(|(point, at)| (point.name.clone(), at.to_array()));
-    Compared {
-        label,
-        topology: Some(suspension.mechanism.topology.name.to_owned()),
-        curves,
-        unit: suspension.length_unit,
-        points: Some((
-            points.collect(),
-            Axis::ALL.map(|axis| suspension.frame.sign(axis)),
-        )),
-    }
+    crate::compared::of_study(study, label, first).map_err(|why| Stop::in_file(path, why))
 }
 
 /// A finished run: the curves it wrote, and the points of the study it keeps.

@@ -1,11 +1,10 @@
 //! Sources of `hardpoint export`: a study, or the directory of a run.
 
-use super::check::Checked;
 use super::exit::Stop;
 use super::export::ExportArguments;
-use super::limits::motion_alone;
 use super::output::{STUDY_COPY, kept_study};
 use super::terminal::{note, width};
+use crate::checked::{Checked, motion_alone};
 use crate::exchange::{
     Grid, Outgoing, Page, Rounded, Value, curves_in, moved_coordinates, page_of_csv, point_rows,
     rounded, tuned_coordinates, unit_of_column,
@@ -62,7 +61,7 @@ impl Source {
             return Ok(source);
         };
         // Studies that `check` refuses are not exported.
-        Checked::of(&motion_alone(study), path)?;
+        Checked::of(&motion_alone(study)).map_err(|why| Stop::in_file(path, why))?;
         source.inputs.extend(study.inputs.iter().cloned());
         let before = source.design_of_file(arguments)?;
         if let Some(number) = arguments.design {

@@ -26,6 +26,10 @@ const LAST_WORDS: Duration = Duration::from_millis(20);
 static FLAG: AtomicBool = AtomicBool::new(false);
 /// The first signal's number; 0 before it.
 static SIGNAL: AtomicI32 = AtomicI32::new(0);
+/// True if this module listens to signals; inside another program that does.
+static LISTENS: AtomicBool = AtomicBool::new(false);
+/// The number of SIGINT.
+const INTERRUPT: i32 = 2;
 static STOPS_BY_ITSELF: AtomicBool = AtomicBool::new(false);
 
 /// True from the first signal on.
@@ -49,9 +53,28 @@ pub(super) fn exit_code() -> u8 {
     u8::try_from(128 + signal).unwrap_or(u8::MAX)
 }
 
-/// Ends the process, where a signal has come and there is nothing to keep.
+/// Payload of the unwinding that ends a command inside another program.
+pub(super) struct Ended;
+
+/// Ends the command, where a signal has come and there is nothing to keep: with the process, or inside another program by
+/// unwinding.
 pub(super) fn end() -> ! {
+    if !LISTENS.load(Ordering::SeqCst) {
+        std::panic::resume_unwind(Box::new(Ended));
+    }
     exit_interrupted(i32::from(exit_code()))
+}
+
+/// Stops the commands that run inside another program, as Ctrl-C does.
+pub(super) fn raise() {
+    SIGNAL.store(INTERRUPT, Ordering::SeqCst);
+    FLAG.store(true, Ordering::SeqCst);
+}
+
+/// Forgets a signal, before the next command inside another program.
+pub(super) fn reset() {
+    SIGNAL.store(0, Ordering::SeqCst);
+    FLAG.store(false, Ordering::SeqCst);
 }
 
 /// Listens to signals, for the rest of the process.
@@ -59,6 +82,7 @@ pub(super) fn listen() {
     static LISTENING: Once = Once::new();
     // Without a handler, a signal ends the process. This is safe, because files appear whole or not at all.
     LISTENING.call_once(|| {
+        LISTENS.store(true, Ordering::SeqCst);
         let _ = listen_on_a_thread();
     });
 }

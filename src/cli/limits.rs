@@ -1,12 +1,12 @@
 //! `hardpoint limits`
 
 use super::exit::{Exit, Stop};
-use super::motions::NamedCurves;
 use super::output::design_fault;
 use super::printer::Printer;
 use super::{LimitsArguments, StudyArguments};
 use crate::analyse::{Limit, Limits, Range, RangeEnd};
 use crate::axle::AxleEnd;
+use crate::checked::{NamedCurves, motion_alone};
 use crate::curves::{Curves, curves};
 use crate::derive::MotionPoint;
 use crate::mechanism::{DesignFault, LimitCause, Toggle};
@@ -125,17 +125,6 @@ fn row(what: [&str; 2], factor: f64, ends: [(f64, String); 2]) -> [Cell; 6] {
         to.0.into(),
         to.1.into(),
     ]
-}
-
-/// The study with its motion as `solve` visits it, and no sensitivities or proofs.
-pub(super) fn motion_alone(study: &Study) -> Study {
-    let mut alone = study.clone();
-    alone.outputs.sensitivities.clear();
-    alone.outputs.certify = false;
-    if let Some(both) = &mut alone.axle {
-        both.plan = both.plan.values_alone();
-    }
-    alone
 }
 
 /// The range of the study's drive at each displacement of the rack that the study asks for, in its axes.

@@ -6,7 +6,7 @@ use super::limits::{Row, ranges, ranges_by_rack, rod_travel, straight, travel_le
 use super::output::{design_fault, pool};
 use super::printer::Printer;
 use super::progress;
-use super::tolerance::{problem, scatter};
+use super::tolerance::{problem, tolerance_of};
 use crate::analyse::Range;
 use crate::mechanism::DesignFault;
 use crate::model::Suspension;
@@ -25,7 +25,7 @@ pub(super) fn run(
     let path = &arguments.study;
     let why = "builds are examined one wheel at a time";
     super::axle::refuse(study, path, "limits --builds", why)?;
-    let tolerance = scatter(study, path)?;
+    let tolerance = tolerance_of(study, path)?;
     let problem = problem(study, tolerance, path)?;
     let drawn = LimitRanges::of(study, &study.suspension);
     let drawn = drawn.map_err(|fault| design_fault(study, path, &fault))?;

@@ -16,7 +16,6 @@ mod limits;
 mod limits_of_builds;
 mod man;
 mod merge;
-mod motions;
 mod new;
 mod optimise;
 mod output;
@@ -35,6 +34,7 @@ mod yields;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use exit::{Exit, Stop};
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -311,7 +311,13 @@ pub fn run_embedded<A: Into<std::ffi::OsString> + Clone>(
 ) -> u8 {
     crate::attia::register();
     match Arguments::try_parse_from(arguments) {
-        Ok(arguments) => carried_out(arguments),
+        Ok(arguments) => {
+            let run = AssertUnwindSafe(|| carried_out(arguments));
+            catch_unwind(run).unwrap_or_else(|payload| match payload.is::<interrupt::Ended>() {
+                true => Exit::Interrupted,
+                false => resume_unwind(payload),
+            })
+        }
         Err(error) => {
             // Help and version are errors to clap, too.
             terminal::print_usage(&error);
@@ -322,6 +328,31 @@ pub fn run_embedded<A: Into<std::ffi::OsString> + Clone>(
         }
     }
     .code()
+}
+
+/// A commented study of a topology that runs, with parts by their names, as `hardpoint new` prints it.
+///
+/// # Errors
+/// The reason in words.
+pub fn template(topology: &str, parts: &[String]) -> Result<String, String> {
+    new::template(topology, parts)
+}
+
+/// As [`run_embedded`], with the text for standard error.
+pub fn run_captured<A: Into<std::ffi::OsString> + Clone>(
+    arguments: impl IntoIterator<Item = A>,
+) -> (u8, String) {
+    terminal::capture(|| run_embedded(arguments))
+}
+
+/// Stops the commands that run inside this process ([`run_embedded`]), as Ctrl-C stops the program.
+pub fn interrupt_embedded() {
+    interrupt::raise();
+}
+
+/// Forgets [`interrupt_embedded`], before the next command.
+pub fn forget_interrupt() {
+    interrupt::reset();
 }
 
 /// Runs as [`run`] with these arguments; the first is the program's name. Returns the exit code. A second signal ends

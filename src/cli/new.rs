@@ -143,6 +143,21 @@ const AXLE_TARGETS: &str = r#"  { characteristic = "toe", over = "heave", points
   { characteristic = "roll_steer", over = "roll", between = [-0.02, 0.02], tolerance = 0.005 },
 "#;
 
+/// A commented study of a topology that runs, with parts by their names.
+///
+/// # Errors
+/// The reason in words: a name that is unknown, or a part that the topology does not have.
+pub(super) fn template(topology: &str, parts: &[String]) -> Result<String, String> {
+    let named = Topology::named(topology);
+    let named = named.ok_or_else(|| format!("there is no topology {topology:?}"))?;
+    let part = |name: &String| {
+        let unknown = |_| format!("there is no part {name:?} of a template");
+        Part::from_str(name, true).map_err(unknown)
+    };
+    let parts = parts.iter().map(part).collect::<Result<Vec<_>, _>>()?;
+    study(named, &parts).map_err(|e| e.to_string())
+}
+
 pub(super) fn run(arguments: &NewArguments) -> Result<Exit, Stop> {
     let name = &arguments.topology;
     let Some(topology) = Topology::named(name) else {

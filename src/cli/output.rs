@@ -5,6 +5,7 @@ use super::exit::Stop;
 use super::interrupt;
 use super::terminal;
 use super::{RunArguments, TableFormat};
+use crate::checked::motion_file;
 use crate::mechanism::DesignFault;
 use crate::report::{Format, Table, Tables, counted};
 use crate::results::{Claim, RunDirectory, study_digest};
@@ -116,11 +117,6 @@ fn default_directory(name: &str) -> Result<PathBuf, Stop> {
              out: give one with --out"
         ))),
     }
-}
-
-/// The file with the curves of a named motion.
-pub(super) fn motion_file(name: &str) -> String {
-    format!("curves_{name}.csv")
 }
 
 impl Output {

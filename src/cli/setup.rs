@@ -4,8 +4,8 @@ use super::RunArguments;
 use super::exit::{Exit, Stop};
 use super::output::{Output, design_fault};
 use super::terminal;
-use crate::assembly::{Assembler, Miss, NoSetUp, SetUp};
-use crate::report::{SetUpSummary, brief, static_column};
+use crate::assembly::{Assembler, NoSetUp, SetUp};
+use crate::report::{SetUpSummary, adjusted, brief, set_up_refusal};
 use crate::solved::Solved;
 use crate::study::{Drive, Setup, Study};
 
@@ -35,9 +35,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     let summary = SetUpSummary::of(&study, setup, &found);
 
     // Curves about the new resting position, in every output of the study.
-    let mut adjusted = study.clone();
-    adjusted.suspension = found.last().built.suspension.clone();
-    adjusted.formulation = crate::study::Formulation::KnucklePose;
+    let adjusted = adjusted(&study, &found);
     let by_theta = adjusted.motion.drive == Drive::PaperTheta;
     let mut complete = true;
     let mut files = vec!["setup.csv", "summary.json"];
@@ -117,31 +115,7 @@ fn not_met(
     assembler: &Assembler,
     none: &NoSetUp,
 ) -> Result<Exit, Stop> {
-    let length = study.suspension.length_unit;
-    let reason = match none {
-        NoSetUp::Fault(reason) => reason.describe(&study.suspension.mechanism),
-        NoSetUp::Reject(reject) => reject.to_string(),
-        NoSetUp::Absurd { adjustment, amount } => format!(
-            "what is wanted would take {} of {} of {}, more than a tenth of the suspension's size",
-            brief(*amount),
-            length.symbol(),
-            setup.adjust[*adjustment].name
-        ),
-        NoSetUp::OutOfReach(missed) => {
-            let words = |miss: &Miss| {
-                let (column, wanted) = (static_column(miss.of, length), brief(miss.wanted));
-                match miss.value.is_finite() {
-                    true => format!("{column} ends at {}, not {wanted}", brief(miss.value)),
-                    false => format!("{column} has no value, not {wanted}"),
-                }
-            };
-            let missed: Vec<String> = missed.iter().map(words).collect();
-            format!("what is wanted cannot be met: {}", missed.join("; "))
-        }
-        NoSetUp::Unsettled => {
-            "what is wanted cannot be met: the adjustments move none of it".to_owned()
-        }
-    };
+    let reason = set_up_refusal(study, setup, none);
     let reason = format!("{}: {reason}", arguments.study.study.display());
     let Ok(drawn) = SetUp::drawn(study, setup, assembler) else {
         return Err(Stop::not_met(reason));

@@ -2,9 +2,9 @@
 
 use super::RunArguments;
 use super::exit::{Exit, Stop};
-use super::motions::NamedCurves;
 use super::output::Output;
 use super::report::ReportOptions;
+use crate::checked::NamedCurves;
 use crate::report::{counted, curves_csv};
 use crate::solved::Solved;
 use crate::study::Study;
@@ -25,10 +25,11 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     let mut files = vec!["curves.csv"];
     output.main_csv("curves.csv", &solved.csv())?;
     files.extend(output.file_if_any("sensitivities.csv", solved.sensitivities_csv())?);
-    for motion in &of_motions {
+    let motion_files: Vec<String> = of_motions.iter().map(NamedCurves::file).collect();
+    for (motion, file) in of_motions.iter().zip(&motion_files) {
         let csv = curves_csv(&motion.curves);
-        output.file(&motion.file, &csv)?;
-        files.push(&motion.file);
+        output.file(file, &csv)?;
+        files.push(file);
     }
     output.json("summary.json", &summary)?;
     files.push("summary.json");

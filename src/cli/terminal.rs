@@ -3,6 +3,7 @@
 
 use crate::report::{is_printable, printable, wrapped};
 use crate::study::StudyErrors;
+use std::cell::RefCell;
 use std::io::{self, IsTerminal, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -12,6 +13,28 @@ const PAPER: usize = 100;
 const LEAST: usize = 40;
 
 static QUIET: AtomicBool = AtomicBool::new(false);
+
+thread_local! {
+    /// Text for standard error of commands on this thread, where it is captured.
+    static CAPTURED: RefCell<Option<String>> = const { RefCell::new(None) };
+}
+
+/// Runs something on this thread and returns its text for standard error instead of writing it.
+pub(super) fn capture<T>(run: impl FnOnce() -> T) -> (T, String) {
+    CAPTURED.set(Some(String::new()));
+    let found = run();
+    (found, CAPTURED.take().unwrap_or_default())
+}
+
+/// Adds text to the captured one; returns false where nothing is captured.
+fn is_captured(text: &str) -> bool {
+    CAPTURED.with_borrow_mut(|captured| {
+        captured
+            .as_mut()
+            .map(|captured| captured.push_str(text))
+            .is_some()
+    })
+}
 
 /// Switches `--quiet` on: from now on only errors and requested data are printed.
 pub(super) fn be_quiet(quiet: bool) {
@@ -48,12 +71,15 @@ pub(super) fn print(text: &str) -> io::Result<()> {
 
 /// Writes to standard error. That it is closed or full takes nothing from the results.
 pub(super) fn eprint(text: &str) {
+    if is_captured(text) {
+        return;
+    }
     let _ = io::stderr().write_all(printable(text).as_bytes());
 }
 
 /// Prints a remark on standard error, except with `--quiet`.
 pub(super) fn note(text: &str) {
-    if !is_quiet() {
+    if !is_captured(text) && !is_quiet() {
         match terminal_size::terminal_size_of(io::stderr()) {
             Some((width, _)) => eprint(&wrapped(text, usize::from(width.0).max(LEAST))),
             // A log is read line by line.
@@ -66,7 +92,8 @@ pub(super) fn note(text: &str) {
 /// terminal would obey.
 pub(super) fn eprint_study_errors(errors: &StudyErrors) {
     let plain = errors.render(false);
-    if has_colours() && is_printable(&plain) {
+    let captures = CAPTURED.with_borrow(Option::is_some);
+    if !captures && has_colours() && is_printable(&plain) {
         let _ = writeln!(io::stderr(), "{}", errors.render(true).trim_end());
     } else {
         eprint(&format!("{}\n", plain.trim_end()));
@@ -76,7 +103,8 @@ pub(super) fn eprint_study_errors(errors: &StudyErrors) {
 /// Prints errors of the arguments, or the requested help.
 pub(super) fn print_usage(error: &clap::Error) {
     let plain = error.render().to_string();
-    if is_printable(&plain) {
+    let captures = CAPTURED.with_borrow(Option::is_some);
+    if !captures && is_printable(&plain) {
         // A closed pipe is not ours to report.
         let _ = error.print();
     } else {

@@ -9,26 +9,19 @@ use super::{interrupt, progress};
 use crate::assembly::NoSetUp;
 use crate::mechanism::DesignFault;
 use crate::report::{BandCurve, ToleranceSummary};
+use crate::scatter;
 use crate::solved::Solved;
-use crate::study::{Outputs, Study, Tolerance};
+use crate::study::{Study, Tolerance};
 use crate::tolerance::{Expansion, Forecast, MonteCarlo, Problem, monte_carlo};
 use std::io::Write;
 use std::ops::ControlFlow;
 use std::path::Path;
 
-/// The curves of a page: the drawing and percentiles, by their place among [`crate::tolerance::PERCENTILES`].
-const FANS: [(&str, &str, usize); 4] = [
-    ("1 %", "curves_p1.csv", 1),
-    ("5 %", "curves_p5.csv", 2),
-    ("95 %", "curves_p95.csv", 4),
-    ("99 %", "curves_p99.csv", 5),
-];
-
 pub(super) fn run(arguments: &ToleranceArguments) -> Result<Exit, Stop> {
     let (build, arguments) = (arguments.build, &arguments.run);
     let path = &arguments.study.study;
     let study = Study::read(path, &arguments.study.set)?;
-    let tolerance = scatter(&study, path)?;
+    let tolerance = tolerance_of(&study, path)?;
     if let Some(number) = build {
         return print_build(&problem(&study, tolerance, path)?, number);
     }
@@ -40,7 +33,7 @@ pub(super) fn run(arguments: &ToleranceArguments) -> Result<Exit, Stop> {
     let problem = problem(&study, tolerance, path)?.interruptible(interrupt::flag());
     let drawn = problem.drawn().map_err(fault)?;
     let record = || {
-        let plain = curves_alone(&study);
+        let plain = scatter::curves_alone(&study);
         let drawn = Solved::of(&plain)?;
         let mut record = Solved::record("tolerance", &[("drawn", "curves.csv", &drawn)])?;
         record.bands = bands(&study, tolerance);
@@ -125,7 +118,7 @@ fn bands(study: &Study, tolerance: &Tolerance) -> Vec<BandCurve> {
 }
 
 /// Scatter of the parts of a study.
-pub(super) fn scatter<'s>(study: &'s Study, path: &Path) -> Result<&'s Tolerance, Stop> {
+pub(super) fn tolerance_of<'s>(study: &'s Study, path: &Path) -> Result<&'s Tolerance, Stop> {
     let tolerance = study.tolerance.as_ref();
     tolerance.ok_or_else(|| Stop::no_section(path, "tolerance", "the scatter of the parts"))
 }
@@ -140,14 +133,7 @@ pub(super) fn problem<'s>(
 }
 
 fn not_aligned(study: &Study, path: &Path, reason: NoSetUp) -> Stop {
-    match reason {
-        NoSetUp::Fault(reason) => design_fault(study, path, &reason),
-        NoSetUp::Reject(reject) => Stop::in_file(path, reject),
-        NoSetUp::Unsettled | NoSetUp::OutOfReach(_) | NoSetUp::Absurd { .. } => Stop::in_file(
-            path,
-            "aligned = true, but the adjustments of [setup] do not move toe and camber independently",
-        ),
-    }
+    Stop::in_file(path, scatter::refusal(study, reason))
 }
 
 /// Prints a build as a study.
@@ -199,17 +185,6 @@ fn with_progress(
     found
 }
 
-/// Study for the curves of the nominal design, with the quantities of the bands.
-fn curves_alone(study: &Study) -> Study {
-    let mut plain = study.clone();
-    plain.formulation = crate::study::Formulation::KnucklePose;
-    plain.outputs = Outputs::of(plain.outputs.characteristics);
-    if let Some(both) = &mut plain.axle {
-        both.plan = both.plan.quantities_alone();
-    }
-    plain
-}
-
 /// Writes the curves of the nominal design and of the percentiles at each station, with the data of the page. Returns
 /// the names of the files.
 fn fans(
@@ -218,26 +193,14 @@ fn fans(
     problem: &Problem,
     builds: &MonteCarlo,
 ) -> Result<Vec<&'static str>, Stop> {
-    let plain = curves_alone(problem.study);
     let fault = |why| Stop::unsolved(path, why);
-    let drawn = Solved::of(&plain).map_err(fault)?;
-    let stations: Vec<usize> = problem.stations().of_motion().collect();
-    let fans = FANS.map(|(name, file, percentile)| {
-        let found = drawn.with_values(|output, station| {
-            builds.spreads[problem.cell(output, stations[station])].percentiles[percentile]
-        });
-        (name, file, found)
+    let written = scatter::with_fans(problem, builds, |designs| {
+        for (_, file, curves) in designs {
+            output.file(file, &curves.csv())?;
+        }
+        let record = Solved::record("tolerance", designs).map_err(fault)?;
+        output.record("report.json", &record)
     });
-    let fans = fans.iter().map(|(name, file, found)| (*name, *file, found));
-    // The last output is the most important one.
-    let designs: Vec<_> = fans.chain([("drawn", "curves.csv", &drawn)]).collect();
-    let mut files = Vec::new();
-    for (_, file, curves) in &designs {
-        output.file(file, &curves.csv())?;
-        files.push(*file);
-    }
-    let record = Solved::record("tolerance", &designs).map_err(fault)?;
-    output.record("report.json", &record)?;
-    files.push("report.json");
-    Ok(files)
+    written.map_err(fault)??;
+    Ok([&scatter::FAN_FILES[..], &["report.json"]].concat())
 }

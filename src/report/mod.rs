@@ -63,7 +63,9 @@ pub(crate) use record::wanted_between;
 pub use record::{BandCurve, DesignRecord, DrawnDesign, OutputRecord, Record, TargetRecord};
 pub use run::{Run, Summary};
 pub use scene::{BodyKind, Scene, SceneBody};
-pub use set_up_summary::{AdjustmentRecord, SetUpSummary, StaticRecord, static_column};
+pub use set_up_summary::{
+    AdjustmentRecord, SetUpSummary, StaticRecord, adjusted, set_up_refusal, static_column,
+};
 pub use side_effects::{
     shown_side_effects, side_effects_in_words, side_effects_table, unchanged_in_words,
 };

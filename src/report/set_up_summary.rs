@@ -1,8 +1,9 @@
 //! Result of a set-up: effects of the adjustments, instructions for a mechanic, and errors before and after rounding.
 
+use super::brief;
 use super::table::{Cell, Column, Table};
 use super::text::counted;
-use crate::assembly::{Aim, BuildParameter, PARTS_OF_A_TURN, SetUp, Static};
+use crate::assembly::{Aim, BuildParameter, Miss, NoSetUp, PARTS_OF_A_TURN, SetUp, Static};
 use crate::model::LengthUnit;
 use crate::study::{Adjustment, Increment, Setup, Study};
 use serde::Serialize;
@@ -404,6 +405,43 @@ mod tests {
         ];
         for (number, text) in cases {
             assert_eq!(turns(number), text);
+        }
+    }
+}
+
+/// The study of a wheel that was set up: its curves are about the new resting position.
+pub fn adjusted(study: &Study, found: &SetUp) -> Study {
+    let mut adjusted = study.clone();
+    adjusted.suspension = found.last().built.suspension.clone();
+    adjusted.formulation = crate::study::Formulation::KnucklePose;
+    adjusted
+}
+
+/// Describes why there is no set-up.
+pub fn set_up_refusal(study: &Study, setup: &Setup, none: &NoSetUp) -> String {
+    let length = study.suspension.length_unit;
+    match none {
+        NoSetUp::Fault(reason) => reason.describe(&study.suspension.mechanism),
+        NoSetUp::Reject(reject) => reject.to_string(),
+        NoSetUp::Absurd { adjustment, amount } => format!(
+            "what is wanted would take {} of {} of {}, more than a tenth of the suspension's size",
+            brief(*amount),
+            length.symbol(),
+            setup.adjust[*adjustment].name
+        ),
+        NoSetUp::OutOfReach(missed) => {
+            let words = |miss: &Miss| {
+                let (column, wanted) = (static_column(miss.of, length), brief(miss.wanted));
+                match miss.value.is_finite() {
+                    true => format!("{column} ends at {}, not {wanted}", brief(miss.value)),
+                    false => format!("{column} has no value, not {wanted}"),
+                }
+            };
+            let missed: Vec<String> = missed.iter().map(words).collect();
+            format!("what is wanted cannot be met: {}", missed.join("; "))
+        }
+        NoSetUp::Unsettled => {
+            "what is wanted cannot be met: the adjustments move none of it".to_owned()
         }
     }
 }

@@ -6,7 +6,7 @@ use super::http::Connection;
 use super::invitation::Invitation;
 use super::routes::Workshop;
 use super::study_file::StudyFile;
-use std::net::{Ipv4Addr, TcpListener};
+use std::net::{Ipv4Addr, TcpListener, TcpStream};
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -82,8 +82,12 @@ impl Studio {
         mut invitation: Option<Invitation>,
     ) -> std::io::Result<()> {
         let Studio { listener, workshop } = self;
+        let address = listener.local_addr()?;
+        let closes = Arc::new(AtomicBool::new(false));
+        let flag = closes.clone();
         let served = workshop.clone();
-        std::thread::Builder::new().spawn(move || accept(&listener, &served))?;
+        let accepting =
+            std::thread::Builder::new().spawn(move || accept(&listener, &served, &flag))?;
         while !stop.load(Ordering::SeqCst) {
             if workshop.visited.load(Ordering::SeqCst) {
                 invitation = None;
@@ -91,14 +95,22 @@ impl Studio {
             std::thread::sleep(LOOK);
         }
         drop(invitation);
+        closes.store(true, Ordering::SeqCst);
+        // A last connection wakes the thread, which then closes the port.
+        if TcpStream::connect_timeout(&address, LOOK).is_ok() {
+            let _ = accepting.join();
+        }
         Ok(())
     }
 }
 
-/// Takes connections, each on a thread of its own.
-fn accept(listener: &TcpListener, workshop: &Arc<Workshop>) {
+/// Takes connections, each on a thread of its own, until `closes` is set.
+fn accept(listener: &TcpListener, workshop: &Arc<Workshop>, closes: &AtomicBool) {
     let connections = Arc::new(Connections::default());
     for stream in listener.incoming() {
+        if closes.load(Ordering::SeqCst) {
+            return;
+        }
         let Ok(stream) = stream else {
             // No more files, say: others have to be closed first.
             std::thread::sleep(LOOK);

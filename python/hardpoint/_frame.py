@@ -1,0 +1,260 @@
+"""The one base of results: a mapping of columns."""
+
+from __future__ import annotations
+
+import html
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from os import PathLike
+from typing import Any, NoReturn, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._hardpoint import STATUS, HardpointError
+
+Array = NDArray[Any]
+Floats = NDArray[np.float64]
+
+_UNIT = re.compile(r"_((?:deg|mm|m|in|N|s)(?:\d|_per_.+)?)$")
+_SHOWN_ROWS = 8
+
+
+@dataclass(frozen=True)
+class Column:
+    """Meaning of a column."""
+
+    name: str
+    """With its unit, as in `camber_deg`."""
+    output: str
+    """Without order and unit."""
+    unit: str
+    """The unit alone; empty for a plain number."""
+    positive: str | None = None
+    """When it is positive, in words."""
+
+
+def column_of(name: str) -> Column:
+    """Meaning of a column as its name says it."""
+    unit = _UNIT.search(name)
+    return Column(name, name[: unit.start()], unit[1]) if unit else Column(name, name, "")
+
+
+class Frame(dict[str, Array]):
+    """Columns of equal length by name, the names of the CSV files. Arrays are read-only, NaN is "no value".
+
+    It is a dict, so that `pandas.DataFrame(frame)` works, but nothing can be written to it. Two frames are equal if they
+    are the same object.
+    """
+
+    info: Mapping[str, Column]
+    """Unit and sign of each column."""
+    status: NDArray[np.uint8]
+    """Code of each row: a place in `hardpoint.STATUS`; 0 is ok."""
+    motion: Mapping[str, Floats]
+    """The columns that say where a row is on the motion; empty where the rows are no stations."""
+
+    def __init__(
+        self,
+        columns: Mapping[str, Any],
+        *,
+        info: Mapping[str, Column] | None = None,
+        status: NDArray[np.uint8] | None = None,
+        reasons: Mapping[int, str] | None = None,
+        motion: Sequence[str] = (),
+    ) -> None:
+        arrays = {name: _read_only(values) for name, values in columns.items()}
+        super().__init__(arrays)
+        rows = len(next(iter(arrays.values()), ()))
+        self.info = {name: column_of(name) for name in arrays} if info is None else dict(info)
+        self.status = _read_only(np.zeros(rows, np.uint8) if status is None else status)
+        self.motion = {name: arrays[name] for name in motion}
+        self._reasons = dict(reasons or {})
+        self._all_reasons: tuple[str, ...] | None = None
+
+    @classmethod
+    def of_records(cls, records: Iterable[Mapping[str, Any]]) -> Self:
+        """A frame of mappings, one for each row; inner mappings become columns such as "after_rms"."""
+        rows = [_flat(record) for record in records]
+        names = list(dict.fromkeys(name for row in rows for name in row))
+        return cls({name: _cells([row.get(name) for row in rows]) for name in names})
+
+    @property
+    def rows(self) -> int:
+        """Number of rows."""
+        return len(self.status)
+
+    @property
+    def failed(self) -> NDArray[np.int64]:
+        """Numbers of the rows whose status is not 0."""
+        return np.flatnonzero(self.status)
+
+    @property
+    def reasons(self) -> tuple[str, ...]:
+        """Why the status of each row is not 0; empty where it is."""
+        if self._all_reasons is None:
+            all_reasons = [""] * self.rows
+            for row, reason in self._reasons.items():
+                all_reasons[row] = reason
+            self._all_reasons = tuple(all_reasons)
+        return self._all_reasons
+
+    def to_pandas(self, index: str | None = "motion") -> Any:
+        """A pandas DataFrame that shares the columns' memory. Its index is the motion where there is one; `index=None`
+        leaves all columns in place."""
+        import pandas
+
+        table = pandas.DataFrame(dict(self), copy=False)
+        if index == "motion":
+            return table.set_index(list(self.motion)) if self.motion else table
+        return table if index is None else table.set_index(index)
+
+    def to_xarray(self) -> Any:
+        """An xarray Dataset over one dimension, with units as attributes and the motion as coordinates."""
+        import xarray
+
+        dimension = "station" if self.motion else "row"
+        places = {name: (dimension, values) for name, values in self.motion.items()}
+        variables = {
+            name: (dimension, values, {"units": self.info[name].unit} if name in self.info else {})
+            for name, values in self.items()
+            if name not in places
+        }
+        return xarray.Dataset(variables, coords={**places, "status": (dimension, self.status)})
+
+    def to_parquet(self, path: str | PathLike[str]) -> None:
+        """Writes the columns as Apache Parquet (zstd), a row group for each 131,072 rows; needs pyarrow."""
+        import pyarrow
+        import pyarrow.parquet
+
+        words: list[Any] = [name for name, values in self.items() if values.dtype.kind not in "fiu"]
+        pyarrow.parquet.write_table(
+            pyarrow.table(_for_arrow(self)),
+            path,
+            compression="zstd",
+            row_group_size=131_072,
+            use_dictionary=words,
+            use_byte_stream_split=[n for n, v in self.items() if v.dtype.kind == "f"],
+        )
+
+    def plot(self, *names: str, ax: Any = None) -> Any:
+        """Draws columns over the first column of the motion, or over the row number; returns the axes of matplotlib."""
+        for name in names:
+            if name not in self:
+                raise HardpointError(f"there is no column {name!r}; there are {', '.join(self)}")
+        if ax is None:
+            from matplotlib import pyplot
+
+            ax = pyplot.gca()
+        over, x = next(iter(self.motion.items()), ("row", np.arange(self.rows)))
+        shown = names or tuple(n for n, v in self.items() if n not in self.motion and v.dtype.kind == "f")
+        for name in shown:
+            ax.plot(x, self[name], label=name)
+        ax.set_xlabel(over)
+        if len(shown) == 1:
+            ax.set_ylabel(shown[0])
+        else:
+            ax.legend()
+        return ax
+
+    def __arrow_c_stream__(self, requested_schema: Any = None) -> Any:
+        """The columns for programs that read Arrow (polars, DuckDB, pyarrow); needs pyarrow."""
+        import pyarrow
+
+        return pyarrow.table(_for_arrow(self)).__arrow_c_stream__(requested_schema)
+
+    def _repr_html_(self) -> str:
+        """The first and last rows, for notebooks."""
+        rows: list[int | None] = list(range(self.rows))
+        if self.rows > _SHOWN_ROWS:
+            half = _SHOWN_ROWS // 2
+            rows = [*range(half), None, *range(self.rows - half, self.rows)]
+        head = "".join(f"<th>{html.escape(name)}</th>" for name in self)
+        body = "".join(
+            "<tr>" + "".join(f"<td>{'...' if row is None else _shown(v[row])}</td>" for v in self.values()) + "</tr>"
+            for row in rows
+        )
+        return f"<p>{html.escape(repr(self))}</p><table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
+
+    def _ipython_key_completions_(self) -> list[str]:
+        return list(self)
+
+    def __repr__(self) -> str:
+        bad = len(self.failed)
+        doubt = f", {bad} with a status" if bad else ""
+        return f"<hardpoint.{type(self).__name__}: {self.rows} rows{doubt}; {', '.join(self)}>"
+
+    def __eq__(self, other: object) -> bool:
+        return self is other
+
+    def __ne__(self, other: object) -> bool:
+        return self is not other
+
+    def __hash__(self) -> int:  # type: ignore[override]
+        return id(self)
+
+    def __copy__(self) -> Self:
+        return self
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return (_restored, (type(self), dict(self), dict(self.__dict__)))
+
+    def _refuse(self, *_: Any, **__: Any) -> NoReturn:
+        raise TypeError("results cannot be changed; dict(frame) is a copy that can")
+
+    __setitem__ = __delitem__ = __ior__ = update = pop = popitem = setdefault = clear = _refuse
+
+
+def _restored(cls: type[Frame], columns: dict[str, Array], state: dict[str, Any]) -> Frame:
+    frame = cls.__new__(cls)
+    dict.update(frame, {name: _read_only(values) for name, values in columns.items()})
+    state["motion"] = {name: dict.__getitem__(frame, name) for name in state["motion"]}
+    state["status"] = _read_only(state["status"])
+    frame.__dict__.update(state)
+    return frame
+
+
+def _read_only(values: Any) -> Array:
+    array = values if isinstance(values, np.ndarray) else np.asarray(values)
+    if array.flags.writeable:
+        array = array.view()
+        array.flags.writeable = False
+    return array
+
+
+def _for_arrow(frame: Frame) -> dict[str, Any]:
+    return {name: v if v.dtype.kind in "fiub" else v.tolist() for name, v in frame.items()}
+
+
+def _shown(value: Any) -> str:
+    return f"{value:.6g}" if isinstance(value, (float, np.floating)) else html.escape(str(value))
+
+
+def _flat(record: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
+    flat: dict[str, Any] = {}
+    for key, value in record.items():
+        if isinstance(value, Mapping):
+            flat.update(_flat(value, f"{prefix}{key}_"))
+        else:
+            flat[prefix + key] = value
+    return flat
+
+
+def _cells(values: list[Any]) -> Array:
+    """An array of a column's cells: numbers with NaN for none, truth values, text with "" for none, or objects."""
+    known = [v for v in values if v is not None]
+    if known and all(isinstance(v, bool) for v in known) and len(known) == len(values):
+        return np.array(values, bool)
+    if all(isinstance(v, (int, float)) for v in known):
+        return np.array([np.nan if v is None else v for v in values], np.float64)
+    if all(isinstance(v, str) for v in known):
+        return np.array(["" if v is None else v for v in values], str)
+    cells = np.empty(len(values), object)
+    cells[:] = values
+    return cells
+
+
+def status_words(status: Iterable[int]) -> Iterator[str]:
+    """The words of status codes."""
+    return (STATUS[code] for code in status)

@@ -1,0 +1,297 @@
+//! Results of commands in memory: the files that the command writes, by name, and its summary.
+
+use crate::errors::failure;
+use crate::study::Study;
+use crate::threads::{interruptible, on_threads};
+use hardpoint::assembled;
+use hardpoint::assembly::{Assembler, NoSetUp, SetUp};
+use hardpoint::compared;
+use hardpoint::report::{
+    Comparison, FinishedRun, Picture, SetUpSummary, ToleranceSummary, adjusted, comparison_page,
+    page, pictures as drawn_pictures, rejected, set_up_refusal, sweep_page,
+};
+use hardpoint::results::RunDirectory;
+use hardpoint::scatter;
+use hardpoint::solved::Solved;
+use hardpoint::study::{Drive, Tolerance};
+use hardpoint::sweep::SweepPlan;
+use hardpoint::tolerance::{Expansion, Forecast, Problem, monte_carlo};
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyDict};
+use std::ops::ControlFlow;
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+
+/// Files of a run by name, and its summary as JSON.
+struct Answer {
+    files: Vec<(String, Vec<u8>)>,
+    summary: String,
+}
+
+impl Answer {
+    fn of(files: Vec<(&str, Vec<u8>)>, summary: &impl serde::Serialize) -> Self {
+        let summary = serde_json::to_string_pretty(summary).expect("summaries are plain data");
+        let files = files
+            .into_iter()
+            .map(|(name, bytes)| (name.to_owned(), bytes));
+        Answer {
+            files: files.collect(),
+            summary: summary + "\n",
+        }
+    }
+
+    fn into_dict(self, py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
+        let result = PyDict::new(py);
+        for (name, bytes) in &self.files {
+            result.set_item(name, PyBytes::new(py, bytes))?;
+        }
+        result.set_item("summary.json", PyBytes::new(py, self.summary.as_bytes()))?;
+        Ok(result)
+    }
+}
+
+fn of_one_wheel(own: &hardpoint::Study, name: &str) -> PyResult<()> {
+    match own.axle {
+        None => Ok(()),
+        Some(_) => Err(failure(format!(
+            "{name} is not available for axles; remove [axle] to use it on the left wheel"
+        ))),
+    }
+}
+
+/// The adjustments that give the static values of `[setup]`.
+#[pyfunction]
+pub(crate) fn setup<'py>(py: Python<'py>, study: &Study) -> PyResult<Bound<'py, PyDict>> {
+    let own = study.whole();
+    of_one_wheel(own, "setup")?;
+    let setup = own.setup.as_ref().ok_or_else(|| {
+        failure("the study has no [setup] section, which gives adjustments and wanted values")
+    })?;
+    let answer = on_threads(py, Some(1), |_| -> Result<Answer, String> {
+        let assembler = Assembler::new(&own.suspension);
+        let assembler = assembler.map_err(|fault| fault.describe(&own.suspension.mechanism))?;
+        let found = SetUp::solve(own, setup, &assembler)
+            .map_err(|none: NoSetUp| set_up_refusal(own, setup, &none))?;
+        let summary = SetUpSummary::of(own, setup, &found);
+        let adjusted = adjusted(own, &found);
+        let mut files = vec![
+            ("setup.csv", summary.steps_table().csv(None).into_bytes()),
+            (
+                "effects.csv",
+                summary.effects_table().csv(None).into_bytes(),
+            ),
+        ];
+        if adjusted.motion.drive != Drive::PaperTheta {
+            files.insert(0, ("curves.csv", Solved::of(&adjusted)?.csv()));
+        }
+        Ok(Answer::of(files, &summary))
+    })?;
+    answer.map_err(failure)?.into_dict(py)
+}
+
+fn tolerance_of(own: &hardpoint::Study) -> PyResult<&Tolerance> {
+    own.tolerance.as_ref().ok_or_else(|| {
+        failure("the study has no [tolerance] section, which gives the scatter of parts")
+    })
+}
+
+/// The effect of the scatter of `[tolerance]`. `progress(done, all)` is called on this thread.
+#[pyfunction]
+#[pyo3(signature = (study, threads=None, progress=None))]
+pub(crate) fn tolerance<'py>(
+    py: Python<'py>,
+    study: &Study,
+    threads: Option<usize>,
+    progress: Option<Bound<'py, PyAny>>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let own = study.whole();
+    let tolerance = tolerance_of(own)?;
+    let done = AtomicU64::new(0);
+    let work = |flag: &AtomicBool| scattered(own, tolerance, flag, &done);
+    let listen = |_: Python<'_>, _: &AtomicBool| match &progress {
+        None => Ok(()),
+        Some(progress) => {
+            let done = done.load(Ordering::Relaxed);
+            progress.call1((done, tolerance.builds)).map(drop)
+        }
+    };
+    let answer = interruptible(py, threads, work, listen)?;
+    answer.map_err(failure)?.into_dict(py)
+}
+
+/// Results of builds; an interrupted call is none.
+fn scattered(
+    own: &hardpoint::Study,
+    tolerance: &Tolerance,
+    flag: &AtomicBool,
+    done: &AtomicU64,
+) -> Result<Answer, String> {
+    let refused = |reason| scatter::refusal(own, reason);
+    let words =
+        |fault: hardpoint::mechanism::DesignFault| fault.describe(&own.suspension.mechanism);
+    let problem = Problem::of(own, tolerance).map_err(refused)?;
+    let problem = problem.interruptible(flag);
+    let drawn = problem.drawn().map_err(words)?;
+    let expansion = Expansion::of(&problem).map_err(refused)?;
+    let forecast = Forecast::of(&problem, &expansion, &drawn);
+    let builds = monte_carlo(&problem, &drawn, |count| {
+        done.store(count, Ordering::Relaxed);
+        match flag.load(Ordering::Relaxed) {
+            true => ControlFlow::Break(()),
+            false => ControlFlow::Continue(()),
+        }
+    });
+    let builds = builds.map_err(words)?;
+    let yields = forecast.as_ref().map(|forecast| forecast.rank(&builds));
+    let summary = ToleranceSummary::of(&problem, &drawn, &expansion, &builds, yields.as_ref());
+    let unit = own.suspension.length_unit.symbol();
+    let contributors: Vec<String> = tolerance.scatter.iter().map(|c| c.name.clone()).collect();
+    let mut files = vec![
+        ("tolerance.csv", summary.csv(unit)),
+        (
+            "contributors.csv",
+            summary.contributors_csv(&contributors, unit),
+        ),
+    ];
+    let record = scatter::with_fans(&problem, &builds, |designs| {
+        for (file, (.., curves)) in scatter::FAN_FILES.into_iter().zip(designs) {
+            files.push((file, curves.csv()));
+        }
+        Solved::record("tolerance", designs)
+    })??;
+    let record = serde_json::to_string(&record).expect("records are plain data");
+    files.push(("report.json", (record + "\n").into_bytes()));
+    Ok(Answer::of(files, &summary))
+}
+
+/// The study of one build of `[tolerance]`, by its number from 0.
+#[pyfunction]
+pub(crate) fn build(py: Python<'_>, study: &Study, number: u64) -> PyResult<Study> {
+    let own = study.whole();
+    let tolerance = tolerance_of(own)?;
+    let text = on_threads(py, Some(1), |_| -> Result<String, String> {
+        let problem = Problem::of(own, tolerance).map_err(|why| scatter::refusal(own, why))?;
+        let built = problem.built_wheels(number);
+        let built = built.map_err(|(side, reject)| {
+            format!(
+                "build {number} cannot be assembled: {}",
+                rejected(side, &reject)
+            )
+        })?;
+        Ok(match &built[..] {
+            [left, right] => own.with_built_axle([left, right]),
+            built => own.with_built(&built[0]),
+        })
+    })?;
+    let text = text.map_err(failure)?;
+    let file = study.file_name();
+    Study::of(py.detach(|| hardpoint::Study::from_text(&file, &text, "".as_ref())))
+}
+
+/// The study of one design of `[sweep]`, by its number from 0.
+#[pyfunction]
+pub(crate) fn swept_design(py: Python<'_>, study: &Study, number: u64) -> PyResult<Study> {
+    let own = study.whole();
+    let sweep = crate::sweep::own_sweep(study)?;
+    let plan = on_threads(py, Some(1), |_| SweepPlan::of(own, sweep))?;
+    let plan = plan.map_err(|e| crate::sweep::not_begun(study, e))?;
+    let designs = plan.record.designs;
+    if number >= designs {
+        return Err(failure(format!(
+            "there is no design {number}; the sweep has {designs}, numbered from 0"
+        )));
+    }
+    let text = own.with_points_of(&own.at_design(plan.design(number)));
+    let file = study.file_name();
+    Study::of(py.detach(|| hardpoint::Study::from_text(&file, &text, "".as_ref())))
+}
+
+/// All assemblies of the design's lengths: a CSV, and places where the search could not decide.
+#[pyfunction]
+pub(crate) fn assemblies<'py>(
+    py: Python<'py>,
+    study: &Study,
+    travel: f64,
+    rack: f64,
+) -> PyResult<(Bound<'py, PyBytes>, Vec<String>)> {
+    let own = &study.study;
+    of_one_wheel(own, "assemblies")?;
+    for (name, value) in [("travel", travel), ("rack", rack)] {
+        if !value.is_finite() {
+            return Err(failure(format!(
+                "{name} is {value}; expected a finite length"
+            )));
+        }
+    }
+    let found = on_threads(py, Some(1), |_| assembled::assemblies(own, travel, rack))?;
+    let found = found.map_err(failure)?;
+    let csv = found.table.csv(None);
+    Ok((PyBytes::new(py, csv.as_bytes()), found.undecided))
+}
+
+/// Curves and points of studies side by side, over the motion of the first one.
+#[pyfunction]
+pub(crate) fn compare<'py>(
+    py: Python<'py>,
+    studies: Vec<(String, Py<Study>)>,
+) -> PyResult<Bound<'py, PyDict>> {
+    for (_, study) in &studies {
+        of_one_wheel(&study.get().study, "compare")?;
+    }
+    let answer = on_threads(py, Some(1), |_| -> Result<Answer, String> {
+        let (mut designs, mut motion) = (Vec::new(), None);
+        for (label, study) in &studies {
+            let own = study.get().study.clone();
+            let compared = compared::of_study(own, label.clone(), &mut motion);
+            designs.push(compared.map_err(|why| format!("{label}: {why}"))?.0);
+        }
+        let comparison = Comparison::of(&designs)?;
+        let mut topologies: Vec<String> =
+            designs.iter().filter_map(|d| d.topology.clone()).collect();
+        topologies.dedup();
+        let labels: Vec<String> = studies.iter().map(|(label, _)| label.clone()).collect();
+        let page = comparison_page(&comparison, &topologies, &labels);
+        let files = vec![
+            ("comparison.csv", comparison.csv()),
+            ("moved.csv", comparison.moved_table().csv(None).into_bytes()),
+            ("report.html", page.into_bytes()),
+        ];
+        Ok(Answer::of(files, &comparison.labels))
+    })?;
+    answer.map_err(failure)?.into_dict(py)
+}
+
+/// Makes the page of a finished run and writes it into the run's directory; returns the pictures of its curves, by name,
+/// where they are asked for.
+#[pyfunction]
+#[pyo3(signature = (directory, pictures=false, force=false))]
+pub(crate) fn report<'py>(
+    py: Python<'py>,
+    directory: PathBuf,
+    pictures: bool,
+    force: bool,
+) -> PyResult<Bound<'py, PyDict>> {
+    let made = on_threads(py, Some(1), |_| -> Result<Vec<Picture>, String> {
+        let run = FinishedRun::read(&directory).map_err(|e| e.to_string())?;
+        let claimed = RunDirectory::reopen(&directory, &["report.html"], force);
+        let claimed = claimed.map_err(|e| e.to_string())?;
+        let (html, drawn) = match &run {
+            FinishedRun::Curves(run) if pictures => (page(run), drawn_pictures(run)),
+            FinishedRun::Curves(run) => (page(run), Vec::new()),
+            FinishedRun::Sweep(_) if pictures => {
+                return Err(
+                    "a sweep has no pictures; the plots of its page can be saved".to_owned(),
+                );
+            }
+            FinishedRun::Sweep(sweep) => (sweep_page(sweep), Vec::new()),
+        };
+        let written = claimed.write("report.html", html.as_bytes());
+        written.map_err(|e| e.to_string())?;
+        Ok(drawn)
+    })?;
+    let result = PyDict::new(py);
+    for picture in made.map_err(failure)? {
+        result.set_item(&picture.name, PyBytes::new(py, &picture.contents))?;
+    }
+    Ok(result)
+}

@@ -1,0 +1,212 @@
+//! Curves of a study.
+
+use crate::errors::failure;
+use crate::status;
+use crate::study::Study;
+use crate::threads::on_threads;
+use hardpoint::curves::{Curves, Status};
+use hardpoint::model::Side;
+use numpy::{IntoPyArray, PyArray1, PyArrayDyn, PyArrayMethods};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+/// Columns of a frame in the making, with their units and signs.
+pub(crate) struct Columns<'py> {
+    py: Python<'py>,
+    columns: Bound<'py, PyDict>,
+    info: Bound<'py, PyDict>,
+}
+
+impl<'py> Columns<'py> {
+    pub(crate) fn new(py: Python<'py>) -> Self {
+        let (columns, info) = (PyDict::new(py), PyDict::new(py));
+        Columns { py, columns, info }
+    }
+
+    /// Adds a column; `info` is its output, its unit and when it is positive.
+    pub(crate) fn push(
+        &self,
+        name: &str,
+        info: (&str, &str, Option<&str>),
+        values: impl Iterator<Item = Option<f64>>,
+    ) -> PyResult<()> {
+        let values: Vec<f64> = values.map(|v| v.unwrap_or(f64::NAN)).collect();
+        let values: Bound<'_, PyArray1<f64>> = values.into_pyarray(self.py);
+        self.columns.set_item(name, values)?;
+        self.info.set_item(name, info)
+    }
+
+    /// The frame: columns, info, status codes, and the reasons of stations without or with doubtful values.
+    pub(crate) fn finish(
+        self,
+        stations: impl Iterator<Item = (&'static str, Option<String>)>,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let (mut codes, reasons) = (Vec::new(), PyDict::new(self.py));
+        for (number, (word, reason)) in stations.enumerate() {
+            codes.push(status::code(word));
+            if let Some(reason) = reason {
+                reasons.set_item(number, reason)?;
+            }
+        }
+        let result = PyDict::new(self.py);
+        result.set_item("columns", self.columns)?;
+        result.set_item("info", self.info)?;
+        result.set_item("status", codes.into_pyarray(self.py))?;
+        result.set_item("reasons", reasons)?;
+        Ok(result)
+    }
+}
+
+/// Why a station has no values, or doubtful ones.
+pub(crate) fn reason(word: &str) -> Option<String> {
+    let reason = match word {
+        "ok" => return None,
+        "ill_conditioned" => "close to a singular pose: derivatives have fewer than six digits",
+        "unsupported" => "nothing supports the loads: forces have no values",
+        "toggle" => "a rod is at a toggle: quantities of its rocker have no values",
+        other => other,
+    };
+    Some(reason.to_owned())
+}
+
+/// The curves of the study's motion, or of one in `[motions]`: columns, stations, statuses and, where the study asks for
+/// them, sensitivities.
+#[pyfunction]
+#[pyo3(signature = (study, motion=None))]
+pub(crate) fn solve<'py>(
+    py: Python<'py>,
+    study: &Study,
+    motion: Option<&str>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let own = &study.study;
+    let Some(name) = motion else {
+        return of_own_motion(py, study, own);
+    };
+    let known: Vec<&str> = own.motions.iter().map(|(name, _)| name.as_str()).collect();
+    let place = known.iter().position(|known| *known == name);
+    let place = place.ok_or_else(|| {
+        failure(format!(
+            "there is no motion {name:?}; [motions] has {}",
+            if known.is_empty() {
+                "none".to_owned()
+            } else {
+                known.join(", ")
+            }
+        ))
+    })?;
+    if own.axle.is_some() {
+        return Err(failure(
+            "named motions of an axle are for its constraints; their curves are not available",
+        ));
+    }
+    let moved = hardpoint::study::Study {
+        motion: own.motions[place].1.clone(),
+        ..own.clone()
+    };
+    of_own_motion(py, study, &moved)
+}
+
+fn of_own_motion<'py>(
+    py: Python<'py>,
+    study: &Study,
+    own: &hardpoint::study::Study,
+) -> PyResult<Bound<'py, PyDict>> {
+    let found = on_threads(py, Some(1), |_| own.curves())?;
+    let found = found.map_err(|error| failure(error.to_string()))?;
+    let stations = &found.stations;
+    let columns = Columns::new(py);
+    let mut motion = Vec::new();
+    for c in found.motion.iter().filter(|c| c.is_written) {
+        let positive = match c.key {
+            "travel" | "travel_left" | "travel_right" => Some("in jounce"),
+            "rack" => Some("along the study's +y"),
+            _ => None,
+        };
+        columns.push(&c.name(), (c.key, c.unit, positive), found.along(c.key))?;
+        motion.push(c.name());
+    }
+    // The name of the drive comes first.
+    if let Some(drive) = found.motion.iter().find(|c| c.is_given && c.is_written) {
+        motion.sort_by_key(|name| *name != drive.name());
+    }
+    for (k, c) in found.columns.iter().enumerate() {
+        let values = stations.iter().map(|s| s.value(k));
+        columns.push(&c.name, (&c.output, &c.unit, c.positive), values)?;
+    }
+    for (k, name) in found.bounds.iter().enumerate() {
+        let (output, unit) = name.rsplit_once('_').unwrap_or((name, ""));
+        let values = stations.iter().map(|s| Some(s.proof.as_ref()?.bounds[k]));
+        columns.push(name, (output, unit, None), values)?;
+    }
+    let (length, frame) = (own.suspension.length_unit, own.suspension.frame);
+    let result = columns.finish(stations.iter().map(|station| {
+        let word = station.status.word();
+        let reason = match station.status {
+            Status::Failed(failure) => Some(failure.describe(length, frame)),
+            _ => reason(word),
+        };
+        (word, reason)
+    }))?;
+    result.set_item("motion", motion)?;
+    let names = found.columns.iter().map(|c| c.name.as_str());
+    result.set_item("outputs", names.collect::<Vec<_>>())?;
+    set_sensitivities(py, study, &found, &result)?;
+    Ok(result)
+}
+
+/// Adds the sensitivities of curves to a result: `[station][column][point][axis]`, of an axle by side before that.
+fn set_sensitivities(
+    py: Python<'_>,
+    study: &Study,
+    found: &Curves,
+    result: &Bound<'_, PyDict>,
+) -> PyResult<()> {
+    let study = &study.study;
+    let (points, sides) = match &study.axle {
+        Some(both) => {
+            let sides = if both.axle.right.is_some() { 2 } else { 1 };
+            (&both.plan.sensitivities, Some(sides))
+        }
+        None => (&study.outputs.sensitivities, None),
+    };
+    if points.is_empty() {
+        return Ok(());
+    }
+    let shape = [found.stations.len(), found.columns.len(), points.len(), 3];
+    let known = found.sensitivities.iter().filter_map(|s| {
+        let point = points.iter().position(|p| *p == s.point)?;
+        Some((s, [s.station, s.column, point, s.axis as usize]))
+    });
+    let array = match sides {
+        None => mostly_nan(py, shape, known.map(|(s, at)| (at, s.value))),
+        Some(sides) => {
+            let [stations, columns, points, axes] = shape;
+            let known = known.map(|(s, [station, column, point, axis])| {
+                let side = usize::from(s.side == Some(Side::Right));
+                ([side, station, column, point, axis], s.value)
+            });
+            mostly_nan(py, [sides, stations, columns, points, axes], known)
+        }
+    };
+    let names = points.iter().map(|p| study.suspension.mechanism.name(*p));
+    result.set_item("sensitivities", array)?;
+    result.set_item("sensitivity_points", names.collect::<Vec<_>>())
+}
+
+/// An array with values at some places, NaN at all others.
+pub(crate) fn mostly_nan<const N: usize>(
+    py: Python<'_>,
+    shape: [usize; N],
+    known: impl Iterator<Item = ([usize; N], f64)>,
+) -> Bound<'_, PyArrayDyn<f64>> {
+    let array = PyArrayDyn::<f64>::zeros(py, &shape[..], false);
+    {
+        let mut write = array.readwrite();
+        let mut view = write.as_array_mut();
+        view.fill(f64::NAN);
+        for (at, value) in known {
+            view[&at[..]] = value;
+        }
+    }
+    array
+}

@@ -1,0 +1,82 @@
+"""Ctrl-C in every call that may take long: an exception soon after, and nothing left running."""
+
+import os
+import signal
+import threading
+import time
+
+import numpy as np
+import pytest
+
+import hardpoint as hp
+from conftest import STUDIES
+
+# The bar is 0.3 s in a release build; this one is not optimised, and its machine may be busy.
+SOON = float(os.environ.get("HARDPOINT_SOON", "5.0"))
+
+
+def sweep(_):
+    hp.sweep(hp.load(STUDIES / "macpherson_sweep.toml", {"sweep.samples": 20_000_000}))
+
+
+def values(_):
+    f = hp.load(STUDIES / "macpherson_front.toml", {"motion.travel": [-20.0, 0.0, 20.0]}).function()
+    f(np.zeros((1_000_000, len(f.variables))))
+
+
+def values_on_this_thread(_):
+    f = hp.load(STUDIES / "macpherson_front.toml", {"motion.travel": [-20.0, 0.0, 20.0]}).function()
+    f(np.zeros((1_000_000, len(f.variables))), threads=1)
+
+
+def axle(_):
+    f = hp.load(STUDIES / "macpherson_axle.toml", {"motion": {"roll": [0.0, 1.0]}}).function(["tie_rod_outer_dx"])
+    f(np.zeros((400_000, 1)))
+
+
+def optimise(_):
+    hp.optimise(hp.load(STUDIES / "double_wishbone_robust.toml", {"optimise.starts": 2000}))
+
+
+def tolerance(_):
+    hp.tolerance(hp.load(STUDIES / "macpherson_tolerance.toml", {"tolerance.builds": 50_000_000}))
+
+
+def program_sweep(folder):
+    study = str(STUDIES / "macpherson_sweep.toml")
+    hp.run(["--quiet", "sweep", study, "--set", "sweep.samples=20000000", "--out", folder / "run"])
+
+
+def program_optimise(folder):
+    study = str(STUDIES / "double_wishbone_robust.toml")
+    hp.run(["--quiet", "optimise", study, "--set", "optimise.starts=2000", "--out", folder / "run"])
+
+
+def studio(_):
+    hp.run(["studio", STUDIES / "macpherson_front.toml", "--no-open"])
+
+
+CALLS = [sweep, values, values_on_this_thread, axle, optimise, tolerance, program_sweep, program_optimise, studio]
+
+
+@pytest.mark.parametrize("call", CALLS, ids=lambda call: call.__name__)
+def test_ctrl_c_is_heard(call, tmp_path):
+    sent = []
+
+    def interrupt():
+        time.sleep(2.0)
+        sent.append(time.perf_counter())
+        os.kill(os.getpid(), signal.SIGINT)
+
+    thread = threading.Thread(target=interrupt)
+    thread.start()
+    with pytest.raises(KeyboardInterrupt):
+        call(tmp_path)
+    took = time.perf_counter() - sent[0]
+    thread.join()
+    assert took < SOON, f"{took:.2f} s"
+    # Nothing goes on: the processor is idle but for this thread.
+    begun = time.process_time()
+    time.sleep(0.3)
+    assert time.process_time() - begun < 0.15
+    assert hp.run(["--quiet", "check", STUDIES / "macpherson_front.toml"]) == 0

@@ -206,7 +206,7 @@ fn curves_of_an_axle_are_refused_and_say_what_answers() {
     assert!(matches!(refused, Err(Error::Axle(_))), "{refused:?}");
     let said = words(refused);
     assert!(
-        said.starts_with("the study is of an axle: tune, sweep and DesignFunction"),
+        said.starts_with("the study is of an axle: use tune, sweep or DesignFunction"),
         "{said}"
     );
     let asked = study.asking(&[Characteristic::Toe], Order::Position);

@@ -511,7 +511,7 @@ fn mistakes_are_named() {
             "wheel_centre = \"rocker\"",
             "wheel_centre =",
             &[
-                "wheel_centre sits where it does in every double_wishbone",
+                "wheel_centre has the same body in every double_wishbone",
                 "outer ends",
             ],
         ),

@@ -406,7 +406,7 @@ fn optimisations_that_make_no_sense() {
         ("tolerance = 0.01", "tolerance = 0.01, weight = -1", "bump_steer", "optimise.targets[1].weight", &["above 0, found -1"]),
         ("tolerance = 0.01", "tolerance = 0.01, interpolation = \"linear\"", "bump_steer", "optimise.targets[1].interpolation", &["nothing to interpolate"]),
         ("tolerance = 0.05", "tolerance = 0.05, interpolation = \"cubic\"", "camber", "optimise.targets[0].interpolation", &["did you mean \"monotone_cubic\"?"]),
-        ("at = 0.0, value = 0.0", "file = \"no_such.csv\"", "no_such", "optimise.targets[1].file", &["no_such.csv: there is no such file", "relative to the study file"]),
+        ("at = 0.0, value = 0.0", "file = \"no_such.csv\"", "no_such", "optimise.targets[1].file", &["no_such.csv: the file does not exist", "relative to the study file"]),
     ]);
 }
 
@@ -445,7 +445,9 @@ fn files_that_cannot_be_read() {
     let directory = tempfile::tempdir().unwrap();
     let at = |name: &str| directory.path().join(name);
     let message = |name: &str| Study::read(&at(name), &[]).unwrap_err().to_string();
-    assert!(message("absent.toml").contains("absent.toml: cannot be read: there is no such file"));
+    assert!(
+        message("absent.toml").contains("absent.toml: cannot be read: the file does not exist")
+    );
     assert!(message(".").contains("it is a directory"));
     fs::write(at("latin.toml"), b"a = 1\n# caf\xe9\n").unwrap();
     assert!(message("latin.toml").contains("line 2 is not UTF-8 text"));

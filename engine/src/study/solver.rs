@@ -95,7 +95,7 @@ pub(super) fn check_outputs(
         (file.optimise.is_some(), "[optimise] needs"),
     ];
     for (_, who) in wanted.into_iter().filter(|(wanted, _)| *wanted) {
-        let message = format!("sensitivities are not available for {what}, and {who}");
+        let message = format!("sensitivities are not available for {what}, but {who} them");
         let error = problems.add(text.span(), message);
         error.help(help);
         if let Some(place) = sensitivities(file).filter(|_| who.contains("[outputs]")) {

@@ -142,7 +142,7 @@ fn what_is_not_there_for_an_axle_is_refused_by_name() {
     let path = path.to_str().unwrap();
     for (command, why) in [
         ("assemblies", "each wheel is assembled independently"),
-        ("tolerance", "no [tolerance] section"),
+        ("tolerance", "the section [tolerance] is missing"),
         ("setup", "for one wheel at a time"),
     ] {
         let (_, said) = run(&[command, path], 2);
@@ -154,7 +154,7 @@ fn what_is_not_there_for_an_axle_is_refused_by_name() {
         "{said}"
     );
     for (set, words) in [
-        ("motion.travel=1.0", "travel is of a study of one wheel"),
+        ("motion.travel=1.0", "travel drives one wheel only"),
         ("motion.travel_left=1.0", "roll holds the mean travel"),
         ("motion.ground=\"pads\"", "expected ground = \"plane\""),
         ("motion.rack=1.0", "both give the rack"),
@@ -187,7 +187,7 @@ fn what_is_not_there_for_an_axle_is_refused_by_name() {
     let corner = study("macpherson_solve.toml");
     let corner = corner.to_str().unwrap();
     let (_, said) = run(&["check", corner, "--set", "motion.roll=1.0"], 2);
-    assert!(said.contains("roll is of an axle"), "{said}");
+    assert!(said.contains("roll needs [axle]"), "{said}");
 }
 
 /// A certificate has columns of its own, by what follows from what, and a summary; a sweep leaves it out and says so.
@@ -409,7 +409,7 @@ fn axles_are_swept() {
     );
     let further = "outputs.characteristics=[\"roll_centre_migration_lateral\", \"steer\"]";
     let (said, _) = run(&["check", file, "--set", further], 0);
-    let words = "one by one, not in SIMD lanes, since something that is asked for cannot be read in lanes: roll_centre_migration_lateral.";
+    let words = "one by one, not in SIMD lanes: lanes do not support a requested output: roll_centre_migration_lateral.";
     let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(said.contains(words), "{said}");
     swept(&[
@@ -515,7 +515,7 @@ fn what_an_axle_lacks_is_said_with_the_wheel() {
     );
     let few = "outputs.characteristics=[\"camber\", \"ackermann\"]";
     let found = swept(&[few, "motion={ heave = [0.0, 10.0] }"]);
-    let why = "What matters is not known: it is told from designs that have every output, and none has; \
+    let why = "Main effects are not known: they need designs that have every output, and none has; \
                it would be known without ackermann.";
     assert!(found.contains(why), "{found}");
 }
@@ -622,11 +622,11 @@ fn mistakes_in_targets_of_an_axle_are_named() {
     for (text, words) in [
         (
             "characteristic = \"mean_steer\"",
-            "expected over, which of roll, heave, steering_wheel_angle",
+            "expected over = one of roll, heave, steering_wheel_angle",
         ),
         (
             "characteristic = \"mean_steer\", over = \"roll\", roll = 1.0",
-            "not roll",
+            "so roll cannot be held",
         ),
         (
             "characteristic = \"mean_steer\", over = \"rack\"",
@@ -638,7 +638,7 @@ fn mistakes_in_targets_of_an_axle_are_named() {
         ),
         (
             "characteristic = \"track\", side = \"left\", over = \"roll\"",
-            "of the axle as a whole",
+            "belongs to the axle",
         ),
         (
             "characteristic = \"wheel_load\", over = \"roll\"",
@@ -646,7 +646,7 @@ fn mistakes_in_targets_of_an_axle_are_named() {
         ),
         (
             "point = \"wheel_centre\", axis = \"z\", over = \"roll\"",
-            "point is of one wheel",
+            "point is available for one wheel only",
         ),
         (
             "characteristic = \"roll_ster\", over = \"roll\"",
@@ -661,11 +661,11 @@ fn mistakes_in_targets_of_an_axle_are_named() {
     assert!(said.contains("expected motion = \"NAME\""), "{said}");
     let motion = "motions.wheel={ travel = [0.0], heave = 3.0 }";
     let (_, said) = run(&["check", path, "--set", motion], 2);
-    assert!(said.contains("heave is of [motion]"), "{said}");
+    assert!(said.contains("heave belongs in [motion]"), "{said}");
     let corner = study("macpherson_front.toml");
     let over = "optimise.targets=[{ characteristic = \"camber\", over = \"roll\", at = 0.0, value = 0.0, tolerance = 1.0 }]";
     let (_, said) = run(&["check", corner.to_str().unwrap(), "--set", over], 2);
-    assert!(said.contains("over is of an axle"), "{said}");
+    assert!(said.contains("over needs [axle]"), "{said}");
 }
 
 #[test]

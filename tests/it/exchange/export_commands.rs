@@ -162,7 +162,7 @@ fn a_run_has_its_own_curves() {
         0,
     );
     assert!(
-        said.contains("those of the run are called curves_of_solve"),
+        said.contains("the sheet curves_of_solve has the curves of the run"),
         "{said}"
     );
 }

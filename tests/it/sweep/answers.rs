@@ -346,7 +346,7 @@ fn a_sweep_of_which_nothing_is_done_says_so() {
     let none = SweepStatistics::empty(&plan.record);
     let summary = SweepSummary::of(&plan.record, &none);
     let designs = plan.record.designs;
-    let said = format!("none of {designs} designs done yet; --resume goes on");
+    let said = format!("none of {designs} designs done yet; --resume continues");
     assert_eq!(summary.headline(), said);
     assert!(!summary.is_complete());
 }

@@ -200,7 +200,7 @@ fn mistakes_in_the_sweep_are_named() {
     let file = "[sweep]\ndesigns = \"absent.csv\"\n";
     let bench = Bench::new(&(STUDY[..STUDY.find("[sweep]").unwrap()].to_owned() + file));
     let (_, error) = said(&bench.run(&["sweep", "study.toml"]).code(2));
-    let named = ": sweep.designs: cannot read absent.csv: there is no such file";
+    let named = ": sweep.designs: cannot read absent.csv: the file does not exist";
     assert!(
         error.starts_with("error: study, line ") && error.contains(named),
         "{error}"

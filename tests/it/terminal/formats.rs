@@ -21,7 +21,7 @@ const CALLS: [(&str, &str, &[&str], &[&str]); 12] = [
         "optimise",
         "macpherson_front",
         &[],
-        &["misfit", "starts", "targets", "variables"],
+        &["misfit", "side_effects", "starts", "targets", "variables"],
     ),
     (
         "sweep",
@@ -60,7 +60,14 @@ const CALLS: [(&str, &str, &[&str], &[&str]); 12] = [
         "optimise",
         "macpherson_steering",
         &["--set", "optimise.max_iterations=2"],
-        &["constraints", "misfit", "starts", "targets", "variables"],
+        &[
+            "constraints",
+            "misfit",
+            "side_effects",
+            "starts",
+            "targets",
+            "variables",
+        ],
     ),
 ];
 

@@ -119,12 +119,12 @@ pub(super) fn boundaries(
         let mut without: Vec<_> = judged.iter().filter(|j| j.slack < NONE).collect();
         without.dedup_by_key(|j| j.guard);
         let guard = match without[..] {
+            // Corrections are counted, and nothing has a slack.
+            _ if reason == Rejection::NotSettled => "settles",
             [only] => {
                 assert_eq!(only.reason, reason, "{}", only.guard);
                 only.guard
             }
-            // Corrections are counted, and nothing has a slack.
-            [] if reason == Rejection::NotSettled => "settles",
             [] => panic!("line {line}: no guard is at its threshold, but {reason:?}"),
             // Two of one moment: which one rejects is open.
             _ => continue,

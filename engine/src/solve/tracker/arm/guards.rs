@@ -113,35 +113,30 @@ fn judge(
     judged
 }
 
-/// For each guard there is a design that only this guard rejects, and it rejects at its published threshold. Two guards
-/// have none here:
+/// For each of these guards there is a strut that only this guard rejects, at its published threshold. The guards of a step
+/// that find none by these lines are held to their thresholds in `a_step_is_guarded_at_its_thresholds`. A far turn in one
+/// step of a leg has no design:
 ///
-/// - A margin that doubles: margins are largest in ordinary poses and fall towards toggles, so another guard is first
-///   (`a_step_is_guarded_at_its_thresholds` holds it to its threshold).
-/// - A far turn in one step of a leg. Travel: a step is at most 0.02 sizes, and the extrapolated slope is below 3 per
-///   size. With r the slope before and r' the slope of the step, 2 r' - r < 3 and r < 3 give r' < 3, so that the
-///   tangent changes by less than 0.06 < 0.1. Arm's angle: a step of 0.02 rad with a tangent below 0.7 changes it by less than
-///   0.01 (1 + 0.49) < 0.1. Steps of the rack alone could, where the wheel rises 1.7 times as fast as the rack moves.
+/// - Travel: a step is at most 0.02 sizes, and the extrapolated slope is below 3 per size. With r the slope before and r'
+///   the slope of the step, 2 r' - r < 3 and r < 3 give r' < 3, so that the tangent changes by less than 0.06 < 0.1.
+/// - Arm's angle: a step of 0.02 rad with a tangent below 0.7 changes it by less than 0.01 (1 + 0.49) < 0.1.
+/// - A step of the rack alone could, where the wheel rises 1.7 times as fast as the rack moves.
 #[test]
 fn every_guard_rejects_a_design_alone() {
+    let suspension = template("macpherson");
     let mut all: BTreeMap<&str, usize> = BTreeMap::new();
-    for topology in ["macpherson", "double_wishbone"] {
-        let suspension = template(topology);
-        for (drive, lines) in [(Drive::Travel, 400), (Drive::ArmAngle, 150)] {
-            for (guard, count) in boundaries(&suspension, drive, lines, judge) {
-                *all.entry(guard).or_insert(0) += count;
-            }
+    for (drive, lines) in [(Drive::Travel, 400), (Drive::ArmAngle, 150)] {
+        for (guard, count) in boundaries(&suspension, drive, lines, judge) {
+            *all.entry(guard).or_insert(0) += count;
         }
     }
     for guard in [
         "first sine",
         "second sine",
-        "third sine",
         "upper end",
         "steep",
-        "slope halves",
-        "slope doubles",
         "margin halves",
+        "margin doubles",
     ] {
         assert!(
             all.contains_key(guard),

@@ -234,7 +234,8 @@ fn fans(
         output.file(file, &curves.csv())?;
         files.push(*file);
     }
-    let record = Solved::record("tolerance", &designs).map_err(fault)?;
+    let mut record = Solved::record("tolerance", &designs).map_err(fault)?;
+    record.bands = bands(problem.study, problem.tolerance);
     output.record("report.json", &record)?;
     files.push("report.json");
     Ok(files)

@@ -38,6 +38,8 @@ struct Data<'a> {
     natural: BTreeMap<&'a str, &'a str>,
     history: Option<CurveTable>,
     kept_start: Option<usize>,
+    /// Point of the front that is the tuned design.
+    kept_point: Option<usize>,
     /// Targets that are missed by more than their tolerance: column, and by how much and where.
     missed: Vec<(&'a str, String)>,
     /// What moving further buys.
@@ -57,6 +59,9 @@ pub fn page(run: &Run) -> String {
         natural: natural(&run.record),
         history: run.history.as_ref().map(|h| h.thinned(MOST_NUMBERS / 9)),
         kept_start: tuning.and_then(TuningSummary::kept_start),
+        kept_point: tuning
+            .zip(run.record.front.as_ref())
+            .and_then(|(tuning, front)| tuning.kept_point(front)),
         missed: tuning.map_or_else(Vec::new, missed),
         prices: tuning.map_or(&[], |tuning| &tuning.prices),
     };

@@ -198,7 +198,8 @@ fn fans(
         for (_, file, curves) in designs {
             output.file(file, &curves.csv())?;
         }
-        let record = Solved::record("tolerance", designs).map_err(fault)?;
+        let mut record = Solved::record("tolerance", designs).map_err(fault)?;
+        record.bands = bands(problem.study, problem.tolerance);
         output.record("report.json", &record)
     });
     written.map_err(fault)??;

@@ -1,7 +1,7 @@
 //! What a tuning came to.
 
 use super::accuracy::{CertificateSummary, ConditionSummary};
-use super::choices::PriceRecord;
+use super::choices::{FrontPoint, FrontRecord, PriceRecord};
 use super::figure::{as_written, brief, with_decimals};
 use super::fitted::FittedOffset;
 use super::side_effects::side_effects_in_words;
@@ -402,6 +402,19 @@ impl TuningSummary {
     /// Whether some start came to a design.
     pub fn has_design(&self) -> bool {
         self.misfit_after.is_some()
+    }
+
+    /// Number of the point of a front that is the tuned design, to a thousandth of each range; none if there is none.
+    pub(super) fn kept_point(&self, front: &FrontRecord) -> Option<usize> {
+        let is_same = |point: &FrontPoint| {
+            let pairs = self.variables.iter().zip(&point.offsets);
+            let mut pairs = pairs.map(|(variable, at)| (variable.offset, variable.range, *at));
+            point.offsets.len() == self.variables.len()
+                && pairs.all(|(own, [low, high], at)| {
+                    own.is_some_and(|own| (own - at).abs() <= 1e-3 * (high - low))
+                })
+        };
+        front.points.iter().position(is_same)
     }
 
     /// The start whose end was kept.

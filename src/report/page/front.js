@@ -1,6 +1,6 @@
 // The front of an optimisation, where one was asked for, and what moving further buys.
 const front = record.front;
-const frontState = { picked: 0 };
+const frontState = { picked: run.kept_point ?? 0 };
 
 // The study of a point: that of the first one with the lines that differ.
 const studyOf = (point) => {
@@ -15,7 +15,7 @@ const sayPoint = () => {
   byId('front-study').textContent = studyOf(frontState.picked);
   const [first, second] = point.weights;
   const rate = front.wishes.length === 2 && first > 0 && second > 0 ? `; a tolerance less of ${front.wishes[0]} costs ${brief(Number((first / second).toPrecision(3)))} of ${front.wishes[1]}` : '';
-  byId('front-said').textContent = front.wishes.map((name, k) => `${name} ${Number(point.misfits[k].toPrecision(3))}`).join(', ') + rate;
+  byId('front-said').textContent = (frontState.picked === run.kept_point ? 'kept: ' : '') + front.wishes.map((name, k) => `${name} ${Number(point.misfits[k].toPrecision(3))}`).join(', ') + rate;
   const table = byId('front-table');
   table.replaceChildren();
   front.variables.forEach((name, k) => {
@@ -53,6 +53,12 @@ const drawFront = async () => {
       marker: { symbol: 'square-open', size: solid ? 8 : 15, color: c.ink, line: { color: c.ink, width: 1.5 } },
     },
   ];
+  if (run.kept_point !== null) {
+    traces.push({
+      type, mode: 'markers+text', ...place(at(run.kept_point)), hoverinfo: 'skip', text: ['kept'], textposition: 'top right',
+      textfont: { color: c.target }, marker: { symbol: 'circle-open', size: solid ? 9 : 18, color: c.target, line: { color: c.target, width: 2 } },
+    });
+  }
   if (!solid) traces.unshift({ type, mode: 'lines', ...place(amounts.map(broken)), hoverinfo: 'skip', line: { color: c.before, width: 1.2 } });
   const titles = front.wishes.map((name) => ({ title: { text: `misfit of ${plain(name)}` }, rangemode: 'tozero' }));
   const figure = solid
@@ -64,7 +70,7 @@ const drawFront = async () => {
 
 const setUpFront = () => {
   if (!front || !front.points.length) return;
-  front.points.forEach((_, k) => option(byId('front-point'), String(k), String(k + 1)));
+  front.points.forEach((_, k) => option(byId('front-point'), String(k), `${k + 1}${k === run.kept_point ? ', kept' : ''}`));
   const pick = (point) => {
     frontState.picked = point;
     drawFront();

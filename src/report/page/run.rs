@@ -40,6 +40,8 @@ struct Data<'a> {
     natural: BTreeMap<&'a str, &'a str>,
     history: Option<CurveTable>,
     kept_start: Option<usize>,
+    /// Point of the front that is the tuned design.
+    kept_point: Option<usize>,
     /// Targets missed by more than their tolerance: column, largest deviation and its place.
     missed: Vec<(&'a str, String)>,
     /// Misfit against the size of the change.
@@ -59,6 +61,9 @@ pub fn page(run: &Run) -> String {
         natural: natural(&run.record),
         history: run.history.as_ref().map(|h| h.thinned(MOST_NUMBERS / 9)),
         kept_start: tuning.and_then(TuningSummary::kept_start),
+        kept_point: tuning
+            .zip(run.record.front.as_ref())
+            .and_then(|(tuning, front)| tuning.kept_point(front)),
         missed: tuning.map_or_else(Vec::new, missed),
         prices: tuning.map_or(&[], |tuning| &tuning.prices),
     };

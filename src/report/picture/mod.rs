@@ -46,8 +46,8 @@ const STYLE: &str = "text{font:12px system-ui,-apple-system,Segoe UI,Roboto,Helv
 const MOST_NAMED: usize = 5;
 
 /// Looks that few pictures need: colours of more lines than `rack0` to `rack6` have, from one end to the other, and the
-/// dots of outer percentiles.
-const RARE: &str = ".outer{stroke-dasharray:1 4}.shade0{stroke:#b45f06}.shade1{stroke:#9f602c}.shade2{stroke:#8a6052}\
+/// dots of inner percentiles.
+const RARE: &str = ".inner{stroke-dasharray:1 4}.shade0{stroke:#b45f06}.shade1{stroke:#9f602c}.shade2{stroke:#8a6052}\
 .shade3{stroke:#756179}.shade4{stroke:#60619f}.shade5{stroke:#4a62c5}.shade6{stroke:#3549a8}\
 .shade7{stroke:#21308a}.shade8{stroke:#0c176d}";
 
@@ -147,7 +147,7 @@ fn panel(run: &Run, output: &OutputRecord) -> Panel {
                 look: Look {
                     main,
                     hue: several.then(|| Hue::of(number, families.len())),
-                    is_outer: is_outer(design_number, record.designs.len()),
+                    is_inner: is_inner(design_number, record.designs.len()),
                 },
                 points: points(table, family, abscissa, &output.column),
             });
@@ -192,9 +192,9 @@ fn panel(run: &Run, output: &OutputRecord) -> Panel {
     }
 }
 
-/// Whether a design is of the outer of two pairs of percentiles, which stand about the last design in order.
-fn is_outer(design: usize, designs: usize) -> bool {
-    designs == 5 && (design == 0 || design == 3)
+/// Whether a design is of the inner of two pairs of percentiles, which stand about the last design in order.
+fn is_inner(design: usize, designs: usize) -> bool {
+    designs == 5 && (design == 1 || design == 2)
 }
 
 /// Columns of what moves beside the abscissa: the rack of a wheel, of an axle what else it has.

@@ -46,16 +46,16 @@ pub(super) struct Look {
     pub main: bool,
     /// Colour of its family, where there are several.
     pub hue: Option<Hue>,
-    /// Whether it is of the outer of several pairs of designs about the last one.
-    pub is_outer: bool,
+    /// Whether it is of the inner of two pairs of designs about the last one.
+    pub is_inner: bool,
 }
 
 impl Look {
     fn class(self) -> String {
-        let design = match (self.main, self.is_outer) {
+        let design = match (self.main, self.is_inner) {
             (true, _) => "main",
             (false, false) => "former",
-            (false, true) => "former outer",
+            (false, true) => "former inner",
         };
         let hue = self.hue.map(|hue| match hue {
             Hue::Apart(number) => format!(" rack{number}"),
@@ -96,10 +96,10 @@ pub(super) struct Panel {
 }
 
 impl Panel {
-    /// Whether some line has a look that few pictures need: a shade of a scale, or that of an outer pair.
+    /// Whether some line has a look that few pictures need: a shade of a scale, or that of an inner pair.
     pub(super) fn has_rare_looks(&self) -> bool {
         let mut looks = self.lines.iter().map(|line| line.look);
-        looks.any(|look| look.is_outer || matches!(look.hue, Some(Hue::Shade(_))))
+        looks.any(|look| look.is_inner || matches!(look.hue, Some(Hue::Shade(_))))
     }
 
     /// Height that the legend needs beyond the room above the plot.

@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from os import PathLike
-from typing import Any, NoReturn, Self
+from typing import TYPE_CHECKING, Any, NoReturn, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -128,14 +128,16 @@ class Frame(dict[str, Array]):
         import pyarrow
         import pyarrow.parquet
 
-        words: list[Any] = [name for name, values in self.items() if values.dtype.kind not in "fiu"]
+        # Names of columns are taken, too, which the types of pyarrow do not say.
+        words: Any = [name for name, values in self.items() if values.dtype.kind not in "fiu"]
+        numbers: Any = [name for name, values in self.items() if values.dtype.kind == "f"]
         pyarrow.parquet.write_table(
             pyarrow.table(_for_arrow(self)),
             path,
             compression="zstd",
             row_group_size=131_072,
             use_dictionary=words,
-            use_byte_stream_split=[n for n, v in self.items() if v.dtype.kind == "f"],
+            use_byte_stream_split=numbers,
         )
 
     def plot(self, *names: str, ax: Any = None) -> Any:
@@ -200,10 +202,12 @@ class Frame(dict[str, Array]):
     def __reduce__(self) -> tuple[Any, ...]:
         return (_restored, (type(self), dict(self), dict(self.__dict__)))
 
-    def _refuse(self, *_: Any, **__: Any) -> NoReturn:
-        raise TypeError("results cannot be changed; dict(frame) is a copy that can")
+    if not TYPE_CHECKING:
 
-    __setitem__ = __delitem__ = __ior__ = update = pop = popitem = setdefault = clear = _refuse
+        def _refuse(self, *_: Any, **__: Any) -> NoReturn:
+            raise TypeError("results cannot be changed; dict(frame) is a copy that can")
+
+        __setitem__ = __delitem__ = __ior__ = update = pop = popitem = setdefault = clear = _refuse
 
 
 def _restored(cls: type[Frame], columns: dict[str, Array], state: dict[str, Any]) -> Frame:

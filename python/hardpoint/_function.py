@@ -136,7 +136,8 @@ class Residuals:
             k = len(self.variables)
             raise HardpointError(f"x has shape {rows.shape}; expected ({k},), one design")
         key = rows.tobytes()
-        if self._last is None or self._last[0] != key:
+        last = self._last
+        if last is None or last[0] != key:
             if np.isfinite(rows).all():
                 found = self._residuals.value_and_jacobian(rows[0])
             else:
@@ -145,9 +146,11 @@ class Residuals:
                 if self.on_failure == "raise":
                     raise HardpointError(found)
                 m = len(self.rows)
-                found = np.full(m, np.nan), np.full((m, len(self.variables)), np.nan)
-            self._last = (key, *found)
-        return self._last[1].copy(), self._last[2].copy()
+                values, jacobian = np.full(m, np.nan), np.full((m, len(self.variables)), np.nan)
+            else:
+                values, jacobian = found
+            self._last = last = (key, values, jacobian)
+        return last[1].copy(), last[2].copy()
 
     def __call__(self, x: Designs) -> Floats:
         return self.value_and_jacobian(x)[0]

@@ -11,7 +11,7 @@ import subprocess
 import sys
 import threading
 import time
-from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 
 import pytest
 
@@ -133,3 +133,29 @@ def test_dask_with_a_killed_worker_and_a_killed_driver_makes_the_same_bytes(alon
         distributed.sweep(study, run, client.get_executor)
     assert digests(run) == alone
     assert hp.read_run(run)["designs"].rows == SAMPLES
+
+
+def test_an_occupied_directory_is_refused_at_once_with_the_reason(study, tmp_path):
+    small = study.replace({"sweep.samples": 1000})
+    with ThreadPoolExecutor(2) as engine:
+        distributed.sweep(small, tmp_path / "run", engine)
+        with pytest.raises(distributed.Refused, match="part 0 of 1: .*run"):
+            distributed.sweep(small.replace({"sweep.seed": 2}), tmp_path / "run", engine)
+
+
+def test_ctrl_c_ends_the_workers(study, tmp_path):
+    large = study.replace({"sweep.samples": 20_000_000})
+    engines = []
+
+    def engine():
+        engines.append(ProcessPoolExecutor(2, mp_context=multiprocessing.get_context("spawn")))
+        return engines[-1]
+
+    timer = threading.Timer(6.0, os.kill, (os.getpid(), signal.SIGINT))
+    timer.start()
+    with pytest.raises(KeyboardInterrupt):
+        distributed.sweep(large, tmp_path / "run", engine)
+    timer.join()
+    before = len(list((tmp_path / "run").glob("part-*.csv"))) if (tmp_path / "run").is_dir() else 0
+    time.sleep(3.0)
+    assert len(list((tmp_path / "run").glob("part-*.csv"))) == before if before else True

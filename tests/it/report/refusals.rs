@@ -25,7 +25,7 @@ fn a_directory_that_is_not_a_run_is_refused() {
     fs::write(&file, "{\"form\": 1}").unwrap();
     refused(
         hardpoint(&["report"]).arg(directory.path()),
-        "not as `hardpoint` writes it",
+        "not in the format of `hardpoint`",
     );
     fs::write(&file, "{\"form\": 99, \"version\": \"9.9\"}").unwrap();
     refused(

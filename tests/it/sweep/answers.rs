@@ -310,7 +310,7 @@ fn what_fails_is_counted_and_left_empty() {
     assert!((counted..=300).contains(&one_by_one), "{one_by_one}");
     assert_eq!(reasons[0]["examples"][0], failed[0]);
     assert!(
-        text.contains("unreachable") && text.contains("because"),
+        text.contains("unreachable") && text.contains("reason"),
         "{text}"
     );
     let curves = Table::read(&bench.path("run/curves.csv"));

@@ -169,6 +169,12 @@ def test_tuning_of_an_axle_is_that_of_the_program(name, tmp_path):
     run, tuned = hp.read_run(tmp_path / "run"), hp.optimise(study)
     assert run.tuned.text == tuned.study.text
     assert run.summary["misfit_after"] == tuned.misfit <= tuned.before
+    effects = run.summary["side_effects"]
+    assert len(effects) == len(tuned.side_effects) > 0
+    for found, written in zip(tuned.side_effects, effects, strict=True):
+        for key in ("output", "unit", "before_min", "after_max", "largest_change", "wheel", "tolerance", "flagged", "lost"):
+            assert getattr(found, key) == written[key]
+        assert found.at == {f"{c['name']}_{c['unit']}": c["value"] for c in written["at"]}
     # The function that is minimised, with its derivatives.
     r = study.residuals()
     x = 0.05 * np.ptp(r.bounds, axis=1)

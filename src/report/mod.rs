@@ -8,6 +8,7 @@ mod accuracy;
 mod accuracy_plot;
 mod axle;
 mod axle_record;
+mod bands;
 mod benchmarks;
 mod choices;
 mod comparison;
@@ -44,6 +45,7 @@ pub use axle::{
     axle_sensitivities_csv,
 };
 pub use axle_record::SolvedAxle;
+pub use bands::BandRecord;
 pub use benchmarks::{accuracy_picture, accuracy_table, effects_table, throughput_table};
 pub use choices::{FrontPoint, FrontRecord, PriceRecord, front_csv, front_remarks, front_table};
 pub use comparison::{Compared, ComparedOutput, Comparison, NamedPoints};
@@ -74,9 +76,7 @@ pub use sweep::{
 };
 pub use table::{Cell, Column, Format, Table, Tables};
 pub use text::{counted, is_printable, printable, wrapped};
-pub use tolerance_summary::{
-    BandRecord, RankingRecord, RejectRecord, ToleranceSummary, ValueRecord, rejected,
-};
+pub use tolerance_summary::{RankingRecord, RejectRecord, ToleranceSummary, ValueRecord, rejected};
 pub use tuning_summary::TuningSummary;
 pub use yields::YieldRecord;
 

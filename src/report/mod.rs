@@ -7,6 +7,7 @@ mod abscissa;
 mod accuracy;
 mod accuracy_plot;
 mod axle_record;
+mod bands;
 mod benchmarks;
 mod choices;
 mod comparison;
@@ -41,6 +42,7 @@ mod yields;
 pub use crate::curves::Influence;
 pub use accuracy::remarks;
 pub use axle_record::SolvedAxle;
+pub use bands::BandRecord;
 pub use benchmarks::{accuracy_picture, accuracy_table, effects_table, throughput_table};
 pub use choices::{FrontPoint, FrontRecord, PriceRecord, front_csv, front_remarks, front_table};
 pub use comparison::{Compared, ComparedOutput, Comparison, NamedPoints};
@@ -77,9 +79,7 @@ pub use sweep::{
 };
 pub use table::{Cell, Column, Format, Table, Tables};
 pub use text::{counted, is_printable, printable, wrapped};
-pub use tolerance_summary::{
-    BandRecord, RankingRecord, RejectRecord, ToleranceSummary, ValueRecord, rejected,
-};
+pub use tolerance_summary::{RankingRecord, RejectRecord, ToleranceSummary, ValueRecord, rejected};
 pub use tuning_summary::TuningSummary;
 pub use yields::YieldRecord;
 

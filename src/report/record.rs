@@ -1,11 +1,11 @@
 //! `report.json`: data of the report that no other file of the run has.
 
 use super::accuracy::remarks;
+use super::bands::limits_of;
 use super::choices::FrontRecord;
 use super::failures::FailureRange;
 use super::places::Places;
 use super::scene::Scene;
-use super::tolerance_summary::limits_of;
 use crate::curves::{Column, Curves, Frame, Influence};
 use crate::plan::Plan;
 use crate::study::{Band, Drive, Site, Study, Target, Wanted};

@@ -1,5 +1,6 @@
 //! The results of scatter, in tables and files.
 
+use super::bands::{BandRecord, in_words, limits_of};
 use super::files::csv_of_rows;
 use super::given_columns::GivenColumns;
 use super::table::{Cell, Column, Table};
@@ -7,7 +8,7 @@ use super::text::counted;
 use super::{brief, optional, shortest};
 use crate::assembly::Reject;
 use crate::model::{Axis, Side};
-use crate::study::{AxleStudy, Band};
+use crate::study::AxleStudy;
 use crate::tolerance::{Expansion, HOLDS, MonteCarlo, PERCENTILES, Problem, Yields};
 use serde::{Deserialize, Serialize};
 
@@ -106,72 +107,6 @@ pub struct ValueRecord {
     at_rest: bool,
     /// Unit of the values.
     unit: String,
-}
-
-/// A band.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct BandRecord {
-    /// The band in words.
-    pub band: String,
-    /// The share of builds in it.
-    pub kept: f64,
-    /// The share of builds in it by the first-order answer.
-    pub kept_linear: f64,
-    /// Column it is about.
-    #[serde(default)]
-    pub output: String,
-    /// Position of the motion at which it holds; none if everywhere.
-    #[serde(default)]
-    pub at: Option<f64>,
-    /// For an axle: column of the number that `at` is a value of.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub over: Option<String>,
-    /// Lowest and highest value, in the column's unit; none where there is no limit.
-    #[serde(default)]
-    pub low: Option<f64>,
-    #[serde(default)]
-    pub high: Option<f64>,
-}
-
-impl BandRecord {
-    /// The value that the band is about; of several the one whose 1 % and 99 % leave the least margin to a limit.
-    pub fn worst_value<'v>(&self, values: &'v [ValueRecord]) -> Option<&'v ValueRecord> {
-        if self.over.is_some() {
-            return None;
-        }
-        let is_at = |value: &&ValueRecord| match (self.at, value.travel) {
-            (Some(at), Some(travel)) => (at - travel).abs() <= 1e-9 * at.abs().max(1.0),
-            (at, _) => at.is_none(),
-        };
-        let own = values
-            .iter()
-            .filter(|v| v.output == self.output)
-            .filter(is_at);
-        let margin = |value: &ValueRecord| {
-            let below = self.low.zip(value.percentiles[1]).map(|(low, p)| p - low);
-            let above = self
-                .high
-                .zip(value.percentiles[5])
-                .map(|(high, p)| high - p);
-            let margins = below.into_iter().chain(above);
-            margins.fold(f64::INFINITY, f64::min)
-        };
-        own.min_by(|a, b| margin(a).total_cmp(&margin(b)))
-    }
-}
-
-/// Lowest and highest value of a band as printed; none where there is no limit.
-pub(super) fn limits_of(band: &Band) -> [Option<f64>; 2] {
-    let printed = |v: &f64| {
-        // A limit is shown as it was written, not with the digits that degrees lose on the way to radians.
-        let printed = v * band.of.factor();
-        printed.is_finite().then(|| (printed * 1e9).round() / 1e9)
-    };
-    let [low, high] = [&band.between[0], &band.between[1]].map(printed);
-    match band.of.factor() < 0.0 {
-        true => [high, low],
-        false => [low, high],
-    }
 }
 
 /// Effect of a contributor on the yield.
@@ -525,29 +460,6 @@ pub(super) fn percent(share: f64) -> String {
         s if s < 1.0 && s > 0.9999 => "99.99 %".to_owned(),
         s if s.abs() < 5e-5 => "0 %".to_owned(),
         s => format!("{} %", brief((s * 1e4).round() / 1e2)),
-    }
-}
-
-/// A band as it was written.
-pub(super) fn in_words(band: &Band) -> String {
-    let column = &band.of.column;
-    let [low, high] = band.between.map(|v| {
-        let printed = v * band.of.factor();
-        // A limit is shown as it was written, not with what degrees lose on the way to radians.
-        (printed * 1e9).round() / 1e9
-    });
-    let wanted = match (low.is_finite(), high.is_finite()) {
-        (true, true) => format!("{} to {}", shortest(low), shortest(high)),
-        (true, false) => format!("at least {}", shortest(low)),
-        _ => format!("at most {}", shortest(high)),
-    };
-    let held = band.site.as_ref().map_or("", |site| &site.words);
-    let over = band.site.as_ref().map(|site| site.over.key());
-    match (band.at, over) {
-        (Some(at), None) => format!("{column} at {}: {wanted}", shortest(at)),
-        (Some(at), Some(over)) => format!("{column} at {over} {}{held}: {wanted}", shortest(at)),
-        (None, Some(over)) => format!("{column} over {over}{held}: {wanted}"),
-        (None, None) => format!("{column}: {wanted}"),
     }
 }
 

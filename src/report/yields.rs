@@ -1,8 +1,9 @@
 //! Shares of builds within the bands, before and after a robust tuning.
 
+use super::bands::in_words;
 use super::table::{Cell, Column, Table};
 use super::text::counted;
-use super::tolerance_summary::{in_words, percent};
+use super::tolerance_summary::percent;
 use crate::study::Tolerance;
 use crate::tolerance::MonteCarlo;
 use serde::{Deserialize, Serialize};

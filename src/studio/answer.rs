@@ -82,22 +82,7 @@ pub(super) fn solved(opened: &Opened, request: &SolveRequest) -> Result<SolvedAn
             "{drawn} of {all} stations are drawn, evenly chosen, and without loads; `hardpoint solve` has all"
         ));
     }
-    let along = plan.station_order.values().len().max(1);
-    let stations = found.stations.len();
-    let drives = || found.along(plan.drive.key());
-    let (groups, drive) = if request.over == 0 || plan.time.is_some() {
-        let groups = Groups::by_rack(&plan.racks, stations, along, rack);
-        (groups, drives().collect())
-    } else {
-        let rack_of = |station: usize| plan.racks[station / along];
-        // Stations without a pose have no drive: they are in a group that is not drawn.
-        let place = |(station, drive): (usize, Option<f64>)| {
-            vec![drive.unwrap_or(f64::NAN), rack_of(station)]
-        };
-        let places: Vec<Vec<f64>> = drives().enumerate().map(place).collect();
-        let racks = (0..stations).map(|station| Some(rack_of(station)));
-        (Groups::of(&places, 1, &request.at), racks.collect())
-    };
+    let (groups, drive) = grouped(&found, &plan, request);
     Ok(SolvedAnswer {
         columns: columns(&found),
         drive,
@@ -117,6 +102,24 @@ pub(super) fn solved(opened: &Opened, request: &SolveRequest) -> Result<SolvedAn
         remarks: said,
         milliseconds: start.elapsed().as_secs_f64() * 1e3,
     })
+}
+
+/// Stations in groups, and of each the value that curves are drawn over.
+fn grouped(found: &Curves, plan: &Plan, request: &SolveRequest) -> (Groups, Vec<Option<f64>>) {
+    let along = plan.station_order.values().len().max(1);
+    let stations = found.stations.len();
+    let drives = found.along(plan.drive.key());
+    if request.over == 0 || plan.time.is_some() {
+        let groups = Groups::by_rack(&plan.racks, stations, along, request.at[1]);
+        return (groups, drives.collect());
+    }
+    let rack_of = |station: usize| plan.racks[station / along];
+    // Stations without a pose have no drive: they are in a group that is not drawn.
+    let place =
+        |(station, drive): (usize, Option<f64>)| vec![drive.unwrap_or(f64::NAN), rack_of(station)];
+    let places: Vec<Vec<f64>> = drives.enumerate().map(place).collect();
+    let racks = (0..stations).map(|station| Some(rack_of(station)));
+    (Groups::of(&places, 1, &request.at), racks.collect())
 }
 
 /// `curves.csv` of a design, as `hardpoint solve` writes it.

@@ -1,8 +1,9 @@
 //! Pictures of how values scatter in their bands, and of what each contributor is worth: SVG in the page.
 
 use super::escape::html;
+use crate::report::bands::BandRecord;
 use crate::report::figure::brief;
-use crate::report::tolerance_summary::{BandRecord, RankingRecord, ToleranceSummary, ValueRecord};
+use crate::report::tolerance_summary::{RankingRecord, ToleranceSummary, ValueRecord};
 use std::fmt::Write;
 
 /// Width of a picture; of its names; of the numbers at its right end.

@@ -5,7 +5,6 @@ mod cad;
 mod commands;
 mod export_commands;
 mod exports;
-mod figures;
 mod formats;
 mod hostile;
 mod other_tools;

@@ -378,7 +378,9 @@ fn every_reader_gets_the_same_side_effects_or_none() {
     }
 
     let off = ["--set", "optimise.side_effects=false"];
-    let arguments = ["optimise", study, "--out", to, "--format", "json"];
+    let arguments = [
+        "optimise", study, "--out", to, "--force", "--format", "json",
+    ];
     let printed = run(&[&arguments[..], &off].concat());
     let tables: Value = serde_json::from_slice(&printed.stdout).unwrap();
     assert!(tables.get("side_effects").is_none());

@@ -144,7 +144,8 @@ impl<T: Scalar> Law<T> {
     }
 
     /// The deflection of the unloaded part in the design position.
-    pub(super) fn preload_deflection(&self) -> T {
+    #[cfg(test)]
+    fn preload_deflection(&self) -> T {
         self.deflection
     }
 

@@ -11,6 +11,7 @@ mod algebra;
 mod build;
 mod bushing;
 mod definition;
+mod kc;
 mod law;
 mod limb;
 mod loads;
@@ -27,6 +28,9 @@ mod wheel;
 pub use definition::{
     AxialStiffness, BushingPart, Compliance, LinkMember, LinkPart, Relaxed, bushing_points,
     link_members,
+};
+pub use kc::{
+    KcFigure, KcLevel, KcOutcome, KcRun, KcState, KcStation, KcTest, KcUnit, TestLoad, TestPlace,
 };
 pub use law::Shape;
 pub use loads::WheelLoads;

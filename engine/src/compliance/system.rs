@@ -144,13 +144,6 @@ pub(super) struct Held<T> {
 }
 
 impl<T: Scalar> Held<T> {
-    pub(super) fn nothing(like: T) -> Self {
-        Held {
-            carrier: [like.zero(); 6],
-            limbs: [[like.zero(); 7]; MOST_LIMBS],
-        }
-    }
-
     /// A share of these forces.
     pub(super) fn share(&self, share: T) -> Self {
         Held {

@@ -63,8 +63,6 @@ pub enum ElasticFault {
     },
     /// The spring has no leverage on the wheel, or there is none.
     NoLeverage,
-    /// The design position is no stable equilibrium.
-    NoStart(NoEquilibrium),
 }
 
 /// A motion of a part.
@@ -288,6 +286,24 @@ impl ElasticWheel {
         self.solved(&state, &start, &to, None)
     }
 
+    /// The equilibrium under loads beside those of a station, from a neighbour of it. What is held is the station's
+    /// height or wheel load.
+    pub fn loaded_about(
+        &self,
+        station: &Equilibrium,
+        from: &Equilibrium,
+        loads: &WheelLoads,
+        held: HeldQuantity,
+    ) -> Result<Equilibrium, NoEquilibrium> {
+        let (_, base) = self.held_as(station, held);
+        let (state, mut task) = self.held_as(from, held);
+        task.loads.trail = loads.trail;
+        let mut to = base;
+        to.loads = base.loads.plus(loads, 1.0);
+        to.loads.trail = loads.trail;
+        self.solved(&state, &task, &to, None)
+    }
+
     /// An equilibrium as one in which another quantity is held.
     pub(super) fn held_as(
         &self,
@@ -333,12 +349,11 @@ impl ElasticWheel {
         change: &Change,
         held: HeldQuantity,
     ) -> Option<(State<f64>, Step<f64>)> {
-        let (state, mut task) = self.held_as(at, held);
+        let (state, task) = self.held_as(at, held);
         let mut right = [0.0; MOST];
         let system = &self.built.system;
         match change {
             Change::Load(loads) => {
-                task.loads.trail = loads.trail;
                 let by_load = system.wheel.wrench(&state.carrier, loads).to_array();
                 right[..6].copy_from_slice(&by_load);
                 let solution = Solution {

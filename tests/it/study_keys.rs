@@ -45,11 +45,7 @@ const TABLES: &[(&str, &str, &str)] = &[
     ),
     ("tyre", "[tyre]", "[tyre]\nbogus = 1"),
     ("compliance", "[compliance]", "[compliance]\nbogus = 1"),
-    (
-        "compliance.tests",
-        "tests = []",
-        "tests = [{ bogus = 1 }]",
-    ),
+    ("compliance.tests", "tests = []", "tests = [{ bogus = 1 }]"),
     (
         "bushings.NAME",
         "[motion]",

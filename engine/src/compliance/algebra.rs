@@ -230,7 +230,13 @@ impl<T: Scalar> Logarithm<T> {
 pub(super) fn angle_by_sine<T: Scalar>(squared: T, cosine: T) -> T {
     if squared.value() < SMALL_SINE_SQUARED && cosine.value() > 0.0 {
         // asin(s)/s
-        let coefficients = [63.0 / 2816.0, 35.0 / 1152.0, 5.0 / 112.0, 3.0 / 40.0, 1.0 / 6.0];
+        let coefficients = [
+            63.0 / 2816.0,
+            35.0 / 1152.0,
+            5.0 / 112.0,
+            3.0 / 40.0,
+            1.0 / 6.0,
+        ];
         let mut sum = squared.lit(231.0 / 13312.0);
         for coefficient in coefficients {
             sum = sum * squared + squared.lit(coefficient);
@@ -270,10 +276,15 @@ mod tests {
             let axis = Vector3::new(2.0, -1.0, 2.0) * (1.0 / 3.0);
             // Two turns by Cayley's vector make the angle.
             let step = axis * (4.0 * (angle / 4.0_f64).tan());
-            let body = Placed::design(0.0).moved(axis.zero(), step).moved(axis.zero(), step);
+            let body = Placed::design(0.0)
+                .moved(axis.zero(), step)
+                .moved(axis.zero(), step);
             let found = Logarithm::of(&body.turn).vector;
             let error = (found - axis * angle).norm();
-            assert!(error < 8.0 * f64::EPSILON * angle.max(1.0) / (1.0 + angle.cos()).min(1.0), "{angle}: {error:e}");
+            assert!(
+                error < 8.0 * f64::EPSILON * angle.max(1.0) / (1.0 + angle.cos()).min(1.0),
+                "{angle}: {error:e}"
+            );
         }
     }
 }

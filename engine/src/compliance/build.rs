@@ -189,7 +189,8 @@ impl<T: Scalar> Builder<'_, T> {
             let name = name
                 .filter(|(_, body)| matches!(body, Body::Arm(id) if id.0 == k))
                 .map(|(name, _)| (*name).to_owned());
-            self.names.push(name.last().unwrap_or_else(|| "arm".to_owned()));
+            self.names
+                .push(name.last().unwrap_or_else(|| "arm".to_owned()));
             limbs[k] = Some(limb);
         }
         limbs
@@ -350,8 +351,7 @@ impl<T: Scalar> Builder<'_, T> {
             let lever = self.on_carrier(id);
             match number {
                 Some(number) => {
-                    self.bushings[number] =
-                        Some(BushingPlace::Carrier(self.system.bushings.len()));
+                    self.bushings[number] = Some(BushingPlace::Carrier(self.system.bushings.len()));
                     let bushing = self.bushing(number, self.axes(number, along));
                     self.system.bushings.push(CarrierBushing { lever, bushing });
                 }
@@ -375,7 +375,11 @@ impl<T: Scalar> Builder<'_, T> {
         let (Some(spring), Some(law)) = (self.mechanism.spring, &self.compliance.spring) else {
             return;
         };
-        let in_strut = self.system.limbs.iter().any(|l| matches!(l, Limb::Mount(_)));
+        let in_strut = self
+            .system
+            .limbs
+            .iter()
+            .any(|l| matches!(l, Limb::Mount(_)));
         if in_strut && self.mechanism.body(spring.upper) == Body::Chassis {
             return;
         }
@@ -440,10 +444,7 @@ impl<T: Scalar> Builder<'_, T> {
             joint: self.on_carrier(arm.outer),
             axis,
             radius,
-            place: [
-                radial.dot(from_axis),
-                axis.cross(radial).dot(from_axis),
-            ],
+            place: [radial.dot(from_axis), axis.cross(radial).dot(from_axis)],
             seat,
         }));
         self.names.push("spring".to_owned());
@@ -472,4 +473,3 @@ fn normals<T: Scalar>(v: Vector3<T>) -> [Vector3<T>; 2] {
     let first = v.cross(least).normalised();
     [first, v.cross(first).normalised()]
 }
-

@@ -112,11 +112,12 @@ impl<T: Scalar> Bushing<T> {
 
     #[inline(always)]
     fn forces(&self, d: Vector3<T>) -> (Vector3<T>, Vector3<T>) {
-        let [x, y, z] = [self.laws[0].at(d.x), self.laws[1].at(d.y), self.laws[2].at(d.z)];
-        (
-            Vector3::new(x.0, y.0, z.0),
-            Vector3::new(x.1, y.1, z.1),
-        )
+        let [x, y, z] = [
+            self.laws[0].at(d.x),
+            self.laws[1].at(d.y),
+            self.laws[2].at(d.z),
+        ];
+        (Vector3::new(x.0, y.0, z.0), Vector3::new(x.1, y.1, z.1))
     }
 
     #[inline(always)]
@@ -126,10 +127,7 @@ impl<T: Scalar> Bushing<T> {
             self.laws[4].at(phi.y),
             self.laws[5].at(phi.z),
         ];
-        (
-            Vector3::new(x.0, y.0, z.0),
-            Vector3::new(x.1, y.1, z.1),
-        )
+        (Vector3::new(x.0, y.0, z.0), Vector3::new(x.1, y.1, z.1))
     }
 
     /// Forces and tangents. `e` in the axes of the vehicle; `body` has R_i, and is `None` for a body at rest.
@@ -240,7 +238,9 @@ mod tests {
                 let w = Dual::<f64, 3>::inputs(w);
                 let like = w.x;
                 let turn = axis.map(|c| like.lit(2.0 * c * (0.5_f64 * angle).tan()));
-                let body = Placed::design(like).moved(w.zero(), turn).moved(w.zero(), w);
+                let body = Placed::design(like)
+                    .moved(w.zero(), turn)
+                    .moved(w.zero(), w);
                 let e = v.map(|c| like.lit(c));
                 bushing(like).force(e, &body.turn, None)
             };
@@ -249,7 +249,10 @@ mod tests {
                 for column in 0..3 {
                     let expected = found.moment.to_array()[row].partials[column];
                     let tangent = found.by_turn.entry(row, column).value;
-                    assert!((tangent - expected).abs() < 1e-9 * 3e5, "{angle} {tangent} {expected}");
+                    assert!(
+                        (tangent - expected).abs() < 1e-9 * 3e5,
+                        "{angle} {tangent} {expected}"
+                    );
                 }
             }
             // N - N' = -M^ of a gradient by turns about fixed axes.

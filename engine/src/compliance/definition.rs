@@ -166,10 +166,13 @@ pub fn link_members(mechanism: &Mechanism) -> Vec<(String, LinkMember)> {
             members.push((name, LinkMember::Rod { inner, outer }));
         }
     }
-    if let Some(rocker) = mechanism.spring.and_then(|s| match mechanism.body(s.lower) {
-        Body::Rocker(rocker) => Some(rocker),
-        _ => None,
-    }) {
+    if let Some(rocker) = mechanism
+        .spring
+        .and_then(|s| match mechanism.body(s.lower) {
+            Body::Rocker(rocker) => Some(rocker),
+            _ => None,
+        })
+    {
         let name = mechanism.rocker(rocker).rod.to_string().replace(' ', "_");
         members.push((name, LinkMember::RockerRod(rocker)));
     }

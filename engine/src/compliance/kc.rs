@@ -114,7 +114,11 @@ impl KcTest {
     /// whose jacking the mechanism has.
     pub fn defaults(is_rigid: bool, has_spring: bool, length: LengthUnit) -> Vec<KcTest> {
         let test = |load| KcTest::new(load, length);
-        let mut tests = vec![test(TestLoad::Heave), test(TestLoad::Steering), test(TestLoad::Lateral)];
+        let mut tests = vec![
+            test(TestLoad::Heave),
+            test(TestLoad::Steering),
+            test(TestLoad::Lateral),
+        ];
         if is_rigid {
             tests.push(test(TestLoad::Braking));
             tests.iter_mut().for_each(|test| test.levels = 0);
@@ -276,7 +280,10 @@ impl<'a> KcRun<'a> {
         KcStation {
             travel,
             rack,
-            tests: tests.iter().map(|test| (*test, self.load(test).1)).collect(),
+            tests: tests
+                .iter()
+                .map(|test| (*test, self.load(test).1))
+                .collect(),
             outcomes: at.map(|at| tests.iter().map(|test| self.outcome(&at, test)).collect()),
             matrix,
         }
@@ -365,7 +372,9 @@ impl<'a> KcRun<'a> {
         let millimetre = per_metre / 1000.0;
         let kilo = |value: f64| value * 1000.0;
         let angle = |f: fn(&WheelFigures) -> f64| by.map(|by| f(by).to_degrees());
-        let caster = by.and_then(|by| by.steering).map(|[caster, _]| caster.to_degrees());
+        let caster = by
+            .and_then(|by| by.steering)
+            .map(|[caster, _]| caster.to_degrees());
         let stiffness = |displacement: Option<f64>| {
             let per_millimetre = displacement.map(|d| d / millimetre);
             let stiff = per_millimetre.filter(|d| d.abs() > LEAST_COMPLIANCE / 1000.0);
@@ -409,7 +418,11 @@ impl<'a> KcRun<'a> {
                     Side::Left => -1.0,
                     Side::Right => 1.0,
                 };
-                found.push(("steer_by_rack", AnglePerLength, toe.map(|toe| toe * to_left * along)));
+                found.push((
+                    "steer_by_rack",
+                    AnglePerLength,
+                    toe.map(|toe| toe * to_left * along),
+                ));
                 if has_axis {
                     let caster = caster.map(|caster| caster * along);
                     found.push(("caster_by_rack", AnglePerLength, caster));
@@ -471,7 +484,11 @@ impl<'a> KcRun<'a> {
                         true => rearward,
                         false => rearward.map(|d| -d),
                     };
-                    found.push(("longitudinal_stiffness_wheel_centre", Rate, stiffness(along)));
+                    found.push((
+                        "longitudinal_stiffness_wheel_centre",
+                        Rate,
+                        stiffness(along),
+                    ));
                 }
                 if holds_height && is_braking {
                     found.push(("jacking_by_braking", Ratio, vertical));
@@ -547,12 +564,7 @@ impl<'a> KcRun<'a> {
         low
     }
 
-    fn level(
-        &self,
-        level: i64,
-        load: f64,
-        at: &Result<Equilibrium, NoEquilibrium>,
-    ) -> KcLevel {
+    fn level(&self, level: i64, load: f64, at: &Result<Equilibrium, NoEquilibrium>) -> KcLevel {
         let state = at.as_ref().map_err(Clone::clone).map(|at| KcState {
             figures: self.wheel.figures(at),
             wheel_load: self.wheel.wheel_load(at),
@@ -568,7 +580,11 @@ impl<'a> KcRun<'a> {
         let frame = self.suspension.frame;
         let signs: [f64; 6] = std::array::from_fn(|k| {
             let axis = Axis::ALL[k % 3];
-            if k < 3 { frame.sign(axis) } else { frame.turn_sign(axis) }
+            if k < 3 {
+                frame.sign(axis)
+            } else {
+                frame.turn_sign(axis)
+            }
         });
         let mut matrix = [[0.0; 6]; 6];
         for column in 0..6 {
@@ -580,9 +596,7 @@ impl<'a> KcRun<'a> {
             } else {
                 load.moment = unit;
             }
-            let [shift, turn] = self
-                .wheel
-                .twist_by(at, &load, HeldQuantity::WheelLoad)?;
+            let [shift, turn] = self.wheel.twist_by(at, &load, HeldQuantity::WheelLoad)?;
             let twist = shift.to_array().into_iter().chain(turn.to_array());
             for (row, value) in twist.enumerate() {
                 let value = value * signs[row] * signs[column];

@@ -36,6 +36,13 @@ pub enum Shape<T = f64> {
     },
 }
 
+impl Shape {
+    /// Slope without deflection, and before any force at a design load.
+    pub fn initial_rate(&self) -> f64 {
+        self.slope(0.0)
+    }
+}
+
 impl<T: Scalar> Shape<T> {
     /// Force and its slope at a deflection.
     #[inline(always)]

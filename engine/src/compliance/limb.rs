@@ -418,7 +418,9 @@ impl<T: Scalar> Swinging<T> {
         }
         moment = moment + torque;
         by_turn = by_turn.plus(&torque_by_turn);
-        if at.balance_only && let Some(spin) = self.spin {
+        if at.balance_only
+            && let Some(spin) = self.spin
+        {
             by_turn.add_product(spin, spin, like.one());
         }
         let lever = at.carrier.lever(self.joint);
@@ -559,9 +561,10 @@ impl<T: Scalar> Floating<T> {
         state: &LimbState<T>,
     ) -> [Option<BushingState<T>>; 2] {
         let own = self.placed(at, state);
-        let inner = self.inner.as_ref().map(|bushing| {
-            bushing.state(own.shift - at.ground(self.on_rack), &own.turn)
-        });
+        let inner = self
+            .inner
+            .as_ref()
+            .map(|bushing| bushing.state(own.shift - at.ground(self.on_rack), &own.turn));
         let (e, turn) = self.at_carrier(at, &own);
         let in_carrier = at.carrier.rotation().apply_transposed(e);
         [inner, Some(self.outer.state(in_carrier, &turn))]
@@ -590,7 +593,10 @@ impl<T: Scalar> Floating<T> {
         let k_arm = k.times_cross(arm).negated();
         let mut own_rows = [[Matrix3::null(like); 2]; 2];
         own_rows[0] = [k, k_arm];
-        let ww = k_arm.crossed_by(arm).plus(&cross_matrix(arm).crossed_by(f)).plus(&n);
+        let ww = k_arm
+            .crossed_by(arm)
+            .plus(&cross_matrix(arm).crossed_by(f))
+            .plus(&n);
         own_rows[1] = [k.crossed_by(arm), ww];
         let mut forces = [f, arm.cross(f) + outer.moment];
         let by_carrier = [

@@ -138,7 +138,12 @@ impl<T: Scalar> WheelPart<T> {
         };
         let loads = loads.map(Dual::constant);
         let axis = follows(carrier.lever(self.spin_axis));
-        let found = wrench(&loads, axis, follows(carrier.lever(self.centre)), self.radius);
+        let found = wrench(
+            &loads,
+            axis,
+            follows(carrier.lever(self.centre)),
+            self.radius,
+        );
         let force = found.force.map(|c| -c.value);
         let moment = found.moment.to_array();
         let by_turn = |k: usize| Vector3::from(moment.map(|c| -c.partials[k]));

@@ -158,8 +158,9 @@ impl<T: Scalar> Mount<T> {
         }
         let (length, slope, bend) = self.spring_length(state.slide);
         let spring = self.spring.as_ref();
-        let (push, rate) =
-            spring.map_or((like.zero(), like.zero()), |law| law.at(length, self.spring_line.norm()));
+        let (push, rate) = spring.map_or((like.zero(), like.zero()), |law| {
+            law.at(length, self.spring_line.norm())
+        });
         let turned = stiffness.apply(along);
         let moment = along.dot(force) - push * slope - held[0];
         let mut own = along.dot(turned);
@@ -167,7 +168,9 @@ impl<T: Scalar> Mount<T> {
             own = own + rate * slope * slope - push * bend;
         }
         let twisted = along.cross(force) + lever.cross(turned);
-        let by = [turned.x, turned.y, turned.z, twisted.x, twisted.y, twisted.z];
+        let by = [
+            turned.x, turned.y, turned.z, twisted.x, twisted.y, twisted.z,
+        ];
         let inverse = own.one() / own;
         let mut followers = Followers::of_one(like);
         for i in 0..6 {
@@ -386,7 +389,10 @@ impl<T: Scalar> Joint<T> {
                 let point =
                     PointForce::along(line.direction, force, force.zero(), line.inverse_length);
                 sum.add_point(lever, &point);
-                (line.stretch, row(line.direction, lever.cross(line.direction)))
+                (
+                    line.stretch,
+                    row(line.direction, lever.cross(line.direction)),
+                )
             }
             Joint::Line { normal, top } => {
                 let moved = at.carrier.displacement(*top);

@@ -270,9 +270,7 @@ impl<T: Scalar> Seat<T> {
             }
             Some(rocker) => match rocker.rod {
                 None => plain(self.through_rigid_rod(rocker, displacement, balance_only)),
-                Some(rod) => {
-                    self.through_rod(rocker, rod, displacement, slide, held, balance_only)
-                }
+                Some(rod) => self.through_rod(rocker, rod, displacement, slide, held, balance_only),
             },
         }
     }
@@ -336,9 +334,8 @@ impl<T: Scalar> Seat<T> {
             moment = -(force * lever);
         } else {
             let bent = (by.norm_squared() - lever * lever) / length + along.dot(second);
-            slope = slope + spring_rate * lever * lever
-                - force * bent
-                - point.force.dot(end_second);
+            slope =
+                slope + spring_rate * lever * lever - force * bent - point.force.dot(end_second);
         }
         let inverse = slope.one() / slope;
         let mut stiffness = point.stiffness;

@@ -108,9 +108,7 @@ impl<T: Scalar> Built<T> {
         match place {
             BushingPlace::Carrier(part) => at(self.system.bushings[part].lever),
             BushingPlace::Mount(limb) => match &self.system.limbs[limb] {
-                Limb::Mount(mount) => {
-                    at(mount.top) + mount.along * step.limbs[limb].inner[0]
-                }
+                Limb::Mount(mount) => at(mount.top) + mount.along * step.limbs[limb].inner[0],
                 _ => at(self.system.wheel.centre.zero()),
             },
             BushingPlace::Limb { limb, end } => {
@@ -156,13 +154,13 @@ impl<T: Scalar> Built<T> {
             let (moved, seat) = match limb {
                 Limb::Swinging(arm) => {
                     let joint = carrier_shift(step, arm.joint);
-                    let Some((lever, seat)) = &mut arm.seat else { continue };
+                    let Some((lever, seat)) = &mut arm.seat else {
+                        continue;
+                    };
                     (joint + Vector3::new(a, b, c).cross(*lever), seat)
                 }
                 Limb::LegSeat(leg) => (leg.shift(carrier_shift(step, leg.joint)), &mut leg.seat),
-                Limb::CarrierSeat(part) => {
-                    (carrier_shift(step, part.lever), &mut part.seat)
-                }
+                Limb::CarrierSeat(part) => (carrier_shift(step, part.lever), &mut part.seat),
                 _ => continue,
             };
             seat.preload_rod(moved, step_of.slide);

@@ -136,9 +136,7 @@ impl<T: Scalar> WheelGeometry<T> {
             SteeringJoints::Strut { lower, top, mount } => {
                 let upper = match mount {
                     None => self.origin + top,
-                    Some((limb, along)) => {
-                        at(top) + carrier.lever(along) * state.limbs[limb].slide
-                    }
+                    Some((limb, along)) => at(top) + carrier.lever(along) * state.limbs[limb].slide,
                 };
                 Some(axis_of(at(lower), upper))
             }

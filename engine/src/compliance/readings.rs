@@ -24,7 +24,9 @@ impl Built<f64> {
                     Limb::Floating(link) => Some(&link.outer),
                     _ => None,
                 };
-                states[end].zip(bushing).map(|(state, bushing)| reading(&state, bushing))
+                states[end]
+                    .zip(bushing)
+                    .map(|(state, bushing)| reading(&state, bushing))
             }
             BushingPlace::Carrier(part) => {
                 let part = &self.system.bushings[part];
@@ -119,7 +121,9 @@ impl Built<f64> {
                         }
                     }
                 }
-                Limb::Floating(link) if link.on_rack => force -= rack_force_of(link, &states, state),
+                Limb::Floating(link) if link.on_rack => {
+                    force -= rack_force_of(link, &states, state)
+                }
                 _ => {}
             }
         }
@@ -151,9 +155,8 @@ fn rack_force_of(
 
 fn reading(state: &BushingState<f64>, bushing: &Bushing<f64>) -> BushingReading {
     let [d, r] = [state.deflection, state.rotation].map(Vector3::to_array);
-    let beyond = (0..3).any(|k| {
-        bushing.laws[k].is_beyond(d[k]) || bushing.laws[3 + k].is_beyond(r[k])
-    });
+    let beyond =
+        (0..3).any(|k| bushing.laws[k].is_beyond(d[k]) || bushing.laws[3 + k].is_beyond(r[k]));
     BushingReading {
         deflection: state.deflection,
         rotation: state.rotation,

@@ -164,7 +164,11 @@ impl System<f64> {
         let mut steps = 0;
         let mut last = None;
         loop {
-            let share: f64 = if reached + step < 1.0 { reached + step } else { 1.0 };
+            let share: f64 = if reached + step < 1.0 {
+                reached + step
+            } else {
+                1.0
+            };
             let task = between(from, to, share);
             let rest = held.map(|held| held.share(1.0 - share));
             match self.newton(&state, &task, rest.as_ref(), bounds) {

@@ -379,7 +379,11 @@ impl<T: Scalar> System<T> {
         let mut residual = [like; MOST];
         let mut matrix = [[like; MOST]; MOST];
         for (k, joint) in self.joints.iter().enumerate() {
-            let force = if at.balance_only { like } else { state.joints[k] };
+            let force = if at.balance_only {
+                like
+            } else {
+                state.joints[k]
+            };
             let (miss, row) = joint.evaluate(at, force, &mut sum);
             residual[6 + k] = miss;
             for i in 0..6 {
@@ -474,26 +478,32 @@ impl<T: Scalar> System<T> {
 
     /// The top mount with its state.
     pub(super) fn mount(&self, at: &Conditions<T>, state: &State<T>) -> Option<MountState<T>> {
-        self.limbs.iter().zip(&state.limbs).find_map(|(limb, own)| match limb {
-            Limb::Mount(mount) => Some(mount.state(at, own)),
-            _ => None,
-        })
+        self.limbs
+            .iter()
+            .zip(&state.limbs)
+            .find_map(|(limb, own)| match limb {
+                Limb::Mount(mount) => Some(mount.state(at, own)),
+                _ => None,
+            })
     }
 
     /// The seat of the spring with its state.
     pub(super) fn seat(&self, at: &Conditions<T>, state: &State<T>) -> Option<SeatState<T>> {
-        self.limbs.iter().zip(&state.limbs).find_map(|(limb, own)| match limb {
-            Limb::Swinging(arm) => arm.seat.as_ref().map(|(lever, seat)| {
-                seat.state(arm.seat_displacement(*lever, at, own), own.slide)
-            }),
-            Limb::LegSeat(leg) => {
-                Some(leg.seat.state(leg.displacement(&at.carrier), own.slide))
-            }
-            Limb::CarrierSeat(part) => {
-                let moved = at.carrier.displacement(part.lever);
-                Some(part.seat.state(moved, own.slide))
-            }
-            _ => None,
-        })
+        self.limbs
+            .iter()
+            .zip(&state.limbs)
+            .find_map(|(limb, own)| match limb {
+                Limb::Swinging(arm) => arm.seat.as_ref().map(|(lever, seat)| {
+                    seat.state(arm.seat_displacement(*lever, at, own), own.slide)
+                }),
+                Limb::LegSeat(leg) => {
+                    Some(leg.seat.state(leg.displacement(&at.carrier), own.slide))
+                }
+                Limb::CarrierSeat(part) => {
+                    let moved = at.carrier.displacement(part.lever);
+                    Some(part.seat.state(moved, own.slide))
+                }
+                _ => None,
+            })
     }
 }

@@ -175,7 +175,9 @@ impl ElasticWheel {
             start,
         };
         if wheel.relaxed == Relaxed::AtDesignLoad {
-            let force = wheel.spring_in(&start, 0.0).map_or(0.0, |spring| spring.force);
+            let force = wheel
+                .spring_in(&start, 0.0)
+                .map_or(0.0, |spring| spring.force);
             let has_leverage = start.vertical.abs() > LEAST_LEVERAGE * force.abs();
             if !has_leverage {
                 return Err(ElasticFault::NoLeverage);
@@ -377,7 +379,9 @@ impl ElasticWheel {
         let dual = self.built.system_over(Dual::<f64, 1>::constant);
         let mut moving = task.map(Dual::constant);
         moving.rack.partials[0] = 1.0;
-        let equations = dual.equations(&state.map(Dual::constant), &moving, None).ok()?;
+        let equations = dual
+            .equations(&state.map(Dual::constant), &moving, None)
+            .ok()?;
         let factors = SquareLu::of(equations.matrix, equations.size)?;
         let solution = factors.solve(&equations.residual.map(|c| -c));
         let step = equations.step(&solution, false);
@@ -434,7 +438,8 @@ impl ElasticWheel {
 
     /// Tension of each link, in the order of the definition.
     pub fn tensions(&self, at: &Equilibrium) -> Vec<f64> {
-        self.built.tensions(&at.solution.state, at.solution.task.rack)
+        self.built
+            .tensions(&at.solution.state, at.solution.task.rack)
     }
 
     /// State of the spring, if it has a law.
@@ -448,7 +453,8 @@ impl ElasticWheel {
 
     /// Force on the rack along the kernel's +y that holds it.
     pub fn rack_force(&self, at: &Equilibrium) -> f64 {
-        self.built.rack_force(&at.solution.state, at.solution.task.rack)
+        self.built
+            .rack_force(&at.solution.state, at.solution.task.rack)
     }
 
     /// Rotation vector of the carrier.
@@ -494,7 +500,11 @@ impl ElasticWheel {
         let [x, y, z, a, b, c] = step.carrier;
         let (shift, turn) = (Vector3::new(x, y, z), Vector3::new(a, b, c));
         let mut found = if shift.norm() > turn.norm() * lever {
-            (shift.norm(), CARRIER.to_owned(), Motion::Shift(largest_axis(shift)))
+            (
+                shift.norm(),
+                CARRIER.to_owned(),
+                Motion::Shift(largest_axis(shift)),
+            )
         } else {
             let motion = Motion::Turn(largest_axis(turn));
             (turn.norm() * lever, CARRIER.to_owned(), motion)
@@ -518,7 +528,9 @@ const LOOSE: f64 = 1e7;
 fn largest_axis(v: Vector3<f64>) -> Axis {
     let size = |axis: &Axis| v[*axis].abs();
     let [x, y, z] = Axis::ALL;
-    [y, z].into_iter().fold(x, |m, a| if size(&a) > size(&m) { a } else { m })
+    [y, z]
+        .into_iter()
+        .fold(x, |m, a| if size(&a) > size(&m) { a } else { m })
 }
 
 fn preload_fault(built: &Built<f64>, fault: NoPreload) -> ElasticFault {

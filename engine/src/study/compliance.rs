@@ -57,10 +57,11 @@ pub(super) fn compliance(
         return None;
     };
     if !knows_elastic {
-        let message =
-            "elastic parts are known to `hardpoint kc` and `hardpoint check` alone; here they would be left out";
+        let message = "elastic parts are known to `hardpoint kc` and `hardpoint check` alone; here they would be left out";
         let error = problems.add(section.span(), message);
-        error.help("for results of the rigid mechanism, remove [compliance], [bushings] and [links]");
+        error.help(
+            "for results of the rigid mechanism, remove [compliance], [bushings] and [links]",
+        );
         return None;
     }
     if let Some(axle) = &file.axle {
@@ -76,7 +77,9 @@ pub(super) fn compliance(
     if parts.next().is_none() {
         let message = "nothing is elastic: expected [bushings.NAME] or [links.NAME]";
         let error = problems.add(section.span(), message);
-        error.help("`hardpoint kc` of a study without [compliance] has the tests of the rigid mechanism");
+        error.help(
+            "`hardpoint kc` of a study without [compliance] has the tests of the rigid mechanism",
+        );
         return None;
     }
     refuse_motions(file, problems)?;
@@ -85,8 +88,13 @@ pub(super) fn compliance(
     let bushings = each(&file.bushings, |(name, part)| {
         bushing(name, part, relaxed, suspension, problems)
     });
-    let links = each(&file.links, |(name, part)| link(name, part, suspension, problems));
-    let tyre_rate = positive(&file.tyre.as_ref().map(|t| t.get_ref().rate.clone()), problems);
+    let links = each(&file.links, |(name, part)| {
+        link(name, part, suspension, problems)
+    });
+    let tyre_rate = positive(
+        &file.tyre.as_ref().map(|t| t.get_ref().rate.clone()),
+        problems,
+    );
     let (links, springs) = (links?, springs?);
     let link_names = links.iter().map(|(name, _)| name.clone()).collect();
     let spring = springs.map(|[left, _]| left);
@@ -138,16 +146,22 @@ fn refuse_motions(file: &File, problems: &mut Problems) -> Option<()> {
     let motion = file.motion.get_ref();
     let drive = motion.drive.as_ref();
     let places = [
-        ("drive", drive.filter(|d| d.get_ref() != "travel").map(Text::span)),
+        (
+            "drive",
+            drive.filter(|d| d.get_ref() != "travel").map(Text::span),
+        ),
         ("arm_angle", motion.arm_angle.as_ref().map(Spanned::span)),
         ("theta", motion.theta.as_ref().map(Spanned::span)),
         ("time", motion.time.as_ref().map(Spanned::span)),
     ];
-    let mut found = places.into_iter().filter_map(|(key, span)| Some((key, span?)));
+    let mut found = places
+        .into_iter()
+        .filter_map(|(key, span)| Some((key, span?)));
     let Some((key, span)) = found.next() else {
         return Some(());
     };
-    let message = format!("{key} is of a rigid mechanism; with [compliance] expected travel and rack");
+    let message =
+        format!("{key} is of a rigid mechanism; with [compliance] expected travel and rack");
     problems.refuse(span, &message)
 }
 
@@ -204,7 +218,8 @@ fn bushing(
         Some(written) => {
             let v = three(written, "components [x, y, z]", problems)?;
             if v == Vector3::default() {
-                return problems.refuse(written.span(), "expected a direction, found a null vector");
+                return problems
+                    .refuse(written.span(), "expected a direction, found a null vector");
             }
             Some(Some(suspension.frame.vector(v)))
         }
@@ -222,14 +237,12 @@ fn bushing(
     Some(part)
 }
 
-fn bushing_point(
-    name: &Text,
-    suspension: &Suspension,
-    problems: &mut Problems,
-) -> Option<PointId> {
+fn bushing_point(name: &Text, suspension: &Suspension, problems: &mut Problems) -> Option<PointId> {
     let mechanism = &suspension.mechanism;
     let points = bushing_points(mechanism);
-    let found = points.iter().find(|id| mechanism.name(**id) == name.get_ref());
+    let found = points
+        .iter()
+        .find(|id| mechanism.name(**id) == name.get_ref());
     if found.is_none() {
         let message = format!("{:?} takes no bushing", name.get_ref());
         let error = problems.add(name.span(), message);
@@ -341,7 +354,10 @@ fn check_axes(
     // The mount of a strut has z along the strut and x forward.
     let (x, z) = match default {
         Some(default) => (part.x_axis.unwrap_or(default), part.z_axis.unwrap_or(up)),
-        None => (part.x_axis.unwrap_or(Vector3::new(1.0, 0.0, 0.0)), part.z_axis.unwrap_or(up)),
+        None => (
+            part.x_axis.unwrap_or(Vector3::new(1.0, 0.0, 0.0)),
+            part.z_axis.unwrap_or(up),
+        ),
     };
     if x.normalised().cross(z.normalised()).norm() >= UPRIGHT {
         return Some(());
@@ -370,7 +386,10 @@ fn link(
         let names = || members.iter().map(|(name, _)| name.as_str());
         match nearest(name.get_ref(), names()) {
             Some(near) => error.help(format!("did you mean \"{near}\"?")),
-            None => error.help(format!("links are {}", names().collect::<Vec<_>>().join(", "))),
+            None => error.help(format!(
+                "links are {}",
+                names().collect::<Vec<_>>().join(", ")
+            )),
         };
         return None;
     };
@@ -498,7 +517,10 @@ fn test(
     let part = written.get_ref();
     let load = choose(&part.load, "test load", &TestLoad::ALL, problems)?;
     let not_yet = [
-        (&part.mode, "mode is of both wheels of an axle, which is not available yet"),
+        (
+            &part.mode,
+            "mode is of both wheels of an axle, which is not available yet",
+        ),
         (&part.steering, "steering is not available yet"),
     ];
     for (key, message) in not_yet {
@@ -554,8 +576,13 @@ fn test(
         test.levels = (count / 2) as usize;
     }
     let stations = [("nearest", false), ("all", true)];
-    test.at_all_stations =
-        choose_or(&part.stations, false, "value of stations", &stations, problems)?;
+    test.at_all_stations = choose_or(
+        &part.stations,
+        false,
+        "value of stations",
+        &stations,
+        problems,
+    )?;
     Some(test)
 }
 

@@ -2,8 +2,8 @@
 
 use super::error::{Problems, Source, StudyError, StudyErrors};
 use super::{
-    AxleStudy, Drive, Load, Motion, Optimise, Outputs, Study, axle, compliance, edit, file, motion, optimise,
-    outputs, overrides, parse, setup, solver, source, suspension, sweep, tolerance,
+    AxleStudy, Drive, Load, Motion, Optimise, Outputs, Study, axle, compliance, edit, file, motion,
+    optimise, outputs, overrides, parse, setup, solver, source, suspension, sweep, tolerance,
 };
 use crate::model::Suspension;
 use std::path::Path;

@@ -1,6 +1,9 @@
 //! Elasto-kinematics: against answers computed independently at 120 digits, and against what mechanics says.
 
+mod command;
+mod mechanics;
 mod reference;
+mod study;
 
 use hardpoint::axle::{BumpStop, ForceCurve, Law, SpringLaw};
 use hardpoint::compliance::{

@@ -220,3 +220,45 @@ fn metrics_are_those_of_the_reference() {
     println!("{worst:?}");
     assert!(worst.0 < 1e-10, "{worst:?}");
 }
+
+/// Secants over +-1000 N and +-100 N m, height held.
+#[test]
+fn secants_are_those_of_the_reference() {
+    for name in CASES {
+        let case = case(name);
+        let suspension = suspension(&case);
+        let wheel = ElasticWheel::new(&suspension, &compliance(&case, &suspension)).unwrap();
+        let names = case["names"]["metrics"].as_array().unwrap();
+        let state = &case["states"][0];
+        let design_load = wheel.design_load().unwrap_or(0.0);
+        let at = solved(&wheel, state, design_load);
+        for (load, expected) in state["secants_height_held"].as_object().unwrap() {
+            let window = if load == "aligning" { 1e5 } else { 1e3 };
+            let end = |sign: f64| {
+                let mut loads = WheelLoads::none(0.0).plus(&unit(load), sign * window);
+                loads.trail = unit(load).trail;
+                let held = HeldQuantity::WheelHeight;
+                let at = wheel.loaded_about(&at, &at, &loads, held).unwrap();
+                figures(&wheel.figures(&at), wheel.wheel_load(&at))
+            };
+            let (low, high) = (end(-1.0), end(1.0));
+            let mut found = BTreeMap::new();
+            for (name, value) in &high {
+                found.insert(name.clone(), (value - low[name]) / (2.0 * window));
+            }
+            for (value, expected) in names.iter().zip(expected.as_array().unwrap()) {
+                let value = value.as_str().unwrap();
+                let error = (found[value] - number(expected)).abs();
+                // Differences of states that are right to 1e-11 mm, 1e-13 rad and 1e-7 N.
+                let bound = if value == "vertical_contact_force" {
+                    1e-7
+                } else if value.contains("wheel_centre") || value.contains("contact") {
+                    1e-11
+                } else {
+                    1e-13
+                };
+                assert!(error < bound / window, "{name} {load} {value}: {error:e}");
+            }
+        }
+    }
+}

@@ -3,6 +3,7 @@
 use super::RunArguments;
 use super::exit::{Exit, Stop};
 use super::output::Output;
+use super::terminal;
 use crate::compliance::{Compliance, KcRun, KcTest};
 use crate::report::{KcResults, counted};
 use crate::study::{ComplianceStudy, Drive, Study};
@@ -63,8 +64,10 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     if let Some(load) = run.wheel().design_load() {
         output.say(&format!("design load: {load:.0} N at the contact point\n"))?;
     }
-    output.text_only("\n")?;
-    output.table("figures", &results.table())?;
+    output.table_for_programs("figures", || results.table());
+    for (place, table) in results.tables_for_readers() {
+        output.text_only(&format!("\n{place}\n\n{}", table.text(terminal::width())))?;
+    }
     output.text_only(
         "\nDerivatives at the station and secants over the window, of a left wheel. Signs: docs/compliance.md\n",
     )?;

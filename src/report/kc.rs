@@ -3,8 +3,8 @@
 use super::shortest;
 use super::table::{Cell, Table};
 use crate::compliance::{
-    BushingReading, HeldQuantity, KcLevel, KcOutcome, KcState, KcStation, KcTest, KcUnit, Motion,
-    NoEquilibrium, TestLoad, TestPlace,
+    BushingReading, HeldQuantity, KcFigure, KcLevel, KcOutcome, KcState, KcStation, KcTest, KcUnit,
+    Motion, NoEquilibrium, TestLoad, TestPlace,
 };
 use crate::model::{Axis, LengthUnit, Suspension};
 use crate::number::Vector3;
@@ -343,41 +343,58 @@ impl KcResults<'_> {
         (!rows.is_empty()).then(|| csv(&header, rows))
     }
 
-    /// The table of figures for the terminal, and for programs.
+    /// The figures of all stations, for programs.
     pub fn table(&self) -> Table {
         let u = self.length().symbol();
         let mut columns = vec!["test".to_owned()];
-        let several = self.stations.len() > 1;
-        if several {
-            columns.extend([format!("travel {u}"), format!("rack {u}")]);
-        }
+        columns.extend([format!("travel {u}"), format!("rack {u}")]);
         columns.extend(["quantity", "value", "secant", "unit"].map(str::to_owned));
-        let keys = columns.len() - 3;
-        let mut table = Table::with_columns(columns).keyed(keys);
+        let mut table = Table::with_columns(columns).keyed(4);
         for station in &self.stations {
             for outcome in station.outcomes.iter().flatten() {
                 let name = self.test_name(&outcome.test);
-                for (k, figure) in outcome.figures.iter().enumerate() {
-                    let unit = unit_shown(figure.unit, self.length());
-                    let number = |value: Option<f64>| Cell::by(value, four_figures);
-                    let mut row = vec![match k {
-                        0 => Cell::from(name.as_str()),
-                        _ => Cell::repeated(&name),
-                    }];
-                    if several {
-                        row.extend([Cell::from(station.travel), Cell::from(station.rack)]);
-                    }
-                    row.extend([
-                        Cell::from(figure.quantity),
-                        number(figure.value),
-                        number(figure.secant),
-                        Cell::from(unit),
-                    ]);
+                for figure in &outcome.figures {
+                    let mut row = vec![Cell::from(name.as_str())];
+                    row.extend([Cell::from(station.travel), Cell::from(station.rack)]);
+                    row.extend(self.figure_cells(figure));
                     table.push_row(row);
                 }
             }
         }
         table
+    }
+
+    /// The place of each station that has figures, and its table for a reader: tests with their figures below them.
+    pub fn tables_for_readers(&self) -> Vec<(String, Table)> {
+        let u = self.length().symbol();
+        let mut tables = Vec::new();
+        for station in &self.stations {
+            let Ok(outcomes) = &station.outcomes else {
+                continue;
+            };
+            let mut table = Table::new(["quantity", "value", "secant", "unit"]);
+            for outcome in outcomes {
+                let name = self.test_name(&outcome.test);
+                table.push([Cell::from(name), "".into(), "".into(), "".into()]);
+                for figure in &outcome.figures {
+                    table.push_row(self.figure_cells(figure));
+                }
+            }
+            let [travel, rack] = [station.travel, station.rack].map(super::brief);
+            tables.push((format!("travel {travel} {u}, rack {rack} {u}"), table));
+        }
+        tables
+    }
+
+    /// Name, value, secant and unit of a figure.
+    fn figure_cells(&self, figure: &KcFigure) -> [Cell; 4] {
+        let number = |value: Option<f64>| Cell::by(value, four_figures);
+        [
+            Cell::from(figure.quantity),
+            number(figure.value),
+            number(figure.secant),
+            Cell::from(unit_shown(figure.unit, self.length())),
+        ]
     }
 
     /// A test in words: `lateral, trail 30 mm`, `braking, wheel load held`.
@@ -491,7 +508,7 @@ fn four_figures(value: f64) -> String {
 
 /// What is elastic in a study, a line each.
 pub fn elastic_parts(study: &Study) -> Table {
-    let mut table = Table::new(["part", "elastic", "along x, y, z", "about x, y, z", "unit"]);
+    let mut table = Table::new(["part", "elastic", "rates", "torsional rates", "unit"]);
     let Some(elastic) = &study.compliance else {
         return table;
     };

@@ -427,8 +427,11 @@ impl<'a> KcRun<'a> {
                     let caster = caster.map(|caster| caster * along);
                     found.push(("caster_by_rack", AnglePerLength, caster));
                 }
-                let force = along * self.wheel.rack_force(at);
-                found.push(("rack_force", Force, Some(force)));
+                // Without a spring nothing loads the rack.
+                if self.wheel.spring(at).is_some() {
+                    let force = along * self.wheel.rack_force(at);
+                    found.push(("rack_force", Force, Some(force)));
+                }
             }
             TestLoad::Lateral => {
                 let inboard = by.map(|by| -by.centre.y);

@@ -258,15 +258,27 @@ pub(super) struct Evaluated<T> {
     pub(super) inner: [T; 7],
     /// False if the inner unknowns move away by themselves.
     pub(super) is_stable: bool,
+    /// Least by largest pivot of the inner equations: 0 if nothing holds a motion. Turns are compared with shifts at the
+    /// part's length.
+    pub(super) least_pivot: f64,
 }
 
-/// Solves the inner equations: m_y^-1 m and m_y^-1 m_x. `None` if a direction has no stiffness.
+/// Solved inner equations: m_y^-1 m, m_y^-1 m_x, and the least by the largest pivot.
+struct Eliminated<T, const N: usize, const C: usize> {
+    rest: [T; N],
+    by: [[T; C]; N],
+    least_pivot: f64,
+}
+
+/// Solves the inner equations. `units` are lengths by which pivots are divided twice. `None` if a direction has no
+/// stiffness.
 #[inline(always)]
 fn eliminated<T: Scalar, const N: usize, const C: usize>(
     own: [[T; N]; N],
     force: [T; N],
     by: &[[T; C]; N],
-) -> Option<([T; N], [[T; C]; N])> {
+    units: [f64; N],
+) -> Option<Eliminated<T, N, C>> {
     let factors = Lu::of(own, 1.0)?;
     let rest = factors.solve(force);
     let mut followers = *by;
@@ -276,19 +288,35 @@ fn eliminated<T: Scalar, const N: usize, const C: usize>(
             row[k] = value;
         }
     }
-    Some((rest, followers))
+    let (mut least, mut largest) = (f64::INFINITY, 0.0);
+    for (pivot, unit) in factors.pivots().into_iter().zip(units) {
+        let size = pivot.value().abs() / (unit * unit);
+        least = if size < least { size } else { least };
+        largest = if size > largest { size } else { largest };
+    }
+    Some(Eliminated {
+        rest,
+        by: followers,
+        least_pivot: least / largest,
+    })
 }
 
-/// Returns true if the symmetric part of a matrix is positive definite: LDL' has positive pivots.
+/// Returns true if the symmetric part of a matrix is positive definite: all pivots of LDL' are above this share of the
+/// largest.
 #[inline(always)]
-pub(super) fn is_positive<T: Scalar, const N: usize>(matrix: &[[T; N]; N]) -> bool {
+pub(super) fn is_positive<T: Scalar, const N: usize>(
+    matrix: &[[T; N]; N],
+    least_share: f64,
+) -> bool {
     let mut a: [[f64; N]; N] = std::array::from_fn(|i| {
         std::array::from_fn(|j| 0.5 * (matrix[i][j].value() + matrix[j][i].value()))
     });
+    let mut largest = 0.0;
     for k in 0..N {
-        if a[k][k].is_nan() || a[k][k] <= 0.0 {
+        if a[k][k].is_nan() || a[k][k] <= least_share * largest {
             return false;
         }
+        largest = if a[k][k] > largest { a[k][k] } else { largest };
         for i in k + 1..N {
             let factor = a[i][k] / a[k][k];
             for j in k + 1..N {
@@ -432,11 +460,14 @@ impl<T: Scalar> Swinging<T> {
         let mut inner = [like.zero(); 7];
         inner[6] = seat_moment;
         inner[..3].copy_from_slice(&m);
+        let least_pivot;
         match pivot {
             None => {
                 let rows: [[T; 3]; 3] = entries(&m_w);
-                is_stable &= is_positive(&rows);
-                let (rest, by) = eliminated(rows, m, &entries::<T, 3, 3>(&m_u))?;
+                is_stable &= is_positive(&rows, 0.0);
+                let found = eliminated(rows, m, &entries::<T, 3, 3>(&m_u), [1.0; 3])?;
+                let Eliminated { rest, by, .. } = found;
+                least_pivot = found.least_pivot;
                 let mut turn = nothing;
                 for k in 0..3 {
                     turn.columns[k] = Vector3::new(by[0][k], by[1][k], by[2][k]);
@@ -450,7 +481,10 @@ impl<T: Scalar> Swinging<T> {
             Some((end, end_lever)) => {
                 let miss = self.deflection(end, at, state);
                 let along = end_lever.normalised();
-                is_stable &= along.dot(m_w.apply(along)).value() > 0.0;
+                let about = along.dot(m_w.apply(along)).value();
+                is_stable &= about > 0.0;
+                let diagonal = (0..3).map(|k| m_w.entry(k, k).value().abs());
+                least_pivot = about.abs() / diagonal.fold(0.0, f64::max);
                 let mut rows = [[like.zero(); 5]; 5];
                 let mut by_joint = [[like.zero(); 3]; 5];
                 let mut force = [like.zero(); 5];
@@ -476,7 +510,7 @@ impl<T: Scalar> Swinging<T> {
                         by_inner[i][3 + k] = normal_of[i];
                     }
                 }
-                let (rest, by) = eliminated(rows, force, &by_joint)?;
+                let Eliminated { rest, by, .. } = eliminated(rows, force, &by_joint, [1.0; 5])?;
                 for i in 0..5 {
                     followers.by[i][..3].copy_from_slice(&by[i]);
                     followers.rest[i] = rest[i];
@@ -507,6 +541,7 @@ impl<T: Scalar> Swinging<T> {
             followers,
             inner,
             is_stable,
+            least_pivot,
         })
     }
 }
@@ -641,6 +676,7 @@ impl<T: Scalar> Floating<T> {
             forces,
             by_carrier,
             carrier_by_link,
+            length: self.along.norm().value(),
         };
         match self.inner {
             Some(_) => blocks.eliminate::<6>(0, held, sum),
@@ -655,6 +691,8 @@ struct LinkBlocks<T> {
     forces: [Vector3<T>; 2],
     by_carrier: [[Matrix3<T>; 2]; 2],
     carrier_by_link: [[Matrix3<T>; 2]; 2],
+    /// Length of the link.
+    length: f64,
 }
 
 impl<T: Scalar> LinkBlocks<T> {
@@ -681,7 +719,9 @@ impl<T: Scalar> LinkBlocks<T> {
             self.forces[k / 3].to_array()[k % 3] - held[i]
         });
         inner[..N].copy_from_slice(&force);
-        let (rest, by) = eliminated(own, force, &by)?;
+        let units = std::array::from_fn(|k| if first + k < 3 { 1.0 } else { self.length });
+        let found = eliminated(own, force, &by, units)?;
+        let Eliminated { rest, by, .. } = found;
         for i in 0..6 {
             for k in 0..N {
                 let factor = entry(&self.carrier_by_link, i, first + k);
@@ -698,7 +738,8 @@ impl<T: Scalar> LinkBlocks<T> {
         Some(Evaluated {
             followers,
             inner,
-            is_stable: is_positive(&own),
+            is_stable: is_positive(&own, 0.0),
+            least_pivot: found.least_pivot,
         })
     }
 }

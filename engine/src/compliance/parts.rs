@@ -187,6 +187,7 @@ impl<T: Scalar> Mount<T> {
             followers,
             inner,
             is_stable: own.value() > 0.0,
+            least_pivot: if own.value() > 0.0 { 1.0 } else { 0.0 },
         })
     }
 }
@@ -286,6 +287,7 @@ impl<T: Scalar> LegSeat<T> {
             followers: Followers::of_joint(lever, slide),
             inner,
             is_stable,
+            least_pivot: 1.0,
         }
     }
 }
@@ -321,6 +323,7 @@ impl<T: Scalar> CarrierSeat<T> {
             ),
             inner,
             is_stable: force.is_stable,
+            least_pivot: 1.0,
         }
     }
 }

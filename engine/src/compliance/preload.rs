@@ -13,7 +13,8 @@
 
 use super::build::{Built, BushingPlace, LinkPlace};
 use super::limb::Conditions;
-use super::system::{Limb, Singular, State, Step};
+use super::solve::{Bounds, is_definite};
+use super::system::{LOOSE, Limb, Singular, State, Step};
 use crate::linear::square::SquareLu;
 use crate::number::{Scalar, Vector3};
 
@@ -33,7 +34,7 @@ pub(super) enum NoPreload {
 
 impl<T: Scalar> Built<T> {
     /// Sets the forces at the design load and returns the state in the design position.
-    pub(super) fn preload(&mut self) -> Result<State<T>, NoPreload> {
+    pub(super) fn preload(&mut self, bounds: Bounds) -> Result<State<T>, NoPreload> {
         let like = self.system.like();
         let design = State::design(like);
         let at = Conditions {
@@ -46,8 +47,14 @@ impl<T: Scalar> Built<T> {
             .system
             .assembled(&at, &design, None)
             .map_err(singular)?;
+        if let Some(limb) = equations.loose {
+            return Err(singular(Singular::Limb(limb)));
+        }
         let upward = self.system.vertical_force(&design.carrier);
         self.system.border(&mut equations, &design, upward, like);
+        if !is_definite(&equations, bounds, LOOSE) {
+            return Err(singular(Singular::Carrier));
+        }
         let factors = SquareLu::of(equations.matrix, equations.size);
         let factors = factors.ok_or(singular(Singular::Carrier))?;
         let solution = factors.solve(&equations.residual.map(|c| -c));

@@ -2,7 +2,7 @@
 
 use super::build::{Built, BushingPlace, LinkPlace};
 use super::bushing::{Bushing, BushingState};
-use super::limb::{Floating, LimbStep};
+use super::limb::{Floating, LimbStep, Swinging};
 use super::parts::Joint;
 use super::system::{Limb, State, System};
 use super::wheel::{BushingReading, SpringReading};
@@ -181,9 +181,15 @@ impl<T: Scalar> Limb<T> {
         }
     }
 
-    /// Its size.
-    pub(super) fn turn_of(&self, step: &LimbStep<T>) -> f64 {
-        let turn = self.turn_vector(step).map(|c| c.value());
-        turn.norm()
+    /// The turn of a part in a step, without that of a link about its own line.
+    pub(super) fn turn_across(&self, step: &LimbStep<T>) -> Vector3<T> {
+        let turn = self.turn_vector(step);
+        match self {
+            Limb::Swinging(Swinging {
+                spin: Some(along), ..
+            })
+            | Limb::Floating(Floating { spin: along, .. }) => turn.across(along.normalised()),
+            _ => turn,
+        }
     }
 }

@@ -26,6 +26,9 @@ const CONTRACTION: f64 = 0.8;
 const LAST_SHIFT: f64 = 1e-11;
 /// Last correction of an equilibrium: rad.
 const LAST_TURN: f64 = 1e-13;
+/// A correction below this, mm, that does not contract any more is rounding: Newton's method would square it. Near the
+/// end of what a wheel holds, forces that are rounded move it further than the last correction.
+const ROUNDING: f64 = 1e-8;
 /// Least share of the way by which the loads are raised.
 const LEAST_SHARE: f64 = 1e-6;
 /// A turn is compared with a shift at this distance, mm.
@@ -112,7 +115,11 @@ impl System<f64> {
                 return Err(Obstacle::Diverges);
             }
             state = self.stepped(&state, &step);
-            if bounds.is_last(sizes) {
+            let size = bounds.size(sizes);
+            // NaN is not smaller.
+            let contracts = size < CONTRACTION * before;
+            let is_rounding = size < ROUNDING && !contracts;
+            if bounds.is_last(sizes) || is_rounding {
                 self.check_stable(&equations, bounds)?;
                 return Ok(Solution {
                     state,
@@ -121,9 +128,6 @@ impl System<f64> {
                     steps,
                 });
             }
-            let size = bounds.size(sizes);
-            // NaN is not smaller.
-            let contracts = size < CONTRACTION * before;
             if !contracts {
                 return Err(Obstacle::Diverges);
             }
@@ -141,7 +145,7 @@ impl System<f64> {
         if equations.unstable.is_some() {
             return Err(Obstacle::Unstable(equations.unstable));
         }
-        match is_definite(equations, bounds) {
+        match is_definite(equations, bounds, 0.0) {
             true => Ok(()),
             false => Err(Obstacle::Unstable(None)),
         }
@@ -211,8 +215,12 @@ fn between(from: &Task<f64>, to: &Task<f64>, share: f64) -> Task<f64> {
 }
 
 /// Returns true if the symmetric part of the carrier's tangent is positive definite on the motions that keep all rows
-/// at zero.
-fn is_definite(equations: &Equations<f64>, bounds: Bounds) -> bool {
+/// at zero, with pivots above this share of the largest.
+pub(super) fn is_definite<T: Scalar>(
+    equations: &Equations<T>,
+    bounds: Bounds,
+    least_share: f64,
+) -> bool {
     let lever = TURN_LEVER * bounds.millimetre;
     let scale = |i: usize| if i < 3 { 1.0 } else { 1.0 / lever };
     let tangent = equations.tangent();
@@ -227,11 +235,7 @@ fn is_definite(equations: &Equations<f64>, bounds: Bounds) -> bool {
     let Some((motions, free)) = null_space(&mut rows[..count]) else {
         return false;
     };
-    // On fewer than six motions, the identity fills the matrix.
     let mut projected = [[0.0; 6]; 6];
-    for (i, row) in projected.iter_mut().enumerate() {
-        row[i] = 1.0;
-    }
     for a in 0..free {
         for b in 0..free {
             let mut sum = 0.0;
@@ -243,7 +247,12 @@ fn is_definite(equations: &Equations<f64>, bounds: Bounds) -> bool {
             projected[a][b] = sum;
         }
     }
-    is_positive(&projected)
+    // On fewer than six motions, copies of the largest diagonal entry fill the matrix.
+    let largest = (0..free).map(|a| projected[a][a]).fold(0.0, f64::max);
+    for (a, row) in projected.iter_mut().enumerate().skip(free) {
+        row[a] = if free == 0 { 1.0 } else { largest };
+    }
+    is_positive(&projected, least_share)
 }
 
 /// A basis of the motions along which all rows vanish, and their number. `None` if the rows depend on each other.

@@ -22,6 +22,8 @@ use crate::number::{Scalar, Vector3};
 
 /// The most parts with inner unknowns: five links and a seat of a spring.
 pub(super) const MOST_LIMBS: usize = 6;
+/// A pivot below this share of the largest is no stiffness.
+pub(super) const LOOSE: f64 = 1e-9;
 /// The most rigid joints.
 pub(super) const MOST_JOINTS: usize = 5;
 
@@ -164,6 +166,8 @@ pub(super) struct Equations<T> {
     pub(super) inner: [[T; 7]; MOST_LIMBS],
     /// The first part that moves away by itself.
     pub(super) unstable: Option<usize>,
+    /// The first part with a motion that nothing holds.
+    pub(super) loose: Option<usize>,
     joints: usize,
 }
 
@@ -348,7 +352,7 @@ impl<T: Scalar> System<T> {
         let mut sum = Sum::zero(like);
         let mut followers = [Followers::none(like); MOST_LIMBS];
         let mut inner = [[like; 7]; MOST_LIMBS];
-        let mut unstable = None;
+        let (mut unstable, mut loose) = (None, None);
         let nothing = [like; 7];
         for (k, limb) in self.limbs.iter().enumerate() {
             let held = held.map_or(&nothing, |held| &held.limbs[k]);
@@ -356,6 +360,11 @@ impl<T: Scalar> System<T> {
             let found = found.ok_or(Singular::Limb(k))?;
             if !found.is_stable {
                 unstable = unstable.or(Some(k));
+            }
+            // NaN is not above.
+            let is_held = found.least_pivot > LOOSE;
+            if !is_held {
+                loose = loose.or(Some(k));
             }
             followers[k] = found.followers;
             inner[k] = found.inner;
@@ -405,6 +414,7 @@ impl<T: Scalar> System<T> {
             followers,
             inner,
             unstable,
+            loose,
             joints: self.joints.len(),
         })
     }
@@ -426,7 +436,8 @@ impl<T: Scalar> System<T> {
         next
     }
 
-    /// Largest shift and largest turn of a step. Forces of ball joints are neither.
+    /// Largest shift and largest turn of a step. Forces of ball joints are neither. The turn of a link about its own line
+    /// moves nothing, and is known less well where little torsion holds it: it does not count.
     pub(super) fn size_of(&self, step: &Step<T>) -> [f64; 2] {
         let largest = |parts: &[T]| {
             let size = |m: f64, c: &T| {
@@ -439,17 +450,14 @@ impl<T: Scalar> System<T> {
         let mut shift = largest(&step.carrier[..3]);
         let mut turn = largest(&step.carrier[3..]);
         for (limb, step) in self.limbs.iter().zip(&step.limbs) {
-            let (own_shift, own_turn): (&[T], &[T]) = match limb {
-                Limb::Swinging(_) => (&[], &step.inner[..3]),
-                Limb::Floating(Floating { inner: Some(_), .. }) => {
-                    (&step.inner[..3], &step.inner[3..])
-                }
-                Limb::Floating(_) => (&[], &step.inner[..3]),
-                Limb::Mount(_) => (&step.inner[..1], &[]),
-                Limb::LegSeat(_) | Limb::CarrierSeat(_) => (&[], &[]),
+            let own_shift: &[T] = match limb {
+                Limb::Floating(Floating { inner: Some(_), .. }) => &step.inner[..3],
+                Limb::Mount(_) => &step.inner[..1],
+                _ => &[],
             };
+            let own_turn = limb.turn_across(step).to_array();
             shift = shift.max(largest(own_shift));
-            turn = turn.max(largest(own_turn)).max(step.slide.value().abs());
+            turn = turn.max(largest(&own_turn)).max(step.slide.value().abs());
         }
         [shift, turn]
     }

@@ -155,11 +155,14 @@ impl ElasticWheel {
     pub fn new(suspension: &Suspension, compliance: &Compliance) -> Result<Self, ElasticFault> {
         let (mechanism, design) = (&suspension.mechanism, &suspension.design);
         let radius = suspension.wheel_radius.unwrap_or(0.0);
+        let bounds = Bounds {
+            millimetre: suspension.length_unit.per_metre() / 1000.0,
+        };
         let mut built = Built::of(mechanism, design, radius, compliance);
         let start = match compliance.relaxed {
             Relaxed::Free => State::design(0.0),
             Relaxed::AtDesignLoad => {
-                let found = built.preload();
+                let found = built.preload(bounds);
                 found.map_err(|fault| preload_fault(&built, fault))?
             }
         };
@@ -167,9 +170,7 @@ impl ElasticWheel {
         let wheel = ElasticWheel {
             geometry,
             constants: Constants::of(suspension),
-            bounds: Bounds {
-                millimetre: suspension.length_unit.per_metre() / 1000.0,
-            },
+            bounds,
             relaxed: compliance.relaxed,
             built,
             start,
@@ -197,31 +198,12 @@ impl ElasticWheel {
         match equations {
             Err(Singular::Limb(limb)) => loose(self.built.names[limb].clone(), self.spin_of(limb)),
             Err(Singular::Carrier) => loose(CARRIER.to_owned(), Motion::Turn(Axis::X)),
-            Ok(equations) => {
-                for limb in 0..self.built.system.limbs.len() {
-                    if !self.limb_is_held(limb, &equations.followers[limb]) {
-                        return loose(self.built.names[limb].clone(), self.spin_of(limb));
-                    }
-                }
-                match equations.factors() {
-                    Some(_) => Ok(()),
-                    None => loose(CARRIER.to_owned(), Motion::Turn(Axis::X)),
-                }
-            }
+            Ok(equations) => match (equations.loose, equations.factors()) {
+                (Some(limb), _) => loose(self.built.names[limb].clone(), self.spin_of(limb)),
+                (None, Some(_)) => Ok(()),
+                (None, None) => loose(CARRIER.to_owned(), Motion::Turn(Axis::X)),
+            },
         }
-    }
-
-    /// Returns false if an inner unknown follows the carrier without bounds: nothing holds it.
-    fn limb_is_held(&self, limb: usize, followers: &super::limb::Followers<f64>) -> bool {
-        let unit = |k: usize| std::array::from_fn(|i| if i == k { 1.0 } else { 0.0 });
-        let size = self.constants.size;
-        (0..6).all(|k| {
-            let step = followers.step(&unit(k), true);
-            let largest = self.built.system.limbs[limb].turn_of(&step);
-            // A shift of one turns a held part by a few over its size; a turn of one, by a few.
-            let bound = if k < 3 { LOOSE / size } else { LOOSE };
-            largest.is_finite() && largest < bound
-        })
     }
 
     /// The axis of the vehicle nearest to a link's line, about which nothing but torsion holds it.
@@ -522,8 +504,6 @@ impl ElasticWheel {
 
 /// Name of the wheel carrier in messages.
 const CARRIER: &str = "the wheel carrier";
-/// A held part turns less than this many times its holder's turn.
-const LOOSE: f64 = 1e7;
 
 fn largest_axis(v: Vector3<f64>) -> Axis {
     let size = |axis: &Axis| v[*axis].abs();

@@ -46,14 +46,12 @@ fn a_trail_is_a_lateral_force_and_an_aligning_moment() {
         let found = by(&trail);
         // The heading of a toed wheel: its x component.
         let heading = wheel.figures(&at).toe.cos();
-        for (k, found) in numbers(&found).into_iter().enumerate() {
+        // The height is held, the others move.
+        for (k, found) in numbers(&found).into_iter().enumerate().take(5) {
             let (a, b) = (numbers(&lateral)[k], numbers(&aligning)[k]);
             let expected = a + 45.0 * heading * b;
             let scale = a.abs() + 45.0 * b.abs();
-            assert!(
-                (found - expected).abs() <= 1e-12 * scale + 1e-22,
-                "{name} {k}"
-            );
+            assert!((found - expected).abs() <= 1e-12 * scale, "{name} {k}");
         }
     }
 }
@@ -173,11 +171,11 @@ fn five_link() -> Suspension {
     Study::read_elastic(&path, &[]).unwrap().suspension
 }
 
-/// Laws of a bushing of the same stiffness in all directions and almost no torsion.
+/// Laws of a bushing of the same stiffness in all directions, with a torsional one about its x axis.
 fn uniform(rate: f64, torsion: f64) -> [Shape; 6] {
     let law = |rate| Shape::Cubic { rate, cubic: 0.0 };
-    let (k, t) = (law(rate), law(torsion));
-    [k.clone(), k.clone(), k, t.clone(), t.clone(), t]
+    let (k, t, none) = (law(rate), law(torsion), law(0.0));
+    [k.clone(), k.clone(), k, t, none.clone(), none]
 }
 
 /// A link between bushings that are equally stiff in all directions is a two-force member: it stretches with half
@@ -192,13 +190,16 @@ fn links_on_uniform_bushings_are_stretching_links() {
     );
     let spring = elastic.unwrap().compliance.unwrap().parts.spring;
     let rate = 8000.0;
-    let part = |name: &str| BushingPart {
+    // Torsion about the link's line at one end alone: the link follows that end, and has no torque.
+    let with_torsion = |name: &str, torsion: f64| BushingPart {
         point: mechanism.point(name).unwrap(),
-        shapes: uniform(rate, 1e-4),
+        shapes: uniform(rate, torsion),
         preload: [0.0; 6],
         x_axis: None,
         z_axis: None,
     };
+    let part = |name: &str| with_torsion(name, 1e5);
+    let free = |name: &str| with_torsion(name, 0.0);
     let members = link_members(mechanism);
     let stretching = |name: &str, rate: f64| LinkPart {
         member: members.iter().find(|(known, _)| known == name).unwrap().1,
@@ -209,11 +210,11 @@ fn links_on_uniform_bushings_are_stretching_links() {
             relaxed,
             bushings: vec![
                 part("upper_front_link_inner"),
-                part("upper_front_link_outer"),
+                free("upper_front_link_outer"),
                 part("upper_rear_link_inner"),
                 part("lower_front_link_outer"),
                 part("toe_link_inner"),
-                part("toe_link_outer"),
+                free("toe_link_outer"),
             ],
             links: Vec::new(),
             spring: spring.clone(),
@@ -230,6 +231,12 @@ fn links_on_uniform_bushings_are_stretching_links() {
             spring: spring.clone(),
         };
         let [a, b] = [bushed, stretched].map(|c| ElasticWheel::new(&suspension, &c).unwrap());
+        // What statics gives is the same. Away from the design position the preload of a bushing keeps its direction in
+        // the body, that of a link follows the link.
+        if let (Some(a), Some(b)) = (a.design_load(), b.design_load()) {
+            assert!((a - b).abs() < 1e-11 * b, "{a} {b}");
+            continue;
+        }
         for (travel, rack) in [(0.0, 0.0), (35.0, 0.0), (-30.0, 8.0)] {
             let load = WheelLoads {
                 side: 2500.0,
@@ -244,7 +251,6 @@ fn links_on_uniform_bushings_are_stretching_links() {
                 (wheel.figures(&at), by.unwrap(), wheel.rack_force(&at))
             };
             let (found, expected) = (loaded(&a), loaded(&b));
-            // Almost no torsion: 1e-4 N mm per rad against thousands of newtons at hundreds of millimetres.
             let error = largest_difference(&found.0, &expected.0);
             assert!(error < 1e-11, "{relaxed:?} {travel} {error:e}");
             let error = largest_difference(&found.1, &expected.1);

@@ -98,12 +98,6 @@ fn mistakes_are_named_by_line() {
         (spring, "", "[compliance]", "needs [spring]"),
         (
             "[tyre]",
-            "[axle]\nright = \"mirrored\"\n[tyre]",
-            "[axle]",
-            "not available yet",
-        ),
-        (
-            "[tyre]",
             "[subframe]\ncarries = []\n[tyre]",
             "[subframe]",
             "not available yet",
@@ -153,6 +147,17 @@ fn mistakes_are_named_by_line() {
     ] {
         assert_mistake(from, to, on, phrase);
     }
+}
+
+#[test]
+fn an_elastic_axle_is_refused() {
+    let text = text(STUDIES[0]).replace("[tyre]", "[axle]\nright = \"mirrored\"\n[tyre]");
+    let errors = Study::elastic_from_text("study.toml", &text, Path::new(".")).unwrap_err();
+    let rendered = errors.render(false);
+    assert!(
+        rendered.contains("[axle] with [compliance] is not available yet"),
+        "{rendered}"
+    );
 }
 
 #[test]

@@ -2,11 +2,12 @@
 
 use super::bushing::Bushing;
 use super::definition::{AxialStiffness, Compliance, LinkMember};
+use super::floating::Floating;
 use super::law::Law;
-use super::limb::{End, Floating, Swinging};
 use super::loads::WheelPart;
 use super::parts::{CarrierSeat, Joint, LegSeat, Mount, RodPart};
 use super::point::{RockerSeat, Seat, Spring};
+use super::swinging::{End, Swinging};
 use super::system::{CarrierBushing, Limb, System};
 use crate::derive::DesignedSpinAxis;
 use crate::model::{Arm, Body, Constraint, Mechanism, PointId};

@@ -50,15 +50,16 @@ impl<T: Real> WheelLoads<T> {
         }
     }
 
-    /// A share of the way from another load to this one. The trail is this one's.
-    pub(super) fn from_at(&self, from: &Self, share: T) -> Self {
+    /// A share of the way from this load to another one. The trail is the other's.
+    pub(super) fn towards(&self, to: &Self, share: T) -> Self {
+        let from = self;
         let between = |a: Vector3<T>, b: Vector3<T>| a + (b - a) * share;
         WheelLoads {
-            contact: between(from.contact, self.contact),
-            side: from.side + (self.side - from.side) * share,
-            trail: self.trail,
-            centre: between(from.centre, self.centre),
-            moment: between(from.moment, self.moment),
+            contact: between(from.contact, to.contact),
+            side: from.side + (to.side - from.side) * share,
+            trail: to.trail,
+            centre: between(from.centre, to.centre),
+            moment: between(from.moment, to.moment),
         }
     }
 

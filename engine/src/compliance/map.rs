@@ -1,12 +1,13 @@
 //! The system over another kind of number, for derivatives in a state.
 
 use super::bushing::Bushing;
+use super::floating::Floating;
 use super::law::{Law, Shape};
-use super::limb::{End, Floating, Swinging};
 use super::loads::WheelPart;
 use super::parts::{CarrierSeat, Joint, LegSeat, Mount, RodPart};
 use super::point::{RockerSeat, Seat, Spring};
 use super::reading::WheelFigures;
+use super::swinging::{End, Swinging};
 use super::system::{CarrierBushing, Limb, System};
 use crate::number::Scalar;
 

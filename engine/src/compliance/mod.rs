@@ -3,7 +3,7 @@
 //! Bodies are the wheel carrier, arms on bushings, links with bushings, the mount of a strut and the rocker of a spring;
 //! everything else is rigid. All bodies are displaced from the design position, and deflections are formed from these
 //! displacements (`algebra.rs`), never from coordinates. Parts between body and carrier are eliminated one by one
-//! (`limb.rs`, `parts.rs`), and a system of at most twelve equations is left (`system.rs`). Newton's method raises the
+//! (`limb.rs`, `swinging.rs`, `floating.rs`, `parts.rs`), and a system of at most twelve equations is left (`system.rs`). Newton's method raises the
 //! loads (`solve.rs`). Elements are written over any number: derivatives by loads, travel, rack and design come from the
 //! same code.
 
@@ -11,6 +11,7 @@ mod algebra;
 mod build;
 mod bushing;
 mod definition;
+mod floating;
 mod kc;
 mod law;
 mod limb;
@@ -22,6 +23,7 @@ mod preload;
 mod reading;
 mod readings;
 mod solve;
+mod swinging;
 mod system;
 mod wheel;
 

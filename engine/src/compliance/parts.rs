@@ -174,13 +174,13 @@ impl<T: Scalar> Mount<T> {
         let inverse = own.one() / own;
         let mut followers = Followers::of_one(like);
         for i in 0..6 {
-            followers.by_first(i, by[i] * inverse);
+            followers.by[0][i] = by[i] * inverse;
             sum.force[i] = sum.force[i] - by[i] * (moment * inverse);
             for j in 0..6 {
                 sum.tangent[i][j] = sum.tangent[i][j] - by[i] * by[j] * inverse;
             }
         }
-        followers.set_rest(moment * inverse);
+        followers.rest[0] = moment * inverse;
         let mut inner = [like.zero(); 7];
         inner[0] = moment;
         own.value().is_finite().then_some(Evaluated {

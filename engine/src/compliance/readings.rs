@@ -2,8 +2,10 @@
 
 use super::build::{Built, BushingPlace, LinkPlace};
 use super::bushing::{Bushing, BushingState};
-use super::limb::{Floating, LimbStep, Swinging};
+use super::floating::Floating;
+use super::limb::LimbStep;
 use super::parts::Joint;
+use super::swinging::Swinging;
 use super::system::{Limb, State, System};
 use super::wheel::{BushingReading, SpringReading};
 use crate::number::{Scalar, Vector3};

@@ -160,7 +160,7 @@ impl System<f64> {
         to: &Task<f64>,
         held: Option<&Held<f64>>,
         bounds: Bounds,
-    ) -> Result<Solution<f64>, Stuck> {
+    ) -> Result<Solution<f64>, Box<Stuck>> {
         if let Ok(solution) = self.newton(start, to, None, bounds) {
             return Ok(solution);
         }
@@ -189,11 +189,11 @@ impl System<f64> {
                 Err(obstacle) => {
                     step *= 0.5;
                     if step < LEAST_SHARE {
-                        return Err(Stuck {
+                        return Err(Box::new(Stuck {
                             share: reached,
                             obstacle,
                             last,
-                        });
+                        }));
                     }
                 }
             }
@@ -210,7 +210,7 @@ fn between(from: &Task<f64>, to: &Task<f64>, share: f64) -> Task<f64> {
     Task {
         rack: from.rack + (to.rack - from.rack) * share,
         hold,
-        loads: to.loads.from_at(&from.loads, share),
+        loads: from.loads.towards(&to.loads, share),
     }
 }
 

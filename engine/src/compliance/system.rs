@@ -13,10 +13,12 @@
 
 use super::algebra::Placed;
 use super::bushing::{Bushing, BushingState};
-use super::limb::{Conditions, Evaluated, Floating, Followers, LimbState, LimbStep, Sum, Swinging};
+use super::floating::Floating;
+use super::limb::{Conditions, Evaluated, Followers, LimbState, LimbStep, Sum};
 use super::loads::{WheelLoads, WheelPart};
 use super::parts::{CarrierSeat, Joint, LegSeat, Mount, MountState, RodPart};
 use super::point::SeatState;
+use super::swinging::Swinging;
 use crate::linear::square::{MOST, SquareLu};
 use crate::number::{Scalar, Vector3};
 

@@ -259,8 +259,8 @@ pub(super) fn second_order<T: Real, const N: usize>(
     }
     let found = f(inputs);
     let mut second = [[at[0]; N]; N];
-    for k in 0..N {
-        second[k] = found.partials[k].partials;
+    for (row, partial) in second.iter_mut().zip(&found.partials) {
+        *row = partial.partials;
     }
     (found.value.value, found.value.partials, second)
 }

@@ -186,12 +186,11 @@ impl<T: Scalar> Builder<'_, T> {
                 seat: None,
                 spin: None,
             }));
-            let name = self.mechanism.bodies.iter();
-            let name = name
-                .filter(|(_, body)| matches!(body, Body::Arm(id) if id.0 == k))
-                .map(|(name, _)| (*name).to_owned());
+            let is_arm = |body: &Body| matches!(body, Body::Arm(id) if id.0 == k);
+            let mut bodies = self.mechanism.bodies.iter();
+            let name = bodies.find(|(_, body)| is_arm(body));
             self.names
-                .push(name.last().unwrap_or_else(|| "arm".to_owned()));
+                .push(name.map_or("arm", |(name, _)| name).to_owned());
             limbs[k] = Some(limb);
         }
         limbs

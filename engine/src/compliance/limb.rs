@@ -312,8 +312,9 @@ pub(super) fn is_positive<T: Scalar, const N: usize>(
         largest = if a[k][k] > largest { a[k][k] } else { largest };
         for i in k + 1..N {
             let factor = a[i][k] / a[k][k];
-            for j in k + 1..N {
-                a[i][j] -= factor * a[k][j];
+            let pivot = a[k];
+            for (entry, of_pivot) in a[i].iter_mut().zip(pivot).skip(k + 1) {
+                *entry -= factor * of_pivot;
             }
         }
     }

@@ -254,8 +254,8 @@ impl<T: Scalar> OwnSum<T> {
         for i in 0..3 {
             for (k, factor) in joint_by[i].into_iter().enumerate() {
                 less[i] = less[i] + factor * rest[k];
-                for j in 0..3 {
-                    change[j][i] = change[j][i] - factor * by[k][j];
+                for (column, by) in change.iter_mut().zip(by[k]) {
+                    column[i] = column[i] - factor * by;
                 }
             }
         }

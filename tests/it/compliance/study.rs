@@ -203,5 +203,5 @@ fn mutilated_studies_are_tested_or_refused_with_a_reason() {
             }
         }
     }
-    assert!(ran > 50 && refused > 50, "{ran} {refused}");
+    assert!(ran > 30 && refused > 50, "{ran} {refused}");
 }

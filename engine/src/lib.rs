@@ -51,6 +51,8 @@ pub mod bench_hooks;
 #[doc(hidden)]
 pub mod characteristics;
 #[doc(hidden)]
+pub mod compliance;
+#[doc(hidden)]
 pub mod curves;
 #[doc(hidden)]
 pub mod derive;

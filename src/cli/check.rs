@@ -21,7 +21,10 @@ use std::path::Path;
 
 pub(super) fn run(arguments: &StudyArguments) -> Result<Exit, Stop> {
     let path = &arguments.study;
-    let study = Study::read(path, &arguments.set)?;
+    let study = Study::read_elastic(path, &arguments.set)?;
+    if let Some(elastic) = &study.compliance {
+        return super::elastic::check(arguments, &study, elastic);
+    }
     let fault = |why| Stop::in_file(path, why);
     let alone = motion_alone(&study);
     let checked = Checked::of(&alone).map_err(fault)?;

@@ -7,11 +7,13 @@ mod check;
 mod choices;
 mod compare;
 mod completions;
+mod elastic;
 mod exit;
 mod export;
 mod export_source;
 mod import;
 mod interrupt;
+mod kc;
 mod limits;
 mod limits_of_builds;
 mod man;
@@ -62,6 +64,8 @@ enum Command {
     Check(StudyArguments),
     /// Compute curves over the motion
     Solve(RunArguments),
+    /// Tests of a kinematics and compliance rig: toe, camber and displacements by travel, rack and loads
+    Kc(RunArguments),
     /// Solve a batch of designs
     Sweep(SweepArguments),
     /// Join the parts of a sweep into one file
@@ -368,6 +372,7 @@ fn carried_out(arguments: Arguments) -> Exit {
         Command::New(arguments) => new::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),
         Command::Solve(arguments) => solve::run(&arguments),
+        Command::Kc(arguments) => kc::run(&arguments),
         Command::Sweep(arguments) => sweep::run(&arguments),
         Command::Merge(arguments) => merge::run(&arguments),
         Command::Optimise(arguments) => optimise::run(&arguments),

@@ -42,6 +42,14 @@ const TUNING_FILES: [&str; 8] = [
 /// The files of a set-up.
 const SETUP_FILES: [&str; 4] = ["curves.csv", "setup.csv", "effects.csv", "summary.json"];
 
+/// The files of rig tests.
+const KC_FILES: [&str; 4] = [
+    "kc.csv",
+    "levels.csv",
+    "compliance_matrix.csv",
+    "summary.json",
+];
+
 /// The files of builds.
 const TOLERANCE_FILES: [&str; 9] = [
     "tolerance.csv",
@@ -130,6 +138,7 @@ impl Output {
         let mut files = match command {
             "optimise" => TUNING_FILES.to_vec(),
             "setup" => SETUP_FILES.to_vec(),
+            "kc" => KC_FILES.to_vec(),
             "tolerance" => TOLERANCE_FILES.to_vec(),
             _ => CURVE_FILES.to_vec(),
         };

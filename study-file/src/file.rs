@@ -38,6 +38,16 @@ pub struct File {
     pub anti_roll_bar: Option<Spanned<Rate>>,
     /// `[tyre]`
     pub tyre: Option<Spanned<Rate>>,
+    /// `[compliance]`
+    pub compliance: Option<Spanned<Compliance>>,
+    /// `[bushings.NAME]`
+    #[serde(default)]
+    pub bushings: BTreeMap<Text, Spanned<Bushing>>,
+    /// `[links.NAME]`
+    #[serde(default)]
+    pub links: BTreeMap<Text, Spanned<LinkStiffness>>,
+    /// `[subframe]`, which is refused with an explanation.
+    pub subframe: Option<Spanned<Subframe>>,
     /// `[motion]`
     pub motion: Spanned<Motion>,
     /// `[motions.NAME]`
@@ -203,6 +213,95 @@ pub struct BumpStop {
 pub struct Rate {
     /// Torque per angle, or force per length.
     pub rate: Number,
+}
+
+/// `[compliance]`
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Compliance {
+    /// `free` or `at_design_load`.
+    pub relaxed: Option<Text>,
+    /// Tests of `hardpoint kc`.
+    pub tests: Option<Spanned<Vec<Spanned<ComplianceTest>>>>,
+}
+
+/// An element of `tests` of `[compliance]`.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ComplianceTest {
+    /// Name of the test load or of the motion.
+    pub load: Text,
+    /// Distance of a side force behind the contact point.
+    pub trail: Option<Number>,
+    /// `wheel_height` or `wheel_load`.
+    pub hold: Option<Text>,
+    /// Half-width of the range of the load.
+    pub window: Option<Number>,
+    /// Number of levels of the load.
+    pub levels: Option<Whole>,
+    /// `all` or `nearest`.
+    pub stations: Option<Text>,
+    /// Loading of both wheels; refused with an explanation.
+    pub mode: Option<Spanned<IgnoredAny>>,
+    /// What is locked; refused with an explanation.
+    pub steering: Option<Spanned<IgnoredAny>>,
+}
+
+/// Pairs of deflection and force, or of angle and torque.
+pub type BushingCurve = Option<Spanned<Vec<Spanned<Vec<Number>>>>>;
+
+/// `[bushings.NAME]`
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Bushing {
+    /// Stiffness along and about its axes, six numbers if they are right.
+    pub stiffness: Option<Spanned<Vec<Number>>>,
+    /// Coefficients of the cubed deflection, six numbers if they are right.
+    pub cubic: Option<Spanned<Vec<Number>>>,
+    /// Force along x over deflection.
+    pub fx: BushingCurve,
+    /// Force along y over deflection.
+    pub fy: BushingCurve,
+    /// Force along z over deflection.
+    pub fz: BushingCurve,
+    /// Torque about x over angle, rad.
+    pub tx: BushingCurve,
+    /// Torque about y over angle, rad.
+    pub ty: BushingCurve,
+    /// Torque about z over angle, rad.
+    pub tz: BushingCurve,
+    /// Direction of the x axis.
+    pub x_axis: Option<Coordinates>,
+    /// Direction whose part normal to the x axis is the z axis.
+    pub z_axis: Option<Coordinates>,
+    /// Constant forces and torques, six numbers if they are right.
+    pub preload: Option<Spanned<Vec<Number>>>,
+    /// Factors of the laws, six numbers if they are right.
+    pub scale: Option<Spanned<Vec<Number>>>,
+    /// A file with the laws; refused with an explanation.
+    pub file: Option<Text>,
+}
+
+/// `[subframe]`
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Subframe {
+    /// Hardpoints on it.
+    pub carries: Option<Spanned<IgnoredAny>>,
+    /// Hardpoints of its mounts.
+    pub mounts: Option<Spanned<IgnoredAny>>,
+}
+
+/// `[links.NAME]`
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LinkStiffness {
+    /// Force per length.
+    pub axial_stiffness: Option<Number>,
+    /// Force per area and strain,
+    pub modulus: Option<Number>,
+    /// with the area of the section.
+    pub area: Option<Number>,
 }
 
 /// `[motion]`

@@ -11,6 +11,7 @@ mod bench;
 mod builds;
 mod certificate;
 mod command_line;
+mod compliance;
 mod derivatives;
 mod effects;
 mod exchange;

@@ -44,6 +44,15 @@ const TABLES: &[(&str, &str, &str)] = &[
         "[anti_roll_bar]\nbogus = 1",
     ),
     ("tyre", "[tyre]", "[tyre]\nbogus = 1"),
+    ("compliance", "[compliance]", "[compliance]\nbogus = 1"),
+    ("compliance.tests", "tests = []", "tests = [{ bogus = 1 }]"),
+    (
+        "bushings.NAME",
+        "[motion]",
+        "[bushings.rear]\nbogus = 1\n[motion]",
+    ),
+    ("subframe", "[motion]", "[subframe]\nbogus = 1\n[motion]"),
+    ("links.NAME", "[motion]", "[links.rod]\nbogus = 1\n[motion]"),
     ("motion", "[motion]", "[motion]\nbogus = 1"),
     (
         "motion.travel (every range)",
@@ -141,6 +150,8 @@ force_curve = []
 rate = 1.0
 [tyre]
 rate = 1.0
+[compliance]
+tests = []
 [motion]
 travel = { from = 0.0, to = 1.0, steps = 2 }
 [solver]

@@ -368,7 +368,12 @@ impl<T: Real> Wheel<T> {
     /// to it.
     #[inline(always)]
     pub(super) fn heading_and_outboard(&self) -> (Vector3<T>, Vector3<T>) {
-        let a = self.spin_axis;
+        Wheel::heading_and_outboard_of(self.spin_axis)
+    }
+
+    /// The same of a wheel with this spin axis.
+    #[inline(always)]
+    pub(crate) fn heading_and_outboard_of(a: Vector3<T>) -> (Vector3<T>, Vector3<T>) {
         let zero = a.x.zero();
         let scale = a.x.one() / (a.x * a.x + a.y * a.y).sqrt();
         (

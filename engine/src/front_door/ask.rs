@@ -81,6 +81,7 @@ impl Study {
             sweep: None,
             setup: None,
             tolerance: None,
+            compliance: None,
             axle: None,
         }
     }

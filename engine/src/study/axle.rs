@@ -60,15 +60,19 @@ pub(super) fn refuse_without_axle(file: &File, problems: &mut Problems) {
     let mut places: Vec<_> = motions.flat_map(|m| keys_of_axles(m.get_ref())).collect();
     let sections = [
         ("[steering]", file.steering.as_ref().map(Spanned::span)),
-        ("[spring]", file.spring.as_ref().map(Spanned::span)),
-        ("[bump_stop]", file.bump_stop.as_ref().map(Spanned::span)),
         (
             "[anti_roll_bar]",
             file.anti_roll_bar.as_ref().map(Spanned::span),
         ),
+    ];
+    // One elastic wheel has a spring, too.
+    let springs = [
+        ("[spring]", file.spring.as_ref().map(Spanned::span)),
+        ("[bump_stop]", file.bump_stop.as_ref().map(Spanned::span)),
         ("[tyre]", file.tyre.as_ref().map(Spanned::span)),
     ];
-    let sections = sections.into_iter();
+    let springs = springs.into_iter().filter(|_| file.compliance.is_none());
+    let sections = sections.into_iter().chain(springs);
     places.extend(sections.filter_map(|(name, span)| Some((name, span?))));
     for (key, span) in places {
         let message = format!("{key} needs [axle]; this study describes one wheel");
@@ -196,7 +200,7 @@ fn setup(file: &File, left: &Suspension, problems: &mut Problems) -> Option<Setu
 }
 
 /// The laws of both springs; the inner `None` where there are none.
-fn springs(
+pub(super) fn springs(
     file: &File,
     left: &Suspension,
     problems: &mut Problems,
@@ -290,7 +294,7 @@ fn spring(
     }
 }
 
-fn force_curve(
+pub(super) fn force_curve(
     written: &Spanned<Vec<Spanned<Vec<Number>>>>,
     problems: &mut Problems,
 ) -> Option<ForceCurve> {

@@ -10,6 +10,7 @@
 mod axle;
 mod axle_forces;
 mod axle_targets;
+mod compliance;
 mod constraints;
 mod curve_file;
 mod designs_file;
@@ -38,6 +39,7 @@ pub use crate::analyse::LoadPoint;
 pub use crate::solve::Drive;
 pub use axle::AxleStudy;
 pub use axle_targets::AxleSite;
+pub use compliance::ComplianceStudy;
 pub use designs_file::DesignTable;
 pub use hardpoint_study_file::error::{StudyError, StudyErrors};
 pub(crate) use hardpoint_study_file::names::nearest;
@@ -94,6 +96,8 @@ pub struct Study {
     pub setup: Option<Setup>,
     /// The tolerances, if the study has them.
     pub tolerance: Option<Tolerance>,
+    /// The elastic parts and their tests, if the study has them.
+    pub compliance: Option<ComplianceStudy>,
     /// The axle and what is asked of it, if the study is of an axle; `suspension` then is its left wheel, and `motion`
     /// and `outputs` are empty.
     pub axle: Option<AxleStudy>,

@@ -2,8 +2,8 @@
 
 use super::error::{Problems, Source, StudyError, StudyErrors};
 use super::{
-    AxleStudy, Drive, Load, Motion, Optimise, Outputs, Study, axle, edit, file, motion, optimise,
-    outputs, overrides, parse, setup, solver, source, suspension, sweep, tolerance,
+    AxleStudy, Drive, Load, Motion, Optimise, Outputs, Study, axle, compliance, edit, file, motion,
+    optimise, outputs, overrides, parse, setup, solver, source, suspension, sweep, tolerance,
 };
 use crate::model::Suspension;
 use std::path::Path;
@@ -54,6 +54,15 @@ impl Study {
     /// Reads a study file, or standard input for `-`. `overrides` are edits `path=value` (as in `optimise.starts=4`), applied to
     /// the text before it is read.
     pub fn read(path: &Path, overrides: &[String]) -> Result<Study, StudyErrors> {
+        Study::read_parts(path, overrides, Parts::Rigid)
+    }
+
+    /// The same as [`Study::read`], for what knows elastic parts: [`Study::compliance`] may be there.
+    pub fn read_elastic(path: &Path, overrides: &[String]) -> Result<Study, StudyErrors> {
+        Study::read_parts(path, overrides, Parts::Elastic)
+    }
+
+    fn read_parts(path: &Path, overrides: &[String], parts: Parts) -> Result<Study, StudyErrors> {
         let is_input = path == Path::new("-");
         let path = if is_input { Path::new("stdin") } else { path };
         let name = path.display().to_string();
@@ -65,10 +74,10 @@ impl Study {
             text.map_err(|reason| StudyError::of_file(&name, format!("cannot be read: {reason}")))?;
         let directory = path.parent().unwrap_or(Path::new(""));
         if overrides.is_empty() {
-            return Study::from_text(&name, &text, directory);
+            return resolve(Path::new(&name), name.clone(), text, directory, parts);
         }
         let text = overrides::apply(&name, &text, overrides)?;
-        resolve(path, format!("{name} (with --set)"), text, directory)
+        resolve(path, format!("{name} (with --set)"), text, directory, parts)
     }
 
     /// The study with edits `path=value`, as `--set` makes them; `name` is the file name it goes by.
@@ -80,7 +89,18 @@ impl Study {
     /// Reads a study from its text. `name` is the file name it goes by, `directory` where the files it
     /// names are.
     pub fn from_text(name: &str, text: &str, directory: &Path) -> Result<Study, StudyErrors> {
-        resolve(Path::new(name), name.to_owned(), text.to_owned(), directory)
+        let (path, shown) = (Path::new(name), name.to_owned());
+        resolve(path, shown, text.to_owned(), directory, Parts::Rigid)
+    }
+
+    /// The same as [`Study::from_text`], for what knows elastic parts.
+    pub fn elastic_from_text(
+        name: &str,
+        text: &str,
+        directory: &Path,
+    ) -> Result<Study, StudyErrors> {
+        let (path, shown) = (Path::new(name), name.to_owned());
+        resolve(path, shown, text.to_owned(), directory, Parts::Elastic)
     }
 }
 
@@ -108,12 +128,22 @@ fn check_sensitivities(
     }
 }
 
+/// Parts that a reader of studies knows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Parts {
+    /// Rigid ones: elastic parts are refused, so that no result leaves them out.
+    Rigid,
+    /// Elastic ones, too.
+    Elastic,
+}
+
 /// `shown` is the name of the file in messages.
 fn resolve(
     path: &Path,
     shown: String,
     text: String,
     directory: &Path,
+    parts: Parts,
 ) -> Result<Study, StudyErrors> {
     let source = Arc::new(Source { name: shown, text });
     let file = parse::parse(&source)?;
@@ -142,6 +172,8 @@ fn resolve(
             Some(None)
         }
     };
+    let knows_elastic = parts == Parts::Elastic;
+    let elastic = compliance::compliance(&file, &suspension, knows_elastic, &mut problems);
     if let Some(motion) = &motion {
         motion::check_drive(&file.motion, motion, &suspension, &mut problems);
     }
@@ -257,6 +289,7 @@ fn resolve(
             sweep: sweep?,
             setup: setup?,
             tolerance: tolerance?,
+            compliance: elastic?,
             axle: axle?,
         })
     };

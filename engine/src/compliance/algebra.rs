@@ -1,0 +1,290 @@
+//! Small matrices, and the rotation of a body kept as its difference from the identity.
+//!
+//! With D = R - I a rotation near the identity keeps all digits: a point at the lever l moves by u + D l (1).
+//! A small turn w takes D to
+//!
+//! ```text
+//! D + E + E D,   E = (2 r^ + 2 r^ r^)/(1 + r.r),   r = w/2                                       (2)
+//! ```
+//!
+//! (r^ is the cross-product matrix of r). E is a rotation less the identity, exactly, and equals w^ to first order, so
+//! Newton's method converges quadratically with it. The rotation vector follows from the parts of R,
+//!
+//! ```text
+//! v = (R - R')/2 as a vector, |v| = sin t, cos t = 1 + trace(D)/2, log R = v t/sin t              (3)
+//! ```
+
+use crate::number::{Dual, Matrix3, Real, Scalar, Vector3};
+
+/// Below this square of the sine the ratio of angle and sine is a power series: it has a derivative at 0, and its
+/// last term is below 1e-17.
+const SMALL_SINE_SQUARED: f64 = 1e-3;
+
+/// The three components of the cross products v x e_k, as columns.
+#[inline(always)]
+pub(super) fn cross_matrix<T: Real>(v: Vector3<T>) -> Matrix3<T> {
+    let zero = v.x.zero();
+    Matrix3 {
+        columns: [
+            Vector3::new(zero, v.z, -v.y),
+            Vector3::new(-v.z, zero, v.x),
+            Vector3::new(v.y, -v.x, zero),
+        ],
+    }
+}
+
+/// Arithmetic of matrices that are no rotations.
+impl<T: Real> Matrix3<T> {
+    /// The null matrix, in the shape of `like`.
+    #[inline(always)]
+    pub(super) fn null(like: T) -> Self {
+        let zero = like.zero();
+        Matrix3 {
+            columns: [Vector3::new(zero, zero, zero); 3],
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn plus(&self, other: &Self) -> Self {
+        let ([a, b, c], [d, e, f]) = (self.columns, other.columns);
+        Matrix3 {
+            columns: [a + d, b + e, c + f],
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn times(&self, other: &Self) -> Self {
+        let [a, b, c] = other.columns;
+        Matrix3 {
+            columns: [self.apply(a), self.apply(b), self.apply(c)],
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn transposed(&self) -> Self {
+        let [a, b, c] = self.columns;
+        Matrix3 {
+            columns: [
+                Vector3::new(a.x, b.x, c.x),
+                Vector3::new(a.y, b.y, c.y),
+                Vector3::new(a.z, b.z, c.z),
+            ],
+        }
+    }
+
+    /// The matrix times the cross-product matrix of a vector: M v^.
+    #[inline(always)]
+    pub(super) fn times_cross(&self, v: Vector3<T>) -> Self {
+        self.times(&cross_matrix(v))
+    }
+
+    /// The cross-product matrix of a vector times the matrix: v^ M.
+    #[inline(always)]
+    pub(super) fn crossed_by(&self, v: Vector3<T>) -> Self {
+        let [a, b, c] = self.columns;
+        Matrix3 {
+            columns: [v.cross(a), v.cross(b), v.cross(c)],
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn negated(&self) -> Self {
+        let [a, b, c] = self.columns;
+        Matrix3 {
+            columns: [-a, -b, -c],
+        }
+    }
+
+    /// Adds a b' times a factor.
+    #[inline(always)]
+    pub(super) fn add_product(&mut self, a: Vector3<T>, b: Vector3<T>, factor: T) {
+        let [x, y, z] = (b * factor).to_array();
+        let columns = &mut self.columns;
+        columns[0] = columns[0].plus_scaled(a, x);
+        columns[1] = columns[1].plus_scaled(a, y);
+        columns[2] = columns[2].plus_scaled(a, z);
+    }
+
+    /// Adds a multiple of the identity.
+    #[inline(always)]
+    pub(super) fn add_identity(&mut self, factor: T) {
+        let [x, y, z] = &mut self.columns;
+        x.x = x.x + factor;
+        y.y = y.y + factor;
+        z.z = z.z + factor;
+    }
+
+    /// The entry of a row and a column.
+    #[inline(always)]
+    pub(super) fn entry(&self, row: usize, column: usize) -> T {
+        self.columns[column].to_array()[row]
+    }
+}
+
+/// Position of a rigid body: how it differs from the design position.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Placed<T> {
+    /// Displacement of its reference point.
+    pub(super) shift: Vector3<T>,
+    /// D = R - I.
+    pub(super) turn: Matrix3<T>,
+}
+
+impl<T: Real> Placed<T> {
+    /// The design position.
+    #[inline(always)]
+    pub(super) fn design(like: T) -> Self {
+        let turn = Matrix3::null(like);
+        Placed {
+            shift: turn.columns[0],
+            turn,
+        }
+    }
+
+    /// Displacement of the point at this lever from the reference point in the design position. Equation (1).
+    #[inline(always)]
+    pub(super) fn displacement(&self, lever: Vector3<T>) -> Vector3<T> {
+        self.shift + self.turn.apply(lever)
+    }
+
+    /// Present vector from the reference point to the point at this lever.
+    #[inline(always)]
+    pub(super) fn lever(&self, lever: Vector3<T>) -> Vector3<T> {
+        lever + self.turn.apply(lever)
+    }
+
+    /// The body moved by a shift of its reference point and a small turn.
+    #[inline(always)]
+    pub(super) fn moved(&self, shift: Vector3<T>, turn: Vector3<T>) -> Self {
+        Placed {
+            shift: self.shift + shift,
+            turn: turned(&self.turn, turn),
+        }
+    }
+
+    /// The rotation R.
+    #[inline(always)]
+    pub(super) fn rotation(&self) -> Matrix3<T> {
+        let mut rotation = self.turn;
+        rotation.add_identity(rotation.columns[0].x.one());
+        rotation
+    }
+
+    /// The body over another kind of number.
+    #[inline(always)]
+    pub(super) fn map<U>(&self, f: impl Fn(T) -> U + Copy) -> Placed<U> {
+        Placed {
+            shift: self.shift.map(f),
+            turn: self.turn.map(f),
+        }
+    }
+}
+
+/// Equation (2).
+#[inline(always)]
+fn turned<T: Real>(difference: &Matrix3<T>, turn: Vector3<T>) -> Matrix3<T> {
+    let half = turn * turn.x.lit(0.5);
+    let one = turn.x.one();
+    let factor = (one + one) / (one + half.norm_squared());
+    let [a, b, c] = difference.columns;
+    let zero = one.zero();
+    let unit = [
+        Vector3::new(one, zero, zero),
+        Vector3::new(zero, one, zero),
+        Vector3::new(zero, zero, one),
+    ];
+    let by = |column: Vector3<T>, unit: Vector3<T>| {
+        let across = half.cross(column + unit);
+        column + (across + half.cross(across)) * factor
+    };
+    Matrix3 {
+        columns: [by(a, unit[0]), by(b, unit[1]), by(c, unit[2])],
+    }
+}
+
+/// Sine, cosine and rotation vector of a rotation, from its difference from the identity. Equation (3).
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Logarithm<T> {
+    pub(super) vector: Vector3<T>,
+    pub(super) sine: Vector3<T>,
+    pub(super) cosine: T,
+}
+
+impl<T: Scalar> Logarithm<T> {
+    #[inline(always)]
+    pub(super) fn of(difference: &Matrix3<T>) -> Self {
+        let [a, b, c] = difference.columns;
+        let half = a.x.lit(0.5);
+        let sine = Vector3::new(b.z - c.y, c.x - a.z, a.y - b.x) * half;
+        let cosine = half.one() + (a.x + b.y + c.z) * half;
+        Logarithm {
+            vector: sine * angle_by_sine(sine.norm_squared(), cosine),
+            sine,
+            cosine,
+        }
+    }
+}
+
+/// t/sin t, from the square of the sine and the cosine.
+#[inline(always)]
+pub(super) fn angle_by_sine<T: Scalar>(squared: T, cosine: T) -> T {
+    if squared.value() < SMALL_SINE_SQUARED && cosine.value() > 0.0 {
+        // asin(s)/s
+        let coefficients = [
+            63.0 / 2816.0,
+            35.0 / 1152.0,
+            5.0 / 112.0,
+            3.0 / 40.0,
+            1.0 / 6.0,
+        ];
+        let mut sum = squared.lit(231.0 / 13312.0);
+        for coefficient in coefficients {
+            sum = sum * squared + squared.lit(coefficient);
+        }
+        return sum * squared + squared.one();
+    }
+    let sine = squared.sqrt();
+    sine.atan2(cosine) / sine
+}
+
+/// Value, gradient and second derivatives of a function of `N` numbers.
+#[inline]
+pub(super) fn second_order<T: Real, const N: usize>(
+    at: [T; N],
+    f: impl Fn([Dual<Dual<T, N>, N>; N]) -> Dual<Dual<T, N>, N>,
+) -> (T, [T; N], [[T; N]; N]) {
+    let mut inputs = [Dual::constant(Dual::constant(at[0])); N];
+    for k in 0..N {
+        inputs[k] = Dual::input(Dual::input(at[k], k), k);
+    }
+    let found = f(inputs);
+    let mut second = [[at[0]; N]; N];
+    for (row, partial) in second.iter_mut().zip(&found.partials) {
+        *row = partial.partials;
+    }
+    (found.value.value, found.value.partials, second)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A body turned in many small steps keeps its axis and angle, and the logarithm returns them.
+    #[test]
+    fn the_logarithm_inverts_turns() {
+        for angle in [1e-9, 1e-3, 0.031, 0.032, 0.4, 1.9, 3.0] {
+            let axis = Vector3::new(2.0, -1.0, 2.0) * (1.0 / 3.0);
+            // Two turns by Cayley's vector make the angle.
+            let step = axis * (4.0 * (angle / 4.0_f64).tan());
+            let body = Placed::design(0.0)
+                .moved(axis.zero(), step)
+                .moved(axis.zero(), step);
+            let found = Logarithm::of(&body.turn).vector;
+            let error = (found - axis * angle).norm();
+            assert!(
+                error < 8.0 * f64::EPSILON * angle.max(1.0) / (1.0 + angle.cos()).min(1.0),
+                "{angle}: {error:e}"
+            );
+        }
+    }
+}

@@ -1,0 +1,270 @@
+//! A bushing between two bodies.
+//!
+//! Body j moves in the frame of body i, which holds the bushing's axes A (rows). With p the bushing's point on either
+//! body, R_i and R_j their rotations and e = p_j - p_i,
+//!
+//! ```text
+//! d = A R_i' e,   phi = A log(R_i' R_j)                                                           (1)
+//! ```
+//!
+//! The laws give the forces f(d) and the torques g(phi) along and about the axes. Their energy changes by
+//!
+//! ```text
+//! dE = F.(dp_j - dp_i - w_i x e) + M.(w_j - w_i),   F = B f,   M = B h,   B = R_i A'              (2)
+//! h = J^-T g = g + phi x g/2 + c phi x (phi x g)                                                  (3)
+//! c = 1/t^2 - (1 + cos t)/(2 t sin t),   t = |phi|                                                (4)
+//! ```
+//!
+//! for small turns w_i, w_j: F and M are what acts on body i, at p_j. They change by
+//!
+//! ```text
+//! dF = w_i x F + B K B' (dp_j - dp_i - w_i x e),   dM = w_i x M + B N B' (w_j - w_i)              (5)
+//! N = (dh/dphi) J^-1,   J^-1 v = v - phi x v/2 + c phi x (phi x v)                                (6)
+//! ```
+
+use super::algebra::Logarithm;
+use super::law::Law;
+use crate::number::{Matrix3, Scalar, Vector3};
+
+/// Squared angle below which c and its slope are power series.
+const SMALL_ANGLE_SQUARED: f64 = 0.25;
+/// Coefficients of c in t^2: |B_2k|/(2k)!, from the highest.
+const SERIES: [f64; 7] = [
+    1.0 / 74_724_249_600.0,
+    691.0 / 1_307_674_368_000.0,
+    1.0 / 47_900_160.0,
+    1.0 / 1_209_600.0,
+    1.0 / 30_240.0,
+    1.0 / 720.0,
+    1.0 / 12.0,
+];
+
+/// A bushing in the design position.
+#[derive(Clone, Debug)]
+pub(super) struct Bushing<T> {
+    /// A', its axes as columns.
+    pub(super) axes: Matrix3<T>,
+    /// Laws along and about its axes.
+    pub(super) laws: [Law<T>; 6],
+}
+
+/// Deflection and force of a bushing, in its axes.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct BushingState<T> {
+    pub(super) deflection: Vector3<T>,
+    pub(super) rotation: Vector3<T>,
+    /// f: on body i. The force on body j is its negative.
+    pub(super) force: Vector3<T>,
+    /// h: on body i. The torque on body j is its negative.
+    pub(super) torque: Vector3<T>,
+}
+
+/// F and M of equation (2) with B K B' and B N B' of equation (5).
+#[derive(Clone, Copy, Debug)]
+pub(super) struct BushingForce<T> {
+    pub(super) force: Vector3<T>,
+    pub(super) moment: Vector3<T>,
+    pub(super) by_shift: Matrix3<T>,
+    pub(super) by_turn: Matrix3<T>,
+}
+
+/// c of equation (4) and its derivative by t divided by t.
+#[inline(always)]
+fn coefficient<T: Scalar>(rotation: &Logarithm<T>) -> (T, T) {
+    let square = rotation.vector.norm_squared();
+    let one = square.one();
+    if square.value() < SMALL_ANGLE_SQUARED {
+        let (mut value, mut slope) = (square.lit(SERIES[0]), square.zero());
+        for coefficient in &SERIES[1..] {
+            slope = slope * square + value;
+            value = value * square + square.lit(*coefficient);
+        }
+        return (value, slope + slope);
+    }
+    let inverse = one / square;
+    // cot(t/2)/(2t): sine and angle are parallel vectors.
+    let sine_by_angle = rotation.sine.dot(rotation.vector);
+    let cotangent = (one + rotation.cosine) / (sine_by_angle + sine_by_angle);
+    let half = one.lit(0.5);
+    let value = inverse - cotangent;
+    let slope = (cotangent + half / (one - rotation.cosine) - (inverse + inverse)) * inverse;
+    (value, slope)
+}
+
+impl<T: Scalar> Bushing<T> {
+    /// Deflection and force, from e in the axes of body i and R_i' R_j - I.
+    #[inline(always)]
+    pub(super) fn state(&self, e: Vector3<T>, turn: &Matrix3<T>) -> BushingState<T> {
+        let rotation = Logarithm::of(turn);
+        let (c, _) = coefficient(&rotation);
+        let deflection = self.axes.apply_transposed(e);
+        let phi = self.axes.apply_transposed(rotation.vector);
+        let (force, _) = self.forces(deflection);
+        let (g, _) = self.torques(phi);
+        let once = phi.cross(g);
+        BushingState {
+            deflection,
+            rotation: phi,
+            force,
+            torque: g + once * c.lit(0.5) + phi.cross(once) * c,
+        }
+    }
+
+    #[inline(always)]
+    fn forces(&self, d: Vector3<T>) -> (Vector3<T>, Vector3<T>) {
+        let [x, y, z] = [
+            self.laws[0].at(d.x),
+            self.laws[1].at(d.y),
+            self.laws[2].at(d.z),
+        ];
+        (Vector3::new(x.0, y.0, z.0), Vector3::new(x.1, y.1, z.1))
+    }
+
+    #[inline(always)]
+    fn torques(&self, phi: Vector3<T>) -> (Vector3<T>, Vector3<T>) {
+        let [x, y, z] = [
+            self.laws[3].at(phi.x),
+            self.laws[4].at(phi.y),
+            self.laws[5].at(phi.z),
+        ];
+        (Vector3::new(x.0, y.0, z.0), Vector3::new(x.1, y.1, z.1))
+    }
+
+    /// Forces and tangents. `e` in the axes of the vehicle; `body` has R_i, and is `None` for a body at rest.
+    #[inline(always)]
+    pub(super) fn force(
+        &self,
+        e: Vector3<T>,
+        turn: &Matrix3<T>,
+        body: Option<&Matrix3<T>>,
+    ) -> BushingForce<T> {
+        let axes = match body {
+            None => self.axes,
+            Some(rotation) => rotation.times(&self.axes),
+        };
+        let rotation = Logarithm::of(turn);
+        let (c, slope) = coefficient(&rotation);
+        let phi = self.axes.apply_transposed(rotation.vector);
+        let (force, rate) = self.forces(axes.apply_transposed(e));
+        let mut by_shift = Matrix3::null(c);
+        for (axis, rate) in axes.columns.into_iter().zip(rate.to_array()) {
+            by_shift.add_product(axis, axis, rate);
+        }
+        let (g, rates) = self.torques(phi);
+        let (once, half) = (phi.cross(g), c.lit(0.5));
+        let twice = phi.cross(once);
+        // N of equation (6), column by column: the turns about the bushing's axes.
+        let one = c.one();
+        let zero = c.zero();
+        let units = [
+            Vector3::new(one, zero, zero),
+            Vector3::new(zero, one, zero),
+            Vector3::new(zero, zero, one),
+        ];
+        let column = |unit: Vector3<T>| {
+            let across = phi.cross(unit);
+            let by = unit - across * half + phi.cross(across) * c;
+            let dg = Vector3::new(rates.x * by.x, rates.y * by.y, rates.z * by.z);
+            let first = by.cross(g) + phi.cross(dg);
+            let second = by.cross(once) + phi.cross(first);
+            dg + first * half + second * c + twice * (slope * phi.dot(by))
+        };
+        let local = Matrix3 {
+            columns: [column(units[0]), column(units[1]), column(units[2])],
+        };
+        BushingForce {
+            force: axes.apply(force),
+            moment: axes.apply(g + once * half + twice * c),
+            by_shift,
+            by_turn: axes.times(&local).times(&axes.transposed()),
+        }
+    }
+
+    /// The stiffness without deflection and torsion, for the forces at the design load.
+    pub(super) fn slack(&self) -> BushingForce<T> {
+        let like = self.axes.columns[0].x;
+        let nothing = Matrix3::null(like);
+        let mut by_shift = nothing;
+        for (axis, law) in self.axes.columns.into_iter().zip(&self.laws) {
+            by_shift.add_product(axis, axis, law.shape.slope(like));
+        }
+        BushingForce {
+            force: nothing.columns[0],
+            moment: nothing.columns[0],
+            by_shift,
+            by_turn: nothing,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::algebra::Placed;
+    use super::super::law::Shape;
+    use super::*;
+    use crate::number::{Dual, Real};
+
+    fn bushing<T: Scalar>(like: T) -> Bushing<T> {
+        let unit = Vector3::new(1.0, 2.0, -2.0) * (1.0 / 3.0);
+        let next = Vector3::new(2.0, 1.0, 2.0) * (1.0 / 3.0);
+        let axes = Matrix3 {
+            columns: [unit, next, unit.cross(next)].map(|v| v.map(|c| like.lit(c))),
+        };
+        let law = |rate: f64, cubic: f64| {
+            let shape = Shape::Cubic {
+                rate: like.lit(rate),
+                cubic: like.lit(cubic),
+            };
+            Law::new(shape, like.lit(30.0))
+        };
+        let laws = [
+            law(700.0, 60.0),
+            law(2500.0, 900.0),
+            law(1800.0, 0.0),
+            law(8e4, 1e5),
+            law(2.5e5, 0.0),
+            law(2e5, 0.0),
+        ];
+        Bushing { axes, laws }
+    }
+
+    /// The tangents are the derivatives of force and moment by small turns, for angles on both sides of the change of
+    /// formula. They are symmetric up to the moment, as those of an energy.
+    #[test]
+    fn tangents_are_derivatives() {
+        for angle in [0.0, 0.1, 0.4999, 0.5001, 1.3] {
+            let axis = Vector3::new(0.6, -0.48, 0.64);
+            let at = |w: Vector3<f64>, v: Vector3<f64>| {
+                let w = Dual::<f64, 3>::inputs(w);
+                let like = w.x;
+                let turn = axis.map(|c| like.lit(2.0 * c * (0.5_f64 * angle).tan()));
+                let body = Placed::design(like)
+                    .moved(w.zero(), turn)
+                    .moved(w.zero(), w);
+                let e = v.map(|c| like.lit(c));
+                bushing(like).force(e, &body.turn, None)
+            };
+            let found = at(Vector3::new(0.0, 0.0, 0.0), Vector3::new(0.3, -0.7, 0.9));
+            for row in 0..3 {
+                for column in 0..3 {
+                    let expected = found.moment.to_array()[row].partials[column];
+                    let tangent = found.by_turn.entry(row, column).value;
+                    assert!(
+                        (tangent - expected).abs() < 1e-9 * 3e5,
+                        "{angle} {tangent} {expected}"
+                    );
+                }
+            }
+            // N - N' = -M^ of a gradient by turns about fixed axes.
+            let (m, n) = (found.moment.map(|c| c.value), found.by_turn);
+            let skew = [
+                n.entry(2, 1).value - n.entry(1, 2).value,
+                n.entry(0, 2).value - n.entry(2, 0).value,
+                n.entry(1, 0).value - n.entry(0, 1).value,
+            ];
+            for (skew, m) in skew.into_iter().zip(m.to_array()) {
+                assert!((skew + m).abs() < 1e-9 * 3e5, "{angle} {skew} {m}");
+            }
+        }
+    }
+}

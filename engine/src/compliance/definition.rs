@@ -1,0 +1,180 @@
+//! Elastic parts as a study names them: bushings at hardpoints, links with axial stiffness, and how they are relaxed.
+
+use super::law::Shape;
+use crate::axle::SpringLaw;
+use crate::model::{Body, Constraint, Mechanism, PointId, RockerId};
+use crate::number::Vector3;
+
+/// Position in which elastic parts are relaxed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Relaxed {
+    /// Without force in the design position: the design is no equilibrium with the spring's force.
+    Free,
+    /// The design position is the equilibrium under the wheel load that goes with the spring's force at design.
+    AtDesignLoad,
+}
+
+/// A bushing at a hardpoint.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BushingPart<T = f64> {
+    /// The hardpoint.
+    pub point: PointId,
+    /// Laws along and about its axes.
+    pub shapes: [Shape<T>; 6],
+    /// Constant forces and torques.
+    pub preload: [T; 6],
+    /// Direction of its x axis in the design position, in the kernel's frame; `None` for the default.
+    pub x_axis: Option<Vector3<f64>>,
+    /// Direction whose part normal to the x axis is the z axis; `None` for the vertical.
+    pub z_axis: Option<Vector3<f64>>,
+}
+
+/// A link with axial stiffness.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LinkPart<T = f64> {
+    /// The link.
+    pub member: LinkMember,
+    /// Its stiffness.
+    pub stiffness: AxialStiffness<T>,
+}
+
+/// A member that may stretch.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LinkMember {
+    /// A rod, or a leg of an arm, between body or rack and the carrier.
+    Rod {
+        /// The end at body or rack.
+        inner: PointId,
+        /// The end at the carrier.
+        outer: PointId,
+    },
+    /// The rod of the spring's rocker.
+    RockerRod(RockerId),
+}
+
+/// Axial stiffness of a link.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum AxialStiffness<T = f64> {
+    /// Force per length, which stays when hardpoints move.
+    Rate(T),
+    /// Force per strain: the stiffness is this divided by the length.
+    PerStrain(T),
+}
+
+/// The elastic parts of a wheel's suspension.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Compliance<T = f64> {
+    /// How parts are relaxed.
+    pub relaxed: Relaxed,
+    /// The bushings.
+    pub bushings: Vec<BushingPart<T>>,
+    /// The links.
+    pub links: Vec<LinkPart<T>>,
+    /// The law of the spring.
+    pub spring: Option<SpringLaw>,
+}
+
+impl Compliance {
+    /// A suspension of rigid parts.
+    pub fn rigid(spring: Option<SpringLaw>) -> Self {
+        Compliance {
+            relaxed: Relaxed::Free,
+            bushings: Vec::new(),
+            links: Vec::new(),
+            spring,
+        }
+    }
+
+    /// Returns true if no part is elastic.
+    pub fn is_rigid(&self) -> bool {
+        self.bushings.is_empty() && self.links.is_empty()
+    }
+
+    /// The parts over another kind of number.
+    pub fn map<U>(&self, f: impl Fn(f64) -> U + Copy) -> Compliance<U> {
+        let shape = |shape: &Shape| match shape {
+            Shape::Cubic { rate, cubic } => Shape::Cubic {
+                rate: f(*rate),
+                cubic: f(*cubic),
+            },
+            Shape::Curve { curve, scale } => Shape::Curve {
+                curve: curve.clone(),
+                scale: f(*scale),
+            },
+        };
+        let bushing = |part: &BushingPart| BushingPart {
+            point: part.point,
+            shapes: part.shapes.each_ref().map(shape),
+            preload: part.preload.map(f),
+            x_axis: part.x_axis,
+            z_axis: part.z_axis,
+        };
+        let link = |part: &LinkPart| LinkPart {
+            member: part.member,
+            stiffness: match part.stiffness {
+                AxialStiffness::Rate(rate) => AxialStiffness::Rate(f(rate)),
+                AxialStiffness::PerStrain(force) => AxialStiffness::PerStrain(f(force)),
+            },
+        };
+        Compliance {
+            relaxed: self.relaxed,
+            bushings: self.bushings.iter().map(bushing).collect(),
+            links: self.links.iter().map(link).collect(),
+            spring: self.spring.clone(),
+        }
+    }
+}
+
+impl<T> Compliance<T> {
+    /// The number of the bushing at a hardpoint.
+    pub fn bushing_at(&self, point: PointId) -> Option<usize> {
+        self.bushings.iter().position(|part| part.point == point)
+    }
+
+    /// The stiffness of a member.
+    pub(super) fn link(&self, member: LinkMember) -> Option<&AxialStiffness<T>> {
+        let part = self.links.iter().find(|part| part.member == member);
+        part.map(|part| &part.stiffness)
+    }
+}
+
+/// The hardpoints that may have a bushing, in the order of the mechanism's points.
+pub fn bushing_points(mechanism: &Mechanism) -> Vec<PointId> {
+    let mut points = Vec::new();
+    for constraint in &mechanism.constraints {
+        match *constraint {
+            Constraint::Link { inner, outer } => {
+                let of_arm = mechanism.arms.iter().any(|arm| arm.outer == outer);
+                points.push(inner);
+                points.extend((!of_arm).then_some(outer));
+            }
+            Constraint::StrutLine { top, .. } => points.push(top),
+            Constraint::Revolute { first, second } => points.extend([first, second]),
+        }
+    }
+    points.sort();
+    points
+}
+
+/// The members that may have axial stiffness, with their names.
+pub fn link_members(mechanism: &Mechanism) -> Vec<(String, LinkMember)> {
+    let mut members = Vec::new();
+    for constraint in &mechanism.constraints {
+        if let Constraint::Link { inner, outer } = *constraint {
+            let name = mechanism.name(inner);
+            let name = name.strip_suffix("_inner").unwrap_or(name).to_owned();
+            members.push((name, LinkMember::Rod { inner, outer }));
+        }
+    }
+    if let Some(rocker) = mechanism
+        .spring
+        .and_then(|s| match mechanism.body(s.lower) {
+            Body::Rocker(rocker) => Some(rocker),
+            _ => None,
+        })
+    {
+        let name = mechanism.rocker(rocker).rod.to_string().replace(' ', "_");
+        members.push((name, LinkMember::RockerRod(rocker)));
+    }
+    members
+}

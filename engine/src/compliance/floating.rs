@@ -1,0 +1,200 @@
+//! Links with a bushing at the carrier: six inner unknowns, or three with a ball joint at the body.
+
+use super::algebra::{Placed, cross_matrix};
+use super::bushing::{Bushing, BushingState};
+use super::limb::{
+    Conditions, Eliminated, Evaluated, Followers, LimbState, Sum, eliminated, is_positive,
+};
+use crate::number::{Matrix3, Scalar, Vector3};
+
+/// A link with a bushing at the carrier. Its reference point is its inner end.
+#[derive(Clone, Debug)]
+pub(super) struct Floating<T> {
+    /// From inner to outer end.
+    pub(super) along: Vector3<T>,
+    pub(super) on_rack: bool,
+    /// The bushing at the inner end; `None` for a ball joint.
+    pub(super) inner: Option<Bushing<T>>,
+    /// The bushing at the carrier.
+    pub(super) outer: Bushing<T>,
+    /// The outer end, from the carrier's reference point.
+    pub(super) joint: Vector3<T>,
+    /// As [`Swinging::spin`].
+    pub(super) spin: Vector3<T>,
+}
+
+impl<T: Scalar> Floating<T> {
+    /// The link's position, with the shift of its inner end.
+    fn placed(&self, at: &Conditions<T>, state: &LimbState<T>) -> Placed<T> {
+        let shift = match self.inner {
+            Some(_) => state.placed.shift,
+            None => at.ground(self.on_rack),
+        };
+        Placed {
+            shift,
+            turn: state.placed.turn,
+        }
+    }
+
+    /// e of the outer bushing in the carrier's axes, and R_i' R_j - I.
+    fn at_carrier(&self, at: &Conditions<T>, own: &Placed<T>) -> (Vector3<T>, Matrix3<T>) {
+        let e = own.displacement(self.along) - at.carrier.displacement(self.joint);
+        let back = at.carrier.turn.transposed();
+        let turn = back.plus(&own.turn).plus(&back.times(&own.turn));
+        (e, turn)
+    }
+
+    /// States of the bushings, the inner one first.
+    pub(super) fn bushing_states(
+        &self,
+        at: &Conditions<T>,
+        state: &LimbState<T>,
+    ) -> [Option<BushingState<T>>; 2] {
+        let own = self.placed(at, state);
+        let inner = self
+            .inner
+            .as_ref()
+            .map(|bushing| bushing.state(own.shift - at.ground(self.on_rack), &own.turn));
+        let (e, turn) = self.at_carrier(at, &own);
+        let in_carrier = at.carrier.rotation().apply_transposed(e);
+        [inner, Some(self.outer.state(in_carrier, &turn))]
+    }
+
+    #[inline(always)]
+    pub(super) fn evaluate(
+        &self,
+        at: &Conditions<T>,
+        state: &LimbState<T>,
+        held: &[T; 7],
+        sum: &mut Sum<T>,
+    ) -> Option<Evaluated<T>> {
+        let like = at.rack;
+        let own = self.placed(at, state);
+        let (e, turn) = self.at_carrier(at, &own);
+        let rotation = at.carrier.rotation();
+        let outer = at.force(&self.outer, e, &turn, Some(&rotation));
+        // Tangents by the displacement of the outer point p, by the carrier's shift u and turn q, by the link's turn w.
+        let arm = own.lever(self.along);
+        let lever = at.carrier.lever(self.joint) + e;
+        let (f, k, n) = (outer.force, outer.by_shift, outer.by_turn);
+        let f_q = cross_matrix(f).negated().plus(&k.times_cross(lever));
+        let m_q = cross_matrix(outer.moment).negated().plus(&n.negated());
+        // The link: force f at p and torque; its unknowns v (shift) and w.
+        let k_arm = k.times_cross(arm).negated();
+        let mut own_rows = [[Matrix3::null(like); 2]; 2];
+        own_rows[0] = [k, k_arm];
+        let ww = k_arm
+            .crossed_by(arm)
+            .plus(&cross_matrix(arm).crossed_by(f))
+            .plus(&n);
+        own_rows[1] = [k.crossed_by(arm), ww];
+        let mut forces = [f, arm.cross(f) + outer.moment];
+        let by_carrier = [
+            [k.negated(), f_q],
+            [k.crossed_by(arm).negated(), f_q.crossed_by(arm).plus(&m_q)],
+        ];
+        if let Some(bushing) = &self.inner {
+            let e = own.shift - at.ground(self.on_rack);
+            let inner = at.force(bushing, e, &own.turn, None);
+            forces[0] = forces[0] + inner.force;
+            forces[1] = forces[1] + inner.moment;
+            own_rows[0][0] = own_rows[0][0].plus(&inner.by_shift);
+            own_rows[1][1] = own_rows[1][1].plus(&inner.by_turn);
+        }
+        if at.balance_only {
+            own_rows[1][1].add_product(self.spin, self.spin, like.one());
+        }
+        // The carrier: -f at p and -torque.
+        let carrier_by_link = [
+            [k.negated(), k_arm.negated()],
+            [
+                cross_matrix(f).plus(&k.crossed_by(lever).negated()),
+                cross_matrix(f)
+                    .times_cross(arm)
+                    .negated()
+                    .plus(&k_arm.crossed_by(lever).negated())
+                    .plus(&n.negated()),
+            ],
+        ];
+        let carrier_own = [
+            [k, f_q.negated()],
+            [
+                cross_matrix(f).negated().plus(&k.crossed_by(lever)),
+                f_q.crossed_by(lever).negated().plus(&m_q.negated()),
+            ],
+        ];
+        sum.add_force(-f, -(lever.cross(f) + outer.moment));
+        let [[a, b], [c, d]] = &carrier_own;
+        sum.add_blocks([[a, b], [c, d]]);
+        let blocks = LinkBlocks {
+            own: own_rows,
+            forces,
+            by_carrier,
+            carrier_by_link,
+            length: self.along.norm().value(),
+        };
+        match self.inner {
+            Some(_) => blocks.eliminate::<6>(0, held, sum),
+            None => blocks.eliminate::<3>(3, held, sum),
+        }
+    }
+}
+
+/// Blocks of a link's equations by its own shift and turn and by the carrier's.
+struct LinkBlocks<T> {
+    own: [[Matrix3<T>; 2]; 2],
+    forces: [Vector3<T>; 2],
+    by_carrier: [[Matrix3<T>; 2]; 2],
+    carrier_by_link: [[Matrix3<T>; 2]; 2],
+    /// Length of the link.
+    length: f64,
+}
+
+impl<T: Scalar> LinkBlocks<T> {
+    /// Eliminates the unknowns from number `first` on, `N` of them.
+    #[inline(always)]
+    fn eliminate<const N: usize>(
+        &self,
+        first: usize,
+        held: &[T; 7],
+        sum: &mut Sum<T>,
+    ) -> Option<Evaluated<T>> {
+        let like = self.forces[0].x;
+        let entry = |blocks: &[[Matrix3<T>; 2]; 2], i: usize, j: usize| {
+            blocks[i / 3][j / 3].entry(i % 3, j % 3)
+        };
+        let own: [[T; N]; N] = std::array::from_fn(|i| {
+            std::array::from_fn(|j| entry(&self.own, first + i, first + j))
+        });
+        let by: [[T; 6]; N] =
+            std::array::from_fn(|i| std::array::from_fn(|j| entry(&self.by_carrier, first + i, j)));
+        let mut inner = [like.zero(); 7];
+        let force: [T; N] = std::array::from_fn(|i| {
+            let k = first + i;
+            self.forces[k / 3].to_array()[k % 3] - held[i]
+        });
+        inner[..N].copy_from_slice(&force);
+        let units = std::array::from_fn(|k| if first + k < 3 { 1.0 } else { self.length });
+        let found = eliminated(own, force, &by, units)?;
+        let Eliminated { rest, by, .. } = found;
+        for i in 0..6 {
+            for k in 0..N {
+                let factor = entry(&self.carrier_by_link, i, first + k);
+                sum.force[i] = sum.force[i] - factor * rest[k];
+                for (total, by) in sum.tangent[i].iter_mut().zip(by[k]) {
+                    *total = *total - factor * by;
+                }
+            }
+        }
+        let mut followers = Followers::none(like);
+        followers.count = N;
+        followers.by[..N].copy_from_slice(&by);
+        followers.rest[..N].copy_from_slice(&rest);
+        Some(Evaluated {
+            followers,
+            inner,
+            is_stable: is_positive(&own, 0.0),
+            least_pivot: found.least_pivot,
+        })
+    }
+}

@@ -1,0 +1,223 @@
+//! Laws of bushings and links: a force over a deflection along one axis, or a torque over an angle.
+//!
+//! ```text
+//! f = shape(d + d0) - shape(d0) + f0 + offset                                                     (1)
+//! ```
+//!
+//! The force f0 and the deflection d0 with shape(d0) = f0 are those at the design load, if the design position is the
+//! equilibrium there; else both are 0. The offset is a constant preload, as Adams has it. The shape is
+//!
+//! ```text
+//! k d + c d^3,   or a curve through points                                                        (2)
+//! ```
+
+use crate::axle::ForceCurve;
+use crate::number::{Jet, Scalar};
+
+/// Most Newton steps of the inverse of a law. A monotone cubic takes a few; bisection is behind them.
+const MOST_STEPS: usize = 200;
+
+/// A force over a deflection.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Shape<T = f64> {
+    /// Equation (2), left.
+    Cubic {
+        /// k, force per deflection.
+        rate: T,
+        /// c, force per cubed deflection.
+        cubic: T,
+    },
+    /// Equation (2), right: straight beyond its ends. `scale` multiplies its forces.
+    Curve {
+        /// The curve.
+        curve: ForceCurve,
+        /// Factor of its forces.
+        scale: T,
+    },
+}
+
+impl Shape {
+    /// Slope without deflection, and before any force at a design load.
+    pub fn initial_rate(&self) -> f64 {
+        self.slope(0.0)
+    }
+}
+
+impl<T: Scalar> Shape<T> {
+    /// Force and its slope at a deflection.
+    #[inline(always)]
+    pub(super) fn at(&self, deflection: T) -> (T, T) {
+        match self {
+            Shape::Cubic { rate, cubic } => {
+                let square = deflection * deflection;
+                let bent = *cubic * square;
+                (deflection * (*rate + bent), *rate + bent + bent + bent)
+            }
+            Shape::Curve { curve, scale } => {
+                let found = curve.at(Jet([deflection, deflection.one()]));
+                (found[0] * *scale, found[1] * *scale)
+            }
+        }
+    }
+
+    /// Slope without deflection.
+    pub(super) fn slope(&self, like: T) -> T {
+        self.at(like.zero()).1
+    }
+
+    /// The deflection with this force, of a law that rises; `None` if it does not reach the force.
+    fn deflection(&self, force: T) -> Option<T> {
+        let mut low = -1.0;
+        let mut high = 1.0;
+        let value = |d: f64| self.at(force.lit(d)).0.value() - force.value();
+        for (end, sign) in [(&mut low, -1.0), (&mut high, 1.0)] {
+            while value(*end) * sign < 0.0 {
+                *end *= 2.0;
+                if end.abs() > 1e9 {
+                    return None;
+                }
+            }
+        }
+        let mut at = 0.0;
+        let mut last = f64::INFINITY;
+        for _ in 0..MOST_STEPS {
+            let (found, slope) = self.at(force.lit(at));
+            let miss = found.value() - force.value();
+            if miss > 0.0 {
+                high = at;
+            } else {
+                low = at;
+            }
+            let step = miss / slope.value();
+            let next = at - step;
+            let newton = next > low && next < high && step.abs() < 0.5 * last;
+            last = step.abs();
+            let next = if newton { next } else { 0.5 * (low + high) };
+            if (next - at).abs() <= f64::EPSILON * next.abs() {
+                break;
+            }
+            at = next;
+        }
+        // One more step in the numbers of the force gives its derivatives.
+        let (found, slope) = self.at(force.lit(at));
+        Some(force.lit(at) - (found - force) / slope)
+    }
+}
+
+/// A law with its preload.
+#[derive(Clone, Debug)]
+pub(super) struct Law<T> {
+    pub(super) shape: Shape<T>,
+    /// f0
+    pub(super) preload: T,
+    /// d0
+    deflection: T,
+    /// Constant offset.
+    pub(super) offset: T,
+}
+
+impl<T: Scalar> Law<T> {
+    pub(super) fn new(shape: Shape<T>, offset: T) -> Self {
+        Law {
+            shape,
+            preload: offset.zero(),
+            deflection: offset.zero(),
+            offset,
+        }
+    }
+
+    /// The law over another kind of number, with its shape given.
+    pub(super) fn with<U>(&self, shape: Shape<U>, f: impl Fn(T) -> U) -> Law<U> {
+        Law {
+            shape,
+            preload: f(self.preload),
+            deflection: f(self.deflection),
+            offset: f(self.offset),
+        }
+    }
+
+    /// Sets the force at the design load. Returns false if the law does not reach it.
+    #[must_use]
+    pub(super) fn preloaded(&mut self, force: T) -> bool {
+        self.preload = force;
+        let deflection = match &self.shape {
+            Shape::Cubic { rate, cubic } if cubic.value() == 0.0 && rate.value() != 0.0 => {
+                Some(force / *rate)
+            }
+            shape => shape.deflection(force),
+        };
+        self.deflection = deflection.unwrap_or(force.zero());
+        deflection.is_some()
+    }
+
+    /// The deflection of the unloaded part in the design position.
+    #[cfg(test)]
+    fn preload_deflection(&self) -> T {
+        self.deflection
+    }
+
+    /// Force and slope at a deflection from the design position. Equation (1).
+    #[inline(always)]
+    pub(super) fn at(&self, deflection: T) -> (T, T) {
+        match &self.shape {
+            // In this form the force at the design load is exact.
+            Shape::Cubic { rate, cubic } => {
+                let (d, d0) = (deflection, self.deflection);
+                let total = d + d0;
+                let three = d.lit(3.0) * *cubic;
+                let bent = *cubic * d * d + three * d0 * total;
+                (
+                    self.preload + self.offset + d * (*rate + bent),
+                    *rate + three * total * total,
+                )
+            }
+            shape => {
+                let (force, slope) = shape.at(deflection + self.deflection);
+                (force + self.offset, slope)
+            }
+        }
+    }
+
+    /// Returns true if a curve does not reach this deflection.
+    pub(super) fn is_beyond(&self, deflection: f64) -> bool {
+        match &self.shape {
+            Shape::Cubic { .. } => false,
+            Shape::Curve { curve, .. } => {
+                let at = deflection + self.deflection.value();
+                let points = curve.points();
+                at < points[0][0] || at > points[points.len() - 1][0]
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The law at the design load has the force that was set, and is the unloaded law elsewhere.
+    #[test]
+    fn a_preloaded_law_is_the_unloaded_one_moved() {
+        let cubic = Shape::Cubic {
+            rate: 700.0,
+            cubic: 60.0,
+        };
+        let curve = Shape::Curve {
+            curve: ForceCurve::through(&[[-3.0, -6000.0], [0.0, 0.0], [2.0, 1500.0]]).unwrap(),
+            scale: 1.5,
+        };
+        for shape in [cubic, curve] {
+            for force in [-2000.0, 0.0, 1300.0] {
+                let mut law = Law::new(shape.clone(), 12.0);
+                assert!(law.preloaded(force));
+                let bound = 64.0 * f64::EPSILON * 2000.0;
+                assert!((law.at(0.0).0 - force - 12.0).abs() < bound);
+                let d = 0.7;
+                let expected = shape.at(law.preload_deflection() + d);
+                let found = law.at(d);
+                assert!((found.0 - 12.0 - expected.0).abs() < bound);
+                assert!((found.1 - expected.1).abs() < bound);
+            }
+        }
+    }
+}

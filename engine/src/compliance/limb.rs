@@ -1,0 +1,322 @@
+//! Parts between the body and the wheel carrier that move in their own right, eliminated from the equations.
+//!
+//! Each part has inner unknowns y beside the displacement x of what holds it outside (the joint of an arm, or the whole
+//! carrier). With the derivatives f, m of the energy by x and y,
+//!
+//! ```text
+//! dy = -(m_y^-1 m + m_y^-1 m_x dx)                                                                (1)
+//! f_x - f_y m_y^-1 m_x,   f - f_y m_y^-1 m                                                        (2)
+//! ```
+//!
+//! is the full Newton step: there is no inner loop. A force F that acts on a body at the lever r = R (P - O), with the
+//! tangent K by the point, gives the body
+//!
+//! ```text
+//! force F, moment r x F;   tangents K, -K r^, r^ K, -r^ K r^ + F^ r^                              (3)
+//! ```
+//!
+//! F^ r^ takes the force before inner unknowns are eliminated.
+
+use super::algebra::{Placed, cross_matrix};
+use super::bushing::{Bushing, BushingForce};
+use super::point::PointForce;
+use crate::linear::lu::Lu;
+use crate::number::{Matrix3, Scalar, Vector3};
+
+/// Sum of forces and moments on the carrier about its reference point, and their tangent.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Sum<T> {
+    pub(super) force: [T; 6],
+    pub(super) tangent: [[T; 6]; 6],
+}
+
+impl<T: Scalar> Sum<T> {
+    pub(super) fn zero(like: T) -> Self {
+        Sum {
+            force: [like.zero(); 6],
+            tangent: [[like.zero(); 6]; 6],
+        }
+    }
+
+    #[inline(always)]
+    fn add_block(&mut self, row: usize, column: usize, block: &Matrix3<T>) {
+        for (j, column_of) in block.columns.iter().enumerate() {
+            for (i, entry) in column_of.to_array().into_iter().enumerate() {
+                let at = &mut self.tangent[row + i][column + j];
+                *at = *at + entry;
+            }
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn add_force(&mut self, force: Vector3<T>, moment: Vector3<T>) {
+        let sum = [force.x, force.y, force.z, moment.x, moment.y, moment.z];
+        for (total, part) in self.force.iter_mut().zip(sum) {
+            *total = *total + part;
+        }
+    }
+
+    /// Adds a torque and its tangent by small turns.
+    #[inline(always)]
+    pub(super) fn add_moment(&mut self, moment: Vector3<T>, by_turn: &Matrix3<T>) {
+        self.add_force(moment.zero(), moment);
+        self.add_block(3, 3, by_turn);
+    }
+
+    /// Equation (3).
+    #[inline(always)]
+    pub(super) fn add_point(&mut self, lever: Vector3<T>, point: &PointForce<T>) {
+        self.add_force(point.condensed, lever.cross(point.condensed));
+        let left = point.stiffness.crossed_by(lever);
+        let across = cross_matrix(lever);
+        self.add_block(0, 0, &point.stiffness);
+        self.add_block(0, 3, &point.stiffness.times(&across).negated());
+        self.add_block(3, 0, &left);
+        let turn = left.times(&across).negated();
+        self.add_block(3, 3, &turn.plus(&across.crossed_by(point.force)));
+    }
+
+    /// Tangents of a force at a point that stays where it is while the carrier moves away under it, as of the mount
+    /// of a strut.
+    #[inline(always)]
+    pub(super) fn add_blocks(&mut self, blocks: [[&Matrix3<T>; 2]; 2]) {
+        for (i, row) in blocks.into_iter().enumerate() {
+            for (j, block) in row.into_iter().enumerate() {
+                self.add_block(3 * i, 3 * j, block);
+            }
+        }
+    }
+}
+
+/// Conditions under which parts are evaluated.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Conditions<T> {
+    pub(super) carrier: Placed<T>,
+    pub(super) rack: T,
+    /// True for the forces at the design load: elements have their slope and no force, springs their force and no
+    /// slope, torsion is left out.
+    pub(super) balance_only: bool,
+}
+
+impl<T: Scalar> Conditions<T> {
+    /// Displacement of a point of body or rack.
+    #[inline(always)]
+    pub(super) fn ground(&self, on_rack: bool) -> Vector3<T> {
+        let zero = self.rack.zero();
+        let along = if on_rack { self.rack } else { zero };
+        Vector3::new(zero, along, zero)
+    }
+
+    /// Forces and tangents of a bushing.
+    #[inline(always)]
+    pub(super) fn force(
+        &self,
+        bushing: &Bushing<T>,
+        e: Vector3<T>,
+        turn: &Matrix3<T>,
+        body: Option<&Matrix3<T>>,
+    ) -> BushingForce<T> {
+        if self.balance_only {
+            bushing.slack()
+        } else {
+            bushing.force(e, turn, body)
+        }
+    }
+}
+
+/// State of the inner unknowns of a part.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct LimbState<T> {
+    /// The part's own position. Its shift is used by links with a bushing at either end.
+    pub(super) placed: Placed<T>,
+    /// Components of the force in a ball joint at the body.
+    pub(super) pivot: [T; 2],
+    /// Slide of a strut, or tan(theta/2) of a rocker.
+    pub(super) slide: T,
+}
+
+impl<T: Scalar> LimbState<T> {
+    pub(super) fn design(like: T) -> Self {
+        LimbState {
+            placed: Placed::design(like),
+            pivot: [like.zero(); 2],
+            slide: like.zero(),
+        }
+    }
+
+    pub(super) fn map<U>(&self, f: impl Fn(T) -> U + Copy) -> LimbState<U> {
+        LimbState {
+            placed: self.placed.map(f),
+            pivot: self.pivot.map(f),
+            slide: f(self.slide),
+        }
+    }
+}
+
+/// How inner unknowns follow: dy = -(rest + by dx). Equation (1).
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Followers<T> {
+    pub(super) count: usize,
+    pub(super) by: [[T; 6]; 6],
+    pub(super) rest: [T; 6],
+    /// Lever of the point whose displacement is x; `None` where x is the carrier's shift and turn.
+    pub(super) joint: Option<Vector3<T>>,
+    /// The rocker's turn, from the displacement of the seat at this lever from the joint.
+    pub(super) slide: Option<(Vector3<T>, Vector3<T>, T)>,
+}
+
+/// A change of the inner unknowns of a part.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct LimbStep<T> {
+    pub(super) inner: [T; 6],
+    pub(super) slide: T,
+}
+
+impl<T: Scalar> Followers<T> {
+    pub(super) fn none(like: T) -> Self {
+        Followers {
+            count: 0,
+            by: [[like.zero(); 6]; 6],
+            rest: [like.zero(); 6],
+            joint: None,
+            slide: None,
+        }
+    }
+
+    /// One inner unknown, the slide of a strut.
+    pub(super) fn of_one(like: T) -> Self {
+        Followers {
+            count: 1,
+            ..Followers::none(like)
+        }
+    }
+
+    /// A rocker behind a seat: its lever from the joint, how it follows the seat, and what is left.
+    pub(super) fn of_joint(joint: Vector3<T>, slide: Option<(T, Vector3<T>, T)>) -> Self {
+        let slide = slide.map(|(zero, by, rest)| (Vector3::new(zero, zero, zero), by, rest));
+        Followers {
+            joint: Some(joint),
+            slide,
+            ..Followers::none(joint.x)
+        }
+    }
+
+    /// The same behind a seat on the carrier.
+    pub(super) fn of_carrier(like: T, slide: Option<(Vector3<T>, Vector3<T>, T)>) -> Self {
+        Followers {
+            slide,
+            ..Followers::none(like)
+        }
+    }
+
+    /// The step of the inner unknowns after a step of the carrier. `is_rate`: the rate along a motion in balance,
+    /// which has no rest.
+    #[inline(always)]
+    pub(super) fn step(&self, carrier: &[T; 6], is_rate: bool) -> LimbStep<T> {
+        let [x, y, z, a, b, c] = *carrier;
+        let mut outer = [x, y, z, a, b, c];
+        let mut dimensions = 6;
+        let mut joint = Vector3::new(x, y, z);
+        if let Some(lever) = self.joint {
+            joint = joint + Vector3::new(a, b, c).cross(lever);
+            outer[..3].copy_from_slice(&joint.to_array());
+            dimensions = 3;
+        }
+        let mut inner = [x.zero(); 6];
+        for (k, inner) in inner.iter_mut().enumerate().take(self.count) {
+            let mut sum = if is_rate { x.zero() } else { self.rest[k] };
+            for (by, outer) in self.by[k].iter().zip(&outer).take(dimensions) {
+                sum = sum + *by * *outer;
+            }
+            *inner = -sum;
+        }
+        let slide = self.slide.map_or(x.zero(), |(lever, by, rest)| {
+            let turn = match self.count {
+                0 => Vector3::new(a, b, c),
+                _ => Vector3::new(inner[0], inner[1], inner[2]),
+            };
+            let at = joint + turn.cross(lever);
+            let rest = if is_rate { x.zero() } else { rest };
+            -(rest + by.dot(at))
+        });
+        LimbStep { inner, slide }
+    }
+}
+
+/// One evaluation of a part.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Evaluated<T> {
+    pub(super) followers: Followers<T>,
+    /// Forces on the inner unknowns, and the moment about a rocker's axis: what is out of balance.
+    pub(super) inner: [T; 7],
+    /// False if the inner unknowns move away by themselves.
+    pub(super) is_stable: bool,
+    /// Least by largest pivot of the inner equations: 0 if nothing holds a motion. Turns are compared with shifts at the
+    /// part's length.
+    pub(super) least_pivot: f64,
+}
+
+/// Solved inner equations: m_y^-1 m, m_y^-1 m_x, and the least by the largest pivot.
+pub(super) struct Eliminated<T, const N: usize, const C: usize> {
+    pub(super) rest: [T; N],
+    pub(super) by: [[T; C]; N],
+    pub(super) least_pivot: f64,
+}
+
+/// Solves the inner equations. `units` are lengths by which pivots are divided twice. `None` if a direction has no
+/// stiffness.
+#[inline(always)]
+pub(super) fn eliminated<T: Scalar, const N: usize, const C: usize>(
+    own: [[T; N]; N],
+    force: [T; N],
+    by: &[[T; C]; N],
+    units: [f64; N],
+) -> Option<Eliminated<T, N, C>> {
+    let factors = Lu::of(own, 1.0)?;
+    let rest = factors.solve(force);
+    let mut followers = *by;
+    for k in 0..C {
+        let column: [T; N] = std::array::from_fn(|i| by[i][k]);
+        for (row, value) in followers.iter_mut().zip(factors.solve(column)) {
+            row[k] = value;
+        }
+    }
+    let (mut least, mut largest) = (f64::INFINITY, 0.0);
+    for (pivot, unit) in factors.pivots().into_iter().zip(units) {
+        let size = pivot.value().abs() / (unit * unit);
+        least = if size < least { size } else { least };
+        largest = if size > largest { size } else { largest };
+    }
+    Some(Eliminated {
+        rest,
+        by: followers,
+        least_pivot: least / largest,
+    })
+}
+
+/// Returns true if the symmetric part of a matrix is positive definite: all pivots of LDL' are above this share of the
+/// largest.
+#[inline(always)]
+pub(super) fn is_positive<T: Scalar, const N: usize>(
+    matrix: &[[T; N]; N],
+    least_share: f64,
+) -> bool {
+    let mut a: [[f64; N]; N] = std::array::from_fn(|i| {
+        std::array::from_fn(|j| 0.5 * (matrix[i][j].value() + matrix[j][i].value()))
+    });
+    let mut largest = 0.0;
+    for k in 0..N {
+        if a[k][k].is_nan() || a[k][k] <= least_share * largest {
+            return false;
+        }
+        largest = if a[k][k] > largest { a[k][k] } else { largest };
+        for i in k + 1..N {
+            let factor = a[i][k] / a[k][k];
+            let pivot = a[k];
+            for (entry, of_pivot) in a[i].iter_mut().zip(pivot).skip(k + 1) {
+                *entry -= factor * of_pivot;
+            }
+        }
+    }
+    true
+}

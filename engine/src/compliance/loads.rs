@@ -1,0 +1,157 @@
+//! Loads on the wheel, fixed in direction. The wheel is locked to the carrier.
+//!
+//! With W the wheel centre, C the lowest point of the disc and T the level heading of the wheel, forces act at C, at
+//! C - trail T and at W, and a moment on the carrier. C and T follow the spin axis, so a force at C or C - trail T has a
+//! tangent. It is not symmetric for side forces, which take energy from a wheel that moves round a loop.
+
+use super::algebra::Placed;
+use super::limb::Sum;
+use crate::characteristics::Wheel;
+use crate::mechanism::Ground;
+use crate::number::{Dual, Matrix3, Real, Scalar, Vector3};
+
+/// Loads on the wheel, in the kernel's frame of a left wheel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WheelLoads<T = f64> {
+    /// Force at the contact point.
+    pub contact: Vector3<T>,
+    /// Force towards the inside of the car at C - `trail` T.
+    pub side: T,
+    /// Distance of the side force behind the contact point.
+    pub trail: T,
+    /// Force at the wheel centre.
+    pub centre: Vector3<T>,
+    /// Moment.
+    pub moment: Vector3<T>,
+}
+
+impl<T: Real> WheelLoads<T> {
+    /// No load, in the shape of `like`.
+    pub fn none(like: T) -> Self {
+        let zero = like.zero();
+        let none = Vector3::new(zero, zero, zero);
+        WheelLoads {
+            contact: none,
+            side: zero,
+            trail: zero,
+            centre: none,
+            moment: none,
+        }
+    }
+
+    /// The load over another kind of number.
+    pub fn map<U>(&self, f: impl Fn(T) -> U + Copy) -> WheelLoads<U> {
+        WheelLoads {
+            contact: self.contact.map(f),
+            side: f(self.side),
+            trail: f(self.trail),
+            centre: self.centre.map(f),
+            moment: self.moment.map(f),
+        }
+    }
+
+    /// A share of the way from this load to another one. The trail is the other's.
+    pub(super) fn towards(&self, to: &Self, share: T) -> Self {
+        let from = self;
+        let between = |a: Vector3<T>, b: Vector3<T>| a + (b - a) * share;
+        WheelLoads {
+            contact: between(from.contact, to.contact),
+            side: from.side + (to.side - from.side) * share,
+            trail: to.trail,
+            centre: between(from.centre, to.centre),
+            moment: between(from.moment, to.moment),
+        }
+    }
+
+    /// This load and a multiple of another with the same trail.
+    pub fn plus(&self, other: &Self, factor: T) -> Self {
+        WheelLoads {
+            contact: self.contact + other.contact * factor,
+            side: self.side + other.side * factor,
+            trail: self.trail,
+            centre: self.centre + other.centre * factor,
+            moment: self.moment + other.moment * factor,
+        }
+    }
+}
+
+/// The wheel on the carrier, in the design position.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct WheelPart<T> {
+    /// The wheel centre, from the carrier's reference point.
+    pub(super) centre: Vector3<T>,
+    /// Outboard unit vector along the spin axis.
+    pub(super) spin_axis: Vector3<T>,
+    pub(super) radius: f64,
+}
+
+/// Force and moment on the carrier about its reference point.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct LoadWrench<T> {
+    pub(super) force: Vector3<T>,
+    pub(super) moment: Vector3<T>,
+}
+
+impl<T: Scalar> LoadWrench<T> {
+    /// The six components.
+    pub(super) fn to_array(self) -> [T; 6] {
+        let (f, m) = (self.force, self.moment);
+        [f.x, f.y, f.z, m.x, m.y, m.z]
+    }
+}
+
+/// Force and moment of a load, with the spin axis and the wheel centre's lever as they are.
+#[inline(always)]
+fn wrench<T: Real>(
+    loads: &WheelLoads<T>,
+    axis: Vector3<T>,
+    centre: Vector3<T>,
+    radius: f64,
+) -> LoadWrench<T> {
+    let contact = centre + Ground::level(axis.x).contact_lever(axis, radius);
+    let (heading, _) = Wheel::<T>::heading_and_outboard_of(axis);
+    let zero = axis.x.zero();
+    let side = Vector3::new(zero, -loads.side, zero);
+    let side_at = contact - heading * loads.trail;
+    LoadWrench {
+        force: loads.contact + loads.centre + side,
+        moment: contact.cross(loads.contact)
+            + centre.cross(loads.centre)
+            + side_at.cross(side)
+            + loads.moment,
+    }
+}
+
+impl<T: Scalar> WheelPart<T> {
+    /// Force and moment of a load.
+    pub(super) fn wrench(&self, carrier: &Placed<T>, loads: &WheelLoads<T>) -> LoadWrench<T> {
+        let axis = carrier.lever(self.spin_axis);
+        wrench(loads, axis, carrier.lever(self.centre), self.radius)
+    }
+
+    /// Takes a load off the sum, with its tangent.
+    #[inline(always)]
+    pub(super) fn subtract(&self, carrier: &Placed<T>, loads: &WheelLoads<T>, sum: &mut Sum<T>) {
+        let turn = Dual::inputs(carrier.shift.zero());
+        let follows = |v: Vector3<T>| {
+            let v = v.map(Dual::constant);
+            v + turn.cross(v)
+        };
+        let loads = loads.map(Dual::constant);
+        let axis = follows(carrier.lever(self.spin_axis));
+        let found = wrench(
+            &loads,
+            axis,
+            follows(carrier.lever(self.centre)),
+            self.radius,
+        );
+        let force = found.force.map(|c| -c.value);
+        let moment = found.moment.to_array();
+        let by_turn = |k: usize| Vector3::from(moment.map(|c| -c.partials[k]));
+        sum.add_force(force, force.zero());
+        let tangent = Matrix3 {
+            columns: [by_turn(0), by_turn(1), by_turn(2)],
+        };
+        sum.add_moment(Vector3::from(moment.map(|c| -c.value)), &tangent);
+    }
+}

@@ -1,0 +1,173 @@
+//! The system over another kind of number, for derivatives in a state.
+
+use super::bushing::Bushing;
+use super::floating::Floating;
+use super::law::{Law, Shape};
+use super::loads::WheelPart;
+use super::parts::{CarrierSeat, Joint, LegSeat, Mount, RodPart};
+use super::point::{RockerSeat, Seat, Spring};
+use super::reading::WheelFigures;
+use super::swinging::{End, Swinging};
+use super::system::{CarrierBushing, Limb, System};
+use crate::number::Scalar;
+
+impl<T: Scalar> Law<T> {
+    fn map<U: Scalar>(&self, f: impl Fn(T) -> U + Copy) -> Law<U> {
+        let shape = match &self.shape {
+            Shape::Cubic { rate, cubic } => Shape::Cubic {
+                rate: f(*rate),
+                cubic: f(*cubic),
+            },
+            Shape::Curve { curve, scale } => Shape::Curve {
+                curve: curve.clone(),
+                scale: f(*scale),
+            },
+        };
+        self.with(shape, f)
+    }
+}
+
+impl<T: Scalar> Bushing<T> {
+    fn map<U: Scalar>(&self, f: impl Fn(T) -> U + Copy) -> Bushing<U> {
+        Bushing {
+            axes: self.axes.map(f),
+            laws: self.laws.each_ref().map(|law| law.map(f)),
+        }
+    }
+}
+
+impl<T: Scalar> Seat<T> {
+    fn map<U: Scalar>(&self, f: impl Fn(T) -> U + Copy) -> Seat<U> {
+        Seat {
+            point: self.point.map(f),
+            upper: self.upper.map(f),
+            law: self.law.map(f),
+            rocker: self.rocker.as_ref().map(|rocker| RockerSeat {
+                axis: rocker.axis.map(|point| point.map(f)),
+                inner: rocker.inner.map(f),
+                spring: rocker.spring.map(f),
+                rod: rocker.rod.map(|rod| rod.map(f)),
+            }),
+        }
+    }
+}
+
+impl<T: Scalar> RodPart<T> {
+    fn map<U: Scalar>(&self, f: impl Fn(T) -> U + Copy) -> RodPart<U> {
+        RodPart {
+            joint: self.joint.map(f),
+            along: self.along.map(f),
+            on_rack: self.on_rack,
+            elastic: self.elastic.map(|elastic| elastic.map(f)),
+        }
+    }
+}
+
+impl<T: Scalar> Limb<T> {
+    fn map<U: Scalar>(&self, f: impl Fn(T) -> U + Copy) -> Limb<U> {
+        match self {
+            Limb::Swinging(arm) => Limb::Swinging(Swinging {
+                joint: arm.joint.map(f),
+                ends: arm
+                    .ends
+                    .iter()
+                    .map(|end| End {
+                        lever: end.lever.map(f),
+                        on_rack: end.on_rack,
+                        bushing: end.bushing.as_ref().map(|bushing| bushing.map(f)),
+                        normals: end.normals.map(|normal| normal.map(f)),
+                    })
+                    .collect(),
+                seat: arm
+                    .seat
+                    .as_ref()
+                    .map(|(lever, seat)| (lever.map(f), seat.map(f))),
+                spin: arm.spin.map(|spin| spin.map(f)),
+            }),
+            Limb::Floating(link) => Limb::Floating(Floating {
+                along: link.along.map(f),
+                on_rack: link.on_rack,
+                inner: link.inner.as_ref().map(|bushing| bushing.map(f)),
+                outer: link.outer.map(f),
+                joint: link.joint.map(f),
+                spin: link.spin.map(f),
+            }),
+            Limb::Mount(mount) => Limb::Mount(Mount {
+                top: mount.top.map(f),
+                along: mount.along.map(f),
+                spring_line: mount.spring_line.map(f),
+                bushing: mount.bushing.map(f),
+                spring: mount.spring.as_ref().map(|spring| spring.map(f)),
+            }),
+            Limb::LegSeat(leg) => Limb::LegSeat(LegSeat {
+                joint: leg.joint.map(f),
+                axis: leg.axis.map(f),
+                radius: leg.radius.map(f),
+                seat: leg.seat.map(f),
+                place: leg.place.map(f),
+            }),
+            Limb::CarrierSeat(part) => Limb::CarrierSeat(CarrierSeat {
+                lever: part.lever.map(f),
+                seat: part.seat.map(f),
+            }),
+        }
+    }
+}
+
+impl<T: Scalar> Joint<T> {
+    fn map<U: Scalar>(&self, f: impl Fn(T) -> U + Copy) -> Joint<U> {
+        match self {
+            Joint::Rod(rod) => Joint::Rod(rod.map(f)),
+            Joint::Line { normal, top } => Joint::Line {
+                normal: normal.map(f),
+                top: top.map(f),
+            },
+            Joint::Pin { lever, direction } => Joint::Pin {
+                lever: lever.map(f),
+                direction: direction.map(f),
+            },
+        }
+    }
+}
+
+impl<T: Scalar> System<T> {
+    /// The system over another kind of number.
+    pub(super) fn map<U: Scalar>(&self, f: impl Fn(T) -> U + Copy) -> System<U> {
+        let bushing = |part: &CarrierBushing<T>| CarrierBushing {
+            lever: part.lever.map(f),
+            bushing: part.bushing.map(f),
+        };
+        System {
+            limbs: self.limbs.iter().map(|limb| limb.map(f)).collect(),
+            bushings: self.bushings.iter().map(bushing).collect(),
+            rods: self.rods.iter().map(|rod| rod.map(f)).collect(),
+            joints: self.joints.iter().map(|joint| joint.map(f)).collect(),
+            wheel: WheelPart {
+                centre: self.wheel.centre.map(f),
+                spin_axis: self.wheel.spin_axis.map(f),
+                radius: self.wheel.radius,
+            },
+        }
+    }
+}
+
+impl<T: Scalar> Spring<T> {
+    fn map<U: Scalar>(&self, f: impl Fn(T) -> U + Copy) -> Spring<U> {
+        self.with(|linear| linear.map(f))
+    }
+}
+
+impl<T: Copy> WheelFigures<T> {
+    /// The figures over another kind of number.
+    pub fn map<U>(&self, f: impl Fn(T) -> U + Copy) -> WheelFigures<U> {
+        WheelFigures {
+            toe: f(self.toe),
+            camber: f(self.camber),
+            steering: self.steering.map(|angles| angles.map(f)),
+            spin: f(self.spin),
+            centre: self.centre.map(f),
+            contact: self.contact.map(f),
+            vertical: f(self.vertical),
+        }
+    }
+}

@@ -1,0 +1,43 @@
+//! Elasto-kinematics of a wheel: equilibrium with bushings and stretching links, and how it changes with loads.
+//!
+//! Bodies are the wheel carrier, arms on bushings, links with bushings, the mount of a strut and the rocker of a spring;
+//! everything else is rigid. All bodies are displaced from the design position, and deflections are formed from these
+//! displacements (`algebra.rs`), never from coordinates. Parts between body and carrier are eliminated one by one
+//! (`limb.rs`, `swinging.rs`, `floating.rs`, `parts.rs`), and a system of at most twelve equations is left (`system.rs`). Newton's method raises the
+//! loads (`solve.rs`). Elements are written over any number: derivatives by loads, travel, rack and design come from the
+//! same code.
+
+mod algebra;
+mod build;
+mod bushing;
+mod definition;
+mod floating;
+mod kc;
+mod law;
+mod limb;
+mod loads;
+mod map;
+mod parts;
+mod point;
+mod preload;
+mod reading;
+mod readings;
+mod solve;
+mod swinging;
+mod system;
+mod wheel;
+
+pub use definition::{
+    AxialStiffness, BushingPart, Compliance, LinkMember, LinkPart, Relaxed, bushing_points,
+    link_members,
+};
+pub use kc::{
+    KcFigure, KcLevel, KcOutcome, KcRun, KcState, KcStation, KcTest, KcUnit, TestLoad, TestPlace,
+};
+pub use law::Shape;
+pub use loads::WheelLoads;
+pub use reading::WheelFigures;
+pub use wheel::{
+    BushingReading, Change, ElasticFault, ElasticWheel, Equilibrium, HeldQuantity, Motion,
+    NoEquilibrium, SpringReading,
+};

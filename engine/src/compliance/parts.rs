@@ -1,0 +1,429 @@
+//! Parts at the carrier itself: the top mount of a strut, the seat of a spring on an arm without bushings, rigid rods
+//! and joints.
+//!
+//! **Top mount.** The strut's line is fixed in the carrier, along the unit vector a. The mount's point is on that line,
+//! at the distance t from where the carrier has the design position of `strut_top`, at the lever l. It moves by
+//!
+//! ```text
+//! d = u + D l + a t,   dd = du + w x r + a dt,   r = R l + a t                                    (1)
+//! ```
+//!
+//! and a bushing of three rates holds it. The spring works along t. The rod may turn freely about its line; the tilt
+//!
+//! ```text
+//! q = (a0 x a) s/sin s,   cos s = a0.a                                                            (2)
+//! ```
+//!
+//! has components about the mount's x and y.
+//!
+//! **Seat on an arm of legs.** The seat keeps its place in the frame of the arm's axis e and outer joint. With r the
+//! unit vector from the axis to the joint, n = e x r, l the joint's distance from the axis and b, c the seat's
+//! distances along r and n, a force F at the seat is, at the joint,
+//!
+//! ```text
+//! n p/l,   p = F.(b n - c r);   tangent -(p/l^2)(r n' + n r') - (F.(b r + c n)/l^2) n n'          (3)
+//! ```
+
+use super::algebra::{Placed, angle_by_sine, cross_matrix, second_order};
+use super::bushing::Bushing;
+use super::limb::{Conditions, Evaluated, Followers, LimbState, Sum};
+use super::point::{PointForce, Seat, SeatForce, Spring, Stretched};
+use crate::number::{Dual, Matrix3, Real, Scalar, Vector3};
+
+/// The top mount of a strut with its spring.
+#[derive(Clone, Debug)]
+pub(super) struct Mount<T> {
+    /// `strut_top`, from the carrier's reference point.
+    pub(super) top: Vector3<T>,
+    /// a in the design position.
+    pub(super) along: Vector3<T>,
+    /// From the spring's lower end to `strut_top`.
+    pub(super) spring_line: Vector3<T>,
+    pub(super) bushing: Bushing<T>,
+    pub(super) spring: Option<Spring<T>>,
+}
+
+/// Deflections and forces of a top mount.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct MountState<T> {
+    /// Deflection in the mount's axes.
+    pub(super) deflection: Vector3<T>,
+    /// Force of the mount's law.
+    pub(super) force: Vector3<T>,
+    pub(super) tilt: [T; 2],
+    pub(super) tilt_torque: [T; 2],
+    pub(super) spring_length: T,
+    pub(super) design_length: T,
+    pub(super) spring_force: T,
+}
+
+impl<T: Scalar> Mount<T> {
+    fn displacement(&self, at: &Conditions<T>, slide: T) -> Vector3<T> {
+        let along = at.carrier.lever(self.along);
+        at.carrier.displacement(self.top) + along * slide
+    }
+
+    /// Length of the spring with its first and second derivative by t.
+    fn spring_length(&self, slide: T) -> (T, T, T) {
+        let moved = self.along * slide;
+        let line = Stretched::of(self.spring_line, moved);
+        let length = self.spring_line.norm() + line.stretch;
+        let slope = line.direction.dot(self.along);
+        (
+            length,
+            slope,
+            (slope.one() - slope * slope) * line.inverse_length,
+        )
+    }
+
+    /// Equation (2) of a direction.
+    fn tilt(&self, along: Vector3<T>) -> [T; 2] {
+        let across = self.along.cross(along);
+        let ratio = angle_by_sine(across.norm_squared(), self.along.dot(along));
+        let [x, y, _] = self.bushing.axes.columns;
+        [x.dot(across) * ratio, y.dot(across) * ratio]
+    }
+
+    pub(super) fn state(&self, at: &Conditions<T>, state: &LimbState<T>) -> MountState<T> {
+        let nothing = Matrix3::null(at.rack);
+        let bushing = self
+            .bushing
+            .state(self.displacement(at, state.slide), &nothing);
+        let (spring_length, ..) = self.spring_length(state.slide);
+        let design_length = self.spring_line.norm();
+        let tilt = self.tilt(at.carrier.lever(self.along));
+        let torque = |k: usize| self.bushing.laws[3 + k].at(tilt[k]).0;
+        let law = self.spring.as_ref();
+        MountState {
+            deflection: bushing.deflection,
+            force: bushing.force,
+            tilt,
+            tilt_torque: [torque(0), torque(1)],
+            spring_length,
+            design_length,
+            spring_force: law.map_or(at.rack.zero(), |law| law.at(spring_length, design_length).0),
+        }
+    }
+
+    /// Adds the moment of the tilt and its tangent.
+    fn add_tilt(&self, along: Vector3<T>, sum: &mut Sum<T>) {
+        let mut by_turn = Matrix3::null(along.x);
+        let mut moment = by_turn.columns[0];
+        let constant = |v: Vector3<T>| v.map(|c| Dual::constant(Dual::constant(c)));
+        for k in 0..2 {
+            let nothing = along.zero().to_array();
+            let (tilt, gradient, second) = second_order(nothing, |turn| {
+                let (turn, along) = (Vector3::from(turn), constant(along));
+                let once = turn.cross(along);
+                let now = along + once + turn.cross(once).map(|c| c.scaled(0.5));
+                let across = constant(self.along).cross(now);
+                let cosine = constant(self.along).dot(now);
+                let ratio = angle_by_sine(across.norm_squared(), cosine);
+                constant(self.bushing.axes.columns[k]).dot(across) * ratio
+            });
+            let (torque, rate) = self.bushing.laws[3 + k].at(tilt);
+            let gradient = Vector3::from(gradient);
+            moment = moment + gradient * torque;
+            by_turn.add_product(gradient, gradient, rate);
+            for (column, second) in by_turn.columns.iter_mut().zip(second) {
+                *column = *column + Vector3::from(second) * torque;
+            }
+        }
+        // The second derivative is by the rotation vector; small turns about fixed axes take half the moment off.
+        let half = moment * moment.x.lit(-0.5);
+        sum.add_moment(moment, &by_turn.plus(&cross_matrix(half)));
+    }
+
+    pub(super) fn evaluate(
+        &self,
+        at: &Conditions<T>,
+        state: &LimbState<T>,
+        held: &[T; 7],
+        sum: &mut Sum<T>,
+    ) -> Option<Evaluated<T>> {
+        let like = at.rack;
+        let nothing = Matrix3::null(like);
+        let along = at.carrier.lever(self.along);
+        let lever = at.carrier.lever(self.top) + along * state.slide;
+        let bushing = if at.balance_only {
+            self.bushing.slack()
+        } else {
+            let moved = self.displacement(at, state.slide);
+            self.bushing.force(moved, &nothing, None)
+        };
+        let (force, stiffness) = (bushing.force, bushing.by_shift);
+        sum.add_point(lever, &PointForce::of(force, stiffness));
+        if !at.balance_only {
+            self.add_tilt(along, sum);
+        }
+        let (length, slope, bend) = self.spring_length(state.slide);
+        let spring = self.spring.as_ref();
+        let (push, rate) = spring.map_or((like.zero(), like.zero()), |law| {
+            law.at(length, self.spring_line.norm())
+        });
+        let turned = stiffness.apply(along);
+        let moment = along.dot(force) - push * slope - held[0];
+        let mut own = along.dot(turned);
+        if !at.balance_only {
+            own = own + rate * slope * slope - push * bend;
+        }
+        let twisted = along.cross(force) + lever.cross(turned);
+        let by = [
+            turned.x, turned.y, turned.z, twisted.x, twisted.y, twisted.z,
+        ];
+        let inverse = own.one() / own;
+        let mut followers = Followers::of_one(like);
+        for i in 0..6 {
+            followers.by[0][i] = by[i] * inverse;
+            sum.force[i] = sum.force[i] - by[i] * (moment * inverse);
+            for j in 0..6 {
+                sum.tangent[i][j] = sum.tangent[i][j] - by[i] * by[j] * inverse;
+            }
+        }
+        followers.rest[0] = moment * inverse;
+        let mut inner = [like.zero(); 7];
+        inner[0] = moment;
+        own.value().is_finite().then_some(Evaluated {
+            followers,
+            inner,
+            is_stable: own.value() > 0.0,
+            least_pivot: if own.value() > 0.0 { 1.0 } else { 0.0 },
+        })
+    }
+}
+
+/// The seat of a spring on an arm of rigid or stretching legs.
+#[derive(Clone, Debug)]
+pub(super) struct LegSeat<T> {
+    /// The outer joint, from the carrier's reference point.
+    pub(super) joint: Vector3<T>,
+    /// Unit vector along the arm's axis.
+    pub(super) axis: Vector3<T>,
+    /// From the axis to the outer joint, square to it.
+    pub(super) radius: Vector3<T>,
+    pub(super) seat: Seat<T>,
+    /// b and c of equation (3).
+    pub(super) place: [T; 2],
+}
+
+/// The frame of an arm of legs: r, n, 1/l and the displacement of the seat.
+struct LegFrame<T> {
+    radial: Vector3<T>,
+    normal: Vector3<T>,
+    inverse: T,
+    moved: Vector3<T>,
+}
+
+impl<T: Scalar> LegSeat<T> {
+    fn frame(&self, carrier: &Placed<T>) -> LegFrame<T> {
+        let moved = carrier.displacement(self.joint).across(self.axis);
+        let line = Stretched::of(self.radius, moved);
+        let before = self.radius.normalised();
+        // r - r0 from the displacement, so that it keeps all digits.
+        let change = (moved - before * line.stretch) * line.inverse_length;
+        let turned = self.axis.cross(change);
+        LegFrame {
+            radial: line.direction,
+            normal: self.axis.cross(line.direction),
+            inverse: line.inverse_length,
+            moved: change * self.place[0] + turned * self.place[1],
+        }
+    }
+
+    /// Shift of the seat in a small step of the joint from the design position.
+    pub(super) fn shift(&self, joint: Vector3<T>) -> Vector3<T> {
+        let r = self.radius.normalised();
+        let n = self.axis.cross(r);
+        let turn = n.dot(joint) / self.radius.norm();
+        (n * self.place[0] - r * self.place[1]) * turn
+    }
+
+    /// Displacement of the seat.
+    pub(super) fn displacement(&self, carrier: &Placed<T>) -> Vector3<T> {
+        self.frame(carrier).moved
+    }
+
+    pub(super) fn evaluate(
+        &self,
+        at: &Conditions<T>,
+        state: &LimbState<T>,
+        held: &[T; 7],
+        sum: &mut Sum<T>,
+    ) -> Evaluated<T> {
+        let frame = self.frame(&at.carrier);
+        let SeatForce {
+            point,
+            slide,
+            moment,
+            is_stable,
+        } = self
+            .seat
+            .force(frame.moved, state.slide, held[6], at.balance_only);
+        let (r, n, [b, c]) = (frame.radial, frame.normal, self.place);
+        let arm = n * b - r * c;
+        let along = n * frame.inverse;
+        let at_joint = |force: Vector3<T>| along * arm.dot(force);
+        let mut stiffness = Matrix3::null(at.rack);
+        stiffness.add_product(along, along, arm.dot(point.stiffness.apply(arm)));
+        if !at.balance_only {
+            let square = frame.inverse * frame.inverse;
+            let turning = -(arm.dot(point.force) * square);
+            stiffness.add_product(r, n, turning);
+            stiffness.add_product(n, r, turning);
+            let radial = (r * b + n * c).dot(point.force) * square;
+            stiffness.add_product(n, n, -radial);
+        }
+        let at_joint = PointForce {
+            force: at_joint(point.force),
+            condensed: at_joint(point.condensed),
+            stiffness,
+        };
+        let lever = at.carrier.lever(self.joint);
+        sum.add_point(lever, &at_joint.leverless_if(at.balance_only));
+        let slide = slide.map(|slide| (at.rack.zero(), along * arm.dot(slide.by), slide.rest));
+        let mut inner = [at.rack.zero(); 7];
+        inner[6] = moment;
+        Evaluated {
+            followers: Followers::of_joint(lever, slide),
+            inner,
+            is_stable,
+            least_pivot: 1.0,
+        }
+    }
+}
+
+/// The seat of a spring on the carrier.
+#[derive(Clone, Debug)]
+pub(super) struct CarrierSeat<T> {
+    /// The seat, from the carrier's reference point.
+    pub(super) lever: Vector3<T>,
+    pub(super) seat: Seat<T>,
+}
+
+impl<T: Scalar> CarrierSeat<T> {
+    pub(super) fn evaluate(
+        &self,
+        at: &Conditions<T>,
+        state: &LimbState<T>,
+        held: &[T; 7],
+        sum: &mut Sum<T>,
+    ) -> Evaluated<T> {
+        let moved = at.carrier.displacement(self.lever);
+        let force = self
+            .seat
+            .force(moved, state.slide, held[6], at.balance_only);
+        let lever = at.carrier.lever(self.lever);
+        sum.add_point(lever, &force.point.leverless_if(at.balance_only));
+        let mut inner = [at.rack.zero(); 7];
+        inner[6] = force.moment;
+        Evaluated {
+            followers: Followers::of_carrier(
+                at.rack,
+                force.slide.map(|slide| (lever, slide.by, slide.rest)),
+            ),
+            inner,
+            is_stable: force.is_stable,
+            least_pivot: 1.0,
+        }
+    }
+}
+
+/// A rod between body or rack and the carrier, rigid or with axial stiffness.
+#[derive(Clone, Debug)]
+pub(super) struct RodPart<T> {
+    /// The outer end, from the carrier's reference point.
+    pub(super) joint: Vector3<T>,
+    /// From inner to outer end.
+    pub(super) along: Vector3<T>,
+    pub(super) on_rack: bool,
+    /// Axial stiffness and tension in the design position; `None` for a rigid rod.
+    pub(super) elastic: Option<[T; 2]>,
+}
+
+impl<T: Scalar> RodPart<T> {
+    pub(super) fn line(&self, at: &Conditions<T>) -> Stretched<T> {
+        let moved = at.carrier.displacement(self.joint) - at.ground(self.on_rack);
+        Stretched::of(self.along, moved)
+    }
+
+    /// Adds a rod with axial stiffness.
+    pub(super) fn add(&self, at: &Conditions<T>, [rate, tension]: [T; 2], sum: &mut Sum<T>) {
+        let line = self.line(at);
+        let pull = if at.balance_only {
+            rate.zero()
+        } else {
+            tension + rate * line.stretch
+        };
+        let point = PointForce::along(line.direction, pull, rate, line.inverse_length);
+        sum.add_point(at.carrier.lever(self.joint), &point);
+    }
+}
+
+/// A rigid joint of the carrier: one equation, with a force as its unknown.
+#[derive(Clone, Debug)]
+pub(super) enum Joint<T> {
+    /// A rigid rod.
+    Rod(RodPart<T>),
+    /// One of two equations that keep a rigid mount on the line of a strut: a direction of the carrier normal to the
+    /// line, and `strut_top` from the carrier's reference point.
+    Line {
+        /// Direction in the design position.
+        normal: Vector3<T>,
+        /// `strut_top`.
+        top: Vector3<T>,
+    },
+    /// A point of the carrier that does not move along a direction of the body.
+    Pin {
+        /// The point, from the carrier's reference point.
+        lever: Vector3<T>,
+        /// The direction.
+        direction: Vector3<T>,
+    },
+}
+
+impl<T: Scalar> Joint<T> {
+    /// Residual and its derivatives by the carrier. Adds the joint's force and its tangent.
+    #[inline(always)]
+    pub(super) fn evaluate(&self, at: &Conditions<T>, force: T, sum: &mut Sum<T>) -> (T, [T; 6]) {
+        match self {
+            Joint::Rod(rod) => {
+                let line = rod.line(at);
+                let lever = at.carrier.lever(rod.joint);
+                let point =
+                    PointForce::along(line.direction, force, force.zero(), line.inverse_length);
+                sum.add_point(lever, &point);
+                (
+                    line.stretch,
+                    row(line.direction, lever.cross(line.direction)),
+                )
+            }
+            Joint::Line { normal, top } => {
+                let moved = at.carrier.displacement(*top);
+                let normal = at.carrier.lever(*normal);
+                let lever = at.carrier.lever(*top) - moved;
+                // The force keeps its place in the body while the carrier moves: dr = -du.
+                let pull = normal * force;
+                let nothing = Matrix3::null(force);
+                let across = cross_matrix(pull);
+                sum.add_force(pull, lever.cross(pull));
+                sum.add_blocks([
+                    [&nothing, &across.negated()],
+                    [&across, &across.crossed_by(lever).negated()],
+                ]);
+                (normal.dot(moved), row(normal, lever.cross(normal)))
+            }
+            Joint::Pin { lever, direction } => {
+                let now = at.carrier.lever(*lever);
+                let pull = PointForce::of(*direction * force, Matrix3::null(force));
+                sum.add_point(now, &pull);
+                let residual = direction.dot(at.carrier.displacement(*lever));
+                (residual, row(*direction, now.cross(*direction)))
+            }
+        }
+    }
+}
+
+fn row<T: Copy>(force: Vector3<T>, moment: Vector3<T>) -> [T; 6] {
+    let (f, m) = (force, moment);
+    [f.x, f.y, f.z, m.x, m.y, m.z]
+}

@@ -1,0 +1,417 @@
+//! Forces between two points: rods, springs, and the seat of a spring that stands on a suspension part.
+//!
+//! With v from the fixed point to the moving one, l = |v|, u = v/l and the pull T(l), the energy changes by T u.dp and
+//!
+//! ```text
+//! T' u u' + T/l (I - u u')                                                                        (1)
+//! ```
+//!
+//! is its second derivative. The length of a rod is l - L = (2 v0.d + d.d)/(l + L) with d the relative displacement of
+//! its ends (2), which keeps all digits.
+//!
+//! A rocker turns by theta about its axis; a rod of axial stiffness pushes it. Its balance about the axis is a
+//! scalar equation, and theta is eliminated: with g its moment,
+//!
+//! ```text
+//! K - k k'/g',   F - k g/g',   dtheta = -(g + k.dp)/g'                                            (3)
+//! ```
+//!
+//! A rigid rod makes theta, and so the length of the spring, a function of the rod's outer end; its second derivatives
+//! come from nested derivative numbers.
+
+use super::algebra::second_order;
+use crate::axle::{Law as SpringShape, SpringLaw};
+use crate::mechanism::Turn;
+use crate::number::{Dual, Jet, Matrix3, Scalar, Vector3};
+
+/// A force at a moving point: the derivative of an energy by the point's position, and its tangent.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PointForce<T> {
+    /// The derivative of the energy.
+    pub(super) force: Vector3<T>,
+    /// The same after inner unknowns are eliminated: what the equations of balance take.
+    pub(super) condensed: Vector3<T>,
+    /// Second derivative, inner unknowns eliminated.
+    pub(super) stiffness: Matrix3<T>,
+}
+
+impl<T: Scalar> PointForce<T> {
+    /// No force.
+    pub(super) fn none(like: T) -> Self {
+        let stiffness = Matrix3::null(like);
+        let force = stiffness.columns[0];
+        PointForce {
+            force,
+            condensed: force,
+            stiffness,
+        }
+    }
+
+    /// The force without the change of its moment with its lever, for the forces at the design load.
+    #[inline(always)]
+    pub(super) fn leverless_if(mut self, balance_only: bool) -> Self {
+        if balance_only {
+            self.force = self.force.zero();
+        }
+        self
+    }
+
+    #[inline(always)]
+    pub(super) fn of(force: Vector3<T>, stiffness: Matrix3<T>) -> Self {
+        PointForce {
+            force,
+            condensed: force,
+            stiffness,
+        }
+    }
+
+    /// A pull along the unit vector from the fixed point. Equation (1).
+    #[inline(always)]
+    pub(super) fn along(u: Vector3<T>, pull: T, rate: T, inverse_length: T) -> Self {
+        let across = pull * inverse_length;
+        let mut stiffness = Matrix3::null(pull);
+        stiffness.add_product(u, u, rate - across);
+        stiffness.add_identity(across);
+        PointForce::of(u * pull, stiffness)
+    }
+}
+
+/// Stretch, present length and direction of the line between two points. Equation (2).
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Stretched<T> {
+    pub(super) stretch: T,
+    pub(super) inverse_length: T,
+    pub(super) direction: Vector3<T>,
+}
+
+impl<T: Scalar> Stretched<T> {
+    /// `designed` is the vector between the points in the design position, `displacement` its change.
+    #[inline(always)]
+    pub(super) fn of(designed: Vector3<T>, displacement: Vector3<T>) -> Self {
+        let now = designed + displacement;
+        let (before, length) = (designed.norm(), now.norm());
+        let double = designed.dot(displacement);
+        let inverse_length = length.one() / length;
+        Stretched {
+            stretch: (double + double + displacement.norm_squared()) / (length + before),
+            inverse_length,
+            direction: now * inverse_length,
+        }
+    }
+}
+
+/// The law of the spring with its bump stop, over any number.
+#[derive(Clone, Debug)]
+pub(super) struct Spring<T> {
+    law: SpringLaw,
+    /// Force in the design position and rate, of a linear spring.
+    linear: Option<[T; 2]>,
+}
+
+impl<T: Scalar> Spring<T> {
+    pub(super) fn new(law: &SpringLaw, like: T) -> Self {
+        let linear = match law.spring {
+            SpringShape::Linear { force, rate } => Some([like.lit(force), like.lit(rate)]),
+            SpringShape::Curve(_) => None,
+        };
+        Spring {
+            law: law.clone(),
+            linear,
+        }
+    }
+
+    /// The spring over another kind of number, with force and rate given by those of this one.
+    pub(super) fn with<U>(&self, f: impl Fn([T; 2]) -> [U; 2]) -> Spring<U> {
+        Spring {
+            law: self.law.clone(),
+            linear: self.linear.map(f),
+        }
+    }
+
+    /// Force and rate (force per shortening) at a length.
+    #[inline(always)]
+    pub(super) fn at(&self, length: T, design: T) -> (T, T) {
+        let shortened = design - length;
+        let Some([force, rate]) = self.linear else {
+            let series = Jet([length, -length.one()]);
+            let force = self.law.force(series, Jet::constant(design));
+            return (force[0], force[1]);
+        };
+        let plain = (force + rate * shortened, rate);
+        match &self.law.bump_stop {
+            Some(stop) if shortened.value() > stop.gap => {
+                let series = Jet([shortened - length.lit(stop.gap), length.one()]);
+                let more = stop.curve.at(series);
+                (plain.0 + more[0], plain.1 + more[1])
+            }
+            _ => plain,
+        }
+    }
+
+    /// Returns true if the bump stop is in touch at a length.
+    pub(super) fn meets_stop(&self, length: f64, design: f64) -> bool {
+        let stop = self.law.bump_stop.as_ref();
+        stop.is_some_and(|stop| design - length > stop.gap)
+    }
+}
+
+/// A rocker and the rod that turns it, in the design position.
+#[derive(Clone, Debug)]
+pub(super) struct RockerSeat<T> {
+    /// Two points of the axis and the rod's inner end.
+    pub(super) axis: [Vector3<T>; 2],
+    pub(super) inner: Vector3<T>,
+    /// The spring's end on the rocker.
+    pub(super) spring: Vector3<T>,
+    /// Axial stiffness of the rod and its tension in the design position; `None` for a rigid rod.
+    pub(super) rod: Option<[T; 2]>,
+}
+
+/// The part on which the spring acts.
+#[derive(Clone, Debug)]
+pub(super) struct Seat<T> {
+    /// The spring's end or the rod's outer end, in the design position.
+    pub(super) point: Vector3<T>,
+    /// The spring's end on the body.
+    pub(super) upper: Vector3<T>,
+    /// The spring; `None` if the study has hardpoints of a spring without a law.
+    pub(super) law: Spring<T>,
+    pub(super) rocker: Option<RockerSeat<T>>,
+}
+
+/// How the rocker follows: dtheta = -(rest + by.dp). Equation (3).
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Slide<T> {
+    pub(super) by: Vector3<T>,
+    pub(super) rest: T,
+}
+
+/// Force at a seat.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SeatForce<T> {
+    pub(super) point: PointForce<T>,
+    pub(super) slide: Option<Slide<T>>,
+    /// Moment about the rocker's axis that is out of balance.
+    pub(super) moment: T,
+    /// False if the rocker turns away by itself.
+    pub(super) is_stable: bool,
+}
+
+/// Lengths and forces at a seat.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SeatState<T> {
+    pub(super) spring_length: T,
+    pub(super) design_length: T,
+    pub(super) spring_force: T,
+    /// Tension of a rod with axial stiffness.
+    pub(super) rod_tension: Option<T>,
+}
+
+impl<T: Scalar> RockerSeat<T> {
+    /// Points of the rocker as it turns by theta, tan(theta/2) = `half`: displacement, and first and second derivative
+    /// by theta.
+    #[inline(always)]
+    fn turned(&self, point: Vector3<T>, half: T) -> [Vector3<T>; 3] {
+        let [first, second] = self.axis;
+        let axis = (second - first).normalised();
+        let lever = (point - first).across(axis);
+        let one = half.one();
+        let double = half + half;
+        let factor = one / (one + half * half);
+        let displacement = (axis.cross(lever) - lever * half) * (double * factor);
+        let now = lever + displacement;
+        [displacement, axis.cross(now), -now]
+    }
+}
+
+impl<T: Scalar> Seat<T> {
+    /// Length of the spring in the design position.
+    pub(super) fn design_length(&self) -> T {
+        let lower = match &self.rocker {
+            Some(rocker) => rocker.spring,
+            None => self.point,
+        };
+        (lower - self.upper).norm()
+    }
+
+    /// Force by a displacement of the point. `balance_only` leaves out what depends on deflection: for the forces at
+    /// the design load. `slide` is tan(theta/2) of a rocker whose rod is elastic, `held` the moment about its axis that
+    /// is carried from outside.
+    pub(super) fn force(
+        &self,
+        displacement: Vector3<T>,
+        slide: T,
+        held: T,
+        balance_only: bool,
+    ) -> SeatForce<T> {
+        let like = slide;
+        let plain = |point| SeatForce {
+            point,
+            slide: None,
+            moment: like.zero(),
+            is_stable: true,
+        };
+        match &self.rocker {
+            None => {
+                let designed = self.point - self.upper;
+                let line = Stretched::of(designed, displacement);
+                let design = designed.norm();
+                let (force, rate) = self.law.at(design + line.stretch, design);
+                if balance_only {
+                    let force = -(line.direction * force);
+                    return plain(PointForce::of(force, Matrix3::null(like)));
+                }
+                plain(PointForce::along(
+                    line.direction,
+                    -force,
+                    rate,
+                    line.inverse_length,
+                ))
+            }
+            Some(rocker) => match rocker.rod {
+                None => plain(self.through_rigid_rod(rocker, displacement, balance_only)),
+                Some(rod) => self.through_rod(rocker, rod, displacement, slide, held, balance_only),
+            },
+        }
+    }
+
+    fn through_rigid_rod(
+        &self,
+        rocker: &RockerSeat<T>,
+        displacement: Vector3<T>,
+        balance_only: bool,
+    ) -> PointForce<T> {
+        let constant = |v: Vector3<T>| v.map(|c| Dual::constant(Dual::constant(c)));
+        let (length, gradient, second) = second_order(displacement.to_array(), |moved| {
+            let outer = constant(self.point);
+            let ends = [
+                constant(rocker.axis[0]),
+                constant(rocker.axis[1]),
+                constant(rocker.inner),
+                outer,
+                outer + Vector3::from(moved),
+            ];
+            let end = Turn::of(ends).moved(constant(rocker.spring));
+            (end - constant(self.upper)).norm()
+        });
+        let (force, rate) = self.law.at(length, self.design_length());
+        let gradient = Vector3::from(gradient);
+        let mut stiffness = Matrix3::null(force);
+        if !balance_only {
+            stiffness.add_product(gradient, gradient, rate);
+            for (column, second) in stiffness.columns.iter_mut().zip(second) {
+                *column = *column - Vector3::from(second) * force;
+            }
+        }
+        PointForce::of(-(gradient * force), stiffness)
+    }
+
+    fn through_rod(
+        &self,
+        rocker: &RockerSeat<T>,
+        [rate, tension]: [T; 2],
+        displacement: Vector3<T>,
+        slide: T,
+        held: T,
+        balance_only: bool,
+    ) -> SeatForce<T> {
+        let [end, end_by, end_second] = rocker.turned(rocker.inner, slide);
+        let rod = Stretched::of(self.point - rocker.inner, displacement - end);
+        let pull = if balance_only {
+            slide.zero()
+        } else {
+            tension + rate * rod.stretch
+        };
+        let point = PointForce::along(rod.direction, pull, rate, rod.inverse_length);
+        let [_, by, second] = rocker.turned(rocker.spring, slide);
+        let (length, force, spring_rate) = self.spring_on(rocker, slide);
+        let along = self.spring_vector(rocker, slide) * (length.one() / length);
+        let lever = along.dot(by);
+        let mut moment = -(force * lever) - point.force.dot(end_by) - held;
+        let turned = point.stiffness.apply(end_by);
+        let mut slope = end_by.dot(turned);
+        if balance_only {
+            moment = -(force * lever);
+        } else {
+            let bent = (by.norm_squared() - lever * lever) / length + along.dot(second);
+            slope =
+                slope + spring_rate * lever * lever - force * bent - point.force.dot(end_second);
+        }
+        let inverse = slope.one() / slope;
+        let mut stiffness = point.stiffness;
+        stiffness.add_product(turned, turned, -inverse);
+        SeatForce {
+            point: PointForce {
+                force: point.force,
+                condensed: point.force + turned * (moment * inverse),
+                stiffness,
+            },
+            slide: Some(Slide {
+                by: -(turned * inverse),
+                rest: moment * inverse,
+            }),
+            moment,
+            is_stable: slope.value() > 0.0,
+        }
+    }
+
+    /// Vector from the spring's upper to its lower end, on a rocker.
+    fn spring_vector(&self, rocker: &RockerSeat<T>, slide: T) -> Vector3<T> {
+        rocker.spring - self.upper + rocker.turned(rocker.spring, slide)[0]
+    }
+
+    fn spring_on(&self, rocker: &RockerSeat<T>, slide: T) -> (T, T, T) {
+        let designed = rocker.spring - self.upper;
+        let moved = rocker.turned(rocker.spring, slide)[0];
+        let design = designed.norm();
+        let length = design + Stretched::of(designed, moved).stretch;
+        let (force, rate) = self.law.at(length, design);
+        (length, force, rate)
+    }
+
+    /// Sets the tension of the rod in the design position, from a small shift of its outer end and a small turn of
+    /// the rocker.
+    pub(super) fn preload_rod(&mut self, moved: Vector3<T>, slide: T) {
+        let point = self.point;
+        let Some(rocker) = &mut self.rocker else {
+            return;
+        };
+        let [_, by, _] = rocker.turned(rocker.inner, slide.zero());
+        let along = (point - rocker.inner).normalised();
+        if let Some([rate, tension]) = &mut rocker.rod {
+            *tension = *rate * along.dot(moved - by * slide);
+        }
+    }
+
+    /// Lengths and forces.
+    pub(super) fn state(&self, displacement: Vector3<T>, slide: T) -> SeatState<T> {
+        let design_length = self.design_length();
+        let (spring_length, rod_tension) = match &self.rocker {
+            None => {
+                let line = Stretched::of(self.point - self.upper, displacement);
+                (design_length + line.stretch, None)
+            }
+            Some(rocker) => match rocker.rod {
+                None => {
+                    let [first, second] = rocker.axis;
+                    let outer = self.point + displacement;
+                    let ends = [first, second, rocker.inner, self.point, outer];
+                    let end = Turn::of(ends).moved(rocker.spring);
+                    ((end - self.upper).norm(), None)
+                }
+                Some([rate, tension]) => {
+                    let [end, ..] = rocker.turned(rocker.inner, slide);
+                    let rod = Stretched::of(self.point - rocker.inner, displacement - end);
+                    let (length, ..) = self.spring_on(rocker, slide);
+                    (length, Some(tension + rate * rod.stretch))
+                }
+            },
+        };
+        SeatState {
+            spring_length,
+            design_length,
+            spring_force: self.law.at(spring_length, design_length).0,
+            rod_tension,
+        }
+    }
+}

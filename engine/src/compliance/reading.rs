@@ -1,0 +1,177 @@
+//! Angles and positions of the wheel in an equilibrium. The formulas are those of the catalogue of characteristics.
+//!
+//! The spin is the angle of the carrier's design heading h, along the wheel:
+//!
+//! ```text
+//! spin = atan2(h.u, h.T),   u = T x a                                                             (1)
+//! ```
+//!
+//! with T the level heading of the wheel and a its spin axis: positive nose up, as caster grows.
+
+use super::loads::WheelPart;
+use super::system::{Limb, State, System};
+use crate::characteristics::{Characteristic, Constants, DesignWheel, Inputs, Wheel};
+use crate::mechanism::Ground;
+use crate::model::{Mechanism, SteeringAxis};
+use crate::number::{Real, Scalar, Vector3};
+
+/// Points from which a wheel is read, in the design position.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct WheelGeometry<T> {
+    /// The carrier's reference point.
+    pub(super) origin: Vector3<T>,
+    pub(super) wheel: WheelPart<T>,
+    pub(super) steering: SteeringJoints<T>,
+}
+
+/// Points of the steering axis, from the carrier's reference point.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum SteeringJoints<T> {
+    /// No joints give an axis.
+    None,
+    /// Two joints of the carrier.
+    Joints([Vector3<T>; 2]),
+    /// A joint of the carrier and the mount of a strut: a point of body, or of the strut's line if the mount is elastic.
+    Strut {
+        lower: Vector3<T>,
+        top: Vector3<T>,
+        /// The limb with the mount and the strut's direction.
+        mount: Option<(usize, Vector3<T>)>,
+    },
+}
+
+/// Angles and positions of the wheel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WheelFigures<T = f64> {
+    /// Toe angle.
+    pub toe: T,
+    /// Camber angle.
+    pub camber: T,
+    /// Caster angle and kingpin inclination; `None` without joints of a steering axis.
+    pub steering: Option<[T; 2]>,
+    /// Equation (1).
+    pub spin: T,
+    /// Wheel centre.
+    pub centre: Vector3<T>,
+    /// Contact point.
+    pub contact: Vector3<T>,
+    /// Vertical force at the contact point that holds the height; 0 where the load is held.
+    pub vertical: T,
+}
+
+impl<T: Real> WheelGeometry<T> {
+    pub(super) fn map<U: Copy>(&self, f: impl Fn(T) -> U + Copy) -> WheelGeometry<U> {
+        let steering = match self.steering {
+            SteeringJoints::None => SteeringJoints::None,
+            SteeringJoints::Joints(points) => {
+                SteeringJoints::Joints(points.map(|point| point.map(f)))
+            }
+            SteeringJoints::Strut { lower, top, mount } => SteeringJoints::Strut {
+                lower: lower.map(f),
+                top: top.map(f),
+                mount: mount.map(|(limb, along)| (limb, along.map(f))),
+            },
+        };
+        WheelGeometry {
+            origin: self.origin.map(f),
+            wheel: WheelPart {
+                centre: self.wheel.centre.map(f),
+                spin_axis: self.wheel.spin_axis.map(f),
+                radius: self.wheel.radius,
+            },
+            steering,
+        }
+    }
+}
+
+impl<T: Scalar> WheelGeometry<T> {
+    /// The points of a design.
+    pub(super) fn of(mechanism: &Mechanism, design: &[Vector3<T>], system: &System<T>) -> Self {
+        let origin = design[mechanism.origin.0];
+        let mount = system
+            .limbs
+            .iter()
+            .enumerate()
+            .find_map(|(k, limb)| match limb {
+                Limb::Mount(mount) => Some((k, mount.along)),
+                _ => None,
+            });
+        let steering = match mechanism.steering_axis {
+            Some(SteeringAxis::Through { lower, upper }) => {
+                let points = [lower, upper].map(|id| design[id.0] - origin);
+                match mechanism.body(upper) {
+                    crate::model::Body::Knuckle => SteeringJoints::Joints(points),
+                    _ => SteeringJoints::Strut {
+                        lower: points[0],
+                        top: points[1],
+                        mount,
+                    },
+                }
+            }
+            Some(SteeringAxis::Instantaneous) | None => SteeringJoints::None,
+        };
+        WheelGeometry {
+            origin,
+            wheel: system.wheel,
+            steering,
+        }
+    }
+
+    /// The wheel in a state.
+    pub(super) fn figures(&self, state: &State<T>, constants: Constants) -> WheelFigures<T> {
+        let carrier = &state.carrier;
+        let like = carrier.shift.x;
+        let nothing = like.lit(f64::NAN);
+        let mut now = Wheel::of_parts(|_| carrier.shift.lit(NOTHING), |_| nothing);
+        let axis = carrier.lever(self.wheel.spin_axis);
+        let at = |lever: Vector3<T>| self.origin + lever + carrier.displacement(lever);
+        now.spin_axis = axis;
+        now.centre = at(self.wheel.centre);
+        let axis_of = |lower: Vector3<T>, upper: Vector3<T>| (lower, upper - lower);
+        let steering = match self.steering {
+            SteeringJoints::None => None,
+            SteeringJoints::Joints([lower, upper]) => {
+                Some((at(lower), carrier.lever(upper - lower)))
+            }
+            SteeringJoints::Strut { lower, top, mount } => {
+                let upper = match mount {
+                    None => self.origin + top,
+                    Some((limb, along)) => at(top) + carrier.lever(along) * state.limbs[limb].slide,
+                };
+                Some(axis_of(at(lower), upper))
+            }
+        };
+        if let Some((point, direction)) = steering {
+            (now.steering_point, now.steering_direction) = (point, direction);
+        }
+        let inputs = Inputs {
+            now,
+            rate: now,
+            turn: carrier.shift.lit(NOTHING),
+            design: DesignWheel::filled(nothing),
+            constants,
+        };
+        let of = |characteristic: Characteristic| characteristic.evaluate(&inputs);
+        let lever = Ground::level(like).contact_lever(axis, self.wheel.radius);
+        let (heading, _) = Wheel::<T>::heading_and_outboard_of(axis);
+        let (designed, _) = Wheel::<T>::heading_and_outboard_of(self.wheel.spin_axis);
+        let nose = carrier.lever(designed);
+        WheelFigures {
+            toe: of(Characteristic::Toe),
+            camber: of(Characteristic::Camber),
+            steering: steering.map(|_| {
+                [
+                    of(Characteristic::Caster),
+                    of(Characteristic::KingpinInclination),
+                ]
+            }),
+            spin: nose.dot(heading.cross(axis)).atan2(nose.dot(heading)),
+            centre: now.centre,
+            contact: now.centre + lever,
+            vertical: state.vertical,
+        }
+    }
+}
+
+/// A vector of which nothing is known.
+const NOTHING: Vector3<f64> = Vector3::new(f64::NAN, f64::NAN, f64::NAN);

@@ -1,0 +1,197 @@
+//! Forces and deflections of bushings, links and spring in a state.
+
+use super::build::{Built, BushingPlace, LinkPlace};
+use super::bushing::{Bushing, BushingState};
+use super::floating::Floating;
+use super::limb::LimbStep;
+use super::parts::Joint;
+use super::swinging::Swinging;
+use super::system::{Limb, State, System};
+use super::wheel::{BushingReading, SpringReading};
+use crate::number::{Scalar, Vector3};
+
+/// Rotation of a bushing above which its law is doubtful, rad.
+const LARGEST_ROTATION: f64 = std::f64::consts::FRAC_PI_3;
+
+impl Built<f64> {
+    /// State of each bushing, in the order of the definition.
+    pub(super) fn bushing_readings(&self, state: &State<f64>, rack: f64) -> Vec<BushingReading> {
+        let at = self.system.conditions(state, rack);
+        let read = |place: &BushingPlace| match *place {
+            BushingPlace::Limb { limb, end } => {
+                let states = self.system.limb_bushings(limb, &at, state);
+                let bushing = match &self.system.limbs[limb] {
+                    Limb::Swinging(arm) => arm.ends[end].bushing.as_ref(),
+                    Limb::Floating(link) if end == 0 => link.inner.as_ref(),
+                    Limb::Floating(link) => Some(&link.outer),
+                    _ => None,
+                };
+                states[end]
+                    .zip(bushing)
+                    .map(|(state, bushing)| reading(&state, bushing))
+            }
+            BushingPlace::Carrier(part) => {
+                let part = &self.system.bushings[part];
+                let e = state.carrier.displacement(part.lever);
+                let state = part.bushing.state(e, &state.carrier.turn);
+                Some(reading(&state, &part.bushing))
+            }
+            BushingPlace::Mount(limb) => {
+                let Limb::Mount(mount) = &self.system.limbs[limb] else {
+                    return None;
+                };
+                let found = self.system.mount(&at, state)?;
+                let ([x, y], [a, b]) = (found.tilt, found.tilt_torque);
+                // The law's force is on the body; the moving part has the opposite.
+                let state = BushingState {
+                    deflection: found.deflection,
+                    rotation: Vector3::new(x, y, 0.0),
+                    force: found.force,
+                    torque: Vector3::new(a, b, 0.0),
+                };
+                Some(reading(&state, &mount.bushing))
+            }
+        };
+        self.bushings.iter().filter_map(read).collect()
+    }
+
+    /// Tension of each link, in the order of the definition.
+    pub(super) fn tensions(&self, state: &State<f64>, rack: f64) -> Vec<f64> {
+        let at = self.system.conditions(state, rack);
+        let tension = |place: &LinkPlace| match *place {
+            LinkPlace::Rod(number) => {
+                let rod = &self.system.rods[number];
+                let [rate, tension] = rod.elastic?;
+                Some(tension + rate * rod.line(&at).stretch)
+            }
+            LinkPlace::RockerRod => self.system.seat(&at, state)?.rod_tension,
+        };
+        self.links.iter().filter_map(tension).collect()
+    }
+
+    /// State of the spring.
+    pub(super) fn spring_reading(&self, state: &State<f64>, rack: f64) -> Option<SpringReading> {
+        let at = self.system.conditions(state, rack);
+        let laws = self.system.limbs.iter().find_map(|limb| match limb {
+            Limb::Mount(mount) => mount.spring.as_ref(),
+            Limb::Swinging(arm) => arm.seat.as_ref().map(|(_, seat)| &seat.law),
+            Limb::LegSeat(leg) => Some(&leg.seat.law),
+            Limb::CarrierSeat(part) => Some(&part.seat.law),
+            Limb::Floating(_) => None,
+        })?;
+        let seat = self.system.seat(&at, state);
+        let (length, design, force) = match seat {
+            Some(seat) => (seat.spring_length, seat.design_length, seat.spring_force),
+            None => {
+                let mount = self.system.mount(&at, state)?;
+                (mount.spring_length, mount.design_length, mount.spring_force)
+            }
+        };
+        Some(SpringReading {
+            length,
+            force,
+            meets_stop: laws.meets_stop(length, design),
+        })
+    }
+
+    /// Force on the rack along +y that holds it: the derivative of the energy by the rack's displacement.
+    pub(super) fn rack_force(&self, state: &State<f64>, rack: f64) -> f64 {
+        let at = self.system.conditions(state, rack);
+        let mut force = 0.0;
+        for rod in &self.system.rods {
+            if let Some([rate, tension]) = rod.elastic.filter(|_| rod.on_rack) {
+                let line = rod.line(&at);
+                force -= (tension + rate * line.stretch) * line.direction.y;
+            }
+        }
+        for (joint, pull) in self.system.joints.iter().zip(state.joints) {
+            if let Joint::Rod(rod) = joint
+                && rod.on_rack
+            {
+                force -= pull * rod.line(&at).direction.y;
+            }
+        }
+        for (k, limb) in self.system.limbs.iter().enumerate() {
+            let states = self.system.limb_bushings(k, &at, state);
+            match limb {
+                Limb::Swinging(arm) => {
+                    for (end, found) in arm.ends.iter().zip(states) {
+                        if let (true, Some(bushing), Some(found)) =
+                            (end.on_rack, &end.bushing, found)
+                        {
+                            force -= bushing.axes.apply(found.force).y;
+                        }
+                    }
+                }
+                Limb::Floating(link) if link.on_rack => {
+                    force -= rack_force_of(link, &states, state)
+                }
+                _ => {}
+            }
+        }
+        force
+    }
+
+    /// The system over another kind of number.
+    pub(super) fn system_over<U: Scalar>(&self, f: impl Fn(f64) -> U + Copy) -> System<U> {
+        self.system.map(f)
+    }
+}
+
+/// Force of a link on the rack, along +y. A ball joint at the rack passes on what the bushing at the carrier has.
+fn rack_force_of(
+    link: &Floating<f64>,
+    states: &[Option<BushingState<f64>>; 2],
+    state: &State<f64>,
+) -> f64 {
+    match (&link.inner, states) {
+        (Some(bushing), [Some(found), _]) => bushing.axes.apply(found.force).y,
+        (_, [_, Some(found)]) => {
+            let in_carrier = link.outer.axes.apply(found.force);
+            // The force on the link at the carrier is -F; at the rack the link gets +F, so the rack gets -F.
+            -state.carrier.rotation().apply(in_carrier).y
+        }
+        _ => 0.0,
+    }
+}
+
+fn reading(state: &BushingState<f64>, bushing: &Bushing<f64>) -> BushingReading {
+    let [d, r] = [state.deflection, state.rotation].map(Vector3::to_array);
+    let beyond =
+        (0..3).any(|k| bushing.laws[k].is_beyond(d[k]) || bushing.laws[3 + k].is_beyond(r[k]));
+    BushingReading {
+        deflection: state.deflection,
+        rotation: state.rotation,
+        force: -state.force,
+        torque: -state.torque,
+        is_extrapolated: beyond || state.rotation.norm() > LARGEST_ROTATION,
+    }
+}
+
+impl<T: Scalar> Limb<T> {
+    /// The turn of a part in a step.
+    pub(super) fn turn_vector(&self, step: &LimbStep<T>) -> Vector3<T> {
+        let [a, b, c, d, e, f] = step.inner;
+        match self {
+            Limb::Swinging(_) | Limb::Floating(Floating { inner: None, .. }) => {
+                Vector3::new(a, b, c)
+            }
+            Limb::Floating(_) => Vector3::new(d, e, f),
+            Limb::Mount(_) | Limb::LegSeat(_) | Limb::CarrierSeat(_) => {
+                Vector3::new(a, b, c).zero()
+            }
+        }
+    }
+
+    /// The turn of a part in a step, without that of a link about its own line.
+    pub(super) fn turn_across(&self, step: &LimbStep<T>) -> Vector3<T> {
+        let turn = self.turn_vector(step);
+        match self {
+            Limb::Swinging(Swinging {
+                spin: Some(along), ..
+            })
+            | Limb::Floating(Floating { spin: along, .. }) => turn.across(along.normalised()),
+            _ => turn,
+        }
+    }
+}

@@ -1,0 +1,286 @@
+//! Arms on bushings, and links with a ball joint at the carrier: parts that swing about their outer joint.
+
+use super::algebra::cross_matrix;
+use super::bushing::{Bushing, BushingState};
+use super::limb::{
+    Conditions, Eliminated, Evaluated, Followers, LimbState, Sum, eliminated, is_positive,
+};
+use super::point::{PointForce, Seat};
+use crate::number::{Matrix3, Scalar, Vector3};
+
+/// An end of an arm or a link at body or rack.
+#[derive(Clone, Debug)]
+pub(super) struct End<T> {
+    /// From the part's reference point, in the design position.
+    pub(super) lever: Vector3<T>,
+    pub(super) on_rack: bool,
+    /// The bushing; `None` for a ball joint.
+    pub(super) bushing: Option<Bushing<T>>,
+    /// Two directions normal to the lever, for the force in a ball joint.
+    pub(super) normals: [Vector3<T>; 2],
+}
+
+/// An arm, or a link with a ball joint at the carrier. Its reference point is that joint; 3 turns are inner unknowns.
+/// The distance between a ball joint at the body and the outer joint is a rigid rod of the carrier's.
+#[derive(Clone, Debug)]
+pub(super) struct Swinging<T> {
+    /// The outer joint, from the carrier's reference point.
+    pub(super) joint: Vector3<T>,
+    pub(super) ends: Vec<End<T>>,
+    /// The spring's seat on the arm with its lever from the outer joint.
+    pub(super) seat: Option<(Vector3<T>, Seat<T>)>,
+    /// A direction about which nothing but torsion holds the part: a link's line. Scaled, see [`Bushing::slack`].
+    pub(super) spin: Option<Vector3<T>>,
+}
+
+impl<T: Scalar> Swinging<T> {
+    /// Displacement of an end against what holds it.
+    pub(super) fn deflection(
+        &self,
+        end: &End<T>,
+        at: &Conditions<T>,
+        state: &LimbState<T>,
+    ) -> Vector3<T> {
+        let joint = at.carrier.displacement(self.joint);
+        joint + state.placed.turn.apply(end.lever) - at.ground(end.on_rack)
+    }
+
+    /// State of a bushing at an end.
+    pub(super) fn bushing_state(
+        &self,
+        end: &End<T>,
+        bushing: &Bushing<T>,
+        at: &Conditions<T>,
+        state: &LimbState<T>,
+    ) -> BushingState<T> {
+        bushing.state(self.deflection(end, at, state), &state.placed.turn)
+    }
+
+    /// Displacement of the spring's seat.
+    pub(super) fn seat_displacement(
+        &self,
+        lever: Vector3<T>,
+        at: &Conditions<T>,
+        state: &LimbState<T>,
+    ) -> Vector3<T> {
+        at.carrier.displacement(self.joint) + state.placed.turn.apply(lever)
+    }
+
+    #[inline(always)]
+    pub(super) fn evaluate(
+        &self,
+        at: &Conditions<T>,
+        state: &LimbState<T>,
+        held: &[T; 7],
+        sum: &mut Sum<T>,
+    ) -> Option<Evaluated<T>> {
+        let like = at.rack;
+        let mut own = OwnSum::zero(like);
+        for end in &self.ends {
+            let lever = state.placed.lever(end.lever);
+            match &end.bushing {
+                Some(bushing) => {
+                    let e = self.deflection(end, at, state);
+                    let force = at.force(bushing, e, &state.placed.turn, None);
+                    own.add(lever, &PointForce::of(force.force, force.by_shift));
+                    own.moment = own.moment + force.moment;
+                    own.by_turn = own.by_turn.plus(&force.by_turn);
+                }
+                None => {
+                    let [a, b] = end.normals;
+                    let force = a * state.pivot[0] + b * state.pivot[1];
+                    own.add(lever, &PointForce::of(force, Matrix3::null(like)));
+                }
+            }
+        }
+        let mut followers = Followers::none(like);
+        let lever = at.carrier.lever(self.joint);
+        followers.joint = Some(lever);
+        let mut inner = [like.zero(); 7];
+        let mut is_stable = true;
+        if let Some((seat_lever, seat)) = &self.seat {
+            let moved = self.seat_displacement(*seat_lever, at, state);
+            let force = seat.force(moved, state.slide, held[6], at.balance_only);
+            let now = state.placed.lever(*seat_lever);
+            own.add(now, &force.point.leverless_if(at.balance_only));
+            followers.slide = force.slide.map(|slide| (now, slide.by, slide.rest));
+            inner[6] = force.moment;
+            is_stable = force.is_stable;
+        }
+        if at.balance_only
+            && let Some(spin) = self.spin
+        {
+            own.by_turn.add_product(spin, spin, like.one());
+        }
+        own.moment = own.moment - Vector3::new(held[0], held[1], held[2]);
+        inner[..3].copy_from_slice(&own.moment.to_array());
+        let pivot = self.ends.iter().find(|end| end.bushing.is_none());
+        let found = match pivot {
+            None => own.eliminate_turns(&mut followers)?,
+            Some(end) => {
+                let miss = self.deflection(end, at, state);
+                let open = end.normals.map(|normal| normal.dot(miss));
+                inner[3..5].copy_from_slice(&open);
+                let pivot = Pivot {
+                    lever: state.placed.lever(end.lever),
+                    normals: end.normals,
+                    open: [open[0] - held[3], open[1] - held[4]],
+                };
+                own.eliminate_with_pivot(&pivot, &mut followers)?
+            }
+        };
+        sum.add_point(lever, &own.at_joint);
+        Some(Evaluated {
+            followers,
+            inner,
+            is_stable: is_stable && found.is_stable,
+            least_pivot: found.least_pivot,
+        })
+    }
+}
+
+/// Forces on a part about its joint, and their tangents by the joint's displacement and the part's turn.
+struct OwnSum<T> {
+    /// Force at the joint, with its tangent by the joint's displacement.
+    at_joint: PointForce<T>,
+    joint_by_turn: Matrix3<T>,
+    moment: Vector3<T>,
+    moment_by_joint: Matrix3<T>,
+    by_turn: Matrix3<T>,
+}
+
+/// A ball joint of a part at the body.
+struct Pivot<T> {
+    lever: Vector3<T>,
+    normals: [Vector3<T>; 2],
+    /// Miss of the joint along the normals.
+    open: [T; 2],
+}
+
+/// How well inner equations are held.
+struct Firmness {
+    is_stable: bool,
+    least_pivot: f64,
+}
+
+impl<T: Scalar> OwnSum<T> {
+    fn zero(like: T) -> Self {
+        let at_joint = PointForce::none(like);
+        let nothing = at_joint.stiffness;
+        OwnSum {
+            at_joint,
+            joint_by_turn: nothing,
+            moment: nothing.columns[0],
+            moment_by_joint: nothing,
+            by_turn: nothing,
+        }
+    }
+
+    /// Adds a force at a point of the part. Equation (3) of `limb.rs`, with the joint's displacement as the shift.
+    #[inline(always)]
+    fn add(&mut self, lever: Vector3<T>, point: &PointForce<T>) {
+        let all = &mut self.at_joint;
+        all.force = all.force + point.force;
+        all.condensed = all.condensed + point.condensed;
+        all.stiffness = all.stiffness.plus(&point.stiffness);
+        let across = cross_matrix(lever);
+        let left = point.stiffness.crossed_by(lever);
+        let right = point.stiffness.times(&across);
+        self.joint_by_turn = self.joint_by_turn.plus(&right.negated());
+        self.moment = self.moment + lever.cross(point.condensed);
+        self.moment_by_joint = self.moment_by_joint.plus(&left);
+        self.by_turn = self.by_turn.plus(&left.times(&across).negated());
+        self.by_turn = self.by_turn.plus(&across.crossed_by(point.force));
+    }
+
+    /// Eliminates the three turns.
+    #[inline(always)]
+    fn eliminate_turns(&mut self, followers: &mut Followers<T>) -> Option<Firmness> {
+        let rows: [[T; 3]; 3] = entries(&self.by_turn);
+        let by_joint: [[T; 3]; 3] = entries(&self.moment_by_joint);
+        let found = eliminated(rows, self.moment.to_array(), &by_joint, [1.0; 3])?;
+        let mut turn = self.by_turn;
+        for k in 0..3 {
+            turn.columns[k] = Vector3::new(found.by[0][k], found.by[1][k], found.by[2][k]);
+            followers.by[k][..3].copy_from_slice(&found.by[k]);
+            followers.rest[k] = found.rest[k];
+        }
+        followers.count = 3;
+        let rest = Vector3::from(found.rest);
+        let all = &mut self.at_joint;
+        all.stiffness = all
+            .stiffness
+            .plus(&self.joint_by_turn.times(&turn).negated());
+        all.condensed = all.condensed - self.joint_by_turn.apply(rest);
+        Some(Firmness {
+            is_stable: is_positive(&rows, 0.0),
+            least_pivot: found.least_pivot,
+        })
+    }
+
+    /// Eliminates the three turns and the two forces in a ball joint, normal to its lever. The part may then turn about
+    /// the lever alone.
+    fn eliminate_with_pivot(
+        &mut self,
+        pivot: &Pivot<T>,
+        followers: &mut Followers<T>,
+    ) -> Option<Firmness> {
+        let zero = self.moment.x.zero();
+        let mut rows = [[zero; 5]; 5];
+        let mut by_joint = [[zero; 3]; 5];
+        let mut joint_by = [[zero; 5]; 3];
+        let [x, y, z] = self.moment.to_array();
+        let force = [x, y, z, pivot.open[0], pivot.open[1]];
+        for i in 0..3 {
+            for j in 0..3 {
+                rows[i][j] = self.by_turn.entry(i, j);
+                by_joint[i][j] = self.moment_by_joint.entry(i, j);
+                joint_by[i][j] = self.joint_by_turn.entry(i, j);
+            }
+        }
+        for (k, normal) in pivot.normals.into_iter().enumerate() {
+            let turning = pivot.lever.cross(normal).to_array();
+            let along = normal.to_array();
+            for i in 0..3 {
+                rows[3 + k][i] = turning[i];
+                rows[i][3 + k] = turning[i];
+                by_joint[3 + k][i] = along[i];
+                joint_by[i][3 + k] = along[i];
+            }
+        }
+        let Eliminated { rest, by, .. } = eliminated(rows, force, &by_joint, [1.0; 5])?;
+        let mut less = [zero; 3];
+        let mut change = [[zero; 3]; 3];
+        for i in 0..3 {
+            for (k, factor) in joint_by[i].into_iter().enumerate() {
+                less[i] = less[i] + factor * rest[k];
+                for (column, by) in change.iter_mut().zip(by[k]) {
+                    column[i] = column[i] - factor * by;
+                }
+            }
+        }
+        for k in 0..5 {
+            followers.by[k][..3].copy_from_slice(&by[k]);
+            followers.rest[k] = rest[k];
+        }
+        followers.count = 5;
+        let all = &mut self.at_joint;
+        let [a, b, c] = change;
+        let columns = [Vector3::from(a), Vector3::from(b), Vector3::from(c)];
+        all.stiffness = all.stiffness.plus(&Matrix3 { columns });
+        all.condensed = all.condensed - Vector3::from(less);
+        let along = pivot.lever.normalised();
+        let about = along.dot(self.by_turn.apply(along)).value();
+        let diagonal = (0..3).map(|k| self.by_turn.entry(k, k).value().abs());
+        Some(Firmness {
+            is_stable: about > 0.0,
+            least_pivot: about.abs() / diagonal.fold(0.0, f64::max),
+        })
+    }
+}
+
+/// The entries of a matrix, by rows.
+#[inline(always)]
+fn entries<T: Scalar, const N: usize, const C: usize>(matrix: &Matrix3<T>) -> [[T; C]; N] {
+    std::array::from_fn(|i| std::array::from_fn(|j| matrix.entry(i, j)))
+}

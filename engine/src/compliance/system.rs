@@ -1,0 +1,519 @@
+//! The elastic suspension of one design, and its equations.
+//!
+//! Unknowns are the shift and turn of the carrier, a force for each rigid joint, and the vertical force at the contact
+//! point where the height of the wheel centre is held. The parts between body and carrier are eliminated first
+//! (`limb.rs`). With A the sum of their tangents, C the rows of the rigid joints, h that of the height and q the wrench
+//! of a vertical force at the contact point, a Newton step solves
+//!
+//! ```text
+//! | A  C' -q | | du, w |     | forces out of balance |
+//! | C  0   0 | | dl    | = - | joints left open      |                                            (1)
+//! | h  0   0 | | dV    |     | height left over      |
+//! ```
+
+use super::algebra::Placed;
+use super::bushing::{Bushing, BushingState};
+use super::floating::Floating;
+use super::limb::{Conditions, Evaluated, Followers, LimbState, LimbStep, Sum};
+use super::loads::{WheelLoads, WheelPart};
+use super::parts::{CarrierSeat, Joint, LegSeat, Mount, MountState, RodPart};
+use super::point::SeatState;
+use super::swinging::Swinging;
+use crate::linear::square::{MOST, SquareLu};
+use crate::number::{Scalar, Vector3};
+
+/// The most parts with inner unknowns: five links and a seat of a spring.
+pub(super) const MOST_LIMBS: usize = 6;
+/// A pivot below this share of the largest is no stiffness.
+pub(super) const LOOSE: f64 = 1e-9;
+/// The most rigid joints.
+pub(super) const MOST_JOINTS: usize = 5;
+
+/// A part with inner unknowns.
+#[derive(Clone, Debug)]
+pub(super) enum Limb<T> {
+    Swinging(Swinging<T>),
+    Floating(Floating<T>),
+    Mount(Mount<T>),
+    LegSeat(LegSeat<T>),
+    CarrierSeat(CarrierSeat<T>),
+}
+
+/// A bushing between body and carrier.
+#[derive(Clone, Debug)]
+pub(super) struct CarrierBushing<T> {
+    /// Its point, from the carrier's reference point.
+    pub(super) lever: Vector3<T>,
+    pub(super) bushing: Bushing<T>,
+}
+
+/// The elastic suspension of one design.
+#[derive(Clone, Debug)]
+pub(super) struct System<T> {
+    pub(super) limbs: Vec<Limb<T>>,
+    pub(super) bushings: Vec<CarrierBushing<T>>,
+    pub(super) rods: Vec<RodPart<T>>,
+    pub(super) joints: Vec<Joint<T>>,
+    pub(super) wheel: WheelPart<T>,
+}
+
+/// A state of all unknowns.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct State<T> {
+    pub(super) carrier: Placed<T>,
+    pub(super) limbs: [LimbState<T>; MOST_LIMBS],
+    pub(super) joints: [T; MOST_JOINTS],
+    /// Vertical force at the contact point that holds the height.
+    pub(super) vertical: T,
+}
+
+impl<T: Scalar> State<T> {
+    pub(super) fn design(like: T) -> Self {
+        State {
+            carrier: Placed::design(like),
+            limbs: [LimbState::design(like); MOST_LIMBS],
+            joints: [like.zero(); MOST_JOINTS],
+            vertical: like.zero(),
+        }
+    }
+
+    pub(super) fn map<U: Copy>(&self, f: impl Fn(T) -> U + Copy) -> State<U> {
+        State {
+            carrier: self.carrier.map(f),
+            limbs: self.limbs.each_ref().map(|limb| limb.map(f)),
+            joints: self.joints.map(f),
+            vertical: f(self.vertical),
+        }
+    }
+}
+
+/// A change of all unknowns, or their rate.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Step<T> {
+    pub(super) carrier: [T; 6],
+    pub(super) limbs: [LimbStep<T>; MOST_LIMBS],
+    pub(super) joints: [T; MOST_JOINTS],
+    pub(super) vertical: T,
+}
+
+impl<T: Scalar> Step<T> {
+    pub(super) fn map<U: Copy>(&self, f: impl Fn(T) -> U + Copy) -> Step<U> {
+        Step {
+            carrier: self.carrier.map(f),
+            limbs: self.limbs.each_ref().map(|limb| LimbStep {
+                inner: limb.inner.map(f),
+                slide: f(limb.slide),
+            }),
+            joints: self.joints.map(f),
+            vertical: f(self.vertical),
+        }
+    }
+}
+
+/// What stays while loads change.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Hold<T> {
+    /// The height of the wheel centre above its design position.
+    Height(T),
+    /// The loads as they are given, the vertical one included.
+    Load,
+}
+
+/// Inputs of an equilibrium.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Task<T> {
+    pub(super) rack: T,
+    pub(super) hold: Hold<T>,
+    pub(super) loads: WheelLoads<T>,
+}
+
+impl<T: Scalar> Task<T> {
+    pub(super) fn map<U: Scalar>(&self, f: impl Fn(T) -> U + Copy) -> Task<U> {
+        Task {
+            rack: f(self.rack),
+            hold: match self.hold {
+                Hold::Height(travel) => Hold::Height(f(travel)),
+                Hold::Load => Hold::Load,
+            },
+            loads: self.loads.map(f),
+        }
+    }
+}
+
+/// Forces from outside that hold a pose which is no equilibrium, while it is brought into balance.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Held<T> {
+    pub(super) carrier: [T; 6],
+    pub(super) limbs: [[T; 7]; MOST_LIMBS],
+}
+
+impl<T: Scalar> Held<T> {
+    /// A share of these forces.
+    pub(super) fn share(&self, share: T) -> Self {
+        Held {
+            carrier: self.carrier.map(|c| c * share),
+            limbs: self.limbs.map(|limb| limb.map(|c| c * share)),
+        }
+    }
+}
+
+/// The equations in a state.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Equations<T> {
+    pub(super) size: usize,
+    pub(super) residual: [T; MOST],
+    pub(super) matrix: [[T; MOST]; MOST],
+    pub(super) followers: [Followers<T>; MOST_LIMBS],
+    /// Forces on inner unknowns that are out of balance.
+    pub(super) inner: [[T; 7]; MOST_LIMBS],
+    /// The first part that moves away by itself.
+    pub(super) unstable: Option<usize>,
+    /// The first part with a motion that nothing holds.
+    pub(super) loose: Option<usize>,
+    joints: usize,
+}
+
+/// Why a system has no step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Singular {
+    /// Nothing holds a motion of a part.
+    Limb(usize),
+    /// Nothing holds a motion of the carrier.
+    Carrier,
+}
+
+impl<T: Scalar> Limb<T> {
+    pub(super) fn evaluate(
+        &self,
+        at: &Conditions<T>,
+        state: &LimbState<T>,
+        held: &[T; 7],
+        sum: &mut Sum<T>,
+    ) -> Option<Evaluated<T>> {
+        match self {
+            Limb::Swinging(arm) => arm.evaluate(at, state, held, sum),
+            Limb::Floating(link) => link.evaluate(at, state, held, sum),
+            Limb::Mount(mount) => mount.evaluate(at, state, held, sum),
+            Limb::LegSeat(seat) => Some(seat.evaluate(at, state, held, sum)),
+            Limb::CarrierSeat(seat) => Some(seat.evaluate(at, state, held, sum)),
+        }
+    }
+
+    /// The state after a step.
+    #[inline(always)]
+    fn stepped(&self, state: &LimbState<T>, step: &LimbStep<T>) -> LimbState<T> {
+        let [a, b, c, d, e, f] = step.inner;
+        let (first, second) = (Vector3::new(a, b, c), Vector3::new(d, e, f));
+        let mut next = *state;
+        match self {
+            Limb::Swinging(_) => {
+                next.placed = state.placed.moved(first.zero(), first);
+                next.pivot = [state.pivot[0] + d, state.pivot[1] + e];
+            }
+            Limb::Floating(Floating { inner: Some(_), .. }) => {
+                next.placed = state.placed.moved(first, second);
+            }
+            Limb::Floating(_) => next.placed = state.placed.moved(first.zero(), first),
+            Limb::Mount(_) => {
+                next.slide = state.slide + a;
+                return next;
+            }
+            Limb::LegSeat(_) | Limb::CarrierSeat(_) => {}
+        }
+        // tan of half a sum of angles.
+        let half = step.slide * a.lit(0.5);
+        next.slide = (state.slide + half) / (a.one() - state.slide * half);
+        next
+    }
+}
+
+impl<T: Scalar> Equations<T> {
+    /// The tangent of the carrier.
+    pub(super) fn tangent(&self) -> [[f64; 6]; 6] {
+        std::array::from_fn(|i| std::array::from_fn(|j| self.matrix[i][j].value()))
+    }
+
+    /// Rows of the carrier that nothing may move along.
+    pub(super) fn rows(&self) -> impl Iterator<Item = [f64; 6]> + '_ {
+        let row = |i: usize| std::array::from_fn(|j| self.matrix[i][j].value());
+        (6..self.size).map(row)
+    }
+
+    pub(super) fn factors(&self) -> Option<SquareLu<T>> {
+        SquareLu::of(self.matrix, self.size)
+    }
+
+    /// All unknowns from those of equation (1). `is_rate`: rates along motions in balance.
+    #[inline(always)]
+    pub(super) fn step(&self, solution: &[T; MOST], is_rate: bool) -> Step<T> {
+        let carrier: [T; 6] = std::array::from_fn(|i| solution[i]);
+        let zero = carrier[0].zero();
+        let mut joints = [zero; MOST_JOINTS];
+        joints[..self.joints].copy_from_slice(&solution[6..6 + self.joints]);
+        Step {
+            carrier,
+            limbs: self
+                .followers
+                .each_ref()
+                .map(|limb| limb.step(&carrier, is_rate)),
+            joints,
+            vertical: if self.size > 6 + self.joints {
+                solution[6 + self.joints]
+            } else {
+                zero
+            },
+        }
+    }
+}
+
+impl<T: Scalar> System<T> {
+    pub(super) fn like(&self) -> T {
+        self.wheel.centre.x.zero()
+    }
+
+    pub(super) fn conditions(&self, state: &State<T>, rack: T) -> Conditions<T> {
+        Conditions {
+            carrier: state.carrier,
+            rack,
+            balance_only: false,
+        }
+    }
+
+    /// The equations (1) in a state.
+    #[inline]
+    pub(super) fn equations(
+        &self,
+        state: &State<T>,
+        task: &Task<T>,
+        held: Option<&Held<T>>,
+    ) -> Result<Equations<T>, Singular> {
+        let at = self.conditions(state, task.rack);
+        let mut loads = task.loads;
+        if let Hold::Height(_) = task.hold {
+            loads.contact.z = loads.contact.z + state.vertical;
+        }
+        let mut equations = self.assembled(&at, state, held)?;
+        let mut load = Sum::zero(at.rack);
+        self.wheel.subtract(&state.carrier, &loads, &mut load);
+        for i in 0..6 {
+            equations.residual[i] = equations.residual[i] + load.force[i];
+            for j in 0..6 {
+                equations.matrix[i][j] = equations.matrix[i][j] + load.tangent[i][j];
+            }
+        }
+        if let Hold::Height(travel) = task.hold {
+            let (row, height) = self.height(&state.carrier);
+            self.border(&mut equations, state, row, height - travel);
+        }
+        Ok(equations)
+    }
+
+    /// Height of the wheel centre above its design position, and its derivative by the carrier.
+    fn height(&self, carrier: &Placed<T>) -> ([T; 6], T) {
+        let lever = carrier.lever(self.wheel.centre);
+        let zero = lever.x.zero();
+        // z x lever, the moment of a vertical force.
+        let row = [zero, zero, zero.one(), lever.y, -lever.x, zero];
+        (row, carrier.displacement(self.wheel.centre).z)
+    }
+
+    /// Adds the vertical force at the contact point as an unknown, with a row of its own.
+    pub(super) fn border(
+        &self,
+        equations: &mut Equations<T>,
+        state: &State<T>,
+        row: [T; 6],
+        residual: T,
+    ) {
+        let upward = self.vertical_force(&state.carrier);
+        let last = equations.size;
+        for i in 0..6 {
+            equations.matrix[i][last] = -upward[i];
+            equations.matrix[last][i] = row[i];
+        }
+        equations.residual[last] = residual;
+        equations.size += 1;
+    }
+
+    /// Wrench of a vertical force of one at the contact point.
+    pub(super) fn vertical_force(&self, carrier: &Placed<T>) -> [T; 6] {
+        let mut unit = WheelLoads::none(carrier.shift.x);
+        unit.contact.z = unit.contact.z.one();
+        self.wheel.wrench(carrier, &unit).to_array()
+    }
+
+    /// Equations of elastic parts and joints, without loads.
+    #[inline]
+    pub(super) fn assembled(
+        &self,
+        at: &Conditions<T>,
+        state: &State<T>,
+        held: Option<&Held<T>>,
+    ) -> Result<Equations<T>, Singular> {
+        let like = at.rack.zero();
+        let mut sum = Sum::zero(like);
+        let mut followers = [Followers::none(like); MOST_LIMBS];
+        let mut inner = [[like; 7]; MOST_LIMBS];
+        let (mut unstable, mut loose) = (None, None);
+        let nothing = [like; 7];
+        for (k, limb) in self.limbs.iter().enumerate() {
+            let held = held.map_or(&nothing, |held| &held.limbs[k]);
+            let found = limb.evaluate(at, &state.limbs[k], held, &mut sum);
+            let found = found.ok_or(Singular::Limb(k))?;
+            if !found.is_stable {
+                unstable = unstable.or(Some(k));
+            }
+            // NaN is not above.
+            let is_held = found.least_pivot > LOOSE;
+            if !is_held {
+                loose = loose.or(Some(k));
+            }
+            followers[k] = found.followers;
+            inner[k] = found.inner;
+        }
+        for part in &self.bushings {
+            let e = at.carrier.displacement(part.lever);
+            let force = if at.balance_only {
+                part.bushing.slack()
+            } else {
+                part.bushing.force(e, &at.carrier.turn, None)
+            };
+            let point = super::point::PointForce::of(force.force, force.by_shift);
+            sum.add_point(at.carrier.lever(part.lever), &point);
+            sum.add_moment(force.moment, &force.by_turn);
+        }
+        for rod in &self.rods {
+            if let Some(elastic) = rod.elastic {
+                rod.add(at, elastic, &mut sum);
+            }
+        }
+        let mut residual = [like; MOST];
+        let mut matrix = [[like; MOST]; MOST];
+        for (k, joint) in self.joints.iter().enumerate() {
+            let force = if at.balance_only {
+                like
+            } else {
+                state.joints[k]
+            };
+            let (miss, row) = joint.evaluate(at, force, &mut sum);
+            residual[6 + k] = miss;
+            for i in 0..6 {
+                matrix[6 + k][i] = row[i];
+                matrix[i][6 + k] = row[i];
+            }
+        }
+        for i in 0..6 {
+            residual[i] = sum.force[i];
+            if let Some(held) = held {
+                residual[i] = residual[i] - held.carrier[i];
+            }
+            matrix[i][..6].copy_from_slice(&sum.tangent[i]);
+        }
+        Ok(Equations {
+            size: 6 + self.joints.len(),
+            residual,
+            matrix,
+            followers,
+            inner,
+            unstable,
+            loose,
+            joints: self.joints.len(),
+        })
+    }
+
+    /// The state after a step.
+    #[inline(always)]
+    pub(super) fn stepped(&self, state: &State<T>, step: &Step<T>) -> State<T> {
+        let [x, y, z, a, b, c] = step.carrier;
+        let mut next = *state;
+        let (shift, turn) = (Vector3::new(x, y, z), Vector3::new(a, b, c));
+        next.carrier = state.carrier.moved(shift, turn);
+        for (k, limb) in self.limbs.iter().enumerate() {
+            next.limbs[k] = limb.stepped(&state.limbs[k], &step.limbs[k]);
+        }
+        for (joint, step) in next.joints.iter_mut().zip(step.joints) {
+            *joint = *joint + step;
+        }
+        next.vertical = state.vertical + step.vertical;
+        next
+    }
+
+    /// Largest shift and largest turn of a step. Forces of ball joints are neither. The turn of a link about its own line
+    /// moves nothing, and is known less well where little torsion holds it: it does not count.
+    pub(super) fn size_of(&self, step: &Step<T>) -> [f64; 2] {
+        let largest = |parts: &[T]| {
+            let size = |m: f64, c: &T| {
+                // Keeps NaN.
+                let c = c.value().abs();
+                if m >= c { m } else { c }
+            };
+            parts.iter().fold(0.0, size)
+        };
+        let mut shift = largest(&step.carrier[..3]);
+        let mut turn = largest(&step.carrier[3..]);
+        for (limb, step) in self.limbs.iter().zip(&step.limbs) {
+            let own_shift: &[T] = match limb {
+                Limb::Floating(Floating { inner: Some(_), .. }) => &step.inner[..3],
+                Limb::Mount(_) => &step.inner[..1],
+                _ => &[],
+            };
+            let own_turn = limb.turn_across(step).to_array();
+            shift = shift.max(largest(own_shift));
+            turn = turn.max(largest(&own_turn)).max(step.slide.value().abs());
+        }
+        [shift, turn]
+    }
+
+    /// States of a limb's bushings, in the order of its ends.
+    pub(super) fn limb_bushings(
+        &self,
+        limb: usize,
+        at: &Conditions<T>,
+        state: &State<T>,
+    ) -> [Option<BushingState<T>>; 2] {
+        let own = &state.limbs[limb];
+        match &self.limbs[limb] {
+            Limb::Swinging(arm) => {
+                let of = |k: usize| {
+                    let end = arm.ends.get(k)?;
+                    let bushing = end.bushing.as_ref()?;
+                    Some(arm.bushing_state(end, bushing, at, own))
+                };
+                [of(0), of(1)]
+            }
+            Limb::Floating(link) => link.bushing_states(at, own),
+            _ => [None, None],
+        }
+    }
+
+    /// The top mount with its state.
+    pub(super) fn mount(&self, at: &Conditions<T>, state: &State<T>) -> Option<MountState<T>> {
+        self.limbs
+            .iter()
+            .zip(&state.limbs)
+            .find_map(|(limb, own)| match limb {
+                Limb::Mount(mount) => Some(mount.state(at, own)),
+                _ => None,
+            })
+    }
+
+    /// The seat of the spring with its state.
+    pub(super) fn seat(&self, at: &Conditions<T>, state: &State<T>) -> Option<SeatState<T>> {
+        self.limbs
+            .iter()
+            .zip(&state.limbs)
+            .find_map(|(limb, own)| match limb {
+                Limb::Swinging(arm) => arm.seat.as_ref().map(|(lever, seat)| {
+                    seat.state(arm.seat_displacement(*lever, at, own), own.slide)
+                }),
+                Limb::LegSeat(leg) => {
+                    Some(leg.seat.state(leg.displacement(&at.carrier), own.slide))
+                }
+                Limb::CarrierSeat(part) => {
+                    let moved = at.carrier.displacement(part.lever);
+                    Some(part.seat.state(moved, own.slide))
+                }
+                _ => None,
+            })
+    }
+}

@@ -1,0 +1,526 @@
+//! An elastic wheel: its equilibria, and how they change.
+
+use super::build::Built;
+use super::definition::{Compliance, Relaxed};
+use super::loads::WheelLoads;
+use super::preload::NoPreload;
+use super::reading::{WheelFigures, WheelGeometry};
+use super::solve::{Bounds, Obstacle, Solution, Stuck};
+use super::system::{Held, Hold, Limb, Singular, State, Step, Task};
+use crate::characteristics::Constants;
+use crate::linear::square::{MOST, SquareLu};
+use crate::model::{Axis, Suspension};
+use crate::number::{Dual, Jet, Vector3};
+
+/// A turn is compared with a shift at this distance, mm.
+const TURN_LEVER: f64 = 300.0;
+/// Steps of inverse iteration that find the softest motion.
+const SOFT_STEPS: usize = 8;
+/// A wheel load below this share of the spring's force is no leverage.
+const LEAST_LEVERAGE: f64 = 1e-6;
+
+/// What stays while a load changes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum HeldQuantity {
+    /// The height of the wheel centre.
+    WheelHeight,
+    /// The vertical force at the contact point.
+    WheelLoad,
+}
+
+/// Input along which an equilibrium changes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Change {
+    /// A load on the wheel. Its trail is taken for the side force.
+    Load(WheelLoads),
+    /// Wheel travel; the height is held.
+    Travel,
+    /// Displacement of the rack along the kernel's +y.
+    Rack,
+}
+
+/// Reason why a suspension has no elastic model.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ElasticFault {
+    /// Nothing holds a motion: the part, and the direction in which it is free.
+    Loose {
+        /// Name of the part.
+        part: String,
+        /// The motion.
+        motion: Motion,
+    },
+    /// The forces at the design load cannot be found: nothing holds a motion without torsion.
+    NoBalance {
+        /// Name of the part.
+        part: String,
+    },
+    /// The law of a bushing does not reach the force that it has at the design load.
+    OutOfReach {
+        /// Number of the bushing.
+        bushing: usize,
+        /// Axis, 0 to 2.
+        axis: usize,
+    },
+    /// The spring has no leverage on the wheel, or there is none.
+    NoLeverage,
+}
+
+/// A motion of a part.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Motion {
+    /// A turn about an axis of the vehicle.
+    Turn(Axis),
+    /// A shift along an axis of the vehicle.
+    Shift(Axis),
+}
+
+/// Reason why there is no equilibrium.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NoEquilibrium {
+    /// Share of the way that was reached, 0 to 1.
+    pub share: f64,
+    /// True if an equilibrium was found at the end of the way, but not a stable one.
+    pub is_unstable: bool,
+    /// The part that gives way, and how.
+    pub softest: Option<(String, Motion)>,
+}
+
+/// An equilibrium.
+#[derive(Clone, Copy, Debug)]
+pub struct Equilibrium {
+    pub(super) solution: Solution<f64>,
+}
+
+impl Equilibrium {
+    /// Newton steps that led to it.
+    pub fn steps(&self) -> usize {
+        self.solution.steps
+    }
+
+    /// Rack displacement, along the kernel's +y.
+    pub fn rack(&self) -> f64 {
+        self.solution.task.rack
+    }
+}
+
+/// State of a bushing, in its axes and as a left wheel's. Force and torque are those on the moving body: the arm, the
+/// link, the mount of a strut.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BushingReading {
+    /// Deflection along x, y, z.
+    pub deflection: Vector3<f64>,
+    /// Rotation vector.
+    pub rotation: Vector3<f64>,
+    /// Force.
+    pub force: Vector3<f64>,
+    /// Torque.
+    pub torque: Vector3<f64>,
+    /// True if a curve is continued beyond its points, or the rotation is above 60 degrees.
+    pub is_extrapolated: bool,
+}
+
+/// State of the spring.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SpringReading {
+    /// Length.
+    pub length: f64,
+    /// Force, positive in compression.
+    pub force: f64,
+    /// True if the bump stop is met.
+    pub meets_stop: bool,
+}
+
+/// An elastic suspension of one wheel, in one design.
+#[derive(Clone, Debug)]
+pub struct ElasticWheel {
+    pub(super) built: Built<f64>,
+    pub(super) geometry: WheelGeometry<f64>,
+    pub(super) constants: Constants,
+    pub(super) bounds: Bounds,
+    relaxed: Relaxed,
+    start: State<f64>,
+}
+
+/// No loads beside the vertical force that holds the height.
+pub(super) fn level_task(travel: f64, rack: f64) -> Task<f64> {
+    Task {
+        rack,
+        hold: Hold::Height(travel),
+        loads: WheelLoads::none(0.0),
+    }
+}
+
+impl ElasticWheel {
+    /// The elastic suspension of a design.
+    pub fn new(suspension: &Suspension, compliance: &Compliance) -> Result<Self, ElasticFault> {
+        let (mechanism, design) = (&suspension.mechanism, &suspension.design);
+        let radius = suspension.wheel_radius.unwrap_or(0.0);
+        let bounds = Bounds {
+            millimetre: suspension.length_unit.per_metre() / 1000.0,
+        };
+        let mut built = Built::of(mechanism, design, radius, compliance);
+        let start = match compliance.relaxed {
+            Relaxed::Free => State::design(0.0),
+            Relaxed::AtDesignLoad => {
+                let found = built.preload(bounds);
+                found.map_err(|fault| preload_fault(&built, fault))?
+            }
+        };
+        let geometry = WheelGeometry::of(mechanism, design, &built.system);
+        let wheel = ElasticWheel {
+            geometry,
+            constants: Constants::of(suspension),
+            bounds,
+            relaxed: compliance.relaxed,
+            built,
+            start,
+        };
+        if wheel.relaxed == Relaxed::AtDesignLoad {
+            let force = wheel
+                .spring_in(&start, 0.0)
+                .map_or(0.0, |spring| spring.force);
+            let has_leverage = start.vertical.abs() > LEAST_LEVERAGE * force.abs();
+            if !has_leverage {
+                return Err(ElasticFault::NoLeverage);
+            }
+        }
+        wheel.check_held()?;
+        Ok(wheel)
+    }
+
+    /// Refuses a design in which a motion has no stiffness while the height is held.
+    fn check_held(&self) -> Result<(), ElasticFault> {
+        let equations = self
+            .built
+            .system
+            .equations(&self.start, &level_task(0.0, 0.0), None);
+        let loose = |part: String, motion| Err(ElasticFault::Loose { part, motion });
+        match equations {
+            Err(Singular::Limb(limb)) => loose(self.built.names[limb].clone(), self.spin_of(limb)),
+            Err(Singular::Carrier) => loose(CARRIER.to_owned(), Motion::Turn(Axis::X)),
+            Ok(equations) => match (equations.loose, equations.factors()) {
+                (Some(limb), _) => loose(self.built.names[limb].clone(), self.spin_of(limb)),
+                (None, Some(_)) => Ok(()),
+                (None, None) => loose(CARRIER.to_owned(), Motion::Turn(Axis::X)),
+            },
+        }
+    }
+
+    /// The axis of the vehicle nearest to a link's line, about which nothing but torsion holds it.
+    fn spin_of(&self, limb: usize) -> Motion {
+        let along = match &self.built.system.limbs[limb] {
+            Limb::Swinging(arm) => arm.ends[0].lever,
+            Limb::Floating(link) => link.along,
+            _ => return Motion::Turn(Axis::X),
+        };
+        Motion::Turn(largest_axis(along))
+    }
+
+    /// The vertical force at the contact point in the design position, if that is an equilibrium.
+    pub fn design_load(&self) -> Option<f64> {
+        (self.relaxed == Relaxed::AtDesignLoad).then_some(self.start.vertical)
+    }
+
+    /// The equilibrium with the wheel centre at a height and without horizontal loads.
+    pub fn at(&self, travel: f64, rack: f64) -> Result<Equilibrium, NoEquilibrium> {
+        let (from, to) = (level_task(0.0, 0.0), level_task(travel, rack));
+        let held = match self.relaxed {
+            Relaxed::AtDesignLoad => None,
+            Relaxed::Free => {
+                let equations = self.built.system.equations(&self.start, &from, None);
+                equations.ok().map(|equations| Held {
+                    carrier: std::array::from_fn(|i| equations.residual[i]),
+                    limbs: equations.inner,
+                })
+            }
+        };
+        self.solved(&self.start, &from, &to, held.as_ref())
+    }
+
+    fn solved(
+        &self,
+        start: &State<f64>,
+        from: &Task<f64>,
+        to: &Task<f64>,
+        held: Option<&Held<f64>>,
+    ) -> Result<Equilibrium, NoEquilibrium> {
+        let found = self.built.system.solve(start, from, to, held, self.bounds);
+        found
+            .map(|solution| Equilibrium { solution })
+            .map_err(|stuck| self.explained(&stuck))
+    }
+
+    /// The equilibrium under other loads, from one that is known, with the height or the wheel load held as there.
+    pub fn loaded(
+        &self,
+        from: &Equilibrium,
+        loads: &WheelLoads,
+        held: HeldQuantity,
+    ) -> Result<Equilibrium, NoEquilibrium> {
+        let (state, task) = self.held_as(from, held);
+        let mut to = task;
+        to.loads = loads.plus(&task.loads, 0.0);
+        to.loads.trail = loads.trail;
+        if let Hold::Load = to.hold {
+            // Loads are in addition to the wheel load that is held.
+            to.loads.contact.z += task.loads.contact.z;
+        }
+        let mut start = task;
+        start.loads.trail = loads.trail;
+        self.solved(&state, &start, &to, None)
+    }
+
+    /// The equilibrium under loads beside those of a station, from a neighbour of it. What is held is the station's
+    /// height or wheel load.
+    pub fn loaded_about(
+        &self,
+        station: &Equilibrium,
+        from: &Equilibrium,
+        loads: &WheelLoads,
+        held: HeldQuantity,
+    ) -> Result<Equilibrium, NoEquilibrium> {
+        let (_, base) = self.held_as(station, held);
+        let (state, mut task) = self.held_as(from, held);
+        task.loads.trail = loads.trail;
+        let mut to = base;
+        to.loads = base.loads.plus(loads, 1.0);
+        to.loads.trail = loads.trail;
+        self.solved(&state, &task, &to, None)
+    }
+
+    /// An equilibrium as one in which another quantity is held.
+    pub(super) fn held_as(
+        &self,
+        from: &Equilibrium,
+        held: HeldQuantity,
+    ) -> (State<f64>, Task<f64>) {
+        let (mut state, mut task) = (from.solution.state, from.solution.task);
+        match (task.hold, held) {
+            (Hold::Height(_), HeldQuantity::WheelLoad) => {
+                task.loads.contact.z += state.vertical;
+                state.vertical = 0.0;
+                task.hold = Hold::Load;
+            }
+            (Hold::Load, HeldQuantity::WheelHeight) => {
+                let centre = self.built.system.wheel.centre;
+                task.hold = Hold::Height(state.carrier.displacement(centre).z);
+            }
+            _ => {}
+        }
+        (state, task)
+    }
+
+    /// Angles and positions of the wheel.
+    pub fn figures(&self, at: &Equilibrium) -> WheelFigures {
+        self.geometry.figures(&at.solution.state, self.constants)
+    }
+
+    /// Height of the wheel centre above its design position.
+    pub fn travel(&self, at: &Equilibrium) -> f64 {
+        let centre = self.built.system.wheel.centre;
+        at.solution.state.carrier.displacement(centre).z
+    }
+
+    /// All of the vertical force at the contact point.
+    pub fn wheel_load(&self, at: &Equilibrium) -> f64 {
+        at.solution.state.vertical + at.solution.task.loads.contact.z
+    }
+
+    /// Rate of all unknowns along a change of an input.
+    pub(super) fn rate(
+        &self,
+        at: &Equilibrium,
+        change: &Change,
+        held: HeldQuantity,
+    ) -> Option<(State<f64>, Step<f64>)> {
+        let (state, task) = self.held_as(at, held);
+        let mut right = [0.0; MOST];
+        let system = &self.built.system;
+        match change {
+            Change::Load(loads) => {
+                let by_load = system.wheel.wrench(&state.carrier, loads).to_array();
+                right[..6].copy_from_slice(&by_load);
+                let solution = Solution {
+                    state,
+                    task,
+                    equations: system.equations(&state, &task, None).ok()?,
+                    steps: 0,
+                };
+                return Some((state, solution.rate(&right)?));
+            }
+            Change::Travel => {
+                let equations = system.equations(&state, &task, None).ok()?;
+                right[equations.size - 1] = 1.0;
+                let factors = SquareLu::of(equations.matrix, equations.size)?;
+                return Some((state, equations.step(&factors.solve(&right), true)));
+            }
+            Change::Rack => {}
+        }
+        // The equations in numbers that carry the derivative by the rack: with the forces in balance, what is
+        // eliminated inside has the derivative of its rest alone.
+        let dual = self.built.system_over(Dual::<f64, 1>::constant);
+        let mut moving = task.map(Dual::constant);
+        moving.rack.partials[0] = 1.0;
+        let equations = dual
+            .equations(&state.map(Dual::constant), &moving, None)
+            .ok()?;
+        let factors = SquareLu::of(equations.matrix, equations.size)?;
+        let solution = factors.solve(&equations.residual.map(|c| -c));
+        let step = equations.step(&solution, false);
+        Some((state, step.map(|c| c.partials[0])))
+    }
+
+    /// Derivatives of angles, positions and vertical force along a change of an input.
+    pub fn figures_by(
+        &self,
+        at: &Equilibrium,
+        change: &Change,
+        held: HeldQuantity,
+    ) -> Option<WheelFigures> {
+        let (state, rate) = self.rate(at, change, held)?;
+        let moving = self.moving(&state, &rate);
+        let geometry = self.geometry.map(Jet::constant);
+        Some(geometry.figures(&moving, self.constants).map(|c| c[1]))
+    }
+
+    /// Shift of the wheel centre and turn of the carrier by a load.
+    pub fn twist_by(
+        &self,
+        at: &Equilibrium,
+        loads: &WheelLoads,
+        held: HeldQuantity,
+    ) -> Option<[Vector3<f64>; 2]> {
+        let (state, rate) = self.rate(at, &Change::Load(*loads), held)?;
+        let [x, y, z, a, b, c] = rate.carrier;
+        let turn = Vector3::new(a, b, c);
+        let lever = state.carrier.lever(self.built.system.wheel.centre);
+        Some([Vector3::new(x, y, z) + turn.cross(lever), turn])
+    }
+
+    /// The state along its rate, as far as wheels are read.
+    fn moving(&self, state: &State<f64>, rate: &Step<f64>) -> State<Jet<f64, 2>> {
+        let mut moving = state.map(Jet::constant);
+        let [x, y, z, a, b, c] = rate.carrier.map(|c| Jet([0.0, c]));
+        let (shift, turn) = (Vector3::new(x, y, z), Vector3::new(a, b, c));
+        moving.carrier = moving.carrier.moved(shift, turn);
+        for (k, limb) in self.built.system.limbs.iter().enumerate() {
+            if let Limb::Mount(_) = limb {
+                moving.limbs[k].slide.0[1] = rate.limbs[k].inner[0];
+            }
+        }
+        moving.vertical.0[1] = rate.vertical;
+        moving
+    }
+
+    /// State of each bushing, in the order of the definition.
+    pub fn bushings(&self, at: &Equilibrium) -> Vec<BushingReading> {
+        self.built
+            .bushing_readings(&at.solution.state, at.solution.task.rack)
+    }
+
+    /// Tension of each link, in the order of the definition.
+    pub fn tensions(&self, at: &Equilibrium) -> Vec<f64> {
+        self.built
+            .tensions(&at.solution.state, at.solution.task.rack)
+    }
+
+    /// State of the spring, if it has a law.
+    pub fn spring(&self, at: &Equilibrium) -> Option<SpringReading> {
+        self.spring_in(&at.solution.state, at.solution.task.rack)
+    }
+
+    fn spring_in(&self, state: &State<f64>, rack: f64) -> Option<SpringReading> {
+        self.built.spring_reading(state, rack)
+    }
+
+    /// Force on the rack along the kernel's +y that holds it.
+    pub fn rack_force(&self, at: &Equilibrium) -> f64 {
+        self.built
+            .rack_force(&at.solution.state, at.solution.task.rack)
+    }
+
+    /// Rotation vector of the carrier.
+    pub fn rotation(&self, at: &Equilibrium) -> Vector3<f64> {
+        super::algebra::Logarithm::of(&at.solution.state.carrier.turn).vector
+    }
+
+    fn explained(&self, stuck: &Stuck) -> NoEquilibrium {
+        let by_limb = match stuck.obstacle {
+            Obstacle::Unstable(Some(limb)) | Obstacle::Singular(Singular::Limb(limb)) => {
+                Some((self.built.names[limb].clone(), self.spin_of(limb)))
+            }
+            _ => None,
+        };
+        NoEquilibrium {
+            share: stuck.share,
+            is_unstable: stuck.share == 0.0 && matches!(stuck.obstacle, Obstacle::Unstable(_)),
+            softest: stuck
+                .last
+                .and_then(|(state, task)| self.softest(&state, &task))
+                .or(by_limb),
+        }
+    }
+
+    /// The motion with the least stiffness: inverse iteration on the tangent.
+    fn softest(&self, state: &State<f64>, task: &Task<f64>) -> Option<(String, Motion)> {
+        let equations = self.built.system.equations(state, task, None).ok()?;
+        let factors = equations.factors()?;
+        let mut right = [0.0; MOST];
+        right[..6].copy_from_slice(&[1.0, 0.8, 0.6, 100.0, 80.0, 60.0]);
+        let mut step = None;
+        for _ in 0..SOFT_STEPS {
+            let solution = factors.solve(&right);
+            let size = solution[..6].iter().fold(0.0_f64, |m, c| m.max(c.abs()));
+            right = [0.0; MOST];
+            for i in 0..6 {
+                right[i] = solution[i] / size;
+            }
+            step = Some(equations.step(&solution, true));
+        }
+        let step = step?;
+        let lever = TURN_LEVER * self.bounds.millimetre;
+        let [x, y, z, a, b, c] = step.carrier;
+        let (shift, turn) = (Vector3::new(x, y, z), Vector3::new(a, b, c));
+        let mut found = if shift.norm() > turn.norm() * lever {
+            (
+                shift.norm(),
+                CARRIER.to_owned(),
+                Motion::Shift(largest_axis(shift)),
+            )
+        } else {
+            let motion = Motion::Turn(largest_axis(turn));
+            (turn.norm() * lever, CARRIER.to_owned(), motion)
+        };
+        for (k, limb) in self.built.system.limbs.iter().enumerate() {
+            let turn = limb.turn_vector(&step.limbs[k]);
+            if turn.norm() * lever > found.0 {
+                let motion = Motion::Turn(largest_axis(turn));
+                found = (turn.norm() * lever, self.built.names[k].clone(), motion);
+            }
+        }
+        Some((found.1, found.2))
+    }
+}
+
+/// Name of the wheel carrier in messages.
+const CARRIER: &str = "the wheel carrier";
+
+fn largest_axis(v: Vector3<f64>) -> Axis {
+    let size = |axis: &Axis| v[*axis].abs();
+    let [x, y, z] = Axis::ALL;
+    [y, z]
+        .into_iter()
+        .fold(x, |m, a| if size(&a) > size(&m) { a } else { m })
+}
+
+fn preload_fault(built: &Built<f64>, fault: NoPreload) -> ElasticFault {
+    match fault {
+        NoPreload::Singular(Singular::Limb(limb)) => ElasticFault::NoBalance {
+            part: built.names[limb].clone(),
+        },
+        NoPreload::Singular(Singular::Carrier) => ElasticFault::NoBalance {
+            part: CARRIER.to_owned(),
+        },
+        NoPreload::OutOfReach { bushing, axis } => ElasticFault::OutOfReach { bushing, axis },
+    }
+}

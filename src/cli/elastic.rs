@@ -1,0 +1,119 @@
+//! `hardpoint check` of a study with elastic parts.
+
+use super::StudyArguments;
+use super::exit::{Exit, Stop};
+use super::output::design_fault;
+use super::printer::Printer;
+use crate::compliance::{Compliance, ElasticWheel, Relaxed};
+use crate::model::LengthUnit;
+use crate::report::{Table, brief, elastic_parts, no_equilibrium, plausibility};
+use crate::study::{ComplianceStudy, Study};
+
+/// A rate above this is doubtful where lengths are in millimetres, N/mm: N/m may be meant.
+const DOUBTFUL_RATE: f64 = 1e6;
+
+/// Prints what is elastic, and the wheel in the design position.
+pub(super) fn check(
+    arguments: &StudyArguments,
+    study: &Study,
+    elastic: &ComplianceStudy,
+) -> Result<Exit, Stop> {
+    let path = &arguments.study;
+    let fault = |fault| design_fault(study, path, &fault);
+    let mut out = Printer::new(arguments.format);
+    out.say(&format!("{}: valid\n\n", path.display()))?;
+    for line in plausibility(&study.suspension).map_err(fault)? {
+        out.remark(&format!("{line}\n\n"))?;
+    }
+    for doubt in doubts(study, &elastic.parts) {
+        out.remark(&format!("{doubt}\n\n"))?;
+    }
+    let relaxed = match elastic.parts.relaxed {
+        Relaxed::Free => "without force in the design position (relaxed = \"free\")",
+        Relaxed::AtDesignLoad => {
+            "in equilibrium in the design position (relaxed = \"at_design_load\")"
+        }
+    };
+    out.say(&format!("Elastic parts, {relaxed}:\n\n"))?;
+    out.table("elastic_parts", elastic_parts(study))?;
+    out.say(
+        "\nEverything else is rigid. Links and arms do not bend, and parts have no weight. \
+         `hardpoint kc` runs the tests; other commands refuse this study.\n",
+    )?;
+    let complete = say_design(&mut out, study, elastic)?;
+    out.finish()?;
+    Ok(Exit::of(complete))
+}
+
+/// The wheel at the design height. Returns false if it has no equilibrium.
+fn say_design(out: &mut Printer, study: &Study, elastic: &ComplianceStudy) -> Result<bool, Stop> {
+    // The reader of the study has built it once.
+    let Ok(wheel) = ElasticWheel::new(&study.suspension, &elastic.parts) else {
+        return Ok(false);
+    };
+    let at = match wheel.at(0.0, 0.0) {
+        Ok(at) => at,
+        Err(why) => {
+            out.failure(&format!(
+                "\nnot solved: design height: {}\n",
+                no_equilibrium(&why)
+            ))?;
+            return Ok(false);
+        }
+    };
+    let figures = wheel.figures(&at);
+    out.say("\nEquilibrium at the design height, rack at 0:\n\n")?;
+    let mut table = Table::new(["output", "value", "unit"]);
+    let mut add = |name: &str, value: f64, unit: &str| {
+        table.push([
+            name.into(),
+            crate::report::Cell::figure(value, unit),
+            unit.into(),
+        ]);
+    };
+    add("camber", figures.camber.to_degrees(), "deg");
+    add("toe", figures.toe.to_degrees(), "deg");
+    if let Some([caster, inclination]) = figures.steering {
+        add("caster", caster.to_degrees(), "deg");
+        add("kingpin_inclination", inclination.to_degrees(), "deg");
+    }
+    add("vertical_force", wheel.wheel_load(&at), "N");
+    if let Some(spring) = wheel.spring(&at) {
+        add("spring_force", spring.force, "N");
+    }
+    out.table("design", table)?;
+    Ok(true)
+}
+
+/// Doubts about elastic parts, a line each.
+fn doubts(study: &Study, parts: &Compliance) -> Vec<String> {
+    let mechanism = &study.suspension.mechanism;
+    let mut doubts = Vec::new();
+    for arm in &mechanism.arms {
+        let given = [arm.front, arm.rear].map(|id| parts.bushing_at(id).is_some());
+        let [one, other] = match given {
+            [true, false] => [arm.front, arm.rear],
+            [false, true] => [arm.rear, arm.front],
+            _ => continue,
+        };
+        doubts.push(format!(
+            "{} has a bushing and {} has none: the latter is a rigid ball joint",
+            mechanism.name(one),
+            mechanism.name(other)
+        ));
+    }
+    let rates = parts
+        .bushings
+        .iter()
+        .flat_map(|part| part.shapes[..3].iter().map(|shape| shape.initial_rate()))
+        .filter(|rate| *rate > 0.0);
+    let least = rates.fold(f64::INFINITY, f64::min);
+    let in_millimetres = study.suspension.length_unit == LengthUnit::Millimetre;
+    if in_millimetres && least.is_finite() && least > DOUBTFUL_RATE {
+        doubts.push(format!(
+            "doubt: all rates of bushings are above 1e6 N/mm (the least is {} N/mm); are they in N/m?",
+            brief(least)
+        ));
+    }
+    doubts
+}

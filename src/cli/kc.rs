@@ -1,0 +1,101 @@
+//! `hardpoint kc`
+
+use super::RunArguments;
+use super::exit::{Exit, Stop};
+use super::output::Output;
+use super::terminal;
+use crate::compliance::{Compliance, KcRun, KcTest};
+use crate::report::{KcResults, counted};
+use crate::study::{ComplianceStudy, Drive, Study};
+use serde_json::json;
+use std::path::Path;
+
+pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
+    let path = &arguments.study.study;
+    let study = Study::read_elastic(path, &arguments.study.set)?;
+    super::axle::refuse(&study, path, "kc", "its tests load one wheel")?;
+    if arguments.report || arguments.plots.is_some() {
+        return Err(Stop::wrong_input(
+            "`hardpoint kc` writes tables, without --report and --plots",
+        ));
+    }
+    let elastic = elastic_or_rigid(&study, path)?;
+    let run = KcRun::new(&study.suspension, &elastic.parts, elastic.tyre_rate);
+    // A study with elastic parts was tried when it was read.
+    let run = run.map_err(|fault| {
+        Stop::in_file(path, format!("the design position is singular: {fault:?}"))
+    })?;
+    let output = Output::open(arguments, &study, "kc")?;
+    let mechanism = &study.suspension.mechanism;
+    let parts = elastic.parts.bushings.iter();
+    let results = KcResults {
+        suspension: &study.suspension,
+        bushings: parts
+            .map(|part| mechanism.name(part.point).to_owned())
+            .collect(),
+        links: elastic.link_names.clone(),
+        stations: run.run(&study.motion.values, &study.motion.rack, &elastic.tests),
+    };
+    let mut files = vec!["kc.csv"];
+    output.main_csv("kc.csv", &results.kc_csv())?;
+    files.extend(output.file_if_any("levels.csv", results.levels_csv())?);
+    files.extend(output.file_if_any("compliance_matrix.csv", results.matrix_csv())?);
+    let (failures, warnings) = (results.failures(), results.warnings());
+    let summary = json!({
+        "command": "kc",
+        "study": study.name,
+        "is_rigid": elastic.parts.is_rigid(),
+        "design_load_N": run.wheel().design_load(),
+        "stations": results.stations.len(),
+        "without_equilibrium": failures,
+        "warnings": warnings,
+    });
+    output.json("summary.json", &summary)?;
+    files.push("summary.json");
+    output.finish()?;
+
+    let stations = counted(results.stations.len(), "station");
+    let parts = elastic.parts.bushings.len() + elastic.parts.links.len();
+    let parts = match elastic.parts.is_rigid() {
+        true => "rigid mechanism".to_owned(),
+        false => counted(parts, "elastic part"),
+    };
+    output.say(&format!("{}: {parts}, {stations}\n", study.name))?;
+    if let Some(load) = run.wheel().design_load() {
+        output.say(&format!("design load: {load:.0} N at the contact point\n"))?;
+    }
+    output.table_for_programs("figures", || results.table());
+    for (place, table) in results.tables_for_readers() {
+        output.text_only(&format!("\n{place}\n\n{}", table.text(terminal::width())))?;
+    }
+    output.text_only(
+        "\nDerivatives at the station and secants over the window, of a left wheel. Signs: docs/compliance.md\n",
+    )?;
+    output.say_remarks(warnings)?;
+    for failure in &failures {
+        output.say_failure(&format!("\nnot solved: {failure}\n"))?;
+    }
+    output.print_files(&files)?;
+    Ok(Exit::of(results.is_complete()))
+}
+
+/// The elastic parts of a study, or the rigid mechanism with its tests.
+fn elastic_or_rigid(study: &Study, path: &Path) -> Result<ComplianceStudy, Stop> {
+    if let Some(elastic) = &study.compliance {
+        return Ok(elastic.clone());
+    }
+    if study.suspension.wheel_radius.is_none() {
+        let why = "`hardpoint kc` needs radius in [wheel]: loads act at the contact point";
+        return Err(Stop::in_file(path, why));
+    }
+    if study.motion.drive != Drive::Travel {
+        let why = "`hardpoint kc` needs stations of wheel travel: expected travel in [motion]";
+        return Err(Stop::in_file(path, why));
+    }
+    Ok(ComplianceStudy {
+        parts: Compliance::rigid(None),
+        link_names: Vec::new(),
+        tests: KcTest::defaults(true, false, study.suspension.length_unit),
+        tyre_rate: None,
+    })
+}

@@ -1,0 +1,264 @@
+//! States and metrics against independent answers at 120 digits (`tests/data/reference/elasto`).
+
+use super::{case, compliance, loads, number, suspension};
+use hardpoint::compliance::{
+    Change, ElasticWheel, Equilibrium, HeldQuantity, WheelFigures, WheelLoads, link_members,
+};
+use hardpoint::number::Vector3;
+use serde_json::Value;
+use std::collections::BTreeMap;
+
+const CASES: [&str; 6] = [
+    "double_wishbone",
+    "double_wishbone_free",
+    "macpherson",
+    "semi_trailing_arm",
+    "double_wishbone_nonlinear_free",
+    "formula_student_links",
+];
+
+/// The equilibrium of a state, and what is held in it.
+fn solved(wheel: &ElasticWheel, state: &Value, design_load: f64) -> Equilibrium {
+    let load = &state["load"];
+    let rack = load["rack"].as_f64().unwrap_or(0.0);
+    let travel = load["travel"].as_f64();
+    let start = wheel.at(travel.unwrap_or(0.0), rack).unwrap();
+    let mut loads = loads(load, design_load);
+    let held = match travel {
+        Some(_) => HeldQuantity::WheelHeight,
+        None => HeldQuantity::WheelLoad,
+    };
+    if travel.is_none() {
+        loads.contact.z -= wheel.wheel_load(&start);
+    }
+    wheel.loaded(&start, &loads, held).unwrap()
+}
+
+fn put(into: &mut BTreeMap<String, f64>, name: &str, v: Vector3<f64>) {
+    for (axis, value) in ["x", "y", "z"].into_iter().zip(v.to_array()) {
+        into.insert(format!("{name}_{axis}"), value);
+    }
+}
+
+/// The figures by their names in the answers.
+fn figures(f: &WheelFigures, vertical: f64) -> BTreeMap<String, f64> {
+    let mut values = BTreeMap::new();
+    put(&mut values, "wheel_centre", f.centre);
+    put(&mut values, "contact_point", f.contact);
+    let mut add = |name: &str, value: f64| {
+        values.insert(name.to_owned(), value);
+    };
+    add("camber", f.camber);
+    add("toe", f.toe);
+    add("spin", f.spin);
+    if let Some([caster, inclination]) = f.steering {
+        add("caster", caster);
+        add("kingpin_inclination", inclination);
+    }
+    add("vertical_contact_force", vertical);
+    values
+}
+
+/// All values of a state by their names.
+fn values(case: &Value, wheel: &ElasticWheel, at: &Equilibrium) -> BTreeMap<String, f64> {
+    let suspension = suspension(case);
+    let compliance = compliance(case, &suspension);
+    let mut values = figures(&wheel.figures(at), wheel.wheel_load(at));
+    values.insert("travel".to_owned(), wheel.travel(at));
+    put(&mut values, "knuckle_rotation_vector", wheel.rotation(at));
+    for (part, found) in compliance.bushings.iter().zip(wheel.bushings(at)) {
+        let name = suspension.mechanism.name(part.point);
+        put(&mut values, &format!("{name}_deflection"), found.deflection);
+        put(&mut values, &format!("{name}_force"), found.force);
+        put(&mut values, &format!("{name}_rotation"), found.rotation);
+        put(&mut values, &format!("{name}_torque"), found.torque);
+        if name == "strut_top" {
+            values.insert("strut_top_tilt_x".to_owned(), found.rotation.x);
+            values.insert("strut_top_tilt_y".to_owned(), found.rotation.y);
+        }
+    }
+    let members = link_members(&suspension.mechanism);
+    for (part, tension) in compliance.links.iter().zip(wheel.tensions(at)) {
+        let name = &members.iter().find(|(_, m)| *m == part.member).unwrap().0;
+        values.insert(format!("{name}_tension"), tension);
+    }
+    let spring = wheel.spring(at).unwrap();
+    values.insert("spring_length".to_owned(), spring.length);
+    values.insert("spring_force".to_owned(), spring.force);
+    values
+}
+
+/// Bound of a value: of lengths 1e-11 mm on positions that are sums of several hundred millimetres, of angles 1e-13 rad;
+/// forces and torques follow from the bounds of deflections and rotations with the rates.
+fn bound(name: &str) -> f64 {
+    let is = |part: &str| name.contains(part);
+    if is("torque") {
+        4e5 * 1e-13 * 10.0
+    } else if is("force") || is("tension") {
+        3e4 * 1e-11
+    } else if is("wheel_centre") || is("contact_point") || is("length") || is("deflection") {
+        1e-11
+    } else if is("travel") {
+        1e-11
+    } else {
+        1e-13
+    }
+}
+
+#[test]
+fn states_are_those_of_the_reference() {
+    let mut worst: BTreeMap<String, (f64, String)> = BTreeMap::new();
+    for name in CASES {
+        let case = case(name);
+        let suspension = suspension(&case);
+        let wheel = ElasticWheel::new(&suspension, &compliance(&case, &suspension)).unwrap();
+        let design_load = match &case["design_load"]["wheel"] {
+            Value::Null => 0.0,
+            load => number(load),
+        };
+        if let Some(found) = wheel.design_load() {
+            assert!((found - design_load).abs() < 1e-10 * design_load, "{name}");
+        }
+        let names = case["names"]["values"].as_array().unwrap();
+        let mut compared = 0;
+        for (k, state) in case["states"].as_array().unwrap().iter().enumerate() {
+            let at = solved(&wheel, state, design_load);
+            let found = values(&case, &wheel, &at);
+            for (value, expected) in names.iter().zip(state["values"].as_array().unwrap()) {
+                let value = value.as_str().unwrap();
+                let Some(found) = found.get(value) else {
+                    continue;
+                };
+                compared += 1;
+                let error = (found - number(expected)).abs() / bound(value);
+                let label = format!("{name} {k} {value}: {found} {expected}");
+                let entry = worst.entry(name.to_owned()).or_default();
+                if error > entry.0 || error.is_nan() {
+                    *entry = (error, label);
+                }
+            }
+        }
+        assert!(compared > 13 * 17, "{name}: {compared}");
+    }
+    for (error, label) in worst.values() {
+        println!("{error:.2e} {label}");
+    }
+    assert!(worst.values().all(|(error, _)| *error < 1.0));
+}
+
+/// A unit load of the reference.
+pub fn unit(name: &str) -> WheelLoads {
+    let mut load = WheelLoads::none(0.0);
+    match name {
+        "lateral" => load.side = 1.0,
+        "lateral_trail_30" => (load.side, load.trail) = (1.0, 30.0),
+        "braking" => load.contact.x = -1.0,
+        "traction" => load.centre.x = 1.0,
+        "aligning" => load.moment.z = 1.0,
+        "vertical" => load.contact.z = 1.0,
+        _ => panic!("{name}"),
+    }
+    load
+}
+
+#[test]
+fn metrics_are_those_of_the_reference() {
+    let mut worst = (0.0, String::new());
+    for name in CASES {
+        let case = case(name);
+        let suspension = suspension(&case);
+        let wheel = ElasticWheel::new(&suspension, &compliance(&case, &suspension)).unwrap();
+        let design_load = match &case["design_load"]["wheel"] {
+            Value::Null => 0.0,
+            load => number(load),
+        };
+        let names = case["names"]["metrics"].as_array().unwrap();
+        for (k, state) in case["states"].as_array().unwrap().iter().enumerate() {
+            let at = solved(&wheel, state, design_load);
+            for (key, held) in [
+                ("metrics_height_held", HeldQuantity::WheelHeight),
+                ("metrics_load_held", HeldQuantity::WheelLoad),
+            ] {
+                for (load, expected) in state[key].as_object().into_iter().flatten() {
+                    let change = Change::Load(unit(load));
+                    let by = wheel.figures_by(&at, &change, held).unwrap();
+                    let found = figures(&by, by.vertical);
+                    // Of all figures of one test, those of one kind have one scale.
+                    let scale = |value: &str| {
+                        let is_angle = |n: &str| {
+                            !n.contains("wheel_centre")
+                                && !n.contains("contact_point")
+                                && n != "vertical_contact_force"
+                        };
+                        let of_kind = names.iter().zip(expected.as_array().unwrap());
+                        let of_kind = of_kind.filter(|(n, _)| {
+                            let n = n.as_str().unwrap();
+                            is_angle(n) == is_angle(value)
+                                && (n == "vertical_contact_force")
+                                    == (value == "vertical_contact_force")
+                        });
+                        of_kind.fold(0.0_f64, |m, (_, v)| m.max(number(v).abs()))
+                    };
+                    for (value, expected) in names.iter().zip(expected.as_array().unwrap()) {
+                        let value = value.as_str().unwrap();
+                        if value == "vertical_contact_force" && held == HeldQuantity::WheelLoad {
+                            continue;
+                        }
+                        let found = found[value];
+                        let error = (found - number(expected)).abs() / scale(value);
+                        if error > worst.0 || error.is_nan() {
+                            worst = (
+                                error,
+                                format!("{name} {k} {key} {load} {value}: {found} {expected}"),
+                            );
+                        }
+                    }
+                }
+            }
+        }
+    }
+    println!("{worst:?}");
+    assert!(worst.0 < 1e-10, "{worst:?}");
+}
+
+/// Secants over +-1000 N and +-100 N m, height held.
+#[test]
+fn secants_are_those_of_the_reference() {
+    for name in CASES {
+        let case = case(name);
+        let suspension = suspension(&case);
+        let wheel = ElasticWheel::new(&suspension, &compliance(&case, &suspension)).unwrap();
+        let names = case["names"]["metrics"].as_array().unwrap();
+        let state = &case["states"][0];
+        let design_load = wheel.design_load().unwrap_or(0.0);
+        let at = solved(&wheel, state, design_load);
+        for (load, expected) in state["secants_height_held"].as_object().unwrap() {
+            let window = if load == "aligning" { 1e5 } else { 1e3 };
+            let end = |sign: f64| {
+                let mut loads = WheelLoads::none(0.0).plus(&unit(load), sign * window);
+                loads.trail = unit(load).trail;
+                let held = HeldQuantity::WheelHeight;
+                let at = wheel.loaded_about(&at, &at, &loads, held).unwrap();
+                figures(&wheel.figures(&at), wheel.wheel_load(&at))
+            };
+            let (low, high) = (end(-1.0), end(1.0));
+            let mut found = BTreeMap::new();
+            for (name, value) in &high {
+                found.insert(name.clone(), (value - low[name]) / (2.0 * window));
+            }
+            for (value, expected) in names.iter().zip(expected.as_array().unwrap()) {
+                let value = value.as_str().unwrap();
+                let error = (found[value] - number(expected)).abs();
+                // Differences of states that are right to 1e-11 mm, 1e-13 rad and 1e-7 N.
+                let bound = if value == "vertical_contact_force" {
+                    1e-7
+                } else if value.contains("wheel_centre") || value.contains("contact") {
+                    1e-11
+                } else {
+                    1e-13
+                };
+                assert!(error < bound / window, "{name} {load} {value}: {error:e}");
+            }
+        }
+    }
+}

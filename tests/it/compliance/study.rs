@@ -1,0 +1,207 @@
+//! Studies with elastic parts: what is wrong in them is said by line and key, and commands that would leave the parts
+//! out refuse them.
+
+use crate::support::mutants::mutilated;
+use crate::support::random::Random;
+use hardpoint::compliance::KcRun;
+use hardpoint::study::Study;
+use std::path::Path;
+
+const STUDIES: [&str; 2] = [
+    "double_wishbone_compliance.toml",
+    "five_link_compliance.toml",
+];
+
+fn text(name: &str) -> String {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("studies")
+        .join(name);
+    std::fs::read_to_string(path).unwrap()
+}
+
+/// The good study has `from` once; with `to` in its place it has one mistake, on the line with `on`.
+fn assert_mistake(from: &str, to: &str, on: &str, phrase: &str) {
+    let good = text(STUDIES[0]);
+    assert_eq!(good.matches(from).count(), 1, "{from:?}");
+    let text = good.replace(from, to);
+    let errors = Study::elastic_from_text("study.toml", &text, Path::new(".")).unwrap_err();
+    let rendered = errors.render(false);
+    assert_eq!(errors.all().len(), 1, "{rendered}");
+    let (line, _) = errors.all()[0].position().unwrap();
+    let found = text.lines().nth(line - 1).unwrap();
+    assert!(found.contains(on), "{found:?}: {rendered}");
+    assert!(rendered.contains(phrase), "{rendered}");
+}
+
+#[test]
+fn mistakes_are_named_by_line() {
+    let rear = "stiffness = [700.0, 2500.0, 1800.0, 8.0e4, 2.5e5, 2.5e5]";
+    let with = |more: &str| format!("{rear}\n{more}");
+    let relaxed = "relaxed = \"at_design_load\"   # the hardpoints are of the loaded car";
+    let spring = "[spring]\nrate = 90.0       # N/mm along the spring\nforce = 7000.0    # N in the design position\n";
+    for (from, to, on, phrase) in [
+        (
+            "[bushings.lower_arm_rear]",
+            "[bushings.lower_arm_raer]",
+            "raer",
+            "did you mean \"lower_arm_rear\"",
+        ),
+        (
+            rear,
+            "stiffness = [700.0, 2500.0]",
+            "[700.0, 2500.0]",
+            "expected six numbers",
+        ),
+        (
+            rear,
+            "stiffness = [-700.0, 2500.0, 1800.0, 8.0e4, 2.5e5, 2.5e5]",
+            "-700",
+            "expected a number of 0 or more",
+        ),
+        (
+            rear,
+            "cubic = [1.0, 1.0, 1.0, 1.0, 1.0, 1.0]",
+            "[bushings.lower_arm_rear]",
+            "or six curves",
+        ),
+        (
+            rear,
+            &with("fy = [[-1.0, -2000.0], [1.0, 2000.0]]"),
+            "fy",
+            "expected 0.0 as entry 2",
+        ),
+        (
+            rear,
+            &with("file = \"rear.bus\""),
+            "rear.bus",
+            "not available yet",
+        ),
+        (
+            rear,
+            &with("preload = [1.0, 0.0, 0.0, 0.0, 0.0, 0.0]"),
+            "preload",
+            "follow from the spring",
+        ),
+        (
+            rear,
+            &with("x_axis = [0.0, 0.0, 1.0]"),
+            "[bushings.lower_arm_rear]",
+            "expected z_axis",
+        ),
+        (relaxed, "", "[compliance]", "expected relaxed"),
+        (
+            relaxed,
+            "relaxed = \"slack\"",
+            "slack",
+            "expected \"free\" or \"at_design_load\"",
+        ),
+        (spring, "", "[compliance]", "needs [spring]"),
+        (
+            "[tyre]",
+            "[subframe]\ncarries = []\n[tyre]",
+            "[subframe]",
+            "not available yet",
+        ),
+        (
+            "[tyre]",
+            "[links.lower_arm_front]\naxial_stiffness = 1e5\n[tyre]",
+            "[links.lower_arm_front]",
+            "expected one of them",
+        ),
+        (
+            "[tyre]",
+            "[links.tie_rod]\nmodulus = 70000.0\n[tyre]",
+            "[links.tie_rod]",
+            "modulus and area",
+        ),
+        (
+            relaxed,
+            &format!("{relaxed}\ntests = [{{ load = \"laterl\" }}]"),
+            "laterl",
+            "did you mean \"lateral\"",
+        ),
+        (
+            relaxed,
+            &format!("{relaxed}\ntests = [{{ load = \"heave\", window = 3.0 }}]"),
+            "window",
+            "is a motion",
+        ),
+        (
+            relaxed,
+            &format!("{relaxed}\ntests = [{{ load = \"braking\", levels = 4 }}]"),
+            "levels",
+            "an odd number",
+        ),
+        (
+            relaxed,
+            &format!("{relaxed}\ntests = [{{ load = \"braking\", mode = \"parallel\" }}]"),
+            "mode",
+            "not available yet",
+        ),
+        (
+            relaxed,
+            &format!("{relaxed}\ntests = [{{ load = \"vertical\", hold = \"wheel_height\" }}]"),
+            "hold",
+            "moves the wheel",
+        ),
+    ] {
+        assert_mistake(from, to, on, phrase);
+    }
+}
+
+#[test]
+fn an_elastic_axle_is_refused() {
+    let text = text(STUDIES[0]).replace("[tyre]", "[axle]\nright = \"mirrored\"\n[tyre]");
+    let errors = Study::elastic_from_text("study.toml", &text, Path::new(".")).unwrap_err();
+    let rendered = errors.render(false);
+    assert!(
+        rendered.contains("[axle] with [compliance] is not available yet"),
+        "{rendered}"
+    );
+}
+
+#[test]
+fn readers_of_rigid_parts_refuse_elastic_ones() {
+    let refused = Study::from_text("study.toml", &text(STUDIES[0]), Path::new(".")).unwrap_err();
+    let rendered = refused.render(false);
+    assert!(rendered.contains("compliance"), "{rendered}");
+    assert!(
+        rendered.contains("here they would be left out"),
+        "{rendered}"
+    );
+}
+
+#[test]
+fn mutilated_studies_are_tested_or_refused_with_a_reason() {
+    let (mut ran, mut refused) = (0, 0);
+    for (sample, name) in STUDIES.into_iter().enumerate() {
+        let text = text(name);
+        for case in 0..200 {
+            let mut random = Random(case + 77_000_000 * (sample as u64 + 1));
+            let text = mutilated(&text, &mut random);
+            match Study::elastic_from_text("study.toml", &text, Path::new(".")) {
+                Err(errors) => {
+                    refused += 1;
+                    assert!(!errors.all().is_empty());
+                }
+                Ok(study) => {
+                    let Some(elastic) = &study.compliance else {
+                        continue;
+                    };
+                    ran += 1;
+                    let run = KcRun::new(&study.suspension, &elastic.parts, elastic.tyre_rate);
+                    let first = |values: &[f64]| values.iter().copied().take(2).collect::<Vec<_>>();
+                    let (travels, racks) = (first(&study.motion.values), first(&study.motion.rack));
+                    for station in run.unwrap().run(&travels, &racks, &elastic.tests) {
+                        let outcomes = station.outcomes.iter().flatten();
+                        for figure in outcomes.flat_map(|outcome| &outcome.figures) {
+                            let numbers = [figure.value, figure.secant];
+                            assert!(numbers.into_iter().flatten().all(f64::is_finite));
+                        }
+                    }
+                }
+            }
+        }
+    }
+    assert!(ran > 30 && refused > 50, "{ran} {refused}");
+}

@@ -1,16 +1,15 @@
 //! `hardpoint assemblies`
 
 use super::exit::{Exit, Stop};
-use super::output::design_fault;
 use super::printer::Printer;
 use super::terminal::eprint;
 use super::{AssembliesArguments, TableFormat};
-use crate::analyse::{Assembly, AssemblyMode, Undecided};
+use crate::analyse::{Assemblies, Assembly, AssemblyMode, Undecided};
 use crate::characteristics::{Characteristic, Constants, Quantity, WheelReading};
 use crate::derive::{DesignSeries, MotionPoint};
-use crate::mechanism::Pose;
-use crate::model::Drive;
-use crate::plan::Plan;
+use crate::mechanism::{DesignFault, Pose};
+use crate::model::{Axis, Drive, Side, Suspension};
+use crate::number::Vector3;
 use crate::report::{Cell, Table, as_written, brief, counted, figure};
 use crate::solve::{Solver, StationOrder};
 use crate::study::Study;
@@ -32,8 +31,6 @@ const MOST_UNDECIDED: usize = 3;
 pub(super) fn run(arguments: &AssembliesArguments) -> Result<Exit, Stop> {
     let path = &arguments.study.study;
     let study = Study::read(path, &arguments.study.set)?;
-    let why = "each wheel is assembled by itself, and both are alike or nearly so";
-    super::axle::refuse(&study, path, "assemblies", why)?;
     for (option, value) in [("--travel", arguments.travel), ("--rack", arguments.rack)] {
         if !value.is_finite() {
             return Err(Stop::wrong_input(format!(
@@ -41,59 +38,145 @@ pub(super) fn run(arguments: &AssembliesArguments) -> Result<Exit, Stop> {
             )));
         }
     }
-    let suspension = &study.suspension;
-    let fault = |fault| design_fault(&study, path, &fault);
-    let mut solver = Solver::new(&suspension.mechanism, &suspension.design).map_err(fault)?;
-    let rack = arguments.rack * Plan::of(&study).rack_sign;
-    // The one that is connected to the design position; a design that is singular is refused before the search.
-    let mut connected = None;
-    let station_order = StationOrder::through(&[arguments.travel]);
-    let visited = solver.for_each_pose(Drive::Travel, &station_order, rack, |_, _, pose| {
-        connected = pose.ok().copied();
-        ControlFlow::Continue(())
-    });
-    visited.map_err(fault)?;
-    let Some(all) = solver.assemblies(arguments.travel, rack) else {
-        let topology = suspension.mechanism.topology.name;
-        let reason = format!("there is no method that finds all assemblies of a {topology}");
-        return Err(Stop::in_file(path, reason));
-    };
-    let is_connected = |assembly: &Assembly| {
-        connected.is_some_and(|pose| same(&pose, &assembly.pose, solver.size()))
-    };
+    let wheels = wheels(&study, arguments.rack);
+    let mut found = Vec::new();
+    for wheel in &wheels {
+        let assembled = Assembled::of(wheel, arguments.travel);
+        let assembled = assembled.map_err(|fault| {
+            let reason = fault.describe(&wheel.suspension.mechanism);
+            Stop::in_file(path, wheel.about(&reason))
+        })?;
+        let Some(assembled) = assembled else {
+            let topology = wheel.suspension.mechanism.topology.name;
+            let reason = format!("there is no method that finds all assemblies of a {topology}");
+            return Err(Stop::in_file(path, reason));
+        };
+        found.push(assembled);
+    }
+    let table = table(&found);
+    let mut out = Printer::new(arguments.study.format);
+    if !table.is_empty() || arguments.study.format != TableFormat::Text {
+        out.table("assemblies", table)?;
+    }
+    for assembled in &found {
+        say_number(&out, assembled, arguments)?;
+    }
+    if let (Some(_), [_]) = (&study.axle, &wheels[..]) {
+        out.remark(
+            "The right wheel is the mirror image: its assemblies are those of the left wheel.\n",
+        )?;
+    }
+    out.finish()?;
+    for assembled in &found {
+        say_undecided(assembled);
+    }
+    let is_known = |a: &Assembled| a.all.undecided.is_empty() && !a.all.found.is_empty();
+    Ok(Exit::of(found.iter().all(is_known)))
+}
 
-    let unit = suspension.length_unit.symbol();
-    let has_steering_axis = suspension.mechanism.steering_axis.is_some();
-    let angles = ANGLES
-        .iter()
-        .filter(|c| has_steering_axis || !c.info().reads_steering_axis());
-    let angles: Vec<Characteristic> = angles.copied().collect();
-    let has_arm = !suspension.mechanism.arms.is_empty();
-    let mut header = vec![if has_arm { "arm_angle_deg" } else { "turn_deg" }.to_owned()];
-    header.extend(all.traits.iter().map(|t| t.name().to_owned()));
-    header.extend(["x", "y", "z"].map(|axis| format!("wheel_centre_{axis}_{unit}")));
-    header.extend(angles.iter().map(|c| c.column(suspension.length_unit)));
-    header.push("connected".to_owned());
-    let mut table = Table::with_columns(header);
-    let design_series = DesignSeries::<1>::new(&suspension.mechanism, &suspension.design);
-    let point = MotionPoint {
-        drive: Drive::Travel,
-        value: arguments.travel,
-        rack,
+/// A wheel whose assemblies are listed.
+struct Wheel<'s> {
+    /// Which wheel of an axle; `None` in a study of one wheel.
+    side: Option<Side>,
+    suspension: &'s Suspension,
+    /// Signs that lead from the kernel's frame to the study's axes.
+    signs: [f64; 3],
+    /// Displacement of the rack in the kernel's frame.
+    rack: f64,
+}
+
+impl Wheel<'_> {
+    /// Says of which wheel of an axle a sentence is.
+    fn about(&self, sentence: &str) -> String {
+        match self.side {
+            Some(side) => format!("{} wheel: {sentence}", side.name()),
+            None => sentence.to_owned(),
+        }
+    }
+}
+
+/// The wheels to assemble. A mirror image has the same assemblies as the left wheel while the rack is in the middle;
+/// a rack that is displaced moves towards one wheel and away from the other.
+fn wheels(study: &Study, rack: f64) -> Vec<Wheel<'_>> {
+    let Some(both) = &study.axle else {
+        let suspension = &study.suspension;
+        let signs = Axis::ALL.map(|axis| suspension.frame.sign(axis));
+        let rack = rack * signs[Axis::Y as usize];
+        return vec![Wheel {
+            side: None,
+            suspension,
+            signs,
+            rack,
+        }];
     };
-    for assembly in &all.found {
+    let axle = &both.axle;
+    let mut sides = Side::ALL.to_vec();
+    sides.retain(|side| *side == Side::Left || axle.right.is_some() || rack != 0.0);
+    let wheel = |side: Side| {
+        let signs = Axis::ALL.map(|axis| axle.frame(side).sign(axis));
+        Wheel {
+            side: Some(side),
+            suspension: axle.suspension(side),
+            signs,
+            rack: rack * signs[Axis::Y as usize],
+        }
+    };
+    sides.into_iter().map(wheel).collect()
+}
+
+/// All assemblies of a wheel.
+struct Assembled<'w> {
+    wheel: &'w Wheel<'w>,
+    solver: Solver<'w>,
+    travel: f64,
+    all: Assemblies,
+    /// The pose that is connected to the design position.
+    connected: Option<Pose<f64>>,
+}
+
+impl<'w> Assembled<'w> {
+    /// Finds the assemblies; `None` if there is no method for the topology.
+    fn of(wheel: &'w Wheel<'w>, travel: f64) -> Result<Option<Self>, DesignFault> {
+        let suspension = wheel.suspension;
+        let mut solver = Solver::new(&suspension.mechanism, &suspension.design)?;
+        // A design that is singular is refused before the search.
+        let mut connected = None;
+        let station_order = StationOrder::through(&[travel]);
+        solver.for_each_pose(Drive::Travel, &station_order, wheel.rack, |_, _, pose| {
+            connected = pose.ok().copied();
+            ControlFlow::Continue(())
+        })?;
+        let all = solver.assemblies(travel, wheel.rack);
+        Ok(all.map(|all| Assembled {
+            wheel,
+            solver,
+            travel,
+            all,
+            connected,
+        }))
+    }
+
+    /// Cells of an assembly, without the side.
+    fn row(&self, assembly: &Assembly, series: &DesignSeries<1>) -> Vec<Cell> {
+        let (solver, suspension) = (&self.solver, self.wheel.suspension);
         let place = assembly.arm_angle.unwrap_or_else(|| assembly.turn());
         let mut row = vec![Cell::figure(place.to_degrees(), "deg")];
-        let branch = all.traits.iter().zip(&assembly.branch);
+        let branch = self.all.traits.iter().zip(&assembly.branch);
         let word = |(of, as_designed): (&AssemblyMode, &Option<bool>)| {
             Cell::from(as_designed.map(|is| of.word(is)))
         };
         row.extend(branch.map(word));
-        let centre = suspension.frame.vector(assembly.wheel_centre);
-        row.extend(centre.to_array().map(|v| Cell::figure(v, unit)));
+        let unit = suspension.length_unit.symbol();
+        let centre = self.in_study(assembly.wheel_centre);
+        row.extend(centre.map(|v| Cell::figure(v, unit)));
+        let point = MotionPoint {
+            drive: Drive::Travel,
+            value: self.travel,
+            rack: self.wheel.rack,
+        };
         let configuration =
-            solver.configuration_series(&design_series, &assembly.pose, &point.along_drive::<1>());
-        row.extend(angles.iter().map(|c| {
+            solver.configuration_series(series, &assembly.pose, &point.along_drive::<1>());
+        row.extend(angles(suspension).iter().map(|c| {
             let value = configuration.as_ref().map(|configuration| {
                 let view = WheelReading::of(configuration, Constants::default());
                 let value = view.value(configuration, Quantity::Characteristic(*c))[0];
@@ -102,31 +185,98 @@ pub(super) fn run(arguments: &AssembliesArguments) -> Result<Exit, Stop> {
             let value = value.ok().filter(|v| v.is_finite());
             Cell::from(value.map(|v| Cell::figure(v, "deg")))
         }));
-        row.push(is_connected(assembly).into());
-        table.push_row(row);
+        let size = solver.size();
+        let connected = self.connected.as_ref();
+        row.push(
+            connected
+                .is_some_and(|pose| same(pose, &assembly.pose, size))
+                .into(),
+        );
+        row
     }
-    let mut out = Printer::new(arguments.study.format);
-    if !all.found.is_empty() || arguments.study.format != TableFormat::Text {
-        out.table("assemblies", table)?;
+
+    /// A place in the study's axes.
+    fn in_study(&self, place: Vector3<f64>) -> [f64; 3] {
+        let place = place.to_array();
+        [0, 1, 2].map(|axis| self.wheel.signs[axis] * place[axis])
     }
+}
+
+/// The angles that an assembly is told by.
+fn angles(suspension: &Suspension) -> Vec<Characteristic> {
+    let has_steering_axis = suspension.mechanism.steering_axis.is_some();
+    let mut angles = ANGLES.to_vec();
+    angles.retain(|c| has_steering_axis || !c.info().reads_steering_axis());
+    angles
+}
+
+/// A row for each assembly; of an axle with its side.
+fn table(found: &[Assembled]) -> Table {
+    let first = &found[0];
+    let suspension = first.wheel.suspension;
+    let unit = suspension.length_unit.symbol();
+    let has_arm = !suspension.mechanism.arms.is_empty();
+    let mut header = Vec::new();
+    header.extend(first.wheel.side.map(|_| "side".to_owned()));
+    header.push(if has_arm { "arm_angle_deg" } else { "turn_deg" }.to_owned());
+    header.extend(first.all.traits.iter().map(|t| t.name().to_owned()));
+    header.extend(["x", "y", "z"].map(|axis| format!("wheel_centre_{axis}_{unit}")));
+    let angles = angles(suspension);
+    header.extend(angles.iter().map(|c| c.column(suspension.length_unit)));
+    header.push("connected".to_owned());
+    let mut table = Table::with_columns(header);
+    for assembled in found {
+        let suspension = assembled.wheel.suspension;
+        let series = DesignSeries::<1>::new(&suspension.mechanism, &suspension.design);
+        for assembly in &assembled.all.found {
+            let side = assembled.wheel.side.map(|side| Cell::from(side.name()));
+            let row = assembled.row(assembly, &series);
+            table.push_row(side.into_iter().chain(row));
+        }
+    }
+    table
+}
+
+/// Says how many assemblies a wheel has.
+fn say_number(
+    out: &Printer,
+    assembled: &Assembled,
+    arguments: &AssembliesArguments,
+) -> Result<(), Stop> {
+    let all = &assembled.all;
     let unproved = all.found.iter().filter(|a| a.certificate.is_none()).count();
     let proof = match unproved {
         0 => String::new(),
         n => format!("; {n} not proved: another is too close, if not the same"),
     };
+    let wheel = assembled.wheel;
     match all.found.len() {
-        0 => out.failure(&format!(
-            "at travel {} {unit}, rack {} {unit} the design's lengths have no assembly\n",
-            as_written(arguments.travel),
-            as_written(arguments.rack)
-        ))?,
-        1 => out.say(&format!("\n1 assembly of the design's lengths{proof}\n"))?,
-        n => out.say(&format!(
-            "\n{n} assemblies of the design's lengths{proof}\n"
-        ))?,
+        0 => {
+            let unit = wheel.suspension.length_unit.symbol();
+            let none = format!(
+                "at travel {} {unit}, rack {} {unit} the design's lengths have no assembly",
+                as_written(arguments.travel),
+                as_written(arguments.rack)
+            );
+            out.failure(&format!("{}\n", wheel.about(&none)))
+        }
+        n => {
+            let number = match n {
+                1 => "1 assembly".to_owned(),
+                n => format!("{n} assemblies"),
+            };
+            let number = format!("{number} of the design's lengths{proof}");
+            out.say(&format!("\n{}\n", wheel.about(&number)))
+        }
     }
-    out.finish()?;
-    for place in all.undecided.iter().take(MOST_UNDECIDED) {
+}
+
+/// Says where the search decided nothing.
+fn say_undecided(assembled: &Assembled) {
+    let (wheel, undecided) = (assembled.wheel, &assembled.all.undecided);
+    let suspension = wheel.suspension;
+    let unit = suspension.length_unit.symbol();
+    for place in undecided.iter().take(MOST_UNDECIDED) {
         let degrees = |angle: f64| figure(angle.to_degrees(), "deg");
         let unknown = match place {
             Undecided::ArmAngle(low, high) if high - low > GIVEN_UP => format!(
@@ -144,11 +294,7 @@ pub(super) fn run(arguments: &AssembliesArguments) -> Result<Exit, Stop> {
                 let lever = suspension.design[suspension.mechanism.wheel_centre.0]
                     - suspension.design[suspension.mechanism.origin.0];
                 let centre = pose.origin + pose.rotation.apply(lever);
-                let [x, y, z] = suspension
-                    .frame
-                    .vector(centre)
-                    .to_array()
-                    .map(|v| figure(v, unit));
+                let [x, y, z] = assembled.in_study(centre).map(|v| figure(v, unit));
                 format!("is one more with the wheel centre next to {x}, {y}, {z} {unit}")
             }
             Undecided::Rotations(share) => format!(
@@ -157,12 +303,13 @@ pub(super) fn run(arguments: &AssembliesArguments) -> Result<Exit, Stop> {
                 brief(share * 100.0)
             ),
         };
-        eprint(&format!("undecided: whether there {unknown}\n"));
+        let unknown = wheel.about(&format!("undecided: whether there {unknown}"));
+        eprint(&format!("{unknown}\n"));
     }
-    if let Some(more) = all.undecided.len().checked_sub(MOST_UNDECIDED + 1) {
-        eprint(&format!("undecided: {}\n", counted(more + 1, "more place")));
+    if let Some(more) = undecided.len().checked_sub(MOST_UNDECIDED + 1) {
+        let more = format!("undecided: {}", counted(more + 1, "more place"));
+        eprint(&format!("{}\n", wheel.about(&more)));
     }
-    Ok(Exit::of(all.undecided.is_empty() && !all.found.is_empty()))
 }
 
 /// Whether two poses are one: assemblies differ by far more than this, and rounding by far less.

@@ -1,15 +1,18 @@
 //! `hardpoint compare`
 
 use super::TableFormat;
-use super::axle;
 use super::exit::{Exit, Stop};
 use super::output::kept_study;
 use super::terminal::{eprint, is_quiet, note, print, width};
+use crate::axle::{Axle, AxleMotion};
 use crate::model::{Axis, LengthUnit, Suspension};
-use crate::report::{Compared, Comparison, CurveTable, Format, Tables, comparison_page, printable};
+use crate::report::{
+    Compared, ComparedPoints, Comparison, CurveTable, Format, NamedPoints, Tables, comparison_page,
+    printable,
+};
 use crate::results::{Claim, RunDirectory};
 use crate::solved::Solved;
-use crate::study::{Drive, LONGEST_TABLE, Study, read_bytes};
+use crate::study::{Drive, LONGEST_TABLE, Motion, Study, read_bytes};
 use clap::Args;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -117,47 +120,94 @@ fn labels(sources: &[PathBuf]) -> Vec<String> {
     labels
 }
 
-/// The travels and racks of the first study, and the unit they are in.
-type FirstMotion = Option<(Vec<f64>, Vec<f64>, bool, LengthUnit)>;
+/// The motion of the first study, over which the others are solved.
+enum FirstMotion {
+    Wheel { motion: Motion, unit: LengthUnit },
+    Axle { motion: AxleMotion, axle: Axle },
+}
 
-fn of_study(path: &Path, label: String, first: &mut FirstMotion) -> Result<(Compared, bool), Stop> {
+impl FirstMotion {
+    /// The motion of a study; `None` if other studies keep their own.
+    fn of(study: &Study) -> Option<FirstMotion> {
+        if let Some(both) = &study.axle {
+            let (motion, axle) = (both.plan.course.clone(), both.axle.clone());
+            return Some(FirstMotion::Axle { motion, axle });
+        }
+        let (motion, unit) = (study.motion.clone(), study.suspension.length_unit);
+        is_over_travel(&motion).then_some(FirstMotion::Wheel { motion, unit })
+    }
+
+    /// Replaces the motion of a further study of the same kind. A mixture of wheels and axles is refused later, with
+    /// that of runs.
+    fn replace_in(&self, study: &mut Study) -> Result<(), String> {
+        let to = study.suspension.length_unit;
+        match (self, &mut study.axle) {
+            (FirstMotion::Axle { motion, axle }, Some(both)) => {
+                let [own, other] = [axle, &both.axle].map(|axle| axle.left.frame.sign(Axis::Y));
+                if motion.shows_rack && own != other {
+                    let why = "rack: the first study's y axis points the other way; give both studies the same frame";
+                    return Err(why.to_owned());
+                }
+                both.plan.course = motion.for_axle(axle, &both.axle)?;
+            }
+            (FirstMotion::Wheel { motion, unit }, None) if is_over_travel(&study.motion) => {
+                let ratio = to.per_metre() / unit.per_metre();
+                let scaled = |lengths: &[f64]| lengths.iter().map(|l| l * ratio).collect();
+                study.motion.values = scaled(&motion.values);
+                study.motion.rack = scaled(&motion.rack);
+                study.motion.rack_moves = motion.rack_moves;
+            }
+            _ => (),
+        }
+        Ok(())
+    }
+}
+
+fn is_over_travel(motion: &Motion) -> bool {
+    motion.drive == Drive::Travel && motion.time.is_none()
+}
+
+fn of_study(
+    path: &Path,
+    label: String,
+    first: &mut Option<FirstMotion>,
+) -> Result<(Compared, bool), Stop> {
     let mut study = Study::read(path, &[])?;
-    let why = "it compares curves over one travel and one place of the rack";
-    axle::refuse(&study, path, "compare", why)?;
-    let unit = study.suspension.length_unit;
-    let motion = &mut study.motion;
-    if motion.drive == Drive::Travel && motion.time.is_none() {
-        match first {
-            None => {
-                let racks = (motion.rack.clone(), motion.rack_moves);
-                *first = Some((motion.values.clone(), racks.0, racks.1, unit));
-            }
-            Some((travels, racks, moves, of)) => {
-                let ratio = unit.per_metre() / of.per_metre();
-                motion.values = travels.iter().map(|travel| travel * ratio).collect();
-                motion.rack = racks.iter().map(|rack| rack * ratio).collect();
-                motion.rack_moves = *moves;
-            }
+    match first {
+        None => *first = FirstMotion::of(&study),
+        Some(first) => {
+            let replaced = first.replace_in(&mut study);
+            replaced.map_err(|why| Stop::in_file(path, why))?;
         }
     }
     let solved = Solved::of(&study).map_err(|why| Stop::in_file(path, why))?;
     let table = CurveTable::read(&solved.csv()).expect("curves are written as they are read");
-    let compared = compared(label, &study.suspension, table);
+    let compared = compared(label, &study, table);
     Ok((compared, solved.is_complete()))
 }
 
-fn compared(label: String, suspension: &Suspension, curves: CurveTable) -> Compared {
-    let points = suspension.mechanism.points.iter().zip(&suspension.design);
-    let points = points.map(|(point, at)| (point.name.clone(), at.to_array()));
+fn compared(label: String, study: &Study, curves: CurveTable) -> Compared {
+    let suspension = &study.suspension;
+    let named = |wheel: &Suspension| {
+        let points = wheel.mechanism.points.iter().zip(&wheel.design);
+        let points = points.map(|(point, at)| (point.name.clone(), at.to_array()));
+        NamedPoints {
+            points: points.collect(),
+            signs: Axis::ALL.map(|axis| wheel.frame.sign(axis)),
+        }
+    };
+    let axle = study.axle.as_ref().map(|both| &both.axle);
+    let right = axle.and_then(|axle| axle.right.as_ref());
+    let points = match right {
+        Some(right) => ComparedPoints::BothWheels([named(suspension), named(right)]),
+        None => ComparedPoints::OneWheel(named(suspension)),
+    };
     Compared {
         label,
         topology: Some(suspension.mechanism.topology.name.to_owned()),
         curves,
         unit: suspension.length_unit,
-        points: Some((
-            points.collect(),
-            Axis::ALL.map(|axis| suspension.frame.sign(axis)),
-        )),
+        points: Some(points),
     }
 }
 
@@ -174,7 +224,7 @@ fn of_run(path: &Path, label: String) -> Result<Compared, Stop> {
     let refused = |reason: String| Stop::in_file(path, format!("curves.csv: {reason}"));
     let table = CurveTable::read(&csv).map_err(refused)?;
     if let Some(study) = kept_study(path, &[])? {
-        return Ok(compared(label, &study.suspension, table));
+        return Ok(compared(label, &study, table));
     }
     let first = table.header.first().map_or("", String::as_str);
     let unit = first.rsplit('_').next().and_then(crate::exchange::unit_of);

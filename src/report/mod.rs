@@ -9,6 +9,7 @@ mod axle;
 mod axle_record;
 mod benchmarks;
 mod choices;
+mod common_motion;
 mod comparison;
 mod completeness;
 mod curve_table;
@@ -45,7 +46,7 @@ pub use axle::{
 pub use axle_record::SolvedAxle;
 pub use benchmarks::{accuracy_picture, accuracy_table, effects_table, throughput_table};
 pub use choices::{FrontPoint, FrontRecord, PriceRecord, front_csv, front_remarks, front_table};
-pub use comparison::{Compared, ComparedOutput, Comparison, NamedPoints};
+pub use comparison::{Compared, ComparedPoints, ComparedOutput, Comparison, MotionColumn, NamedPoints};
 pub use completeness::Completeness;
 pub use curve_table::CurveTable;
 pub use failures::FailureRange;
@@ -64,7 +65,7 @@ pub(crate) use record::wanted_between;
 pub use record::{BandCurve, DesignRecord, DrawnDesign, OutputRecord, Record, TargetRecord};
 pub use run::{Run, Summary};
 pub use scene::{BodyKind, Scene, SceneBody};
-pub use set_up_summary::{AdjustmentRecord, SetUpSummary, StaticRecord, static_column};
+pub use set_up_summary::{AdjustmentRecord, SetUpSide, SetUpSummary, StaticRecord, static_column};
 pub use solve_summary::SolveSummary;
 pub use sweep::{
     Choice, Done, DrawnDesigns, Finished, MergeError, PartOutcome, PartRecord, Parts, ShownDesigns,

@@ -3,15 +3,50 @@
 use super::table::{Cell, Column, Table};
 use super::text::counted;
 use crate::assembly::{Aim, BuildParameter, PARTS_OF_A_TURN, SetUp, Static};
-use crate::model::LengthUnit;
+use crate::model::{Axis, LengthUnit};
 use crate::study::{Adjustment, Increment, Setup, Study};
 use serde::Serialize;
+
+/// Wheels of an axle that share a set-up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum SetUpSide {
+    /// Both, one as the mirror image of the other.
+    Both,
+    /// The left wheel.
+    Left,
+    /// The right wheel. Amounts along y count as those of its mirror image on the left.
+    Right,
+}
+
+impl SetUpSide {
+    /// Name in tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            SetUpSide::Both => "both",
+            SetUpSide::Left => "left",
+            SetUpSide::Right => "right",
+        }
+    }
+
+    /// The wheels in words.
+    pub fn wheels(self) -> &'static str {
+        match self {
+            SetUpSide::Both => "both wheels",
+            SetUpSide::Left => "left wheel",
+            SetUpSide::Right => "right wheel",
+        }
+    }
+}
 
 /// A set-up in numbers.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SetUpSummary {
     /// Name of the study.
     pub study: String,
+    /// The wheels that are set up, in the study of an axle.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub side: Option<SetUpSide>,
     /// Whether every aim is met, with the computed and with the rounded amounts, but for half steps.
     pub met: bool,
     /// Static values.
@@ -77,7 +112,7 @@ pub struct AdjustmentRecord {
 
 impl SetUpSummary {
     /// Summary of the set-up that was found for a study.
-    pub fn of(study: &Study, setup: &Setup, found: &SetUp) -> Self {
+    pub fn of(study: &Study, setup: &Setup, side: Option<SetUpSide>, found: &SetUp) -> Self {
         let length = study.suspension.length_unit;
         let (misses, rounded) = (found.misses(), found.misses_rounded());
         let (met, met_rounded) = (found.met(), found.met_rounded());
@@ -99,10 +134,14 @@ impl SetUpSummary {
         let adjustments = found.order.iter().enumerate();
         let adjustments = adjustments.map(|(place, k)| {
             let after = found.steps.get(place).unwrap_or(&found.drawn);
-            adjustment_record(&setup.adjust[*k], *k, found, &after.values, length)
+            let adjustment = &setup.adjust[*k];
+            let instruction =
+                instruction(adjustment, side, found.rounded.amounts[*k] + 0.0, length);
+            adjustment_record(adjustment, *k, found, &after.values, instruction)
         });
         SetUpSummary {
             study: study.name.clone(),
+            side,
             met: found.is_met(),
             statics: statics.collect(),
             adjustments: adjustments.collect(),
@@ -283,7 +322,7 @@ fn adjustment_record(
     k: usize,
     found: &SetUp,
     after: &[f64],
-    length: LengthUnit,
+    instruction: String,
 ) -> AdjustmentRecord {
     let amount = found.last().amounts[k] + 0.0;
     let amount_rounded = found.rounded.amounts[k] + 0.0;
@@ -294,7 +333,7 @@ fn adjustment_record(
     };
     AdjustmentRecord {
         adjustment: adjustment.name.clone(),
-        instruction: instruction(adjustment, amount_rounded, length),
+        instruction,
         amount,
         turns: turn.map(|turn| amount / turn),
         shims: match adjustment.increment {
@@ -310,7 +349,12 @@ fn adjustment_record(
 }
 
 /// What a mechanic does: "shorten 1 3/16 turns", "add 3 shims: 1.5 mm towards +y".
-fn instruction(adjustment: &Adjustment, amount: f64, length: LengthUnit) -> String {
+fn instruction(
+    adjustment: &Adjustment,
+    side: Option<SetUpSide>,
+    amount: f64,
+    length: LengthUnit,
+) -> String {
     let size = |amount: f64| {
         // A multiple of a decimal step: without the digits of rounding.
         let text = format!("{:.6}", amount.abs());
@@ -320,11 +364,10 @@ fn instruction(adjustment: &Adjustment, amount: f64, length: LengthUnit) -> Stri
     if amount == 0.0 {
         return "leave as it is".to_owned();
     }
-    let sign = if amount > 0.0 { "+" } else { "-" };
     let (verb, way) = match adjustment.change.0 {
         BuildParameter::Length(_) if amount > 0.0 => ("lengthen", String::new()),
         BuildParameter::Length(_) => ("shorten", String::new()),
-        BuildParameter::Coordinate(_, axis) => ("move", format!(" towards {sign}{}", axis.name())),
+        BuildParameter::Coordinate(_, axis) => ("move", towards(axis, side, amount)),
     };
     match adjustment.increment {
         Increment::Thread { per_turn } => {
@@ -345,6 +388,16 @@ fn instruction(adjustment: &Adjustment, amount: f64, length: LengthUnit) -> Stri
                 size(amount)
             )
         }
+    }
+}
+
+/// The direction in which a point moves, in the study's axes. y of a right wheel is mirrored.
+fn towards(axis: Axis, side: Option<SetUpSide>, amount: f64) -> String {
+    let (sign, mirrored) = if amount > 0.0 { ("+", "-") } else { ("-", "+") };
+    match (axis, side) {
+        (Axis::Y, Some(SetUpSide::Right)) => format!(" towards {mirrored}y"),
+        (Axis::Y, Some(SetUpSide::Both)) => format!(" towards {sign}y (right wheel {mirrored}y)"),
+        _ => format!(" towards {sign}{}", axis.name()),
     }
 }
 

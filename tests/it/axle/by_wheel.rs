@@ -173,3 +173,31 @@ fn builds_of_an_axle_have_limits_of_both_wheels() {
     let own = number(&json(&out)["limits"][0], "from");
     assert!((own - number(&rows[0], "nearest")).abs() < 1e-6, "{own}");
 }
+
+/// Lanes are measured where sweeps of the axle run in them; what takes one wheel apart is refused.
+#[test]
+fn an_axle_is_timed_by_its_positions() {
+    let path = study("five_link_axle.toml");
+    let path = path.to_str().unwrap();
+    let few = [
+        "--set",
+        "motion={ roll = [-2.0, 0.0, 2.0] }",
+        "--set",
+        "outputs.characteristics=[\"camber\"]",
+    ];
+    let arguments = ["bench", "throughput", path, "--samples", "1", "--out", "-"];
+    let more = ["--threads", "1"];
+    let (csv, _) = run(&[&arguments[..], &more, &few].concat(), 0);
+    for row in [
+        "four angles of both wheels,\"lanes, ",
+        "four angles of both wheels,one by one,1,",
+        "outputs of the study,one by one,1,",
+        "four angles of both wheels by every hardpoint,one by one,1,",
+    ] {
+        assert!(csv.contains(row), "{row}: {csv}");
+    }
+    for kind in ["accuracy", "effects"] {
+        let (_, said) = run(&["bench", kind, path, "--out", "-"], 2);
+        assert!(said.contains("remove [axle]"), "{said}");
+    }
+}

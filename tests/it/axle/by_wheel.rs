@@ -119,8 +119,8 @@ fn wheels_that_differ_are_set_up_one_by_one() {
         at_design(&out, "left_spring_force_N")
     };
     let (level, lowered) = (set_up("0.0"), set_up("10.0"));
-    // 60 N/mm over nearly 10 mm, and what little the links move the spring's seat.
-    assert!((level - 4200.0).abs() < 60.0, "{level}");
+    // 60 N/mm over nearly 10 mm; the links move the seat of the spring by less than 2 mm.
+    assert!((level - 4200.0).abs() < 120.0, "{level}");
     assert!(
         (400.0..700.0).contains(&(lowered - level)),
         "{level} {lowered}"

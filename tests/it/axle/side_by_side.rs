@@ -76,7 +76,7 @@ fn points_of_a_right_wheel_of_its_own_are_told_apart() {
         differences.fold(0.0_f64, |most, d| most.max(d.abs()))
     };
     assert!(
-        largest("right_toe_deg") > 0.1,
+        largest("right_toe_deg") > 0.02,
         "{}",
         largest("right_toe_deg")
     );

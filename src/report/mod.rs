@@ -46,7 +46,9 @@ pub use axle::{
 pub use axle_record::SolvedAxle;
 pub use benchmarks::{accuracy_picture, accuracy_table, effects_table, throughput_table};
 pub use choices::{FrontPoint, FrontRecord, PriceRecord, front_csv, front_remarks, front_table};
-pub use comparison::{Compared, ComparedPoints, ComparedOutput, Comparison, MotionColumn, NamedPoints};
+pub use comparison::{
+    Compared, ComparedOutput, ComparedPoints, Comparison, MotionColumn, NamedPoints,
+};
 pub use completeness::Completeness;
 pub use curve_table::CurveTable;
 pub use failures::FailureRange;

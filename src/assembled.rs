@@ -1,11 +1,11 @@
-//! All assemblies of a design's lengths, as a table.
+//! All assemblies of a design's lengths, as a table: of one wheel, or of both wheels of an axle.
 
-use crate::analyse::{Assembly, AssemblyMode, Undecided};
+use crate::analyse::{Assemblies, Assembly, AssemblyMode, Undecided};
 use crate::characteristics::{Characteristic, Constants, Quantity, WheelReading};
 use crate::derive::{DesignSeries, MotionPoint};
-use crate::mechanism::{DesignFault, Pose};
-use crate::model::{Drive, Suspension};
-use crate::plan::Plan;
+use crate::mechanism::Pose;
+use crate::model::{Axis, Drive, Side, Suspension};
+use crate::number::Vector3;
 use crate::report::{Cell, Table, brief, figure};
 use crate::solve::{Solver, StationOrder};
 use crate::study::Study;
@@ -21,10 +21,19 @@ const ANGLES: [Characteristic; 4] = [
 /// Ranges of the arm's angle as wide as this (rad) are left by a search that was given up; what intervals cannot
 /// decide is far narrower.
 const GIVEN_UP: f64 = 1e-6;
+
 /// The assemblies that were found.
 pub struct Assembled {
-    /// A row for each.
+    /// A row for each; of an axle the column `side` comes first.
     pub table: Table,
+    /// The wheels that were searched: one, or both wheels of an axle that are not mirror images.
+    pub wheels: Vec<WheelAssemblies>,
+}
+
+/// Assemblies of one wheel.
+pub struct WheelAssemblies {
+    /// The wheel of an axle; `None` in a study of one wheel.
+    pub side: Option<Side>,
     /// Number of assemblies.
     pub found: usize,
     /// Number of those that are not proved.
@@ -33,65 +42,168 @@ pub struct Assembled {
     pub undecided: Vec<String>,
 }
 
-/// Finds the assemblies of a wheel at a travel and a rack displacement, in the study's unit and axes.
+impl WheelAssemblies {
+    /// Puts the wheel of an axle before a sentence about it.
+    pub fn about(&self, sentence: &str) -> String {
+        about(self.side, sentence)
+    }
+}
+
+impl Assembled {
+    /// Places where the search could not decide, with the wheels of an axle.
+    pub fn undecided(&self) -> Vec<String> {
+        let wheels = self.wheels.iter();
+        let places =
+            wheels.flat_map(|wheel| wheel.undecided.iter().map(|place| wheel.about(place)));
+        places.collect()
+    }
+
+    /// Whether each wheel has an assembly and the search decided everywhere.
+    pub fn is_complete(&self) -> bool {
+        let mut wheels = self.wheels.iter();
+        wheels.all(|wheel| wheel.found > 0 && wheel.undecided.is_empty())
+    }
+}
+
+/// Finds the assemblies of each wheel at a travel and a rack displacement, in the study's unit and axes. The right
+/// wheel of a mirrored axle has those of the left one while the rack is in the middle, and is left out.
 ///
 /// # Errors
 /// The reason in words.
 pub fn assemblies(study: &Study, travel: f64, rack_displacement: f64) -> Result<Assembled, String> {
-    let suspension = &study.suspension;
-    let fault = |fault: DesignFault| fault.describe(&suspension.mechanism);
-    let mut solver = Solver::new(&suspension.mechanism, &suspension.design).map_err(fault)?;
-    let rack = rack_displacement * Plan::of(study).rack_sign;
-    // The one that is connected to the design position; a design that is singular is refused before the search.
-    let mut connected = None;
-    let station_order = StationOrder::through(&[travel]);
-    let visited = solver.for_each_pose(Drive::Travel, &station_order, rack, |_, _, pose| {
-        connected = pose.ok().copied();
-        ControlFlow::Continue(())
-    });
-    visited.map_err(fault)?;
-    let Some(all) = solver.assemblies(travel, rack) else {
-        let topology = suspension.mechanism.topology.name;
-        return Err(format!(
-            "there is no method that finds all assemblies of a {topology}"
-        ));
-    };
-    let is_connected = |assembly: &Assembly| {
-        connected.is_some_and(|pose| same(&pose, &assembly.pose, solver.size()))
-    };
-
-    let unit = suspension.length_unit.symbol();
-    let has_steering_axis = suspension.mechanism.steering_axis.is_some();
-    let angles = ANGLES
+    let wheels = wheels(study, rack_displacement);
+    let searches: Result<Vec<Search>, String> = wheels
         .iter()
-        .filter(|c| has_steering_axis || !c.info().reads_steering_axis());
-    let angles: Vec<Characteristic> = angles.copied().collect();
-    let has_arm = !suspension.mechanism.arms.is_empty();
-    let mut header = vec![if has_arm { "arm_angle_deg" } else { "turn_deg" }.to_owned()];
-    header.extend(all.traits.iter().map(|t| t.name().to_owned()));
-    header.extend(["x", "y", "z"].map(|axis| format!("wheel_centre_{axis}_{unit}")));
-    header.extend(angles.iter().map(|c| c.column(suspension.length_unit)));
-    header.push("connected".to_owned());
-    let mut table = Table::with_columns(header);
-    let design_series = DesignSeries::<1>::new(&suspension.mechanism, &suspension.design);
-    let point = MotionPoint {
-        drive: Drive::Travel,
-        value: travel,
-        rack,
+        .map(|wheel| Search::of(wheel, travel).map_err(|reason| about(wheel.side, &reason)))
+        .collect();
+    let searches = searches?;
+    let wheels = searches.iter().map(|search| WheelAssemblies {
+        side: search.wheel.side,
+        found: search.all.found.len(),
+        unproved: (search.all.found.iter())
+            .filter(|assembly| assembly.certificate.is_none())
+            .count(),
+        undecided: (search.all.undecided.iter())
+            .map(|place| undecided(search.wheel, place))
+            .collect(),
+    });
+    Ok(Assembled {
+        table: table(&searches),
+        wheels: wheels.collect(),
+    })
+}
+
+fn about(side: Option<Side>, sentence: &str) -> String {
+    match side {
+        Some(side) => format!("{} wheel: {sentence}", side.name()),
+        None => sentence.to_owned(),
+    }
+}
+
+/// A wheel to search.
+struct Wheel<'s> {
+    side: Option<Side>,
+    suspension: &'s Suspension,
+    /// Signs from the kernel's frame to the study's axes.
+    signs: [f64; 3],
+    /// Rack displacement in the kernel's frame.
+    rack: f64,
+}
+
+impl Wheel<'_> {
+    /// A place in the study's axes.
+    fn in_study(&self, place: Vector3<f64>) -> [f64; 3] {
+        let place = place.to_array();
+        [0, 1, 2].map(|axis| self.signs[axis] * place[axis])
+    }
+}
+
+/// The wheels to search. A displaced rack moves towards one wheel and away from the other, so that even mirror images
+/// differ.
+fn wheels(study: &Study, rack: f64) -> Vec<Wheel<'_>> {
+    let Some(both) = &study.axle else {
+        let suspension = &study.suspension;
+        let signs = Axis::ALL.map(|axis| suspension.frame.sign(axis));
+        return vec![Wheel {
+            side: None,
+            suspension,
+            signs,
+            rack: rack * signs[Axis::Y as usize],
+        }];
     };
-    for assembly in &all.found {
+    let axle = &both.axle;
+    let mut sides = Side::ALL.to_vec();
+    sides.retain(|side| *side == Side::Left || axle.right.is_some() || rack != 0.0);
+    let wheel = |side: Side| {
+        let signs = Axis::ALL.map(|axis| axle.frame(side).sign(axis));
+        Wheel {
+            side: Some(side),
+            suspension: axle.suspension(side),
+            signs,
+            rack: rack * signs[Axis::Y as usize],
+        }
+    };
+    sides.into_iter().map(wheel).collect()
+}
+
+/// The search of one wheel.
+struct Search<'w> {
+    wheel: &'w Wheel<'w>,
+    solver: Solver<'w>,
+    travel: f64,
+    all: Assemblies,
+    /// The pose that is connected to the design position.
+    connected: Option<Pose<f64>>,
+}
+
+impl<'w> Search<'w> {
+    fn of(wheel: &'w Wheel<'w>, travel: f64) -> Result<Self, String> {
+        let mechanism = &wheel.suspension.mechanism;
+        let solver = Solver::new(mechanism, &wheel.suspension.design);
+        let mut solver = solver.map_err(|fault| fault.describe(mechanism))?;
+        // A singular design is refused before the search.
+        let mut connected = None;
+        let station_order = StationOrder::through(&[travel]);
+        let visited =
+            solver.for_each_pose(Drive::Travel, &station_order, wheel.rack, |_, _, pose| {
+                connected = pose.ok().copied();
+                ControlFlow::Continue(())
+            });
+        visited.map_err(|fault| fault.describe(mechanism))?;
+        let all = solver.assemblies(travel, wheel.rack).ok_or_else(|| {
+            let topology = mechanism.topology.name;
+            format!("there is no method that finds all assemblies of a {topology}")
+        })?;
+        Ok(Search {
+            wheel,
+            solver,
+            travel,
+            all,
+            connected,
+        })
+    }
+
+    /// Cells of an assembly, without the side.
+    fn row(&self, assembly: &Assembly, series: &DesignSeries<1>) -> Vec<Cell> {
+        let (solver, suspension) = (&self.solver, self.wheel.suspension);
         let place = assembly.arm_angle.unwrap_or_else(|| assembly.turn());
         let mut row = vec![Cell::figure(place.to_degrees(), "deg")];
-        let branch = all.traits.iter().zip(&assembly.branch);
+        let branch = self.all.traits.iter().zip(&assembly.branch);
         let word = |(of, as_designed): (&AssemblyMode, &Option<bool>)| {
             Cell::from(as_designed.map(|is| of.word(is)))
         };
         row.extend(branch.map(word));
-        let centre = suspension.frame.vector(assembly.wheel_centre);
-        row.extend(centre.to_array().map(|v| Cell::figure(v, unit)));
+        let unit = suspension.length_unit.symbol();
+        let centre = self.wheel.in_study(assembly.wheel_centre);
+        row.extend(centre.map(|v| Cell::figure(v, unit)));
+        let point = MotionPoint {
+            drive: Drive::Travel,
+            value: self.travel,
+            rack: self.wheel.rack,
+        };
         let configuration =
-            solver.configuration_series(&design_series, &assembly.pose, &point.along_drive::<1>());
-        row.extend(angles.iter().map(|c| {
+            solver.configuration_series(series, &assembly.pose, &point.along_drive::<1>());
+        row.extend(angles(suspension).iter().map(|c| {
             let value = configuration.as_ref().map(|configuration| {
                 let view = WheelReading::of(configuration, Constants::default());
                 let value = view.value(configuration, Quantity::Characteristic(*c))[0];
@@ -100,23 +212,50 @@ pub fn assemblies(study: &Study, travel: f64, rack_displacement: f64) -> Result<
             let value = value.ok().filter(|v| v.is_finite());
             Cell::from(value.map(|v| Cell::figure(v, "deg")))
         }));
-        row.push(is_connected(assembly).into());
-        table.push_row(row);
+        let connected = self.connected.as_ref();
+        let is_connected = connected.is_some_and(|pose| same(pose, &assembly.pose, solver.size()));
+        row.push(is_connected.into());
+        row
     }
-    Ok(Assembled {
-        table,
-        found: all.found.len(),
-        unproved: all.found.iter().filter(|a| a.certificate.is_none()).count(),
-        undecided: (all
-            .undecided
-            .iter()
-            .map(|place| undecided(suspension, place)))
-        .collect(),
-    })
+}
+
+/// The angles of each assembly.
+fn angles(suspension: &Suspension) -> Vec<Characteristic> {
+    let has_steering_axis = suspension.mechanism.steering_axis.is_some();
+    let mut angles = ANGLES.to_vec();
+    angles.retain(|c| has_steering_axis || !c.info().reads_steering_axis());
+    angles
+}
+
+fn table(searches: &[Search]) -> Table {
+    let first = &searches[0];
+    let suspension = first.wheel.suspension;
+    let unit = suspension.length_unit.symbol();
+    let has_arm = !suspension.mechanism.arms.is_empty();
+    let mut header = Vec::new();
+    header.extend(first.wheel.side.map(|_| "side".to_owned()));
+    header.push(if has_arm { "arm_angle_deg" } else { "turn_deg" }.to_owned());
+    header.extend(first.all.traits.iter().map(|t| t.name().to_owned()));
+    header.extend(["x", "y", "z"].map(|axis| format!("wheel_centre_{axis}_{unit}")));
+    let angles = angles(suspension);
+    header.extend(angles.iter().map(|c| c.column(suspension.length_unit)));
+    header.push("connected".to_owned());
+    let mut table = Table::with_columns(header);
+    for search in searches {
+        let suspension = search.wheel.suspension;
+        let series = DesignSeries::<1>::new(&suspension.mechanism, &suspension.design);
+        for assembly in &search.all.found {
+            let side = search.wheel.side.map(|side| Cell::from(side.name()));
+            let row = search.row(assembly, &series);
+            table.push_row(side.into_iter().chain(row));
+        }
+    }
+    table
 }
 
 /// Describes a place where the search could not decide.
-fn undecided(suspension: &Suspension, place: &Undecided) -> String {
+fn undecided(wheel: &Wheel, place: &Undecided) -> String {
+    let suspension = wheel.suspension;
     let unit = suspension.length_unit.symbol();
     let degrees = |angle: f64| figure(angle.to_degrees(), "deg");
     match place {
@@ -135,11 +274,7 @@ fn undecided(suspension: &Suspension, place: &Undecided) -> String {
             let lever = suspension.design[suspension.mechanism.wheel_centre.0]
                 - suspension.design[suspension.mechanism.origin.0];
             let centre = pose.origin + pose.rotation.apply(lever);
-            let [x, y, z] = suspension
-                .frame
-                .vector(centre)
-                .to_array()
-                .map(|v| figure(v, unit));
+            let [x, y, z] = wheel.in_study(centre).map(|v| figure(v, unit));
             format!("is one more with the wheel centre next to {x}, {y}, {z} {unit}")
         }
         Undecided::Rotations(share) => format!(

@@ -1,12 +1,69 @@
 //! Studies as designs to be compared: each over the motion of the first one.
 
+use crate::axle::{Axle, AxleMotion};
 use crate::model::{Axis, LengthUnit, Suspension};
-use crate::report::{Compared, CurveTable};
+use crate::report::{Compared, ComparedPoints, CurveTable, NamedPoints};
 use crate::solved::Solved;
-use crate::study::{Drive, Study};
+use crate::study::{Drive, Motion, Study};
 
-/// The travels and racks of the first study, and the unit they are in.
-pub type FirstMotion = Option<(Vec<f64>, Vec<f64>, bool, LengthUnit)>;
+/// Motion of the first study, over which the others are solved.
+#[derive(Clone, Debug)]
+pub enum FirstMotion {
+    /// Motion of one wheel over travel.
+    Wheel {
+        /// Travels and racks.
+        motion: Motion,
+        /// Unit of its lengths.
+        unit: LengthUnit,
+    },
+    /// Motion of both wheels of an axle.
+    Axle {
+        /// Motion in the unit of the axle.
+        motion: AxleMotion,
+        /// Axle of the first study.
+        axle: Axle,
+    },
+}
+
+impl FirstMotion {
+    /// Returns the motion of a study; `None` if other studies keep their own.
+    pub fn of(study: &Study) -> Option<FirstMotion> {
+        if let Some(both) = &study.axle {
+            let (motion, axle) = (both.plan.course.clone(), both.axle.clone());
+            return Some(FirstMotion::Axle { motion, axle });
+        }
+        let (motion, unit) = (study.motion.clone(), study.suspension.length_unit);
+        is_over_travel(&motion).then_some(FirstMotion::Wheel { motion, unit })
+    }
+
+    /// Replaces the motion of a further study of the same kind. `Comparison::of` refuses a mixture of wheels and axles.
+    fn replace_in(&self, study: &mut Study) -> Result<(), String> {
+        let to = study.suspension.length_unit;
+        match (self, &mut study.axle) {
+            (FirstMotion::Axle { motion, axle }, Some(both)) => {
+                let [own, other] = [axle, &both.axle].map(|axle| axle.left.frame.sign(Axis::Y));
+                if motion.shows_rack && own != other {
+                    let why = "rack: the first study's y axis points the other way; give both studies the same frame";
+                    return Err(why.to_owned());
+                }
+                both.plan.course = motion.for_axle(axle, &both.axle)?;
+            }
+            (FirstMotion::Wheel { motion, unit }, None) if is_over_travel(&study.motion) => {
+                let ratio = to.per_metre() / unit.per_metre();
+                let scaled = |lengths: &[f64]| lengths.iter().map(|l| l * ratio).collect();
+                study.motion.values = scaled(&motion.values);
+                study.motion.rack = scaled(&motion.rack);
+                study.motion.rack_moves = motion.rack_moves;
+            }
+            _ => (),
+        }
+        Ok(())
+    }
+}
+
+fn is_over_travel(motion: &Motion) -> bool {
+    motion.drive == Drive::Travel && motion.time.is_none()
+}
 
 /// The curves and points of a study, and whether every curve is complete. `first` is the motion of the first study, which
 /// this call sets if it has none.
@@ -16,42 +73,42 @@ pub type FirstMotion = Option<(Vec<f64>, Vec<f64>, bool, LengthUnit)>;
 pub fn of_study(
     mut study: Study,
     label: String,
-    first: &mut FirstMotion,
+    first: &mut Option<FirstMotion>,
 ) -> Result<(Compared, bool), String> {
-    let unit = study.suspension.length_unit;
-    let motion = &mut study.motion;
-    if motion.drive == Drive::Travel && motion.time.is_none() {
-        match first {
-            None => {
-                let racks = (motion.rack.clone(), motion.rack_moves);
-                *first = Some((motion.values.clone(), racks.0, racks.1, unit));
-            }
-            Some((travels, racks, moves, of)) => {
-                let ratio = unit.per_metre() / of.per_metre();
-                motion.values = travels.iter().map(|travel| travel * ratio).collect();
-                motion.rack = racks.iter().map(|rack| rack * ratio).collect();
-                motion.rack_moves = *moves;
-            }
-        }
+    match first {
+        None => *first = FirstMotion::of(&study),
+        Some(first) => first.replace_in(&mut study)?,
     }
     let solved = Solved::of(&study)?;
     let table = CurveTable::read(&solved.csv()).expect("curves are written as they are read");
-    let compared = compared(label, &study.suspension, table);
+    let compared = compared(label, &study, table);
     Ok((compared, solved.is_complete()))
 }
 
-/// A design with these curves.
-pub fn compared(label: String, suspension: &Suspension, curves: CurveTable) -> Compared {
-    let points = suspension.mechanism.points.iter().zip(&suspension.design);
-    let points = points.map(|(point, at)| (point.name.clone(), at.to_array()));
+/// A design with these curves, and with the points of both wheels if its axle has a right wheel of its own.
+pub fn compared(label: String, study: &Study, curves: CurveTable) -> Compared {
+    let suspension = &study.suspension;
+    let axle = study.axle.as_ref().map(|both| &both.axle);
+    let right = axle.and_then(|axle| axle.right.as_ref());
+    let points = match right {
+        Some(right) => ComparedPoints::BothWheels([suspension, right].map(named)),
+        None => ComparedPoints::OneWheel(named(suspension)),
+    };
     Compared {
         label,
         topology: Some(suspension.mechanism.topology.name.to_owned()),
         curves,
         unit: suspension.length_unit,
-        points: Some((
-            points.collect(),
-            Axis::ALL.map(|axis| suspension.frame.sign(axis)),
-        )),
+        points: Some(points),
+    }
+}
+
+/// The points of a wheel by name.
+fn named(wheel: &Suspension) -> NamedPoints {
+    let points = wheel.mechanism.points.iter().zip(&wheel.design);
+    let points = points.map(|(point, at)| (point.name.clone(), at.to_array()));
+    NamedPoints {
+        points: points.collect(),
+        signs: Axis::ALL.map(|axis| wheel.frame.sign(axis)),
     }
 }

@@ -119,6 +119,8 @@ pub mod results;
 #[doc(hidden)]
 pub mod scatter;
 #[doc(hidden)]
+pub mod set_up;
+#[doc(hidden)]
 pub mod solved;
 #[doc(hidden)]
 pub mod studio;

@@ -7,6 +7,7 @@
 #![warn(clippy::allow_attributes_without_reason, unreachable_pub)]
 
 pub mod accuracy;
+mod axle;
 mod double_double;
 pub mod effects;
 mod machine;
@@ -38,6 +39,12 @@ pub enum Unmeasurable {
         /// How many it takes.
         needed: usize,
     },
+    /// Two outputs of the study have one name.
+    #[error("two outputs have the name {0}; remove one of them from [outputs]")]
+    TwoColumns(String),
+    /// A wheel of the axle cannot be solved.
+    #[error("{0}")]
+    Axle(String),
     /// This number of threads cannot be started.
     #[error("{0} threads cannot be started")]
     Threads(usize),

@@ -4,14 +4,14 @@ use crate::errors::failure;
 use crate::study::Study;
 use crate::threads::{interruptible, on_threads};
 use hardpoint::assembled;
-use hardpoint::assembly::{Assembler, NoSetUp, SetUp};
 use hardpoint::compared;
 use hardpoint::report::{
-    Comparison, FinishedRun, Picture, SetUpSummary, ToleranceSummary, adjusted, comparison_page,
-    page, pictures as drawn_pictures, rejected, set_up_refusal, sweep_page,
+    Comparison, FinishedRun, Picture, ToleranceSummary, comparison_page, page,
+    pictures as drawn_pictures, rejected, sweep_page,
 };
 use hardpoint::results::RunDirectory;
 use hardpoint::scatter;
+use hardpoint::set_up::{Refusal, set_up};
 use hardpoint::solved::Solved;
 use hardpoint::study::{Drive, Tolerance};
 use hardpoint::sweep::SweepPlan;
@@ -50,41 +50,23 @@ impl Answer {
     }
 }
 
-fn of_one_wheel(own: &hardpoint::Study, name: &str) -> PyResult<()> {
-    match own.axle {
-        None => Ok(()),
-        Some(_) => Err(failure(format!(
-            "{name} is not available for axles; remove [axle] to use it on the left wheel"
-        ))),
-    }
-}
-
 /// The adjustments that give the static values of `[setup]`.
 #[pyfunction]
 pub(crate) fn setup<'py>(py: Python<'py>, study: &Study) -> PyResult<Bound<'py, PyDict>> {
     let own = study.whole();
-    of_one_wheel(own, "setup")?;
     let setup = own.setup.as_ref().ok_or_else(|| {
         failure("the study has no [setup] section, which gives adjustments and wanted values")
     })?;
     let answer = on_threads(py, Some(1), |_| -> Result<Answer, String> {
-        let assembler = Assembler::new(&own.suspension);
-        let assembler = assembler.map_err(|fault| fault.describe(&own.suspension.mechanism))?;
-        let found = SetUp::solve(own, setup, &assembler)
-            .map_err(|none: NoSetUp| set_up_refusal(own, setup, &none))?;
-        let summary = SetUpSummary::of(own, setup, &found);
-        let adjusted = adjusted(own, &found);
+        let found = set_up(own, setup).map_err(Refusal::reason)?;
         let mut files = vec![
-            ("setup.csv", summary.steps_table().csv(None).into_bytes()),
-            (
-                "effects.csv",
-                summary.effects_table().csv(None).into_bytes(),
-            ),
+            ("setup.csv", found.steps_table().csv(None).into_bytes()),
+            ("effects.csv", found.effects_table().csv(None).into_bytes()),
         ];
-        if adjusted.motion.drive != Drive::PaperTheta {
-            files.insert(0, ("curves.csv", Solved::of(&adjusted)?.csv()));
+        if found.adjusted.motion.drive != Drive::PaperTheta {
+            files.insert(0, ("curves.csv", Solved::of(&found.adjusted)?.csv()));
         }
-        Ok(Answer::of(files, &summary))
+        Ok(Answer::of(files, &found.record()))
     })?;
     answer.map_err(failure)?.into_dict(py)
 }
@@ -215,7 +197,6 @@ pub(crate) fn assemblies<'py>(
     rack: f64,
 ) -> PyResult<(Bound<'py, PyBytes>, Vec<String>)> {
     let own = &study.study;
-    of_one_wheel(own, "assemblies")?;
     for (name, value) in [("travel", travel), ("rack", rack)] {
         if !value.is_finite() {
             return Err(failure(format!(
@@ -226,7 +207,7 @@ pub(crate) fn assemblies<'py>(
     let found = on_threads(py, Some(1), |_| assembled::assemblies(own, travel, rack))?;
     let found = found.map_err(failure)?;
     let csv = found.table.csv(None);
-    Ok((PyBytes::new(py, csv.as_bytes()), found.undecided))
+    Ok((PyBytes::new(py, csv.as_bytes()), found.undecided()))
 }
 
 /// Curves and points of studies side by side, over the motion of the first one.
@@ -235,9 +216,6 @@ pub(crate) fn compare<'py>(
     py: Python<'py>,
     studies: Vec<(String, Py<Study>)>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    for (_, study) in &studies {
-        of_one_wheel(&study.get().study, "compare")?;
-    }
     let answer = on_threads(py, Some(1), |_| -> Result<Answer, String> {
         let (mut designs, mut motion) = (Vec::new(), None);
         for (label, study) in &studies {

@@ -4,7 +4,7 @@ use super::exit::{Exit, Stop};
 use super::printer::Printer;
 use super::terminal::eprint;
 use super::{AssembliesArguments, TableFormat};
-use crate::assembled::{Assembled, assemblies};
+use crate::assembled::{WheelAssemblies, assemblies};
 use crate::report::{as_written, counted};
 use crate::study::Study;
 
@@ -14,8 +14,6 @@ const MOST_UNDECIDED: usize = 3;
 pub(super) fn run(arguments: &AssembliesArguments) -> Result<Exit, Stop> {
     let path = &arguments.study.study;
     let study = Study::read(path, &arguments.study.set)?;
-    let why = "each wheel is assembled independently, and both are almost alike";
-    super::axle::refuse(&study, path, "assemblies", why)?;
     for (option, value) in [("--travel", arguments.travel), ("--rack", arguments.rack)] {
         if !value.is_finite() {
             return Err(Stop::wrong_input(format!(
@@ -24,40 +22,63 @@ pub(super) fn run(arguments: &AssembliesArguments) -> Result<Exit, Stop> {
         }
     }
     let found = assemblies(&study, arguments.travel, arguments.rack);
-    let Assembled {
-        table,
-        found,
-        unproved,
-        undecided,
-    } = found.map_err(|why| Stop::in_file(path, why))?;
-    let unit = study.suspension.length_unit.symbol();
+    let found = found.map_err(|why| Stop::in_file(path, why))?;
+    let is_complete = found.is_complete();
     let mut out = Printer::new(arguments.study.format);
-    if found > 0 || arguments.study.format != TableFormat::Text {
-        out.table("assemblies", table)?;
+    let none = found.wheels.iter().all(|wheel| wheel.found == 0);
+    if !none || arguments.study.format != TableFormat::Text {
+        out.table("assemblies", found.table)?;
     }
-    let proof = match unproved {
+    let unit = study.suspension.length_unit.symbol();
+    for wheel in &found.wheels {
+        print_number(&out, wheel, arguments, unit)?;
+    }
+    if let (Some(_), [_]) = (&study.axle, &found.wheels[..]) {
+        out.remark(
+            "The right wheel is the mirror image: its assemblies are those of the left wheel.\n",
+        )?;
+    }
+    out.finish()?;
+    for wheel in &found.wheels {
+        print_undecided(wheel);
+    }
+    Ok(Exit::of(is_complete))
+}
+
+/// Prints the number of assemblies of a wheel.
+fn print_number(
+    out: &Printer,
+    wheel: &WheelAssemblies,
+    arguments: &AssembliesArguments,
+    unit: &str,
+) -> Result<(), Stop> {
+    let proof = match wheel.unproved {
         0 => String::new(),
         n => format!("; {n} not proved: another assembly is too close, or the same"),
     };
-    match found {
-        0 => out.failure(&format!(
-            "at travel {} {unit}, rack {} {unit} the design's lengths cannot be assembled\n",
-            as_written(arguments.travel),
-            as_written(arguments.rack)
-        ))?,
-        1 => out.say(&format!("\n1 assembly of the design's lengths{proof}\n"))?,
-        n => out.say(&format!(
-            "\n{n} assemblies of the design's lengths{proof}\n"
-        ))?,
+    let number = match wheel.found {
+        0 => {
+            let none = format!(
+                "at travel {} {unit}, rack {} {unit} the design's lengths cannot be assembled",
+                as_written(arguments.travel),
+                as_written(arguments.rack)
+            );
+            return out.failure(&format!("{}\n", wheel.about(&none)));
+        }
+        1 => format!("1 assembly of the design's lengths{proof}"),
+        n => format!("{n} assemblies of the design's lengths{proof}"),
+    };
+    out.say(&format!("\n{}\n", wheel.about(&number)))
+}
+
+/// Prints the places where the search could not decide.
+fn print_undecided(wheel: &WheelAssemblies) {
+    for unknown in wheel.undecided.iter().take(MOST_UNDECIDED) {
+        let unknown = format!("undecided: it is not known whether there {unknown}");
+        eprint(&format!("{}\n", wheel.about(&unknown)));
     }
-    out.finish()?;
-    for unknown in undecided.iter().take(MOST_UNDECIDED) {
-        eprint(&format!(
-            "undecided: it is not known whether there {unknown}\n"
-        ));
+    if let Some(more) = wheel.undecided.len().checked_sub(MOST_UNDECIDED + 1) {
+        let more = format!("undecided: {}", counted(more + 1, "more place"));
+        eprint(&format!("{}\n", wheel.about(&more)));
     }
-    if let Some(more) = undecided.len().checked_sub(MOST_UNDECIDED + 1) {
-        eprint(&format!("undecided: {}\n", counted(more + 1, "more place")));
-    }
-    Ok(Exit::of(undecided.is_empty() && found > 0))
 }

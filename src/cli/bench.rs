@@ -34,14 +34,17 @@ pub(super) fn run(arguments: &BenchArguments) -> Result<Exit, Stop> {
             Study::from_text("macpherson.toml", strut.template, Path::new(""))?
         }
     };
-    let why = "it measures the solver of one wheel";
-    super::axle::refuse(&study, path, "bench", why)?;
+    if study.axle.is_some() {
+        refuse_for_axle(arguments.kind, path)?;
+    }
     let stop = |reason: Unmeasurable| match reason {
         Unmeasurable::Design(fault) => design_fault(&study, path, &fault),
         other => Stop::in_file(path, other),
     };
     // Before anything is written.
-    Subject::of(&study).map_err(stop)?;
+    if study.axle.is_none() {
+        Subject::of(&study).map_err(stop)?;
+    }
     let name = format!("bench_{}", study.name);
     let (out, format) = (arguments.out.as_deref(), arguments.format);
     let destination = Destination::of(out, &name, arguments.force, format)?;
@@ -107,4 +110,24 @@ pub(super) fn run(arguments: &BenchArguments) -> Result<Exit, Stop> {
     // On standard output the table is the main CSV already.
     output.print_files(&files)?;
     Ok(Exit::Done)
+}
+
+/// Refuses measurements that are of one wheel by their nature.
+fn refuse_for_axle(kind: BenchKind, path: &Path) -> Result<(), Stop> {
+    let why = match kind {
+        BenchKind::Throughput => return Ok(()),
+        BenchKind::Accuracy => {
+            "accuracy compares formulations, starts and precisions of one wheel's equations, and each wheel of an axle \
+             is solved by the same equations"
+        }
+        BenchKind::Effects => {
+            "effects times what each output adds to the position of one wheel, in an order for one wheel"
+        }
+    };
+    Err(Stop::in_file(
+        path,
+        format!(
+            "axle: {why}; remove [axle] to measure the left wheel, or use `hardpoint bench throughput`"
+        ),
+    ))
 }

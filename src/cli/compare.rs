@@ -1,7 +1,6 @@
 //! `hardpoint compare`
 
 use super::TableFormat;
-use super::axle;
 use super::exit::{Exit, Stop};
 use super::output::kept_study;
 use super::terminal::{eprint, is_quiet, note, print, width};
@@ -116,10 +115,12 @@ fn labels(sources: &[PathBuf]) -> Vec<String> {
     labels
 }
 
-fn of_study(path: &Path, label: String, first: &mut FirstMotion) -> Result<(Compared, bool), Stop> {
+fn of_study(
+    path: &Path,
+    label: String,
+    first: &mut Option<FirstMotion>,
+) -> Result<(Compared, bool), Stop> {
     let study = Study::read(path, &[])?;
-    let why = "it compares curves over one travel and one rack position";
-    axle::refuse(&study, path, "compare", why)?;
     crate::compared::of_study(study, label, first).map_err(|why| Stop::in_file(path, why))
 }
 
@@ -135,7 +136,7 @@ fn of_run(path: &Path, label: String) -> Result<Compared, Stop> {
     let refused = |reason: String| Stop::in_file(path, format!("curves.csv: {reason}"));
     let table = CurveTable::read(&csv).map_err(refused)?;
     if let Some(study) = kept_study(path, &[])? {
-        return Ok(compared(label, &study.suspension, table));
+        return Ok(compared(label, &study, table));
     }
     let first = table.header.first().map_or("", String::as_str);
     let unit = first.rsplit('_').next().and_then(crate::exchange::unit_of);

@@ -13,7 +13,11 @@ use std::path::Path;
 pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     let path = &arguments.study.study;
     let study = Study::read_elastic(path, &arguments.study.set)?;
-    super::axle::refuse(&study, path, "kc", "its tests load one wheel")?;
+    if study.axle.is_some() {
+        let reason = "axle: `hardpoint kc` is not available for axles: its tests load one wheel. Remove [axle] to use it on \
+                      the left wheel";
+        return Err(Stop::in_file(path, reason));
+    }
     if arguments.report || arguments.plots.is_some() {
         return Err(Stop::wrong_input(
             "`hardpoint kc` writes tables, without --report and --plots",

@@ -8,12 +8,14 @@ use super::printer::Printer;
 use super::progress;
 use super::tolerance::{problem, tolerance_of};
 use crate::analyse::Range;
+use crate::axle::{Axle, AxlePlan, axle_curves};
 use crate::mechanism::DesignFault;
-use crate::model::Suspension;
+use crate::model::{Axis, Side, Suspension};
 use crate::plan::Plan;
 use crate::report::{Cell, Column, Table, brief};
 use crate::solve::Solver;
 use crate::study::{Drive, Study};
+use crate::tolerance::Problem;
 use rayon::prelude::*;
 use std::num::NonZeroU64;
 
@@ -23,17 +25,20 @@ pub(super) fn run(
     count: NonZeroU64,
 ) -> Result<Exit, Stop> {
     let path = &arguments.study;
-    let why = "builds are examined one wheel at a time";
-    super::axle::refuse(study, path, "limits --builds", why)?;
     let tolerance = tolerance_of(study, path)?;
     let problem = problem(study, tolerance, path)?;
-    let drawn = LimitRanges::of(study, &study.suspension);
-    let drawn = drawn.map_err(|fault| design_fault(study, path, &fault))?;
+    let drawn = match &study.axle {
+        None => LimitRanges::of(study, &study.suspension)
+            .map_err(|fault| design_fault(study, path, &fault)),
+        Some(both) => LimitRanges::of_axle(&both.axle, &both.plan).map_err(|fault| {
+            let reason = both.axle.describe_fault(fault);
+            Stop::in_file(path, reason)
+        }),
+    }?;
     let line = progress::line(count.get(), "builds");
     let least = pool(None, count.get())?.install(|| {
         let builds = (0..count.get()).into_par_iter().map(|number| {
-            let built = problem.built(number).ok();
-            let ranges = built.and_then(|built| LimitRanges::of(study, &built).ok());
+            let ranges = LimitRanges::of_build(study, &problem, number);
             line.inc(1);
             Least::of(number, ranges)
         });
@@ -47,10 +52,14 @@ pub(super) fn run(
     let mut counts = Table::new(["builds", "number", "first"]);
     // Not available for the paper's drive.
     let short = (study.motion.drive != Drive::PaperTheta).then_some(least.short);
-    for (what, found) in [
+    let mut numbers = vec![
         ("cannot be assembled", Some(least.rejected)),
         ("do not reach the study's motion", short),
-    ] {
+    ];
+    if study.axle.is_some() {
+        numbers.push(("have an unknown limit of roll", Some(least.unknown)));
+    }
+    for (what, found) in numbers {
         let (number, first) = found.unzip();
         counts.push_row([Cell::from(what), number.into(), first.flatten().into()]);
     }
@@ -80,8 +89,11 @@ pub(super) fn run(
 struct LimitRanges {
     /// Rows of the table: quantity, held quantities, lower and upper limit.
     rows: Vec<(String, String, [f64; 2])>,
-    /// Margin from the study's motion to the nearest limit; negative beyond it. `None` with the paper's drive.
+    /// Margin from the study's motion to the nearest limit; negative beyond it. `None` with the paper's drive and for
+    /// axles, whose motion has several numbers.
     margin: Option<f64>,
+    /// Whether the study's motion goes beyond the limits.
+    is_short: bool,
 }
 
 impl LimitRanges {
@@ -110,10 +122,63 @@ impl LimitRanges {
         let plan = Plan::of(study);
         let by_rack = by_rack.iter().map(|(_, range)| range);
         let margin = travel_left(by_rack, plan.station_order.values());
+        let margin = (study.motion.drive != Drive::PaperTheta).then_some(margin);
         Ok(LimitRanges {
-            margin: (study.motion.drive != Drive::PaperTheta).then_some(margin),
+            is_short: margin.is_some_and(|margin| margin < 0.0),
+            margin,
             rows,
         })
+    }
+
+    /// Limits of an axle. An unknown limit of roll is NaN.
+    fn of_axle(axle: &Axle, plan: &AxlePlan) -> Result<Self, (Side, DesignFault)> {
+        let limits = axle.limits()?;
+        let unit = axle.left.length_unit.symbol();
+        let travels = Side::ALL.into_iter().zip(&limits.travels);
+        let travels = travels.map(|(side, range)| {
+            let quantity = format!("{}_travel_{unit}", side.name());
+            (quantity, "rack 0".to_owned(), range.ends())
+        });
+        let mut rows: Vec<_> = travels.collect();
+        if let Some(ends) = &limits.rack {
+            let sign = axle.left.frame.sign(Axis::Y);
+            let mut ends = ends.each_ref().map(|end| end.value * sign);
+            ends.sort_by(f64::total_cmp);
+            rows.push((format!("rack_{unit}"), "travels 0".to_owned(), ends));
+        }
+        if axle.setup.wheel_radius.is_some() {
+            let ends = limits.roll.each_ref().map(|end| {
+                let value = end.as_ref().map_or(f64::NAN, |end| end.value);
+                value.to_degrees()
+            });
+            rows.push(("roll_deg".to_owned(), "heave 0, rack 0".to_owned(), ends));
+        }
+        let positions = AxlePlan::of(plan.course.clone(), Vec::new());
+        let placed = axle_curves(axle, &positions)?.placed;
+        Ok(LimitRanges {
+            rows,
+            margin: None,
+            is_short: placed.iter().any(Result::is_err),
+        })
+    }
+
+    /// Limits of a build; `None` if it cannot be assembled or cannot move.
+    fn of_build(study: &Study, problem: &Problem, number: u64) -> Option<Self> {
+        let mut wheels = problem.built_wheels(number).ok()?.into_iter();
+        let left = wheels.next()?;
+        match &study.axle {
+            None => LimitRanges::of(study, &left).ok(),
+            Some(both) => {
+                let axle = both.axle.with_wheels(left, wheels.next());
+                LimitRanges::of_axle(&axle, &both.plan).ok()
+            }
+        }
+    }
+
+    /// Whether a limit is unknown.
+    fn is_unknown(&self) -> bool {
+        let mut ends = self.rows.iter().flat_map(|(.., ends)| ends);
+        ends.any(|end| end.is_nan())
     }
 }
 
@@ -127,6 +192,8 @@ struct Least {
     rejected: (u64, Option<u64>),
     /// Number of builds that do not reach the motion of the study, and the first.
     short: (u64, Option<u64>),
+    /// Number of builds with an unknown limit, and the first.
+    unknown: (u64, Option<u64>),
 }
 
 impl Least {
@@ -138,12 +205,13 @@ impl Least {
             };
         };
         let rows = ranges.rows.iter();
-        let is_short = ranges.margin.is_some_and(|margin| margin < 0.0);
+        let counted = |is: bool| (u64::from(is), is.then_some(build));
         Least {
             rows: rows.map(|(.., ends)| ends.map(|e| (e, build))).collect(),
             margin: ranges.margin.map(|margin| (margin, build)),
             rejected: (0, None),
-            short: (u64::from(is_short), is_short.then_some(build)),
+            short: counted(ranges.is_short),
+            unknown: counted(ranges.is_unknown()),
         }
     }
 
@@ -154,10 +222,10 @@ impl Least {
         } else {
             for (mine, theirs) in self.rows.iter_mut().zip(later.rows) {
                 let [lower, upper] = theirs;
-                if lower.0 > mine[0].0 {
+                if lower.0 > mine[0].0 || mine[0].0.is_nan() {
                     mine[0] = lower;
                 }
-                if upper.0 < mine[1].0 {
+                if upper.0 < mine[1].0 || mine[1].0.is_nan() {
                     mine[1] = upper;
                 }
             }
@@ -171,6 +239,7 @@ impl Least {
         };
         self.rejected = counted(self.rejected, later.rejected);
         self.short = counted(self.short, later.short);
+        self.unknown = counted(self.unknown, later.unknown);
         self
     }
 }
@@ -189,11 +258,13 @@ fn table(drawn: &LimitRanges, least: &Least) -> Table {
     ]);
     let mut builds = least.rows.iter();
     for (quantity, at, [from, to]) in &drawn.rows {
-        let ends = builds.next().map_or([None; 2], |ends| ends.map(Some));
+        let known = |end: (f64, u64)| Some(end).filter(|(value, _)| !value.is_nan());
+        let ends = builds.next().map_or([None; 2], |ends| ends.map(known));
         let mut row = [quantity, at].map(|text| text.as_str().into()).to_vec();
         for (drawn, end) in [from, to].into_iter().zip(ends) {
             let (least, build) = end.unzip();
-            row.extend([Cell::from(*drawn), least.into(), build.into()]);
+            let drawn = Some(*drawn).filter(|drawn| !drawn.is_nan());
+            row.extend([Cell::from(drawn), least.into(), build.into()]);
         }
         table.push_row(row);
     }

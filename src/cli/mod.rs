@@ -1,7 +1,6 @@
 //! The command line: arguments, exit codes, progress. The only place that knows clap.
 
 mod assemblies;
-mod axle;
 mod bench;
 mod check;
 mod choices;

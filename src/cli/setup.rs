@@ -2,18 +2,16 @@
 
 use super::RunArguments;
 use super::exit::{Exit, Stop};
-use super::output::{Output, design_fault};
+use super::output::Output;
 use super::terminal;
-use crate::assembly::{Assembler, NoSetUp, SetUp};
-use crate::report::{SetUpSummary, adjusted, brief, set_up_refusal};
+use crate::report::{SetUpSummary, brief};
+use crate::set_up::{Refusal, about, effects_table, set_up};
 use crate::solved::Solved;
-use crate::study::{Drive, Setup, Study};
+use crate::study::{Drive, Study};
 
 pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     let path = &arguments.study.study;
     let study = Study::read(path, &arguments.study.set)?;
-    let why = "adjustments are found for one wheel at a time";
-    super::axle::refuse(&study, path, "setup", why)?;
     let Some(setup) = &study.setup else {
         let what = "what may be adjusted and what is wanted";
         return Err(Stop::no_section(path, "setup", what));
@@ -24,50 +22,54 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
              `solve`, `sweep`, `optimise` and `tolerance`",
         ));
     }
-    let fault = |fault| design_fault(&study, path, &fault);
-    let assembler = Assembler::new(&study.suspension).map_err(fault)?;
-    let found = match SetUp::solve(&study, setup, &assembler) {
+    let found = match set_up(&study, setup) {
         Ok(found) => found,
-        Err(NoSetUp::Fault(reason)) => return Err(fault(reason)),
-        Err(none) => return not_met(arguments, &study, setup, &assembler, &none),
+        Err(Refusal::Design(reason)) => return Err(Stop::in_file(path, reason)),
+        Err(Refusal::NotMet(reason, nominal)) => {
+            return not_met(arguments, &study, &reason, &nominal);
+        }
     };
     let output = Output::open(arguments, &study, "setup")?;
-    let summary = SetUpSummary::of(&study, setup, &found);
 
     // Curves about the new resting position, in every output of the study.
-    let adjusted = adjusted(&study, &found);
-    let by_theta = adjusted.motion.drive == Drive::PaperTheta;
+    let by_theta = found.adjusted.motion.drive == Drive::PaperTheta;
     let mut complete = true;
     let mut files = vec!["setup.csv", "summary.json"];
     if by_theta {
         output.without("curves.csv")?;
     } else {
-        let solved = Solved::of(&adjusted).map_err(|why| Stop::unsolved(path, why))?;
+        let solved = Solved::of(&found.adjusted).map_err(|why| Stop::unsolved(path, why))?;
         complete = solved.is_complete();
         output.main_csv("curves.csv", &solved.csv())?;
         files.insert(0, "curves.csv");
     }
-    output.file("setup.csv", summary.steps_table().csv(None).as_bytes())?;
-    output.file("effects.csv", summary.effects_table().csv(None).as_bytes())?;
+    let steps = found.steps_table();
+    output.file("setup.csv", steps.csv(None).as_bytes())?;
+    output.file("effects.csv", found.effects_table().csv(None).as_bytes())?;
     files.insert(files.len() - 1, "effects.csv");
-    output.json("summary.json", &summary)?;
+    output.json("summary.json", &found.record())?;
     output.finish()?;
 
     let topology = study.suspension.mechanism.topology.name;
     output.say(&format!("{}: {topology}\n", study.name))?;
-    print(&output, &summary)?;
+    print_effects(&output, &found.wheels)?;
+    if !output.is_text() {
+        output.table("steps", &steps)?;
+    }
+    for summary in &found.wheels {
+        print(&output, summary)?;
+    }
     output.print_files(&files)?;
-    Ok(Exit::of(complete && summary.met))
+    Ok(Exit::of(complete && found.met()))
 }
 
-/// Prints the summary: to a reader in narrow tables, to a program in two.
+/// Prints the summary of a wheel to a reader, in narrow tables.
 fn print(output: &Output, summary: &SetUpSummary) -> Result<(), Stop> {
-    print_effects(output, summary)?;
-    if !output.is_text() {
-        output.table("steps", &summary.steps_table())?;
-    }
     let width = terminal::width();
-    output.text_only("\nInstructions, in this order (with rounded amounts)\n\n")?;
+    output.text_only(&format!(
+        "\n{}, in this order (with rounded amounts)\n\n",
+        title(summary, "Instructions")
+    ))?;
     output.text_only(&summary.instructions().text(width))?;
     output.text_only("\nstatic values after each step, with computed amounts\n")?;
     for table in summary.values_after_steps() {
@@ -86,49 +88,58 @@ fn print(output: &Output, summary: &SetUpSummary) -> Result<(), Stop> {
         let (Some(wanted), Some(set), Some(rounded)) = (s.wanted, s.set, s.set_rounded) else {
             continue;
         };
-        output.say_failure(&format!(
-            "\nnot met: {} ends at {} ({} with rounded amounts), not {}\n",
+        let missed = format!(
+            "{} ends at {} ({} with rounded amounts), not {}",
             s.column,
             brief(set),
             brief(rounded),
             brief(wanted)
-        ))?;
+        );
+        output.say_failure(&format!("\nnot met: {}\n", about(summary.side, &missed)))?;
     }
     Ok(())
 }
 
-/// Prints the effects of the adjustments.
-fn print_effects(output: &Output, summary: &SetUpSummary) -> Result<(), Stop> {
-    if output.is_text() {
-        output.text_only("\nEffect of each adjustment\n\n")?;
-        output.text_only(&summary.effects_for_readers().text(terminal::width()))
-    } else {
-        output.table("effects", &summary.effects_table())
+/// A title with the wheels of an axle: "Instructions for both wheels".
+fn title(summary: &SetUpSummary, title: &str) -> String {
+    match summary.side {
+        None => title.to_owned(),
+        Some(side) => format!("{title} for the {}", side.wheels()).replace("the both", "both"),
     }
 }
 
-/// Prints the reason why there is no set-up, and the effect of each adjustment.
+/// Prints the effects of the adjustments.
+fn print_effects(output: &Output, wheels: &[SetUpSummary]) -> Result<(), Stop> {
+    if !output.is_text() {
+        return output.table("effects", &effects_table(wheels));
+    }
+    for summary in wheels {
+        let title = title(summary, "Effect of each adjustment");
+        output.text_only(&format!("\n{title}\n\n"))?;
+        output.text_only(&summary.effects_for_readers().text(terminal::width()))?;
+    }
+    Ok(())
+}
+
+/// Prints the reason why there is no set-up, and the effect of each adjustment on the design.
 fn not_met(
     arguments: &RunArguments,
     study: &Study,
-    setup: &Setup,
-    assembler: &Assembler,
-    none: &NoSetUp,
+    reason: &str,
+    nominal: &[SetUpSummary],
 ) -> Result<Exit, Stop> {
-    let reason = set_up_refusal(study, setup, none);
     let reason = format!("{}: {reason}", arguments.study.study.display());
-    let Ok(drawn) = SetUp::drawn(study, setup, assembler) else {
+    if nominal.is_empty() {
         return Err(Stop::not_met(reason));
-    };
-    let summary = SetUpSummary::of(study, setup, &drawn);
+    }
     let output = Output::open(arguments, study, "setup")?;
     for former in ["curves.csv", "setup.csv", "summary.json"] {
         output.without(former)?;
     }
-    output.file("effects.csv", summary.effects_table().csv(None).as_bytes())?;
+    output.file("effects.csv", effects_table(nominal).csv(None).as_bytes())?;
     output.finish()?;
     terminal::eprint(&format!("error: {reason}\n"));
-    print_effects(&output, &summary)?;
+    print_effects(&output, nominal)?;
     output.print_files(&["effects.csv"])?;
     Ok(Exit::Incomplete)
 }

@@ -1,15 +1,41 @@
 //! Curves and points of several designs side by side, in the unit and the axes of the first.
 
+use super::common_motion::CommonMotion;
 use super::curve_table::CurveTable;
 use super::files::csv_of_rows;
 use super::optional;
 use super::record::readable_unit;
 use super::table::{Cell, Table};
-use crate::model::LengthUnit;
+use crate::model::{Axis, LengthUnit, Side};
 use serde::Serialize;
 
-/// Points by name, and the sign of each axis.
-pub type NamedPoints = (Vec<(String, [f64; 3])>, [f64; 3]);
+/// Points of a wheel by name.
+#[derive(Clone, Debug)]
+pub struct NamedPoints {
+    /// Names, and places in the kernel's frame of the wheel.
+    pub points: Vec<(String, [f64; 3])>,
+    /// Signs that lead to the study's axes.
+    pub signs: [f64; 3],
+}
+
+/// Hardpoints of a design.
+#[derive(Clone, Debug)]
+pub enum ComparedPoints {
+    /// Points of one wheel, or of the left wheel of an axle whose right wheel is its mirror image.
+    OneWheel(NamedPoints),
+    /// Points of the left and of the right wheel.
+    BothWheels([NamedPoints; 2]),
+}
+
+impl ComparedPoints {
+    /// Points of a wheel, 0 for the left one.
+    fn wheel(&self, number: usize) -> &NamedPoints {
+        match self {
+            ComparedPoints::OneWheel(points) => points,
+            ComparedPoints::BothWheels(wheels) => &wheels[number],
+        }
+    }
+}
 
 /// A design that is compared.
 #[derive(Clone, Debug)]
@@ -22,28 +48,23 @@ pub struct Compared {
     pub curves: CurveTable,
     /// The unit of its lengths.
     pub unit: LengthUnit,
-    /// Its hardpoints in the kernel's frame, in `unit`, and the signs that lead to its own axes.
-    pub points: Option<NamedPoints>,
+    /// Its hardpoints, in `unit`.
+    pub points: Option<ComparedPoints>,
 }
-
-/// The largest part of a length by which two stations may differ and be the same.
-const SAME: f64 = 1e-9;
 
 /// Several designs laid over each other.
 #[derive(Clone, Debug, Serialize)]
 pub struct Comparison {
     /// Labels of the designs.
     pub labels: Vec<String>,
-    /// Column of the horizontal axis.
-    pub drive: String,
-    /// Common stations: values of the drive and of the rack.
-    pub stations: Vec<[f64; 2]>,
-    /// Whether the rack moves.
-    pub rack: bool,
+    /// Columns of the motion, which together name a station.
+    pub motion: Vec<StationColumn>,
+    /// Common stations: a value for each column of the motion.
+    pub stations: Vec<Vec<f64>>,
     /// The curves.
     pub outputs: Vec<ComparedOutput>,
-    /// Stations of each design: values of the drive and of the rack.
-    own_stations: Vec<Vec<[f64; 2]>>,
+    /// Stations of each design: a value for each column of the motion.
+    own_stations: Vec<Vec<Vec<f64>>>,
     /// All curves, at the stations of each design: also those that not all designs have.
     own_outputs: Vec<OwnOutput>,
     /// Columns that some designs lack, with the designs that have them.
@@ -53,6 +74,15 @@ pub struct Comparison {
     unit: LengthUnit,
     #[serde(skip)]
     moved: Vec<Moved>,
+}
+
+/// A column of the motion.
+#[derive(Clone, Debug, Serialize)]
+pub struct StationColumn {
+    /// Name of the column, in the first design's unit.
+    pub column: String,
+    /// Whether it has more than one value at the common stations.
+    pub moves: bool,
 }
 
 /// A curve of each design.
@@ -81,6 +111,8 @@ struct OwnOutput {
 /// A point that is not where the first design has it.
 #[derive(Clone, Debug)]
 struct Moved {
+    /// Which wheel, if the wheels of an axle differ.
+    side: Option<Side>,
     point: String,
     label: String,
     by: [f64; 3],
@@ -95,61 +127,21 @@ impl Comparison {
     pub fn of(designs: &[Compared]) -> Result<Self, String> {
         let first = &designs[0];
         let tables: Vec<CurveTable> = designs.iter().map(|d| in_unit(d, first.unit)).collect();
-        // Their stations have more numbers than a travel and a place of the rack.
-        let named = || tables.iter().zip(designs);
-        let is_of_axle = |table: &CurveTable| {
-            let mut names = table.header.iter();
-            names.any(|name| name.starts_with("travel_left_"))
-        };
-        if let Some((_, axle)) = named().find(|(table, _)| is_of_axle(table)) {
+        let labels: Vec<&str> = designs.iter().map(|d| d.label.as_str()).collect();
+        let motion = CommonMotion::of(&tables, &labels, first.unit)?;
+        let rows = motion.common_rows(&tables);
+        if rows.is_empty() {
             return Err(format!(
-                "{}: curves of an axle cannot be compared, only curves of one wheel over one travel and one rack position",
-                axle.label
+                "they share no value of {}: run them over the same motion",
+                motion.columns.join(", ")
             ));
         }
-        let drive = tables[0].header.first().cloned().unwrap_or_default();
-        let unit = first.unit.symbol();
-        let rack = format!("rack_{unit}");
-        if let Some((_, other)) = named().find(|(t, _)| t.column(&drive).is_none()) {
-            return Err(format!("{} has no column {drive}", other.label));
-        }
-        let places: Vec<Vec<[f64; 2]>> = tables.iter().map(|t| places(t, &drive, &rack)).collect();
-        let size = places[0]
-            .iter()
-            .flatten()
-            .fold(0.0_f64, |size, x| size.max(x.abs()));
-        let same =
-            |a: &[f64; 2], b: &[f64; 2]| a.iter().zip(b).all(|(a, b)| (a - b).abs() <= SAME * size);
-        let find = |design: usize, at: &[f64; 2]| places[design].iter().position(|b| same(at, b));
-        let common: Vec<usize> = (0..places[0].len())
-            .filter(|row| (1..designs.len()).all(|d| find(d, &places[0][*row]).is_some()))
-            .collect();
-        if common.is_empty() {
-            return Err(format!(
-                "they share no value of {drive}: run them over the same motion"
-            ));
-        }
-        let is_motion = |name: &str| {
-            let name = name
-                .trim_end_matches(&format!("_{unit}"))
-                .trim_end_matches("_deg");
-            [
-                "travel",
-                "arm_angle",
-                "theta",
-                "rack",
-                "time_s",
-                "roll",
-                "heave",
-            ]
-            .contains(&name)
-        };
         let mut outputs = Vec::new();
         let mut own_outputs = Vec::new();
         let mut partial: Vec<(String, Vec<String>)> = Vec::new();
         let mut names: Vec<&String> = Vec::new();
         for name in tables.iter().flat_map(|table| &table.header) {
-            if is_motion(name) || names.contains(&name) {
+            if motion.is_input(name) || names.contains(&name) {
                 continue;
             }
             names.push(name);
@@ -162,16 +154,16 @@ impl Comparison {
                 unit: of.clone(),
                 values: own.collect(),
             });
-            let having = named().filter(|(table, _)| table.column(name).is_some());
-            let having: Vec<String> = having.map(|(_, design)| design.label.clone()).collect();
+            let having = tables.iter().zip(&labels);
+            let having = having.filter(|(table, _)| table.column(name).is_some());
+            let having: Vec<String> = having.map(|(_, label)| (*label).to_owned()).collect();
             if having.len() < designs.len() {
                 partial.push((name.clone(), having));
                 continue;
             }
             let values = tables.iter().enumerate().map(|(design, table)| {
                 let column = table.column(name).expect("all have it");
-                let value = |row: &usize| column[find(design, &places[0][*row])?];
-                common.iter().map(value).collect()
+                rows.iter().map(|rows| column[rows[design]]).collect()
             });
             outputs.push(ComparedOutput {
                 column: name.clone(),
@@ -183,13 +175,15 @@ impl Comparison {
         if outputs.is_empty() {
             return Err("they share no output".to_owned());
         }
+        let own_stations: Vec<_> = tables.iter().map(|table| motion.places(table)).collect();
+        let stations = rows.iter().map(|rows| own_stations[0][rows[0]].clone());
+        let stations: Vec<_> = stations.collect();
         Ok(Comparison {
             labels: designs.iter().map(|design| design.label.clone()).collect(),
-            rack: tables.iter().any(|table| table.column(&rack).is_some()),
-            stations: common.iter().map(|row| places[0][*row]).collect(),
-            drive,
+            motion: motion.described(&stations),
+            stations,
             outputs,
-            own_stations: places,
+            own_stations,
             own_outputs,
             partial,
             unit: first.unit,
@@ -197,28 +191,43 @@ impl Comparison {
         })
     }
 
+    /// Numbers of the columns of the motion that move, at least one. Curves are over the first.
+    fn moving(&self) -> Vec<usize> {
+        let mut moving: Vec<usize> = (0..self.motion.len()).collect();
+        moving.retain(|k| self.motion[*k].moves);
+        if moving.is_empty() {
+            moving.push(0);
+        }
+        moving
+    }
+
     /// Table with a row for each output and design: values and difference from the first design.
     pub fn table(&self) -> Table {
-        let mut table = Table::new([
-            "output",
-            "of",
-            "at design",
-            "min",
-            "max",
-            "largest difference",
-            "at",
-        ]);
+        let moving = self.moving();
+        let header = ["output", "of", "at design", "min", "max"].map(str::to_owned);
+        let header = header
+            .into_iter()
+            .chain(["largest difference", "at"].map(str::to_owned));
+        // Curves of one moving number have one column for its place.
+        let further = moving[1..]
+            .iter()
+            .map(|k| format!("at {}", self.motion[*k].column));
+        let mut table = Table::with_columns(header.chain(further));
         for output in &self.outputs {
             for (design, values) in output.values.iter().enumerate() {
                 let known = || values.iter().flatten().copied();
                 let least = known().reduce(f64::min);
                 let most = known().reduce(f64::max);
-                let at_design = self.stations.iter().position(|at| *at == [0.0, 0.0]);
+                let at_design = self
+                    .stations
+                    .iter()
+                    .position(|at| at.iter().all(|v| *v == 0.0));
                 let at_design = at_design.and_then(|row| values[row]);
                 let (_, unit) = split(&output.column);
                 let figure = |value: Option<f64>| value.map(|value| Cell::figure(value, unit));
                 let largest = self.largest_difference(output, design);
-                table.push_row([
+                let place = largest.filter(|(difference, _)| *difference != 0.0);
+                let head = [
                     match design {
                         0 => Cell::from(output.column.as_str()),
                         _ => Cell::repeated(&output.column),
@@ -228,11 +237,12 @@ impl Comparison {
                     figure(least).into(),
                     figure(most).into(),
                     figure(largest.map(|(difference, _)| difference)).into(),
-                    largest
-                        .filter(|(difference, _)| *difference != 0.0)
-                        .map(|(_, row)| Cell::from(self.stations[row][0]))
-                        .into(),
-                ]);
+                ];
+                let places = moving.iter().map(|k| {
+                    let at = place.map(|(_, row)| Cell::from(self.stations[row][*k]));
+                    Cell::from(at)
+                });
+                table.push_row(head.into_iter().chain(places));
             }
         }
         table.keyed(2)
@@ -258,7 +268,9 @@ impl Comparison {
     pub fn moved_table(&self) -> Table {
         let unit = self.unit.symbol();
         let axes = ["x", "y", "z"].map(|axis| format!("d{axis} {unit}"));
-        let names = ["hardpoint", "of"].map(str::to_owned).into_iter();
+        let sided = self.moved.iter().any(|moved| moved.side.is_some());
+        let side = sided.then(|| "side".to_owned()).into_iter();
+        let names = side.chain(["hardpoint", "of"].map(str::to_owned));
         let header = names.chain(axes).chain([format!("moved {unit}")]);
         let mut table = Table::with_columns(header);
         for moved in &self.moved {
@@ -266,17 +278,17 @@ impl Comparison {
             let distance = x.hypot(y).hypot(z);
             let cells = [x, y, z, distance].map(|length| Cell::figure(length, unit));
             let names = [moved.point.as_str(), moved.label.as_str()].map(Cell::from);
-            table.push_row(names.into_iter().chain(cells));
+            let side = sided.then(|| Cell::from(moved.side.map(Side::name)));
+            table.push_row(side.into_iter().chain(names).chain(cells));
         }
-        table.keyed(2)
+        table.keyed(if sided { 3 } else { 2 })
     }
 
     /// `comparison.csv`: a row for each station; of each output a column for each design, and one for each
     /// difference from the first.
     pub fn csv(&self) -> Vec<u8> {
-        let unit = self.unit.symbol();
-        let mut header = vec![self.drive.clone()];
-        header.extend(self.rack.then(|| format!("rack_{unit}")));
+        let motion = self.motion.iter();
+        let mut header: Vec<String> = motion.map(|m| m.column.clone()).collect();
         for output in &self.outputs {
             for label in &self.labels {
                 header.push(format!("{} [{label}]", output.column));
@@ -286,9 +298,8 @@ impl Comparison {
             }
         }
         let stations = self.stations.iter().enumerate();
-        let rows = stations.map(|(row, [drive, rack])| {
-            let mut record = vec![super::shortest(*drive)];
-            record.extend(self.rack.then(|| super::shortest(*rack)));
+        let rows = stations.map(|(row, at)| {
+            let mut record: Vec<String> = at.iter().map(|v| super::shortest(*v)).collect();
             for output in &self.outputs {
                 let value = |design: usize| output.values[design][row];
                 let designs = 0..self.labels.len();
@@ -300,17 +311,6 @@ impl Comparison {
         });
         csv_of_rows([header].into_iter().chain(rows))
     }
-}
-
-/// Station of each row: values of the drive and the rack.
-fn places(table: &CurveTable, drive: &str, rack: &str) -> Vec<[f64; 2]> {
-    let rack = table.column(rack);
-    let drive = table.column(drive).unwrap_or_default();
-    let row = |(row, at): (usize, &Option<f64>)| {
-        let rack = rack.and_then(|rack| rack[row]);
-        [at.unwrap_or(f64::NAN), rack.unwrap_or(0.0)]
-    };
-    drive.iter().enumerate().map(row).collect()
 }
 
 /// The curves of a design with their lengths in another unit.
@@ -368,25 +368,44 @@ fn split(name: &str) -> (&str, &str) {
     }
 }
 
-/// The points of the same name that are somewhere else.
+/// The points of the same name that are somewhere else: of each wheel if a design has own points of the right one.
 fn moved(designs: &[Compared]) -> Vec<Moved> {
+    let differs = |d: &Compared| matches!(d.points, Some(ComparedPoints::BothWheels(_)));
+    if designs.iter().any(differs) {
+        let wheels = Side::ALL.into_iter().enumerate();
+        let moved = wheels.map(|(number, side)| moved_of(designs, number, Some(side)));
+        return moved.flatten().collect();
+    }
+    moved_of(designs, 0, None)
+}
+
+/// Moved points of one wheel.
+fn moved_of(designs: &[Compared], wheel: usize, side: Option<Side>) -> Vec<Moved> {
     let first = &designs[0];
-    let Some((reference, signs)) = &first.points else {
+    let Some(reference) = first.points.as_ref().map(|points| points.wheel(wheel)) else {
         return Vec::new();
     };
+    // A mirror image is in the frame of a left wheel.
+    let is_mirror_image = matches!(first.points, Some(ComparedPoints::OneWheel(_)));
+    let mut signs = reference.signs;
+    if side == Some(Side::Right) && is_mirror_image {
+        signs[Axis::Y as usize] = -signs[Axis::Y as usize];
+    }
     let mut moved = Vec::new();
-    for (name, from) in reference {
+    for (name, from) in &reference.points {
         for design in &designs[1..] {
-            let Some((points, _)) = &design.points else {
+            let Some(points) = &design.points else {
                 continue;
             };
             let ratio = first.unit.per_metre() / design.unit.per_metre();
-            let Some((_, to)) = points.iter().find(|(known, _)| known == name) else {
+            let mut points = points.wheel(wheel).points.iter();
+            let Some((_, to)) = points.find(|(known, _)| known == name) else {
                 continue;
             };
             let by = [0, 1, 2].map(|axis| signs[axis] * (to[axis] * ratio - from[axis]));
-            if by != [0.0; 3] {
+            if by.iter().any(|by| *by != 0.0) {
                 moved.push(Moved {
+                    side,
                     point: name.clone(),
                     label: design.label.clone(),
                     by,
@@ -407,10 +426,10 @@ mod tests {
             topology: None,
             curves: CurveTable::read(csv.as_bytes()).unwrap(),
             unit,
-            points: Some((
-                vec![("strut_top".to_owned(), [0.0, 254.0 / 25.4, 1.0])],
-                [1.0; 3],
-            )),
+            points: Some(ComparedPoints::OneWheel(NamedPoints {
+                points: vec![("strut_top".to_owned(), [0.0, 254.0 / 25.4, 1.0])],
+                signs: [1.0; 3],
+            })),
         }
     }
 
@@ -423,7 +442,7 @@ mod tests {
             design("b", LengthUnit::Inch, inch),
         ];
         let comparison = Comparison::of(&designs).unwrap();
-        assert_eq!(comparison.stations, [[-25.4, 0.0], [0.0, 0.0]]);
+        assert_eq!(comparison.stations, [[-25.4], [0.0]]);
         assert_eq!(comparison.outputs[0].values[1], [Some(1.5), None]);
         let steer = &comparison.outputs[1];
         assert_eq!(
@@ -466,7 +485,7 @@ mod tests {
         assert!(refused.unwrap_err().contains("share no value of travel_mm"));
         let third = "travel_mm,toe_deg,status\n0,1.0,ok\n";
         let refused = Comparison::of(&[design("a", mm, table), design("b", mm, third)]);
-        assert!(refused.unwrap_err().contains("no output in common"));
+        assert!(refused.unwrap_err().contains("share no output"));
     }
 
     #[test]

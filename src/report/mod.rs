@@ -10,6 +10,7 @@ mod axle_record;
 mod bands;
 mod benchmarks;
 mod choices;
+mod common_motion;
 mod comparison;
 mod completeness;
 mod curve_table;
@@ -46,7 +47,9 @@ pub use axle_record::SolvedAxle;
 pub use bands::BandRecord;
 pub use benchmarks::{accuracy_picture, accuracy_table, effects_table, throughput_table};
 pub use choices::{FrontPoint, FrontRecord, PriceRecord, front_csv, front_remarks, front_table};
-pub use comparison::{Compared, ComparedOutput, Comparison, NamedPoints};
+pub use comparison::{
+    Compared, ComparedOutput, ComparedPoints, Comparison, NamedPoints, StationColumn,
+};
 pub use completeness::Completeness;
 pub use curve_table::CurveTable;
 pub use failures::FailureRange;
@@ -68,7 +71,7 @@ pub use record::{BandCurve, DesignRecord, DrawnDesign, OutputRecord, Record, Tar
 pub use run::{Run, Summary};
 pub use scene::{BodyKind, Scene, SceneBody};
 pub use set_up_summary::{
-    AdjustmentRecord, SetUpSummary, StaticRecord, adjusted, set_up_refusal, static_column,
+    AdjustmentRecord, SetUpSide, SetUpSummary, StaticRecord, set_up_refusal, static_column,
 };
 pub use side_effects::{
     shown_side_effects, side_effects_in_words, side_effects_table, unchanged_in_words,

@@ -4,15 +4,50 @@ use super::brief;
 use super::table::{Cell, Column, Table};
 use super::text::counted;
 use crate::assembly::{Aim, BuildParameter, Miss, NoSetUp, PARTS_OF_A_TURN, SetUp, Static};
-use crate::model::LengthUnit;
+use crate::model::{Axis, LengthUnit};
 use crate::study::{Adjustment, Increment, Setup, Study};
 use serde::Serialize;
+
+/// Wheels of an axle that share a set-up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum SetUpSide {
+    /// Both, one as the mirror image of the other.
+    Both,
+    /// The left wheel.
+    Left,
+    /// The right wheel. Amounts along y count as those of its mirror image on the left.
+    Right,
+}
+
+impl SetUpSide {
+    /// Name in tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            SetUpSide::Both => "both",
+            SetUpSide::Left => "left",
+            SetUpSide::Right => "right",
+        }
+    }
+
+    /// The wheels in words.
+    pub fn wheels(self) -> &'static str {
+        match self {
+            SetUpSide::Both => "both wheels",
+            SetUpSide::Left => "left wheel",
+            SetUpSide::Right => "right wheel",
+        }
+    }
+}
 
 /// A set-up in numbers.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SetUpSummary {
     /// Name of the study.
     pub study: String,
+    /// The wheels that are set up, in the study of an axle.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub side: Option<SetUpSide>,
     /// Whether every aim is met, with the computed and with the rounded amounts, but for half steps.
     pub met: bool,
     /// Static values.
@@ -78,7 +113,7 @@ pub struct AdjustmentRecord {
 
 impl SetUpSummary {
     /// Summary of the set-up that was found for a study.
-    pub fn of(study: &Study, setup: &Setup, found: &SetUp) -> Self {
+    pub fn of(study: &Study, setup: &Setup, side: Option<SetUpSide>, found: &SetUp) -> Self {
         let length = study.suspension.length_unit;
         let (misses, rounded) = (found.misses(), found.misses_rounded());
         let (met, met_rounded) = (found.met(), found.met_rounded());
@@ -100,10 +135,14 @@ impl SetUpSummary {
         let adjustments = found.order.iter().enumerate();
         let adjustments = adjustments.map(|(place, k)| {
             let after = found.steps.get(place).unwrap_or(&found.drawn);
-            adjustment_record(&setup.adjust[*k], *k, found, &after.values, length)
+            let adjustment = &setup.adjust[*k];
+            let instruction =
+                instruction(adjustment, side, found.rounded.amounts[*k] + 0.0, length);
+            adjustment_record(adjustment, *k, found, &after.values, instruction)
         });
         SetUpSummary {
             study: study.name.clone(),
+            side,
             met: found.is_met(),
             statics: statics.collect(),
             adjustments: adjustments.collect(),
@@ -284,7 +323,7 @@ fn adjustment_record(
     k: usize,
     found: &SetUp,
     after: &[f64],
-    length: LengthUnit,
+    instruction: String,
 ) -> AdjustmentRecord {
     let amount = found.last().amounts[k] + 0.0;
     let amount_rounded = found.rounded.amounts[k] + 0.0;
@@ -295,7 +334,7 @@ fn adjustment_record(
     };
     AdjustmentRecord {
         adjustment: adjustment.name.clone(),
-        instruction: instruction(adjustment, amount_rounded, length),
+        instruction,
         amount,
         turns: turn.map(|turn| amount / turn),
         shims: match adjustment.increment {
@@ -311,7 +350,12 @@ fn adjustment_record(
 }
 
 /// Instruction for a mechanic: "shorten 1 3/16 turns", "add 3 shims: 1.5 mm towards +y".
-fn instruction(adjustment: &Adjustment, amount: f64, length: LengthUnit) -> String {
+fn instruction(
+    adjustment: &Adjustment,
+    side: Option<SetUpSide>,
+    amount: f64,
+    length: LengthUnit,
+) -> String {
     let size = |amount: f64| {
         // A multiple of a decimal step: without the digits of rounding.
         let text = format!("{:.6}", amount.abs());
@@ -321,11 +365,10 @@ fn instruction(adjustment: &Adjustment, amount: f64, length: LengthUnit) -> Stri
     if amount == 0.0 {
         return "leave as it is".to_owned();
     }
-    let sign = if amount > 0.0 { "+" } else { "-" };
     let (verb, way) = match adjustment.change.0 {
         BuildParameter::Length(_) if amount > 0.0 => ("lengthen", String::new()),
         BuildParameter::Length(_) => ("shorten", String::new()),
-        BuildParameter::Coordinate(_, axis) => ("move", format!(" towards {sign}{}", axis.name())),
+        BuildParameter::Coordinate(_, axis) => ("move", towards(axis, side, amount)),
     };
     match adjustment.increment {
         Increment::Thread { per_turn } => {
@@ -346,6 +389,16 @@ fn instruction(adjustment: &Adjustment, amount: f64, length: LengthUnit) -> Stri
                 size(amount)
             )
         }
+    }
+}
+
+/// The direction in which a point moves, in the study's axes. y of a right wheel is mirrored.
+fn towards(axis: Axis, side: Option<SetUpSide>, amount: f64) -> String {
+    let (sign, mirrored) = if amount > 0.0 { ("+", "-") } else { ("-", "+") };
+    match (axis, side) {
+        (Axis::Y, Some(SetUpSide::Right)) => format!(" towards {mirrored}y"),
+        (Axis::Y, Some(SetUpSide::Both)) => format!(" towards {sign}y (right wheel {mirrored}y)"),
+        _ => format!(" towards {sign}{}", axis.name()),
     }
 }
 
@@ -389,34 +442,6 @@ fn figure(value: Option<f64>) -> Cell {
     })
 }
 
-#[cfg(test)]
-mod tests {
-    use super::turns;
-
-    #[test]
-    fn turns_are_reduced_sixteenths() {
-        let cases = [
-            (0.0625, "1/16 turn"),
-            (0.5, "1/2 turn"),
-            (1.0, "1 turn"),
-            (1.0625, "1 1/16 turns"),
-            (2.375, "2 3/8 turns"),
-            (3.0, "3 turns"),
-        ];
-        for (number, text) in cases {
-            assert_eq!(turns(number), text);
-        }
-    }
-}
-
-/// The study of a wheel that was set up: its curves are about the new resting position.
-pub fn adjusted(study: &Study, found: &SetUp) -> Study {
-    let mut adjusted = study.clone();
-    adjusted.suspension = found.last().built.suspension.clone();
-    adjusted.formulation = crate::study::Formulation::KnucklePose;
-    adjusted
-}
-
 /// Describes why there is no set-up.
 pub fn set_up_refusal(study: &Study, setup: &Setup, none: &NoSetUp) -> String {
     let length = study.suspension.length_unit;
@@ -442,6 +467,26 @@ pub fn set_up_refusal(study: &Study, setup: &Setup, none: &NoSetUp) -> String {
         }
         NoSetUp::Unsettled => {
             "what is wanted cannot be met: the adjustments move none of it".to_owned()
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::turns;
+
+    #[test]
+    fn turns_are_reduced_sixteenths() {
+        let cases = [
+            (0.0625, "1/16 turn"),
+            (0.5, "1/2 turn"),
+            (1.0, "1 turn"),
+            (1.0625, "1 1/16 turns"),
+            (2.375, "2 3/8 turns"),
+            (3.0, "3 turns"),
+        ];
+        for (number, text) in cases {
+            assert_eq!(turns(number), text);
         }
     }
 }

@@ -255,6 +255,30 @@ impl Table {
         self.push_row(row);
     }
 
+    /// Tables of the same columns one below the other; a first column of this name says of which a row is. Tables
+    /// without a name stay as they are, and there is then one of them.
+    pub fn stacked<'n>(
+        name: &str,
+        tables: impl IntoIterator<Item = (Option<&'n str>, Table)>,
+    ) -> Option<Table> {
+        let mut stacked: Option<Table> = None;
+        for (of, mut table) in tables {
+            if let Some(of) = of {
+                table.columns.insert(0, Column::from(name));
+                table
+                    .rows
+                    .iter_mut()
+                    .for_each(|row| row.insert(0, of.into()));
+                table.keys += 1;
+            }
+            match &mut stacked {
+                Some(stacked) => stacked.rows.append(&mut table.rows),
+                None => stacked = Some(table),
+            }
+        }
+        stacked
+    }
+
     /// Whether it has no rows.
     pub fn is_empty(&self) -> bool {
         self.rows.is_empty()

@@ -1,6 +1,7 @@
 //! The stations of an axle's motion: every combination of the values that the study gives.
 
 use super::solver::Placement;
+use super::{Axle, Coordinate};
 
 /// The motion of an axle. Lengths are in the study's unit, angles in radians; the rack is positive towards the left
 /// wheel's outside.
@@ -141,5 +142,43 @@ impl AxleMotion {
     pub fn steering_wheel_at(&self, station: usize) -> Option<f64> {
         let per_rack = self.stations() / self.racks.len();
         Some(self.steering_wheel.as_ref()?[station / per_rack])
+    }
+
+    /// The same motion of another axle: lengths in its unit, angles of its steering wheel.
+    ///
+    /// # Errors
+    ///
+    /// A sentence that names the key which the other study lacks.
+    pub fn for_axle(&self, own: &Axle, other: &Axle) -> Result<AxleMotion, String> {
+        let mut motion = self.clone();
+        let lacks = |key: &str, of: &str| Err(format!("{of} needs {key}, which this study lacks"));
+        if self.shows_roll() && other.setup.wheel_radius.is_none() {
+            return lacks("radius in [wheel]", "a plane ground");
+        }
+        if matches!(self.wheels, WheelMotion::Roll { at_load: true, .. })
+            && other.setup.springs.is_none()
+        {
+            return lacks("[spring]", "roll at a load");
+        }
+        let ratio = other.left.length_unit.per_metre() / own.left.length_unit.per_metre();
+        for coordinate in Coordinate::ALL {
+            let is_length = !matches!(coordinate, Coordinate::Roll | Coordinate::SteeringWheel);
+            for value in motion
+                .along(coordinate)
+                .filter(|_| is_length)
+                .into_iter()
+                .flatten()
+            {
+                *value *= ratio;
+            }
+        }
+        if let Some(angles) = &self.steering_wheel {
+            let Some(c_factor) = other.setup.c_factor else {
+                return lacks("c_factor in [steering]", "steering_wheel_angle");
+            };
+            let turn = std::f64::consts::TAU;
+            motion.racks = angles.iter().map(|angle| c_factor * angle / turn).collect();
+        }
+        Ok(motion)
     }
 }

@@ -103,6 +103,32 @@ impl Axle {
         )
     }
 
+    /// The axle with other wheels of the same topology at rest; `right` is `None` for a mirror image. The springs are the
+    /// same parts: where a spring now is shorter, it presses harder.
+    pub fn with_wheels(&self, left: Suspension, right: Option<Suspension>) -> Axle {
+        let mut changed = Axle {
+            left,
+            right,
+            setup: self.setup.clone(),
+        };
+        if let Some(laws) = &self.setup.springs {
+            let law = |side: Side| {
+                let [before, now] = [self, &changed].map(|axle| axle.design_spring_length(side));
+                let shortened = before.zip(now).map_or(0.0, |(before, now)| before - now);
+                laws[side as usize].of_shorter_design(shortened)
+            };
+            changed.setup.springs = Some(Side::ALL.map(law));
+        }
+        changed
+    }
+
+    /// Length of a wheel's spring in the design position.
+    fn design_spring_length(&self, side: Side) -> Option<f64> {
+        let wheel = self.suspension(side);
+        let spring = wheel.mechanism.spring?;
+        Some((wheel.design[spring.upper.0] - wheel.design[spring.lower.0]).norm())
+    }
+
     /// Returns true if the study gives a figure or part.
     pub fn meets(&self, need: Need) -> bool {
         let setup = &self.setup;

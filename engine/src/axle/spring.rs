@@ -49,6 +49,24 @@ impl SpringLaw {
             _ => spring,
         }
     }
+
+    /// The law of the same parts in a design whose spring is shorter by `shortened`: the force there is that of this
+    /// law, and the bump stop is nearer.
+    pub fn of_shorter_design(&self, shortened: f64) -> SpringLaw {
+        let spring = match &self.spring {
+            Law::Linear { force, rate } => Law::Linear {
+                force: force + rate * shortened,
+                rate: *rate,
+            },
+            // A curve is over the length itself.
+            Law::Curve(curve) => Law::Curve(curve.clone()),
+        };
+        let bump_stop = self.bump_stop.as_ref().map(|stop| BumpStop {
+            gap: stop.gap - shortened,
+            curve: stop.curve.clone(),
+        });
+        SpringLaw { spring, bump_stop }
+    }
 }
 
 /// A smooth curve through points: cubics whose slopes at the points make it monotone between them where
@@ -161,5 +179,23 @@ mod tests {
         };
         assert_eq!(law.force(490.0, 500.0), 3300.0);
         assert_eq!(law.force(475.0, 500.0), 3750.0 + 250.0);
+    }
+
+    #[test]
+    fn a_law_of_a_shorter_design_has_the_same_forces() {
+        let law = SpringLaw {
+            spring: Law::Linear {
+                force: 3000.0,
+                rate: 30.0,
+            },
+            bump_stop: Some(BumpStop {
+                gap: 20.0,
+                curve: ForceCurve::through(&[[0.0, 0.0], [10.0, 500.0]]).unwrap(),
+            }),
+        };
+        let shorter = law.of_shorter_design(8.0);
+        for length in [510.0, 492.0, 475.0] {
+            assert_eq!(shorter.force(length, 492.0), law.force(length, 500.0));
+        }
     }
 }

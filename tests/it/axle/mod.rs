@@ -2,6 +2,7 @@
 
 mod acceleration;
 mod at_load;
+mod by_wheel;
 mod certificate;
 mod commands;
 mod different_sides;
@@ -14,6 +15,7 @@ mod own;
 mod points;
 mod reference;
 mod right;
+mod side_by_side;
 mod springs;
 mod sweep;
 mod symmetry;

@@ -538,8 +538,6 @@ fn tolerance_of_an_axle_as_a_command() {
         "quantity of an axle",
     );
     refused(&["tolerance.aligned=true"], "needs [setup]");
-    let [_, said] = run(&["limits", "axle.toml", "--builds", "3"], 2);
-    assert!(said.contains("not available for axles"), "{said}");
     let wheel = study_of_one_wheel();
     std::fs::write(directory.path().join("wheel.toml"), wheel).unwrap();
     let [_, said] = run(&["tolerance", "wheel.toml"], 2);

@@ -1,0 +1,148 @@
+//! Stations that several tables of curves have in common.
+
+use super::comparison::StationColumn;
+use super::curve_table::CurveTable;
+use crate::model::LengthUnit;
+
+/// The largest part of a column's size by which two stations may differ and be the same.
+const SAME: f64 = 1e-9;
+
+/// Columns that name a station in each of several tables.
+pub(super) struct CommonMotion {
+    /// Names of the columns.
+    pub columns: Vec<String>,
+    /// Names of columns that repeat the motion, which are not compared.
+    repeated: Vec<String>,
+}
+
+impl CommonMotion {
+    /// Reads the columns of the motion off the headers of tables in one unit. The curves of a wheel are over their
+    /// first column and the rack. Those of an axle are over roll and heave or over both travels, and over the
+    /// steering wheel or the rack; what follows from these is an output.
+    ///
+    /// # Errors
+    ///
+    /// If curves of a wheel and of an axle meet, or two motions that are given by different numbers.
+    pub(super) fn of(
+        tables: &[CurveTable],
+        labels: &[&str],
+        unit: LengthUnit,
+    ) -> Result<CommonMotion, String> {
+        let in_unit = |name: &str| format!("{name}_{}", unit.symbol());
+        let has = |table: &CurveTable, name: &str| table.column(name).is_some();
+        let left = in_unit("travel_left");
+        let is_axle = has(&tables[0], &left);
+        if let Some(other) = tables.iter().position(|t| has(t, &left) != is_axle) {
+            let (axle, wheel) = match is_axle {
+                true => (labels[0], labels[other]),
+                false => (labels[other], labels[0]),
+            };
+            return Err(format!(
+                "{axle} has curves of both wheels of an axle, {wheel} of one wheel: compare axles with axles, or \
+                 remove [axle]"
+            ));
+        }
+        let rack = in_unit("rack");
+        let any = |name: &str| tables.iter().any(|table| has(table, name));
+        let heave = in_unit("heave");
+        let mut required = Vec::new();
+        let mut columns = Vec::new();
+        let mut repeated = Vec::new();
+        if !is_axle {
+            required.push(tables[0].header.first().cloned().unwrap_or_default());
+            let names = ["travel", "arm_angle", "theta", "rack", "roll", "heave"];
+            repeated.extend(names.map(in_unit));
+            repeated.extend(names.map(|name| format!("{name}_deg")));
+            repeated.push("time_s".to_owned());
+        } else if has(&tables[0], &heave) {
+            columns.extend(any("roll_deg").then(|| "roll_deg".to_owned()));
+            required.push(heave);
+            if columns.is_empty() {
+                repeated.extend([left, in_unit("travel_right")]);
+            }
+        } else {
+            required.extend([left, in_unit("travel_right")]);
+            // Travels are outputs of a motion that heave gives.
+            if let Some(other) = tables.iter().position(|t| has(t, &heave)) {
+                return Err(format!(
+                    "the motion of {} is given by {heave}, that of {} by {}: run them over the same motion",
+                    labels[other],
+                    labels[0],
+                    required.join(" and ")
+                ));
+            }
+        }
+        for name in &required {
+            if let Some(other) = tables.iter().position(|table| !has(table, name)) {
+                let label = labels[other];
+                return Err(format!(
+                    "{label} has no column {name}: run them over the same motion"
+                ));
+            }
+        }
+        columns.append(&mut required);
+        let angle = "steering_wheel_angle_deg";
+        let by_angle = |table: &CurveTable| has(table, angle) || !has(table, &rack);
+        if is_axle && any(angle) && tables.iter().all(by_angle) {
+            columns.push(angle.to_owned());
+        } else if any(&rack) {
+            columns.push(rack);
+        }
+        Ok(CommonMotion { columns, repeated })
+    }
+
+    /// Returns true if a column says where a station is; it is no output then.
+    pub(super) fn is_input(&self, column: &str) -> bool {
+        let mut inputs = self.columns.iter().chain(&self.repeated);
+        inputs.any(|name| name == column)
+    }
+
+    /// Station of each row. A number that a motion does not have is 0: no roll, or the rack in the middle.
+    pub(super) fn places(&self, table: &CurveTable) -> Vec<Vec<f64>> {
+        let columns: Vec<_> = self.columns.iter().map(|name| table.column(name)).collect();
+        let value = |row: usize, column: &Option<&[Option<f64>]>| match column {
+            Some(column) => column[row].unwrap_or(f64::NAN),
+            None => 0.0,
+        };
+        let place = |row| columns.iter().map(|column| value(row, column)).collect();
+        (0..table.rows()).map(place).collect()
+    }
+
+    /// Rows of the stations that all tables have, in the order of the first: a row of each table.
+    pub(super) fn common_rows(&self, tables: &[CurveTable]) -> Vec<Vec<usize>> {
+        let places: Vec<_> = tables.iter().map(|table| self.places(table)).collect();
+        let size = |k: usize| {
+            let values = places[0].iter().map(|at| at[k].abs());
+            values.fold(0.0, f64::max)
+        };
+        let sizes: Vec<f64> = (0..self.columns.len()).map(size).collect();
+        let is_same = |a: &[f64], b: &[f64]| {
+            let mut pairs = a.iter().zip(b).zip(&sizes);
+            pairs.all(|((a, b), size)| (a - b).abs() <= SAME * size)
+        };
+        let find = |design: usize, row: usize| {
+            let (own, at) = (&places[design], &places[0][row]);
+            // Tables of the same motion have the same rows.
+            match own.get(row) {
+                Some(place) if is_same(at, place) => Some(row),
+                _ => own.iter().position(|place| is_same(at, place)),
+            }
+        };
+        let rows = 0..tables[0].rows();
+        let rows = rows.map(|row| -> Option<Vec<usize>> {
+            let designs = 0..tables.len();
+            designs.map(|design| find(design, row)).collect()
+        });
+        rows.flatten().collect()
+    }
+
+    /// The columns as the page shows them.
+    pub(super) fn described(&self, stations: &[Vec<f64>]) -> Vec<StationColumn> {
+        let columns = self.columns.iter().enumerate();
+        let described = columns.map(|(k, column)| StationColumn {
+            column: column.clone(),
+            moves: stations.iter().any(|at| at[k] != stations[0][k]),
+        });
+        described.collect()
+    }
+}

@@ -1,0 +1,190 @@
+//! Set-up of a study: of one wheel, or of both wheels of an axle.
+
+use crate::assembly::{Assembler, NoSetUp, SetUp};
+use crate::report::{SetUpSide, SetUpSummary, Table, set_up_refusal};
+use crate::study::{Formulation, Setup, Study};
+use serde::Serialize;
+
+/// A set-up of every wheel.
+pub struct FoundSetUp {
+    /// One set-up for a wheel or for both wheels of a mirrored axle; else one for each wheel.
+    pub wheels: Vec<SetUpSummary>,
+    /// The study about the new resting position.
+    pub adjusted: Study,
+}
+
+/// Reason why there is no set-up, in words.
+pub enum Refusal {
+    /// A design that cannot be solved.
+    Design(String),
+    /// Wanted values that cannot be met. The set-ups hold the effects of the adjustments on the design; there are none
+    /// if an effect cannot be computed.
+    NotMet(String, Vec<SetUpSummary>),
+}
+
+impl Refusal {
+    /// The reason.
+    pub fn reason(self) -> String {
+        match self {
+            Refusal::Design(reason) | Refusal::NotMet(reason, _) => reason,
+        }
+    }
+}
+
+/// `summary.json` of a set-up.
+#[derive(Serialize)]
+#[serde(untagged)]
+pub enum SetUpRecord<'s> {
+    /// One set-up.
+    One(&'s SetUpSummary),
+    /// A set-up for each wheel of an axle.
+    Wheels {
+        /// Whether the wanted values of both wheels are met.
+        met: bool,
+        /// The left and the right wheel.
+        wheels: &'s [SetUpSummary],
+    },
+}
+
+impl FoundSetUp {
+    /// Whether the wanted values of all wheels are met.
+    pub fn met(&self) -> bool {
+        self.wheels.iter().all(|summary| summary.met)
+    }
+
+    /// Content of `summary.json`.
+    pub fn record(&self) -> SetUpRecord<'_> {
+        match &self.wheels[..] {
+            [summary] => SetUpRecord::One(summary),
+            wheels => SetUpRecord::Wheels {
+                met: self.met(),
+                wheels,
+            },
+        }
+    }
+
+    /// The steps of all wheels.
+    pub fn steps_table(&self) -> Table {
+        stacked(&self.wheels, SetUpSummary::steps_table)
+    }
+
+    /// The effects of all adjustments.
+    pub fn effects_table(&self) -> Table {
+        effects_table(&self.wheels)
+    }
+}
+
+/// The effects of all adjustments on each wheel.
+pub fn effects_table(wheels: &[SetUpSummary]) -> Table {
+    stacked(wheels, SetUpSummary::effects_table)
+}
+
+/// The tables of all wheels as one; the column `side` comes first in the study of an axle.
+fn stacked(wheels: &[SetUpSummary], table: fn(&SetUpSummary) -> Table) -> Table {
+    let tables = wheels
+        .iter()
+        .map(|summary| (summary.side.map(SetUpSide::name), table(summary)));
+    Table::stacked("side", tables).expect("a set-up has one wheel at least")
+}
+
+/// Puts the wheel before a sentence where the wheels of an axle are set up one by one.
+pub fn about(side: Option<SetUpSide>, sentence: &str) -> String {
+    match side {
+        None | Some(SetUpSide::Both) => sentence.to_owned(),
+        Some(side) => format!("{}: {sentence}", side.wheels()),
+    }
+}
+
+/// Finds the adjustments that give the wanted values. The wheels of an axle that are not mirror images are set up one by
+/// one.
+///
+/// # Errors
+/// A singular design, or wanted values that the adjustments do not reach.
+pub fn set_up(study: &Study, setup: &Setup) -> Result<FoundSetUp, Refusal> {
+    let wheels = WheelToSetUp::all(study).map_err(Refusal::Design)?;
+    let mut found = Vec::new();
+    for wheel in &wheels {
+        let solved = SetUp::solve(&wheel.study, setup, &wheel.assembler);
+        found.push(solved.map_err(|none| refusal(&wheels, wheel, setup, &none))?);
+    }
+    let pairs = wheels.iter().zip(&found);
+    Ok(FoundSetUp {
+        wheels: pairs
+            .map(|(wheel, found)| wheel.summary(setup, found))
+            .collect(),
+        adjusted: adjusted(study, &found),
+    })
+}
+
+fn refusal(
+    wheels: &[WheelToSetUp],
+    failed: &WheelToSetUp,
+    setup: &Setup,
+    none: &NoSetUp,
+) -> Refusal {
+    let reason = about(failed.side, &set_up_refusal(&failed.study, setup, none));
+    if matches!(none, NoSetUp::Fault(_)) {
+        return Refusal::Design(reason);
+    }
+    let nominal = wheels.iter().map(|wheel| {
+        let nominal = SetUp::drawn(&wheel.study, setup, &wheel.assembler)?;
+        Ok(wheel.summary(setup, &nominal))
+    });
+    let nominal: Result<Vec<SetUpSummary>, NoSetUp> = nominal.collect();
+    Refusal::NotMet(reason, nominal.unwrap_or_default())
+}
+
+/// A wheel to set up.
+struct WheelToSetUp {
+    side: Option<SetUpSide>,
+    /// The study with this wheel as its suspension.
+    study: Study,
+    assembler: Assembler,
+}
+
+impl WheelToSetUp {
+    /// The wheels to set up: both wheels of an axle if the right one is no mirror image.
+    fn all(study: &Study) -> Result<Vec<Self>, String> {
+        let mut wheels = vec![(None, study.suspension.clone())];
+        if let Some(both) = &study.axle {
+            wheels[0].0 = Some(SetUpSide::Both);
+            if let Some(right) = &both.axle.right {
+                wheels[0].0 = Some(SetUpSide::Left);
+                wheels.push((Some(SetUpSide::Right), right.clone()));
+            }
+        }
+        let wheel = |(side, suspension)| {
+            let mut study = study.clone();
+            study.suspension = suspension;
+            let assembler = Assembler::new(&study.suspension);
+            let fault = |fault: crate::mechanism::DesignFault| {
+                about(side, &fault.describe(&study.suspension.mechanism))
+            };
+            Ok(WheelToSetUp {
+                side,
+                assembler: assembler.map_err(fault)?,
+                study,
+            })
+        };
+        wheels.into_iter().map(wheel).collect()
+    }
+
+    fn summary(&self, setup: &Setup, found: &SetUp) -> SetUpSummary {
+        SetUpSummary::of(&self.study, setup, self.side, found)
+    }
+}
+
+/// The study about the new resting position.
+fn adjusted(study: &Study, found: &[SetUp]) -> Study {
+    let mut adjusted = study.clone();
+    let mut wheels = found
+        .iter()
+        .map(|found| found.last().built.suspension.clone());
+    adjusted.suspension = wheels.next().expect("a set-up has one wheel at least");
+    if let Some(both) = &mut adjusted.axle {
+        let wheels = (adjusted.suspension.clone(), wheels.next());
+        both.axle = both.axle.with_wheels(wheels.0, wheels.1);
+    }
+    adjusted.formulation = Formulation::KnucklePose;
+    adjusted
+}

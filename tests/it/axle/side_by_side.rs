@@ -1,0 +1,119 @@
+//! `hardpoint compare` with axles.
+
+use super::commands::{folder, run, study};
+use hardpoint::report::CurveTable;
+use std::fs;
+use std::path::Path;
+
+fn comparison(out: &Path) -> CurveTable {
+    CurveTable::read(&fs::read(out.join("comparison.csv")).unwrap()).unwrap()
+}
+
+/// A study of a five-link axle whose right toe link is 2 mm longer, in this folder.
+fn longer(folder: &Path) -> String {
+    fs::create_dir_all(folder).unwrap();
+    let text = fs::read_to_string(study("five_link_axle.toml")).unwrap();
+    let changed = text
+        .replace("-347.0", "-345.0")
+        .replace("steps = 13", "steps = 3");
+    assert_ne!(text, changed);
+    let path = folder.join("longer.toml");
+    fs::write(&path, changed).unwrap();
+    path.to_str().unwrap().to_owned()
+}
+
+/// Every station of roll, heave and steering is compared with itself: no difference, and the values are those of the
+/// run. Travels follow from roll and heave, so they are curves.
+#[test]
+fn an_axle_does_not_differ_from_itself() {
+    let folder = folder("compare_same");
+    let (run_of, out) = (folder.join("run"), folder.join("compared"));
+    let (run_of, out_name) = (run_of.to_str().unwrap(), out.to_str().unwrap());
+    let path = study("macpherson_axle.toml");
+    run(&["solve", path.to_str().unwrap(), "--out", run_of], 0);
+    let arguments = ["compare", run_of, path.to_str().unwrap(), "--out", out_name];
+    let (printed, _) = run(&arguments, 0);
+    assert!(printed.contains("at heave_mm"), "{printed}");
+
+    let solved = fs::read(Path::new(run_of).join("curves.csv")).unwrap();
+    let solved = CurveTable::read(&solved).unwrap();
+    let compared = comparison(&out);
+    assert_eq!(
+        compared.header[..3],
+        ["roll_deg", "heave_mm", "steering_wheel_angle_deg"]
+    );
+    assert_eq!(compared.rows(), 13 * 3 * 2);
+    for name in ["travel_left_mm", "rack_mm", "right_camber_deg", "track_mm"] {
+        for label in ["run", "macpherson_axle"] {
+            let column = compared.column(&format!("{name} [{label}]"));
+            assert_eq!(column, solved.column(name), "{name} of {label}");
+        }
+        let difference = compared.column(&format!("{name} [macpherson_axle - run]"));
+        let mut known = difference.unwrap().iter().flatten();
+        assert!(known.all(|difference| *difference == 0.0), "{name}");
+    }
+    let page = fs::read_to_string(out.join("report.html")).unwrap();
+    assert!(page.contains(r#""column":"heave_mm","moves":true"#));
+}
+
+/// The second study is solved over the motion of the first, and a point of the right wheel that moved is named.
+#[test]
+fn points_of_a_right_wheel_of_its_own_are_told_apart() {
+    let folder = folder("compare_own");
+    let (other, out) = (longer(&folder), folder.join("compared"));
+    let path = study("five_link_axle.toml");
+    let arguments = ["compare", path.to_str().unwrap(), &other];
+    let more = ["--out", out.to_str().unwrap(), "--format", "csv"];
+    let (printed, _) = run(&[&arguments[..], &more].concat(), 0);
+    let row = "right,toe_link_inner,longer,0.0,2.0,0.0,2.0";
+    assert!(printed.contains(row), "{printed}");
+    assert!(!printed.contains("left,toe_link_inner"), "{printed}");
+    let compared = comparison(&out);
+    assert_eq!(compared.rows(), 13 * 3);
+    let largest = |name: &str| {
+        let name = format!("{name} [longer - five_link_axle]");
+        let differences = compared.column(&name).unwrap().iter().flatten();
+        differences.fold(0.0_f64, |most, d| most.max(d.abs()))
+    };
+    assert!(
+        largest("right_toe_deg") > 0.02,
+        "{}",
+        largest("right_toe_deg")
+    );
+}
+
+/// Motions that have no station in common by their nature are refused, with the reason.
+#[test]
+fn wheels_and_axles_and_other_motions_are_not_mixed() {
+    let wheel = study("five_link_solve.toml");
+    let axle = study("five_link_axle.toml");
+    let (wheel, axle) = (wheel.to_str().unwrap(), axle.to_str().unwrap());
+    for pair in [[wheel, axle], [axle, wheel]] {
+        let (_, said) = run(&["compare", pair[0], pair[1], "--out", "-"], 2);
+        let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(said.contains("compare axles with axles"), "{said}");
+    }
+    let folder = folder("compare_motions");
+    let runs = ["heave", "travels"].map(|name| folder.join(name));
+    let runs = runs.each_ref().map(|run| run.to_str().unwrap());
+    for (out, motion) in [
+        (runs[0], "motion={ heave = [0.0, 10.0] }"),
+        (runs[1], "motion={ travel_left = [0.0, 10.0] }"),
+    ] {
+        let few = "outputs.characteristics=[\"camber\"]";
+        let few = [
+            "--set",
+            motion,
+            "--set",
+            few,
+            "--set",
+            "outputs.sensitivities=[]",
+        ];
+        run(&[&["solve", axle, "--out", out], &few[..]].concat(), 0);
+    }
+    for pair in [[runs[0], runs[1]], [runs[1], runs[0]]] {
+        let (_, said) = run(&["compare", pair[0], pair[1], "--out", "-"], 2);
+        let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(said.contains("run them over the same motion"), "{said}");
+    }
+}

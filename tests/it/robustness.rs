@@ -188,6 +188,7 @@ impl Trial {
             sweep: None,
             setup: None,
             tolerance: None,
+            compliance: None,
         })
     }
 }

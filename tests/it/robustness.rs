@@ -189,6 +189,7 @@ impl Trial {
             sweep: None,
             setup: None,
             tolerance: None,
+            compliance: None,
         })
     }
 }

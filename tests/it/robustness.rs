@@ -156,7 +156,6 @@ impl Trial {
         Plan::of(&Study {
             inputs: Vec::new(),
             motions: Vec::new(),
-            compliance: None,
             name: String::new(),
             text: String::new(),
             suspension: suspension.clone(),

@@ -400,7 +400,7 @@ fn optimisations_that_make_no_sense() {
         ("at = 0.0", "at = 81.0", "at = 81", "optimise.targets[1].at", &["81 is outside of the motion, which runs from -80 to 80"]),
         ("value = 0.0, ", "", "at = 0.0", "optimise.targets[1].at", &["at needs value"]),
         ("at = 0.0, ", "", "value = 0.0", "optimise.targets[1].value", &["value needs at"]),
-        ("at = 0.0, value = 0.0, ", "", "bump_steer", "optimise.targets[1]", &["expected what is wanted"]),
+        ("at = 0.0, value = 0.0, ", "", "bump_steer", "optimise.targets[1]", &["expected points = [[drive, value], ...]"]),
         ("at = 0.0", "file = \"x.csv\", at = 0.0", "x.csv", "optimise.targets[1]", &["found more than one"]),
         ("tolerance = 0.01", "tolerance = 0.0", "bump_steer", "optimise.targets[1].tolerance", &["above 0, found 0"]),
         ("tolerance = 0.01", "tolerance = 0.01, weight = -1", "bump_steer", "optimise.targets[1].weight", &["above 0, found -1"]),
@@ -551,7 +551,7 @@ fn overrides_that_do_not_fit() {
         ("motion.travel.more.depth=1", "unknown key \"more\""),
         ("optimise.targets.1.more.depth=1", "unknown key \"more\""),
         ("motion.more.depth=1", "unknown key \"more\""),
-        ("motions.x={}", "motions.x: expected travel: where"),
+        ("motions.x={}", "motions.x: expected travel: the values to solve"),
         (
             "sweep={ designs = \"\" }",
             "sweep.designs: expected the name of a file, found none",

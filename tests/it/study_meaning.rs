@@ -44,7 +44,7 @@ fn the_sample_studies_mean_what_they_say() {
     );
 
     let front = read(FRONT).optimise.unwrap();
-    assert_eq!(front.variables.len(), 6);
+    assert_eq!(front.variables.len(), 7);
     let wanted: Vec<_> = front
         .targets
         .iter()
@@ -54,7 +54,8 @@ fn the_sample_studies_mean_what_they_say() {
         wanted,
         [
             Some(Characteristic::Camber),
-            Some(Characteristic::KingpinInclination)
+            Some(Characteristic::KingpinInclination),
+            Some(Characteristic::Toe)
         ]
     );
     read(BUMP_STEER);

@@ -275,7 +275,7 @@ mod tests {
         for angle in [1e-9, 1e-3, 0.031, 0.032, 0.4, 1.9, 3.0] {
             let axis = Vector3::new(2.0, -1.0, 2.0) * (1.0 / 3.0);
             // Two turns by Cayley's vector make the angle.
-            let step = axis * (4.0 * (angle / 4.0_f64).tan());
+            let step = axis * (2.0 * (angle / 4.0_f64).tan());
             let body = Placed::design(0.0)
                 .moved(axis.zero(), step)
                 .moved(axis.zero(), step);

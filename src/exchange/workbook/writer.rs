@@ -86,10 +86,10 @@ pub fn workbook(pages: &[Page]) -> Vec<u8> {
 fn sheet_names(pages: &[Page]) -> Vec<String> {
     let mut names: Vec<String> = Vec::new();
     for page in pages {
-        let plain = page
-            .name
-            .replace(['[', ']', ':', '*', '?', '/', '\\', '\''], "_");
+        let plain = page.name.replace(['[', ']', ':', '*', '?', '/', '\\'], "_");
         let plain: String = plain.chars().take(31).collect();
+        // Excel refuses an apostrophe at either end.
+        let plain = plain.trim_matches('\'').to_owned();
         let plain = if plain.is_empty() {
             "Sheet".to_owned()
         } else {

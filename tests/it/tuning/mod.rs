@@ -778,7 +778,7 @@ fn fronts_and_price_lists_are_written_and_shown() {
     .success();
     let said = String::from_utf8(said.get_output().stdout.clone()).unwrap();
     assert!(
-        said.contains("front of camber and kingpin_inclination"),
+        said.contains("Trade-off between camber and kingpin_inclination"),
         "{said}"
     );
     assert!(said.contains("Misfit against size of change"), "{said}");
@@ -921,7 +921,7 @@ fn mistakes_in_shafts_and_rims_are_refused() {
         ),
         (
             "{ articulation = \"drive_shaft_outer\", at_least = 3.0 }",
-            "at_least says nothing",
+            "at_least has no meaning",
         ),
         (
             "{ members = [\"tie_rod\"], inside = { sphere = { centre = [0, 0, 0], radius = 9.0 } } }",

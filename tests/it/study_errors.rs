@@ -551,7 +551,10 @@ fn overrides_that_do_not_fit() {
         ("motion.travel.more.depth=1", "unknown key \"more\""),
         ("optimise.targets.1.more.depth=1", "unknown key \"more\""),
         ("motion.more.depth=1", "unknown key \"more\""),
-        ("motions.x={}", "motions.x: expected travel: the values to solve"),
+        (
+            "motions.x={}",
+            "motions.x: expected travel: the values to solve",
+        ),
         (
             "sweep={ designs = \"\" }",
             "sweep.designs: expected the name of a file, found none",

@@ -929,7 +929,7 @@ fn mistakes_in_shafts_and_rims_are_refused() {
         ),
         (
             "{ members = [\"tie_rod\"], inside = { rim = 9.0 }, clearance = 9.0 }",
-            "there is no room",
+            "the region is empty",
         ),
         (
             "{ members = [\"tie_rod\"], inside = { rim = 9.0 }, radii = [1.0, 2.0] }",

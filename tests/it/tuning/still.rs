@@ -151,6 +151,10 @@ fn ways_back_that_failed_reach_the_nearest_design() {
         let found = moved(&study, fit);
         // IPOPT's figures have three digits.
         assert!(found < least + 0.0005, "{name}: {found}");
-        assert!(fit.ended().starts_with("converged: smallest change"), "{}", fit.ended());
+        assert!(
+            fit.ended().starts_with("converged: smallest change"),
+            "{}",
+            fit.ended()
+        );
     }
 }

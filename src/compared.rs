@@ -21,7 +21,7 @@ pub enum FirstMotion {
         /// Motion in the unit of the axle.
         motion: AxleMotion,
         /// Axle of the first study.
-        axle: Axle,
+        axle: Box<Axle>,
     },
 }
 
@@ -29,7 +29,7 @@ impl FirstMotion {
     /// Returns the motion of a study; `None` if other studies keep their own.
     pub fn of(study: &Study) -> Option<FirstMotion> {
         if let Some(both) = &study.axle {
-            let (motion, axle) = (both.plan.course.clone(), both.axle.clone());
+            let (motion, axle) = (both.plan.course.clone(), Box::new(both.axle.clone()));
             return Some(FirstMotion::Axle { motion, axle });
         }
         let (motion, unit) = (study.motion.clone(), study.suspension.length_unit);
@@ -41,7 +41,7 @@ impl FirstMotion {
         let to = study.suspension.length_unit;
         match (self, &mut study.axle) {
             (FirstMotion::Axle { motion, axle }, Some(both)) => {
-                let [own, other] = [axle, &both.axle].map(|axle| axle.left.frame.sign(Axis::Y));
+                let [own, other] = [&**axle, &both.axle].map(|axle| axle.left.frame.sign(Axis::Y));
                 if motion.shows_rack && own != other {
                     let why = "rack: the first study's y axis points the other way; give both studies the same frame";
                     return Err(why.to_owned());

@@ -91,14 +91,19 @@ fn values(case: &Value, wheel: &ElasticWheel, at: &Equilibrium) -> BTreeMap<Stri
 /// Bound of a value: of lengths 1e-11 mm on positions that are sums of several hundred millimetres, of angles 1e-13 rad;
 /// forces and torques follow from the bounds of deflections and rotations with the rates.
 fn bound(name: &str) -> f64 {
+    const LENGTHS: [&str; 5] = [
+        "wheel_centre",
+        "contact_point",
+        "length",
+        "deflection",
+        "travel",
+    ];
     let is = |part: &str| name.contains(part);
     if is("torque") {
         4e5 * 1e-13 * 10.0
     } else if is("force") || is("tension") {
         3e4 * 1e-11
-    } else if is("wheel_centre") || is("contact_point") || is("length") || is("deflection") {
-        1e-11
-    } else if is("travel") {
+    } else if LENGTHS.iter().any(|part| is(part)) {
         1e-11
     } else {
         1e-13

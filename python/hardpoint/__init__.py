@@ -27,7 +27,7 @@ from ._hardpoint import HardpointError, StudyError, __version__, topologies
 from ._runs import Results, Run, read_run
 from ._study import Limits, Study, check, limits, load, loads, solve
 from ._sweep import Sweep, sweep
-from ._tuning import SideEffect, Tuning, optimise
+from ._tuning import Tuning, optimise
 
 STATUS: tuple[str, ...] = tuple(_STATUS)
 """Words of the codes in `status`, by code. New ones are appended."""
@@ -43,7 +43,6 @@ __all__ = [
     "Residuals",
     "Results",
     "Run",
-    "SideEffect",
     "Study",
     "StudyError",
     "Sweep",

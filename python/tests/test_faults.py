@@ -145,6 +145,10 @@ def test_residuals_travel_and_shorten_the_steps_of_scipy(front):
 @pytest.mark.parametrize("path", sorted(STUDIES.glob("*.toml")), ids=lambda path: path.stem)
 def test_moved_points_are_those_of_the_text(path):
     """Points alone are replaced without reading the text again: the result is that of the text."""
+    if "\n[compliance]" in path.read_text():
+        with pytest.raises(hp.StudyError, match="elastic parts"):
+            hp.load(path)
+        return
     study = hp.load(path)
     names = study.points[:2]
     moved = study.replace(points={name: study[name] + [0.25, -0.5, 0.125] for name in names})

@@ -170,11 +170,14 @@ def test_tuning_of_an_axle_is_that_of_the_program(name, tmp_path):
     assert run.tuned.text == tuned.study.text
     assert run.summary["misfit_after"] == tuned.misfit <= tuned.before
     effects = run.summary["side_effects"]
-    assert len(effects) == len(tuned.side_effects) > 0
-    for found, written in zip(tuned.side_effects, effects, strict=True):
-        for key in ("output", "unit", "before_min", "after_max", "largest_change", "wheel", "tolerance", "flagged", "lost"):
-            assert getattr(found, key) == written[key]
-        assert found.at == {f"{c['name']}_{c['unit']}": c["value"] for c in written["at"]}
+    frame = tuned.side_effects
+    assert frame.rows == len(effects) > 0
+    for row, written in enumerate(effects):
+        for key in ("output", "unit", "before_min", "after_max", "largest_change", "tolerance", "flagged", "lost"):
+            missing = written[key] is None
+            assert np.isnan(frame[key][row]) if missing else frame[key][row] == written[key]
+        assert frame["wheel"][row] == (written["wheel"] or "")
+        assert all(f"{place['name']} {place['value']:g}" in frame["at"][row] for place in written["at"])
     # The function that is minimised, with its derivatives.
     r = study.residuals()
     x = 0.05 * np.ptp(r.bounds, axis=1)

@@ -141,9 +141,9 @@ fn what_is_not_there_for_an_axle_is_refused_by_name() {
     let path = study("macpherson_axle.toml");
     let path = path.to_str().unwrap();
     for (command, why) in [
-        ("assemblies", "each wheel is assembled independently"),
         ("tolerance", "the section [tolerance] is missing"),
-        ("setup", "for one wheel at a time"),
+        ("setup", "the section [setup] is missing"),
+        ("kc", "its tests load one wheel"),
     ] {
         let (_, said) = run(&[command, path], 2);
         assert!(said.contains(why), "{command}: {said}");

@@ -73,7 +73,10 @@ fn a_mirrored_axle_is_set_up_alike() {
     ];
     let arguments: Vec<&str> = base.into_iter().chain(sets).collect();
     let (printed, _) = run(&arguments, 0);
-    assert!(printed.contains("Instructions for both wheels"), "{printed}");
+    assert!(
+        printed.contains("Instructions for both wheels"),
+        "{printed}"
+    );
     assert!(printed.contains("(right wheel "), "{printed}");
     for side in ["left", "right"] {
         let camber = at_design(&out, &format!("{side}_camber_deg"));

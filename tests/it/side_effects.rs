@@ -305,6 +305,11 @@ fn an_axle_has_one_row_for_both_wheels() {
     }
     // The target holds at 9 stations of 27; the others are compared beyond it.
     named(&effects, "ackermann_error");
+    // The kinematic roll centre moves without bounds in roll, the force-based one does not.
+    let kinematic = named(&effects, "roll_centre_height");
+    assert!(kinematic.tolerance.is_none() && !kinematic.flagged);
+    let by_forces = named(&effects, "force_roll_centre_height");
+    assert_eq!(by_forces.tolerance, Some(1.0));
 }
 
 /// A large motion takes no longer than the tuning itself: the nearest place of a target is found without comparing all pairs.

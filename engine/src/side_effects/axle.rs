@@ -10,7 +10,7 @@ use crate::mechanism::DesignFault;
 use crate::study::{AxleStudy, Optimise, Study};
 
 /// Names of the quantities that are compared besides the study's outputs.
-const COMPARED: [&str; 9] = [
+const COMPARED: [&str; 10] = [
     "camber",
     "toe",
     "caster",
@@ -18,6 +18,7 @@ const COMPARED: [&str; 9] = [
     "scrub_radius",
     "half_track_change",
     "roll_centre_height",
+    "force_roll_centre_height",
     "roll_steer",
     "ackermann_error",
 ];
@@ -141,13 +142,18 @@ fn series_of(column: &AxleColumn, stations: &[Station], study: &Study) -> Option
                 Quantity::Axle(_) => None,
             };
             let is_axle_name = AxleQuantity::ALL.iter().any(|q| q.info().name == info.name);
+            let series = new(info.name, info.unit);
             Series {
                 output: match wheel {
                     Some(_) if is_axle_name => format!("wheel_{}", info.name),
                     _ => info.name.to_owned(),
                 },
                 wheel,
-                ..new(info.name, info.unit)
+                // In roll the lines of both wheels become parallel, and the kinematic roll centre moves without bounds.
+                tolerance: series
+                    .tolerance
+                    .filter(|_| *quantity != Quantity::Axle(AxleQuantity::RollCentreHeight)),
+                ..series
             }
         }
         Of::Point { id, name, .. } => {

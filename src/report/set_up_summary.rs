@@ -449,7 +449,7 @@ pub fn set_up_refusal(study: &Study, setup: &Setup, none: &NoSetUp) -> String {
         NoSetUp::Fault(reason) => reason.describe(&study.suspension.mechanism),
         NoSetUp::Reject(reject) => reject.to_string(),
         NoSetUp::Absurd { adjustment, amount } => format!(
-            "what is wanted would take {} of {} of {}, more than a tenth of the suspension's size",
+            "the wanted values need {} {} of {}, more than a tenth of the suspension's size",
             brief(*amount),
             length.symbol(),
             setup.adjust[*adjustment].name

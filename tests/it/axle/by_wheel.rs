@@ -143,6 +143,25 @@ fn wheels_that_differ_are_set_up_one_by_one() {
     assert_ne!(amount(&wheels[0]), amount(&wheels[1]));
 }
 
+/// An adjustment that no workshop makes is refused with its wheel, its amount and its unit.
+#[test]
+fn absurd_adjustments_of_a_wheel_are_refused() {
+    let (path, out) = (study("five_link_axle.toml"), folder("setup_absurd"));
+    let arguments = [
+        "setup",
+        path.to_str().unwrap(),
+        "--out",
+        out.to_str().unwrap(),
+        "--set",
+        "setup={ adjust = [{ length = \"toe_link\" }], want = { camber = 3.0 } }",
+    ];
+    let (_, said) = run(&arguments, 1);
+    assert!(
+        said.contains("left wheel: the wanted values need ") && said.contains(" mm of toe_link"),
+        "{said}"
+    );
+}
+
 /// Both wheels of a build are drawn by themselves, and no build goes farther than the one that is named.
 #[test]
 fn builds_of_an_axle_have_limits_of_both_wheels() {

@@ -95,7 +95,7 @@ pub fn assemblies(study: &Study, travel: f64, rack_displacement: f64) -> Result<
 
 fn about(side: Option<Side>, sentence: &str) -> String {
     match side {
-        Some(side) => format!("{} wheel: {sentence}", side.name()),
+        Some(side) => side.about(&sentence),
         None => sentence.to_owned(),
     }
 }

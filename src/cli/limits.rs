@@ -5,7 +5,7 @@ use super::output::design_fault;
 use super::printer::Printer;
 use super::{LimitsArguments, StudyArguments};
 use crate::analyse::{Limit, Limits, Range, RangeEnd};
-use crate::axle::AxleEnd;
+use crate::axle::{Axle, AxleEnd};
 use crate::checked::{NamedCurves, motion_alone};
 use crate::curves::{Curves, curves};
 use crate::derive::MotionPoint;
@@ -66,33 +66,23 @@ fn of_axle(arguments: &StudyArguments, study: &Study, both: &AxleStudy) -> Resul
     let limits = limits.map_err(|f| fault(axle.describe_fault(f)))?;
     let alone = motion_alone(study);
     let failures = Solved::of(&alone).map_err(fault)?.failures();
-    let unit = study.suspension.length_unit.symbol();
     let mut table = Table::with_columns(columns()).keyed(2);
     for (side, range) in Side::ALL.into_iter().zip(&limits.travels) {
-        let quantity = format!("{}_travel_{unit}", side.name());
-        let own = Row {
-            quantity,
-            at: "rack 0".to_owned(),
-            factor: 1.0,
-        };
-        table.push(own.of(study, &range.lower, &range.upper));
+        let row = Row::wheel_travel(axle, side);
+        table.push(row.of(study, &range.lower, &range.upper));
     }
     let end = |end: &AxleEnd| {
         let why = match &end.end {
             RangeEnd::Fold(limit) => because(limit, study),
             _ => LOST.to_owned(),
         };
-        (end.value, format!("{} wheel: {why}", end.side.name()))
+        (end.value, end.side.about(&why))
     };
     if let Some(ends) = &limits.rack {
-        let what = [&format!("rack_{unit}"), "travels 0"];
-        let sign = study.suspension.frame.sign(Axis::Y);
-        table.push(row(what, sign, ends.each_ref().map(end)));
+        table.push(Row::axle_rack(axle).cells(ends.each_ref().map(end)));
     }
     if let [Some(lower), Some(upper)] = &limits.roll {
-        let what = ["roll_deg", "heave 0, rack 0"];
-        let degrees = 1.0_f64.to_degrees();
-        table.push(row(what, degrees, [lower, upper].map(end)));
+        table.push(Row::roll().cells([lower, upper].map(end)));
     }
     let mut out = Printer::new(arguments.format);
     out.table("limits", table)?;
@@ -158,8 +148,48 @@ impl Row {
             RangeEnd::Unresolved(value) => (*value, LOST.to_owned()),
         };
         let turn = std::f64::consts::PI;
-        let ends = [end(lower, -turn), end(upper, turn)];
+        self.cells([end(lower, -turn), end(upper, turn)])
+    }
+
+    /// Cells of limits with their causes.
+    fn cells(&self, ends: [(f64, String); 2]) -> [Cell; 6] {
         row([&self.quantity, &self.at], self.factor, ends)
+    }
+
+    /// The limits as the table has them: the lower one first.
+    pub(super) fn in_table(&self, ends: [f64; 2]) -> [f64; 2] {
+        let mut ends = ends.map(|end| end * self.factor);
+        if self.factor < 0.0 {
+            ends.reverse();
+        }
+        ends
+    }
+
+    /// Travel of a wheel of an axle.
+    pub(super) fn wheel_travel(axle: &Axle, side: Side) -> Self {
+        Row {
+            quantity: format!("{}_travel_{}", side.name(), axle.left.length_unit.symbol()),
+            at: "rack 0".to_owned(),
+            factor: 1.0,
+        }
+    }
+
+    /// Rack of an axle, in the study's axes.
+    pub(super) fn axle_rack(axle: &Axle) -> Self {
+        Row {
+            quantity: format!("rack_{}", axle.left.length_unit.symbol()),
+            at: "travels 0".to_owned(),
+            factor: axle.left.frame.sign(Axis::Y),
+        }
+    }
+
+    /// Roll angle of an axle.
+    pub(super) fn roll() -> Self {
+        Row {
+            quantity: "roll_deg".to_owned(),
+            at: "heave 0, rack 0".to_owned(),
+            factor: 1.0_f64.to_degrees(),
+        }
     }
 
     /// Row without a range, for a rack position that the mechanism cannot reach.

@@ -10,7 +10,7 @@ use super::tolerance::{problem, tolerance_of};
 use crate::analyse::Range;
 use crate::axle::{Axle, AxlePlan, axle_curves};
 use crate::mechanism::DesignFault;
-use crate::model::{Axis, Side, Suspension};
+use crate::model::{Side, Suspension};
 use crate::plan::Plan;
 use crate::report::{Cell, Column, Table, brief};
 use crate::solve::Solver;
@@ -101,14 +101,8 @@ impl LimitRanges {
         let mut solver = Solver::new(&suspension.mechanism, &suspension.design)?;
         let limits = solver.limits()?;
         let by_rack = ranges_by_rack(study, &mut solver)?;
-        let ends = |(row, range): (Row, &Range)| {
-            let mut ends = range.ends().map(|end| end * row.factor);
-            if row.factor < 0.0 {
-                ends.reverse();
-            }
-            (row.quantity, row.at, ends)
-        };
         let rows = ranges(study, &limits, &by_rack).into_iter();
+        let ends = |(row, range): (Row, &Range)| in_table(row, range.ends());
         let mut rows: Vec<_> = rows.map(ends).collect();
         let [lower, upper] = limits.travel.ends();
         for range in &limits.rockers {
@@ -133,25 +127,18 @@ impl LimitRanges {
     /// Limits of an axle. An unknown limit of roll is NaN.
     fn of_axle(axle: &Axle, plan: &AxlePlan) -> Result<Self, (Side, DesignFault)> {
         let limits = axle.limits()?;
-        let unit = axle.left.length_unit.symbol();
         let travels = Side::ALL.into_iter().zip(&limits.travels);
-        let travels = travels.map(|(side, range)| {
-            let quantity = format!("{}_travel_{unit}", side.name());
-            (quantity, "rack 0".to_owned(), range.ends())
-        });
+        let travels =
+            travels.map(|(side, range)| in_table(Row::wheel_travel(axle, side), range.ends()));
         let mut rows: Vec<_> = travels.collect();
         if let Some(ends) = &limits.rack {
-            let sign = axle.left.frame.sign(Axis::Y);
-            let mut ends = ends.each_ref().map(|end| end.value * sign);
-            ends.sort_by(f64::total_cmp);
-            rows.push((format!("rack_{unit}"), "travels 0".to_owned(), ends));
+            let ends = ends.each_ref().map(|end| end.value);
+            rows.push(in_table(Row::axle_rack(axle), ends));
         }
         if axle.setup.wheel_radius.is_some() {
-            let ends = limits.roll.each_ref().map(|end| {
-                let value = end.as_ref().map_or(f64::NAN, |end| end.value);
-                value.to_degrees()
-            });
-            rows.push(("roll_deg".to_owned(), "heave 0, rack 0".to_owned(), ends));
+            let ends = limits.roll.each_ref();
+            let ends = ends.map(|end| end.as_ref().map_or(f64::NAN, |end| end.value));
+            rows.push(in_table(Row::roll(), ends));
         }
         let positions = AxlePlan::of(plan.course.clone(), Vec::new());
         let placed = axle_curves(axle, &positions)?.placed;
@@ -180,6 +167,12 @@ impl LimitRanges {
         let mut ends = self.rows.iter().flat_map(|(.., ends)| ends);
         ends.any(|end| end.is_nan())
     }
+}
+
+/// A row with its limits as the table has them.
+fn in_table(row: Row, ends: [f64; 2]) -> (String, String, [f64; 2]) {
+    let ends = row.in_table(ends);
+    (row.quantity, row.at, ends)
 }
 
 /// Smallest limits of some builds; of equal limits, those of the first build.

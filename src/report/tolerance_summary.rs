@@ -132,7 +132,7 @@ fn finite(value: f64) -> Option<f64> {
 pub fn rejected(side: Option<Side>, why: &Reject) -> String {
     match side {
         None => why.to_string(),
-        Some(side) => format!("{} wheel: {why}", side.name()),
+        Some(side) => side.about(why),
     }
 }
 

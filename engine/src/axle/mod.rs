@@ -74,7 +74,7 @@ impl Axle {
     /// Why the design of a wheel cannot be solved, in words with the names of its points.
     pub fn describe_fault(&self, (side, fault): (Side, DesignFault)) -> String {
         let mechanism = &self.suspension(side).mechanism;
-        format!("{} wheel: {}", side.name(), fault.describe(mechanism))
+        side.about(&fault.describe(mechanism))
     }
 
     /// The study's axes as the kernel's frame of a side has them.

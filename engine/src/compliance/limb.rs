@@ -17,7 +17,7 @@
 //!
 //! F^ r^ takes the force before inner unknowns are eliminated.
 
-use super::algebra::{Placed, cross_matrix};
+use super::algebra::Placed;
 use super::bushing::{Bushing, BushingForce};
 use super::point::PointForce;
 use crate::linear::lu::Lu;
@@ -67,17 +67,11 @@ impl<T: Scalar> Sum<T> {
     #[inline(always)]
     pub(super) fn add_point(&mut self, lever: Vector3<T>, point: &PointForce<T>) {
         self.add_force(point.condensed, lever.cross(point.condensed));
-        let left = point.stiffness.crossed_by(lever);
-        let across = cross_matrix(lever);
-        self.add_block(0, 0, &point.stiffness);
-        self.add_block(0, 3, &point.stiffness.times(&across).negated());
-        self.add_block(3, 0, &left);
-        let turn = left.times(&across).negated();
-        self.add_block(3, 3, &turn.plus(&across.crossed_by(point.force)));
+        let [[shift, by_turn], [moment, twist]] = &point.tangents(lever);
+        self.add_blocks([[shift, by_turn], [moment, twist]]);
     }
 
-    /// Tangents of a force at a point that stays where it is while the carrier moves away under it, as of the mount
-    /// of a strut.
+    /// Adds tangents of force and moment by the carrier's shift and turn.
     #[inline(always)]
     pub(super) fn add_blocks(&mut self, blocks: [[&Matrix3<T>; 2]; 2]) {
         for (i, row) in blocks.into_iter().enumerate() {
@@ -191,9 +185,9 @@ impl<T: Scalar> Followers<T> {
         }
     }
 
-    /// A rocker behind a seat: its lever from the joint, how it follows the seat, and what is left.
-    pub(super) fn of_joint(joint: Vector3<T>, slide: Option<(T, Vector3<T>, T)>) -> Self {
-        let slide = slide.map(|(zero, by, rest)| (Vector3::new(zero, zero, zero), by, rest));
+    /// A rocker behind a seat on the joint: how it follows the seat, and what is left.
+    pub(super) fn of_joint(joint: Vector3<T>, slide: Option<(Vector3<T>, T)>) -> Self {
+        let slide = slide.map(|(by, rest)| (joint.zero(), by, rest));
         Followers {
             joint: Some(joint),
             slide,

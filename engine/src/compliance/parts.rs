@@ -280,7 +280,7 @@ impl<T: Scalar> LegSeat<T> {
         };
         let lever = at.carrier.lever(self.joint);
         sum.add_point(lever, &at_joint.leverless_if(at.balance_only));
-        let slide = slide.map(|slide| (at.rack.zero(), along * arm.dot(slide.by), slide.rest));
+        let slide = slide.map(|slide| (along * arm.dot(slide.by), slide.rest));
         let mut inner = [at.rack.zero(); 7];
         inner[6] = moment;
         Evaluated {

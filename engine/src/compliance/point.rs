@@ -19,7 +19,7 @@
 //! A rigid rod makes theta, and so the length of the spring, a function of the rod's outer end; its second derivatives
 //! come from nested derivative numbers.
 
-use super::algebra::second_order;
+use super::algebra::{cross_matrix, second_order};
 use crate::axle::{Law as SpringShape, SpringLaw};
 use crate::mechanism::Turn;
 use crate::number::{Dual, Jet, Matrix3, Scalar, Vector3};
@@ -63,6 +63,19 @@ impl<T: Scalar> PointForce<T> {
             condensed: force,
             stiffness,
         }
+    }
+
+    /// Tangents of force and moment on a body by its shift and turn, with the point at this lever. Equation (3) of
+    /// `limb.rs`.
+    #[inline(always)]
+    pub(super) fn tangents(&self, lever: Vector3<T>) -> [[Matrix3<T>; 2]; 2] {
+        let across = cross_matrix(lever);
+        let moment = self.stiffness.crossed_by(lever);
+        let twist = moment.times(&across).negated();
+        [
+            [self.stiffness, self.stiffness.times(&across).negated()],
+            [moment, twist.plus(&across.crossed_by(self.force))],
+        ]
     }
 
     /// A pull along the unit vector from the fixed point. Equation (1).

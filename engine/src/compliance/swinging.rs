@@ -1,6 +1,5 @@
 //! Arms on bushings, and links with a ball joint at the carrier: parts that swing about their outer joint.
 
-use super::algebra::cross_matrix;
 use super::bushing::{Bushing, BushingState};
 use super::limb::{
     Conditions, Eliminated, Evaluated, Followers, LimbState, Sum, eliminated, is_positive,
@@ -182,15 +181,12 @@ impl<T: Scalar> OwnSum<T> {
         let all = &mut self.at_joint;
         all.force = all.force + point.force;
         all.condensed = all.condensed + point.condensed;
-        all.stiffness = all.stiffness.plus(&point.stiffness);
-        let across = cross_matrix(lever);
-        let left = point.stiffness.crossed_by(lever);
-        let right = point.stiffness.times(&across);
-        self.joint_by_turn = self.joint_by_turn.plus(&right.negated());
+        let [[shift, by_turn], [moment, twist]] = point.tangents(lever);
+        all.stiffness = all.stiffness.plus(&shift);
+        self.joint_by_turn = self.joint_by_turn.plus(&by_turn);
         self.moment = self.moment + lever.cross(point.condensed);
-        self.moment_by_joint = self.moment_by_joint.plus(&left);
-        self.by_turn = self.by_turn.plus(&left.times(&across).negated());
-        self.by_turn = self.by_turn.plus(&across.crossed_by(point.force));
+        self.moment_by_joint = self.moment_by_joint.plus(&moment);
+        self.by_turn = self.by_turn.plus(&twist);
     }
 
     /// Eliminates the three turns.

@@ -46,11 +46,7 @@ impl NoPose {
                 side,
                 failure: failure @ Failure::RackUnreachable { .. },
                 ..
-            } => format!(
-                "{} wheel: {}",
-                side.name(),
-                failure.describe(unit, frame_of(*side))
-            ),
+            } => side.about(&failure.describe(unit, frame_of(*side))),
             NoPose::Wheel {
                 side,
                 travel,

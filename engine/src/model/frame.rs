@@ -69,6 +69,11 @@ impl Side {
         ["left", "right"][self as usize]
     }
 
+    /// Puts the wheel of this side before a sentence about it: "left wheel: ...".
+    pub fn about(self, sentence: &impl std::fmt::Display) -> String {
+        format!("{} wheel: {sentence}", self.name())
+    }
+
     /// 1 for left, -1 for right: a rack that moves to the left, in the frame of a side, and half a difference of the two.
     pub fn sign(self) -> f64 {
         [1.0, -1.0][self as usize]

@@ -58,9 +58,7 @@ impl Failing {
             status: Status::Failed(*failure).word().to_owned(),
             reason: match failure {
                 NoPose::Corner(failure) => reason(failure),
-                NoPose::Wheel { side, failure, .. } => {
-                    format!("{} wheel: {}", side.name(), reason(failure))
-                }
+                NoPose::Wheel { side, failure, .. } => side.about(&reason(failure)),
                 failure => failure.to_string(),
             },
             stations: 0,

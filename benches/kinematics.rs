@@ -28,9 +28,9 @@ const STATIONS: usize = 41;
 #[divan::bench]
 fn poses(bencher: Bencher) {
     let study = front();
-    let suspension = &study.suspension;
+    let suspension = study.wheel();
     let mut solver = Solver::new(&suspension.mechanism, &suspension.design).unwrap();
-    let station_order = StationOrder::through(&study.motion.values);
+    let station_order = StationOrder::through(&study.motion().values);
     bencher.counter(ItemsCount::new(STATIONS)).bench_local(|| {
         solver.prepare(black_box(&suspension.design)).unwrap();
         let mut sum = 0.0;
@@ -49,10 +49,10 @@ fn poses(bencher: Bencher) {
 #[divan::bench(consts = [1, 3])]
 fn gradients<const N: usize>(bencher: Bencher) {
     let study = front();
-    let suspension = &study.suspension;
+    let suspension = study.wheel();
     let mut solver = Solver::new(&suspension.mechanism, &suspension.design).unwrap();
     let mut design_series = DesignSeries::<N>::new(&suspension.mechanism, &suspension.design);
-    let station_order = StationOrder::through(&study.motion.values);
+    let station_order = StationOrder::through(&study.motion().values);
     let mut buffer = vec![Vector3::new(0.0, 0.0, 0.0).map(Jet::constant); suspension.design.len()];
     bencher.counter(ItemsCount::new(STATIONS)).bench_local(|| {
         solver.prepare(black_box(&suspension.design)).unwrap();
@@ -97,13 +97,5 @@ fn gradients<const N: usize>(bencher: Bencher) {
 fn tuning(bencher: Bencher) {
     let study = front();
     let optimise = study.optimise.clone().unwrap();
-    bencher.bench_local(|| {
-        tune(
-            &study.suspension,
-            &study.motion,
-            black_box(&optimise),
-            Control::default(),
-        )
-        .unwrap()
-    });
+    bencher.bench_local(|| tune(&study.vehicle, black_box(&optimise), Control::default()).unwrap());
 }

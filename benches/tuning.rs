@@ -70,9 +70,9 @@ fn a_front(bencher: Bencher) {
         "optimise.front=[\"camber\", \"kingpin_inclination\"]",
     ]);
     let optimise = contradicting(study.optimise.as_ref().unwrap());
-    let (suspension, motion, control) = (&study.suspension, &study.motion, Control::default());
-    let tuning = tune(suspension, motion, &optimise, control).unwrap();
-    let found = || front(suspension, motion, &optimise, &tuning, control).unwrap();
+    let (vehicle, control) = (&study.vehicle, Control::default());
+    let tuning = tune(vehicle, &optimise, control).unwrap();
+    let found = || front(vehicle, &optimise, &tuning, control).unwrap();
     println!("{} points", found().choices.len());
     bencher.bench_local(found);
 }
@@ -82,9 +82,9 @@ fn a_front(bencher: Bencher) {
 fn a_price_list(bencher: Bencher) {
     let study = strut(&[CONSTRAINTS]);
     let optimise = study.optimise.as_ref().unwrap();
-    let (suspension, motion, control) = (&study.suspension, &study.motion, Control::default());
+    let (vehicle, control) = (&study.vehicle, Control::default());
     let tuning = tuned(&study);
-    bencher.bench_local(|| price_list(suspension, motion, optimise, &tuning, control).unwrap());
+    bencher.bench_local(|| price_list(vehicle, optimise, &tuning, control).unwrap());
 }
 
 /// Camber that grows with travel against an inclination that does not follow: fewer variables.

@@ -121,8 +121,8 @@ impl Wheel<'_> {
 /// The wheels to search. A displaced rack moves towards one wheel and away from the other, so that even mirror images
 /// differ.
 fn wheels(study: &Study, rack: f64) -> Vec<Wheel<'_>> {
-    let Some(both) = &study.axle else {
-        let suspension = &study.suspension;
+    let Some(both) = study.axle() else {
+        let suspension = study.wheel();
         let signs = Axis::ALL.map(|axis| suspension.frame.sign(axis));
         return vec![Wheel {
             side: None,

@@ -5,7 +5,7 @@ use crate::model::Suspension;
 use crate::plan::Plan;
 use crate::report::{FailureRange, variable_plausibility};
 use crate::solved::Solved;
-use crate::study::Study;
+use crate::study::{Study, Vehicle, WheelStudy};
 
 /// Curves of a study that `solve` takes.
 pub struct Checked<'s> {
@@ -64,13 +64,15 @@ pub struct NamedCurves {
 impl NamedCurves {
     /// Those of every named motion; of an axle none, whose named motions are for constraints.
     pub fn all(study: &Study) -> Result<Vec<Self>, String> {
-        let motions = study.motions.iter().filter(|_| study.axle.is_none());
-        let named = motions.map(|(name, motion)| {
-            let plan = Plan::of(&Study {
+        let Some(own) = study.one_wheel() else {
+            return Ok(Vec::new());
+        };
+        let named = study.motions.iter().map(|(name, motion)| {
+            let plan = Plan::of(&WheelStudy {
                 motion: motion.clone(),
-                ..study.clone()
+                ..own.clone()
             });
-            let wheel = &study.suspension;
+            let wheel = &own.suspension;
             let curves = curves(wheel, &plan).map_err(|f| f.describe(&wheel.mechanism))?;
             Ok(NamedCurves {
                 name: name.clone(),
@@ -102,10 +104,12 @@ pub fn motion_file(name: &str) -> String {
 /// The study with its motion as `solve` visits it, and no sensitivities or proofs.
 pub fn motion_alone(study: &Study) -> Study {
     let mut alone = study.clone();
-    alone.outputs.sensitivities.clear();
-    alone.outputs.certify = false;
-    if let Some(both) = &mut alone.axle {
-        both.plan = both.plan.values_alone();
+    match &mut alone.vehicle {
+        Vehicle::Wheel(own) => {
+            own.outputs.sensitivities.clear();
+            own.outputs.certify = false;
+        }
+        Vehicle::Axle(both) => both.plan = both.plan.values_alone(),
     }
     alone
 }

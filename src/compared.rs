@@ -4,7 +4,7 @@ use crate::axle::{Axle, AxleMotion};
 use crate::model::{Axis, LengthUnit, Suspension};
 use crate::report::{Compared, ComparedPoints, CurveTable, NamedPoints};
 use crate::solved::Solved;
-use crate::study::{Drive, Motion, Study};
+use crate::study::{Drive, Motion, Study, Vehicle};
 
 /// Motion of the first study, over which the others are solved.
 #[derive(Clone, Debug)]
@@ -28,19 +28,23 @@ pub enum FirstMotion {
 impl FirstMotion {
     /// Returns the motion of a study; `None` if other studies keep their own.
     pub fn of(study: &Study) -> Option<FirstMotion> {
-        if let Some(both) = &study.axle {
-            let (motion, axle) = (both.plan.course.clone(), Box::new(both.axle.clone()));
-            return Some(FirstMotion::Axle { motion, axle });
+        match &study.vehicle {
+            Vehicle::Axle(both) => {
+                let (motion, axle) = (both.plan.course.clone(), Box::new(both.axle.clone()));
+                Some(FirstMotion::Axle { motion, axle })
+            }
+            Vehicle::Wheel(own) => {
+                let (motion, unit) = (own.motion.clone(), own.suspension.length_unit);
+                is_over_travel(&motion).then_some(FirstMotion::Wheel { motion, unit })
+            }
         }
-        let (motion, unit) = (study.motion.clone(), study.suspension.length_unit);
-        is_over_travel(&motion).then_some(FirstMotion::Wheel { motion, unit })
     }
 
     /// Replaces the motion of a further study of the same kind. `Comparison::of` refuses a mixture of wheels and axles.
     fn replace_in(&self, study: &mut Study) -> Result<(), String> {
-        let to = study.suspension.length_unit;
-        match (self, &mut study.axle) {
-            (FirstMotion::Axle { motion, axle }, Some(both)) => {
+        let to = study.wheel().length_unit;
+        match (self, &mut study.vehicle) {
+            (FirstMotion::Axle { motion, axle }, Vehicle::Axle(both)) => {
                 let [own, other] = [&**axle, &both.axle].map(|axle| axle.left.frame.sign(Axis::Y));
                 if motion.shows_rack && own != other {
                     let why = "rack: the first study's y axis points the other way; give both studies the same frame";
@@ -48,12 +52,14 @@ impl FirstMotion {
                 }
                 both.plan.course = motion.for_axle(axle, &both.axle)?;
             }
-            (FirstMotion::Wheel { motion, unit }, None) if is_over_travel(&study.motion) => {
+            (FirstMotion::Wheel { motion, unit }, Vehicle::Wheel(own))
+                if is_over_travel(&own.motion) =>
+            {
                 let ratio = to.per_metre() / unit.per_metre();
                 let scaled = |lengths: &[f64]| lengths.iter().map(|l| l * ratio).collect();
-                study.motion.values = scaled(&motion.values);
-                study.motion.rack = scaled(&motion.rack);
-                study.motion.rack_moves = motion.rack_moves;
+                own.motion.values = scaled(&motion.values);
+                own.motion.rack = scaled(&motion.rack);
+                own.motion.rack_moves = motion.rack_moves;
             }
             _ => (),
         }
@@ -87,8 +93,8 @@ pub fn of_study(
 
 /// A design with these curves, and with the points of both wheels if its axle has a right wheel of its own.
 pub fn compared(label: String, study: &Study, curves: CurveTable) -> Compared {
-    let suspension = &study.suspension;
-    let axle = study.axle.as_ref().map(|both| &both.axle);
+    let suspension = study.wheel();
+    let axle = study.axle().map(|both| &both.axle);
     let right = axle.and_then(|axle| axle.right.as_ref());
     let points = match right {
         Some(right) => ComparedPoints::BothWheels([suspension, right].map(named)),

@@ -2,7 +2,7 @@
 
 use crate::assembly::NoSetUp;
 use crate::solved::{Labelled, Solved};
-use crate::study::{Outputs, Study};
+use crate::study::{Formulation, Outputs, Study, Vehicle};
 use crate::tolerance::{MonteCarlo, Problem};
 
 /// The curves of percentiles of builds, by their place among [`crate::tolerance::PERCENTILES`].
@@ -25,10 +25,12 @@ pub const FAN_FILES: [&str; 5] = [
 /// The study with the curves of its nominal design alone, in the quantities that builds are evaluated for.
 pub fn curves_alone(study: &Study) -> Study {
     let mut plain = study.clone();
-    plain.formulation = crate::study::Formulation::KnucklePose;
-    plain.outputs = Outputs::of(plain.outputs.characteristics);
-    if let Some(both) = &mut plain.axle {
-        both.plan = both.plan.quantities_alone();
+    match &mut plain.vehicle {
+        Vehicle::Wheel(own) => {
+            own.formulation = Formulation::KnucklePose;
+            own.outputs = Outputs::of(std::mem::take(&mut own.outputs.characteristics));
+        }
+        Vehicle::Axle(both) => both.plan = both.plan.quantities_alone(),
     }
     plain
 }
@@ -60,7 +62,7 @@ pub fn with_fans<R>(
 /// Describes why builds cannot be aligned, or not be made.
 pub fn refusal(study: &Study, reason: NoSetUp) -> String {
     match reason {
-        NoSetUp::Fault(reason) => reason.describe(&study.suspension.mechanism),
+        NoSetUp::Fault(reason) => reason.describe(&study.wheel().mechanism),
         NoSetUp::Reject(reject) => reject.to_string(),
         NoSetUp::Unsettled | NoSetUp::OutOfReach(_) | NoSetUp::Absurd { .. } => {
             "aligned = true, but the adjustments of [setup] do not move toe and camber independently"

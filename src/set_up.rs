@@ -2,7 +2,7 @@
 
 use crate::assembly::{Assembler, NoSetUp, SetUp};
 use crate::report::{SetUpSide, SetUpSummary, Table, set_up_refusal};
-use crate::study::{Formulation, Setup, Study};
+use crate::study::{Formulation, Setup, Study, Vehicle, WheelStudy};
 use serde::Serialize;
 
 /// A set-up of every wheel.
@@ -137,7 +137,7 @@ fn refusal(
 /// A wheel to set up.
 struct WheelToSetUp {
     side: Option<SetUpSide>,
-    /// The study with this wheel as its suspension.
+    /// The study of this wheel alone.
     study: Study,
     assembler: Assembler,
 }
@@ -145,8 +145,8 @@ struct WheelToSetUp {
 impl WheelToSetUp {
     /// The wheels to set up: both wheels of an axle if the right one is no mirror image.
     fn all(study: &Study) -> Result<Vec<Self>, String> {
-        let mut wheels = vec![(None, study.suspension.clone())];
-        if let Some(both) = &study.axle {
+        let mut wheels = vec![(None, study.wheel().clone())];
+        if let Some(both) = study.axle() {
             wheels[0].0 = Some(SetUpSide::Both);
             if let Some(right) = &both.axle.right {
                 wheels[0].0 = Some(SetUpSide::Left);
@@ -155,10 +155,10 @@ impl WheelToSetUp {
         }
         let wheel = |(side, suspension)| {
             let mut study = study.clone();
-            study.suspension = suspension;
-            let assembler = Assembler::new(&study.suspension);
+            study.vehicle = Vehicle::Wheel(Box::new(WheelStudy::of(suspension)));
+            let assembler = Assembler::new(study.wheel());
             let fault = |fault: crate::mechanism::DesignFault| {
-                about(side, &fault.describe(&study.suspension.mechanism))
+                about(side, &fault.describe(&study.wheel().mechanism))
             };
             Ok(WheelToSetUp {
                 side,
@@ -180,11 +180,13 @@ fn adjusted(study: &Study, found: &[SetUp]) -> Study {
     let mut wheels = found
         .iter()
         .map(|found| found.last().built.suspension.clone());
-    adjusted.suspension = wheels.next().expect("a set-up has one wheel at least");
-    if let Some(both) = &mut adjusted.axle {
-        let wheels = (adjusted.suspension.clone(), wheels.next());
-        both.axle = both.axle.with_wheels(wheels.0, wheels.1);
+    let first = wheels.next().expect("a set-up has one wheel at least");
+    match &mut adjusted.vehicle {
+        Vehicle::Axle(both) => both.axle = both.axle.with_wheels(first, wheels.next()),
+        Vehicle::Wheel(own) => {
+            own.suspension = first;
+            own.formulation = Formulation::KnucklePose;
+        }
     }
-    adjusted.formulation = Formulation::KnucklePose;
     adjusted
 }

@@ -9,7 +9,7 @@ use crate::report::{
     FailureRange, Record, SolveSummary, Summary, both_wheels_plausibility, curves_csv,
     plausibility, rack_doubt, remarks, sensitivities_csv,
 };
-use crate::study::{AxleStudy, Study};
+use crate::study::{AxleStudy, Study, Vehicle};
 
 /// The curves of a study. An error is a wheel that cannot be solved in its design position, in words.
 pub struct Solved<'s> {
@@ -31,23 +31,27 @@ pub type Labelled<'a> = (&'a str, &'a str, &'a Solved<'a>);
 impl<'s> Solved<'s> {
     /// Curves of the outputs of a study.
     pub fn of(study: &'s Study) -> Result<Self, String> {
-        match &study.axle {
-            None => Solved::of_wheel(study, Plan::of(study)),
-            Some(both) => Solved::of_axle(study, both, both.plan.clone()),
+        match &study.vehicle {
+            Vehicle::Wheel(own) => Solved::of_wheel(study, Plan::of(own)),
+            Vehicle::Axle(both) => Solved::of_axle(study, both, both.plan.clone()),
         }
     }
 
     /// Curves of the outputs of a study and of the quantities of its targets.
     pub fn with_targets(study: &'s Study) -> Result<Self, String> {
         let targets = study.optimise.as_ref().map(|o| &o.targets[..]);
-        match &study.axle {
-            None => Solved::of_wheel(study, Plan::with_targets(study)),
-            Some(both) => Solved::of_axle(study, both, both.plan_with(targets.unwrap_or(&[]))),
+        match &study.vehicle {
+            Vehicle::Wheel(own) => {
+                Solved::of_wheel(study, Plan::with_targets(own, study.optimise.as_ref()))
+            }
+            Vehicle::Axle(both) => {
+                Solved::of_axle(study, both, both.plan_with(targets.unwrap_or(&[])))
+            }
         }
     }
 
     fn of_wheel(study: &'s Study, plan: Plan) -> Result<Self, String> {
-        let wheel = &study.suspension;
+        let wheel = study.wheel();
         let curves = curves(wheel, &plan).map_err(|f| f.describe(&wheel.mechanism))?;
         Ok(Solved {
             study,
@@ -117,7 +121,7 @@ impl<'s> Solved<'s> {
 
     /// Doubts about the design, a line each.
     pub fn plausibility(&self) -> Result<Vec<String>, String> {
-        let wheel = &self.study.suspension;
+        let wheel = self.study.wheel();
         let mut found = match &self.plan {
             Planned::Corner(_) => plausibility(wheel).map_err(|f| f.describe(&wheel.mechanism))?,
             Planned::Axle(both, plan, placed) => {
@@ -135,12 +139,12 @@ impl<'s> Solved<'s> {
 
     /// Remarks on the curves, a line each: on their accuracy, and on values that they lack.
     pub fn remarks(&self) -> Vec<String> {
-        remarks(&self.curves, self.study.suspension.length_unit)
+        remarks(&self.curves, self.study.wheel().length_unit)
     }
 
     /// Stations without a position.
     pub fn failures(&self) -> Vec<FailureRange> {
-        FailureRange::all(&self.curves, &self.study.suspension)
+        FailureRange::all(&self.curves, self.study.wheel())
     }
 
     /// `summary.json` of a solve.
@@ -163,14 +167,14 @@ impl<'s> Solved<'s> {
         match &last.plan {
             Planned::Corner(plan) => {
                 let wheels = designs.iter().map(|(label, file, solved)| {
-                    (*label, *file, &solved.study.suspension, &solved.curves)
+                    (*label, *file, solved.study.wheel(), &solved.curves)
                 });
                 let record = Record::of(command, study, plan, &wheels.collect::<Vec<_>>());
-                record.map_err(|f| f.describe(&study.suspension.mechanism))
+                record.map_err(|f| f.describe(&study.wheel().mechanism))
             }
             Planned::Axle(both, plan, _) => {
                 let axles = designs.iter().filter_map(|(label, file, solved)| {
-                    let own = &solved.study.axle.as_ref()?.axle;
+                    let own = &solved.study.axle()?.axle;
                     Some((*label, *file, own, &solved.curves))
                 });
                 let record = Record::of_axle(command, study, plan, &axles.collect::<Vec<_>>());

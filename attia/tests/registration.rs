@@ -11,7 +11,8 @@ use std::path::Path;
 fn a_study_is_refused_until_its_formulation_is_registered() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../studies/attia.toml");
     let study = Study::read(&path, &[]).unwrap_or_else(|e| panic!("{e}"));
-    let solve = || hardpoint_engine::curves::curves(&study.suspension, &Plan::of(&study));
+    let solve =
+        || hardpoint_engine::curves::curves(study.wheel(), &Plan::of(study.one_wheel().unwrap()));
     let fault = solve().unwrap_err();
     assert_eq!(fault, DesignFault::NoFormulation("point_coordinates"));
     assert!(

@@ -95,7 +95,7 @@ fn asking(study: &Study, quantities: Vec<Quantity>) -> Study {
     let mut asking = study.clone();
     asking.optimise = None;
     asking.sweep = None;
-    if let Some(both) = &mut asking.axle {
+    if let Some(both) = asking.axle_mut() {
         both.plan = both.plan.quantities_alone();
         both.plan.quantities = quantities;
     }

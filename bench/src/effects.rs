@@ -7,12 +7,12 @@ use hardpoint_engine::characteristics::Characteristic;
 use hardpoint_engine::curves::curves;
 use hardpoint_engine::derive::MotionPoint;
 use hardpoint_engine::mechanism::{Pose, Work};
-use hardpoint_engine::model::{Drive, PointId, Suspension, Vehicle};
+use hardpoint_engine::model::{Drive, PointId, Suspension, VehicleFigures};
 use hardpoint_engine::number::Vector3;
 use hardpoint_engine::plan::Plan;
 use hardpoint_engine::solve::Solver;
 use hardpoint_engine::study::{
-    Formulation, Load, LoadPoint, Motion, Order, Outputs, Study, TimeLaw,
+    Formulation, Load, LoadPoint, Motion, Order, Outputs, TimeLaw, WheelStudy,
 };
 use std::hint::black_box;
 
@@ -41,7 +41,7 @@ pub struct Effects {
 /// An effect as a change to a study.
 struct Change {
     name: &'static str,
-    apply: fn(&mut Study),
+    apply: fn(&mut WheelStudy),
 }
 
 const CHANGES: [Change; 12] = [
@@ -52,12 +52,12 @@ const CHANGES: [Change; 12] = [
     Change {
         name: "everything declared, nothing asked for",
         apply: |study| {
-            study.suspension.vehicle = Vehicle {
+            study.suspension.vehicle = VehicleFigures {
                 wheelbase: Some(2600.0),
                 track: Some(1500.0),
                 cg_height: Some(500.0),
                 brake_share_front: Some(0.6),
-                ..Vehicle::default()
+                ..VehicleFigures::default()
             };
             study.suspension.wheel_radius.get_or_insert(300.0);
         },
@@ -147,7 +147,7 @@ const CHANGES: [Change; 12] = [
 
 impl Effects {
     /// Measures each effect on the suspension of a study, over its travels.
-    pub fn measure(study: &Study, clock: &Clock) -> Result<Self, Unmeasurable> {
+    pub fn measure(study: &WheelStudy, clock: &Clock) -> Result<Self, Unmeasurable> {
         let subject = Subject::of(study)?;
         let mut base = study.clone();
         base.formulation = Formulation::KnucklePose;
@@ -156,7 +156,7 @@ impl Effects {
             ..wheel_travel(&subject.travels)
         };
         base.outputs = Outputs::of(vec![Characteristic::Camber]);
-        base.suspension.vehicle = Vehicle::default();
+        base.suspension.vehicle = VehicleFigures::default();
         let mut added = base.clone();
         let mut runs = Vec::new();
         for change in &CHANGES {
@@ -206,7 +206,7 @@ struct Planned {
 }
 
 impl Planned {
-    fn of(study: &Study) -> Result<Self, Unmeasurable> {
+    fn of(study: &WheelStudy) -> Result<Self, Unmeasurable> {
         let plan = Plan::of(study);
         let found = curves(&study.suspension, &plan)?;
         Ok(Planned {
@@ -241,7 +241,7 @@ struct Proofs<'m> {
 }
 
 impl<'m> Proofs<'m> {
-    fn of(base: &Study, subject: &'m Subject<'_>) -> Result<Self, Unmeasurable> {
+    fn of(base: &WheelStudy, subject: &'m Subject<'_>) -> Result<Self, Unmeasurable> {
         let suspension = subject.suspension;
         let mechanism = &suspension.mechanism;
         let mut solver = Solver::new(mechanism, &suspension.design)?;

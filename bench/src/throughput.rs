@@ -72,12 +72,12 @@ impl Throughput {
     /// Measures on the suspension of a study, over its travels, on up to `threads` threads; on an axle over its whole
     /// motion, a pose being one position of both wheels.
     pub fn measure(study: &Study, threads: usize, clock: &Clock) -> Result<Self, Unmeasurable> {
-        if let Some(both) = &study.axle {
+        if let Some(both) = study.axle() {
             let measurements = super::axle::measure(study, both, threads, clock)?;
             return Ok(Throughput { measurements });
         }
-        let suspension = &study.suspension;
-        let motion = wheel_travel(&study.motion.values);
+        let suspension = study.wheel();
+        let motion = wheel_travel(&study.motion().values);
         let stations = Stations::of(&motion, &suspension.frame, &[]);
         let at_angles = at_arm_angles(&motion, &suspension.frame);
         Solver::new(&suspension.mechanism, &suspension.design)?;

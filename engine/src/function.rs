@@ -25,7 +25,7 @@ use crate::model::{Axis, Drive, PointId, Side, Suspension};
 use crate::number::{Vector3, Width};
 use crate::optimise::{PointRate, moved_design, point_rates};
 use crate::plan::{Output, Plan};
-use crate::study::{AxleStudy, Formulation, Study, Variable};
+use crate::study::{AxleStudy, Formulation, Study, Variable, Vehicle, WheelStudy};
 use nalgebra::DVector;
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -73,21 +73,17 @@ impl DesignFunction {
         study: &Study,
         names: Vec<DesignVariable>,
     ) -> Result<Self, FunctionError> {
-        let is_own_drive = study.motion.drive != crate::study::Drive::PaperTheta;
-        if study.formulation != Formulation::KnucklePose || !is_own_drive {
-            return Err(FunctionError::Formulation);
-        }
-        let (request, motion) = match &study.axle {
-            Some(both) => of_axle(both),
-            None => of_corner(study)?,
+        let (request, motion) = match &study.vehicle {
+            Vehicle::Axle(both) => of_axle(both),
+            Vehicle::Wheel(own) => of_corner(own)?,
         };
         let variables: Vec<Variable> = names.iter().map(|v| v.moved.clone()).collect();
         let mut moved: Vec<PointId> = variables.iter().flat_map(Variable::points).collect();
         moved.sort_unstable();
         moved.dedup();
-        let right = study.axle.as_ref().and_then(|both| both.axle.right.clone());
+        let right = study.axle().and_then(|both| both.axle.right.clone());
         let function = DesignFunction {
-            suspension: Arc::new(study.suspension.clone()),
+            suspension: Arc::new(study.wheel().clone()),
             right: right.map(Arc::new),
             of_motion: request.stations().of_motion().collect(),
             motion,
@@ -97,13 +93,13 @@ impl DesignFunction {
             moved,
         };
         let solved = function.gradients().map(drop);
-        let solved = solved.map_err(|(side, fault)| match &study.axle {
+        let solved = solved.map_err(|(side, fault)| match study.axle() {
             Some(both) => both.axle.describe_fault((side, fault)),
-            None => fault.describe(&study.suspension.mechanism),
+            None => fault.describe(&study.wheel().mechanism),
         });
         let solved = solved.and_then(|()| {
             let values = function.values().map(drop);
-            values.map_err(|fault| fault.describe(&study.suspension.mechanism))
+            values.map_err(|fault| fault.describe(&study.wheel().mechanism))
         });
         // From here on workspaces can be made.
         solved.map_err(FunctionError::Design)?;
@@ -169,9 +165,13 @@ impl DesignFunction {
 }
 
 /// The request of a corner's outputs over its motion, and drive value and rack of each station as results print them.
-fn of_corner(study: &Study) -> Result<(Request<'static>, Vec<[f64; 2]>), FunctionError> {
-    let suspension = &study.suspension;
-    let mut plan = Plan::of(study);
+fn of_corner(own: &WheelStudy) -> Result<(Request<'static>, Vec<[f64; 2]>), FunctionError> {
+    let is_own_drive = own.motion.drive != crate::study::Drive::PaperTheta;
+    if own.formulation != Formulation::KnucklePose || !is_own_drive {
+        return Err(FunctionError::Formulation);
+    }
+    let suspension = &own.suspension;
+    let mut plan = Plan::of(own);
     let is_output = |o: &Output| !matches!(o.quantity, Quantity::AngularVelocity(_));
     plan.outputs.retain(is_output);
     for output in &mut plan.outputs {
@@ -182,7 +182,7 @@ fn of_corner(study: &Study) -> Result<(Request<'static>, Vec<[f64; 2]>), Functio
     }
     let columns = Column::all(&plan, suspension.length_unit);
     let quantities = plan.outputs.iter().map(|o| o.quantity).collect();
-    let stations = Stations::of(&study.motion, &suspension.frame, &[]);
+    let stations = Stations::of(&own.motion, &suspension.frame, &[]);
     let sign = suspension.frame.sign(Axis::Y);
     let printed = |value: f64| match stations.drive {
         Drive::Travel => value,

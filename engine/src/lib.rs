@@ -88,7 +88,7 @@ pub mod tolerance;
 pub use mechanism::{BuildError, GeometryFault, HardpointFault, SuspensionBuilder};
 pub use model::{
     Axis, AxlePosition, Frame, FrameConvention, Group, Hardpoint, LengthUnit, PointId, Rod, Side,
-    Suspension, Topology, TorquePath, Vehicle,
+    Suspension, Topology, TorquePath, VehicleFigures,
 };
 pub use number::Vector3;
 
@@ -100,7 +100,7 @@ pub use study::{
     About, AxleSite, AxleStudy, Constraint, DesignTable, Designs, Drive, FileFormat, Formulation,
     Interpolation, Limit, Limited, Load, LoadPoint, Motion, Move, Optimise, Order, Outputs,
     Sampled, Sampling, Scatter, Setup, Site, Study, StudyError, StudyErrors, Subject, Sweep,
-    SweepVariable, Target, TimeLaw, Tolerance, Turn, Variable, Wanted,
+    SweepVariable, Target, TimeLaw, Tolerance, Turn, Variable, Vehicle, Wanted, WheelStudy,
 };
 
 // The answers.

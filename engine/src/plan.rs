@@ -10,7 +10,7 @@ pub use effects::Effect;
 use crate::characteristics::{Characteristic, Constants, Quantity, Slots};
 use crate::model::{Axis, PointId};
 use crate::solve::StationOrder;
-use crate::study::{Drive, Formulation, Load, Order, Study, TimeLaw};
+use crate::study::{Drive, Formulation, Load, Optimise, Order, TimeLaw, WheelStudy};
 
 /// One quantity with the derivatives asked for.
 #[derive(Clone, Debug, PartialEq)]
@@ -61,26 +61,31 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// The plan of a study's curves.
-    pub fn of(study: &Study) -> Plan {
-        Plan::with(study, &study.outputs.characteristics)
+    /// The plan of a wheel's curves.
+    pub fn of(own: &WheelStudy) -> Plan {
+        Plan::with(own, &own.outputs.characteristics)
     }
 
     /// The plan of the curves before and after an optimisation: those of the study, and the targets'.
-    pub fn with_targets(study: &Study) -> Plan {
-        let mut characteristics = study.outputs.characteristics.clone();
-        let targets = study.optimise.iter().flat_map(|o| &o.targets);
+    pub fn with_targets(own: &WheelStudy, optimise: Option<&Optimise>) -> Plan {
+        let mut characteristics = own.outputs.characteristics.clone();
+        let targets = optimise.iter().flat_map(|o| &o.targets);
         for characteristic in targets.filter_map(|target| target.of.as_characteristic()) {
             if !characteristics.contains(&characteristic) {
                 characteristics.push(characteristic);
             }
         }
-        Plan::with(study, &characteristics)
+        Plan::with(own, &characteristics)
     }
 
-    fn with(study: &Study, characteristics: &[Characteristic]) -> Plan {
-        let suspension = &study.suspension;
-        let highest = study.outputs.order as usize;
+    fn with(own: &WheelStudy, characteristics: &[Characteristic]) -> Plan {
+        let WheelStudy {
+            suspension,
+            motion,
+            formulation,
+            outputs: asked,
+        } = own;
+        let highest = asked.order as usize;
         let length = suspension.length_unit;
         let mut outputs = Vec::new();
         for c in characteristics {
@@ -93,7 +98,7 @@ impl Plan {
                 highest,
             });
         }
-        for point in &study.outputs.points {
+        for point in &asked.points {
             for axis in Axis::ALL {
                 outputs.push(Output {
                     quantity: Quantity::Coordinate(*point, axis),
@@ -104,7 +109,7 @@ impl Plan {
                 });
             }
         }
-        if study.outputs.knuckle && highest > 0 {
+        if asked.knuckle && highest > 0 {
             for axis in Axis::ALL {
                 outputs.push(Output {
                     quantity: Quantity::AngularVelocity(axis),
@@ -121,19 +126,19 @@ impl Plan {
             .max()
             .unwrap_or(1);
         Plan {
-            drive: study.motion.drive,
-            formulation: study.formulation,
-            station_order: StationOrder::through(&study.motion.values),
-            racks: study.motion.rack.clone(),
-            rack_moves: study.motion.rack_moves,
+            drive: motion.drive,
+            formulation: *formulation,
+            station_order: StationOrder::through(&motion.values),
+            racks: motion.rack.clone(),
+            rack_moves: motion.rack_moves,
             rack_sign: suspension.frame.sign(Axis::Y),
-            time: study.motion.time.clone(),
+            time: motion.time.clone(),
             reads: Slots::of(outputs.iter().map(|o| o.quantity.reads())),
             outputs,
             coefficients,
-            sensitivities: study.outputs.sensitivities.clone(),
-            certify: study.outputs.certify,
-            loads: study.outputs.loads.clone(),
+            sensitivities: asked.sensitivities.clone(),
+            certify: asked.certify,
+            loads: asked.loads.clone(),
             constants: Constants::of(suspension),
         }
     }

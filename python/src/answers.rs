@@ -63,7 +63,7 @@ pub(crate) fn setup<'py>(py: Python<'py>, study: &Study) -> PyResult<Bound<'py, 
             ("setup.csv", found.steps_table().csv(None).into_bytes()),
             ("effects.csv", found.effects_table().csv(None).into_bytes()),
         ];
-        if found.adjusted.motion.drive != Drive::PaperTheta {
+        if found.adjusted.motion().drive != Drive::PaperTheta {
             files.insert(0, ("curves.csv", Solved::of(&found.adjusted)?.csv()));
         }
         Ok(Answer::of(files, &found.record()))
@@ -109,8 +109,7 @@ fn scattered(
     done: &AtomicU64,
 ) -> Result<Answer, String> {
     let refused = |reason| scatter::refusal(own, reason);
-    let words =
-        |fault: hardpoint::mechanism::DesignFault| fault.describe(&own.suspension.mechanism);
+    let words = |fault: hardpoint::mechanism::DesignFault| fault.describe(&own.wheel().mechanism);
     let problem = Problem::of(own, tolerance).map_err(refused)?;
     let problem = problem.interruptible(flag);
     let drawn = problem.drawn().map_err(words)?;
@@ -126,7 +125,7 @@ fn scattered(
     let builds = builds.map_err(words)?;
     let yields = forecast.as_ref().map(|forecast| forecast.rank(&builds));
     let summary = ToleranceSummary::of(&problem, &drawn, &expansion, &builds, yields.as_ref());
-    let unit = own.suspension.length_unit.symbol();
+    let unit = own.wheel().length_unit.symbol();
     let contributors: Vec<String> = tolerance.scatter.iter().map(|c| c.name.clone()).collect();
     let mut files = vec![
         ("tolerance.csv", summary.csv(unit)),

@@ -6,6 +6,7 @@ use crate::study::Study;
 use crate::threads::on_threads;
 use hardpoint::curves::{Curves, Status};
 use hardpoint::model::Side;
+use hardpoint::study::Vehicle;
 use numpy::{IntoPyArray, PyArray1, PyArrayDyn, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -94,15 +95,11 @@ pub(crate) fn solve<'py>(
             }
         ))
     })?;
-    if own.axle.is_some() {
-        return Err(failure(
-            "named motions of an axle are for its constraints; their curves are not available",
-        ));
-    }
-    let moved = hardpoint::study::Study {
-        motion: own.motions[place].1.clone(),
-        ..own.clone()
-    };
+    let mut moved = own.clone();
+    let wheel = moved.one_wheel_mut().ok_or_else(|| {
+        failure("named motions of an axle are for its constraints; their curves are not available")
+    })?;
+    wheel.motion.clone_from(&own.motions[place].1);
     of_own_motion(py, study, &moved)
 }
 
@@ -138,7 +135,7 @@ fn of_own_motion<'py>(
         let values = stations.iter().map(|s| Some(s.proof.as_ref()?.bounds[k]));
         columns.push(name, (output, unit, None), values)?;
     }
-    let (length, frame) = (own.suspension.length_unit, own.suspension.frame);
+    let (length, frame) = (own.wheel().length_unit, own.wheel().frame);
     let result = columns.finish(stations.iter().map(|station| {
         let word = station.status.word();
         let reason = match station.status {
@@ -162,12 +159,12 @@ fn set_sensitivities(
     result: &Bound<'_, PyDict>,
 ) -> PyResult<()> {
     let study = &study.study;
-    let (points, sides) = match &study.axle {
-        Some(both) => {
+    let (points, sides) = match &study.vehicle {
+        Vehicle::Axle(both) => {
             let sides = if both.axle.right.is_some() { 2 } else { 1 };
             (&both.plan.sensitivities, Some(sides))
         }
-        None => (&study.outputs.sensitivities, None),
+        Vehicle::Wheel(own) => (&own.outputs.sensitivities, None),
     };
     if points.is_empty() {
         return Ok(());
@@ -188,7 +185,7 @@ fn set_sensitivities(
             mostly_nan(py, [sides, stations, columns, points, axes], known)
         }
     };
-    let names = points.iter().map(|p| study.suspension.mechanism.name(*p));
+    let names = points.iter().map(|p| study.wheel().mechanism.name(*p));
     result.set_item("sensitivities", array)?;
     result.set_item("sensitivity_points", names.collect::<Vec<_>>())
 }

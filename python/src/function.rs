@@ -47,7 +47,7 @@ impl Function {
         let function = py.detach(|| DesignFunction::with_variables(own, variables));
         Ok(Function {
             function: function.map_err(|e| failure(e.to_string()))?,
-            is_axle: own.axle.is_some(),
+            is_axle: own.axle().is_some(),
             study,
         })
     }
@@ -283,7 +283,7 @@ fn contradict(study: &hardpoint::Study, a: &DesignVariable, b: &DesignVariable) 
 /// True if a turn of this name turns one of the points of these moves.
 fn turns(study: &hardpoint::Study, name: &str, moves: &[Move]) -> bool {
     let (points, _) = name.rsplit_once("_turn_").unwrap_or((name, ""));
-    let mechanism = &study.suspension.mechanism;
+    let mechanism = &study.wheel().mechanism;
     let mut moved = moves.iter().map(|m| mechanism.name(m.point));
     moved.any(|moved| points.split('+').any(|point| point == moved))
 }

@@ -56,12 +56,12 @@ impl Study {
 
     #[getter]
     fn topology(&self) -> &str {
-        self.study.suspension.mechanism.topology.name
+        self.study.wheel().mechanism.topology.name
     }
 
     #[getter]
     fn length_unit(&self) -> &str {
-        self.study.suspension.length_unit.symbol()
+        self.study.wheel().length_unit.symbol()
     }
 
     /// Names of what moves in functions and sweeps of the study, unless others are given.
@@ -93,20 +93,20 @@ impl Study {
     /// True for an axle.
     #[getter]
     fn is_axle(&self) -> bool {
-        self.study.axle.is_some()
+        self.study.axle().is_some()
     }
 
     /// Names of the points.
     #[getter]
     fn points(&self) -> Vec<String> {
-        let points = self.study.suspension.mechanism.points.iter();
+        let points = self.study.wheel().mechanism.points.iter();
         points.map(|p| p.name.clone()).collect()
     }
 
     /// Their design positions, (points, 3), in the study's axes.
     #[getter]
     fn design<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let suspension = &self.study.suspension;
+        let suspension = self.study.wheel();
         let points = suspension.design.iter();
         // No negative zeros from axes that point the other way.
         let rows: Vec<f64> = points
@@ -118,7 +118,7 @@ impl Study {
     /// The study with other design positions, as its text with these points would be read.
     fn with_design(slf: &Bound<'_, Self>, design: PyReadonlyArray2<'_, f64>) -> PyResult<Self> {
         let (py, this) = (slf.py(), slf.get());
-        let suspension = &this.study.suspension;
+        let suspension = this.study.wheel();
         let expected = [suspension.design.len(), 3];
         let array = design.as_array();
         if array.shape() != expected {
@@ -203,17 +203,14 @@ impl Study {
 
     /// A fault of the study's own design.
     pub(crate) fn fault(&self, fault: &hardpoint::mechanism::DesignFault) -> PyErr {
-        failure(fault.describe(&self.study.suspension.mechanism))
+        failure(fault.describe(&self.study.wheel().mechanism))
     }
 }
 
 /// True if reading the study's points finds no mistake in them.
 fn is_sound(study: &hardpoint::study::Study) -> bool {
-    let right = study
-        .axle
-        .as_ref()
-        .and_then(|both| both.axle.right.as_ref());
-    let mut wheels = [Some(&study.suspension), right].into_iter().flatten();
+    let right = study.axle().and_then(|both| both.axle.right.as_ref());
+    let mut wheels = [Some(study.wheel()), right].into_iter().flatten();
     wheels.all(|wheel| GeometryFault::all_of(wheel).is_empty())
 }
 
@@ -240,10 +237,10 @@ pub(crate) fn schema(py: Python<'_>) -> &'static str {
 /// How far travel, rack and arm go from the design position: (lower, upper) with their causes.
 #[pyfunction]
 pub(crate) fn limits<'py>(py: Python<'py>, study: &Study) -> PyResult<Bound<'py, PyDict>> {
-    if let Some(axle) = &study.study.axle {
+    if let Some(axle) = study.study.axle() {
         return crate::axle::limits(py, axle);
     }
-    let suspension = &study.study.suspension;
+    let suspension = study.study.wheel();
     let found = on_threads(py, Some(1), |_| {
         Solver::new(&suspension.mechanism, &suspension.design).and_then(|mut s| s.limits())
     })?;
@@ -297,7 +294,7 @@ pub(crate) fn check(py: Python<'_>, study: &Study) -> PyResult<(Vec<String>, Vec
     on_threads(py, Some(1), |_| -> Result<_, String> {
         let alone = hardpoint::checked::motion_alone(own);
         let checked = hardpoint::checked::Checked::of(&alone)?;
-        Ok((checked.remarks(own), checked.failures(&own.suspension)))
+        Ok((checked.remarks(own), checked.failures(own.wheel())))
     })?
     .map_err(failure)
 }

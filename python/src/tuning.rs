@@ -48,19 +48,18 @@ fn tune_study(
     control: Control<'_>,
 ) -> Result<Tuned, String> {
     let [with_front, with_prices] = wants;
-    let words = |fault: DesignFault| fault.describe(&own.suspension.mechanism);
-    let (suspension, motion) = (&own.suspension, &own.motion);
-    let tuning = tune(suspension, motion, optimise, control).map_err(words)?;
+    let words = |fault: DesignFault| fault.describe(&own.wheel().mechanism);
+    let tuning = tune(&own.vehicle, optimise, control).map_err(words)?;
     let is_raised = || control.interrupt.is_some_and(|f| f.load(Ordering::Relaxed));
     let moved = tuning.best.as_ref().map(|best| own.moved(&best.offsets));
     let after = moved.as_ref().map(Solved::with_targets).transpose()?;
     let goes_on = tuning.best.is_some() && !is_raised();
     let front = match goes_on && with_front && !optimise.front.is_empty() {
-        true => Some(front(suspension, motion, optimise, &tuning, control).map_err(words)?),
+        true => Some(front(&own.vehicle, optimise, &tuning, control).map_err(words)?),
         false => None,
     };
     let prices = match goes_on && with_prices && !optimise.fit {
-        true => price_list(suspension, motion, optimise, &tuning, control).map_err(words)?,
+        true => price_list(&own.vehicle, optimise, &tuning, control).map_err(words)?,
         false => Vec::new(),
     };
     let curves = after.as_ref().map(Solved::curves);
@@ -184,7 +183,7 @@ impl Residuals {
     #[new]
     fn new(py: Python<'_>, study: &Study) -> PyResult<Self> {
         let (own, optimise) = tuned(study)?;
-        let layout = py.detach(|| TargetLayout::of(optimise, &own.motion, &own.suspension));
+        let layout = py.detach(|| TargetLayout::of(optimise, &own.vehicle));
         Ok(Residuals {
             study: own.clone(),
             layout,
@@ -224,7 +223,7 @@ impl Residuals {
         let optimise = self.study.optimise.as_ref();
         let variables = optimise.map_or(&[][..], |o| &o.variables);
         let x = x.as_slice().map_err(|_| failure("x is not contiguous"))?;
-        let suspension = &self.study.suspension;
+        let suspension = self.study.wheel();
         let evaluation = on_threads(py, Some(1), |_| {
             evaluated(suspension, variables, &self.layout, x)
         })?

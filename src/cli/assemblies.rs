@@ -29,11 +29,11 @@ pub(super) fn run(arguments: &AssembliesArguments) -> Result<Exit, Stop> {
     if !none || arguments.study.format != TableFormat::Text {
         out.table("assemblies", found.table)?;
     }
-    let unit = study.suspension.length_unit.symbol();
+    let unit = study.wheel().length_unit.symbol();
     for wheel in &found.wheels {
         print_number(&out, wheel, arguments, unit)?;
     }
-    if let (Some(_), [_]) = (&study.axle, &found.wheels[..]) {
+    if let (Some(_), [_]) = (study.axle(), &found.wheels[..]) {
         out.remark(
             "The right wheel is the mirror image: its assemblies are those of the left wheel.\n",
         )?;

@@ -34,7 +34,8 @@ pub(super) fn run(arguments: &BenchArguments) -> Result<Exit, Stop> {
             Study::from_text("macpherson.toml", strut.template, Path::new(""))?
         }
     };
-    if study.axle.is_some() {
+    let wheel = study.one_wheel();
+    if wheel.is_none() {
         refuse_for_axle(arguments.kind, path)?;
     }
     let stop = |reason: Unmeasurable| match reason {
@@ -42,8 +43,8 @@ pub(super) fn run(arguments: &BenchArguments) -> Result<Exit, Stop> {
         other => Stop::in_file(path, other),
     };
     // Before anything is written.
-    if study.axle.is_none() {
-        Subject::of(&study).map_err(stop)?;
+    if let Some(wheel) = wheel {
+        Subject::of(wheel).map_err(stop)?;
     }
     let name = format!("bench_{}", study.name);
     let (out, format) = (arguments.out.as_deref(), arguments.format);
@@ -75,21 +76,22 @@ pub(super) fn run(arguments: &BenchArguments) -> Result<Exit, Stop> {
     let machine = Machine::here(&clock);
     output.say(&format!("{}: {}\n\n", study.name, machine.line()))?;
 
-    let (table, picture) = match arguments.kind {
-        BenchKind::Throughput => {
-            let threads = arguments.threads.unwrap_or(machine.cores);
-            let found = Throughput::measure(&study, threads, &clock).map_err(stop)?;
-            (throughput_table(&found), None)
-        }
-        BenchKind::Accuracy => {
-            let found = Accuracy::measure(&study, &clock).map_err(stop)?;
+    let (table, picture) = match (arguments.kind, wheel) {
+        (BenchKind::Accuracy, Some(wheel)) => {
+            let found = Accuracy::measure(wheel, &clock).map_err(stop)?;
             let caption = format!("{}, {}", study.name, machine.line());
             let svg = accuracy_picture(&found, &caption);
             (accuracy_table(&found), Some(svg))
         }
-        BenchKind::Effects => {
-            let found = Effects::measure(&study, &clock).map_err(stop)?;
+        (BenchKind::Effects, Some(wheel)) => {
+            let found = Effects::measure(wheel, &clock).map_err(stop)?;
             (effects_table(&found), None)
+        }
+        // The others are refused for axles.
+        _ => {
+            let threads = arguments.threads.unwrap_or(machine.cores);
+            let found = Throughput::measure(&study, threads, &clock).map_err(stop)?;
+            (throughput_table(&found), None)
         }
     };
     output.main_csv(csv_name, table.csv(None).as_bytes())?;
@@ -99,7 +101,7 @@ pub(super) fn run(arguments: &BenchArguments) -> Result<Exit, Stop> {
     let circumstances = Circumstances {
         benchmark: kind,
         study: &study.name,
-        topology: study.suspension.mechanism.topology.name,
+        topology: study.wheel().mechanism.topology.name,
         machine: &machine,
     };
     output.json(machine_name, &circumstances)?;

@@ -14,7 +14,7 @@ use crate::model::{Axis, Suspension};
 use crate::plan::Plan;
 use crate::report::{Cell, Column, SolveSummary, Summary, Table, as_written, counted};
 use crate::solve::StationOrder;
-use crate::study::{Designs, Drive, Formulation, Study, Sweep, Tolerance};
+use crate::study::{Designs, Drive, Formulation, Study, Sweep, Tolerance, Vehicle, WheelStudy};
 use crate::sweep::SweepPlan;
 use crate::tolerance::Problem;
 use std::path::Path;
@@ -34,13 +34,15 @@ pub(super) fn run(arguments: &StudyArguments) -> Result<Exit, Stop> {
     for line in checked.remarks(&study) {
         out.remark(&format!("{line}\n\n"))?;
     }
-    for failure in checked.failures(&study.suspension) {
+    for failure in checked.failures(study.wheel()) {
         out.failure(&format!("{failure}\n\n"))?;
     }
     if !(is_quiet() && arguments.format == TableFormat::Text) {
-        match study.axle {
-            None => say_wheel(&mut out, &study, path)?,
-            Some(_) => say_axle(&mut out, &study, &checked.solved.summary().map_err(fault)?)?,
+        match &study.vehicle {
+            Vehicle::Wheel(own) => say_wheel(&mut out, &study, own, path)?,
+            Vehicle::Axle(_) => {
+                say_axle(&mut out, &study, &checked.solved.summary().map_err(fault)?)?
+            }
         }
         out.finish()?;
     }
@@ -48,8 +50,8 @@ pub(super) fn run(arguments: &StudyArguments) -> Result<Exit, Stop> {
 }
 
 /// Prints the requests of a study of one wheel with their cost, and the values in the design position.
-fn say_wheel(out: &mut Printer, study: &Study, path: &Path) -> Result<(), Stop> {
-    let plan = Plan::of(study);
+fn say_wheel(out: &mut Printer, study: &Study, own: &WheelStudy, path: &Path) -> Result<(), Stop> {
+    let plan = Plan::of(own);
     let fault = |fault: DesignFault| design_fault(study, path, &fault);
     let design_plan = Plan {
         station_order: StationOrder::through(&[design_value(study).map_err(fault)?]),
@@ -57,9 +59,9 @@ fn say_wheel(out: &mut Printer, study: &Study, path: &Path) -> Result<(), Stop> 
         time: None,
         ..plan.clone()
     };
-    let design = curves(&study.suspension, &design_plan).map_err(fault)?;
+    let design = curves(study.wheel(), &design_plan).map_err(fault)?;
     out.say(&format!("{}\n\n", motion(study, &plan)))?;
-    for line in rods(&study.suspension) {
+    for line in rods(study.wheel()) {
         out.say(&format!("{line}\n\n"))?;
     }
     out.table("effects", plan_table(study, &plan))?;
@@ -86,8 +88,8 @@ fn say_axle(out: &mut Printer, study: &Study, summary: &Summary) -> Result<(), S
 
 /// The study's drive in the design position, whatever the motion is.
 fn design_value(study: &Study) -> Result<f64, DesignFault> {
-    let suspension = &study.suspension;
-    match study.motion.drive {
+    let suspension = study.wheel();
+    match study.motion().drive {
         Drive::Travel | Drive::ArmAngle => Ok(0.0),
         Drive::PaperTheta => {
             let drive = PaperTheta::of(&suspension.mechanism, &suspension.design)?;
@@ -114,8 +116,8 @@ fn motion(study: &Study, plan: &Plan) -> String {
         [] | [0.0] => "rack at 0".to_owned(),
         [rack] => format!(
             "rack at {} {}",
-            as_written(study.suspension.frame.sign(Axis::Y) * rack),
-            study.suspension.length_unit.symbol()
+            as_written(study.wheel().frame.sign(Axis::Y) * rack),
+            study.wheel().length_unit.symbol()
         ),
         racks => format!("{} rack positions", racks.len()),
     };

@@ -21,16 +21,15 @@ impl Choices {
         tuning: &Tuning,
         prices: bool,
     ) -> Result<Self, DesignFault> {
-        let (suspension, motion) = (&study.suspension, &study.motion);
         let control = Control {
             interrupt: Some(interrupt::flag()),
             watch: None,
         };
         let has_best = tuning.best.is_some() && !interrupt::is_raised();
         let front = (has_best && !optimise.front.is_empty())
-            .then(|| front(suspension, motion, optimise, tuning, control));
+            .then(|| front(&study.vehicle, optimise, tuning, control));
         let prices = match has_best && prices && !optimise.fit {
-            true => price_list(suspension, motion, optimise, tuning, control)?,
+            true => price_list(&study.vehicle, optimise, tuning, control)?,
             false => Vec::new(),
         };
         Ok(Choices {

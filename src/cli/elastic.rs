@@ -22,7 +22,7 @@ pub(super) fn check(
     let fault = |fault| design_fault(study, path, &fault);
     let mut out = Printer::new(arguments.format);
     out.say(&format!("{}: valid\n\n", path.display()))?;
-    for line in plausibility(&study.suspension).map_err(fault)? {
+    for line in plausibility(study.wheel()).map_err(fault)? {
         out.remark(&format!("{line}\n\n"))?;
     }
     for doubt in doubts(study, &elastic.parts) {
@@ -48,7 +48,7 @@ pub(super) fn check(
 /// The wheel at the design height. Returns false if it has no equilibrium.
 fn say_design(out: &mut Printer, study: &Study, elastic: &ComplianceStudy) -> Result<bool, Stop> {
     // The reader of the study has built it once.
-    let Ok(wheel) = ElasticWheel::new(&study.suspension, &elastic.parts) else {
+    let Ok(wheel) = ElasticWheel::new(study.wheel(), &elastic.parts) else {
         return Ok(false);
     };
     let at = match wheel.at(0.0, 0.0) {
@@ -87,7 +87,7 @@ fn say_design(out: &mut Printer, study: &Study, elastic: &ComplianceStudy) -> Re
 
 /// Doubts about elastic parts, a line each.
 fn doubts(study: &Study, parts: &Compliance) -> Vec<String> {
-    let mechanism = &study.suspension.mechanism;
+    let mechanism = &study.wheel().mechanism;
     let mut doubts = Vec::new();
     for arm in &mechanism.arms {
         let given = [arm.front, arm.rear].map(|id| parts.bushing_at(id).is_some());
@@ -108,7 +108,7 @@ fn doubts(study: &Study, parts: &Compliance) -> Vec<String> {
         .flat_map(|part| part.shapes[..3].iter().map(|shape| shape.initial_rate()))
         .filter(|rate| *rate > 0.0);
     let least = rates.fold(f64::INFINITY, f64::min);
-    let in_millimetres = study.suspension.length_unit == LengthUnit::Millimetre;
+    let in_millimetres = study.wheel().length_unit == LengthUnit::Millimetre;
     if in_millimetres && least.is_finite() && least > DOUBTFUL_RATE {
         doubts.push(format!(
             "doubt: all rates of bushings are above 1e6 N/mm (the least is {} N/mm); are they in N/m?",

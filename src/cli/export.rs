@@ -246,7 +246,7 @@ fn optimum_k(source: &Source, arguments: &ExportArguments) -> Result<Vec<u8>, St
     let bytes = match arguments.out.as_deref().is_none_or(is_table) {
         true => csv(&rows),
         false => {
-            let position = outgoing.study.suspension.vehicle.position;
+            let position = outgoing.study.wheel().vehicle.position;
             let axle = position.map_or(String::new(), |axle| format!("{axle:?} "));
             let name = format!("{axle}Suspension");
             workbook(&[Page { name, rows }])
@@ -289,7 +289,7 @@ fn curves(source: &Source, arguments: &ExportArguments) -> Result<Vec<u8>, Stop>
 
 fn envelope(source: &Source, arguments: &ExportArguments) -> Result<Vec<u8>, Stop> {
     let outgoing = source.outgoing()?;
-    let suspension = &outgoing.study.suspension;
+    let suspension = outgoing.study.wheel();
     let lacking = |key: &str, what: &str| {
         Stop::in_file(
             &arguments.source,

@@ -104,14 +104,14 @@ impl Source {
         let study = self.study()?;
         let file = match self.is_tuning() {
             true => self.path.join(STUDY_COPY),
-            false if arguments.set.is_empty() => return Ok(study.suspension.design.clone()),
+            false if arguments.set.is_empty() => return Ok(study.wheel().design.clone()),
             false if self.path.is_dir() => self.path.join(STUDY_COPY),
             false => self.path.clone(),
         };
         match file.is_file() {
-            true => Ok(Study::read(&file, &[])?.suspension.design),
+            true => Ok(Study::read(&file, &[])?.wheel().design.clone()),
             // Runs of earlier versions, and standard input.
-            false => Ok(study.suspension.design.clone()),
+            false => Ok(study.wheel().design.clone()),
         }
     }
 
@@ -123,14 +123,14 @@ impl Source {
     /// Rounds the moved or tuned coordinates, and prints the cost.
     fn round(&mut self, step: f64, all: bool, before: &[Vector3<f64>]) -> Result<(), Stop> {
         let study = self.study()?;
-        let own_right = study.axle.as_ref().is_some_and(|a| a.axle.right.is_some());
+        let own_right = study.axle().is_some_and(|a| a.axle.right.is_some());
         if own_right {
             return Err(Stop::in_file(
                 &self.path,
                 "axle.right: --round needs a right wheel that mirrors the left one, but the right wheel has points of its own",
             ));
         }
-        let design = &study.suspension.design;
+        let design = &study.wheel().design;
         let mut free = match before.len() == design.len() {
             true => moved_coordinates(design, before),
             false => vec![true; 3 * design.len()],
@@ -150,7 +150,7 @@ impl Source {
                 "no coordinate was moved or tuned, so none is rounded; --round-all rounds every coordinate\n",
             );
         }
-        let unit = self.unit.unwrap_or(study.suspension.length_unit);
+        let unit = self.unit.unwrap_or(study.wheel().length_unit);
         let grid = Grid { step, unit };
         let refused = |reason: String| Stop::in_file(&self.path, reason);
         let rounded = rounded(study, grid, &free).map_err(refused)?;
@@ -172,9 +172,9 @@ impl Source {
             (true, Some("optimise")) => {
                 // The tuned points, unless they were rounded or changed.
                 let kept = kept_study(&self.path, &[]).ok().flatten();
-                kept.is_some_and(|kept| kept.suspension.design == study.suspension.design)
+                kept.is_some_and(|kept| kept.wheel().design == study.wheel().design)
             }
-            (false, Some("solve" | "tolerance")) => *before == study.suspension.design,
+            (false, Some("solve" | "tolerance")) => *before == study.wheel().design,
             _ => false,
         };
         let name = match author {
@@ -257,7 +257,7 @@ impl Source {
             }
         }
         if let (Some(outgoing), false) = (outgoing, as_they_are.is_empty()) {
-            let suspension = &outgoing.study.suspension;
+            let suspension = outgoing.study.wheel();
             let (own, axes) = (suspension.length_unit, suspension.frame.meaning().0);
             if (own, axes) != (outgoing.unit, outgoing.convention) {
                 note(&format!(

@@ -13,7 +13,7 @@ use std::path::Path;
 pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     let path = &arguments.study.study;
     let study = Study::read_elastic(path, &arguments.study.set)?;
-    if study.axle.is_some() {
+    if study.axle().is_some() {
         let reason = "axle: `hardpoint kc` is not available for axles: its tests load one wheel. Remove [axle] to use it on \
                       the left wheel";
         return Err(Stop::in_file(path, reason));
@@ -24,21 +24,21 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
         ));
     }
     let elastic = elastic_or_rigid(&study, path)?;
-    let run = KcRun::new(&study.suspension, &elastic.parts, elastic.tyre_rate);
+    let run = KcRun::new(study.wheel(), &elastic.parts, elastic.tyre_rate);
     // A study with elastic parts was tried when it was read.
     let run = run.map_err(|fault| {
         Stop::in_file(path, format!("the design position is singular: {fault:?}"))
     })?;
     let output = Output::open(arguments, &study, "kc")?;
-    let mechanism = &study.suspension.mechanism;
+    let mechanism = &study.wheel().mechanism;
     let parts = elastic.parts.bushings.iter();
     let results = KcResults {
-        suspension: &study.suspension,
+        suspension: study.wheel(),
         bushings: parts
             .map(|part| mechanism.name(part.point).to_owned())
             .collect(),
         links: elastic.link_names.clone(),
-        stations: run.run(&study.motion.values, &study.motion.rack, &elastic.tests),
+        stations: run.run(&study.motion().values, &study.motion().rack, &elastic.tests),
     };
     let mut files = vec!["kc.csv"];
     output.main_csv("kc.csv", &results.kc_csv())?;
@@ -88,18 +88,18 @@ fn elastic_or_rigid(study: &Study, path: &Path) -> Result<ComplianceStudy, Stop>
     if let Some(elastic) = &study.compliance {
         return Ok(elastic.clone());
     }
-    if study.suspension.wheel_radius.is_none() {
+    if study.wheel().wheel_radius.is_none() {
         let why = "`hardpoint kc` needs radius in [wheel]: loads act at the contact point";
         return Err(Stop::in_file(path, why));
     }
-    if study.motion.drive != Drive::Travel {
+    if study.motion().drive != Drive::Travel {
         let why = "`hardpoint kc` needs stations of wheel travel: expected travel in [motion]";
         return Err(Stop::in_file(path, why));
     }
     Ok(ComplianceStudy {
         parts: Compliance::rigid(None),
         link_names: Vec::new(),
-        tests: KcTest::defaults(true, false, study.suspension.length_unit),
+        tests: KcTest::defaults(true, false, study.wheel().length_unit),
         tyre_rate: None,
     })
 }

@@ -15,7 +15,7 @@ use crate::plan::Plan;
 use crate::report::{Cell, Column, FailureRange, Table, as_written, brief};
 use crate::solve::Solver;
 use crate::solved::Solved;
-use crate::study::{AxleStudy, Drive, Study};
+use crate::study::{AxleStudy, Drive, Study, Vehicle, WheelStudy};
 use std::ops::ControlFlow;
 
 pub(super) fn run(arguments: &LimitsArguments) -> Result<Exit, Stop> {
@@ -25,22 +25,33 @@ pub(super) fn run(arguments: &LimitsArguments) -> Result<Exit, Stop> {
     if let Some(count) = builds {
         return super::limits_of_builds::run(arguments, &study, count);
     }
-    if let Some(axle) = &study.axle {
-        return of_axle(arguments, &study, axle);
+    match &study.vehicle {
+        Vehicle::Axle(both) => of_axle(arguments, &study, both),
+        Vehicle::Wheel(own) => of_wheel(arguments, &study, own),
     }
-    let suspension = &study.suspension;
-    let fault = |fault| design_fault(&study, path, &fault);
+}
+
+fn of_wheel(arguments: &StudyArguments, study: &Study, own: &WheelStudy) -> Result<Exit, Stop> {
+    let path = &arguments.study;
+    let suspension = &own.suspension;
+    let fault = |fault| design_fault(study, path, &fault);
     let mut solver = Solver::new(&suspension.mechanism, &suspension.design).map_err(fault)?;
     let limits = solver.limits().map_err(fault)?;
-    let by_rack = ranges_by_rack(&study, &mut solver).map_err(fault)?;
-    let alone = motion_alone(&study);
-    let moved = curves(suspension, &Plan::of(&alone)).map_err(fault)?;
-    let of_motions = NamedCurves::all(&alone).map_err(|why| Stop::in_file(path, why))?;
+    let plan = Plan::of(own);
+    let by_rack = ranges_by_rack(&plan, &mut solver).map_err(fault)?;
+    let alone = Plan {
+        sensitivities: Vec::new(),
+        certify: false,
+        ..plan.clone()
+    };
+    let moved = curves(suspension, &alone).map_err(fault)?;
+    let of_motions =
+        NamedCurves::all(&motion_alone(study)).map_err(|why| Stop::in_file(path, why))?;
 
     let mut out = Printer::new(arguments.format);
-    out.table("limits", table(&study, &limits, &by_rack))?;
-    if study.motion.drive != Drive::PaperTheta {
-        let margin = margin(&study, &mut solver, &by_rack, &moved).map_err(fault)?;
+    out.table("limits", table(study, &limits, &by_rack))?;
+    if study.motion().drive != Drive::PaperTheta {
+        let margin = margin(study, &plan, &mut solver, &by_rack, &moved).map_err(fault)?;
         out.say(&format!("\n{margin}\n"))?;
     }
     let failures = FailureRange::all(&moved, suspension);
@@ -119,10 +130,9 @@ fn row(what: [&str; 2], factor: f64, ends: [(f64, String); 2]) -> [Cell; 6] {
 
 /// The range of the study's drive at each displacement of the rack that the study asks for, in its axes.
 pub(super) fn ranges_by_rack(
-    study: &Study,
+    plan: &Plan,
     solver: &mut Solver,
 ) -> Result<Vec<(f64, Range)>, DesignFault> {
-    let plan = Plan::of(study);
     let drive = plan.drive.in_kernel();
     let mut range = |rack: f64| Ok((rack, solver.drive_range(drive, rack * plan.rack_sign)?));
     plan.racks.iter().map(|rack| range(*rack)).collect()
@@ -210,7 +220,7 @@ impl Row {
 /// Cause of a limit: the singular part, or the part that is nearest to a singularity.
 fn because(limit: &Limit, study: &Study) -> String {
     let name = |id: &PointId| {
-        let name = study.suspension.mechanism.name(*id);
+        let name = study.wheel().mechanism.name(*id);
         name.strip_suffix("_outer").unwrap_or(name).to_owned()
     };
     let links: Vec<String> = limit.dependent.iter().map(name).collect();
@@ -253,18 +263,18 @@ pub(super) fn ranges<'l>(
         at: at.to_owned(),
         factor,
     };
-    let (unit, straight) = (study.suspension.length_unit.symbol(), straight(limits));
+    let (unit, straight) = (study.wheel().length_unit.symbol(), straight(limits));
     let travel = format!("travel_{unit}");
     let mut rows = vec![(row(&travel, straight, 1.0), &limits.travel)];
     if let Some(range) = &limits.rack {
-        let sign = study.suspension.frame.sign(Axis::Y);
+        let sign = study.wheel().frame.sign(Axis::Y);
         rows.push((row(&format!("rack_{unit}"), "travel 0", sign), range));
     }
     if let Some(range) = &limits.arm_angle {
         let degrees = 1.0_f64.to_degrees();
         rows.push((row("arm_angle_deg", straight, degrees), range));
     }
-    if study.motion.rack_moves {
+    if study.motion().rack_moves {
         let moved = by_rack.iter().filter(|(rack, _)| *rack != 0.0);
         let at = |rack: f64| format!("rack {}", as_written(rack));
         rows.extend(moved.map(|(rack, range)| (driven(study, at(*rack)), range)));
@@ -274,9 +284,9 @@ pub(super) fn ranges<'l>(
 
 /// Row of the study's drive, with the rack at this position.
 fn driven(study: &Study, at: String) -> Row {
-    let (quantity, factor) = match study.motion.drive.in_kernel() {
+    let (quantity, factor) = match study.motion().drive.in_kernel() {
         model::Drive::Travel => (
-            format!("travel_{}", study.suspension.length_unit.symbol()),
+            format!("travel_{}", study.wheel().length_unit.symbol()),
             1.0,
         ),
         model::Drive::ArmAngle => ("arm_angle_deg".to_owned(), 1.0_f64.to_degrees()),
@@ -302,8 +312,8 @@ fn columns() -> [Column; 6] {
 
 /// The name of the travel at which a rod of a rocker is at toggle.
 pub(super) fn rod_travel(study: &Study, rocker: RockerId) -> String {
-    let rod = study.suspension.mechanism.rocker(rocker).rod.to_string();
-    let unit = study.suspension.length_unit.symbol();
+    let rod = study.wheel().mechanism.rocker(rocker).rod.to_string();
+    let unit = study.wheel().length_unit.symbol();
     format!("{}_travel_{unit}", rod.replace(' ', "_"))
 }
 
@@ -316,7 +326,7 @@ fn table(study: &Study, limits: &Limits, by_rack: &[(f64, Range)]) -> Table {
             false => row.of(study, &range.lower, &range.upper),
         });
     }
-    if study.motion.rack_moves {
+    if study.motion().rack_moves {
         let ranges = || by_rack.iter().map(|(_, range)| range);
         let lower = ranges().max_by(|a, b| a.ends()[0].total_cmp(&b.ends()[0]));
         let upper = ranges().min_by(|a, b| a.ends()[1].total_cmp(&b.ends()[1]));
@@ -350,12 +360,12 @@ pub(super) fn travel_left<'r>(ranges: impl Iterator<Item = &'r Range>, values: &
 /// The least distance to a singularity over the motion of the study, in words.
 fn margin(
     study: &Study,
+    plan: &Plan,
     solver: &mut Solver,
     by_rack: &[(f64, Range)],
     moved: &Curves,
 ) -> Result<String, DesignFault> {
-    let plan = Plan::of(study);
-    let unit = study.suspension.length_unit.symbol();
+    let unit = study.wheel().length_unit.symbol();
     let drive = plan.drive.in_kernel();
     let values = plan.station_order.values();
     let mut least = (f64::INFINITY, 0.0);

@@ -14,7 +14,7 @@ use crate::model::{Side, Suspension};
 use crate::plan::Plan;
 use crate::report::{Cell, Column, Table, brief};
 use crate::solve::Solver;
-use crate::study::{Drive, Study};
+use crate::study::{Drive, Study, Vehicle, WheelStudy};
 use crate::tolerance::Problem;
 use rayon::prelude::*;
 use std::num::NonZeroU64;
@@ -27,10 +27,10 @@ pub(super) fn run(
     let path = &arguments.study;
     let tolerance = tolerance_of(study, path)?;
     let problem = problem(study, tolerance, path)?;
-    let drawn = match &study.axle {
-        None => LimitRanges::of(study, &study.suspension)
+    let drawn = match &study.vehicle {
+        Vehicle::Wheel(own) => LimitRanges::of(study, own, &own.suspension)
             .map_err(|fault| design_fault(study, path, &fault)),
-        Some(both) => LimitRanges::of_axle(&both.axle, &both.plan).map_err(|fault| {
+        Vehicle::Axle(both) => LimitRanges::of_axle(&both.axle, &both.plan).map_err(|fault| {
             let reason = both.axle.describe_fault(fault);
             Stop::in_file(path, reason)
         }),
@@ -51,12 +51,12 @@ pub(super) fn run(
     out.say("\n")?;
     let mut counts = Table::new(["builds", "number", "first"]);
     // Not available for the paper's drive.
-    let short = (study.motion.drive != Drive::PaperTheta).then_some(least.short);
+    let short = (study.motion().drive != Drive::PaperTheta).then_some(least.short);
     let mut numbers = vec![
         ("cannot be assembled", Some(least.rejected)),
         ("do not reach the study's motion", short),
     ];
-    if study.axle.is_some() {
+    if study.axle().is_some() {
         numbers.push(("have an unknown limit of roll", Some(least.unknown)));
     }
     for (what, found) in numbers {
@@ -66,9 +66,9 @@ pub(super) fn run(
     counts.push_row([Cell::from("all"), count.get().into(), "".into()]);
     out.table("builds", counts)?;
     if let Some((margin, build)) = least.margin
-        && study.motion.drive == Drive::Travel
+        && study.motion().drive == Drive::Travel
     {
-        let unit = study.suspension.length_unit.symbol();
+        let unit = study.wheel().length_unit.symbol();
         let left = match margin >= 0.0 {
             true => format!(
                 "Nearest travel limit: at least {} {unit} away",
@@ -97,10 +97,11 @@ struct LimitRanges {
 }
 
 impl LimitRanges {
-    fn of(study: &Study, suspension: &Suspension) -> Result<Self, DesignFault> {
+    fn of(study: &Study, own: &WheelStudy, suspension: &Suspension) -> Result<Self, DesignFault> {
+        let plan = Plan::of(own);
         let mut solver = Solver::new(&suspension.mechanism, &suspension.design)?;
         let limits = solver.limits()?;
-        let by_rack = ranges_by_rack(study, &mut solver)?;
+        let by_rack = ranges_by_rack(&plan, &mut solver)?;
         let rows = ranges(study, &limits, &by_rack).into_iter();
         let ends = |(row, range): (Row, &Range)| in_table(row, range.ends());
         let mut rows: Vec<_> = rows.map(ends).collect();
@@ -113,10 +114,9 @@ impl LimitRanges {
             let name = rod_travel(study, range.rocker);
             rows.push((name, straight(&limits).to_owned(), ends));
         }
-        let plan = Plan::of(study);
         let by_rack = by_rack.iter().map(|(_, range)| range);
         let margin = travel_left(by_rack, plan.station_order.values());
-        let margin = (study.motion.drive != Drive::PaperTheta).then_some(margin);
+        let margin = (study.motion().drive != Drive::PaperTheta).then_some(margin);
         Ok(LimitRanges {
             is_short: margin.is_some_and(|margin| margin < 0.0),
             margin,
@@ -153,9 +153,9 @@ impl LimitRanges {
     fn of_build(study: &Study, problem: &Problem, number: u64) -> Option<Self> {
         let mut wheels = problem.built_wheels(number).ok()?.into_iter();
         let left = wheels.next()?;
-        match &study.axle {
-            None => LimitRanges::of(study, &left).ok(),
-            Some(both) => {
+        match &study.vehicle {
+            Vehicle::Wheel(own) => LimitRanges::of(study, own, &left).ok(),
+            Vehicle::Axle(both) => {
                 let axle = both.axle.with_wheels(left, wheels.next());
                 LimitRanges::of_axle(&axle, &both.plan).ok()
             }

@@ -371,19 +371,19 @@ mod tests {
                 let text = study(topology, &parts).unwrap();
                 let study = Study::from_text("new.toml", &text, Path::new(""));
                 let study = study.unwrap_or_else(|e| panic!("{} {parts:?}: {e}", topology.name));
-                let complete = match &study.axle {
+                let complete = match study.axle() {
                     Some(axle) => axle_curves(&axle.axle, &axle.plan)
                         .unwrap()
                         .curves
                         .are_complete(),
-                    None => curves(&study.suspension, &Plan::of(&study))
+                    None => curves(study.wheel(), &Plan::of(study.one_wheel().unwrap()))
                         .unwrap()
                         .are_complete(),
                 };
                 assert!(complete, "{} {parts:?}", topology.name);
-                let mechanism = &study.suspension.mechanism;
+                let mechanism = &study.wheel().mechanism;
                 assert_eq!(mechanism.unsaid_drop_link(), None, "{parts:?}");
-                assert_eq!(study.axle.is_some(), parts.contains(&Part::Axle));
+                assert_eq!(study.axle().is_some(), parts.contains(&Part::Axle));
                 assert_eq!(study.optimise.is_some(), parts.contains(&Part::Optimise));
                 assert_eq!(study.sweep.is_some(), parts.contains(&Part::Sweep));
             }

@@ -78,7 +78,7 @@ fn say_openings(
             errors.render(false)
         ))?;
     }
-    let unit = study.suspension.length_unit.symbol();
+    let unit = study.wheel().length_unit.symbol();
     let unseen = summary.unseen();
     for combination in unseen.iter().take(MOST_DIRECTIONS) {
         output.say(&format!(
@@ -251,7 +251,7 @@ fn tune_with_progress(
         interrupt: Some(interrupt::flag()),
         watch: (!line.is_hidden()).then_some(&watch),
     };
-    let tuning = tune(&study.suspension, &study.motion, optimise, control);
+    let tuning = tune(&study.vehicle, optimise, control);
     line.finish_and_clear();
     tuning
 }

@@ -145,7 +145,7 @@ impl Output {
         files.extend(arguments.report.then_some("report.html"));
         let of_motions: Vec<String> = match command {
             // Those of an axle's study are for constraints.
-            "solve" if study.axle.is_none() => {
+            "solve" if study.axle().is_none() => {
                 let names = study.motions.iter().map(|(name, _)| name);
                 names.map(|name| motion_file(name.as_str())).collect()
             }
@@ -428,5 +428,5 @@ pub(super) fn pool(asked: Option<NonZeroUsize>, pieces: u64) -> Result<rayon::Th
 
 /// A design that cannot be solved is a mistake of the study.
 pub(super) fn design_fault(study: &Study, path: &Path, fault: &DesignFault) -> Stop {
-    Stop::in_file(path, fault.describe(&study.suspension.mechanism))
+    Stop::in_file(path, fault.describe(&study.wheel().mechanism))
 }

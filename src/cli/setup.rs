@@ -32,7 +32,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     let output = Output::open(arguments, &study, "setup")?;
 
     // Curves about the new resting position, in every output of the study.
-    let by_theta = found.adjusted.motion.drive == Drive::PaperTheta;
+    let by_theta = found.adjusted.motion().drive == Drive::PaperTheta;
     let mut complete = true;
     let mut files = vec!["setup.csv", "summary.json"];
     if by_theta {
@@ -50,7 +50,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     output.json("summary.json", &found.record())?;
     output.finish()?;
 
-    let topology = study.suspension.mechanism.topology.name;
+    let topology = study.wheel().mechanism.topology.name;
     output.say(&format!("{}: {topology}\n", study.name))?;
     print_effects(&output, &found.wheels)?;
     if !output.is_text() {

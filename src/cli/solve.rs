@@ -53,7 +53,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     }
     for motion in &of_motions {
         complete &= motion.curves.are_complete();
-        for failure in motion.failures(&study.suspension) {
+        for failure in motion.failures(study.wheel()) {
             output.say_failure(&format!("\n{failure}\n"))?;
         }
         let stations = counted(motion.curves.stations.len(), "station");

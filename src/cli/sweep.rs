@@ -11,7 +11,7 @@ use crate::report::{
     counted, rows_header, write_part,
 };
 use crate::results::{Claim, Sharing, WriteError};
-use crate::study::{FileFormat, Order, Study};
+use crate::study::{FileFormat, Order, Study, Vehicle};
 use crate::sweep::{NotBegun, SweepPlan, SweepRecord, SweepStatistics, in_order};
 use std::io::{ErrorKind, Write};
 use std::ops::Range;
@@ -179,11 +179,14 @@ fn draw(
     path: &Path,
 ) -> Result<(), Stop> {
     // Of an axle the page shows no drawing.
-    if output.directory().is_none() || statistics.designs == 0 || study.axle.is_some() {
+    let Vehicle::Wheel(own) = &study.vehicle else {
+        return Ok(());
+    };
+    if output.directory().is_none() || statistics.designs == 0 {
         return Ok(());
     }
     let summary = SweepSummary::of(&plan.record, statistics);
-    let drawn = DrawnDesigns::of(study, plan, &summary);
+    let drawn = DrawnDesigns::of(study, own, plan, &summary);
     output.record(
         "drawn.json",
         &drawn.map_err(|fault| design_fault(study, path, &fault).after_its_input())?,
@@ -192,25 +195,22 @@ fn draw(
 
 /// Requested outputs that a sweep does not compute.
 fn left_out(study: &Study) -> Vec<&'static str> {
-    let outputs = &study.outputs;
-    let of_axle = study.axle.as_ref().map(|both| &both.plan);
-    let sensitive = of_axle.is_some_and(|plan| !plan.sensitivities.is_empty());
-    // Of one wheel it has points.
-    let placed = of_axle.is_some_and(|plan| !plan.points.is_empty());
-    let turned = of_axle.is_some_and(|plan| plan.knuckle);
-    let loaded = of_axle.is_some_and(|plan| plan.loads.iter().any(|on| !on.is_empty()));
-    let proved = of_axle.is_some_and(|plan| plan.certify);
-    let asked = [
-        ("order", outputs.order != Order::Position),
-        (
-            "sensitivities",
-            sensitive || !outputs.sensitivities.is_empty(),
-        ),
-        ("points", placed),
-        ("knuckle", turned),
-        ("certify", proved || outputs.certify),
-        ("loads", loaded || !outputs.loads.is_empty()),
-    ];
+    let asked: Vec<(&'static str, bool)> = match &study.vehicle {
+        // Points are computed.
+        Vehicle::Wheel(own) => vec![
+            ("order", own.outputs.order != Order::Position),
+            ("sensitivities", !own.outputs.sensitivities.is_empty()),
+            ("certify", own.outputs.certify),
+            ("loads", !own.outputs.loads.is_empty()),
+        ],
+        Vehicle::Axle(both) => vec![
+            ("sensitivities", !both.plan.sensitivities.is_empty()),
+            ("points", !both.plan.points.is_empty()),
+            ("knuckle", both.plan.knuckle),
+            ("certify", both.plan.certify),
+            ("loads", both.plan.loads.iter().any(|on| !on.is_empty())),
+        ],
+    };
     asked
         .into_iter()
         .filter_map(|(key, asked)| asked.then_some(key))

@@ -48,7 +48,7 @@ pub(super) fn run(arguments: &ToleranceArguments) -> Result<Exit, Stop> {
     let forecast = Forecast::of(&problem, &expansion, &drawn);
     let builds = pool
         .install(|| with_progress(&problem, tolerance, &drawn))
-        .map_err(|fault| Stop::unsolved(path, fault.describe(&study.suspension.mechanism)))?;
+        .map_err(|fault| Stop::unsolved(path, fault.describe(&study.wheel().mechanism)))?;
     let interrupted = builds.builds < tolerance.builds;
     if interrupted && builds.builds == 0 {
         interrupt::end();
@@ -59,7 +59,7 @@ pub(super) fn run(arguments: &ToleranceArguments) -> Result<Exit, Stop> {
     let yields = forecast.as_ref().map(|forecast| forecast.rank(&builds));
     let summary = ToleranceSummary::of(&problem, &drawn, &expansion, &builds, yields.as_ref());
 
-    let unit = study.suspension.length_unit.symbol();
+    let unit = study.wheel().length_unit.symbol();
     let contributors: Vec<String> = tolerance.scatter.iter().map(|c| c.name.clone()).collect();
     output.main_csv("tolerance.csv", &summary.csv(unit))?;
     output.file(
@@ -105,14 +105,14 @@ pub(super) fn run(arguments: &ToleranceArguments) -> Result<Exit, Stop> {
 
 /// The bands of one wheel as they are drawn beside its curves.
 fn bands(study: &Study, tolerance: &Tolerance) -> Vec<BandCurve> {
-    let drive = study.motion.drive;
+    let drive = study.motion().drive;
     let drives: Vec<f64> = study
-        .motion
+        .motion()
         .values
         .iter()
         .map(|v| drive.printed(*v))
         .collect();
-    let of_wheel = tolerance.bands.iter().filter(|_| study.axle.is_none());
+    let of_wheel = tolerance.bands.iter().filter(|_| study.axle().is_none());
     let drawn = of_wheel.map(|band| BandCurve::of_tolerance(band, &drives));
     drawn.collect()
 }

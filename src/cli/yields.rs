@@ -35,7 +35,7 @@ fn plain_optimum(study: &Study, optimise: &Optimise) -> Option<Study> {
         interrupt: Some(interrupt::flag()),
         watch: None,
     };
-    let tuning = tune(&study.suspension, &study.motion, &plain, control).ok()?;
+    let tuning = tune(&study.vehicle, &plain, control).ok()?;
     Some(study.moved(&tuning.best?.offsets))
 }
 

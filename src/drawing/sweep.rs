@@ -6,7 +6,7 @@ use crate::mechanism::DesignFault;
 use crate::model::Suspension;
 use crate::plan::Plan;
 use crate::report::{CurveTable, DrawnDesigns, Record, SweepSummary, curves_csv};
-use crate::study::Study;
+use crate::study::{Study, WheelStudy};
 use crate::sweep::SweepPlan;
 
 /// The most designs that are drawn, beside the one as given.
@@ -21,6 +21,7 @@ impl DrawnDesigns {
     /// largest values of outputs. Designs that cannot be drawn are left out.
     pub fn of(
         study: &Study,
+        own: &WheelStudy,
         plan: &SweepPlan<'_>,
         summary: &SweepSummary,
     ) -> Result<Self, DesignFault> {
@@ -30,10 +31,10 @@ impl DrawnDesigns {
             sensitivities: Vec::new(),
             loads: Vec::new(),
             certify: false,
-            ..Plan::with_targets(study)
+            ..Plan::with_targets(own, study.optimise.as_ref())
         };
         let asked = asked.thinned(MOST_STATIONS, MOST_RACKS);
-        let given = &study.suspension;
+        let given = &own.suspension;
         let mut solved = Vec::new();
         for number in numbers {
             let suspension = Suspension {

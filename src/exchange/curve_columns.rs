@@ -15,7 +15,7 @@ pub fn curves_in(outgoing: &Outgoing<'_>, mut page: Page) -> Page {
     let Some((header, rows)) = page.rows.split_first_mut() else {
         return page;
     };
-    let from = outgoing.study.suspension.length_unit;
+    let from = outgoing.study.wheel().length_unit;
     for (column, name) in header.iter_mut().enumerate() {
         let Value::Text(name) = name else { continue };
         let (renamed, power) = in_unit(name, from, outgoing.unit);
@@ -28,8 +28,8 @@ pub fn curves_in(outgoing: &Outgoing<'_>, mut page: Page) -> Page {
         }
     }
     let text = |text: &str| Value::Text(text.to_owned());
-    let of_one_wheel = outgoing.study.axle.is_none();
-    let (_, side) = outgoing.study.suspension.frame.meaning();
+    let of_one_wheel = outgoing.study.axle().is_none();
+    let (_, side) = outgoing.study.wheel().frame.meaning();
     if of_one_wheel {
         header.push(text("side"));
     }
@@ -105,8 +105,8 @@ fn in_unit(name: &str, from: LengthUnit, to: LengthUnit) -> (String, i32) {
 /// -1 for a column whose sign the axes of the file turn, by its name without the unit.
 fn sign(outgoing: &Outgoing<'_>, stem: &str) -> f64 {
     let (own, file) = (
-        outgoing.study.suspension.frame,
-        outgoing.frame(outgoing.study.suspension.frame.meaning().1),
+        outgoing.study.wheel().frame,
+        outgoing.frame(outgoing.study.wheel().frame.meaning().1),
     );
     let along = |axis: Axis| own.sign(axis) * file.sign(axis);
     let (stem, by_rack) = match stem.split_once("_by_") {
@@ -123,7 +123,7 @@ fn sign(outgoing: &Outgoing<'_>, stem: &str) -> f64 {
         .iter()
         .find_map(|order| stem.strip_suffix(order))
         .unwrap_or(stem);
-    let stem = match outgoing.study.axle {
+    let stem = match outgoing.study.axle() {
         Some(_) => Side::ALL
             .iter()
             .find_map(|side| stem.strip_prefix(side.name())?.strip_prefix('_'))
@@ -144,7 +144,7 @@ fn sign(outgoing: &Outgoing<'_>, stem: &str) -> f64 {
     let point = ["_", "_v", "_a"]
         .iter()
         .find_map(|end| of.strip_suffix(end));
-    let mechanism = &outgoing.study.suspension.mechanism;
+    let mechanism = &outgoing.study.wheel().mechanism;
     match point.is_some_and(|name| mechanism.point(name).is_some()) {
         true => by_rack * along(axis),
         false => by_rack,
@@ -202,7 +202,7 @@ impl Tool {
 /// definition. Returns also the names of the others.
 pub fn under_names_of(tool: Tool, outgoing: &Outgoing<'_>, page: &Page) -> (Page, Vec<String>) {
     let header = page.rows.first().cloned().unwrap_or_default();
-    let (_, own) = outgoing.study.suspension.frame.meaning();
+    let (_, own) = outgoing.study.wheel().frame.meaning();
     let mut columns: Vec<(usize, String, f64)> = Vec::new();
     let mut left_out = Vec::new();
     for (number, name) in header.iter().enumerate() {
@@ -214,7 +214,7 @@ pub fn under_names_of(tool: Tool, outgoing: &Outgoing<'_>, page: &Page) -> (Page
             let stem = stem.strip_prefix(side.name())?.strip_prefix('_')?;
             Some((side, stem))
         });
-        let (side, stem) = match outgoing.study.axle {
+        let (side, stem) = match outgoing.study.axle() {
             Some(_) => of_side.next().unwrap_or((own, stem)),
             None => (own, stem),
         };

@@ -68,7 +68,7 @@ impl Envelope {
         travel: Span,
         rack: Span,
     ) -> Result<Self, String> {
-        let points = &outgoing.study.suspension.mechanism.points;
+        let points = &outgoing.study.wheel().mechanism.points;
         if rack.ends != [0.0; 2] && !points.iter().any(|point| point.body == Body::Rack) {
             return Err("--rack: this suspension has no point on the rack".to_owned());
         }
@@ -141,7 +141,7 @@ fn poses(
     racks: &[f64],
 ) -> Result<Vec<WheelPose>, String> {
     let mut suspension = outgoing.suspension(side).clone();
-    if let Some(both) = &outgoing.study.axle {
+    if let Some(both) = outgoing.study.axle() {
         suspension.frame = both.axle.frame(side);
     }
     let own = suspension.length_unit;

@@ -53,7 +53,7 @@ fn figures(outgoing: &Outgoing<'_>) -> Vec<(String, f64)> {
             figures.push((format!("{prefix}{name}"), angle));
         }
     }
-    let radius = outgoing.study.suspension.wheel_radius;
+    let radius = outgoing.study.wheel().wheel_radius;
     let unit = outgoing.unit.symbol();
     figures.extend(radius.map(|r| (format!("wheel_radius_{unit}"), outgoing.length(r))));
     figures

@@ -54,7 +54,7 @@ const BAR: [(&str, &str); 3] = [
 ///
 /// The topology has no place there, or the study lacks the radius that leads from the contact point to the wheel centre.
 pub fn optimum_k_rows(outgoing: &Outgoing<'_>) -> Result<RowsAndNotes, String> {
-    let topology = outgoing.study.suspension.mechanism.topology;
+    let topology = outgoing.study.wheel().mechanism.topology;
     if topology.name != "double_wishbone" {
         return Err(format!(
             "no public description says how OptimumKinematics writes a {}; --to optimumk takes a double_wishbone",
@@ -134,11 +134,11 @@ impl Table<'_> {
     }
 
     fn point(&self, name: &str) -> Option<PointId> {
-        self.outgoing.study.suspension.mechanism.point(name)
+        self.outgoing.study.wheel().mechanism.point(name)
     }
 
     fn spring_rocker(&self) -> Option<Rocker> {
-        let mechanism = &self.outgoing.study.suspension.mechanism;
+        let mechanism = &self.outgoing.study.wheel().mechanism;
         mechanism.spring_rocker().map(|id| mechanism.rocker(id))
     }
 
@@ -179,7 +179,7 @@ impl Table<'_> {
     }
 
     fn wheels(&mut self) -> Result<(), String> {
-        let suspension = &self.outgoing.study.suspension;
+        let suspension = self.outgoing.study.wheel();
         let radius = suspension.wheel_radius.ok_or(
             "[wheel] radius is missing: OptimumKinematics gives the wheel by half track and tyre diameter",
         )?;
@@ -237,7 +237,7 @@ impl Table<'_> {
 
     /// Parts that carry rod and drop link.
     fn attachments(&mut self) {
-        let mechanism = &self.outgoing.study.suspension.mechanism;
+        let mechanism = &self.outgoing.study.wheel().mechanism;
         let is_written = |name: &str| self.written.iter().any(|known| known == name);
         let carrier = |id: PointId| match mechanism.body(id) {
             Body::Arm(arm) if arm.0 == 0 => ["Double A-Arm", "LowerAArm"],
@@ -265,7 +265,7 @@ impl Table<'_> {
     }
 
     fn say_what_is_left_out(&mut self) {
-        let points = self.outgoing.study.suspension.mechanism.points.iter();
+        let points = self.outgoing.study.wheel().mechanism.points.iter();
         let names = points.map(|point| point.name.clone());
         let absent: Vec<String> = names.filter(|name| !self.written.contains(name)).collect();
         if !absent.is_empty() {
@@ -274,8 +274,8 @@ impl Table<'_> {
                 absent.join(", ")
             ));
         }
-        if self.outgoing.study.axle.is_none() {
-            let (_, side) = self.outgoing.study.suspension.frame.meaning();
+        if self.outgoing.study.axle().is_none() {
+            let (_, side) = self.outgoing.study.wheel().frame.meaning();
             let note = format!(
                 "the study is of the {} wheel; the other is its mirror image",
                 side.name()

@@ -28,13 +28,13 @@ impl<'s> Outgoing<'s> {
         unit: Option<LengthUnit>,
         convention: Option<FrameConvention>,
     ) -> Self {
-        let suspension = &study.suspension;
+        let suspension = study.wheel();
         let unit = unit.unwrap_or(suspension.length_unit);
         let converted = |wheel: &Suspension| {
             let length = |x: f64| unit.convert(x, wheel.length_unit);
             wheel.design.iter().map(|p| p.map(length)).collect()
         };
-        let right = study.axle.as_ref().and_then(|a| a.axle.right.as_ref());
+        let right = study.axle().and_then(|a| a.axle.right.as_ref());
         Outgoing {
             study,
             unit,
@@ -51,7 +51,7 @@ impl<'s> Outgoing<'s> {
         convention: Option<FrameConvention>,
     ) -> Self {
         let mut outgoing = Outgoing::of(study, Some(rounded.grid.unit), convention);
-        let frame = study.suspension.frame;
+        let frame = study.wheel().frame;
         let points = rounded.coordinates.iter();
         outgoing.own = points.map(|p| frame.vector(Vector3::from(*p))).collect();
         outgoing
@@ -67,7 +67,7 @@ impl<'s> Outgoing<'s> {
 
     /// A length of the study in the file's unit.
     pub fn length(&self, length: f64) -> f64 {
-        self.unit.convert(length, self.study.suspension.length_unit)
+        self.unit.convert(length, self.study.wheel().length_unit)
     }
 
     /// The axes of the file, seen from the wheel of a side.
@@ -79,13 +79,13 @@ impl<'s> Outgoing<'s> {
     pub fn different_wheels(&self) -> Vec<Side> {
         match &self.right {
             Some(_) => Side::ALL.to_vec(),
-            None => vec![self.study.suspension.frame.meaning().1],
+            None => vec![self.study.wheel().frame.meaning().1],
         }
     }
 
     /// All wheels of the study: one, or both of an axle.
     pub fn wheels(&self) -> Vec<Side> {
-        match &self.study.axle {
+        match self.study.axle() {
             Some(_) => Side::ALL.to_vec(),
             None => self.different_wheels(),
         }
@@ -93,9 +93,9 @@ impl<'s> Outgoing<'s> {
 
     /// The suspension of a wheel.
     pub fn suspension(&self, side: Side) -> &'s Suspension {
-        match &self.study.axle {
+        match self.study.axle() {
             Some(both) => both.axle.suspension(side),
-            None => &self.study.suspension,
+            None => self.study.wheel(),
         }
     }
 

@@ -66,7 +66,7 @@ pub fn rounded(study: &Study, grid: Grid, free: &[bool]) -> Result<Rounded, Stri
         return Ok(problem.result(&ordinary, None));
     };
     let targets = problem.targets(optimise);
-    let at_design = targets.evaluated(&study.suspension.design)?;
+    let at_design = targets.evaluated(&study.wheel().design)?;
     let exact = at_design.misfit();
     let mut best: Option<(f64, Vec<f64>)> = None;
     let mut of_ordinary = None;
@@ -146,7 +146,7 @@ struct Problem<'a> {
 
 impl<'a> Problem<'a> {
     fn new(study: &'a Study, grid: Grid, free: &'a [bool]) -> Self {
-        let suspension = &study.suspension;
+        let suspension = study.wheel();
         let points = suspension.design.iter();
         let before = points
             .flat_map(|point| suspension.frame.vector(*point).to_array())
@@ -172,7 +172,7 @@ impl<'a> Problem<'a> {
 
     /// The design with its coordinates at these numbers of steps. A coordinate that does not move keeps its bits.
     fn result(&self, steps: &[f64], loss: Option<Loss>) -> Rounded {
-        let suspension = &self.study.suspension;
+        let suspension = self.study.wheel();
         let own = suspension.length_unit;
         let stays = |n: usize| !self.free[n] || self.grid.steps(self.before[n]) == steps[n];
         let mut design = Vec::with_capacity(suspension.design.len());
@@ -205,8 +205,8 @@ impl<'a> Problem<'a> {
         let study = self.study;
         Targets {
             study,
-            variables: Variable::every_coordinate(&study.suspension, [-1.0, 1.0]),
-            layout: TargetLayout::of(optimise, &study.motion, &study.suspension),
+            variables: Variable::every_coordinate(study.wheel(), [-1.0, 1.0]),
+            layout: TargetLayout::of(optimise, &study.vehicle),
         }
     }
 }
@@ -221,7 +221,7 @@ struct Targets<'a> {
 impl Targets<'_> {
     /// Residuals and derivatives of a design.
     fn evaluated(&self, design: &[Vector3<f64>]) -> Result<Linearisation, String> {
-        let mut suspension = self.study.suspension.clone();
+        let mut suspension = self.study.wheel().clone();
         suspension.design = design.to_vec();
         let here = vec![0.0; self.variables.len()];
         evaluated(&suspension, &self.variables, &self.layout, &here)
@@ -242,7 +242,7 @@ fn neighbours(at: f64) -> (f64, f64) {
 /// The steps of all coordinates by nearest plane; the free ones are taken in an order from its last to its first.
 fn nearest_plane(problem: &Problem<'_>, at_design: &Linearisation, order: &[usize]) -> Vec<f64> {
     let (rows, columns) = (at_design.jacobian.nrows(), order.len());
-    let own = problem.study.suspension.length_unit;
+    let own = problem.study.wheel().length_unit;
     let step = own.convert(problem.grid.step, problem.grid.unit);
     let mut matrix = DMatrix::zeros(rows + columns, columns);
     for (column, coordinate) in order.iter().enumerate() {
@@ -283,7 +283,7 @@ pub fn moved_coordinates(design: &[Vector3<f64>], other: &[Vector3<f64>]) -> Vec
 
 /// A flag for each coordinate, point by point: whether a variable of `[optimise]` moves it.
 pub fn tuned_coordinates(study: &Study) -> Vec<bool> {
-    let mut tuned = vec![false; 3 * study.suspension.design.len()];
+    let mut tuned = vec![false; 3 * study.wheel().design.len()];
     let variables = study.optimise.iter().flat_map(|o| &o.variables);
     for variable in variables {
         for step in &variable.moves {
@@ -319,7 +319,7 @@ mod tests {
         let text = std::fs::read_to_string(directory.join("macpherson_front.toml")).unwrap();
         let study = Study::from_text("front.toml", &text, &directory).unwrap();
         // Off the grid everywhere, as a tuned design is.
-        let design = study.suspension.design.iter().zip(1..).map(|(p, n)| {
+        let design = study.wheel().design.iter().zip(1..).map(|(p, n)| {
             let off = 0.37 * f64::from(n);
             *p + Vector3::new(off.sin(), off.cos(), (2.0 * off).sin()) * 0.4
         });
@@ -331,7 +331,7 @@ mod tests {
     #[test]
     fn nearest_plane_loses_no_more_than_ordinary_rounding() {
         let study = front();
-        let all = vec![true; 3 * study.suspension.design.len()];
+        let all = vec![true; 3 * study.wheel().design.len()];
         for (step, unit) in [
             (1.0, LengthUnit::Millimetre),
             (0.1, LengthUnit::Millimetre),
@@ -356,9 +356,9 @@ mod tests {
                 assert_eq!(grid.length((after / step).round()), *after);
             }
             // The curves belong to the written points.
-            let own = study.suspension.length_unit;
+            let own = study.wheel().length_unit;
             for (point, written) in rounded.design.iter().zip(&rounded.coordinates) {
-                let point = study.suspension.frame.vector(*point).to_array();
+                let point = study.wheel().frame.vector(*point).to_array();
                 for (x, written) in point.iter().zip(written) {
                     assert!((x - own.convert(*written, unit)).abs() <= 1e-12 * x.abs());
                 }
@@ -376,7 +376,7 @@ mod tests {
             let step = unit.convert(1.0, LengthUnit::Millimetre);
             let grid = Grid { step, unit };
             let rounded = rounded(&study, grid, &tuned).unwrap();
-            let moved = moved_coordinates(&study.suspension.design, &rounded.design);
+            let moved = moved_coordinates(&study.wheel().design, &rounded.design);
             for (moved, tuned) in moved.iter().zip(&tuned) {
                 assert_eq!(moved, tuned);
             }

@@ -45,7 +45,7 @@ pub fn subsystem(outgoing: &Outgoing<'_>) -> Written {
     }
     Written {
         bytes: adams::bytes_of(&adams::written(outgoing.unit, &points, &parameters)),
-        notes: without_bodies(&outgoing.study.suspension),
+        notes: without_bodies(outgoing.study.wheel()),
     }
 }
 
@@ -55,7 +55,7 @@ pub fn subsystem(outgoing: &Outgoing<'_>) -> Written {
 ///
 /// The file is no subsystem, or it is not certain which of its rows is which hardpoint.
 pub fn into_subsystem(outgoing: &Outgoing<'_>, file: &[u8]) -> Result<Written, String> {
-    let suspension = &outgoing.study.suspension;
+    let suspension = outgoing.study.wheel();
     let text = adams::text_of(file);
     if !adams::is_subsystem(&text) {
         return Err("it has no block [HARDPOINT]: it is no subsystem of Adams/Car".to_owned());

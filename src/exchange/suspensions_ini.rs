@@ -20,13 +20,13 @@ use std::fmt::Write;
 /// The topology has no place there, or the wheels of the axle differ.
 pub fn suspensions_ini(outgoing: &Outgoing<'_>) -> Result<Written, String> {
     let kind = kind(outgoing)?;
-    let mechanism = &outgoing.study.suspension.mechanism;
+    let mechanism = &outgoing.study.wheel().mechanism;
     let keys = POINTS
         .iter()
         .filter(|(_, name)| mechanism.topology.hardpoint(name).is_some());
     let mut ini = Ini {
         outgoing,
-        side: outgoing.study.suspension.frame.meaning().1,
+        side: outgoing.study.wheel().frame.meaning().1,
         file: HEAD.to_owned(),
         notes: Vec::new(),
     };
@@ -66,7 +66,7 @@ VERSION=2
 
 /// The `TYPE` of a study.
 fn kind(outgoing: &Outgoing<'_>) -> Result<&'static str, String> {
-    let mechanism = &outgoing.study.suspension.mechanism;
+    let mechanism = &outgoing.study.wheel().mechanism;
     let kind = match mechanism.topology.name {
         "double_wishbone" => "DWB",
         "macpherson" => "STRUT",
@@ -112,12 +112,12 @@ impl Ini<'_> {
 
     /// A length of the study in metres.
     fn metres(&self, length: f64) -> f64 {
-        let own = self.outgoing.study.suspension.length_unit;
+        let own = self.outgoing.study.wheel().length_unit;
         LengthUnit::Metre.convert(length, own)
     }
 
     fn centre(&self) -> Vector3<f64> {
-        let id = self.outgoing.study.suspension.mechanism.wheel_centre;
+        let id = self.outgoing.study.wheel().mechanism.wheel_centre;
         self.outgoing.place(self.side, id)
     }
 
@@ -131,7 +131,7 @@ impl Ini<'_> {
     }
 
     fn basic(&mut self) {
-        match self.outgoing.study.suspension.vehicle.wheelbase {
+        match self.outgoing.study.wheel().vehicle.wheelbase {
             Some(length) => self.line("WHEELBASE", &shortest(self.metres(length))),
             None => self.blank("WHEELBASE", "not in the study"),
         }
@@ -140,7 +140,7 @@ impl Ini<'_> {
     }
 
     fn section(&mut self, kind: &str) {
-        let suspension = &self.outgoing.study.suspension;
+        let suspension = self.outgoing.study.wheel();
         let vehicle = &suspension.vehicle;
         let name = match vehicle.position {
             Some(AxlePosition::Rear) => "REAR",

@@ -20,7 +20,7 @@ fn column(variable: &Variable, unit: &str) -> String {
 /// `front.csv`: a row for each point of the front, with the misfit of each goal in tolerances, the weights, the
 /// offsets of the variables, and whether the front is broken after it.
 pub fn front_csv(study: &Study, optimise: &Optimise, front: &Front) -> Vec<u8> {
-    let unit = study.suspension.length_unit.symbol();
+    let unit = study.wheel().length_unit.symbol();
     csv_of(|writer| {
         let mut header = vec!["point".to_owned()];
         let names = || optimise.front.iter().map(|goal| &goal.name);
@@ -162,7 +162,7 @@ pub struct FrontPoint {
 impl FrontRecord {
     /// The record of a front that a tuning found.
     pub fn of(study: &Study, optimise: &Optimise, front: &Front) -> Self {
-        let unit = study.suspension.length_unit.symbol();
+        let unit = study.wheel().length_unit.symbol();
         let text = |choice: &Choice| -> Vec<String> {
             let text = study.with_points_of(&study.moved(&choice.offsets));
             text.lines().map(str::to_owned).collect()

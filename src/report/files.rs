@@ -54,7 +54,7 @@ pub fn curves_csv(curves: &Curves) -> Vec<u8> {
 /// `sensitivities.csv`: a row for each station, output, hardpoint and axis. Those of a corner have a column for the order
 /// of the derivative, those of an axle one for the side whose hardpoint moves.
 pub fn sensitivities_csv(study: &Study, curves: &Curves) -> Vec<u8> {
-    let (wheel, is_axle) = (&study.suspension, study.axle.is_some());
+    let (wheel, is_axle) = (study.wheel(), study.axle().is_some());
     csv_of(|writer| {
         let mut header = motion_names(curves);
         let own: &[&str] = match is_axle {

@@ -512,7 +512,7 @@ pub fn elastic_parts(study: &Study) -> Table {
     let Some(elastic) = &study.compliance else {
         return table;
     };
-    let u = study.suspension.length_unit.symbol();
+    let u = study.wheel().length_unit.symbol();
     let joined = |rates: [f64; 3]| rates.map(super::brief).join(", ");
     for part in &elastic.parts.bushings {
         let slopes = part
@@ -521,7 +521,7 @@ pub fn elastic_parts(study: &Study) -> Table {
             .map(crate::compliance::Shape::initial_rate);
         let [a, b, c, d, e, f] = slopes;
         table.push([
-            Cell::from(study.suspension.mechanism.name(part.point)),
+            Cell::from(study.wheel().mechanism.name(part.point)),
             Cell::from("bushing"),
             Cell::from(joined([a, b, c])),
             Cell::from(joined([d, e, f])),

@@ -234,7 +234,7 @@ mod tests {
     fn the_axes_of_every_template_are_recognised() {
         for topology in Topology::ALL {
             let study = Study::from_text("s.toml", topology.template, Path::new(".")).unwrap();
-            let suspension = &study.suspension;
+            let suspension = study.wheel();
             let names = topology.all_hardpoints().map(|h| h.name);
             let points: Vec<_> = names
                 .filter_map(|name| {

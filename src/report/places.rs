@@ -60,7 +60,7 @@ impl Places {
     /// Regions of the study's constraints, for the drawing.
     pub fn of(study: &Study) -> Self {
         let mut places = Places::default();
-        let suspension = &study.suspension;
+        let suspension = study.wheel();
         let size = suspension.wheel_radius.unwrap_or(0.5 * suspension.size());
         for constraint in study.optimise.iter().flat_map(|o| &o.constraints) {
             places.add(constraint, &suspension.frame, &suspension.design, size);

@@ -142,8 +142,8 @@ fn across(left: &Suspension, right: &Suspension) -> Option<String> {
 
 /// Doubts about a study, a line each: about its wheel, or its axle over the motion, and about its variables.
 pub fn study_doubts(study: &Study) -> Result<Vec<String>, (Side, DesignFault)> {
-    let mut found = match &study.axle {
-        None => plausibility(&study.suspension).map_err(|fault| (Side::Left, fault))?,
+    let mut found = match study.axle() {
+        None => plausibility(study.wheel()).map_err(|fault| (Side::Left, fault))?,
         Some(AxleStudy { axle, plan }) => {
             let plan = plan.values_alone();
             both_wheels_plausibility(axle, &plan, &axle_curves(axle, &plan)?)?
@@ -156,16 +156,19 @@ pub fn study_doubts(study: &Study) -> Result<Vec<String>, (Side, DesignFault)> {
 
 /// A rack that a study moves where nothing of the suspension is on it: its curves are the same at every displacement.
 pub fn rack_doubt(study: &Study) -> Option<String> {
-    let mechanism = &study.suspension.mechanism;
+    let mechanism = &study.wheel().mechanism;
     let has_rack = mechanism
         .points
         .iter()
         .any(|point| point.body == Body::Rack);
     let motions = study.motions.iter().map(|(_, motion)| motion);
     let racks = motions
-        .chain([&study.motion])
+        .chain([study.motion()])
         .flat_map(|motion| &motion.rack);
-    let of_axle = study.axle.iter().flat_map(|both| &both.plan.course.racks);
+    let of_axle = study
+        .axle()
+        .into_iter()
+        .flat_map(|both| &both.plan.course.racks);
     let moves = racks.chain(of_axle).any(|rack| *rack != 0.0);
     (moves && !has_rack).then(|| {
         format!(
@@ -179,7 +182,7 @@ pub fn rack_doubt(study: &Study) -> Option<String> {
 /// the other way round.
 pub fn variable_plausibility(study: &Study) -> Vec<String> {
     let mut remarks = PlausibilityRemarks {
-        suspension: &study.suspension,
+        suspension: study.wheel(),
         found: Vec::new(),
     };
     if let Some(Designs::Sampled(sampled)) = study.sweep.as_ref().map(|sweep| &sweep.designs) {

@@ -137,7 +137,7 @@ impl Record {
         designs: Vec<DrawnDesign<'_>>,
         influences: Vec<Influence>,
     ) -> Self {
-        let length = study.suspension.length_unit;
+        let length = study.wheel().length_unit;
         let unit = length.symbol();
         let mut abscissae = Vec::new();
         abscissae.extend((plan.drive.is_angle()).then(|| Drive::Travel.column(length)));
@@ -150,7 +150,7 @@ impl Record {
             curves: design.file.to_owned(),
             stations: design.curves.stations.len(),
             remarks: remarks(design.curves, length),
-            failures: FailureRange::all(design.curves, &study.suspension),
+            failures: FailureRange::all(design.curves, study.wheel()),
             frames: design.frames,
         };
         Record {
@@ -158,7 +158,7 @@ impl Record {
             command: command.to_owned(),
             version: env!("CARGO_PKG_VERSION").to_owned(),
             study: study.name.clone(),
-            topology: study.suspension.mechanism.topology.name.to_owned(),
+            topology: study.wheel().mechanism.topology.name.to_owned(),
             length_unit: unit.to_owned(),
             drive: plan.drive.column(length),
             abscissae,
@@ -169,7 +169,7 @@ impl Record {
             bands: bands(study),
             places: Places::of(study),
             designs: designs.into_iter().map(record).collect(),
-            scene: Scene::of(&study.suspension),
+            scene: Scene::of(study.wheel()),
             influences,
             front: None,
         }
@@ -180,8 +180,8 @@ impl Record {
 fn targets(study: &Study) -> Vec<TargetRecord> {
     let targets = study.optimise.iter().flat_map(|o| &o.targets);
     let record = |target: &Target| {
-        let drive = study.motion.drive;
-        TargetRecord::of(target, &target.stations_in(&study.motion), |at| {
+        let drive = study.motion().drive;
+        TargetRecord::of(target, &target.stations_in(study.motion()), |at| {
             drive.printed(at)
         })
     };
@@ -232,8 +232,8 @@ fn bands(study: &Study) -> Vec<BandCurve> {
         column: target.of.column.clone(),
         limits: wanted_between(
             target,
-            &target.stations_in(&study.motion),
-            study.motion.drive,
+            &target.stations_in(study.motion()),
+            study.motion().drive,
         ),
         tolerance: target.tolerance * target.of.factor().abs(),
     };

@@ -114,7 +114,7 @@ pub struct AdjustmentRecord {
 impl SetUpSummary {
     /// Summary of the set-up that was found for a study.
     pub fn of(study: &Study, setup: &Setup, side: Option<SetUpSide>, found: &SetUp) -> Self {
-        let length = study.suspension.length_unit;
+        let length = study.wheel().length_unit;
         let (misses, rounded) = (found.misses(), found.misses_rounded());
         let (met, met_rounded) = (found.met(), found.met_rounded());
         let statics = found.statics.iter().enumerate();
@@ -444,9 +444,9 @@ fn figure(value: Option<f64>) -> Cell {
 
 /// Describes why there is no set-up.
 pub fn set_up_refusal(study: &Study, setup: &Setup, none: &NoSetUp) -> String {
-    let length = study.suspension.length_unit;
+    let length = study.wheel().length_unit;
     match none {
-        NoSetUp::Fault(reason) => reason.describe(&study.suspension.mechanism),
+        NoSetUp::Fault(reason) => reason.describe(&study.wheel().mechanism),
         NoSetUp::Reject(reject) => reject.to_string(),
         NoSetUp::Absurd { adjustment, amount } => format!(
             "the wanted values need {} {} of {}, more than a tenth of the suspension's size",

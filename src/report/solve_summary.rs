@@ -71,7 +71,7 @@ impl SolveSummary {
     /// The summary of curves. `design` are the curves of the design position alone; without them the design position is
     /// looked for among the stations.
     pub fn of(study: &Study, curves: &Curves, design: Option<&Curves>) -> Self {
-        let wheel = &study.suspension;
+        let wheel = study.wheel();
         let stations = curves.stations.iter().enumerate();
         let failed = stations.filter_map(|(number, s)| match s.status {
             Status::Failed(reason) => Some(FailedStation {
@@ -97,7 +97,7 @@ impl SolveSummary {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             study: study.name.clone(),
             topology: wheel.mechanism.topology.name.to_owned(),
-            axle: study.axle.as_ref().map(|both| right_wheel(&both.axle)),
+            axle: study.axle().map(|both| right_wheel(&both.axle)),
             stations: curves.stations.len(),
             solved: curves.stations.len() - curves.failed(),
             completeness: Completeness::of(curves),
@@ -105,7 +105,7 @@ impl SolveSummary {
             outputs: outputs.collect(),
             condition: ConditionSummary::of(curves),
             certificate: CertificateSummary::of(curves),
-            work: study.axle.is_none().then_some(curves.work),
+            work: study.axle().is_none().then_some(curves.work),
             left_to_continuation: (curves.left_to_continuation.iter())
                 .map(|(reason, stations)| Left {
                     reason: reason.describe().to_owned(),

@@ -465,7 +465,7 @@ pub(super) fn percent(share: f64) -> String {
 
 /// Columns that say at which position of the motion an axle's values are; empty for a study of one wheel.
 fn places(problem: &Problem) -> Vec<String> {
-    let both = problem.study.axle.as_ref();
+    let both = problem.study.axle();
     both.map_or_else(Vec::new, |AxleStudy { axle, plan }| {
         GivenColumns { plan, axle }.names()
     })
@@ -478,9 +478,9 @@ fn values(
     builds: &MonteCarlo,
 ) -> Vec<ValueRecord> {
     let stations = problem.stations();
-    let sign = problem.study.suspension.frame.sign(Axis::Y);
+    let sign = problem.study.wheel().frame.sign(Axis::Y);
     let mut values = Vec::new();
-    let of_axle = problem.study.axle.as_ref();
+    let of_axle = problem.study.axle();
     for (output, looked) in problem.outputs().iter().enumerate() {
         let (unit, factor) = (&looked.unit, looked.factor());
         let scaled = |v: f64| finite(v * factor);

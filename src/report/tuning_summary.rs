@@ -214,7 +214,7 @@ struct StartSummary {
 impl TuningSummary {
     /// The summary of a tuning; `after` are the curves of the tuned design.
     pub fn of(study: &Study, optimise: &Optimise, tuning: &Tuning, after: Option<&Curves>) -> Self {
-        let suspension = &study.suspension;
+        let suspension = study.wheel();
         let best = tuning.best.as_ref();
         let fit = tuning.starts.best_fit();
         let errors = best.and_then(|b| b.errors.as_ref());
@@ -244,7 +244,7 @@ impl TuningSummary {
                 fitted,
             }
         });
-        let drive = study.motion.drive;
+        let drive = study.motion().drive;
         let name = |target: &crate::study::Target| {
             let motion = target.site.motion.as_ref();
             let motion = motion.map_or(String::new(), |(name, _)| format!(", {name}"));
@@ -266,7 +266,7 @@ impl TuningSummary {
                     .site
                     .as_ref()
                     .and_then(|site| site.motion.as_ref());
-                let drive = motion.map_or(study.motion.drive, |(_, motion)| motion.drive);
+                let drive = motion.map_or(study.motion().drive, |(_, motion)| motion.drive);
                 let part = &constraint.parts[0];
                 ConstraintSummary {
                     name: constraint.name.clone(),

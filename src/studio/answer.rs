@@ -11,25 +11,26 @@ use crate::plan::Plan;
 use crate::report::{FailureRange, OutputRecord, plausibility, remarks};
 use crate::solve::StationOrder;
 use crate::solved::Solved;
-use crate::study::{Drive, Study};
+use crate::study::{Drive, Study, Vehicle, WheelStudy};
 use std::time::Instant;
 
 /// The study with these characteristics asked for, and nothing that takes long: proofs are for `solve`.
-pub(super) fn asking_for(mut study: Study, names: &[String]) -> Result<Study, String> {
-    study.outputs.certify = false;
-    study.outputs.characteristics.clear();
+pub(super) fn asking_for(own: &WheelStudy, names: &[String]) -> Result<WheelStudy, String> {
+    let mut asked = own.clone();
+    asked.outputs.certify = false;
+    asked.outputs.characteristics.clear();
     for name in names {
         let characteristic = Characteristic::named(name)
             .filter(|c| {
                 let needs = c.info().needs;
-                needs.iter().all(|need| need.met_by(&study.suspension))
+                needs.iter().all(|need| need.met_by(&own.suspension))
             })
             .ok_or_else(|| format!("this study has no {name}"))?;
-        if !study.outputs.characteristics.contains(&characteristic) {
-            study.outputs.characteristics.push(characteristic);
+        if !asked.outputs.characteristics.contains(&characteristic) {
+            asked.outputs.characteristics.push(characteristic);
         }
     }
-    Ok(study)
+    Ok(asked)
 }
 
 /// The most stations that are drawn while a point is dragged.
@@ -37,20 +38,29 @@ const MOST_STATIONS: usize = 2000;
 
 /// Answers a dragged point. An error says what is wrong with the design or the request.
 pub(super) fn solved(opened: &Opened, request: &SolveRequest) -> Result<SolvedAnswer, String> {
-    let start = Instant::now();
     let moved = opened.moved(&request.of.design)?;
-    if let Some(both) = &moved.axle {
-        return super::axle::solved(opened, &moved, both, request);
+    match &moved.vehicle {
+        Vehicle::Axle(both) => super::axle::solved(opened, &moved, both, request),
+        Vehicle::Wheel(own) => solved_wheel(opened, &moved, own, request),
     }
+}
+
+fn solved_wheel(
+    opened: &Opened,
+    study: &Study,
+    own: &WheelStudy,
+    request: &SolveRequest,
+) -> Result<SolvedAnswer, String> {
+    let start = Instant::now();
     let &[drive, rack] = request.at.as_slice() else {
         return Err("expected a value for each of two sliders".to_owned());
     };
     if request.over > 1 {
         return Err("expected the number of one of two sliders".to_owned());
     }
-    let study = asking_for(moved, &request.characteristics)?;
-    let (suspension, mechanism) = (&study.suspension, &study.suspension.mechanism);
-    let mut plan = Plan::of(&study);
+    let asked = asking_for(own, &request.characteristics)?;
+    let (suspension, mechanism) = (&own.suspension, &own.suspension.mechanism);
+    let mut plan = Plan::of(&asked);
     if let Some(rack) = request.curves_rack {
         plan.racks = vec![rack];
     }
@@ -61,7 +71,7 @@ pub(super) fn solved(opened: &Opened, request: &SolveRequest) -> Result<SolvedAn
     }
     let fault = |fault: crate::mechanism::DesignFault| fault.describe(mechanism);
     let found = curves(suspension, &plan).map_err(fault)?;
-    let misfit = misfit::misfit(opened, &study).map_err(fault)?;
+    let misfit = misfit::misfit(opened, study).map_err(fault)?;
     let place = Plan {
         station_order: StationOrder::through(&[in_kernel(plan.drive, drive)]),
         racks: vec![rack],
@@ -94,9 +104,9 @@ pub(super) fn solved(opened: &Opened, request: &SolveRequest) -> Result<SolvedAn
         failures: FailureRange::all(&found, suspension),
         frame: frame(suspension),
         right: None,
-        opened: match suspension.design == opened.study.suspension.design {
+        opened: match suspension.design == opened.study.wheel().design {
             true => None,
-            false => frame(&opened.study.suspension),
+            false => frame(opened.study.wheel()),
         },
         misfit,
         remarks: said,

@@ -20,7 +20,7 @@ use crate::model::{Axis, LengthUnit, PointId, Side, Suspension};
 use crate::plan::Plan;
 use crate::report::{FailureRange, axle_plausibility, plausibility};
 use crate::solve::StationOrder;
-use crate::study::{AxleStudy, Study};
+use crate::study::{AxleStudy, Study, WheelStudy};
 use std::time::Instant;
 
 /// The numbers a course has, each with a value where it is held at nothing.
@@ -171,7 +171,7 @@ pub(super) fn solved(
     let fault = |fault: DesignFault| fault.describe(&left.mechanism);
     let mut said = plausibility(left).map_err(fault)?;
     said.extend(axle_plausibility(axle, &plan, &found, false));
-    let frame = |axle: &Axle, side| frame(axle, &plan, &request.at, side, study);
+    let frame = |axle: &Axle, side| frame(axle, &plan, &request.at, side);
     Ok(SolvedAnswer {
         columns: columns(&found.curves),
         drive: places.iter().map(|place| Some(place[over])).collect(),
@@ -187,10 +187,10 @@ pub(super) fn solved(
         failures: FailureRange::all(&found.curves, left),
         frame: frame(axle, Side::Left),
         right: frame(axle, Side::Right),
-        opened: match left.design == opened.study.suspension.design {
+        opened: match left.design == opened.study.wheel().design {
             true => None,
             false => frame(
-                &opened.study.axle.as_ref().expect("it is of an axle").axle,
+                &opened.study.axle().expect("it is of an axle").axle,
                 Side::Left,
             ),
         },
@@ -201,7 +201,7 @@ pub(super) fn solved(
 }
 
 /// A wheel where the sliders are, or why it is not there.
-fn frame(axle: &Axle, plan: &AxlePlan, at: &[f64], side: Side, study: &Study) -> Option<Frame> {
+fn frame(axle: &Axle, plan: &AxlePlan, at: &[f64], side: Side) -> Option<Frame> {
     let mut course = plan.course.clone();
     course.steering_wheel = None;
     for (coordinate, value) in coordinates(&plan.course).into_iter().zip(at) {
@@ -238,7 +238,7 @@ fn frame(axle: &Axle, plan: &AxlePlan, at: &[f64], side: Side, study: &Study) ->
         station_order: StationOrder::through(&[travel]),
         racks: vec![at[at.len() - 1]],
         rack_sign: wheel.frame.sign(Axis::Y),
-        ..Plan::of(study)
+        ..Plan::of(&WheelStudy::of(wheel.clone()))
     };
     let mut frame = frames(&wheel, &corner).ok()?.pop()?;
     if let Ok(placement) = &mut frame.pose {

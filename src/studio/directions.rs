@@ -19,7 +19,8 @@ pub(super) fn directions(opened: &Opened, of: &Designed) -> Result<DirectionsAns
             directions: Vec::new(),
         });
     };
-    let suspension = opened.moved(&of.design)?.suspension;
+    let moved = opened.moved(&of.design)?;
+    let suspension = moved.wheel();
     // Directions of turns are no straight lines.
     let straight = optimise.variables.iter().filter(|v| v.turn.is_none());
     let variables: Vec<_> = straight.cloned().collect();
@@ -27,7 +28,7 @@ pub(super) fn directions(opened: &Opened, of: &Designed) -> Result<DirectionsAns
     let none = || DirectionsAnswer {
         directions: Vec::new(),
     };
-    let found = assessed(&suspension, &variables, layout)
+    let found = assessed(suspension, &variables, layout)
         .map_err(|fault| fault.describe(&suspension.mechanism))?;
     let (Ok(found), Ok(bounds)) = (found, Bounds::new(&ranges)) else {
         return Ok(none());
@@ -59,7 +60,8 @@ pub(super) fn directions(opened: &Opened, of: &Designed) -> Result<DirectionsAns
 
 /// Limits of wheel and rack from the design position, with their causes.
 pub(super) fn limits(opened: &Opened, of: &Designed) -> Result<LimitsAnswer, String> {
-    let suspension = opened.moved(&of.design)?.suspension;
+    let moved = opened.moved(&of.design)?;
+    let suspension = moved.wheel();
     let mechanism = &suspension.mechanism;
     let fault = |fault: crate::mechanism::DesignFault| fault.describe(mechanism);
     let mut solver = Solver::new(mechanism, &suspension.design).map_err(fault)?;

@@ -6,6 +6,7 @@ use super::study_file::Opened;
 use crate::curves::curves;
 use crate::model::{Axis, PointId};
 use crate::plan::Plan;
+use crate::study::Vehicle;
 
 /// Derivatives of every column by a coordinate, station by station, in the column's unit per length unit.
 pub(super) fn influence(
@@ -16,21 +17,21 @@ pub(super) fn influence(
     let Some(axis) = Axis::ALL.get(request.axis) else {
         return Err("expected an axis 0, 1 or 2".to_owned());
     };
-    if request.point >= study.suspension.design.len() {
+    if request.point >= study.wheel().design.len() {
         return Err("there is no such point".to_owned());
     }
     let point = PointId(request.point);
     let names = &request.characteristics;
-    if let Some(both) = &study.axle {
-        return super::axle::influence(both, names, point, *axis);
-    }
-    let study = asking_for(study, names)?;
+    let own = match &study.vehicle {
+        Vehicle::Axle(both) => return super::axle::influence(both, names, point, *axis),
+        Vehicle::Wheel(own) => own,
+    };
     let plan = Plan {
         sensitivities: vec![point],
         loads: Vec::new(),
-        ..Plan::of(&study)
+        ..Plan::of(&asking_for(own, names)?)
     };
-    let suspension = &study.suspension;
+    let suspension = &own.suspension;
     let found = curves(suspension, &plan).map_err(|f| f.describe(&suspension.mechanism))?;
     let stations = found.stations.len();
     let mut columns: Vec<InfluenceColumn> = found

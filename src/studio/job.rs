@@ -78,9 +78,7 @@ impl Job {
     }
 
     fn run(&self, study: &Study) -> Result<Proposal, String> {
-        let Study {
-            suspension, motion, ..
-        } = study;
+        let suspension = study.wheel();
         let optimise = study.optimise.as_ref().expect("it was asked for");
         let watch = |_: usize, iteration: &Iteration| {
             self.iterations.fetch_add(1, Ordering::Relaxed);
@@ -95,7 +93,7 @@ impl Job {
             watch: Some(&watch),
         };
         let fault = |fault: crate::mechanism::DesignFault| fault.describe(&suspension.mechanism);
-        let tuning = tune(suspension, motion, optimise, control).map_err(fault)?;
+        let tuning = tune(&study.vehicle, optimise, control).map_err(fault)?;
         let Some(best) = &tuning.best else {
             let first = tuning.starts.starts.first();
             let why = first.and_then(|start| start.outcome.as_ref().err());

@@ -29,10 +29,10 @@ pub(super) fn misfit(opened: &Opened, study: &Study) -> Result<Option<Misfit>, D
     let (Some(optimise), Some(layout)) = (&study.optimise, &opened.layout) else {
         return Ok(None);
     };
-    let suspension = &study.suspension;
+    let suspension = study.wheel();
     // The layout holds the right wheel.
-    let has_own = optimise.axle.as_ref().is_some_and(|a| a.right.is_some());
-    let own = has_own.then(|| TargetLayout::of(optimise, &study.motion, suspension));
+    let has_own = study.axle().is_some_and(|both| both.axle.right.is_some());
+    let own = has_own.then(|| TargetLayout::of(optimise, &study.vehicle));
     let found = assessed(suspension, &opened.every, own.as_ref().unwrap_or(layout))?;
     Ok(Some(match found {
         Ok(found) => of_assessment(study, optimise, layout, &found),
@@ -52,7 +52,7 @@ fn of_assessment(
     layout: &TargetLayout,
     found: &Assessment,
 ) -> Misfit {
-    let (drive, length) = (study.motion.drive, study.suspension.length_unit);
+    let (drive, length) = (study.motion().drive, study.wheel().length_unit);
     let (residuals, jacobian) = (&found.goal.residuals, &found.goal.jacobian);
     let value = found.goal.misfit();
     let of_rows = layout.targets_of_rows();

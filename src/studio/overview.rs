@@ -11,27 +11,15 @@ use crate::model::Suspension;
 use crate::number::Vector3;
 use crate::plan::Plan;
 use crate::report::{Scene, wanted_between};
-use crate::study::{About, Drive, Study, Target};
+use crate::study::{About, Drive, Optimise, Study, Target, Vehicle, WheelStudy};
 
 /// The overview of a study that was read.
 pub(super) fn overview(file: &StudyFile, opened: &Opened) -> Overview {
     let study = &opened.study;
-    let suspension = &study.suspension;
+    let suspension = study.wheel();
     let mechanism = &suspension.mechanism;
     let unit = suspension.length_unit;
     let optimise = study.optimise.as_ref();
-    let wanted = Plan::with_targets(study);
-    let asked = |c: &Characteristic| {
-        let name = c.info().name;
-        wanted.outputs.iter().any(|output| output.name == name)
-    };
-    let characteristic = |c: &Characteristic| CharacteristicOverview {
-        name: c.info().name,
-        unit: c.info().unit.suffix(unit),
-        positive: c.info().positive,
-        asked: asked(c),
-        available: c.info().needs.iter().all(|need| need.met_by(suspension)),
-    };
     let point = |name: &String| PointOverview {
         name: name.clone(),
         about: mechanism
@@ -40,7 +28,7 @@ pub(super) fn overview(file: &StudyFile, opened: &Opened) -> Overview {
             .map_or("a point to report", |hardpoint| hardpoint.about)
             .to_owned(),
     };
-    let (sliders, main) = match &study.axle {
+    let (sliders, main) = match study.axle() {
         None => of_corner(study),
         Some(both) => super::axle::sliders(both),
     };
@@ -54,11 +42,11 @@ pub(super) fn overview(file: &StudyFile, opened: &Opened) -> Overview {
         points: mechanism.points.iter().map(|p| point(&p.name)).collect(),
         design: coordinates(suspension, &suspension.design),
         scene: Scene::of(suspension),
-        characteristics: match &study.axle {
-            None => Characteristic::ALL.iter().map(characteristic).collect(),
-            Some(both) => super::axle::catalogue(study, both),
+        characteristics: match &study.vehicle {
+            Vehicle::Wheel(own) => catalogue(own, optimise),
+            Vehicle::Axle(both) => super::axle::catalogue(study, both),
         },
-        is_axle: study.axle.is_some(),
+        is_axle: study.axle().is_some(),
         sliders,
         main,
         targets: optimise
@@ -94,24 +82,39 @@ pub(super) fn coordinates(suspension: &Suspension, design: &[Vector3<f64>]) -> C
 
 /// The drive value in the design position, as it is printed.
 fn home(study: &Study) -> f64 {
-    let suspension = &study.suspension;
+    let suspension = study.wheel();
     let paper = || PaperTheta::of(&suspension.mechanism, &suspension.design).ok();
-    match study.motion.drive {
+    match study.motion().drive {
         Drive::Travel | Drive::ArmAngle => 0.0,
         Drive::PaperTheta => paper().map_or(0.0, |theta| {
-            study.motion.drive.printed(theta.design_value())
+            study.motion().drive.printed(theta.design_value())
         }),
     }
 }
 
 /// Sliders of one wheel, and the number of the main one.
+/// The characteristics of a wheel, and which of them outputs and targets ask for.
+fn catalogue(own: &WheelStudy, optimise: Option<&Optimise>) -> Vec<CharacteristicOverview> {
+    let suspension = &own.suspension;
+    let wanted = Plan::with_targets(own, optimise);
+    let asked = |name: &str| wanted.outputs.iter().any(|output| output.name == name);
+    let characteristic = |c: &Characteristic| CharacteristicOverview {
+        name: c.info().name,
+        unit: c.info().unit.suffix(suspension.length_unit),
+        positive: c.info().positive,
+        asked: asked(c.info().name),
+        available: c.info().needs.iter().all(|need| need.met_by(suspension)),
+    };
+    Characteristic::ALL.iter().map(characteristic).collect()
+}
+
 fn of_corner(study: &Study) -> (Vec<Slider>, usize) {
     let Suspension {
         mechanism,
         length_unit,
         ..
-    } = &study.suspension;
-    let motion = &study.motion;
+    } = study.wheel();
+    let motion = study.motion();
     let (key, name, unit) = match motion.drive {
         Drive::Travel => ("travel", "travel", length_unit.symbol()),
         Drive::ArmAngle => ("arm_angle", "arm angle", "°"),
@@ -129,7 +132,7 @@ fn of_corner(study: &Study) -> (Vec<Slider>, usize) {
         true => 0.0,
         false => motion.rack[0],
     };
-    let rack = rack_slider(&study.suspension, rack_home, &motion.rack);
+    let rack = rack_slider(study.wheel(), rack_home, &motion.rack);
     let mut sliders = vec![drive, rack];
     if mechanism.steering_axis.is_none() && !motion.rack_moves {
         sliders[1].high = sliders[1].low;
@@ -170,21 +173,21 @@ impl Slider {
 
 fn target(target: &Target, study: &Study) -> TargetOverview {
     let motion = target.site.motion.as_ref();
-    let own = motion.map_or(&study.motion, |(_, motion)| motion);
+    let own = motion.map_or(study.motion(), |(_, motion)| motion);
     let stations = match &target.site.axle {
         Some(site) => target.stations_among(&site.values),
         None => target.stations_in(own),
     };
-    let racks = match (&study.axle, target.site.racks.as_slice()) {
+    let racks = match (study.axle(), target.site.racks.as_slice()) {
         (Some(_), _) => Vec::new(),
-        (None, []) if study.motion.rack_moves => vec![0.0],
-        (None, []) => study.motion.rack.clone(),
+        (None, []) if study.motion().rack_moves => vec![0.0],
+        (None, []) => study.motion().rack.clone(),
         (None, racks) => racks.to_vec(),
     };
     let columns = match &target.of.about {
         About::Wheel(_) => vec![target.of.column.clone()],
         About::Axle(quantities) => {
-            let length = study.suspension.length_unit;
+            let length = study.wheel().length_unit;
             let columns = quantities.iter();
             columns.map(|q| super::axle::column(*q, length)).collect()
         }
@@ -195,7 +198,7 @@ fn target(target: &Target, study: &Study) -> TargetOverview {
         tolerance: target.tolerance * target.of.factor().abs(),
         is_band: matches!(target.wanted, crate::study::Wanted::Band { .. }),
         points: wanted_between(target, &stations, own.drive),
-        over: match (&study.axle, &target.site.axle) {
+        over: match (study.axle(), &target.site.axle) {
             (Some(both), Some(site)) => super::axle::slider_of(&both.plan.course, site.over),
             _ => motion.is_none().then_some(0),
         },

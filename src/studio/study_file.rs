@@ -38,10 +38,10 @@ impl Opened {
         let directory = path.parent().unwrap_or(Path::new(""));
         let study = Study::from_text(&path.display().to_string(), &text, directory)?;
         let layout = study.optimise.as_ref();
-        let layout = layout.map(|o| TargetLayout::of(o, &study.motion, &study.suspension));
+        let layout = layout.map(|o| TargetLayout::of(o, &study.vehicle));
         Ok(Opened {
             digest: digest(&text),
-            every: Variable::every_coordinate(&study.suspension, [-1.0, 1.0]),
+            every: Variable::every_coordinate(study.wheel(), [-1.0, 1.0]),
             layout,
             text,
             study,
@@ -55,7 +55,7 @@ impl Opened {
 
     /// A design that came from the page, in the kernel's frame.
     pub(super) fn design(&self, coordinates: &Coordinates) -> Result<Vec<Vector3<f64>>, String> {
-        let suspension = &self.study.suspension;
+        let suspension = self.study.wheel();
         let wanted = suspension.design.len();
         if coordinates.len() != wanted {
             let found = coordinates.len();
@@ -258,7 +258,7 @@ fn moved_in(
     design: &[Vector3<f64>],
     now: &Opened,
 ) -> Result<Vec<Vector3<f64>>, String> {
-    let [from, to] = [opened, now].map(|text| &text.study.suspension);
+    let [from, to] = [opened, now].map(|text| text.study.wheel());
     if from.frame != to.frame || from.length_unit != to.length_unit {
         return Err("the file now has other axes or another unit: reload it".to_owned());
     }

@@ -101,7 +101,7 @@ fn study(topology: &str, more: &[String]) -> Study {
 }
 
 fn value(study: &Study, column: &str) -> f64 {
-    let found = curves(&study.suspension, &Plan::of(study)).unwrap();
+    let found = curves(study.wheel(), &Plan::of(study.one_wheel().unwrap())).unwrap();
     let names = || found.columns.iter().map(|c| c.name.as_str());
     let k = names().position(|name| name == column);
     let k = k.unwrap_or_else(|| panic!("{column} of {:?}", names().collect::<Vec<_>>()));

@@ -108,7 +108,7 @@ fn template(topology: &str) -> Suspension {
     let topology = Topology::named(topology).unwrap();
     Study::from_text(topology.name, topology.template, Path::new("."))
         .unwrap_or_else(|e| panic!("{e:?}"))
-        .suspension
+        .into_wheel()
 }
 
 fn all(mechanism: &Mechanism, design: &[Vector3<f64>], travel: f64, rack: f64) -> Assemblies {

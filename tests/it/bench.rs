@@ -42,7 +42,11 @@ fn error(measurements: &[&Measurement], setting: &str) -> f64 {
 
 #[test]
 fn errors_are_what_arithmetic_and_method_promise() {
-    let accuracy = Accuracy::measure(&study("macpherson_front.toml", &[]), &NO_TIME).unwrap();
+    let accuracy = Accuracy::measure(
+        study("macpherson_front.toml", &[]).one_wheel().unwrap(),
+        &NO_TIME,
+    )
+    .unwrap();
     for m in &accuracy.measurements {
         assert!(m.error.is_finite(), "{m:?}");
     }
@@ -141,13 +145,14 @@ fn every_topology_can_be_measured() {
         "semi_trailing_arm_solve.toml",
     ] {
         let study = study(name, FEW);
-        let accuracy =
-            Accuracy::measure(&study, &NO_TIME).unwrap_or_else(|e| panic!("{name}: {e}"));
+        let accuracy = Accuracy::measure(study.one_wheel().unwrap(), &NO_TIME)
+            .unwrap_or_else(|e| panic!("{name}: {e}"));
         let six = of(&accuracy, Family::Pose, "six equations, f64");
         assert!(error(&six, "rounding") < 1e-11, "{name}");
         let analytic = of(&accuracy, Family::Derivative, "analytic")[0].error;
         assert!(analytic < 1e-11, "{name}: {analytic:e}");
-        let effects = Effects::measure(&study, &NO_TIME).unwrap_or_else(|e| panic!("{name}: {e}"));
+        let effects = Effects::measure(study.one_wheel().unwrap(), &NO_TIME)
+            .unwrap_or_else(|e| panic!("{name}: {e}"));
         let work = |name: &str| {
             let mut found = effects.measurements.iter();
             found.find(|m| m.effect.starts_with(name)).unwrap().work
@@ -160,7 +165,7 @@ fn every_topology_can_be_measured() {
 #[test]
 fn a_motion_of_two_stations_is_no_curve() {
     let study = study("macpherson_solve.toml", &["motion.travel=[0.0, 1.0]"]);
-    let refused = Accuracy::measure(&study, &NO_TIME).unwrap_err();
+    let refused = Accuracy::measure(study.one_wheel().unwrap(), &NO_TIME).unwrap_err();
     let expected = Unmeasurable::FewStations {
         solved: 2,
         needed: 5,
@@ -186,7 +191,7 @@ fn throughput_is_measured_by_every_way_there_is() {
             all.filter(|m| m.method.starts_with(method)).count()
         };
         // Angles and gains on one thread, the widest on two, and it on one for the motion ratio.
-        let springs = study.suspension.mechanism.spring.iter().count();
+        let springs = study.wheel().mechanism.spring.iter().count();
         // Points, and the limit of the method.
         let expected = (2 + gradients) * widths + 2 + springs + limit;
         assert_eq!(of("lanes"), expected, "{name}");

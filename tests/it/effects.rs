@@ -19,7 +19,7 @@ fn study(name: &str, overrides: &[&str]) -> Study {
 }
 
 fn run(study: &Study) -> Curves {
-    let found = curves(&study.suspension, &Plan::of(study)).unwrap();
+    let found = curves(study.wheel(), &Plan::of(study.one_wheel().unwrap())).unwrap();
     assert_eq!(found.failed(), 0);
     found
 }
@@ -149,7 +149,7 @@ fn sensitivities_to_some_points_are_those_among_all() {
             )
         };
         let all = run(&of("true")).sensitivities;
-        let mechanism = of("true").suspension.mechanism;
+        let mechanism = of("true").into_wheel().mechanism;
         for (id, point) in mechanism.points.iter().enumerate() {
             if !mechanism
                 .topology
@@ -172,8 +172,8 @@ fn sensitivities_to_some_points_are_those_among_all() {
 fn what_nothing_reads_is_not_computed() {
     for name in [STRUT, FIVE_LINK] {
         let study = study(name, &["outputs.characteristics=[\"camber\"]"]);
-        let suspension = &study.suspension;
-        let plan = Plan::of(&study);
+        let suspension = study.wheel();
+        let plan = Plan::of(study.one_wheel().unwrap());
         assert_eq!(
             plan.reads,
             Slots::default().with(Characteristic::Camber.info().reads)
@@ -217,10 +217,13 @@ fn what_is_declared_but_off_costs_nothing() {
         &["outputs={characteristics=[\"camber\"]}", "motion.rack=0.0"],
     );
     assert_eq!(run(&declared).work, run(&plain).work);
-    let (a, b) = (Plan::of(&declared), Plan::of(&plain));
+    let (a, b) = (
+        Plan::of(declared.one_wheel().unwrap()),
+        Plan::of(plain.one_wheel().unwrap()),
+    );
     assert_eq!((a.coefficients, a.reads), (b.coefficients, b.reads));
     let on = |s: &Study| {
-        let effects = Plan::of(s).effects(s).into_iter();
+        let effects = Plan::of(s.one_wheel().unwrap()).effects(s).into_iter();
         effects.filter(|e| e.on).map(|e| e.name).collect::<Vec<_>>()
     };
     assert_eq!(on(&declared), ["position"]);
@@ -255,7 +258,7 @@ fn effects_are_on_for_a_reason() {
             "motion.rack={from=-5.0, to=5.0, steps=3}",
         ],
     );
-    let effects = Plan::of(&study).effects(&study);
+    let effects = Plan::of(study.one_wheel().unwrap()).effects(&study);
     let effect = |name: &str| effects.iter().find(|e| e.name == name).unwrap();
     for (name, reason) in [
         ("rack", "motion.rack"),

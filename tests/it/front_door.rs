@@ -3,7 +3,7 @@
 
 use hardpoint::{
     Axis, BuildError, Characteristic, Control, Error, Iteration, Motion, Order, Sampling, Study,
-    Suspension, SuspensionBuilder, SweepControl, Target, Topology, Variable, Vehicle,
+    Suspension, SuspensionBuilder, SweepControl, Target, Topology, Variable, VehicleFigures,
 };
 use std::collections::BTreeSet;
 use std::ops::ControlFlow;
@@ -148,7 +148,7 @@ fn a_curve_has_two_points_and_a_value_stands_at_one_travel() {
         .tune(Control::default())
         .unwrap();
     let met = study(&suspension).at_design(tuning.best.unwrap().design);
-    let found = toe_at(&met.suspension, travel);
+    let found = toe_at(met.wheel(), travel);
     assert!((found - toe).abs() < 2e-6, "{found} instead of {toe}");
 }
 
@@ -203,7 +203,7 @@ fn an_axle_has_curves_and_takes_its_outputs_from_its_text() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/macpherson_axle.toml");
     let study = Study::read(&path, &[]).unwrap();
     let curves = study.curves().unwrap();
-    let both = study.axle.as_ref().unwrap();
+    let both = study.axle().unwrap();
     assert_eq!(curves.stations.len(), both.plan.course.stations());
     // The left and the right camber of a mirrored axle are the same in the design position.
     let column = |name: &str| curves.columns.iter().position(|c| c.name == name).unwrap();
@@ -294,16 +294,16 @@ fn the_builder_refuses_figures_that_are_none() {
             said,
             format!("wheel_radius is {wrong}; expected a finite number above 0")
         );
-        let vehicle = Vehicle {
+        let vehicle = VehicleFigures {
             wheelbase: Some(wrong),
-            ..Vehicle::default()
+            ..VehicleFigures::default()
         };
         assert!(words(builder().vehicle(vehicle).build()).starts_with("wheelbase is "));
     }
     for wrong in [f64::NAN, -0.1, 1.1] {
-        let vehicle = Vehicle {
+        let vehicle = VehicleFigures {
             brake_share_front: Some(wrong),
-            ..Vehicle::default()
+            ..VehicleFigures::default()
         };
         let said = words(builder().vehicle(vehicle).build());
         assert!(said.ends_with("; expected a share from 0 to 1"), "{said}");

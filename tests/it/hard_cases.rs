@@ -248,7 +248,7 @@ fn estimated_condition_numbers_hold_to_a_factor_of_ten() {
         ("double_wishbone_solve.toml", 0.1),
     ] {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies");
-        let suspension = Study::read(&path.join(name), &[]).unwrap().suspension;
+        let suspension = Study::read(&path.join(name), &[]).unwrap().into_wheel();
         let mechanism = &suspension.mechanism;
         let size = suspension.size();
         let (mut least, mut most, mut estimated, mut exact) = (f64::INFINITY, 0.0_f64, 0, 0);
@@ -417,7 +417,7 @@ fn what_is_left_to_the_continuation_has_a_reason() {
     let solved = |name: &str, travel: &str| {
         let edits = [format!("motion.travel={travel}")];
         let study = Study::read(&studies.join(name), &edits).unwrap();
-        curves(&study.suspension, &Plan::of(&study)).unwrap()
+        curves(study.wheel(), &Plan::of(study.one_wheel().unwrap())).unwrap()
     };
     let wide = "{ from = -300.0, to = 300.0, steps = 41 }";
     let ordinary = solved("macpherson_solve.toml", "[-80.0, 0.0, 80.0]");

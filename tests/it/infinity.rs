@@ -139,7 +139,7 @@ travel_right = [0.0]
 ground = "plane"
 "#;
     let study = Study::from_text("level.toml", text, Path::new(".")).unwrap();
-    let axle = study.axle.unwrap().axle;
+    let axle = study.axle().unwrap().clone().axle;
     let wanted = [
         AxleQuantity::RollCentreHeight,
         AxleQuantity::RollCentreLateral,

@@ -51,7 +51,7 @@ const ANGLES: [Characteristic; 4] = [
 
 /// Everything that the suspension has.
 fn quantities(study: &Study) -> Vec<Quantity> {
-    let suspension = &study.suspension;
+    let suspension = study.wheel();
     let possible = |c: &&Characteristic| {
         c.info().needs.iter().all(|need| match need {
             Need::WheelRadius
@@ -73,7 +73,7 @@ fn quantities(study: &Study) -> Vec<Quantity> {
 /// What of it can be differentiated in lanes: no velocities, no instantaneous steering axis.
 fn differentiable(study: &Study) -> Vec<Quantity> {
     let is_through = matches!(
-        study.suspension.mechanism.steering_axis,
+        study.wheel().mechanism.steering_axis,
         Some(SteeringAxis::Through { .. })
     );
     let possible = |q: &Quantity| match q {
@@ -121,8 +121,8 @@ struct Found {
 }
 
 fn compare(study: &Study, quantities: &[Quantity], by: f64, seed: u64, designs: usize) -> Found {
-    let suspension = &study.suspension;
-    let stations = Stations::of(&study.motion, &suspension.frame, &[]);
+    let suspension = study.wheel();
+    let stations = Stations::of(study.motion(), &suspension.frame, &[]);
     let unit_of_drive = match stations.drive {
         Drive::Travel => suspension.size(),
         Drive::ArmAngle => 1.0,
@@ -242,7 +242,7 @@ fn rounded(
     station: usize,
 ) -> f64 {
     const OFF: f64 = 1e-14;
-    let (suspension, quantities) = (&study.suspension, [quantity]);
+    let (suspension, quantities) = (study.wheel(), [quantity]);
     let points: Vec<PointId> = (0..suspension.design.len()).map(PointId).collect();
     let evaluator = GradientEvaluator::new(suspension, stations, &quantities, &points, None);
     let mut evaluator = evaluator.expect("it is sound");
@@ -402,8 +402,8 @@ const BESIDE_A_FOLD: [([[f64; 3]; 12], &str, &str); 2] = [
 fn designs_beside_a_fold_stay_on_their_own_side() {
     for (points, travel, rack) in BESIDE_A_FOLD {
         let study = study("double_wishbone_solve.toml", travel, rack);
-        let suspension = &study.suspension;
-        let stations = Stations::of(&study.motion, &suspension.frame, &[]);
+        let suspension = study.wheel();
+        let stations = Stations::of(study.motion(), &suspension.frame, &[]);
         let quantities = ANGLES.map(Quantity::Characteristic);
         let design = points.map(|[x, y, z]| Vector3::new(x, y, z));
         let designs: Vec<_> = (0..BLOCK).flat_map(|_| design).collect();
@@ -433,8 +433,8 @@ fn the_design_position_is_the_design_itself_beside_a_toggle() {
     const NUMBER: usize = 3672;
     const RATIO: f64 = 44.276_002_729_724_26;
     let study = study("double_wishbone_rocker.toml", FINE, "[0.0]");
-    let suspension = &study.suspension;
-    let stations = Stations::of(&study.motion, &suspension.frame, &[]);
+    let suspension = study.wheel();
+    let stations = Stations::of(study.motion(), &suspension.frame, &[]);
     let quantities = [Quantity::Characteristic(
         Characteristic::AntiRollBarMotionRatio,
     )];
@@ -492,8 +492,8 @@ fn ordinary_designs_stay_in_the_lanes() {
 /// How many of a thousand scattered designs lanes leave to be solved one by one; a block of them is compared with the
 /// continuation.
 fn left_of_a_thousand(study: &Study, by: f64) -> usize {
-    let suspension = &study.suspension;
-    let stations = Stations::of(&study.motion, &suspension.frame, &[]);
+    let suspension = study.wheel();
+    let stations = Stations::of(study.motion(), &suspension.frame, &[]);
     let quantities = quantities(study);
     let compared = compare(study, &quantities, by, 3, BLOCK);
     assert_eq!(compared.left, 0, "{compared:?}");
@@ -520,8 +520,8 @@ fn every_width_gives_the_same_bits() {
         ("double_wishbone_rocker.toml", 20.0),
     ] {
         let study = study(name, FINE, "[0.0, 25.0]");
-        let suspension = &study.suspension;
-        let stations = Stations::of(&study.motion, &suspension.frame, &[]);
+        let suspension = study.wheel();
+        let stations = Stations::of(study.motion(), &suspension.frame, &[]);
         let quantities = quantities(&study);
         let mut scatter = Scatter {
             random: Random(5),
@@ -564,8 +564,8 @@ fn a_degenerate_design_leaves_its_lane_as_it_was() {
         ("five_link_solve.toml", ["toe_link_inner", "toe_link_outer"]),
     ] {
         let study = study(name, FINE, "[0.0]");
-        let suspension = &study.suspension;
-        let stations = Stations::of(&study.motion, &suspension.frame, &[]);
+        let suspension = study.wheel();
+        let stations = Stations::of(study.motion(), &suspension.frame, &[]);
         let quantities = quantities(&study);
         let place = |name| suspension.mechanism.point(name).expect("a point").0;
         let mut without = suspension.design.clone();
@@ -592,8 +592,8 @@ fn the_evaluator_of_gradients_falls_back_one_by_one() {
         ("semi_trailing_arm_solve.toml", 60.0),
     ] {
         let study = study(name, "[-60.0, 0.0, 40.0]", "[0.0]");
-        let suspension = &study.suspension;
-        let stations = Stations::of(&study.motion, &suspension.frame, &[]);
+        let suspension = study.wheel();
+        let stations = Stations::of(study.motion(), &suspension.frame, &[]);
         let quantities = differentiable(&study);
         let points: Vec<PointId> = (0..suspension.design.len()).map(PointId).collect();
         let evaluator = |width| {
@@ -663,8 +663,8 @@ fn one_design_alone_has_the_bits_it_has_among_others() {
     ] {
         let travels: Vec<String> = (0..41).map(|k| format!("{}.0", 3 * k - 60)).collect();
         let study = study(name, &format!("[{}]", travels.join(", ")), rack);
-        let suspension = &study.suspension;
-        let stations = Stations::of(&study.motion, &suspension.frame, &[]);
+        let suspension = study.wheel();
+        let stations = Stations::of(study.motion(), &suspension.frame, &[]);
         let quantities = differentiable(&study);
         let points: Vec<PointId> = (0..suspension.design.len()).map(PointId).collect();
         let width = Some(Width::widest());
@@ -719,9 +719,9 @@ fn gradients_in_lanes_are_those_of_the_closure_equations() {
         ("double_wishbone_rocker.toml", "[0.0]", 3.0),
     ] {
         let study = study(name, "[-50.0, 0.0, 20.0, 60.0]", rack);
-        let suspension = &study.suspension;
+        let suspension = study.wheel();
         let (mechanism, size) = (&suspension.mechanism, suspension.size());
-        let stations = Stations::of(&study.motion, &suspension.frame, &[]);
+        let stations = Stations::of(study.motion(), &suspension.frame, &[]);
         let angles = differentiable(&study);
         let angles = &angles[..];
         let wanted: Vec<AngleTarget> = (0..angles.len() * stations.count())
@@ -850,10 +850,10 @@ fn careful_gradients(
     design: &[Vector3<f64>],
     angles: &[Quantity],
 ) -> Vec<(f64, Vec<Vector3<f64>>)> {
-    let mechanism = &study.suspension.mechanism;
+    let mechanism = &study.wheel().mechanism;
     let mut solver = Solver::new(mechanism, design).expect("the lanes have solved it");
     let design_series = DesignSeries::<1>::new(mechanism, design);
-    let constants = Constants::of(&study.suspension);
+    let constants = Constants::of(study.wheel());
     let none = Vector3::new(0.0, 0.0, 0.0).map(Jet::constant);
     let mut buffer = vec![none; design.len()];
     let mut found = vec![(0.0, Vec::new()); angles.len() * stations.count()];

@@ -23,8 +23,8 @@ fn study(name: &str, overrides: &[String]) -> Study {
 }
 
 fn run(study: &Study) -> (Curves, CurveTable) {
-    let plan = Plan::of(study);
-    let found = curves(&study.suspension, &plan).unwrap();
+    let plan = Plan::of(study.one_wheel().unwrap());
+    let found = curves(study.wheel(), &plan).unwrap();
     let csv = curves_csv(&found);
     (found, CurveTable::read(&csv).unwrap())
 }
@@ -37,7 +37,7 @@ fn loaded(name: &str, side: &str, frame: &str, signs: [f64; 3]) -> Study {
         "double_wishbone_pushrod" => ("double_wishbone_pushrod.toml", None),
         name => (&*format!("{name}_solve.toml"), None),
     };
-    let sample = study(file, &[]).suspension;
+    let sample = study(file, &[]).into_wheel();
     let mechanism = &sample.mechanism;
     let names: Vec<String> = mechanism.points.iter().map(|p| p.name.clone()).collect();
     let mut overrides = vec![
@@ -161,7 +161,7 @@ fn the_wheel_carrier_is_in_equilibrium_and_the_spring_takes_the_work() {
             let study = loaded(name, side, frame, signs);
             let (found, table) = run(&study);
             assert!(found.are_complete());
-            let radius = study.suspension.wheel_radius.unwrap();
+            let radius = study.wheel().wheel_radius.unwrap();
             let up = Vector3::new(0.0, 0.0, signs[2]);
             let (mut balance, mut work) = (Worst::default(), Worst::default());
             for number in 0..table.rows() {

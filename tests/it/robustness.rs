@@ -16,12 +16,12 @@ use hardpoint::mechanism::LimitCause;
 use hardpoint::mechanism::{DesignFault, Failure, Pose};
 use hardpoint::model::{
     Constraint, Drive, Frame, FrameConvention, LengthUnit, Mechanism, Side, Suspension, Topology,
-    Vehicle,
+    VehicleFigures,
 };
 use hardpoint::number::Vector3;
 use hardpoint::plan::Plan;
 use hardpoint::solve::{Solver, StationOrder};
-use hardpoint::study::{self, Formulation, Motion, Order, Outputs, Study};
+use hardpoint::study::{self, Formulation, Motion, Order, Outputs, WheelStudy};
 use proptest::prelude::*;
 use proptest::test_runner::{RngAlgorithm, TestRng, TestRunner};
 use std::ops::{ControlFlow, Range};
@@ -146,18 +146,14 @@ impl Trial {
             length_unit: LengthUnit::Metre,
             wheel_radius: None,
             tyre_width: None,
-            vehicle: Vehicle::default(),
+            vehicle: VehicleFigures::default(),
         }
     }
 
     /// Angles and positions with their rates, sensitivities by the strut's mount, and a proof of each pose.
     fn plan(&self, suspension: &Suspension) -> Plan {
         let point = |name: &str| self.mechanism.point(name).unwrap();
-        Plan::of(&Study {
-            inputs: Vec::new(),
-            motions: Vec::new(),
-            name: String::new(),
-            text: String::new(),
+        Plan::of(&WheelStudy {
             suspension: suspension.clone(),
             motion: Motion {
                 drive: match self.drive {
@@ -183,12 +179,6 @@ impl Trial {
                 certify: true,
                 loads: Vec::new(),
             },
-            axle: None,
-            optimise: None,
-            sweep: None,
-            setup: None,
-            tolerance: None,
-            compliance: None,
         })
     }
 }

@@ -36,8 +36,8 @@ fn with_lines(lines: &[(&str, &str)]) -> String {
 
 fn run(text: &str) -> (Study, Curves, CurveTable) {
     let study = read(text).unwrap_or_else(|e| panic!("{e}"));
-    let plan = Plan::of(&study);
-    let found = curves(&study.suspension, &plan).unwrap();
+    let plan = Plan::of(study.one_wheel().unwrap());
+    let found = curves(study.wheel(), &plan).unwrap();
     let csv = curves_csv(&found);
     (study, found, CurveTable::read(&csv).unwrap())
 }
@@ -66,7 +66,7 @@ fn a_drop_link_beside_a_rocker_is_never_assumed_silently() {
             .iter()
             .position(|c| c.output == "anti_roll_bar_motion_ratio");
         let middle = &found.stations[found.stations.len() / 2];
-        let doubts = hardpoint::report::plausibility(&study.suspension).unwrap();
+        let doubts = hardpoint::report::plausibility(study.wheel()).unwrap();
         (middle.values[ratio.unwrap()].unwrap(), doubts)
     };
     let outputs = (
@@ -107,13 +107,13 @@ fn a_drop_link_beside_a_rocker_is_never_assumed_silently() {
         .replace("[ -30.0,  160.0,  420.0]", "[ -30.0,  430.0,  150.0]")
         .replace("[ -30.0,  155.0,  330.0]", "[ -30.0,  425.0,  330.0]");
     let study = read(&low).unwrap();
-    let mechanism = &study.suspension.mechanism;
+    let mechanism = &study.wheel().mechanism;
     let link = mechanism.point("drop_link_outer").unwrap();
     assert!(matches!(
         mechanism.body(link),
         hardpoint::model::Body::Arm(_)
     ));
-    let doubts = hardpoint::report::plausibility(&study.suspension).unwrap();
+    let doubts = hardpoint::report::plausibility(study.wheel()).unwrap();
     assert!(
         doubts.iter().any(|d| d.contains("Assumed: lower arm")),
         "{doubts:?}"
@@ -125,7 +125,7 @@ fn a_drop_link_beside_a_rocker_is_never_assumed_silently() {
 fn a_rod_far_from_its_assumed_body_is_doubted() {
     let doubts = |text: &str| {
         let study = read(text).unwrap_or_else(|e| panic!("{e}"));
-        let doubts = hardpoint::report::plausibility(&study.suspension).unwrap();
+        let doubts = hardpoint::report::plausibility(study.wheel()).unwrap();
         doubts
             .into_iter()
             .filter(|d| d.contains("pushrod_outer"))
@@ -152,8 +152,8 @@ fn a_rod_far_from_its_assumed_body_is_doubted() {
 fn beyond_a_toggle_there_are_no_values_of_the_rocker() {
     let (study, found, table) = run(&with_lines(&[NEAR_TOGGLE, FAR, OUTPUTS, POINTS]));
     let design = |name: &str| {
-        let id = study.suspension.mechanism.point(name).unwrap();
-        study.suspension.design[id.0]
+        let id = study.wheel().mechanism.point(name).unwrap();
+        study.wheel().design[id.0]
     };
     let [first, second, inner] =
         ["rocker_pivot_front", "rocker_pivot_rear", "pushrod_inner"].map(design);
@@ -192,7 +192,7 @@ fn beyond_a_toggle_there_are_no_values_of_the_rocker() {
     }
     assert_eq!((found.failed(), found.are_complete()), (0, false));
 
-    let said = remarks(&found, study.suspension.length_unit).join("\n");
+    let said = remarks(&found, study.wheel().length_unit).join("\n");
     for phrase in [
         "pushrod is at toggle",
         &format!("{stuck} stations"),
@@ -302,7 +302,7 @@ fn rockers_are_computed_where_they_are_asked_for() {
             ("order", ""),
         ]);
         let study = read(&text).unwrap_or_else(|e| panic!("{e}"));
-        let effects = Plan::of(&study).effects(&study);
+        let effects = Plan::of(study.one_wheel().unwrap()).effects(&study);
         ["rocker", "anti-roll bar", "rates"].map(|name| {
             let effect = effects.iter().find(|e| e.name == name).unwrap();
             assert_eq!(effect.on, effect.because.contains("(line"), "{effect:?}");
@@ -588,8 +588,8 @@ fn every_topology_takes_an_anti_roll_bar() {
         let mut overrides = bar.to_vec();
         overrides.push(format!("suspension.bodies.drop_link_outer=\"{body}\""));
         let study = Study::read(&path, &overrides).unwrap_or_else(|e| panic!("{name}: {e}"));
-        let plan = Plan::of(&study);
-        let found = curves(&study.suspension, &plan).unwrap();
+        let plan = Plan::of(study.one_wheel().unwrap());
+        let found = curves(study.wheel(), &plan).unwrap();
         assert!(found.are_complete(), "{name}");
         let [below, design, above] = [0, 1, 2].map(|i| found.stations[i].values[0].unwrap());
         // The link stands below the lever and pushes it up in jounce.
@@ -612,7 +612,7 @@ fn every_topology_takes_an_anti_roll_bar() {
 #[test]
 fn limits_name_the_toggles() {
     let study = read(&with_lines(&[NEAR_TOGGLE])).unwrap();
-    let suspension = &study.suspension;
+    let suspension = study.wheel();
     let mut solver = Solver::new(&suspension.mechanism, &suspension.design).unwrap();
     let limits = solver.limits().unwrap();
     let [rocker, bar] = limits.rockers[..] else {
@@ -760,7 +760,7 @@ fn nothing_comes_back_from_beyond_a_toggle() {
 /// the rocker is beyond the centre of that arc, so that it is farthest from the rod's end at the travel `at`, by so
 /// much more than rod and lever together are long. Not so in the design position, nor at twice that travel.
 fn rod_short_at(at: f64, by: f64) -> String {
-    let sample = read(&sample()).unwrap().suspension;
+    let sample = read(&sample()).unwrap().into_wheel();
     let outer = |travel: f64| {
         let [_, y, z] = sample
             .pose_at(travel, 0.0)
@@ -826,7 +826,7 @@ fn a_toggle_between_two_stations_is_seen() {
                 .unwrap()
                 .with_overrides("study.toml", &set)
                 .unwrap();
-            let found = curves(&study.suspension, &Plan::of(&study)).unwrap();
+            let found = curves(study.wheel(), &Plan::of(study.one_wheel().unwrap())).unwrap();
             let stations = found.stations.iter();
             stations
                 .map(|s| (s.at[0].unwrap(), s.status))
@@ -869,7 +869,7 @@ fn a_toggle_between_two_stations_is_seen() {
             .unwrap()
             .with_overrides("study.toml", &set)
             .unwrap();
-        let found = curves(&study.suspension, &Plan::of(&study)).unwrap();
+        let found = curves(study.wheel(), &Plan::of(study.one_wheel().unwrap())).unwrap();
         assert!(found.are_complete(), "{at} {by}");
     }
 }

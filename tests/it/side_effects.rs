@@ -33,10 +33,8 @@ fn named<'e>(effects: &'e [SideEffect], output: &str) -> &'e SideEffect {
 
 /// Values of a characteristic over `[motion]`, by travel.
 fn values(study: &Study, characteristic: Characteristic) -> Vec<(f64, f64)> {
-    let alone = Study {
-        outputs: Outputs::of(vec![characteristic]),
-        ..study.clone()
-    };
+    let mut alone = study.clone();
+    alone.one_wheel_mut().unwrap().outputs = Outputs::of(vec![characteristic]);
     let curves = alone.curves().unwrap();
     let stations = curves.stations.iter();
     stations
@@ -191,23 +189,18 @@ fn inches_flag_what_millimetres_flag() {
         .unwrap();
     let moved = study.moved(&[8.0, -4.0, 12.0, -6.0]);
     let effects = side_effects(&study, &moved).unwrap();
-    let scaled = |study: &Study| Study {
-        suspension: hardpoint::Suspension {
-            length_unit: hardpoint::LengthUnit::Inch,
-            design: study
-                .suspension
-                .design
-                .iter()
-                .map(|p| *p * (1.0 / 25.4))
-                .collect(),
-            wheel_radius: study.suspension.wheel_radius.map(|r| r / 25.4),
-            ..study.suspension.clone()
-        },
-        motion: hardpoint::Motion {
-            values: study.motion.values.iter().map(|v| v / 25.4).collect(),
-            ..study.motion.clone()
-        },
-        ..study.clone()
+    let scaled = |study: &Study| {
+        let mut scaled = study.clone();
+        let own = scaled.one_wheel_mut().unwrap();
+        own.suspension.length_unit = hardpoint::LengthUnit::Inch;
+        for point in &mut own.suspension.design {
+            *point = *point * (1.0 / 25.4);
+        }
+        own.suspension.wheel_radius = own.suspension.wheel_radius.map(|r| r / 25.4);
+        for value in &mut own.motion.values {
+            *value /= 25.4;
+        }
+        scaled
     };
     let inches = side_effects(&scaled(&study), &scaled(&moved)).unwrap();
     assert_eq!(effects.len(), inches.len());
@@ -237,10 +230,7 @@ fn inches_flag_what_millimetres_flag() {
 fn named_motions_are_compared_too() {
     let (study, after, effects) = tuned("formula_student_front", &["optimise.starts=1"]);
     let locked = &study.motions[0].1;
-    let [before, after] = [&study, &after].map(|of| Study {
-        motion: locked.clone(),
-        ..of.clone()
-    });
+    let [before, after] = [&study, &after].map(|of| of.clone().over(locked.clone()));
     let toe = named(&effects, "toe, locked");
     assert_eq!((toe.tolerance, toe.flagged), (None, false));
     // No target is about the half track: (1).
@@ -270,7 +260,7 @@ fn an_axle_has_one_row_for_both_wheels() {
     ];
     let (before, after, effects) = tuned("macpherson_axle_front", &few);
     let curves = |study: &Study| {
-        let both = study.axle.as_ref().unwrap();
+        let both = study.axle().unwrap();
         hardpoint::axle::axle_curves(&both.axle, &both.plan)
             .unwrap()
             .curves

@@ -6,11 +6,12 @@
 
 use crate::support::mutants::mutilated;
 use crate::support::random::Random;
+use hardpoint::axle::axle_curves;
 use hardpoint::curves::curves;
 use hardpoint::plan::Plan;
 use hardpoint::report::{SolveSummary, curves_csv, sensitivities_csv};
 use hardpoint::solve::StationOrder;
-use hardpoint::study::{Study, StudyErrors};
+use hardpoint::study::{AxleStudy, Study, StudyErrors, Vehicle};
 use std::collections::BTreeSet;
 use std::fs;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -146,10 +147,25 @@ fn the_whole_corpus_is_tested() {
     assert_eq!(files, listed);
 }
 
+/// Solves an axle in its design position. Whether there was anything to solve.
+fn judge_axle(both: &AxleStudy) -> bool {
+    match axle_curves(&both.axle, &both.plan.at_design()) {
+        Ok(found) => found.curves.stations[0].status.word() == "ok",
+        Err(fault) => {
+            assert!(!both.axle.describe_fault(fault).is_empty());
+            false
+        }
+    }
+}
+
 /// Solves a study, thinned to a few stations, and looks at all that comes of it. Whether there was
 /// anything to solve.
 fn judge(study: &Study) -> bool {
-    let whole = Plan::of(study);
+    let own = match &study.vehicle {
+        Vehicle::Wheel(own) => own,
+        Vehicle::Axle(both) => return judge_axle(both),
+    };
+    let whole = Plan::of(own);
     assert!(!whole.effects(study).is_empty());
     let thinned = |values: &[f64]| -> Vec<f64> {
         let step = values.len().div_ceil(5);
@@ -162,7 +178,7 @@ fn judge(study: &Study) -> bool {
         time: None,
         ..whole
     };
-    let suspension = &study.suspension;
+    let suspension = study.wheel();
     let mechanism = &suspension.mechanism;
     hardpoint::attia::register();
     let found = match curves(suspension, &plan) {

@@ -30,18 +30,15 @@ fn the_sample_studies_mean_what_they_say() {
         read(topology.template);
     }
     let solve = read(SOLVE);
-    assert_eq!(solve.motion.values.len(), 41);
-    assert_eq!(solve.motion.values[20].to_bits(), 0);
+    assert_eq!(solve.motion().values.len(), 41);
+    assert_eq!(solve.motion().values[20].to_bits(), 0);
     assert_eq!(
-        (solve.motion.drive, solve.motion.rack_moves),
+        (solve.motion().drive, solve.motion().rack_moves),
         (Drive::Travel, false)
     );
-    assert_eq!(solve.outputs.order, Order::Position);
-    let id = solve.suspension.mechanism.point("wheel_centre").unwrap();
-    assert_eq!(
-        solve.suspension.design[id.0],
-        Vector3::new(0.0, 760.0, 300.0)
-    );
+    assert_eq!(solve.one_wheel().unwrap().outputs.order, Order::Position);
+    let id = solve.wheel().mechanism.point("wheel_centre").unwrap();
+    assert_eq!(solve.wheel().design[id.0], Vector3::new(0.0, 760.0, 300.0));
 
     let front = read(FRONT).optimise.unwrap();
     assert_eq!(front.variables.len(), 7);
@@ -91,10 +88,10 @@ fn the_templates_optional_keys_are_good() {
     };
     let text: Vec<String> = SOLVE.lines().map(optional).collect();
     let study = read(&text.join("\n"));
-    assert_eq!(study.optimise.unwrap().targets.len(), 2);
-    assert_eq!(study.suspension.vehicle.cg_height, Some(540.0));
-    assert!(study.outputs.knuckle);
-    let mechanism = study.suspension.mechanism;
+    assert_eq!(study.optimise.as_ref().unwrap().targets.len(), 2);
+    assert_eq!(study.wheel().vehicle.cg_height, Some(540.0));
+    assert!(study.one_wheel().unwrap().outputs.knuckle);
+    let mechanism = &study.wheel().mechanism;
     assert!(mechanism.point("strut_upper").is_some());
     let seat = mechanism.point("spring_seat").unwrap();
     assert_eq!(seat, PointId(mechanism.points.len() - 1));
@@ -113,11 +110,11 @@ fn other_frames_and_sides_are_the_same_suspension() {
             .replace("side = \"left\"", &format!("side = \"{side}\""))
             .replace("frame = \"iso8855\"", &format!("frame = \"{frame}\""));
         for (point, p) in left
-            .suspension
+            .wheel()
             .mechanism
             .points
             .iter()
-            .zip(&left.suspension.design)
+            .zip(&left.wheel().design)
         {
             let [x, y, z] = [p.x * signs[0], p.y * signs[1], p.z * signs[2]];
             let at = text.find(&format!("\n{}", point.name)).unwrap() + 1;
@@ -125,8 +122,8 @@ fn other_frames_and_sides_are_the_same_suspension() {
             text.replace_range(at..end, &format!("{} = [{x:?}, {y:?}, {z:?}]", point.name));
         }
         assert_eq!(
-            read(&text).suspension.design,
-            left.suspension.design,
+            read(&text).wheel().design,
+            left.wheel().design,
             "{side} {frame}"
         );
     }
@@ -140,8 +137,8 @@ fn degrees_become_radians_once() {
         "optimise.targets=[{ characteristic = \"camber\", at = 5, value = -1, tolerance = 0.1 }, \
          { characteristic = \"scrub_radius\", points = [[-20, 3], [20, 4]], tolerance = 2, interpolation = \"linear\" }]",
     ]);
-    assert_eq!(study.motion.values[2], 10f64.to_radians());
-    assert!(study.motion.rack_moves);
+    assert_eq!(study.motion().values[2], 10f64.to_radians());
+    assert!(study.motion().rack_moves);
     let optimise = study.optimise.unwrap();
     assert_eq!(
         (optimise.starts, optimise.seed, optimise.max_iterations),
@@ -166,9 +163,12 @@ fn degrees_become_radians_once() {
     let radians = with_overrides(&[
         "motion={ drive = \"arm_angle\", angle_unit = \"rad\", time = { polynomial = [0.0, 0.1, 0.05], from = 0, to = 2, steps = 3 } }",
     ]);
-    assert_eq!(radians.motion.time.unwrap().times, [0.0, 1.0, 2.0]);
     assert_eq!(
-        radians.motion.values,
+        radians.motion().time.as_ref().unwrap().times,
+        [0.0, 1.0, 2.0]
+    );
+    assert_eq!(
+        radians.motion().values,
         [0.0, 0.1 + 0.05, (0.05 * 2.0 + 0.1) * 2.0]
     );
 }
@@ -179,7 +179,7 @@ fn static_angles_are_those_of_the_catalogue() {
         .replace("spindle_inner    =", "# spindle_inner =")
         .replace("# static_camber =", "static_camber =")
         .replace("# static_toe =", "static_toe =");
-    let SpinAxis::Along(a) = read(&text).suspension.mechanism.spin_axis else {
+    let SpinAxis::Along(a) = read(&text).wheel().mechanism.spin_axis else {
         panic!("the spin axis is given by angles");
     };
     assert!((a.norm() - 1.0).abs() < 1e-15);
@@ -212,7 +212,7 @@ angle_unit = "rad"
 time = { polynomial = [0.0, 1.0, 1.0], from = 0.0, to = 0.5, steps = 11 }
 "#,
     );
-    assert_eq!(study.outputs.characteristics.len(), 4);
+    assert_eq!(study.one_wheel().unwrap().outputs.characteristics.len(), 4);
 }
 
 #[test]
@@ -225,10 +225,10 @@ fn overrides_edit_the_text_and_keep_its_comments() {
         "outputs.order=velocity",
     ]);
     assert_eq!(study.name, "mine");
-    assert_eq!(study.motion.values, [-80.0, -40.0, 0.0, 40.0, 80.0]);
-    assert_eq!(study.motion.rack, [-10.0, 0.0, 10.0]);
-    assert_eq!(study.suspension.vehicle.wheelbase, Some(2700.0));
-    assert_eq!(study.outputs.order, Order::Velocity);
+    assert_eq!(study.motion().values, [-80.0, -40.0, 0.0, 40.0, 80.0]);
+    assert_eq!(study.motion().rack, [-10.0, 0.0, 10.0]);
+    assert_eq!(study.wheel().vehicle.wheelbase, Some(2700.0));
+    assert_eq!(study.one_wheel().unwrap().outputs.order, Order::Velocity);
     assert!(
         study
             .text
@@ -255,7 +255,7 @@ variables = [
 ]
 "#
     ));
-    let sweep = study.sweep.unwrap();
+    let sweep = study.sweep.as_ref().unwrap();
     let Designs::Sampled(sampled) = &sweep.designs else {
         panic!("{sweep:?}");
     };
@@ -266,7 +266,7 @@ variables = [
     let at_design: Vec<f64> = sampled
         .variables
         .iter()
-        .map(|v| v.at_design(&study.suspension))
+        .map(|v| v.at_design(study.wheel()))
         .collect();
     assert_eq!(at_design, [0.0, 575.0, 0.0]);
     let factors: Vec<f64> = sampled.variables[2]
@@ -288,9 +288,9 @@ fn designs_from_a_file_do_not_stand_in_the_way() {
 #[test]
 fn only_moved_coordinates_are_rewritten() {
     let study = read(FRONT);
-    assert_eq!(study.with_design(&study.suspension.design), FRONT);
-    let mut design = study.suspension.design.clone();
-    let moved = study.suspension.mechanism.point("tie_rod_inner").unwrap();
+    assert_eq!(study.with_design(&study.wheel().design), FRONT);
+    let mut design = study.wheel().design.clone();
+    let moved = study.wheel().mechanism.point("tie_rod_inner").unwrap();
     design[moved.0].z = 0.1 + 0.2;
     let text = study.with_design(&design);
     let changed: Vec<_> = FRONT
@@ -321,11 +321,11 @@ proptest! {
             text = text.replace("\"left\"", "\"right\"").replace("\"iso8855\"", "\"x_rear\"");
         }
         let study = read(&text);
-        let design: Vec<_> = study.suspension.design.iter().zip(offsets.chunks_exact(3))
+        let design: Vec<_> = study.wheel().design.iter().zip(offsets.chunks_exact(3))
             .map(|(p, o)| Vector3::new(p.x + o[0], p.y + o[1], p.z * (1.0 + o[2] / 100.0)))
             .collect();
         let again = read(&study.with_design(&design));
-        for (read, written) in again.suspension.design.iter().zip(&design) {
+        for (read, written) in again.wheel().design.iter().zip(&design) {
             let bits = |v: &Vector3<f64>| v.to_array().map(f64::to_bits);
             prop_assert_eq!(bits(read), bits(written));
         }

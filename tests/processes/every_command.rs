@@ -37,11 +37,11 @@ impl Size {
     /// `None` where the reader refuses it.
     fn of(text: &str, samples: &Path) -> Option<Size> {
         let study = Study::from_text("study.toml", text, samples).ok()?;
-        let stations = match &study.axle {
+        let stations = match study.axle() {
             Some(both) => both.plan.course.stations(),
             None => {
                 let further = study.motions.iter().map(|(_, motion)| motion);
-                let all = further.chain([&study.motion]);
+                let all = further.chain([study.motion()]);
                 all.map(|motion| motion.values.len() * motion.rack.len())
                     .sum()
             }

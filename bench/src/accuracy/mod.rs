@@ -13,7 +13,7 @@ pub(super) use poses::unchecked_and_checked;
 pub use subject::Subject;
 
 use super::{Clock, Timing, Unmeasurable};
-use hardpoint_engine::study::Study;
+use hardpoint_engine::study::WheelStudy;
 
 /// One way to a number.
 #[derive(Clone, Debug, PartialEq)]
@@ -71,7 +71,7 @@ pub struct Accuracy {
 
 impl Accuracy {
     /// Measures.
-    pub fn measure(study: &Study, clock: &Clock) -> Result<Self, Unmeasurable> {
+    pub fn measure(study: &WheelStudy, clock: &Clock) -> Result<Self, Unmeasurable> {
         let subject = Subject::of(study)?;
         let mut measurements = poses::measure(&subject, clock)?;
         measurements.extend(curve::measure(&subject, clock)?);

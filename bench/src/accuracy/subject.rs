@@ -11,7 +11,7 @@ use hardpoint_engine::model::{Drive, SteeringAxis, Suspension};
 use hardpoint_engine::number::{Real, Scalar, Vector3};
 use hardpoint_engine::plan::Plan;
 use hardpoint_engine::solve::{Solver, StationOrder};
-use hardpoint_engine::study::Study;
+use hardpoint_engine::study::WheelStudy;
 use std::ops::ControlFlow;
 
 /// A number whose distance from the truth can be told.
@@ -69,7 +69,7 @@ const FEWEST: usize = 5;
 impl<'s> Subject<'s> {
     /// The stations of a study that can be solved, with the rack at its first place. The drive is the
     /// wheel travel, whatever it is in the study.
-    pub fn of(study: &'s Study) -> Result<Self, Unmeasurable> {
+    pub fn of(study: &'s WheelStudy) -> Result<Self, Unmeasurable> {
         let suspension = &study.suspension;
         let plan = Plan::of(study);
         let curves = hardpoint_engine::curves::curves(suspension, &plan)?;

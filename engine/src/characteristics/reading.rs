@@ -267,7 +267,7 @@ mod tests {
         let mut seen = Slots::default();
         for name in ["double_wishbone_pushrod.toml", "attia.toml"] {
             let study = Study::read(&studies.join(name), &[]);
-            let suspension = study.expect("a study of the repository").suspension;
+            let suspension = study.expect("a study of the repository").into_wheel();
             let (mechanism, design) = (&suspension.mechanism, &suspension.design);
             let series = DesignSeries::<2>::new(mechanism, design);
             let pose = Pose {

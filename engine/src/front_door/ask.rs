@@ -5,8 +5,8 @@ use super::error::{checked, finite};
 use crate::characteristics::Characteristic;
 use crate::model::{Axis, PointId, Suspension};
 use crate::study::{
-    Designs, FileFormat, Formulation, Interpolation, Motion, Move, Optimise, Order, Outputs,
-    Sampled, Sampling, Site, Study, Subject, Sweep, SweepVariable, Target, Variable, Wanted,
+    Designs, FileFormat, Interpolation, Motion, Move, Optimise, Order, Sampled, Sampling, Site,
+    Study, Subject, Sweep, SweepVariable, Target, Variable, Vehicle, Wanted, WheelStudy,
 };
 use crate::study::{GOOD_ENOUGH, MAX_ITERATIONS};
 use std::ops::RangeInclusive;
@@ -72,23 +72,21 @@ impl Study {
             name: suspension.mechanism.topology.name.to_owned(),
             text: String::new(),
             inputs: Vec::new(),
-            suspension,
-            motion: Motion::still(),
+            vehicle: Vehicle::Wheel(Box::new(WheelStudy::of(suspension))),
             motions: Vec::new(),
-            formulation: Formulation::KnucklePose,
-            outputs: Outputs::of(Vec::new()),
             optimise: None,
             sweep: None,
             setup: None,
             tolerance: None,
             compliance: None,
-            axle: None,
         }
     }
 
-    /// The study over a motion.
+    /// The study over a motion. A study of an axle, whose motion is in its text, stays as it is.
     pub fn over(mut self, motion: Motion) -> Self {
-        self.motion = motion;
+        if let Some(own) = self.one_wheel_mut() {
+            own.motion = motion;
+        }
         self
     }
 
@@ -103,12 +101,12 @@ impl Study {
         characteristics: &[Characteristic],
         order: Order,
     ) -> Result<Self, Error> {
-        self.refuse_of_axle("give its requests in the study file")?;
+        let own = self.wheel_to_ask()?;
         for characteristic in characteristics {
-            Error::if_lacking(&self.suspension, *characteristic)?;
+            Error::if_lacking(&own.suspension, *characteristic)?;
         }
-        self.outputs.characteristics = characteristics.to_vec();
-        self.outputs.order = order;
+        own.outputs.characteristics = characteristics.to_vec();
+        own.outputs.order = order;
         Ok(self)
     }
 
@@ -117,10 +115,16 @@ impl Study {
     /// # Errors
     /// [`Error::UnknownPoint`]; [`Error::Axle`] as for [`Study::asking`].
     pub fn asking_points(mut self, names: &[&str]) -> Result<Self, Error> {
-        self.refuse_of_axle("give its requests in the study file")?;
-        let points = names.iter().map(|name| self.suspension.point_named(name));
-        self.outputs.points = points.collect::<Result<_, _>>()?;
+        let own = self.wheel_to_ask()?;
+        let points = names.iter().map(|name| own.suspension.point_named(name));
+        own.outputs.points = points.collect::<Result<_, _>>()?;
         Ok(self)
+    }
+
+    /// The wheel whose requests are given. Errors if the study is of an axle.
+    fn wheel_to_ask(&mut self) -> Result<&mut WheelStudy, Error> {
+        let refusal = Error::Axle("give its requests in the study file");
+        self.one_wheel_mut().ok_or(refusal)
     }
 
     /// The study with variables and targets for [`Study::tune`]. Further settings are fields of [`Study::optimise`].
@@ -181,7 +185,6 @@ impl Optimise {
             front: Vec::new(),
             scatter: None,
             side_effects: true,
-            axle: None,
         }
     }
 }

@@ -4,7 +4,7 @@ use crate::curves::{Status, curves};
 use crate::mechanism::{BuildError, SuspensionBuilder};
 use crate::model::Suspension;
 use crate::plan::Plan;
-use crate::study::Study;
+use crate::study::WheelStudy;
 
 impl SuspensionBuilder {
     /// The suspension. Its design position has been solved: it has a pose there, and the drive can move the wheel
@@ -13,9 +13,9 @@ impl SuspensionBuilder {
     /// # Errors
     /// What is wrong with the hardpoints and figures, the first of several faults.
     pub fn build(self) -> Result<Suspension, BuildError> {
-        let study = Study::of(self.assemble()?);
-        let suspension = &study.suspension;
-        let solved = curves(suspension, &Plan::of(&study))
+        let own = WheelStudy::of(self.assemble()?);
+        let suspension = &own.suspension;
+        let solved = curves(suspension, &Plan::of(&own))
             .map_err(|fault| BuildError::Design(fault.describe(&suspension.mechanism)))?;
         for station in &solved.stations {
             if let Status::Failed(failure) = station.status {
@@ -25,6 +25,6 @@ impl SuspensionBuilder {
                 )));
             }
         }
-        Ok(study.suspension)
+        Ok(own.suspension)
     }
 }

@@ -5,7 +5,7 @@ use crate::characteristics::Characteristic;
 use crate::curves::{Status, curves};
 use crate::model::{PointId, Suspension};
 use crate::plan::Plan;
-use crate::study::{Motion, Study};
+use crate::study::{Motion, WheelStudy};
 use std::collections::BTreeMap;
 
 /// A suspension at one travel of the wheel and one displacement of the rack.
@@ -73,12 +73,12 @@ impl Suspension {
     /// # Errors
     /// [`Error::NoPose`] where the wheel cannot be, [`Error::Design`] if the design position itself cannot be solved.
     pub fn pose_at(&self, travel: f64, rack: f64) -> Result<SuspensionPose, Error> {
-        let mut study = Study::of(self.clone()).over(Motion::at(travel, rack)?);
-        let outputs = &mut study.outputs;
+        let mut own = WheelStudy::of(self.clone());
+        own.motion = Motion::at(travel, rack)?;
+        let outputs = &mut own.outputs;
         outputs.characteristics = Characteristic::available(self).collect();
         outputs.points = (0..self.mechanism.points.len()).map(PointId).collect();
-        let curves =
-            curves(self, &Plan::of(&study)).map_err(|fault| Error::design(self, &fault))?;
+        let curves = curves(self, &Plan::of(&own)).map_err(|fault| Error::design(self, &fault))?;
         let station = &curves.stations[0];
         if let Status::Failed(failure) = station.status {
             return Err(Error::NoPose {
@@ -90,13 +90,13 @@ impl Suspension {
         }
         let mut values = station.values.iter().map(|value| value.ok());
         let mut characteristics = BTreeMap::new();
-        for characteristic in &study.outputs.characteristics {
+        for characteristic in &own.outputs.characteristics {
             if let Some(value) = values.next().flatten() {
                 characteristics.insert(*characteristic, value);
             }
         }
         let mut points = BTreeMap::new();
-        for id in &study.outputs.points {
+        for id in &own.outputs.points {
             let mut coordinate = || values.next().flatten();
             if let (Some(x), Some(y), Some(z)) = (coordinate(), coordinate(), coordinate()) {
                 points.insert(self.mechanism.name(*id).to_owned(), [x, y, z]);

@@ -5,7 +5,7 @@ use crate::axle::axle_curves;
 use crate::curves::{Curves, curves};
 use crate::optimise::{Control, Tuning, tune};
 use crate::plan::Plan;
-use crate::study::{AxleStudy, Designs, MOST_DESIGNS, MOST_EXCHANGED, Sampled, Sampling, Study};
+use crate::study::{Designs, MOST_DESIGNS, MOST_EXCHANGED, Sampled, Sampling, Study, Vehicle};
 use crate::sweep::{Rows, SweepPlan};
 use crate::threads::{self, Interrupt};
 use std::num::NonZeroUsize;
@@ -30,7 +30,7 @@ impl Study {
     /// use hardpoint::{Characteristic, Motion, Order, Study, Topology};
     ///
     /// let template = Topology::named("macpherson").unwrap().template;
-    /// let suspension = Study::from_text("mine", template, ".".as_ref())?.suspension;
+    /// let suspension = Study::from_text("mine", template, ".".as_ref())?.into_wheel();
     /// let study = Study::of(suspension)
     ///     .over(Motion::travel(-40.0..=40.0, 9)?)
     ///     .asking(&[Characteristic::Camber, Characteristic::Toe], Order::Velocity)?;
@@ -44,12 +44,12 @@ impl Study {
     /// # Errors
     /// [`Error::Design`] if the design position itself cannot be solved.
     pub fn curves(&self) -> Result<Curves, Error> {
-        match &self.axle {
-            Some(AxleStudy { axle, plan }) => axle_curves(axle, plan)
+        match &self.vehicle {
+            Vehicle::Axle(both) => axle_curves(&both.axle, &both.plan)
                 .map(|found| found.curves)
-                .map_err(|fault| Error::Design(axle.describe_fault(fault))),
-            None => curves(&self.suspension, &Plan::of(self))
-                .map_err(|fault| Error::design(&self.suspension, &fault)),
+                .map_err(|fault| Error::Design(both.axle.describe_fault(fault))),
+            Vehicle::Wheel(own) => curves(&own.suspension, &Plan::of(own))
+                .map_err(|fault| Error::design(&own.suspension, &fault)),
         }
     }
 
@@ -62,7 +62,7 @@ impl Study {
     /// use hardpoint::{Axis, Characteristic, Control, Motion, Study, Target, Topology, Variable};
     ///
     /// let template = Topology::named("double_wishbone").unwrap().template;
-    /// let suspension = Study::from_text("mine", template, ".".as_ref())?.suspension;
+    /// let suspension = Study::from_text("mine", template, ".".as_ref())?.into_wheel();
     /// let study = Study::of(suspension.clone())
     ///     .over(Motion::travel(-30.0..=30.0, 7)?)
     ///     .tuning(
@@ -89,8 +89,7 @@ impl Study {
         if optimise.targets.is_empty() {
             return Err(Error::Empty("target"));
         }
-        tune(&self.suspension, &self.motion, optimise, control)
-            .map_err(|fault| Error::design(&self.suspension, &fault))
+        tune(&self.vehicle, optimise, control).map_err(|fault| Error::design(self.wheel(), &fault))
     }
 
     /// Solves the designs of the sweep on all cores and hands their rows to `sink`, block by block in the order of
@@ -106,7 +105,7 @@ impl Study {
     /// use std::ops::ControlFlow;
     ///
     /// let template = Topology::named("macpherson").unwrap().template;
-    /// let suspension = Study::from_text("mine", template, ".".as_ref())?.suspension;
+    /// let suspension = Study::from_text("mine", template, ".".as_ref())?.into_wheel();
     /// let height = Variable::offset(&suspension, "tie_rod_inner", Axis::Z, -5.0..=5.0)?;
     /// let study = Study::of(suspension)
     ///     .over(Motion::travel(-40.0..=40.0, 9)?)
@@ -149,18 +148,10 @@ impl Study {
         // The plan solves the design itself, which takes the stack of one of the pool's threads, too.
         pool.install(|| {
             let plan = SweepPlan::of(self, sweep)
-                .map_err(|reason| Error::not_begun(&self.suspension, reason))?;
+                .map_err(|reason| Error::not_begun(self.wheel(), reason))?;
             plan.run(0..plan.record.blocks(), go_on, sink);
             Ok(plan.record.value_columns())
         })
-    }
-
-    /// Errors if the study is of an axle; `instead` names the function for axles.
-    pub(super) fn refuse_of_axle(&self, instead: &'static str) -> Result<(), Error> {
-        match self.axle {
-            None => Ok(()),
-            Some(_) => Err(Error::Axle(instead)),
-        }
     }
 }
 

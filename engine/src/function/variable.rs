@@ -50,7 +50,7 @@ impl DesignVariable {
         match study.sweep.as_ref().map(|sweep| &sweep.designs) {
             Some(Designs::Sampled(sampled)) => sampled.variables.iter().map(Self::swept).collect(),
             Some(Designs::Given(table)) => table.variables.iter().map(Self::swept).collect(),
-            Some(Designs::File(_)) | None => Self::every_coordinate(&study.suspension),
+            Some(Designs::File(_)) | None => Self::every_coordinate(study.wheel()),
         }
     }
 
@@ -64,10 +64,10 @@ impl DesignVariable {
         if let Some(Designs::Sampled(sampled)) = study.sweep.as_ref().map(|sweep| &sweep.designs) {
             known.extend(sampled.variables.iter().map(Self::swept));
         }
-        let offsets = Self::every_coordinate(&study.suspension);
+        let offsets = Self::every_coordinate(study.wheel());
         let coordinates: Vec<Self> = offsets
             .iter()
-            .map(|v| v.as_coordinate(&study.suspension))
+            .map(|v| v.as_coordinate(study.wheel()))
             .collect();
         known.extend(offsets.into_iter().chain(coordinates));
         let meant = nearest(name, known.iter().map(|v| v.name.as_str()));

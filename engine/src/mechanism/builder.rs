@@ -2,7 +2,7 @@
 
 use super::validation::{GeometryFault, HardpointFault};
 use crate::model::{
-    Frame, FrameConvention, LengthUnit, Side, SpinAxis, Suspension, Topology, Vehicle,
+    Frame, FrameConvention, LengthUnit, Side, SpinAxis, Suspension, Topology, VehicleFigures,
 };
 use crate::number::Vector3;
 use hardpoint_study_file::names::nearest;
@@ -101,7 +101,7 @@ pub struct SuspensionBuilder {
     static_angles: Option<[f64; 2]>,
     wheel_radius: Option<f64>,
     tyre_width: Option<f64>,
-    vehicle: Vehicle,
+    vehicle: VehicleFigures,
 }
 
 impl Suspension {
@@ -117,7 +117,7 @@ impl Suspension {
             static_angles: None,
             wheel_radius: None,
             tyre_width: None,
-            vehicle: Vehicle::default(),
+            vehicle: VehicleFigures::default(),
         }
     }
 }
@@ -167,7 +167,7 @@ impl SuspensionBuilder {
     }
 
     /// Figures of the whole vehicle.
-    pub fn vehicle(mut self, vehicle: Vehicle) -> Self {
+    pub fn vehicle(mut self, vehicle: VehicleFigures) -> Self {
         self.vehicle = vehicle;
         self
     }

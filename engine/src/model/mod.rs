@@ -293,7 +293,7 @@ impl Mechanism {
 
 /// Whole-vehicle figures that some characteristics need. Lengths in the study's unit.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Vehicle {
+pub struct VehicleFigures {
     /// Distance between the axles.
     pub wheelbase: Option<f64>,
     /// Distance between the wheels of the axle.
@@ -348,7 +348,7 @@ pub struct Suspension {
     /// Width of the tyre.
     pub tyre_width: Option<f64>,
     /// Whole-vehicle figures.
-    pub vehicle: Vehicle,
+    pub vehicle: VehicleFigures,
 }
 
 impl Suspension {

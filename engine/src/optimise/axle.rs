@@ -32,8 +32,12 @@ pub(super) struct AxleLayout {
 
 impl AxleLayout {
     /// The targets of an axle; their rows are counted on in `rows`, by target in `own`.
-    pub(super) fn of(optimise: &Optimise, rows: &mut usize, own: &mut [usize]) -> Option<Self> {
-        let axle = optimise.axle.as_ref()?;
+    pub(super) fn of(
+        axle: &Axle,
+        optimise: &Optimise,
+        rows: &mut usize,
+        own: &mut [usize],
+    ) -> Self {
         let mut layout = AxleLayout {
             axle: axle.clone(),
             quantities: Vec::new(),
@@ -53,7 +57,7 @@ impl AxleLayout {
                 *rows += 1;
             }
         }
-        Some(layout)
+        layout
     }
 
     fn station(&mut self, placement: Placement) -> &mut AxleStation {

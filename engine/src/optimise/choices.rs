@@ -7,8 +7,7 @@ use super::trade::Aim;
 use super::tune::{Asked, Tuner};
 use super::{Control, Tuning};
 use crate::mechanism::DesignFault;
-use crate::model::Suspension;
-use crate::study::{Motion, Optimise};
+use crate::study::{Optimise, Vehicle};
 use nalgebra::DVector;
 
 /// Targets outside of the front are held to their tolerances, or to this ratio of what the tuning of all made of
@@ -43,26 +42,24 @@ pub struct Front {
 /// The front of `[optimise] front`, from where a tuning ended. An error says why the design itself cannot be
 /// solved.
 pub fn front(
-    suspension: &Suspension,
-    motion: &Motion,
+    vehicle: &Vehicle,
     optimise: &Optimise,
     tuning: &Tuning,
     control: Control<'_>,
 ) -> Result<Front, DesignFault> {
-    let asked = Asked::new(suspension, motion, optimise, control)?;
+    let asked = Asked::new(vehicle, optimise, control)?;
     Ok(Tuner::new(&asked)?.front(tuning))
 }
 
 /// The least misfit by how far the design is moved: some ten designs from the study's own on, up to the one of
 /// least misfit. An error says why the design itself cannot be solved.
 pub fn price_list(
-    suspension: &Suspension,
-    motion: &Motion,
+    vehicle: &Vehicle,
     optimise: &Optimise,
     tuning: &Tuning,
     control: Control<'_>,
 ) -> Result<Vec<Choice>, DesignFault> {
-    let asked = Asked::new(suspension, motion, optimise, control)?;
+    let asked = Asked::new(vehicle, optimise, control)?;
     Ok(Tuner::new(&asked)?.price_list(tuning))
 }
 

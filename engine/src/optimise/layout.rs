@@ -7,7 +7,7 @@ use crate::characteristics::{Measure, Slots};
 use crate::evaluate::place_of;
 use crate::model::{Axis, Drive, Frame, Mechanism, Suspension};
 use crate::solve::StationOrder;
-use crate::study::{Limited, Motion, Optimise, Sample, Site, Target};
+use crate::study::{Limited, Motion, Optimise, Sample, Site, Target, Vehicle};
 use nalgebra::DVector;
 
 /// What a target wants at one station of a leg or of an axle.
@@ -206,17 +206,20 @@ impl TargetLayout {
     /// Lays out the targets and constraints of a mechanism. Curves are compared at the stations of the
     /// motion between their ends and at those added for them; single values at their own. The rack is
     /// where the study puts it, or straight ahead where the study moves it.
-    pub fn of(optimise: &Optimise, motion: &Motion, suspension: &Suspension) -> Self {
-        let Suspension {
-            frame, mechanism, ..
-        } = suspension;
+    pub fn of(optimise: &Optimise, vehicle: &Vehicle) -> Self {
+        let (
+            own_motion,
+            Suspension {
+                frame, mechanism, ..
+            },
+        ) = (vehicle.motion(), vehicle.wheel());
         let mut drafts: Vec<Draft> = Vec::new();
         let mut rows = 0;
         let mut own = vec![0; optimise.targets.len()];
         let of_one_wheel = |t: &(usize, &Target)| t.1.of.of_wheel().is_some();
         let targets = optimise.targets.iter().enumerate();
         for (number, target) in targets.filter(of_one_wheel) {
-            let (motion, legs) = legs_of(&target.site, motion, frame, &mut drafts);
+            let (motion, legs) = legs_of(&target.site, own_motion, frame, &mut drafts);
             let stations = target.stations_in(motion);
             for leg in legs {
                 for sample in target.wanted.samples(&stations) {
@@ -227,12 +230,13 @@ impl TargetLayout {
                 }
             }
         }
-        let axle = AxleLayout::of(optimise, &mut rows, &mut own);
+        let both = vehicle.axle();
+        let axle = both.map(|both| AxleLayout::of(&both.axle, optimise, &mut rows, &mut own));
         let parts = parts(optimise, mechanism);
         for (place, part) in parts.iter().enumerate() {
             let default = Site::default();
             let site = optimise.constraints[part.constraint].site.as_ref();
-            let (motion, legs) = legs_of(site.unwrap_or(&default), motion, frame, &mut drafts);
+            let (motion, legs) = legs_of(site.unwrap_or(&default), own_motion, frame, &mut drafts);
             if part.is_at_design {
                 // The design position has the rack straight ahead.
                 let home = draft_of(&mut drafts, motion.drive.in_kernel(), 0.0, &[]);

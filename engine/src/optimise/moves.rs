@@ -103,14 +103,13 @@ impl Study {
         let Some(optimise) = &self.optimise else {
             return moved;
         };
-        let (frame, x) = (&self.suspension.frame, DVector::from_column_slice(offsets));
+        let (frame, x) = (&self.wheel().frame, DVector::from_column_slice(offsets));
         let by_variables = |wheel: &mut Suspension| {
             let design = wheel.design.clone();
             moved_design(&design, frame, &optimise.variables, &x, &mut wheel.design);
         };
-        by_variables(&mut moved.suspension);
-        if let Some(both) = &mut moved.axle {
-            both.axle.left.design.clone_from(&moved.suspension.design);
+        by_variables(moved.wheel_mut());
+        if let Some(both) = moved.axle_mut() {
             both.axle.right.as_mut().map(by_variables);
         }
         moved

@@ -20,7 +20,7 @@ use crate::assembly::Assembler;
 use crate::mechanism::DesignFault;
 use crate::model::Suspension;
 use crate::number::{Vector3, Width};
-use crate::study::{Motion, Optimise};
+use crate::study::{Optimise, Vehicle};
 use crate::threads::on_large_stacks;
 use nalgebra::DVector;
 
@@ -110,10 +110,9 @@ impl Price {
     }
 }
 
-/// Tunes a suspension. Errors if the design itself cannot be solved.
+/// Tunes a wheel or an axle. Errors if the design itself cannot be solved.
 pub fn tune(
-    suspension: &Suspension,
-    motion: &Motion,
+    vehicle: &Vehicle,
     optimise: &Optimise,
     control: Control<'_>,
 ) -> Result<Tuning, DesignFault> {
@@ -121,17 +120,16 @@ pub fn tune(
     let starts = optimise.starts.max(STARTS_BEFORE_REFUSAL);
     let threads = starts.min(rayon::current_num_threads());
     on_large_stacks(threads, || {
-        let asked = Asked::new(suspension, motion, optimise, control)?;
+        let asked = Asked::new(vehicle, optimise, control)?;
         Tuner::new(&asked)?.run()
     })
 }
 
 /// A tuning that is asked for.
 pub(super) struct Asked<'a> {
-    suspension: &'a Suspension,
+    vehicle: &'a Vehicle,
     /// The suspension as `Assembler` extends it (with a spindle point); only for a robust tuning.
     assembled: Option<Suspension>,
-    motion: &'a Motion,
     optimise: &'a Optimise,
     pub layout: TargetLayout,
     control: Control<'a>,
@@ -139,20 +137,18 @@ pub(super) struct Asked<'a> {
 
 impl<'a> Asked<'a> {
     pub(super) fn new(
-        suspension: &'a Suspension,
-        motion: &'a Motion,
+        vehicle: &'a Vehicle,
         optimise: &'a Optimise,
         control: Control<'a>,
     ) -> Result<Self, DesignFault> {
         Ok(Asked {
-            suspension,
+            vehicle,
             assembled: match &optimise.scatter {
-                Some(_) => Some(Assembler::new(suspension)?.suspension().clone()),
+                Some(_) => Some(Assembler::new(vehicle.wheel())?.suspension().clone()),
                 None => None,
             },
-            motion,
             optimise,
-            layout: TargetLayout::of(optimise, motion, suspension),
+            layout: TargetLayout::of(optimise, vehicle),
             control,
         })
     }
@@ -161,7 +157,7 @@ impl<'a> Asked<'a> {
 pub(super) struct Tuner<'a> {
     pub suspension: &'a Suspension,
     assembled: Option<&'a Suspension>,
-    motion: &'a Motion,
+    vehicle: &'a Vehicle,
     pub optimise: &'a Optimise,
     pub layout: &'a TargetLayout,
     pub bounds: Bounds,
@@ -173,7 +169,7 @@ pub(super) struct Tuner<'a> {
 
 impl<'a> Tuner<'a> {
     pub(super) fn new(asked: &'a Asked<'a>) -> Result<Self, DesignFault> {
-        let (suspension, optimise) = (asked.suspension, asked.optimise);
+        let (suspension, optimise) = (asked.vehicle.wheel(), asked.optimise);
         let ranges: Vec<[f64; 2]> = optimise.variables.iter().map(|v| v.range).collect();
         // Accepted here, the design is accepted from every start.
         let plain = Objective::new(suspension, &optimise.variables, &asked.layout)?;
@@ -181,7 +177,7 @@ impl<'a> Tuner<'a> {
         Ok(Tuner {
             suspension,
             assembled: asked.assembled.as_ref(),
-            motion: asked.motion,
+            vehicle: asked.vehicle,
             optimise,
             layout: &asked.layout,
             bounds: Bounds::new(&ranges).expect("a study's ranges are not empty"),
@@ -438,7 +434,7 @@ impl<'a> Tuner<'a> {
             scatter: None,
             ..self.optimise.clone()
         };
-        let layout = TargetLayout::of(&some, self.motion, self.suspension);
+        let layout = TargetLayout::of(&some, self.vehicle);
         let few = starts.starts.iter().take(STARTS_BEFORE_REFUSAL);
         few.into_iter().any(|start| {
             let problem = self.problem_of(&some, &layout);

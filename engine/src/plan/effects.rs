@@ -74,7 +74,7 @@ impl Plan {
     /// Every effect that the program knows, in the order in which they build on each other. `study` is the study of the plan.
     pub fn effects(&self, study: &Study) -> Vec<Effect> {
         let written = |path: &[&str], text: &str| written(study, path, text);
-        let mechanism = &study.suspension.mechanism;
+        let mechanism = &study.wheel().mechanism;
         let position = (
             format!("{} poses", self.stations()),
             written(&["motion"], "[motion]"),
@@ -172,7 +172,7 @@ impl Plan {
 
     /// Description, reason and cost of a rocker (of the spring or the anti-roll bar) if a requested quantity moves with it.
     fn rocker(&self, study: &Study, id: RockerId) -> Option<(String, String, f64)> {
-        let mechanism = &study.suspension.mechanism;
+        let mechanism = &study.wheel().mechanism;
         let moves = |direct: &RockerId| {
             let outer = mechanism.rocker(*direct).outer;
             *direct == id || mechanism.rockers_moving(outer).any(|r| r == id)
@@ -205,7 +205,9 @@ impl Plan {
 
     /// The derivatives of a pose by the drive.
     fn derivatives(&self, study: &Study) -> [Effect; 3] {
-        let order = study.outputs.order;
+        let order = study
+            .one_wheel()
+            .map_or(Order::Position, |own| own.outputs.order);
         let names = ["rates", "curvature", "third derivatives"];
         std::array::from_fn(|k| {
             let derivative = k + 1;
@@ -239,7 +241,7 @@ impl Plan {
         if self.sensitivities.is_empty() {
             return None;
         }
-        let mechanism = &study.suspension.mechanism;
+        let mechanism = &study.wheel().mechanism;
         let points: Vec<_> = self
             .sensitivities
             .iter()

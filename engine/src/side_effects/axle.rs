@@ -132,7 +132,7 @@ fn stations(
 
 /// The series of a column, without its values; `None` if it is not compared.
 fn series_of(column: &AxleColumn, stations: &[Station], study: &Study) -> Option<Series> {
-    let length = study.suspension.length_unit;
+    let length = study.wheel().length_unit;
     let new = |name: &str, unit: Unit| Series::new(name, unit, length, stations);
     Some(match &column.of {
         Of::Quantity(quantity) => {

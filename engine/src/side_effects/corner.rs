@@ -8,7 +8,7 @@ use crate::curves::curves;
 use crate::mechanism::DesignFault;
 use crate::model::LengthUnit;
 use crate::plan::Plan;
-use crate::study::{Constraint, Motion, Optimise, Order, Outputs, Site, Study};
+use crate::study::{Constraint, Motion, Optimise, Order, Outputs, Site, Study, WheelStudy};
 
 /// Characteristics that are compared besides the study's outputs.
 const COMPARED: [Characteristic; 6] = [
@@ -21,12 +21,16 @@ const COMPARED: [Characteristic; 6] = [
 ];
 
 /// Values of a study's outputs, and of the compared characteristics, over a motion.
-pub(super) fn observe(study: &Study, named: Named<'_>) -> Result<Observed, DesignFault> {
-    let motion = named.map_or(&study.motion, |(_, motion)| motion);
-    let asked = Study {
+pub(super) fn observe(
+    study: &Study,
+    own: &WheelStudy,
+    named: Named<'_>,
+) -> Result<Observed, DesignFault> {
+    let motion = named.map_or(&own.motion, |(_, motion)| motion);
+    let asked = WheelStudy {
         motion: motion.clone(),
-        outputs: outputs(study),
-        ..study.clone()
+        outputs: outputs(own),
+        ..own.clone()
     };
     let plan = Plan::of(&asked);
     let found = curves(&asked.suspension, &plan)?;
@@ -74,9 +78,9 @@ pub(super) fn observe(study: &Study, named: Named<'_>) -> Result<Observed, Desig
 }
 
 /// The study's outputs in every position without derivatives, and the compared characteristics that it has.
-fn outputs(study: &Study) -> Outputs {
-    let mut characteristics = study.outputs.characteristics.clone();
-    for more in Characteristic::available(&study.suspension) {
+fn outputs(own: &WheelStudy) -> Outputs {
+    let mut characteristics = own.outputs.characteristics.clone();
+    for more in Characteristic::available(&own.suspension) {
         if COMPARED.contains(&more) && !characteristics.contains(&more) {
             characteristics.push(more);
         }
@@ -87,7 +91,7 @@ fn outputs(study: &Study) -> Outputs {
         order: Order::Position,
         sensitivities: Vec::new(),
         certify: false,
-        ..study.outputs.clone()
+        ..own.outputs.clone()
     }
 }
 

@@ -4,7 +4,7 @@ use super::{PlaceCoordinate, axle, corner, customary};
 use crate::ask::Unit;
 use crate::mechanism::DesignFault;
 use crate::model::{LengthUnit, Side};
-use crate::study::{Motion, Study};
+use crate::study::{Motion, Study, Vehicle};
 use std::collections::HashMap;
 
 /// A named motion, or `None` for the study's own.
@@ -73,9 +73,9 @@ impl Series {
 /// Motions over which designs are compared: `[motion]`, and the named ones of a study of one wheel. Named motions of an
 /// axle's study are for constraints on its left wheel.
 pub(super) fn motions(study: &Study) -> Vec<Named<'_>> {
-    let named = match study.axle {
-        None => &study.motions[..],
-        Some(_) => &[],
+    let named = match study.vehicle {
+        Vehicle::Wheel(_) => &study.motions[..],
+        Vehicle::Axle(_) => &[],
     };
     std::iter::once(None)
         .chain(named.iter().map(Some))
@@ -84,9 +84,9 @@ pub(super) fn motions(study: &Study) -> Vec<Named<'_>> {
 
 /// Values of a study's design over a motion.
 pub(super) fn observe(study: &Study, motion: Named<'_>) -> Result<Observed, DesignFault> {
-    match &study.axle {
-        None => corner::observe(study, motion),
-        Some(both) => axle::observe(study, both),
+    match &study.vehicle {
+        Vehicle::Wheel(own) => corner::observe(study, own, motion),
+        Vehicle::Axle(both) => axle::observe(study, both),
     }
 }
 

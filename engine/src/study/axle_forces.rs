@@ -1,11 +1,11 @@
 //! Braking and drive in `[vehicle]`: what the anti-features need of it, and which of them an axle has.
 
 use crate::ask::Need;
-use crate::model::{AxlePosition, Vehicle};
+use crate::model::{AxlePosition, VehicleFigures};
 
 /// What braking or drive needs, and whether it is the braking or the drive that is meant; `None` for another need,
 /// and where that takes a position which the study does not give.
-fn of_drive(need: &Need, vehicle: &Vehicle) -> Option<bool> {
+fn of_drive(need: &Need, vehicle: &VehicleFigures) -> Option<bool> {
     match need {
         Need::FrontBraking => Some(false),
         Need::RearDrive => Some(true),
@@ -15,7 +15,7 @@ fn of_drive(need: &Need, vehicle: &Vehicle) -> Option<bool> {
 }
 
 /// The keys that a study lacks for this need.
-pub(super) fn missing(need: &Need, vehicle: &Vehicle) -> Vec<&'static str> {
+pub(super) fn missing(need: &Need, vehicle: &VehicleFigures) -> Vec<&'static str> {
     let mut keys = Vec::new();
     if vehicle.position.is_none() {
         keys.push("position in [vehicle], \"front\" or \"rear\"");
@@ -41,7 +41,7 @@ pub(super) fn missing(need: &Need, vehicle: &Vehicle) -> Vec<&'static str> {
 /// Why the axle of a study, which gives what is needed, has no such feature; and what it has instead.
 pub(super) fn refusal(
     need: &Need,
-    vehicle: &Vehicle,
+    vehicle: &VehicleFigures,
 ) -> Option<(&'static str, Option<&'static str>)> {
     let front = vehicle.position == Some(AxlePosition::Front);
     let none_in_front = |share: Option<f64>| share == Some(0.0);

@@ -48,7 +48,7 @@ impl DesignTable {
                 format!("cannot read {name}: {reason} (the path is relative to the study file)");
             StudyError::of_file(place, message)
         })?;
-        Self::from_text(&name, text, &study.suspension)
+        Self::from_text(&name, text, study.wheel())
     }
 
     fn from_text(name: &str, text: String, suspension: &Suspension) -> Result<Self, StudyErrors> {
@@ -230,7 +230,7 @@ mod tests {
     fn table(text: &str) -> Result<DesignTable, String> {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../studies/macpherson_solve.toml");
         let study = Study::read(&path, &[]).unwrap();
-        let read = DesignTable::from_text("designs.csv", text.to_owned(), &study.suspension);
+        let read = DesignTable::from_text("designs.csv", text.to_owned(), study.wheel());
         read.map_err(|e| e.to_string())
     }
 

@@ -1,7 +1,7 @@
 //! Studies written back: edits of the text, so that comments and layout stay.
 
 use super::targets::WrittenCurve;
-use super::{Designs, Study};
+use super::{AxleStudy, Designs, Study};
 use crate::model::{Axis, Frame, Suspension};
 use crate::number::Vector3;
 use std::path::{Component, Path};
@@ -20,7 +20,7 @@ impl Study {
     pub fn with_built(&self, built: &Suspension) -> String {
         let text = self.with_design(&built.design);
         let mechanism = &built.mechanism;
-        let given = self.suspension.mechanism.points.len();
+        let given = self.wheel().mechanism.points.len();
         let (Some(added), Ok(mut document)) =
             (mechanism.points.get(given), text.parse::<DocumentMut>())
         else {
@@ -71,16 +71,13 @@ impl Study {
     /// The study of another design; a right wheel with hardpoints of its own goes the way of the left one.
     pub fn at_design(&self, design: Vec<Vector3<f64>>) -> Study {
         let mut moved = self.clone();
-        let of_study = moved.axle.as_mut().map(|both| &mut both.axle);
-        let of_targets = moved.optimise.as_mut().and_then(|o| o.axle.as_mut());
-        for axle in of_study.into_iter().chain(of_targets) {
+        if let Some(AxleStudy { axle, .. }) = moved.axle_mut() {
             let own = axle.right_design(&design).map(Iterator::collect);
             if let (Some(right), Some(own)) = (&mut axle.right, own) {
                 right.design = own;
             }
-            axle.left.design.clone_from(&design);
         }
-        moved.suspension.design = design;
+        moved.wheel_mut().design = design;
         moved
     }
 
@@ -92,8 +89,8 @@ impl Study {
     /// As [`Study::with_points_of`], for another text of this study: the file as it is, whereas [`Study::text`] has
     /// curves from files written out.
     pub fn text_with_points_of(&self, text: &str, moved: &Study) -> String {
-        let right = moved.axle.as_ref().and_then(|a| a.axle.right.as_ref());
-        self.rewritten(text, &moved.suspension.design, right.map(|r| &r.design[..]))
+        let right = moved.axle().and_then(|a| a.axle.right.as_ref());
+        self.rewritten(text, &moved.wheel().design, right.map(|r| &r.design[..]))
     }
 
     fn rewritten(
@@ -105,8 +102,8 @@ impl Study {
         let Ok(mut document) = text.parse::<DocumentMut>() else {
             return text.to_owned();
         };
-        rewrite(&mut document, &self.suspension, left, coordinates);
-        let own = self.axle.as_ref().and_then(|a| a.axle.right.as_ref());
+        rewrite(&mut document, self.wheel(), left, coordinates);
+        let own = self.axle().and_then(|a| a.axle.right.as_ref());
         if let (Some(own), Some(right)) = (own, right) {
             rewrite(&mut document, own, right, right_coordinates);
         }

@@ -34,6 +34,7 @@ mod suspension;
 mod sweep;
 mod targets;
 mod tolerance;
+mod vehicle;
 
 pub use crate::analyse::LoadPoint;
 pub use crate::solve::Drive;
@@ -52,6 +53,7 @@ pub use samples::{AxleSample, Sample};
 pub use schema::schema;
 pub use sweep::MOST_DESIGNS;
 pub(crate) use sweep::MOST_EXCHANGED;
+pub use vehicle::{Vehicle, WheelStudy};
 
 use crate::ask::Unit;
 use crate::assembly::BuildParameter;
@@ -78,16 +80,10 @@ pub struct Study {
     pub text: String,
     /// The files it names: target curves and designs.
     pub inputs: Vec<std::path::PathBuf>,
-    /// The suspension.
-    pub suspension: Suspension,
-    /// The motion.
-    pub motion: Motion,
-    /// Further motions by name, in the order of the names.
+    /// What it describes, with its motion and what is asked of it.
+    pub vehicle: Vehicle,
+    /// Further motions of a wheel by name, in the order of the names; of an axle's left wheel.
     pub motions: Vec<(String, Motion)>,
-    /// How poses are found.
-    pub formulation: Formulation,
-    /// What is asked for.
-    pub outputs: Outputs,
     /// The optimisation, if the study has one.
     pub optimise: Option<Optimise>,
     /// The sweep, if the study has one.
@@ -98,9 +94,6 @@ pub struct Study {
     pub tolerance: Option<Tolerance>,
     /// The elastic parts and their tests, if the study has them.
     pub compliance: Option<ComplianceStudy>,
-    /// The axle and what is asked of it, if the study is of an axle; `suspension` then is its left wheel, and `motion`
-    /// and `outputs` are empty.
-    pub axle: Option<AxleStudy>,
 }
 
 /// The equations whose solution is a pose.
@@ -328,8 +321,6 @@ pub struct Optimise {
     pub good_enough: f64,
     /// Whether the targets are measurements, so that standard errors mean something.
     pub fit: bool,
-    /// Both wheels, where the targets are of an axle. A variable moves the mirror images of its points too.
-    pub axle: Option<crate::axle::Axle>,
     /// What is traded on the front: two or three goals, or none.
     pub front: Vec<FrontGoal>,
     /// The builds whose mean squared misfit is lowered; `None` to lower the misfit of the drawing.

@@ -72,7 +72,6 @@ pub(super) fn optimise(
         constraints: constraints?,
         good_enough: good_enough?.unwrap_or(if fit { 0.0 } else { GOOD_ENOUGH }),
         fit,
-        axle: context.axle.map(|study| study.axle.clone()),
         front: front?,
         // The tolerances are read later.
         scatter: None,

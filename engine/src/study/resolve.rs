@@ -2,8 +2,9 @@
 
 use super::error::{Problems, Source, StudyError, StudyErrors};
 use super::{
-    AxleStudy, Drive, Load, Motion, Optimise, Outputs, Study, axle, compliance, edit, file, motion,
-    optimise, outputs, overrides, parse, setup, solver, source, suspension, sweep, tolerance,
+    AxleStudy, Drive, Load, Motion, Optimise, Outputs, Study, Vehicle, WheelStudy, axle,
+    compliance, edit, file, motion, optimise, outputs, overrides, parse, setup, solver, source,
+    suspension, sweep, tolerance,
 };
 use crate::model::Suspension;
 use std::path::Path;
@@ -277,11 +278,16 @@ fn resolve(
             inputs: named_files(&file)
                 .map(|name| directory.join(name))
                 .collect(),
-            suspension,
-            motion: motion?,
+            vehicle: match axle? {
+                Some(both) => Vehicle::Axle(Box::new(both)),
+                None => Vehicle::Wheel(Box::new(WheelStudy {
+                    suspension,
+                    motion: motion?,
+                    formulation: formulation?,
+                    outputs: outputs?,
+                })),
+            },
             motions,
-            formulation: formulation?,
-            outputs: outputs?,
             optimise: optimise.map(|optimise| Optimise {
                 scatter,
                 ..optimise
@@ -290,7 +296,6 @@ fn resolve(
             setup: setup?,
             tolerance: tolerance?,
             compliance: elastic?,
-            axle: axle?,
         })
     };
     problems.finish(study())

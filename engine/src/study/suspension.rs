@@ -8,7 +8,7 @@ use super::value::{Number, Text};
 use crate::mechanism::HardpointFault;
 use crate::model::{
     AxlePosition, Frame, FrameConvention, Group, LengthUnit, Mechanism, Point, Side, SpinAxis,
-    Suspension, Topology, TorquePath, Vehicle,
+    Suspension, Topology, TorquePath, VehicleFigures,
 };
 use crate::number::Vector3;
 use std::collections::BTreeMap;
@@ -304,7 +304,7 @@ fn extra_points(
     sound.then_some(())
 }
 
-fn vehicle(section: &file::Vehicle, problems: &mut Problems) -> Option<Vehicle> {
+fn vehicle(section: &file::Vehicle, problems: &mut Problems) -> Option<VehicleFigures> {
     let wheelbase = positive(&section.wheelbase, problems);
     let track = positive(&section.track, problems);
     let cg_height = positive(&section.cg_height, problems);
@@ -337,7 +337,7 @@ fn vehicle(section: &file::Vehicle, problems: &mut Problems) -> Option<Vehicle> 
         &[("shafts", shafts), ("carrier", carrier)],
         problems,
     );
-    Some(Vehicle {
+    Some(VehicleFigures {
         wheelbase: wheelbase?,
         track: track?,
         cg_height: cg_height?,

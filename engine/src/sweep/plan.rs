@@ -14,8 +14,8 @@ use crate::model::Suspension;
 use crate::number::{Vector3, Width};
 use crate::plan::{Output, Plan};
 use crate::study::{
-    AxleSample, AxleStudy, DesignTable, Designs, FileFormat, Sample, Sampled, Sampling, Study,
-    StudyErrors, Sweep, Target,
+    AxleSample, AxleStudy, DesignTable, Designs, FileFormat, Optimise, Sample, Sampled, Sampling,
+    Study, StudyErrors, Sweep, Target, Vehicle, WheelStudy,
 };
 use std::borrow::Cow;
 use std::ops::{ControlFlow, Range};
@@ -82,7 +82,7 @@ impl From<DesignFault> for NotBegun {
 impl<'s> SweepPlan<'s> {
     /// The plan of a study's sweep.
     pub fn of(study: &'s Study, sweep: &Sweep) -> Result<Self, NotBegun> {
-        let suspension = &study.suspension;
+        let suspension = study.wheel();
         let samples = match &sweep.designs {
             Designs::Sampled(sampled) => Samples::Sampled(sampled.clone()),
             Designs::File(path) => {
@@ -93,19 +93,20 @@ impl<'s> SweepPlan<'s> {
         let swept = study.optimise.as_ref();
         let swept = swept.map_or(&[][..], |o| o.swept_targets());
         let samples_in = |target: &Target| {
-            let stations = target.stations_in(&study.motion);
+            let stations = target.stations_in(study.motion());
             target.wanted.samples(&stations)
         };
         let wanted: Vec<Vec<Sample>> = swept.iter().map(samples_in).collect();
         let further: Vec<f64> = wanted.iter().flatten().map(|s| s.drive).collect();
-        let (request, gains, wishes) = match &study.axle {
-            Some(both) => {
+        let (request, gains, wishes) = match &study.vehicle {
+            Vehicle::Axle(both) => {
                 let samples: Vec<_> = swept.iter().map(|t| t.axle_samples(&both.axle)).collect();
                 of_axle(both, &both.plan_with(swept), &samples)
             }
-            None => {
-                let stations = Stations::of(&study.motion, &suspension.frame, &further);
-                of_corner(study, stations, swept, &wanted)
+            Vehicle::Wheel(own) => {
+                let stations = Stations::of(&own.motion, &suspension.frame, &further);
+                let plan = with_gains(own, study.optimise.as_ref());
+                of_corner(suspension, &plan, stations, swept, &wanted)
             }
         };
         let targets = swept
@@ -197,7 +198,7 @@ impl<'s> SweepPlan<'s> {
 
     /// The points of the design of this number, in the kernel's frame.
     pub fn design(&self, number: u64) -> Vec<Vector3<f64>> {
-        let Suspension { design, frame, .. } = &self.study.suspension;
+        let Suspension { design, frame, .. } = self.study.wheel();
         let mut values = vec![0.0; self.samples.variables().len()];
         self.samples.values(number, &mut values);
         let mut moved = design.clone();
@@ -305,7 +306,7 @@ impl<'s> SweepPlan<'s> {
         into.clear();
         into.resize(block.designs(), None);
         let values = self.stations().values();
-        let drive = self.study.motion.drive;
+        let drive = self.study.motion().drive;
         for failed in block.failures() {
             let at = drive.printed(values[self.stations().value_of(failed.station)]);
             let entry = &mut into[failed.design];
@@ -318,7 +319,7 @@ impl<'s> SweepPlan<'s> {
                 entry.stations = count + 1;
             }
         }
-        let mechanism = &self.study.suspension.mechanism;
+        let mechanism = &self.study.wheel().mechanism;
         for (design, fault) in block.faults() {
             let all = self.stations().count();
             into[*design] = Some(Failing::degenerate(fault, mechanism, all));
@@ -344,7 +345,7 @@ impl Worker<'_> {
             study,
             ..
         } = self.plan;
-        let Suspension { design, frame, .. } = &study.suspension;
+        let Suspension { design, frame, .. } = study.wheel();
         let range = record.designs_of(block);
         let (count, width) = ((range.end - range.start) as usize, record.variables.len());
         let rows = &mut self.rows;
@@ -407,14 +408,14 @@ type Planned<'s> = (Request<'s>, Vec<Vec<Gain>>, Vec<Vec<SweptWish>>);
 
 /// Plans the sweep of a corner with the targets' wanted values.
 fn of_corner<'s>(
-    study: &'s Study,
+    suspension: &'s Suspension,
+    plan: &Plan,
     stations: Stations,
     swept: &[Target],
     wanted: &[Vec<Sample>],
 ) -> Planned<'s> {
-    let plan = with_gains(study);
     let quantities: Vec<Quantity> = plan.outputs.iter().map(|o| o.quantity).collect();
-    let columns = Column::all(&plan, study.suspension.length_unit);
+    let columns = Column::all(plan, suspension.length_unit);
     let (values, slopes): (Vec<_>, Vec<_>) = columns.into_iter().partition(|c| c.order == 0);
     let gain = |(slope, gain): (usize, Column)| {
         let own = Gain {
@@ -444,8 +445,7 @@ fn of_corner<'s>(
         wanted.iter().map(wish).collect()
     });
     let wishes = wishes.collect();
-    let suspension = Cow::Borrowed(&study.suspension);
-    let request = Request::of_corner(suspension, stations, quantities, values);
+    let request = Request::of_corner(Cow::Borrowed(suspension), stations, quantities, values);
     (request.with_slopes(|k| !gains[k].is_empty()), gains, wishes)
 }
 
@@ -478,8 +478,8 @@ fn of_axle<'s>(both: &'s AxleStudy, plan: &AxlePlan, samples: &[Vec<AxleSample>]
 }
 
 /// The outputs of a study and its targets, each with its first derivative by the drive.
-fn with_gains(study: &Study) -> Plan {
-    let plan = Plan::with_targets(study);
+fn with_gains(own: &WheelStudy, optimise: Option<&Optimise>) -> Plan {
+    let plan = Plan::with_targets(own, optimise);
     let outputs = plan.outputs.iter().filter(|o| !o.quantity.is_rate());
     Plan {
         time: None,
@@ -495,9 +495,7 @@ fn with_gains(study: &Study) -> Plan {
 }
 
 fn describe(study: &Study, sweep: &Sweep, samples: &Samples, stations: &Stations) -> SweepRecord {
-    let Study {
-        suspension, motion, ..
-    } = study;
+    let (suspension, motion) = (study.wheel(), study.motion());
     let unit = suspension.length_unit;
     let (method, seed) = match samples {
         Samples::Sampled(sampled) => (sampled.method.name(), Some(sampled.seed)),
@@ -547,7 +545,7 @@ fn describe(study: &Study, sweep: &Sweep, samples: &Samples, stations: &Stations
         seed,
         designs: samples.designs(),
         blocks_of_part: BLOCKS_OF_PART,
-        drive: match &study.axle {
+        drive: match study.axle() {
             Some(both) => both.plan.course.moving()[0].column(unit),
             None => motion.drive.column(unit),
         },
@@ -567,12 +565,9 @@ fn describe(study: &Study, sweep: &Sweep, samples: &Samples, stations: &Stations
 /// comment may change.
 fn digest(study: &Study, sweep: &Sweep, samples: &Samples) -> String {
     let meaning = format!(
-        "{} {:?} {:?} {:?} {:?} {:?} {:?} {:?}",
+        "{} {:?} {:?} {:?} {:?}",
         env!("CARGO_PKG_VERSION"),
-        study.suspension,
-        study.motion,
-        study.formulation,
-        study.outputs,
+        study.vehicle,
         study.optimise.as_ref().map(|o| &o.targets),
         (sweep.curves, sweep.format),
         match samples {
@@ -588,8 +583,6 @@ fn digest(study: &Study, sweep: &Sweep, samples: &Samples) -> String {
             Samples::Table(table) => format!("{:?}", table.digest),
         },
     );
-    let of_axle = study.axle.as_ref();
-    let meaning = of_axle.map_or(meaning.clone(), |both| format!("{meaning} {both:?}"));
     let digest = hmac_sha256::Hash::hash(meaning.as_bytes());
     digest.iter().map(|byte| format!("{byte:02x}")).collect()
 }

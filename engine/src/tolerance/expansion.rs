@@ -15,7 +15,7 @@ use crate::model::SteeringAxis;
 use crate::number::Jet;
 use crate::plan::Plan;
 use crate::solve::{Solver, StationOrder};
-use crate::study::{Drive, Formulation, Outputs, Source};
+use crate::study::{Outputs, Source, WheelStudy};
 use rayon::prelude::*;
 use std::ops::ControlFlow;
 
@@ -155,13 +155,10 @@ fn of_wheel(problem: &Problem, sources: &[&Source]) -> Result<(Vec<f64>, Vec<[f6
 
 /// The plan of everything that is looked at, where it is looked at.
 fn plan(problem: &Problem) -> Plan {
-    let mut study = problem.study.clone();
-    study.suspension = problem.workshops[0].assembler.suspension().clone();
-    study.formulation = Formulation::KnucklePose;
-    study.outputs = Outputs::of(problem.characteristics().collect());
-    study.motion.drive = Drive::Travel;
-    study.motion.time = None;
-    let mut plan = Plan::of(&study);
+    let mut own = WheelStudy::of(problem.workshops[0].assembler.suspension().clone());
+    own.outputs = Outputs::of(problem.characteristics().collect());
+    let mut plan = Plan::of(&own);
+    plan.rack_moves = problem.study.motion().rack_moves;
     plan.station_order = StationOrder::through(problem.stations().values());
     // The stations have the rack in the kernel's axes.
     plan.racks = problem

@@ -37,7 +37,7 @@ use crate::characteristics::{Characteristic, Quantity};
 use crate::curves::Column;
 use crate::evaluate::{AxleStations, Request, Stations};
 use crate::model::Side;
-use crate::study::{About, AxleStudy, Band, Study, Tolerance};
+use crate::study::{About, AxleStudy, Band, Study, Tolerance, Vehicle, WheelStudy};
 use crate::threads::Interrupt;
 use std::borrow::Cow;
 use std::sync::atomic::AtomicBool;
@@ -77,15 +77,19 @@ impl<'a> Problem<'a> {
 
     /// Prepares the tolerances of a study. Errors if its own design cannot be solved or not be aligned.
     pub fn of(study: &'a Study, tolerance: &'a Tolerance) -> Result<Self, NoSetUp> {
-        match &study.axle {
-            None => Problem::of_wheel(study, tolerance),
-            Some(both) => Problem::of_axle(study, both, tolerance),
+        match &study.vehicle {
+            Vehicle::Wheel(own) => Problem::of_wheel(study, own, tolerance),
+            Vehicle::Axle(both) => Problem::of_axle(study, both, tolerance),
         }
     }
 
-    fn of_wheel(study: &'a Study, tolerance: &'a Tolerance) -> Result<Self, NoSetUp> {
-        let suspension = &study.suspension;
-        let mut characteristics = study.outputs.characteristics.clone();
+    fn of_wheel(
+        study: &'a Study,
+        own: &WheelStudy,
+        tolerance: &'a Tolerance,
+    ) -> Result<Self, NoSetUp> {
+        let suspension = &own.suspension;
+        let mut characteristics = own.outputs.characteristics.clone();
         for characteristic in tolerance
             .bands
             .iter()
@@ -96,7 +100,7 @@ impl<'a> Problem<'a> {
             }
         }
         let further: Vec<f64> = tolerance.bands.iter().filter_map(|band| band.at).collect();
-        let stations = Stations::of(&study.motion, &suspension.frame, &further);
+        let stations = Stations::of(&own.motion, &suspension.frame, &further);
         let banded = |band: &Band| {
             let same = |c: &Characteristic| Some(*c) == band.of.as_characteristic();
             let output = characteristics.iter().position(same);

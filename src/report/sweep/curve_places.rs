@@ -11,7 +11,7 @@ use crate::sweep::csv::CurvesCsv;
 type Places = (Vec<String>, Vec<(usize, Vec<f64>)>);
 
 fn of_wheel(plan: &SweepPlan, study: &Study) -> Places {
-    let (motion, suspension) = (&study.motion, &study.suspension);
+    let (motion, suspension) = (study.motion(), study.wheel());
     let mut names = vec![plan.record.drive.clone()];
     names.extend(
         motion
@@ -41,7 +41,7 @@ fn of_axle(AxleStudy { axle, plan }: &AxleStudy) -> Places {
 
 /// The curves of a sweep.
 pub(super) fn curves_csv(plan: &SweepPlan, study: &Study) -> CurvesCsv {
-    let (places, stations) = match &study.axle {
+    let (places, stations) = match study.axle() {
         Some(both) => of_axle(both),
         None => of_wheel(plan, study),
     };

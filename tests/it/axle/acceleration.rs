@@ -9,7 +9,7 @@ fn solved(overrides: &[&str]) -> Curves {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/macpherson_axle.toml");
     let overrides: Vec<_> = overrides.iter().map(|o| (*o).to_owned()).collect();
     let study = Study::read(&path, &overrides).unwrap_or_else(|e| panic!("{e}"));
-    let both = study.axle.unwrap();
+    let both = study.axle().unwrap().clone();
     axle_curves(&both.axle, &both.plan).unwrap().curves
 }
 

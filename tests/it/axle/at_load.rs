@@ -22,7 +22,7 @@ fn at(heave: f64, roll: f64, rack: f64) -> Placement {
 fn the_sum_of_the_wheel_loads_is_held() {
     for name in ["macpherson_axle", "five_link_axle"] {
         let study = study(name, &[]);
-        let axle = &study.axle.as_ref().unwrap().axle;
+        let axle = &study.axle().unwrap().axle;
         let mut solver = AxleSolver::<3>::new(axle, &LOADS, false).unwrap();
         let mut sum = |placement: &Placement| {
             let placed = solver.place(placement).unwrap();
@@ -55,7 +55,7 @@ fn the_sum_of_the_wheel_loads_is_held() {
 #[test]
 fn the_slope_of_the_roll_moment_is_the_stiffness_at_load() {
     let study = study("macpherson_axle", &[]);
-    let axle = &study.axle.as_ref().unwrap().axle;
+    let axle = &study.axle().unwrap().axle;
     let stiffness = Quantity::Axle(AxleQuantity::RollStiffnessAtLoad);
     let mut solver = AxleSolver::<3>::new(axle, &[MOMENT, stiffness], false).unwrap();
     let mut value = |quantity: Quantity, roll: f64| {
@@ -82,7 +82,7 @@ fn the_slope_of_the_roll_moment_is_the_stiffness_at_load() {
 #[test]
 fn gradients_follow_the_load() {
     let study = study("five_link_axle", &[]);
-    let axle = &study.axle.as_ref().unwrap().axle;
+    let axle = &study.axle().unwrap().axle;
     let sought = [
         Quantity::Corner(
             Side::Left,

@@ -100,7 +100,7 @@ fn every_station_of_the_samples_is_proved() {
     for (name, overrides) in samples {
         let mut overrides = overrides.to_vec();
         overrides.push("outputs.certify=true");
-        let both = study(name, &overrides).axle.unwrap();
+        let both = study(name, &overrides).axle().unwrap().clone();
         let curves = axle_curves(&both.axle, &both.plan).unwrap().curves;
         for station in &curves.stations {
             let proof = station.proof.as_ref();
@@ -130,7 +130,11 @@ const TRAVELS: [&str; 3] = [
 /// roll angle.
 #[test]
 fn a_false_root_is_not_proved_to_be_near() {
-    let both = study("macpherson_axle.toml", &[]).axle.unwrap().axle;
+    let both = study("macpherson_axle.toml", &[])
+        .axle()
+        .unwrap()
+        .clone()
+        .axle;
     let mut solver = AxleSolver::<2>::new(&both, &[], false).unwrap();
     let certifier = AxleCertifier::new(&both);
     let (heave, roll, rack) = (12.0, 0.04, 7.0);
@@ -193,7 +197,11 @@ fn a_false_root_is_not_proved_to_be_near() {
 /// series.
 #[test]
 fn poses_over_an_interval_of_travel_are_enclosed() {
-    let both = study("five_link_axle.toml", &[]).axle.unwrap().axle;
+    let both = study("five_link_axle.toml", &[])
+        .axle()
+        .unwrap()
+        .clone()
+        .axle;
     let mut solver = AxleSolver::<2>::new(&both, &[], false).unwrap();
     let certifier = AxleCertifier::new(&both);
     let mut at = |travel: f64| {

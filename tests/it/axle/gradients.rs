@@ -88,14 +88,14 @@ fn an_axle_is_a_function_of_its_design() {
         let names = ["strut_top_dy", "tie_rod_outer_z", "lower_arm_front_dz"];
         let variables = names.map(|name| DesignVariable::named(name, &study).unwrap());
         let f = DesignFunction::with_variables(&study, variables.into()).unwrap();
-        let both = study.axle.as_ref().unwrap();
+        let both = study.axle().unwrap();
         let curves = hardpoint::axle::axle_curves(&both.axle, &both.plan)
             .unwrap()
             .curves;
         let (outputs, stations) = (f.outputs(), f.stations());
         assert_eq!(stations, curves.stations.len());
-        let id = study.suspension.mechanism.point("tie_rod_outer").unwrap();
-        let height = study.suspension.design[id.0].z;
+        let id = study.wheel().mechanism.point("tie_rod_outer").unwrap();
+        let height = study.wheel().design[id.0].z;
         let mut evaluation = f.evaluation();
         let mut values = |x: [f64; 3]| {
             let (mut values, mut status) = (vec![0.0; f.len()], [DesignStatus::Faulty]);

@@ -48,7 +48,7 @@ fn study(name: &str, right: &str, motion: &str, by: f64) -> Study {
     );
     let mut study =
         Study::from_text("swept.toml", &text, Path::new(".")).unwrap_or_else(|e| panic!("{e}"));
-    let both = study.axle.as_mut().unwrap();
+    let both = study.axle_mut().unwrap();
     let has = |quantity: &Quantity| both.axle.has(*quantity);
     let names = Quantity::names();
     let all = names.iter().flat_map(|name| Quantity::named(name));
@@ -81,7 +81,7 @@ fn lanes_have_the_values_of_designs_one_by_one() {
     ] {
         let study: &'static Study = Box::leak(Box::new(study(name, right, motion, 8.0)));
         let plan = SweepPlan::of(study, study.sweep.as_ref().unwrap()).unwrap();
-        let quantities = &study.axle.as_ref().unwrap().plan.quantities;
+        let quantities = &study.axle().unwrap().plan.quantities;
         let mut alone = worker(&plan, None);
         assert_eq!(alone.not_in_lanes(), Some(NotInLanes::Asked));
         alone.rows(0);
@@ -132,7 +132,7 @@ fn lanes_have_the_values_of_designs_one_by_one() {
 fn what_is_not_for_lanes_is_said() {
     let of = |motion: &str, name: &str| {
         let mut study = study(STRUT, "right = \"mirrored\"", motion, 1.0);
-        study.axle.as_mut().unwrap().plan.quantities = Quantity::named(name);
+        study.axle_mut().unwrap().plan.quantities = Quantity::named(name);
         let study: &'static Study = Box::leak(Box::new(study));
         let plan = SweepPlan::of(study, study.sweep.as_ref().unwrap()).unwrap();
         worker(&plan, Some(Width::widest())).not_in_lanes()

@@ -17,7 +17,7 @@ fn study(name: &str, overrides: &[&str]) -> Result<Study, String> {
 }
 
 fn solved(name: &str, overrides: &[&str]) -> Curves {
-    let both = study(name, overrides).unwrap().axle.unwrap();
+    let both = study(name, overrides).unwrap().axle().unwrap().clone();
     axle_curves(&both.axle, &both.plan).unwrap().curves
 }
 
@@ -73,8 +73,8 @@ fn on_pads_the_left_wheel_carries_what_a_corner_does() {
             std::fs::write(&file, kept).unwrap();
             Study::read(&file, &sets.map(str::to_owned)).unwrap_or_else(|e| panic!("{e}"))
         };
-        let found = curves(&left.suspension, &Plan::of(&left)).unwrap();
-        let both = both.axle.unwrap();
+        let found = curves(left.wheel(), &Plan::of(left.one_wheel().unwrap())).unwrap();
+        let both = both.axle().unwrap().clone();
         let axle = axle_curves(&both.axle, &both.plan).unwrap().curves;
         assert_eq!(found.stations.len(), axle.stations.len());
         let mut forces = 0;
@@ -133,8 +133,9 @@ fn the_spring_takes_the_work() {
     let motion = "motion={roll=3.0, heave=-12.0, rack=15.0}";
     let mut without_bar = study("macpherson_axle.toml", &[quantities, motion])
         .unwrap()
-        .axle
-        .unwrap();
+        .axle()
+        .unwrap()
+        .clone();
     without_bar.axle.setup.bar_rate = None;
     let found = axle_curves(&without_bar.axle, &without_bar.plan)
         .unwrap()
@@ -200,7 +201,7 @@ fn what_nothing_carries_has_a_status_and_no_values() {
         "outputs={characteristics=[\"camber\"], loads=[{name=\"kerb\", at=\"wheel_centre\", force=[0, 0, 1000], side=\"right\"}]}",
     ];
     let study = Study::read(&file, &overrides.map(str::to_owned)).unwrap_or_else(|e| panic!("{e}"));
-    let both = study.axle.unwrap();
+    let both = study.axle().unwrap().clone();
     let found = axle_curves(&both.axle, &both.plan).unwrap().curves;
     let words: Vec<_> = found.stations.iter().map(|s| s.status.word()).collect();
     assert_eq!(words, ["ok", "unsupported", "ok"]);

@@ -43,7 +43,7 @@ fn suspension(case: &Value) -> Suspension {
     text += &format!("[vehicle]\nwheelbase = {}\n", case["wheelbase"]);
     text += "[motion]\ntravel = 0.0\n";
     let study = Study::from_text("case.toml", &text, Path::new("."));
-    study.unwrap_or_else(|e| panic!("{e:?}")).suspension
+    study.unwrap_or_else(|e| panic!("{e:?}")).into_wheel()
 }
 
 /// The axle of a case.

@@ -12,7 +12,7 @@ pub(super) type Named = (&'static str, Axle);
 
 /// Axles of struts, links and wishbones with rockers, the first as its mirror image, all others with different sides.
 pub(super) fn axles() -> [Named; 4] {
-    let of = |name, changes: &[(&str, &str)]| study(name, changes).axle.unwrap().axle;
+    let of = |name, changes: &[(&str, &str)]| study(name, changes).axle().unwrap().clone().axle;
     let lopsided = "[axle.right.hardpoints]\ntie_rod_outer = [-133.0, -687.0, 244.0]\n\
         lower_ball_joint = [9.0, -701.0, 193.0]\nstrut_top = [-31.0, -579.0, 846.0]\n\
         [axle.right.spring]\nrate = 36.0\n\n[steering]";
@@ -64,7 +64,7 @@ pub(super) fn axles() -> [Named; 4] {
                 &[("[wheel]", figures), ("[vehicle]", masses)],
             ),
         ),
-        ("different wishbones", wishbone.axle.unwrap().axle),
+        ("different wishbones", wishbone.axle().unwrap().clone().axle),
     ]
 }
 

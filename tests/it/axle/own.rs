@@ -45,7 +45,7 @@ fn axles_with_two_different_sides_are_solved() {
             case["radius"],
         );
         let study = Study::from_text("case.toml", &text, Path::new(".")).unwrap();
-        let axle = study.axle.unwrap().axle;
+        let axle = study.axle().unwrap().clone().axle;
         let wanted: Vec<_> = [
             "jacking_coefficient_left",
             "roll_steer_left",

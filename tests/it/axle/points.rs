@@ -11,7 +11,7 @@ fn solved(name: &str, overrides: &[&str]) -> Curves {
         .join(name);
     let overrides: Vec<_> = overrides.iter().map(|o| (*o).to_owned()).collect();
     let study = Study::read(&path, &overrides).unwrap_or_else(|e| panic!("{e}"));
-    let both = study.axle.unwrap();
+    let both = study.axle().unwrap().clone();
     axle_curves(&both.axle, &both.plan).unwrap().curves
 }
 

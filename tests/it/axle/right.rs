@@ -39,7 +39,7 @@ fn study(text: &str) -> Result<Study, String> {
 
 fn solved(text: &str) -> (Axle, AxlePlan, Curves) {
     let study = study(text).unwrap_or_else(|e| panic!("{e}"));
-    let both = study.axle.unwrap();
+    let both = study.axle().unwrap().clone();
     let curves = axle_curves(&both.axle, &both.plan).unwrap().curves;
     (both.axle, both.plan, curves)
 }

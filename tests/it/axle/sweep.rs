@@ -60,7 +60,7 @@ fn rows_are_what_the_designs_own_curves_have() {
         for design in 0..3 {
             let text = study.with_points_of(&study.at_design(plan.design(design)));
             let alone = Study::from_text("design.toml", &text, Path::new(".")).unwrap();
-            let axle = alone.axle.unwrap();
+            let axle = alone.axle().unwrap().clone();
             let curves = axle_curves(&axle.axle, &axle.plan).unwrap().curves;
             let width = names.len();
             let row = &rows.outputs[design as usize * width..][..width];
@@ -86,7 +86,7 @@ fn rows_are_what_the_designs_own_curves_have() {
 #[test]
 fn designs_that_fail_say_so() {
     let mut study = study("[axle]\nright = \"mirrored\"");
-    if let Some(axle) = &mut study.axle {
+    if let Some(axle) = study.axle_mut() {
         let stations = axle.plan.course.along(hardpoint::axle::Coordinate::Heave);
         *stations.unwrap() = vec![0.0, 900.0];
     }
@@ -129,7 +129,7 @@ characteristics = ["camber"]
 "#;
     let study =
         Study::from_text("far.toml", text, Path::new(".")).unwrap_or_else(|e| panic!("{e}"));
-    let both = study.axle.unwrap();
+    let both = study.axle().unwrap().clone();
     let curves = axle_curves(&both.axle, &both.plan).unwrap().curves;
     let right = curves.motion_index("travel_right").unwrap();
     let stations = curves.stations.iter();
@@ -238,7 +238,7 @@ fn gains_are_what_the_designs_own_curves_have() {
         for design in 0..rows.designs() {
             let text = study.with_points_of(&study.at_design(plan.design(design as u64)));
             let alone = Study::from_text("design.toml", &text, Path::new(".")).unwrap();
-            let both = alone.axle.unwrap();
+            let both = alone.axle().unwrap().clone();
             let curves = axle_curves(&both.axle, &both.plan.at_design())
                 .unwrap()
                 .curves;

@@ -91,18 +91,18 @@ fn an_axle_in_heave_is_two_corners() {
     ] {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("studies/{name}.toml"));
         let study = Study::read(&path, &[]).unwrap();
-        let corner = curves(&study.suspension, &Plan::of(&study)).unwrap();
-        let listed = study.outputs.characteristics.iter();
+        let corner = curves(study.wheel(), &Plan::of(study.one_wheel().unwrap())).unwrap();
+        let listed = study.one_wheel().unwrap().outputs.characteristics.iter();
         let asked: Vec<_> = listed
             .copied()
             .filter(|c| *c != Characteristic::RollCentreHeight)
             .collect();
         let case = read("macpherson_front");
         let mut both = axle(&case);
-        both.left = study.suspension.clone();
+        both.left = study.wheel().clone();
         both.setup.constants = hardpoint::characteristics::Constants::of(&both.left);
         let course = AxleMotion {
-            wheels: WheelMotion::Heave(study.motion.values.clone()),
+            wheels: WheelMotion::Heave(study.motion().values.clone()),
             racks: vec![0.0],
             shows_rack: false,
             steering_wheel: None,

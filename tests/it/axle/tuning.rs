@@ -34,14 +34,13 @@ pub(super) fn of_all_kinds(changes: &[(&str, &str)]) -> Study {
 }
 
 pub(super) fn layout(study: &Study) -> TargetLayout {
-    let suspension = &study.suspension;
     let optimise = study.optimise.as_ref().unwrap();
-    TargetLayout::of(optimise, &study.motion, suspension)
+    TargetLayout::of(optimise, &study.vehicle)
 }
 
 pub(super) fn evaluate(study: &Study, layout: &TargetLayout, x: &DVector<f64>) -> Linearisation {
     let variables = &study.optimise.as_ref().unwrap().variables;
-    let mut objective = Objective::new(&study.suspension, variables, layout).unwrap();
+    let mut objective = Objective::new(study.wheel(), variables, layout).unwrap();
     let mut found = Linearisation::new(layout.residuals(), x.len());
     LeastSquares::evaluate(&mut objective, x, &mut found).unwrap();
     found
@@ -74,10 +73,10 @@ fn rows_are_deviations_and_their_derivatives_are_slopes() {
         let found = evaluate(&study, &layout, &x);
 
         let optimise = study.optimise.as_ref().unwrap();
-        let mut axle = study.axle.clone().unwrap().axle;
+        let mut axle = study.axle().unwrap().clone().axle;
         let (frame, variables) = (axle.left.frame, &optimise.variables);
         moved_design(
-            &study.suspension.design,
+            &study.wheel().design,
             &frame,
             variables,
             &x,
@@ -138,8 +137,8 @@ fn tuned(study: &Study, quantity: AxleQuantity, placements: &[Placement]) -> (f6
     let moved = study.moved(&best.offsets);
     let text = study.with_points_of(&moved);
     let again = Study::from_text("again.toml", &text, Path::new(".")).unwrap();
-    let axle = again.axle.unwrap().axle;
-    let right = moved.axle.unwrap().axle.right;
+    let axle = again.axle().unwrap().clone().axle;
+    let right = moved.axle().unwrap().clone().axle.right;
     assert_eq!(
         right.map(|r| r.design),
         axle.right.as_ref().map(|r| r.design.clone())
@@ -170,19 +169,19 @@ fn constraints_hold_through_a_motion_of_the_wheel() {
     assert!(best.constraints[0].price.per_unit().unwrap() > 1.0);
     let tuned = hardpoint::model::Suspension {
         design: best.design,
-        ..study.suspension.clone()
+        ..study.wheel().clone()
     };
     let quantities = [Characteristic::HalfTrackChange];
     let outputs = hardpoint::study::Outputs::of(quantities.to_vec());
     let values = (0..=600).map(|k| 0.2 * f64::from(k) - 60.0).collect();
+    let mut wheel = hardpoint::study::WheelStudy::of(tuned);
+    wheel.outputs = outputs;
+    wheel.motion = hardpoint::study::Motion {
+        values,
+        ..study.motions[0].1.clone()
+    };
     let alone = Study {
-        suspension: tuned,
-        outputs,
-        motion: hardpoint::study::Motion {
-            values,
-            ..study.motions[0].1.clone()
-        },
-        axle: None,
+        vehicle: hardpoint::study::Vehicle::Wheel(Box::new(wheel)),
         optimise: None,
         ..study
     };

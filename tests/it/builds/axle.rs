@@ -102,7 +102,7 @@ fn a_printed_build_is_the_build() {
         let text = study.with_built_axle([&wheels[0], &wheels[1]]);
         let printed = Study::from_text("built.toml", &text, Path::new("."));
         let printed = printed.unwrap_or_else(|e| panic!("{e}"));
-        let both = printed.axle.unwrap();
+        let both = printed.axle().unwrap().clone();
         assert_eq!(both.axle.left.design, wheels[0].design);
         assert_eq!(both.axle.right.as_ref().unwrap().design, wheels[1].design);
         axle_curves(&both.axle, &both.plan).unwrap().curves
@@ -110,7 +110,7 @@ fn a_printed_build_is_the_build() {
     let stations = curves[0].stations.len();
     assert_eq!(
         problem.placements()[..stations],
-        study.axle.as_ref().unwrap().plan.course.placements()
+        study.axle().unwrap().plan.course.placements()
     );
     for (k, column) in curves[0].columns.iter().enumerate() {
         for station in 0..stations {
@@ -156,7 +156,7 @@ fn a_printed_build_has_its_extra_points() {
             let printed = study.with_built_axle([&wheels[0], &wheels[1]]);
             let printed = Study::from_text("built.toml", &printed, Path::new("."));
             let printed = printed.unwrap_or_else(|e| panic!("{e}"));
-            let both = printed.axle.as_ref().unwrap();
+            let both = printed.axle().unwrap();
             assert_eq!(both.axle.left.design, wheels[0].design);
             assert_eq!(both.axle.right.as_ref().unwrap().design, wheels[1].design);
             assert!(
@@ -183,7 +183,7 @@ struct Moved<'s> {
 
 impl<'s> Moved<'s> {
     fn of(study: &'s Study, placement: Placement) -> Self {
-        let both = study.axle.as_ref().unwrap();
+        let both = study.axle().unwrap();
         let assemblers = Side::ALL.map(|side| Assembler::new(both.axle.suspension(side)).unwrap());
         let scatter = &study.tolerance.as_ref().unwrap().scatter;
         Moved {

@@ -263,7 +263,7 @@ fn compared(case: &Case, seed: u64) -> Errors {
         .flat_map(|((_, parameters), share)| parameters.iter().map(|p| (*p, *share)))
         .collect();
     let curves = built_curves(&case.assembler, &built, &plan(&case.study), &[&direction]).unwrap();
-    let size = case.study.suspension.size();
+    let size = case.study.wheel().size();
     let mut errors = Errors {
         builds: 1,
         ..Errors::default()

@@ -23,7 +23,7 @@ fn study(name: &str, overrides: &[&str]) -> Study {
 }
 
 fn assembler(study: &Study) -> Assembler {
-    Assembler::new(&study.suspension).unwrap()
+    Assembler::new(study.wheel()).unwrap()
 }
 
 /// The dimension of this name: a coordinate, or a length where there is no axis.
@@ -44,5 +44,5 @@ fn parameter(assembler: &Assembler, of: &str, axis: Option<&str>) -> BuildParame
 
 /// The plan of camber, toe and their derivatives.
 fn plan(study: &Study) -> Plan {
-    Plan::of(study)
+    Plan::of(study.one_wheel().unwrap())
 }

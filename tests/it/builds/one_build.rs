@@ -49,8 +49,8 @@ fn a_printed_build_is_the_build_and_can_be_proved() {
         let overrides = overrides.map(str::to_owned);
         let printed = Study::read(&directory.path().join(&file), &overrides).unwrap();
         for (point, place) in built.mechanism.points.iter().zip(&built.design) {
-            let id = printed.suspension.mechanism.point(&point.name).unwrap();
-            assert_eq!(printed.suspension.design[id.0], *place, "{}", point.name);
+            let id = printed.wheel().mechanism.point(&point.name).unwrap();
+            assert_eq!(printed.wheel().design[id.0], *place, "{}", point.name);
         }
 
         // Of two builds the least and the greatest value are those of the one and the other.

@@ -35,14 +35,14 @@ fn builds_of_every_topology_are_those_of_another_formulation() {
             // The point that the spin axis is given by moves with its end, but for where angles give it.
             parts.change(mechanism, key(change), number(&change["by"]));
             let is_centre = change["of"] == "wheel_centre";
-            if is_centre && study.suspension.mechanism.points.len() < mechanism.points.len() {
+            if is_centre && study.wheel().mechanism.points.len() < mechanism.points.len() {
                 let axis = change["axis"].as_str();
                 let spindle = parameter(&assembler, "spindle_inner", axis);
                 parts.change(mechanism, spindle, number(&change["by"]));
             }
         }
         let built = assembler.build(&parts, Rest::Height(0.0)).unwrap();
-        let size = study.suspension.size();
+        let size = study.wheel().size();
         for (point, place) in case["stations"][0]["points"].as_object().unwrap() {
             let id = mechanism.point(point).unwrap();
             let off = built.suspension.design[id.0] - crate::support::vector(place);
@@ -66,7 +66,7 @@ fn builds_of_every_topology_are_those_of_another_formulation() {
         }
         for (d, expected) in directions.iter().enumerate() {
             if expected["of"] == "wheel_centre"
-                && study.suspension.mechanism.points.len() < mechanism.points.len()
+                && study.wheel().mechanism.points.len() < mechanism.points.len()
             {
                 continue;
             }

@@ -22,7 +22,7 @@ fn drawn_parts_make_the_drawing() {
         let built = assembler
             .build(assembler.drawn(), Rest::Height(0.0))
             .unwrap();
-        let (design, size) = (&study.suspension.design, study.suspension.size());
+        let (design, size) = (&study.wheel().design, study.wheel().size());
         for (drawn, built) in design.iter().zip(&built.suspension.design) {
             assert!((*drawn - *built).norm() < 1e-14 * size, "{name}");
         }
@@ -57,7 +57,7 @@ fn with_everything_recut_the_build_is_the_moved_drawing() {
         }
         parts.lengths = recut.lengths;
         let built = assembler.build(&parts, Rest::Height(0.0)).unwrap();
-        let plan = Plan::of(&study);
+        let plan = Plan::of(study.one_wheel().unwrap());
         let found = built_curves(&assembler, &built, &plan, &[]).unwrap().curves;
         // A point on an arm whose axis moves is shaped after the arm in a drawing, not in a build.
         let mut expected = moved.clone();
@@ -112,8 +112,8 @@ fn derivatives_by_the_drawing_are_a_chain_rule_on_those_by_parts() {
         let built = assembler
             .build(assembler.drawn(), Rest::Height(0.0))
             .unwrap();
-        let design = &study.suspension.design;
-        let mechanism = &study.suspension.mechanism;
+        let design = &study.wheel().design;
+        let mechanism = &study.wheel().mechanism;
         let id = mechanism.point(inner).unwrap();
         let member = inner.strip_suffix("_inner").unwrap_or(inner);
         let length = parameter(&assembler, member, None);
@@ -122,8 +122,8 @@ fn derivatives_by_the_drawing_are_a_chain_rule_on_those_by_parts() {
         };
         let (_, outer) = link.ends(mechanism).unwrap();
         let along = (design[id.0] - design[outer.0]).normalised().to_array();
-        let plan = Plan::of(&study);
-        let drawn = curves(&study.suspension, &plan).unwrap();
+        let plan = Plan::of(study.one_wheel().unwrap());
+        let drawn = curves(study.wheel(), &plan).unwrap();
         let directions: Vec<_> = ["x", "y", "z"]
             .into_iter()
             .zip(along)

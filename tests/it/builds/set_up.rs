@@ -41,10 +41,10 @@ fn wishes_are_met_exactly_where_there_are_as_many_adjustments() {
     }
     let study = study("double_wishbone_tolerance", &[]);
     let [upper, lower] =
-        ["spring_upper", "spring_lower"].map(|n| study.suspension.mechanism.point(n).unwrap().0);
+        ["spring_upper", "spring_lower"].map(|n| study.wheel().mechanism.point(n).unwrap().0);
     let length =
         |design: &[hardpoint::number::Vector3<f64>]| (design[upper] - design[lower]).norm();
-    let off = length(&study.suspension.design) - length(&found.last().built.suspension.design);
+    let off = length(&study.wheel().design) - length(&found.last().built.suspension.design);
     assert!(off.abs() < 1e-10, "{off}");
 }
 
@@ -352,9 +352,9 @@ fn the_ride_height_that_a_pushrod_gives_is_that_of_the_triangle() {
                 assert!((amount - longer).abs() < 1e-8, "{door:?} {amount} {longer}");
                 // What a millimetre does: it raises.
                 assert!(*found.drawn.by[0].last().unwrap() > 0.5);
-                let centre = study.suspension.mechanism.point("wheel_centre").unwrap().0;
+                let centre = study.wheel().mechanism.point("wheel_centre").unwrap().0;
                 let built = found.last().built.suspension.design[centre].z;
-                let off = built - study.suspension.design[centre].z + rise;
+                let off = built - study.wheel().design[centre].z + rise;
                 assert!(off.abs() < 1e-9 * mm, "{door:?} {off}");
             }
         }
@@ -363,7 +363,13 @@ fn the_ride_height_that_a_pushrod_gives_is_that_of_the_triangle() {
 
 /// Static values of parts that were adjusted by hand: camber, toe and caster in degrees.
 fn values(study: &Study, built: &Built) -> [f64; 3] {
-    let found = built_curves(&assembler(study), built, &Plan::of(study), &[]).unwrap();
+    let found = built_curves(
+        &assembler(study),
+        built,
+        &Plan::of(study.one_wheel().unwrap()),
+        &[],
+    )
+    .unwrap();
     let values = &found.curves.stations[0].values;
     [0, 1, 2].map(|k| values[k].unwrap())
 }

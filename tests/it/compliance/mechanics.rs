@@ -169,7 +169,7 @@ fn rigid_parts_have_the_derivatives_of_the_mechanism() {
 
 fn five_link() -> Suspension {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/five_link_compliance.toml");
-    Study::read_elastic(&path, &[]).unwrap().suspension
+    Study::read_elastic(&path, &[]).unwrap().into_wheel()
 }
 
 /// Laws of a bushing of the same stiffness in all directions, with a torsional one about its x axis.

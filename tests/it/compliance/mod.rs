@@ -57,7 +57,7 @@ pub fn suspension(case: &Value) -> Suspension {
     }
     text += "[motion]\ntravel = 0.0\n";
     let study = Study::from_text("case.toml", &text, Path::new("."));
-    study.unwrap_or_else(|e| panic!("{e:?}")).suspension
+    study.unwrap_or_else(|e| panic!("{e:?}")).into_wheel()
 }
 
 fn points(value: &Value) -> Vec<[f64; 2]> {

@@ -189,9 +189,10 @@ fn mutilated_studies_are_tested_or_refused_with_a_reason() {
                         continue;
                     };
                     ran += 1;
-                    let run = KcRun::new(&study.suspension, &elastic.parts, elastic.tyre_rate);
+                    let run = KcRun::new(study.wheel(), &elastic.parts, elastic.tyre_rate);
                     let first = |values: &[f64]| values.iter().copied().take(2).collect::<Vec<_>>();
-                    let (travels, racks) = (first(&study.motion.values), first(&study.motion.rack));
+                    let (travels, racks) =
+                        (first(&study.motion().values), first(&study.motion().rack));
                     for station in run.unwrap().run(&travels, &racks, &elastic.tests) {
                         let outcomes = station.outcomes.iter().flatten();
                         for figure in outcomes.flat_map(|outcome| &outcome.figures) {

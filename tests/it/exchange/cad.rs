@@ -42,7 +42,7 @@ fn tyre_envelopes_are_closed_solids_about_the_wheel() {
                 );
                 // The wheel centre is up by the travel: downward in these axes.
                 let frame = Frame::new(FrameConvention::SaeJ670, side);
-                let id = study.suspension.mechanism.wheel_centre;
+                let id = study.wheel().mechanism.wheel_centre;
                 let design = outgoing.position(side, id);
                 let corners = solid.iter().flatten();
                 let z: f64 = corners.clone().map(|p| f64::from(p[2])).sum();
@@ -152,7 +152,7 @@ fn envelopes_that_cannot_be_are_refused_by_name() {
 fn drawings_join_hardpoints() {
     for study in studies().iter().step_by(7) {
         let outgoing = Outgoing::of(study, Some(LengthUnit::Inch), Some(FrameConvention::XRear));
-        let (_, side) = study.suspension.frame.meaning();
+        let (_, side) = study.wheel().frame.meaning();
         let entities = entities(&drawing(&outgoing));
         let of = |kind: &str| {
             entities

@@ -63,7 +63,7 @@ fn a_rounded_workbook_has_the_curves_of_its_points() {
 
             // Every coordinate is a multiple, and the study of these points has the curves of the book.
             let study = Study::read(&path, &[]).unwrap();
-            let suspension = &study.suspension;
+            let suspension = study.wheel();
             let table = exported_points(&call, directory.path());
             let found = points(&table);
             let said_there = Said {
@@ -204,7 +204,7 @@ fn rounding_moves_what_was_tuned() {
     };
     let coordinates = |study: &Study| {
         let outgoing = Outgoing::of(study, None, None);
-        let side = study.suspension.frame.meaning().1;
+        let side = study.wheel().frame.meaning().1;
         let points = outgoing
             .points(side)
             .map(|(name, _, position)| (name.to_owned(), position));
@@ -215,7 +215,7 @@ fn rounding_moves_what_was_tuned() {
     let may_move = |name: &str| {
         variables.iter().any(|v| {
             v.points()
-                .any(|id| study.suspension.mechanism.name(id) == name)
+                .any(|id| study.wheel().mechanism.name(id) == name)
         })
     };
     // Of the run, with 7 mm as a grid that fits none of the coordinates by chance.

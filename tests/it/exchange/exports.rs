@@ -15,21 +15,21 @@ use hardpoint::study::Study;
 #[test]
 fn planted_lengths_are_right_in_every_file_and_unit() {
     let study = of_text(template("double_wishbone"));
-    let mut design = study.suspension.design.clone();
-    let id = study.suspension.mechanism.point("wheel_centre").unwrap();
+    let mut design = study.wheel().design.clone();
+    let id = study.wheel().mechanism.point("wheel_centre").unwrap();
     design[id.0].y = 508.0;
-    let inner = study.suspension.mechanism.point("spindle_inner").unwrap();
+    let inner = study.wheel().mechanism.point("spindle_inner").unwrap();
     design[inner.0].y = 408.0;
     let planted = study.at_design(design);
     let twenty = [508.0, 0.508, 20.0];
     for (own, _) in LengthUnit::ALL.into_iter().zip(twenty) {
         let mut study = planted.clone();
         let length = |x: f64| own.convert(x, LengthUnit::Millimetre);
-        let points = planted.suspension.design.iter();
-        study.suspension.design = points.map(|p| p.map(length)).collect();
-        study.suspension.wheel_radius = Some(length(254.0));
-        study.suspension.tyre_width = Some(length(127.0));
-        study.suspension.length_unit = own;
+        let points = planted.wheel().design.iter();
+        study.wheel_mut().design = points.map(|p| p.map(length)).collect();
+        study.wheel_mut().wheel_radius = Some(length(254.0));
+        study.wheel_mut().tyre_width = Some(length(127.0));
+        study.wheel_mut().length_unit = own;
         for (unit, expected) in LengthUnit::ALL.into_iter().zip(twenty) {
             let outgoing = Outgoing::of(&study, Some(unit), None);
             let tolerance = 1e-12 * expected;
@@ -121,17 +121,12 @@ fn files_have_the_signs_of_their_axes() {
 
 /// A study as its author would have written it in another unit and other axes.
 fn rewritten(study: &Study, unit: LengthUnit, convention: FrameConvention) -> Study {
-    let own = study.suspension.length_unit;
-    let (_, side) = study.suspension.frame.meaning();
+    let own = study.wheel().length_unit;
+    let (_, side) = study.wheel().frame.meaning();
     let length = |x: f64| unit.convert(x, own);
     let mut other = study.clone();
-    let suspension = &mut other.suspension;
-    suspension.design = study
-        .suspension
-        .design
-        .iter()
-        .map(|p| p.map(length))
-        .collect();
+    let suspension = other.wheel_mut();
+    suspension.design = study.wheel().design.iter().map(|p| p.map(length)).collect();
     suspension.length_unit = unit;
     suspension.frame = Frame::new(convention, side);
     suspension.wheel_radius = suspension.wheel_radius.map(length);
@@ -143,10 +138,11 @@ fn rewritten(study: &Study, unit: LengthUnit, convention: FrameConvention) -> St
     ] {
         *figure = figure.map(length);
     }
-    let along = study.suspension.frame.sign(Axis::Y) * suspension.frame.sign(Axis::Y);
-    other.motion.values = study.motion.values.iter().map(|x| length(*x)).collect();
-    other.motion.rack = study
-        .motion
+    let along = study.wheel().frame.sign(Axis::Y) * suspension.frame.sign(Axis::Y);
+    let motion = &mut other.one_wheel_mut().unwrap().motion;
+    motion.values = study.motion().values.iter().map(|x| length(*x)).collect();
+    motion.rack = study
+        .motion()
         .rack
         .iter()
         .map(|x| along * length(*x))
@@ -297,7 +293,7 @@ fn units_of_an_axle_are_converted_by_their_names() {
 
 fn rewritten_unit(study: &Study, unit: LengthUnit) -> Study {
     let mut other = study.clone();
-    other.suspension.length_unit = unit;
+    other.wheel_mut().length_unit = unit;
     other
 }
 
@@ -354,7 +350,7 @@ fn curves_have_the_names_of_other_tools() {
     assert_eq!(left_out.len(), 3);
     // A corner has the side of its study.
     let mut corner = of_text(template("macpherson"));
-    corner.suspension.frame = Frame::new(FrameConvention::Iso8855, Side::Right);
+    corner.wheel_mut().frame = Frame::new(FrameConvention::Iso8855, Side::Right);
     let outgoing = Outgoing::of(&corner, None, None);
     let page = page_of_csv("curves", b"travel_mm,camber_deg\n0,1\n").unwrap();
     let (named, _) = under_names_of(Tool::Adams, &outgoing, &page);

@@ -471,7 +471,7 @@ fn both_axles_of_assetto_corsa_are_read() {
     );
     assert!(wishbones.left_out.join(" ").contains("TOE_OUT"));
     let study = runs(&wishbones);
-    assert_eq!(study.suspension.vehicle.position, front);
+    assert_eq!(study.wheel().vehicle.position, front);
 
     let refused = read(CAR, "double_wishbone", rear).unwrap_err();
     assert!(refused.contains("--topology macpherson"), "{refused}");

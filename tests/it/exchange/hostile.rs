@@ -319,8 +319,8 @@ fn suspensions_of_chrono_are_read() {
     assert_eq!(at("tie_rod_inner"), [-0.12, 0.38, 0.24]);
     let study = read.study("made up", "suspension.json").unwrap();
     let study = hardpoint::study::Study::from_text("s.toml", &study, directory.path()).unwrap();
-    let plan = hardpoint::plan::Plan::of(&study);
-    let curves = hardpoint::curves::curves(&study.suspension, &plan).unwrap();
+    let plan = hardpoint::plan::Plan::of(study.one_wheel().unwrap());
+    let curves = hardpoint::curves::curves(study.wheel(), &plan).unwrap();
     assert!(curves.are_complete());
 }
 
@@ -383,8 +383,8 @@ fn geometry_files_of_suspension_explorer_are_read() {
         assert_eq!(read.wheel_radius, Some(0.5 * 25.4 * 13.0 + 0.4 * 180.0));
         let study = read.study("made up", "geometry.yaml").unwrap();
         let study = hardpoint::study::Study::from_text("s.toml", &study, directory.path()).unwrap();
-        let plan = hardpoint::plan::Plan::of(&study);
-        let curves = hardpoint::curves::curves(&study.suspension, &plan).unwrap();
+        let plan = hardpoint::plan::Plan::of(study.one_wheel().unwrap());
+        let curves = hardpoint::curves::curves(study.wheel(), &plan).unwrap();
         assert!(curves.are_complete());
     }
 }

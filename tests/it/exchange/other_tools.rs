@@ -14,7 +14,7 @@ use std::collections::BTreeMap;
 fn optimum_k_tables_hold_the_wheel() {
     let mut count = 0;
     for study in studies() {
-        let suspension = &study.suspension;
+        let suspension = study.wheel();
         let topology = suspension.mechanism.topology.name;
         let outgoing = Outgoing::of(&study, None, None);
         if topology != "double_wishbone" {
@@ -112,7 +112,7 @@ fn optimum_k_tables_hold_the_rocker() {
         assert_eq!(at(name), own(hardpoint), "{name}");
     }
     let attached = rows.iter().find(|row| row[1] == "Push Pull").unwrap();
-    let id = study.suspension.mechanism.point("pushrod_outer").unwrap();
+    let id = study.wheel().mechanism.point("pushrod_outer").unwrap();
     let expected = match outgoing.body(Side::Left, id) {
         Some("lower_arm") => "LowerAArm",
         Some("upper_arm") => "UpperAArm",
@@ -130,7 +130,7 @@ fn optimum_k_tables_hold_the_rocker() {
 fn suspensions_ini_holds_the_points() {
     let mut kinds = BTreeMap::new();
     for study in studies() {
-        let suspension = &study.suspension;
+        let suspension = study.wheel();
         let topology = suspension.mechanism.topology.name;
         let outgoing = Outgoing::of(&study, None, None);
         let keys: &[(&str, &str)] = match topology {
@@ -202,9 +202,9 @@ fn suspensions_ini_holds_the_points() {
 #[test]
 fn heights_of_suspensions_ini_are_from_the_centre_of_gravity() {
     let mut study = of_text(template("macpherson"));
-    study.suspension.wheel_radius = Some(300.0);
-    study.suspension.vehicle.cg_height = Some(550.0);
-    study.suspension.vehicle.wheelbase = Some(2600.0);
+    study.wheel_mut().wheel_radius = Some(300.0);
+    study.wheel_mut().vehicle.cg_height = Some(550.0);
+    study.wheel_mut().vehicle.wheelbase = Some(2600.0);
     let outgoing = Outgoing::of(&study, None, None);
     let text = String::from_utf8(suspensions_ini(&outgoing).unwrap().bytes).unwrap();
     let value = |key: &str| {
@@ -225,7 +225,7 @@ fn heights_of_suspensions_ini_are_from_the_centre_of_gravity() {
 fn double_wishbones_come_back_from_optimum_k() {
     let directory = tempfile::tempdir().unwrap();
     for study in studies() {
-        let suspension = &study.suspension;
+        let suspension = study.wheel();
         if suspension.mechanism.topology.name != "double_wishbone" {
             continue;
         }
@@ -293,7 +293,7 @@ fn double_wishbones_come_back_from_optimum_k() {
 fn wishbones_and_struts_come_back_from_assetto_corsa() {
     let directory = tempfile::tempdir().unwrap();
     for study in studies() {
-        let suspension = &study.suspension;
+        let suspension = study.wheel();
         let topology = suspension.mechanism.topology.name;
         let outgoing = Outgoing::of(&study, Some(LengthUnit::Metre), None);
         let Ok(written) = suspensions_ini(&outgoing) else {

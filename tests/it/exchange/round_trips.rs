@@ -43,29 +43,29 @@ pub(super) fn changed(
     convention: FrameConvention,
     side: Side,
 ) -> Study {
-    let scale = unit.per_metre() / study.suspension.length_unit.per_metre();
+    let scale = unit.per_metre() / study.wheel().length_unit.per_metre();
     let mut changed = study.clone();
     let number = |(n, point): (usize, &hardpoint::number::Vector3<f64>)| {
         *point * (scale * (1.0 + 1e-3 * (n as f64).sin()))
     };
-    changed.suspension.design = study
-        .suspension
+    changed.wheel_mut().design = study
+        .wheel()
         .design
         .iter()
         .enumerate()
         .map(number)
         .collect();
-    let length = |length: f64| unit.convert(length, study.suspension.length_unit);
-    changed.suspension.wheel_radius = study.suspension.wheel_radius.map(length);
-    changed.suspension.length_unit = unit;
-    changed.suspension.frame = Frame::new(convention, side);
+    let length = |length: f64| unit.convert(length, study.wheel().length_unit);
+    changed.wheel_mut().wheel_radius = study.wheel().wheel_radius.map(length);
+    changed.wheel_mut().length_unit = unit;
+    changed.wheel_mut().frame = Frame::new(convention, side);
     changed
 }
 
 /// Every hardpoint as the study writes it.
 fn written(study: &Study, frame: Frame) -> Vec<(String, [f64; 3])> {
-    let points = study.suspension.mechanism.points.iter();
-    let points = points.zip(&study.suspension.design);
+    let points = study.wheel().mechanism.points.iter();
+    let points = points.zip(&study.wheel().design);
     points
         .map(|(point, design)| {
             (
@@ -77,7 +77,7 @@ fn written(study: &Study, frame: Frame) -> Vec<(String, [f64; 3])> {
 }
 
 fn check(study: &Study, path: &Path, said: &Said, frame: Frame) {
-    let suspension = &study.suspension;
+    let suspension = study.wheel();
     let back = imported(path, suspension.mechanism.topology.name, said).unwrap();
     let expected = written(study, frame);
     assert_eq!(back.hardpoints.len(), expected.len(), "{:?}", back.notes);
@@ -93,9 +93,9 @@ fn check(study: &Study, path: &Path, said: &Said, frame: Frame) {
     }
     let text = back.study("back", "there").unwrap();
     let again = Study::from_text("back.toml", &text, Path::new(".")).unwrap();
-    assert_eq!(again.suspension.design, suspension.design);
+    assert_eq!(again.wheel().design, suspension.design);
     assert_eq!(
-        again.suspension.mechanism.spin_axis,
+        again.wheel().mechanism.spin_axis,
         suspension.mechanism.spin_axis
     );
 }
@@ -106,33 +106,33 @@ fn tables_and_workbooks_give_the_same_study() {
     for study in studies() {
         let rows = point_rows(&Outgoing::of(&study, None, None));
         let table = file(&directory, "points.csv", &csv(&rows));
-        check(&study, &table, &Said::default(), study.suspension.frame);
+        check(&study, &table, &Said::default(), study.wheel().frame);
         let name = "hardpoints".to_owned();
         let book = file(&directory, "points.xlsx", &workbook(&[Page { name, rows }]));
-        check(&study, &book, &Said::default(), study.suspension.frame);
+        check(&study, &book, &Said::default(), study.wheel().frame);
         // Nothing of our own export is left over.
-        let radius = study.suspension.wheel_radius.is_some();
+        let radius = study.wheel().wheel_radius.is_some();
         let back = imported(
             &book,
-            study.suspension.mechanism.topology.name,
+            study.wheel().mechanism.topology.name,
             &Said::default(),
         );
         let back = back.unwrap();
         assert_eq!(back.left_out, Vec::<String>::new());
         assert_eq!(back.wheel_radius.is_some(), radius);
         // What rods stand on comes back, too.
-        if study.suspension.length_unit != LengthUnit::Metre {
+        if study.wheel().length_unit != LengthUnit::Metre {
             continue;
         }
         let back = imported(
             &book,
-            study.suspension.mechanism.topology.name,
+            study.wheel().mechanism.topology.name,
             &Said::default(),
         );
         let text = back.unwrap().study("back", "there").unwrap();
         let again = Study::from_text("back.toml", &text, Path::new(".")).unwrap();
         let bodies = |study: &Study| {
-            let points = study.suspension.mechanism.points.iter();
+            let points = study.wheel().mechanism.points.iter();
             points.map(|point| point.body).collect::<Vec<_>>()
         };
         assert_eq!(bodies(&again), bodies(&study));
@@ -146,7 +146,7 @@ fn every_unit_and_frame_goes_out_and_comes_back() {
     let directory = tempfile::tempdir().unwrap();
     let spread = studies().into_iter().step_by(5);
     for study in spread {
-        let suspension = &study.suspension;
+        let suspension = study.wheel();
         let (_, side) = suspension.frame.meaning();
         for unit in LengthUnit::ALL {
             for convention in FrameConvention::ALL {
@@ -215,7 +215,7 @@ fn every_unit_and_frame_goes_out_and_comes_back() {
 fn subsystems_give_the_same_study() {
     let directory = tempfile::tempdir().unwrap();
     for study in studies() {
-        let suspension = &study.suspension;
+        let suspension = study.wheel();
         let (_, side) = suspension.frame.meaning();
         let said = Said {
             side: Some(side),

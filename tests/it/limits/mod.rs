@@ -16,5 +16,5 @@ use std::path::Path;
 fn sample(name: &str) -> hardpoint::model::Suspension {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies");
     let study = Study::read(&path.join(format!("{name}.toml")), &[]);
-    study.unwrap().suspension
+    study.unwrap().into_wheel()
 }

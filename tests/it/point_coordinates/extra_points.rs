@@ -112,7 +112,7 @@ fn extra_points_on_every_body_move_as_the_reference_says() {
     hardpoint::attia::register();
     for formulation in ["knuckle_pose", "point_coordinates"] {
         let study = study(&case, &travels, formulation);
-        let curves = curves(&study.suspension, &Plan::of(&study)).unwrap();
+        let curves = curves(study.wheel(), &Plan::of(study.one_wheel().unwrap())).unwrap();
         equations.for_each_pose(&equations.design(), &travels, &mut |station, pose| {
             let (pose, state) = (pose.unwrap(), states[station]);
             let by_order =

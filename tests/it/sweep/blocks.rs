@@ -27,8 +27,8 @@ fn study() -> Study {
 #[test]
 fn values_are_those_of_the_curves_whatever_the_neighbours() {
     let study = study();
-    let suspension = &study.suspension;
-    let stations = Stations::of(&study.motion, &suspension.frame, &[]);
+    let suspension = study.wheel();
+    let stations = Stations::of(study.motion(), &suspension.frame, &[]);
     let mut evaluator = Evaluator::new(suspension, &stations, &QUANTITIES).unwrap();
     let mut block = Block::new(QUANTITIES.len(), stations.count());
     let mut flat = suspension.design.clone();
@@ -46,7 +46,7 @@ fn values_are_those_of_the_curves_whatever_the_neighbours() {
     );
     assert!(block.values(0, 0).all(|v| v.is_nan()));
 
-    let curves = curves(suspension, &Plan::of(&study)).unwrap();
+    let curves = curves(suspension, &Plan::of(study.one_wheel().unwrap())).unwrap();
     let camber = Quantity::Characteristic(Characteristic::Camber);
     let factor = 180.0 / std::f64::consts::PI;
     assert_eq!(QUANTITIES[0], camber);

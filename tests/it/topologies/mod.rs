@@ -29,7 +29,7 @@ fn template(name: &str) -> Suspension {
             Study::read(&studies.join(format!("{name}.toml")), &[])
         }
     };
-    study.unwrap_or_else(|e| panic!("{e:?}")).suspension
+    study.unwrap_or_else(|e| panic!("{e:?}")).into_wheel()
 }
 
 /// Solves one station and reads it.

@@ -179,5 +179,5 @@ fn has_no_steering_axis() {
     let (silent, _) = text.split_once("[outputs]").unwrap();
     let study = Study::from_text("silent", silent, Path::new(".")).unwrap();
     let expected = [Characteristic::Camber, Characteristic::Toe];
-    assert_eq!(study.outputs.characteristics, expected);
+    assert_eq!(study.one_wheel().unwrap().outputs.characteristics, expected);
 }

@@ -115,11 +115,11 @@ fn margins_are_those_of_studs_fixed_in_the_carrier() {
             let overrides = [Some(motion), Some(constraints.as_str()), studs];
             let overrides: Vec<&str> = overrides.into_iter().flatten().collect();
             let study = edited(file, &overrides);
-            let (suspension, optimise) = (&study.suspension, study.optimise.as_ref().unwrap());
-            let layout = TargetLayout::of(optimise, &study.motion, suspension);
+            let (suspension, optimise) = (study.wheel(), study.optimise.as_ref().unwrap());
+            let layout = TargetLayout::of(optimise, &study.vehicle);
             let count = optimise.variables.len();
             let x = DVector::from_fn(count, |j, _| 4.0 * ((j * 7 + 3) as f64).sin());
-            let moved = study.moved(x.as_slice()).suspension;
+            let moved = study.moved(x.as_slice()).into_wheel();
             for width in [None, Some(Width::widest())] {
                 let problem = Objective::new(suspension, &optimise.variables, &layout).unwrap();
                 let mut problem = problem.with_width(suspension, width);
@@ -163,8 +163,8 @@ fn margins_of_a_drive_shaft_are_degrees() {
         "double_wishbone_front.toml",
         &[inner, outer, motion, constraints],
     );
-    let (suspension, optimise) = (&study.suspension, study.optimise.as_ref().unwrap());
-    let layout = TargetLayout::of(optimise, &study.motion, suspension);
+    let (suspension, optimise) = (study.wheel(), study.optimise.as_ref().unwrap());
+    let layout = TargetLayout::of(optimise, &study.vehicle);
     let mut problem = Objective::new(suspension, &optimise.variables, &layout).unwrap();
     let mut at = Assessment::new(&problem.shape());
     let x = DVector::zeros(optimise.variables.len());
@@ -202,8 +202,8 @@ fn margins_of_a_drive_shaft_are_degrees() {
 fn a_joint_that_does_not_turn_has_its_whole_limit() {
     let constraint = "optimise.constraints=[{ articulation = \"lower_ball_joint\", at_most = 18.5, at = \"design\" }]";
     let study = edited("macpherson_front.toml", &[constraint]);
-    let (suspension, optimise) = (&study.suspension, study.optimise.as_ref().unwrap());
-    let layout = TargetLayout::of(optimise, &study.motion, suspension);
+    let (suspension, optimise) = (study.wheel(), study.optimise.as_ref().unwrap());
+    let layout = TargetLayout::of(optimise, &study.vehicle);
     let mut problem = Objective::new(suspension, &optimise.variables, &layout).unwrap();
     let mut at = Assessment::new(&problem.shape());
     let x = DVector::zeros(optimise.variables.len());
@@ -242,7 +242,7 @@ fn the_price_of_a_joint_is_per_degree() {
         let (study, best) = tuned(60.0);
         let margin = best.constraints[0].room;
         assert_eq!(best.constraints[0].price, Price::Nothing);
-        let moved = study.moved(&best.offsets).suspension;
+        let moved = study.moved(&best.offsets).into_wheel();
         let largest = largest_angle(&moved);
         assert!((60.0 - largest - margin).abs() < 1e-4, "{margin} {largest}");
         largest
@@ -251,7 +251,7 @@ fn the_price_of_a_joint_is_per_degree() {
     let (study, best) = tuned(limit);
     let outcome = best.constraints[0];
     assert!(outcome.room.abs() < 1e-5, "{outcome:?}");
-    let largest = largest_angle(&study.moved(&best.offsets).suspension);
+    let largest = largest_angle(&study.moved(&best.offsets).into_wheel());
     assert!((largest - limit).abs() < 1e-4, "{largest} {limit}");
     let step = 0.02;
     let [low, high] = [-step, step].map(|by| tuned(limit + by).1.after.misfit);

@@ -24,8 +24,8 @@ fn with_problem<R>(
     f: impl FnOnce(&mut dyn FnMut(&DVector<f64>) -> Linearisation) -> R,
 ) -> R {
     let optimise = study.optimise.as_ref().unwrap();
-    let suspension = &study.suspension;
-    let layout = TargetLayout::of(optimise, &study.motion, suspension);
+    let suspension = study.wheel();
+    let layout = TargetLayout::of(optimise, &study.vehicle);
     let assembler = Assembler::new(suspension).unwrap();
     let assembled = assembler.suspension();
     let scatter = optimise.scatter.as_ref().unwrap();
@@ -211,8 +211,8 @@ fn drawing_at(study: &Study, width: Option<Width>, x: &DVector<f64>) -> Linearis
         scatter: None,
         ..study.optimise.clone().unwrap()
     };
-    let suspension = &study.suspension;
-    let layout = TargetLayout::of(&plain, &study.motion, suspension);
+    let suspension = study.wheel();
+    let layout = TargetLayout::of(&plain, &study.vehicle);
     let problem = Objective::new(suspension, &plain.variables, &layout).unwrap();
     let mut problem = problem.with_width(suspension, width);
     assert_eq!(problem.is_in_lanes(x), width.is_some());

@@ -26,8 +26,8 @@ const CONSTRAINTS: &str = "optimise.constraints=[\
 fn rows_in_lanes_are_those_of_station_by_station() {
     let [inner, outer] = DRIVE_SHAFT;
     let study = edited("double_wishbone_front.toml", &[inner, outer, CONSTRAINTS]);
-    let (suspension, optimise) = (&study.suspension, study.optimise.as_ref().unwrap());
-    let layout = TargetLayout::of(optimise, &study.motion, suspension);
+    let (suspension, optimise) = (study.wheel(), study.optimise.as_ref().unwrap());
+    let layout = TargetLayout::of(optimise, &study.vehicle);
     let x = DVector::from_column_slice(&[4.0, -3.0, 6.0, -7.0]);
     let at = |width: Option<Width>| {
         let problem = Objective::new(suspension, &optimise.variables, &layout).unwrap();

@@ -133,8 +133,8 @@ struct Count {
 
 /// Half intervals of the free variables with those at bounds taken as known: plain linear regression.
 fn naive(study: &Study, optimise: &Optimise, offsets: &[f64], active: &[ActiveBound]) -> Vec<f64> {
-    let suspension = &study.suspension;
-    let layout = TargetLayout::of(optimise, &study.motion, suspension);
+    let suspension = study.wheel();
+    let layout = TargetLayout::of(optimise, &study.vehicle);
     let at = evaluated(suspension, &optimise.variables, &layout, offsets);
     let at = at.unwrap().unwrap();
     let free: Vec<usize> = (0..active.len())
@@ -179,12 +179,7 @@ fn counted(fits: usize) -> [Count; 4] {
                 .map(|[x, y]| [*x, y + deviation * normal(&mut seed)]);
             target.wanted = Wanted::Points(noisy.collect());
         }
-        let tuning = tune(
-            &study.suspension,
-            &study.motion,
-            &optimise,
-            Control::default(),
-        );
+        let tuning = tune(&study.vehicle, &optimise, Control::default());
         let tuning = tuning.unwrap();
         let active = &tuning.starts.best_fit().unwrap().active_bounds;
         let at_bounds = active.iter().filter(|a| **a != ActiveBound::Free).count();

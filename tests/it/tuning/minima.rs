@@ -82,7 +82,7 @@ impl Random {
         let mut off = |by: f64| by * noise(&mut seed);
         let file = ["macpherson_front.toml", "double_wishbone_front.toml"][number as usize % 2];
         let plain = edited(file, &[]);
-        let points = &plain.suspension.mechanism.points;
+        let points = &plain.wheel().mechanism.points;
         let names = points.iter().map(|p| p.name.as_str());
         let names = names.filter(|n| !n.starts_with("wheel") && !n.starts_with("spindle"));
         let mut coordinates: Vec<(&str, &str)> = names
@@ -161,7 +161,7 @@ impl Random {
             false => "double_wishbone_front.toml",
         };
         let plain = edited(file, &[]);
-        let suspension = &plain.suspension;
+        let suspension = plain.wheel();
         let names = suspension.mechanism.points.iter().map(|p| p.name.as_str());
         let mut overrides: Vec<String> = names
             .zip(&suspension.design)
@@ -217,7 +217,7 @@ impl Random {
         // Deviations from nothing, in tolerances, are the curves of the design wanted.
         let wanted = wide.assessed(&DVector::from_fn(8, |_, _| off(20.0)));
         let wanted = &wanted.goal.residuals;
-        let stations = &wide.study.motion.values;
+        let stations = &wide.study.motion().values;
         let bent = [off(1.0), off(1.0)];
         let curves = [0, 1].map(|target| {
             let points = stations.iter().enumerate().map(|(k, travel)| {
@@ -241,7 +241,7 @@ impl Random {
 
     pub(super) fn of(study: Study) -> Self {
         let optimise = study.optimise.as_ref().unwrap();
-        let layout = TargetLayout::of(optimise, &study.motion, &study.suspension);
+        let layout = TargetLayout::of(optimise, &study.vehicle);
         let ranges: Vec<[f64; 2]> = optimise.variables.iter().map(|v| v.range).collect();
         Random {
             bounds: Bounds::new(&ranges).unwrap(),
@@ -252,7 +252,7 @@ impl Random {
 
     fn problem(&self) -> Objective<'_> {
         let variables = &self.study.optimise.as_ref().unwrap().variables;
-        Objective::new(&self.study.suspension, variables, &self.layout).unwrap()
+        Objective::new(self.study.wheel(), variables, &self.layout).unwrap()
     }
 
     fn assessed(&self, x: &DVector<f64>) -> Assessment {
@@ -737,7 +737,7 @@ fn nothing_is_violated_between_stations() {
             let mut study = Random::new(number).study;
             let step = 120.0 / f64::from(stations - 1);
             let values = (0..stations).map(|k| -60.0 + step * f64::from(k));
-            study.motion.values = values.collect();
+            study.one_wheel_mut().unwrap().motion.values = values.collect();
             Random::of(study)
         };
         let (coarse, fine) = (with(9), with(961));

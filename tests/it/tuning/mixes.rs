@@ -96,7 +96,7 @@ fn column(curves: &Curves, name: &str) -> Vec<f64> {
 
 /// A wheel's points that can be moved, with their coordinates in the study's axes.
 fn points(plain: &Study) -> Vec<(String, [f64; 3])> {
-    let suspension = &plain.suspension;
+    let suspension = plain.wheel();
     let names = suspension.mechanism.points.iter().map(|p| p.name.clone());
     let places = suspension
         .design
@@ -137,8 +137,7 @@ impl Mix {
     }
 
     fn tuned_as(&self, optimise: &Optimise) -> Tuning {
-        let suspension = &self.study.suspension;
-        tune(suspension, &self.study.motion, optimise, Control::default()).unwrap()
+        tune(&self.study.vehicle, optimise, Control::default()).unwrap()
     }
 
     /// The move from the design, in ranges.
@@ -162,8 +161,8 @@ fn drawn(file: &'static str, draw: &mut Draw, kind: Kind) -> (Vec<String>, Vec<&
         format!("outputs.characteristics=[{}]", names.join(", ")),
     ];
     let plain = read(file, &overrides).unwrap();
-    let plan = hardpoint::plan::Plan::with_targets(&plain);
-    let curves = hardpoint::curves::curves(&plain.suspension, &plan).unwrap();
+    let plan = hardpoint::plan::Plan::with_targets(plain.one_wheel().unwrap(), None);
+    let curves = hardpoint::curves::curves(plain.wheel(), &plan).unwrap();
     let all = points(&plain);
     // Variables.
     let mut coordinates: Vec<(usize, usize)> = (0..all.len())

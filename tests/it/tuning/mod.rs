@@ -39,10 +39,11 @@ fn two_curves(mut study: Study) -> Study {
 
 /// The study's tuning, wanted what its own design has.
 fn planted(study: &Study) -> Optimise {
-    let suspension = &study.suspension;
+    let suspension = study.wheel();
     let mut optimise = study.optimise.clone().unwrap();
     optimise.good_enough = 0.0;
-    let plan = hardpoint::plan::Plan::with_targets(study);
+    let plan =
+        hardpoint::plan::Plan::with_targets(study.one_wheel().unwrap(), study.optimise.as_ref());
     let curves = hardpoint::curves::curves(suspension, &plan).unwrap();
     for target in &mut optimise.targets {
         let column = target.of.column.clone();
@@ -69,7 +70,7 @@ fn planted(study: &Study) -> Optimise {
 #[test]
 fn a_planted_design_is_recovered_from_every_start() {
     let study = strut();
-    let suspension = &study.suspension;
+    let suspension = study.wheel();
     let mut optimise = planted(&study);
     let variables = optimise.variables.clone();
     for seed in 0..20_u32 {
@@ -99,7 +100,12 @@ fn a_planted_design_is_recovered_from_every_start() {
                 }
             })
             .collect();
-        let tuning = tune(&start, &study.motion, &optimise, Control::default()).unwrap();
+        let tuning = tune(
+            &study.at_design(start.design.clone()).vehicle,
+            &optimise,
+            Control::default(),
+        )
+        .unwrap();
         let best = tuning
             .best
             .unwrap_or_else(|| panic!("seed {seed}: {:?}", tuning.before));
@@ -134,10 +140,10 @@ fn points_moved_together_come_back() {
     let study = Study::read(&path, &[variables.to_owned()]).unwrap_or_else(|e| panic!("{e}"));
     let optimise = planted(&study);
     assert_eq!(optimise.variables[1].name, "lower_arm_front+lower_arm_rear");
-    let mut start = study.suspension.clone();
+    let mut start = study.wheel().clone();
     let away = nalgebra::DVector::from_column_slice(&[-6.0, 8.0, 5.0]);
-    let frame = study.suspension.frame;
-    let design = &study.suspension.design;
+    let frame = study.wheel().frame;
+    let design = &study.wheel().design;
     moved_design(
         design,
         &frame,
@@ -145,10 +151,15 @@ fn points_moved_together_come_back() {
         &away,
         &mut start.design,
     );
-    let point = |name: &str| study.suspension.mechanism.point(name).unwrap().0;
+    let point = |name: &str| study.wheel().mechanism.point(name).unwrap().0;
     let rear = point("lower_arm_rear");
     assert_eq!(start.design[rear].z - design[rear].z, -6.0 - 0.5 * 8.0);
-    let tuning = tune(&start, &study.motion, &optimise, Control::default()).unwrap();
+    let tuning = tune(
+        &study.at_design(start.design.clone()).vehicle,
+        &optimise,
+        Control::default(),
+    )
+    .unwrap();
     let best = tuning.best.unwrap();
     let apart = best.design.iter().zip(design);
     let worst = apart.map(|(a, b)| (*a - *b).norm()).fold(0.0, f64::max);
@@ -166,13 +177,7 @@ fn an_active_bound_is_where_it_stops() {
     let mut optimise = study.optimise.clone().unwrap();
     optimise.good_enough = 0.0;
     let optimise = &optimise;
-    let tuning = tune(
-        &study.suspension,
-        &study.motion,
-        optimise,
-        Control::default(),
-    )
-    .unwrap();
+    let tuning = tune(&study.vehicle, optimise, Control::default()).unwrap();
     let fit = tuning.starts.best_fit().unwrap();
     let gradient = fit.evaluation.jacobian.tr_mul(&fit.evaluation.residuals);
     let scale = fit.evaluation.residuals.norm();
@@ -215,7 +220,7 @@ fn only_the_proportion_of_weights_matters() {
         ..optimise.clone()
     };
     let best = |o| {
-        tune(&study.suspension, &study.motion, &o, Control::default())
+        tune(&study.vehicle, &o, Control::default())
             .unwrap()
             .best
             .unwrap()
@@ -292,8 +297,8 @@ fn derivatives_of_targets_and_constraints_are_exact() {
             ],
         );
         let optimise = study.optimise.as_ref().unwrap();
-        let suspension = &study.suspension;
-        let layout = TargetLayout::of(optimise, &study.motion, suspension);
+        let suspension = study.wheel();
+        let layout = TargetLayout::of(optimise, &study.vehicle);
         let mut problem = Objective::new(suspension, &optimise.variables, &layout).unwrap();
         let n = optimise.variables.len();
         let x = nalgebra::DVector::from_fn(n, |j, _| 2.0 * ((j * 7 + 3) as f64).sin());
@@ -414,7 +419,7 @@ fn derivatives_are_exact_at_a_random_design_of_every_topology() {
     ] {
         let plain = edited(file, &[]);
         let names: Vec<String> = plain
-            .suspension
+            .wheel()
             .mechanism
             .points
             .iter()
@@ -470,8 +475,8 @@ fn derivatives_are_exact_at_a_random_design_of_every_topology() {
             &[travel, wheel, loads, &variables, &targets, &constraints],
         );
         let optimise = study.optimise.as_ref().unwrap();
-        let suspension = &study.suspension;
-        let layout = TargetLayout::of(optimise, &study.motion, suspension);
+        let suspension = study.wheel();
+        let layout = TargetLayout::of(optimise, &study.vehicle);
         let mut problem = Objective::new(suspension, &optimise.variables, &layout).unwrap();
         let mut seed = 0x9E37_79B9_7F4A_7C15;
         let n = optimise.variables.len();
@@ -488,7 +493,7 @@ fn a_front_of_two_targets_is_traced() {
     let study = two_curves(edited("macpherson_front.toml", &[SIX, goals]));
     // Tolerances so tight that both cannot be had.
     let optimise = study.optimise.as_ref().unwrap();
-    let (suspension, motion) = (&study.suspension, &study.motion);
+    let (suspension, vehicle) = (study.wheel(), &study.vehicle);
     let wanted = |target: &Target| match &target.wanted {
         Wanted::Curve {
             points,
@@ -512,8 +517,8 @@ fn a_front_of_two_targets_is_traced() {
         ..optimise.clone()
     };
     let control = Control::default();
-    let tuning = tune(suspension, motion, &optimise, control).unwrap();
-    let found = front(suspension, motion, &optimise, &tuning, control).unwrap();
+    let tuning = tune(vehicle, &optimise, control).unwrap();
+    let found = front(vehicle, &optimise, &tuning, control).unwrap();
     assert!(found.choices.len() >= 40, "{}", found.choices.len());
     for pair in found.choices.windows(2) {
         let ([a, b], [c, d]) = (&pair[0].amounts[..], &pair[1].amounts[..]) else {
@@ -528,7 +533,7 @@ fn a_front_of_two_targets_is_traced() {
     }
     // What the table says of a point is what a tuning between such bounds finds there.
     let middle = &found.choices[found.choices.len() / 2];
-    let layout = TargetLayout::of(&optimise, motion, suspension);
+    let layout = TargetLayout::of(&optimise, vehicle);
     let mut problem = Objective::new(suspension, &optimise.variables, &layout).unwrap();
     let x = nalgebra::DVector::from_column_slice(&middle.offsets);
     let mut at = Assessment::new(&Constrained::shape(&problem));
@@ -550,7 +555,7 @@ fn a_front_of_two_targets_is_traced() {
     assert!(off.count() <= found.choices.len() / 5);
 
     // A price list: the misfit falls as the move grows, and the first step is the design itself.
-    let list = price_list(suspension, motion, &optimise, &tuning, control).unwrap();
+    let list = price_list(vehicle, &optimise, &tuning, control).unwrap();
     assert!(list.len() >= 10, "{}", list.len());
     assert_eq!(list[0].amounts[1], 0.0);
     for pair in list.windows(2) {
@@ -604,15 +609,11 @@ fn constraints_hold_between_stations() {
     let fine = study("motion.travel={ from = -60.0, to = 60.0, steps = 241 }");
     let tuned = hardpoint::model::Suspension {
         design: best.design,
-        ..fine.suspension.clone()
+        ..fine.wheel().clone()
     };
-    let plan = hardpoint::plan::Plan::with_targets(&Study {
-        outputs: hardpoint::study::Outputs {
-            characteristics: vec![hardpoint::characteristics::Characteristic::HalfTrackChange],
-            ..fine.outputs.clone()
-        },
-        ..fine.clone()
-    });
+    let mut own = fine.one_wheel().unwrap().clone();
+    own.outputs.characteristics = vec![hardpoint::characteristics::Characteristic::HalfTrackChange];
+    let plan = hardpoint::plan::Plan::with_targets(&own, fine.optimise.as_ref());
     let curves = hardpoint::curves::curves(&tuned, &plan).unwrap();
     let column = curves
         .columns
@@ -705,11 +706,16 @@ fn coverage(fits: usize) -> Vec<f64> {
             target.wanted = Wanted::Points(noisy.collect());
         }
         // The design the search begins from is off by several standard errors.
-        let mut start = study.suspension.clone();
+        let mut start = study.wheel().clone();
         let away = nalgebra::DVector::from_fn(3, |_, _| 6.0 * noise(&mut seed));
-        let (frame, design) = (&study.suspension.frame, &study.suspension.design);
+        let (frame, design) = (&study.wheel().frame, &study.wheel().design);
         moved_design(design, frame, &optimise.variables, &away, &mut start.design);
-        let tuning = tune(&start, &study.motion, &optimise, Control::default()).unwrap();
+        let tuning = tune(
+            &study.at_design(start.design.clone()).vehicle,
+            &optimise,
+            Control::default(),
+        )
+        .unwrap();
         let best = tuning.best.unwrap();
         let errors = best.errors.expect("a fit that ended at a minimum");
         for (j, held) in held.iter_mut().enumerate() {
@@ -871,16 +877,10 @@ fn forces_under_loads_are_tuned_and_held() {
     );
     let tuning = study.tune(Control::default()).unwrap();
     let best = tuning.best.unwrap();
-    let tuned = Study {
-        suspension: hardpoint::model::Suspension {
-            design: best.design.clone(),
-            ..study.suspension.clone()
-        },
-        ..study.clone()
-    };
+    let tuned = study.at_design(best.design.clone());
     let least = |study: &Study| {
-        let plan = hardpoint::plan::Plan::of(study);
-        let curves = hardpoint::curves::curves(&study.suspension, &plan).unwrap();
+        let plan = hardpoint::plan::Plan::of(study.one_wheel().unwrap());
+        let curves = hardpoint::curves::curves(study.wheel(), &plan).unwrap();
         let is_wanted = |c: &hardpoint::curves::Column| c.name == "braking_tie_rod_N";
         let column = curves.columns.iter().position(is_wanted).unwrap();
         let values = curves.stations.iter().map(|s| s.values[column].unwrap());
@@ -970,14 +970,14 @@ fn a_variable_along_a_direction_is_its_coordinates_together() {
         let study = study(written).unwrap_or_else(|e| panic!("{e}"));
         let optimise = study.optimise.clone().unwrap();
         let control = Control::default();
-        let tuning = tune(&study.suspension, &study.motion, &optimise, control).unwrap();
+        let tuning = tune(&study.vehicle, &optimise, control).unwrap();
         (study, optimise, tuning.best.unwrap())
     };
     let (study_of, optimise, best) = tuned(along);
     assert_eq!(optimise.variables[0].label(), "strut_top_along");
     assert_eq!(optimise.variables[0].name, "strut_top");
-    let top = study_of.suspension.mechanism.point("strut_top").unwrap().0;
-    let moved = best.design[top] - study_of.suspension.design[top];
+    let top = study_of.wheel().mechanism.point("strut_top").unwrap().0;
+    let moved = best.design[top] - study_of.wheel().design[top];
     let by = best.offsets[0];
     assert!(by.abs() > 0.1, "{by}");
     let off = moved - hardpoint::number::Vector3::new(0.0, 0.6 * by, 0.8 * by);
@@ -1024,7 +1024,7 @@ fn an_interrupted_tuning_says_how_many_starts_are_done() {
     let study = edited("macpherson_front.toml", &["optimise.starts=12"]);
     let optimise = study.optimise.as_ref().unwrap();
     let summary = |control| {
-        let tuning = tune(&study.suspension, &study.motion, optimise, control).unwrap();
+        let tuning = tune(&study.vehicle, optimise, control).unwrap();
         hardpoint::report::TuningSummary::of(&study, optimise, &tuning, None)
     };
     let whole = summary(Control::default());

@@ -9,8 +9,7 @@ const ROCKER: &str = "double_wishbone_rocker.toml";
 
 fn tuned(study: &Study) -> Tuning {
     let optimise = study.optimise.as_ref().unwrap();
-    let (suspension, motion) = (&study.suspension, &study.motion);
-    tune(suspension, motion, optimise, Control::default()).unwrap()
+    tune(&study.vehicle, optimise, Control::default()).unwrap()
 }
 
 /// A study of `tests/data/own/tuning`.

@@ -13,7 +13,7 @@ use std::path::Path;
 fn suspensions() -> Vec<Suspension> {
     let read = |topology: &&Topology| {
         let study = Study::from_text("row.toml", topology.template, Path::new("."));
-        study.expect("a template is valid").suspension
+        study.expect("a template is valid").into_wheel()
     };
     Topology::ALL.iter().map(read).collect()
 }

@@ -330,7 +330,7 @@ mod tests {
         };
         for topology in Topology::ALL {
             let study = Study::from_text("row.toml", topology.template, Path::new("."));
-            let suspension = study.expect("a template is valid").suspension;
+            let suspension = study.expect("a template is valid").into_wheel();
             let (mechanism, size) = (&suspension.mechanism, suspension.size());
             let design: Vec<_> = suspension
                 .design

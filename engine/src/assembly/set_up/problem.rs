@@ -9,7 +9,7 @@ use crate::assembly::parts::{BuildParameter, Member};
 use crate::assembly::rest::{Direction, Rest};
 use crate::characteristics::Characteristic;
 use crate::plan::Plan;
-use crate::study::{Adjustment, Drive, Increment, Outputs, Setup, Study};
+use crate::study::{Adjustment, Increment, Outputs, Setup, Study, WheelStudy};
 use nalgebra::{DMatrix, DVector};
 
 /// Errors that half steps allow may be so much larger than their slopes say: steps are curved.
@@ -39,7 +39,7 @@ impl<'a> Problem<'a> {
     ) -> Result<(Self, AdjustedSuspension), NoSetUp> {
         let characteristics = characteristics(study, setup);
         let lifts = setup.adjust.iter().any(|a| lifts(a, study));
-        let length = study.suspension.length_unit;
+        let length = study.wheel().length_unit;
         let millimetre = 1e-3 * length.per_metre();
         let (mut statics, mut aims, mut weights) = (Vec::new(), Vec::new(), Vec::new());
         for c in &characteristics {
@@ -68,7 +68,7 @@ impl<'a> Problem<'a> {
             assembler,
             directions: setup.adjust.iter().map(|a| [a.change]).collect(),
             increments: setup.adjust.iter().map(|a| a.increment).collect(),
-            plan: Plan::of(&at_rest(study, assembler, characteristics)),
+            plan: at_rest(assembler, characteristics),
             rest: if lifts {
                 Rest::Spring(0.0)
             } else {
@@ -273,7 +273,7 @@ impl<'a> Problem<'a> {
 
 /// The characteristics of a set-up: the usual ones that exist, and further ones that are wanted.
 fn characteristics(study: &Study, setup: &Setup) -> Vec<Characteristic> {
-    let mechanism = &study.suspension.mechanism;
+    let mechanism = &study.wheel().mechanism;
     let usual = [
         Characteristic::Camber,
         Characteristic::Toe,
@@ -292,23 +292,17 @@ fn characteristics(study: &Study, setup: &Setup) -> Vec<Characteristic> {
     characteristics
 }
 
-/// The study at rest, with these characteristics.
-fn at_rest(study: &Study, assembler: &Assembler, characteristics: Vec<Characteristic>) -> Study {
-    let mut at_rest = study.clone();
-    at_rest.suspension = assembler.suspension().clone();
+/// The plan of these characteristics at rest.
+fn at_rest(assembler: &Assembler, characteristics: Vec<Characteristic>) -> Plan {
+    let mut at_rest = WheelStudy::of(assembler.suspension().clone());
     at_rest.outputs = Outputs::of(characteristics);
-    at_rest.formulation = crate::study::Formulation::KnucklePose;
-    at_rest.motion.drive = Drive::Travel;
-    at_rest.motion.values = vec![0.0];
-    at_rest.motion.rack = vec![0.0];
-    at_rest.motion.time = None;
-    at_rest
+    Plan::of(&at_rest)
 }
 
 /// Whether an adjustment is made to lift the car: it belongs to the parts between the spring and the arm. The height then
 /// is where the spring has its design length.
 fn lifts(adjustment: &Adjustment, study: &Study) -> bool {
-    let mechanism = &study.suspension.mechanism;
+    let mechanism = &study.wheel().mechanism;
     let Some(spring) = mechanism.spring else {
         return false;
     };

@@ -46,7 +46,7 @@ impl Noise {
 pub(super) fn template(topology: &str) -> Suspension {
     let topology = Topology::named(topology).unwrap();
     let study = Study::from_text("template.toml", topology.template, Path::new("."));
-    study.expect("a template is valid").suspension
+    study.expect("a template is valid").into_wheel()
 }
 
 /// How a guard judges a place: its name, its reason, and the slack, which is negative where it rejects.

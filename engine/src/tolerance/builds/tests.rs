@@ -39,7 +39,7 @@ const STUDIES: [(&str, &str); 5] = [
 /// Every coordinate of every hardpoint off by up to 2 mm, and the length of every member.
 fn everything_scattered(name: &str, adjust: &str, aligned: bool) -> Study {
     let plain = study(name, &[]);
-    let mechanism = &plain.suspension.mechanism;
+    let mechanism = &plain.wheel().mechanism;
     let points = mechanism.points.iter().map(|p| format!("{:?}", p.name));
     let points = points.collect::<Vec<_>>().join(",");
     let mut scatter = format!("{{hardpoints=[{points}],limits=[-2.0,2.0]}}");
@@ -69,7 +69,7 @@ fn builds_in_lanes_are_those_one_by_one() {
         for aligned in [false, true] {
             let study = everything_scattered(name, adjust, aligned);
             let problem = Problem::of(&study, study.tolerance.as_ref().unwrap()).unwrap();
-            let size = study.suspension.size();
+            let size = study.wheel().size();
             let mut single = Builder::new(&problem, None).unwrap();
             let rejects = single.solve(0, BUILDS).unwrap().rejects;
             let mut first: Option<Vec<Vector3<f64>>> = None;
@@ -100,7 +100,7 @@ fn builds_in_lanes_are_those_one_by_one() {
                 assert_eq!(before, &lanes.wheels[0].designs);
                 lanes.solve(3, BUILDS - 3).unwrap();
                 let points = study
-                    .suspension
+                    .wheel()
                     .design
                     .len()
                     .max(lanes.wheels[0].parts.points.len());
@@ -136,7 +136,7 @@ fn builds_that_lanes_refuse_go_one_by_one() {
         let in_lanes = accepted.iter().filter(|r| **r).count();
         assert!(in_lanes > 8 && in_lanes < BUILDS - found.rejects.len());
         assert_eq!(lanes.places, single.places);
-        let size = study.suspension.size();
+        let size = study.wheel().size();
         for (a, b) in lanes.wheels[0]
             .designs
             .iter()

@@ -1,0 +1,146 @@
+//! The vehicle of a study: one wheel or an axle, each with its motion and what is asked of it.
+
+use super::{AxleStudy, Formulation, Motion, Outputs, Study};
+use crate::model::Suspension;
+use std::sync::LazyLock;
+
+/// What a study describes.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Vehicle {
+    /// One wheel.
+    Wheel(Box<WheelStudy>),
+    /// Both wheels of an axle.
+    Axle(Box<AxleStudy>),
+}
+
+/// One wheel, its motion and what is asked of it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WheelStudy {
+    /// The suspension.
+    pub suspension: Suspension,
+    /// The motion.
+    pub motion: Motion,
+    /// How poses are found.
+    pub formulation: Formulation,
+    /// What is asked for.
+    pub outputs: Outputs,
+}
+
+impl WheelStudy {
+    /// The design position of a suspension. Nothing is asked for.
+    pub fn of(suspension: Suspension) -> Self {
+        WheelStudy {
+            suspension,
+            motion: Motion::still(),
+            formulation: Formulation::KnucklePose,
+            outputs: Outputs::of(Vec::new()),
+        }
+    }
+}
+
+/// The design position alone.
+static STILL: LazyLock<Motion> = LazyLock::new(Motion::still);
+
+impl Vehicle {
+    /// The suspension of the wheel; of an axle that of its left wheel. The variables of a study move its hardpoints.
+    pub fn wheel(&self) -> &Suspension {
+        match self {
+            Vehicle::Wheel(own) => &own.suspension,
+            Vehicle::Axle(both) => &both.axle.left,
+        }
+    }
+
+    /// The same as [`Vehicle::wheel`], to be changed.
+    pub fn wheel_mut(&mut self) -> &mut Suspension {
+        match self {
+            Vehicle::Wheel(own) => &mut own.suspension,
+            Vehicle::Axle(both) => &mut both.axle.left,
+        }
+    }
+
+    /// The motion of the wheel by itself, where targets and constraints without a motion of their own hold. An axle moves
+    /// both wheels, so that of its left wheel by itself this is the design position alone.
+    pub fn motion(&self) -> &Motion {
+        match self {
+            Vehicle::Wheel(own) => &own.motion,
+            Vehicle::Axle(_) => &STILL,
+        }
+    }
+
+    /// The axle, if it is one.
+    pub fn axle(&self) -> Option<&AxleStudy> {
+        match self {
+            Vehicle::Axle(both) => Some(both),
+            Vehicle::Wheel(_) => None,
+        }
+    }
+
+    /// The axle, to be changed, if it is one.
+    pub fn axle_mut(&mut self) -> Option<&mut AxleStudy> {
+        match self {
+            Vehicle::Axle(both) => Some(both),
+            Vehicle::Wheel(_) => None,
+        }
+    }
+
+    /// The wheel with its motion, if it is one wheel.
+    pub fn one_wheel(&self) -> Option<&WheelStudy> {
+        match self {
+            Vehicle::Wheel(own) => Some(own),
+            Vehicle::Axle(_) => None,
+        }
+    }
+
+    /// The wheel with its motion, to be changed, if it is one wheel.
+    pub fn one_wheel_mut(&mut self) -> Option<&mut WheelStudy> {
+        match self {
+            Vehicle::Wheel(own) => Some(own),
+            Vehicle::Axle(_) => None,
+        }
+    }
+}
+
+impl Study {
+    /// The suspension of the wheel; of an axle that of its left wheel. The variables move its hardpoints.
+    pub fn wheel(&self) -> &Suspension {
+        self.vehicle.wheel()
+    }
+
+    /// The same as [`Study::wheel`], to be changed.
+    pub fn wheel_mut(&mut self) -> &mut Suspension {
+        self.vehicle.wheel_mut()
+    }
+
+    /// The suspension of the wheel; of an axle that of its left wheel.
+    pub fn into_wheel(self) -> Suspension {
+        match self.vehicle {
+            Vehicle::Wheel(own) => own.suspension,
+            Vehicle::Axle(both) => both.axle.left,
+        }
+    }
+
+    /// The motion of the wheel by itself ([`Vehicle::motion`]).
+    pub fn motion(&self) -> &Motion {
+        self.vehicle.motion()
+    }
+
+    /// The axle, if the study is of one.
+    pub fn axle(&self) -> Option<&AxleStudy> {
+        self.vehicle.axle()
+    }
+
+    /// The axle, to be changed, if the study is of one.
+    pub fn axle_mut(&mut self) -> Option<&mut AxleStudy> {
+        self.vehicle.axle_mut()
+    }
+
+    /// The wheel with its motion, if the study is of one wheel.
+    pub fn one_wheel(&self) -> Option<&WheelStudy> {
+        self.vehicle.one_wheel()
+    }
+
+    /// The wheel with its motion, to be changed, if the study is of one wheel.
+    pub fn one_wheel_mut(&mut self) -> Option<&mut WheelStudy> {
+        self.vehicle.one_wheel_mut()
+    }
+}

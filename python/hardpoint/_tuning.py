@@ -55,6 +55,9 @@ class Tuning:
     """A row for each start: how it ended."""
     scatter: float | None
     """Scatter of the measurements about a fit, in tolerances; None if the tuning is no fit."""
+    expected_yield: dict[str, float] | None
+    """With robust = "yield": shares of builds within all bands, `without_scatter` and `tuned`, of so many `builds`, and the
+    `surrogate` of the search; None in other tunings."""
     study: Study | None
     """The tuned study, comments kept; None if there is none or if it is refused, which `message` says."""
 
@@ -113,5 +116,6 @@ def optimise(
         history=Frame(_hardpoint.parse_table(found["history"])),
         starts=Frame.of_records(summary["starts"]),
         scatter=summary["scatter"],
+        expected_yield=found["expected_yield"],
         study=None if found["study"] is None else Study(found["study"]),
     )

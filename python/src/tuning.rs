@@ -162,6 +162,20 @@ pub(crate) fn optimise<'py>(
     result.set_item("message", message.join("; "))?;
     let json = serde_json::to_string(summary).map_err(|e| failure(e.to_string()))?;
     result.set_item("summary", json)?;
+    let expected = match &tuning.expected_yield {
+        None => None,
+        Some(Ok(expected)) => {
+            let known = PyDict::new(py);
+            let [without_scatter, tuned] = expected.judged;
+            known.set_item("without_scatter", without_scatter)?;
+            known.set_item("tuned", tuned)?;
+            known.set_item("builds", expected.judged_builds)?;
+            known.set_item("surrogate", expected.surrogate)?;
+            Some(known)
+        }
+        Some(Err(reason)) => return Err(failure(format!("the yield is not raised: {reason}"))),
+    };
+    result.set_item("expected_yield", expected)?;
     let history = history_csv(&tuning.starts);
     result.set_item("history", PyBytes::new(py, &history))?;
     result.set_item(

@@ -174,3 +174,12 @@ def test_pictures_and_a_page(front, tmp_path):
         np.testing.assert_array_equal(run["curves"][name], curves[name])
     assert hp.report(run, plots=tmp_path / "plots").is_file()
     assert list((tmp_path / "plots").glob("*.svg"))
+
+
+def test_a_tuning_towards_the_yield_says_what_it_expects():
+    study = hp.load(STUDIES / "double_wishbone_robust.toml")
+    assert hp.optimise(study).expected_yield is None
+    tuning = hp.optimise(study.replace({"optimise.robust": "yield", "optimise.scatter": 128}))
+    expected = tuning.expected_yield
+    assert expected is not None
+    assert 0.99 < expected["without_scatter"] <= expected["tuned"] <= 1.0

@@ -144,7 +144,9 @@ pub(super) fn run(arguments: &OptimiseArguments) -> Result<Exit, Stop> {
     if let Some(tuned) = &tuned {
         summary.side_effects = side_effects(&study, tuned).map_err(of_wheel)?;
     }
-    summary.yields = pool.install(|| yields(&study, optimise, tuned.as_ref()));
+    let expected = tuning.expected_yield.as_ref();
+    let expected = expected.and_then(|found| found.as_ref().ok());
+    summary.yields = pool.install(|| yields(&study, optimise, tuned.as_ref(), expected));
 
     let interrupted = interrupt::is_raised();
     if interrupted {
@@ -192,7 +194,14 @@ pub(super) fn run(arguments: &OptimiseArguments) -> Result<Exit, Stop> {
     if let Some(yields) = &summary.yields {
         output.say(&format!("\n{}\n\n", yields.headline()))?;
         output.table("yields", &yields.table())?;
+        if let Some(words) = yields.surrogate_in_words() {
+            output.say(&format!("\n{words}\n"))?;
+        }
         output.say_remarks(yields.remark())?;
+    }
+    if let Some(Err(reason)) = &tuning.expected_yield {
+        let words = format!("the yield is not raised: {reason}");
+        output.say_failure(&format!("\n{words}\n"))?;
     }
     let is_complete = after.as_ref().is_some_and(Solved::is_complete);
     let plausibility = after.as_ref().map(Solved::plausibility);
@@ -208,6 +217,7 @@ pub(super) fn run(arguments: &OptimiseArguments) -> Result<Exit, Stop> {
         output.say_failure(&format!("\nnot solved: {failure}\n"))?;
     }
     let is_whole = is_complete && has_front && !summary.falls_short() && refused.is_none();
+    let is_whole = is_whole && !matches!(tuning.expected_yield, Some(Err(_)));
     say_openings(&output, &study, &summary, refused)?;
     if interrupted {
         let words = summary.interrupted_in_words();

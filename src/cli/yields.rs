@@ -1,7 +1,7 @@
 //! Shares of builds within all bands, before and after a robust tuning.
 
 use super::interrupt;
-use crate::optimise::{Control, tune};
+use crate::optimise::{Control, ExpectedYield, tune};
 use crate::report::YieldRecord;
 use crate::study::{Optimise, Study, Tolerance};
 use crate::tolerance::{MonteCarlo, Problem, monte_carlo};
@@ -14,13 +14,20 @@ pub(super) fn yields(
     study: &Study,
     optimise: &Optimise,
     tuned: Option<&Study>,
+    expected: Option<&ExpectedYield>,
 ) -> Option<YieldRecord> {
     optimise.scatter.as_ref()?;
     let tolerance = study.tolerance.as_ref().filter(|t| !t.bands.is_empty())?;
     let tuned = tuned?;
     let plain = plain_optimum(study, optimise);
     let of = |study: &Study| builds(study, tolerance);
-    let yields = YieldRecord::of(tolerance, of(study), plain.as_ref().and_then(of), of(tuned));
+    let yields = YieldRecord::of(
+        tolerance,
+        of(study),
+        plain.as_ref().and_then(of),
+        of(tuned),
+        expected,
+    );
     // After an interruption they would be of different numbers of builds.
     (!interrupt::is_raised()).then_some(yields)
 }

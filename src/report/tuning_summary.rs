@@ -383,7 +383,11 @@ impl TuningSummary {
             prices: Vec::new(),
             side_effects: Vec::new(),
             yields: None,
-            scatter_builds: optimise.scatter.as_ref().map(|s| s.builds),
+            scatter_builds: optimise
+                .scatter
+                .as_ref()
+                .filter(|s| s.lowers_misfit())
+                .map(|s| s.builds),
             condition: after.and_then(ConditionSummary::of),
             certificate: after.and_then(CertificateSummary::of),
         }

@@ -4,6 +4,7 @@ use super::bands::in_words;
 use super::table::{Cell, Column, Table};
 use super::text::counted;
 use super::tolerance_summary::percent;
+use crate::optimise::ExpectedYield;
 use crate::study::Tolerance;
 use crate::tolerance::MonteCarlo;
 use serde::{Deserialize, Serialize};
@@ -20,6 +21,22 @@ pub struct YieldRecord {
     pub plain: Option<f64>,
     /// Band by band.
     pub bands: Vec<BandShares>,
+    /// For a tuning towards the yield, the builds that it raised the surrogate over, and the surrogate at its end.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub surrogate: Option<Surrogate>,
+}
+
+/// The smooth surrogate of a yield at the tuned design.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Surrogate {
+    /// Number of builds that it is a mean over.
+    pub builds: usize,
+    /// The surrogate.
+    pub value: f64,
+    /// The surrogate minus the yield of builds that the tuning has not seen.
+    pub error: Option<f64>,
+    /// True if the search found no design with a larger yield than the optimum without scatter, which is kept.
+    pub keeps_plain: bool,
 }
 
 /// A band, and the shares of builds that keep to it.
@@ -42,6 +59,7 @@ impl YieldRecord {
         before: Option<MonteCarlo>,
         plain: Option<MonteCarlo>,
         after: Option<MonteCarlo>,
+        expected: Option<&ExpectedYield>,
     ) -> Self {
         let share = |found: &Option<MonteCarlo>, of: &dyn Fn(&MonteCarlo) -> u64| {
             let found = found.as_ref()?;
@@ -65,6 +83,12 @@ impl YieldRecord {
             bands: bands.collect(),
             all: [before, after],
             plain,
+            surrogate: expected.map(|expected| Surrogate {
+                builds: expected.builds,
+                value: expected.surrogate,
+                error: after.map(|after| expected.surrogate - after),
+                keeps_plain: expected.keeps_plain,
+            }),
         }
     }
 
@@ -86,8 +110,30 @@ impl YieldRecord {
         )
     }
 
+    /// The surrogate and its error in a sentence, and whether the search found anything; for a tuning towards the yield.
+    pub fn surrogate_in_words(&self) -> Option<String> {
+        let surrogate = self.surrogate.as_ref()?;
+        let error = surrogate.error.map_or(String::new(), |error| {
+            format!(", {:+.1} points from the yield", 100.0 * error)
+        });
+        let kept = match surrogate.keeps_plain {
+            true => {
+                "; the search found no larger yield than that of the optimum without scatter, which is kept"
+            }
+            false => "",
+        };
+        Some(format!(
+            "smooth surrogate of the yield over {}: {}{error}{kept}",
+            counted(surrogate.builds, "build"),
+            percent(surrogate.value)
+        ))
+    }
+
     /// A remark if the optimum without scatter has a higher yield, by more than chance allows.
     pub fn remark(&self) -> Option<String> {
+        if self.surrogate.is_some() {
+            return None;
+        }
         let (plain, after) = self.plain.zip(self.all[1])?;
         // Standard error of the difference of two shares: sqrt((p (1 - p) + q (1 - q))/n).
         let variance = plain * (1.0 - plain) + after * (1.0 - after);
@@ -96,7 +142,7 @@ impl YieldRecord {
             format!(
                 "the optimum without scatter keeps more builds in all bands ({} against {}): the robust tuning lowers the \
                  mean squared misfit, not the number of builds outside of bands. Bring targets and tolerances in line with \
-                 the bands, or tune without scatter",
+                 the bands, or ask for robust = \"yield\"",
                 percent(plain),
                 percent(after)
             )

@@ -460,6 +460,8 @@ pub struct Optimise {
     pub fit: Option<Spanned<bool>>,
     /// Number of builds of `[tolerance]` over which the misfit is averaged.
     pub scatter: Option<Whole>,
+    /// What a robust tuning improves: the misfit of the builds or the share of those within the bands.
+    pub robust: Option<Text>,
     /// Names of the targets that are traded.
     pub front: Option<Spanned<Vec<Text>>>,
     /// False if changes that no target asks for are not reported.

@@ -7,7 +7,7 @@ use super::trade::Aim;
 use super::tune::{Asked, Tuner};
 use super::{Control, Tuning};
 use crate::mechanism::DesignFault;
-use crate::study::{Optimise, Vehicle};
+use crate::study::{Optimise, Scatter, Vehicle};
 use nalgebra::DVector;
 
 /// Targets outside of the front are held to their tolerances, or to this ratio of what the tuning of all made of
@@ -59,7 +59,12 @@ pub fn price_list(
     tuning: &Tuning,
     control: Control<'_>,
 ) -> Result<Vec<Choice>, DesignFault> {
-    let asked = Asked::new(vehicle, optimise, control)?;
+    // A tuning towards the yield has misfits of the drawing.
+    let drawing = Optimise {
+        scatter: optimise.scatter.clone().filter(Scatter::lowers_misfit),
+        ..optimise.clone()
+    };
+    let asked = Asked::new(vehicle, &drawing, control)?;
     Ok(Tuner::new(&asked)?.price_list(tuning))
 }
 

@@ -94,6 +94,10 @@ pub enum Termination {
     /// No step lowers the cost by more than [`Options::reduction_below`] of it, or it would be shorter than
     /// [`Options::step_below`], yet the optimality conditions are not met.
     NotStationary,
+    /// No small move raises the yield.
+    LargestYield,
+    /// The yield is above that of the optimum without scatter, but the search for the largest did not converge.
+    YieldNotConverged,
     /// No small move lessens the violation of the constraints.
     ConstraintsExcludeEachOther,
     /// [`Options::max_iterations`] iterations were made.
@@ -114,11 +118,13 @@ impl Termination {
             | Termination::StepBelowResolution
             | Termination::NearestGoodEnough
             | Termination::NearestOfTheBest
+            | Termination::LargestYield
             | Termination::Stationary => true,
             Termination::NoFeasibleStep(_)
             | Termination::NotStationary
             | Termination::GoodEnoughNotKnownNearest
             | Termination::BestNotKnownNearest
+            | Termination::YieldNotConverged
             | Termination::ConstraintsExcludeEachOther
             | Termination::IterationLimit
             | Termination::EvaluationLimit
@@ -160,6 +166,10 @@ impl fmt::Display for Termination {
             }
             Termination::BestNotKnownNearest => {
                 "as good as the best, not known to be the smallest change"
+            }
+            Termination::LargestYield => "converged: no small change raises the yield",
+            Termination::YieldNotConverged => {
+                "a larger yield than without scatter, not known to be the largest"
             }
             Termination::NotStationary => {
                 "not converged: no step improves the design, but the slope is not zero"

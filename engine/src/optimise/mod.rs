@@ -56,6 +56,7 @@ mod test_problems;
 mod tests;
 mod trade;
 mod tune;
+mod yield_search;
 
 pub use active_set::{ActiveSet, Held, Outcome, Rows};
 pub use at_design::{assessed, evaluated};
@@ -76,3 +77,4 @@ pub use problem::{Infeasible, LeastSquares, Linearisation};
 pub use profile_interval::ConfidenceInterval;
 pub use standard_errors::StandardErrors;
 pub use tune::{Best, ConstraintOutcome, Fulfilment, Price, Tuning, tune};
+pub use yield_search::ExpectedYield;

@@ -410,6 +410,11 @@ impl<'a> Objective<'a> {
         matches!(self.evaluate_in_lanes(&mut into, Some(&mut rows)), Ok(true))
     }
 
+    /// Number of builds whose residuals these are; 1 for the drawing.
+    pub(super) fn build_count(&self) -> usize {
+        self.layout.builds
+    }
+
     /// How many builds were evaluated in lanes.
     pub fn builds_in_lanes(&self) -> usize {
         let Some(robust) = self.robust.as_ref().filter(|_| self.lanes.is_some()) else {
@@ -440,7 +445,7 @@ impl<'a> Objective<'a> {
 
     /// Moves the design to `x` and writes its residuals into `into`, and the rows of the constraints into `rows`, if
     /// given.
-    fn evaluate_all(
+    pub(super) fn evaluate_all(
         &mut self,
         x: &DVector<f64>,
         into: &mut Linearisation,

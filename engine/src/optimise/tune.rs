@@ -11,16 +11,17 @@ use super::multistart::fits;
 use super::pool::{Lent, Pool};
 use super::starts::STARTS_BEFORE_REFUSAL;
 use super::trade::{Aim, Distance};
+use super::yield_search::{ExpectedYield, tune_for_yield};
 use super::{
-    Bounds, Control, Deviation, Fit, Held, Identifiability, Infeasible, LeastSquares,
-    Linearisation, Multistart, Objective, Options, StandardErrors, TargetLayout, Termination,
-    moved_design,
+    Assessment, Bounds, Constrained, ConstrainedFit, Control, Deviation, Fit, Held,
+    Identifiability, Infeasible, LeastSquares, Linearisation, Multistart, Objective, Options,
+    StandardErrors, TargetLayout, Termination, moved_design,
 };
 use crate::assembly::Assembler;
 use crate::mechanism::DesignFault;
 use crate::model::Suspension;
 use crate::number::{Vector3, Width};
-use crate::study::{Optimise, Vehicle};
+use crate::study::{Optimise, RobustAim, Vehicle};
 use crate::threads::on_large_stacks;
 use nalgebra::DVector;
 
@@ -48,6 +49,8 @@ pub struct Tuning {
     /// Constraints that exclude one another, by number: none of them could be left out. Empty where all can
     /// be kept.
     pub contradiction: Vec<usize>,
+    /// The yield that a tuning towards the yield expects, or why builds have none; `None` for all other tunings.
+    pub expected_yield: Option<Result<ExpectedYield, Infeasible>>,
 }
 
 /// How well the targets are met.
@@ -119,9 +122,14 @@ pub fn tune(
     // Each start is one piece of work; all of them use as many threads as the caller's pool has.
     let starts = optimise.starts.max(STARTS_BEFORE_REFUSAL);
     let threads = starts.min(rayon::current_num_threads());
-    on_large_stacks(threads, || {
-        let asked = Asked::new(vehicle, optimise, control)?;
-        Tuner::new(&asked)?.run()
+    on_large_stacks(threads, || match &optimise.scatter {
+        Some(scatter) if let RobustAim::Yield(bands) = &scatter.aim => {
+            tune_for_yield(vehicle, optimise, (scatter, bands), control)
+        }
+        _ => {
+            let asked = Asked::new(vehicle, optimise, control)?;
+            Tuner::new(&asked)?.run()
+        }
     })
 }
 
@@ -214,7 +222,7 @@ impl<'a> Tuner<'a> {
         }
     }
 
-    fn run(&self) -> Result<Tuning, DesignFault> {
+    pub(super) fn run(&self) -> Result<Tuning, DesignFault> {
         let optimise = self.optimise;
         let mut probe = self.problem();
         let mut evaluation = Linearisation::new(self.layout.residuals(), optimise.variables.len());
@@ -243,7 +251,42 @@ impl<'a> Tuner<'a> {
             best,
             unmoved,
             contradiction,
+            expected_yield: None,
         })
+    }
+
+    /// Puts the end of a search for the largest yield in the place of the best start's end.
+    pub(super) fn keep(&self, tuning: &mut Tuning, found: &ConstrainedFit) {
+        let mut problem = self.problem();
+        let shape = problem.shape();
+        let mut assessment = Assessment::new(&shape);
+        let best = tuning
+            .starts
+            .best
+            .map(|best| &mut tuning.starts.starts[best]);
+        let Some(Ok(fit)) = best.map(|start| start.outcome.as_mut()) else {
+            return;
+        };
+        if problem.assess(&found.x, &mut assessment).is_err() {
+            return;
+        }
+        fit.active_bounds = self.bounds.active_bounds(&found.x);
+        fit.x.clone_from(&found.x);
+        fit.residual = found.imbalance;
+        let end = found.termination.clone().checked(found.imbalance);
+        fit.termination = match end.at_minimum() {
+            true => Termination::LargestYield,
+            false => Termination::YieldNotConverged,
+        };
+        if let Some(state) = &mut fit.constraints {
+            state.violation = assessment.violation(shape.equalities, &[]);
+            state.values = assessment.rows.residuals;
+            // Prices are of misfits.
+            (state.multipliers, state.alternatives) = (None, None);
+        }
+        fit.evaluation = assessment.goal;
+        let fit = fit.clone();
+        tuning.best = Some(self.best(&fit));
     }
 
     /// The move from the design in fractions of the ranges, weighed by the costs.

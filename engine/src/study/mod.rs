@@ -340,6 +340,24 @@ pub struct Scatter {
     pub contributors: Vec<Contributor>,
     /// Adjustments by which toe and camber are set again after assembly; `None` if they are not.
     pub adjust: Option<Vec<Adjustment>>,
+    /// What the tuning improves.
+    pub aim: RobustAim,
+}
+
+impl Scatter {
+    /// True if the tuning lowers the mean squared misfit of the builds.
+    pub fn lowers_misfit(&self) -> bool {
+        self.aim == RobustAim::Misfit
+    }
+}
+
+/// What a robust tuning improves.
+#[derive(Clone, Debug, PartialEq)]
+pub enum RobustAim {
+    /// The mean squared misfit of the builds.
+    Misfit,
+    /// The share of builds that keep these bands.
+    Yield(Vec<Band>),
 }
 
 /// A goal that is traded on a front: all targets of one name.

@@ -12,7 +12,8 @@ use super::suspension::above_zero;
 use super::targets::{WrittenCurve, targets};
 use super::value::{Text, Whole};
 use super::{
-    Drive, FrontGoal, Motion, Move, Optimise, Scatter, Setup, Target, Tolerance, Turn, Variable,
+    Drive, FrontGoal, Motion, Move, Optimise, RobustAim, Scatter, Setup, Target, Tolerance, Turn,
+    Variable,
 };
 use crate::model::{Axis, Suspension};
 use toml::Spanned;
@@ -94,7 +95,15 @@ pub(super) fn scatter(
     context: &Context,
     problems: &mut Problems,
 ) -> Option<Option<Scatter>> {
+    let aim = section.robust.as_ref().map(|robust| {
+        let aims = [("misfit", false), ("yield", true)];
+        (robust, choose(robust, "robust", &aims, problems))
+    });
     let Some(written) = &section.scatter else {
+        if let Some((robust, _)) = aim {
+            let message = "robust needs scatter: the number of builds, as in scatter = 256";
+            problems.add(robust.span(), message);
+        }
         return Some(None);
     };
     let builds = within(written, 2..=MOST_BUILDS, problems);
@@ -114,6 +123,10 @@ pub(super) fn scatter(
         return None;
     }
     let tolerance = tolerance?;
+    let seeks_yield = match aim {
+        Some((_, chosen)) => chosen?,
+        None => false,
+    };
     let travels = |motion: &Motion| motion.drive == Drive::Travel;
     let motions = context.motions.iter().map(|(_, motion)| motion);
     if !motions.chain(context.motion).all(travels) {
@@ -122,6 +135,21 @@ pub(super) fn scatter(
         );
         return None;
     }
+    if let (true, Some(robust)) = (seeks_yield, &section.robust) {
+        let mut wrong = |message: &str| {
+            problems.add(robust.span(), message);
+        };
+        if tolerance.bands.is_empty() {
+            wrong(
+                "robust = \"yield\" needs bands in [tolerance]: a build counts if it keeps all of them",
+            );
+            return None;
+        }
+        if section.front.is_some() {
+            wrong("robust = \"yield\" has no front, because it does not weigh the targets");
+            return None;
+        }
+    }
     Some(Some(Scatter {
         builds: usize::try_from(builds?).ok()?,
         seed: tolerance.seed,
@@ -129,6 +157,10 @@ pub(super) fn scatter(
         adjust: match (tolerance.aligned, setup) {
             (true, Some(setup)) => Some(setup.adjust.clone()),
             _ => None,
+        },
+        aim: match seeks_yield {
+            true => RobustAim::Yield(tolerance.bands.clone()),
+            false => RobustAim::Misfit,
         },
     }))
 }

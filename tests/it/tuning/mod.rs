@@ -6,6 +6,7 @@ mod constraints;
 mod intervals;
 mod minima;
 mod mixes;
+mod robust_yield;
 mod still;
 mod units;
 

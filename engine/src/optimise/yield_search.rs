@@ -1,0 +1,374 @@
+//! Robust tuning towards the yield: the share of builds that keep every band.
+//!
+//! A build keeps its bands if every value q lies between its limits. The share of such builds is a step function of
+//! the variables, without slopes. A smooth surrogate takes its place. With tau a width for each band,
+//!
+//! ```text
+//! h = max(0, q - (upper - tau), (lower + tau) - q) / tau               for each value of a build      (1)
+//! H = sum of h^2 over the values of a build                                                           (2)
+//! surrogate = mean over the builds of 1/(1 + H)                                                       (3)
+//! ```
+//!
+//! A value at its limit has h = 1, so a build with one such value counts half. As tau goes to 0, (3) becomes the share
+//! of builds within all bands. Least squares minimise 1 - (3) with one residual for each build:
+//!
+//! ```text
+//! r = sqrt(H/(1 + H)),     dr = (sum h dh) / (sqrt(H) (1 + H)^(3/2)),     r = dr = 0 where H = 0      (4)
+//! ```
+//!
+//! tau is a share of the standard deviation of the band's values over the builds, at most a quarter of the band. The
+//! search begins at the optimum without scatter, with wide tau, and narrows it ([`WIDTHS`]). Each end is judged by
+//! [`JUDGED`] further builds, which the search has not seen; the end with the most builds within all bands is kept. The
+//! optimum without scatter is one of them, so that the yield does not fall below its yield but by the chance of the sample.
+
+use super::constrained::{Assessment, Constrained, Shape, constrained_fit};
+use super::objective::refused;
+use super::tune::{Asked, Tuner, Tuning};
+use super::{
+    Bounds, ConstrainedFit, Control, Infeasible, LeastSquares, Linearisation, Objective, Options,
+    TargetLayout, moved_design,
+};
+use crate::assembly::Assembler;
+use crate::mechanism::DesignFault;
+use crate::model::Suspension;
+use crate::number::Width;
+use crate::study::{Band, Limit, Optimise, Scatter, Site, Target, Vehicle, Wanted};
+use nalgebra::DVector;
+
+/// Widths of the steps of the search, in standard deviations of the values of a band.
+const WIDTHS: [f64; 4] = [2.0, 1.0, 0.5, 0.25];
+/// Largest width in relation to the width of the band.
+const WIDEST: f64 = 0.25;
+/// Builds that judge the ends of the search.
+const JUDGED: usize = 1 << 16;
+/// Builds whose designs are held in memory at once.
+const AT_ONCE: usize = 1 << 12;
+
+/// The yield that a robust tuning expects.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ExpectedYield {
+    /// Builds that the surrogate was raised over.
+    pub builds: usize,
+    /// The surrogate at the kept design.
+    pub surrogate: f64,
+    /// Share of the further builds that keep all bands: of the optimum without scatter, and of the kept design.
+    pub judged: [f64; 2],
+    /// Number of the further builds.
+    pub judged_builds: usize,
+    /// True if no end of the search keeps more builds in the bands than the optimum without scatter, which is kept then.
+    pub keeps_plain: bool,
+}
+
+/// A search for the largest yield.
+struct YieldSearch<'a> {
+    vehicle: &'a Vehicle,
+    assembled: Suspension,
+    optimise: &'a Optimise,
+    scatter: &'a Scatter,
+    bands: &'a [Band],
+    bounds: &'a Bounds,
+    options: Options,
+    control: Control<'a>,
+}
+
+/// The end of a search.
+struct Found {
+    /// The run that ended at the kept design; `None` if the optimum without scatter is kept.
+    fit: Option<ConstrainedFit>,
+    /// Expected yield.
+    expected: ExpectedYield,
+}
+
+impl<'a> YieldSearch<'a> {
+    /// A search with the variables and constraints of a tuning.
+    fn new(
+        vehicle: &'a Vehicle,
+        optimise: &'a Optimise,
+        (scatter, bands): (&'a Scatter, &'a [Band]),
+        bounds: &'a Bounds,
+        options: Options,
+        control: Control<'a>,
+    ) -> Result<Self, DesignFault> {
+        Ok(YieldSearch {
+            vehicle,
+            assembled: Assembler::new(vehicle.wheel())?.suspension().clone(),
+            optimise,
+            scatter,
+            bands,
+            bounds,
+            options,
+            control,
+        })
+    }
+
+    /// Raises the yield from the optimum without scatter. Errors if a build of that optimum has no values.
+    fn run(&self, plain: &DVector<f64>) -> Result<Found, Infeasible> {
+        let sigmas = self.sigmas(plain)?;
+        let plain_share = self.share(plain)?;
+        let mut kept = (plain_share, plain.clone(), None);
+        let mut from = plain.clone();
+        for width in WIDTHS {
+            let widths: Vec<f64> = sigmas.iter().map(|sigma| width * sigma).collect();
+            let goals = self.goals(self.smoothed(&widths), self.scatter);
+            let layout = TargetLayout::of(&goals, self.vehicle);
+            let problem = self.problem(&goals, &layout);
+            let (bounds, control) = (self.bounds, self.control);
+            let fit = constrained_fit(0, problem, bounds, &from, &self.options, control)?;
+            from.clone_from(&fit.x);
+            if self.control.is_interrupted() {
+                break;
+            }
+            let share = self.share(&fit.x)?;
+            if fit.is_feasible() && share > kept.0 {
+                kept = (share, fit.x.clone(), Some(fit));
+            }
+        }
+        let (share, x, fit) = kept;
+        let last = WIDTHS[WIDTHS.len() - 1];
+        let widths: Vec<f64> = sigmas.iter().map(|sigma| last * sigma).collect();
+        Ok(Found {
+            expected: ExpectedYield {
+                builds: self.scatter.builds,
+                surrogate: self.surrogate(&x, &widths)?,
+                judged: [plain_share, share],
+                judged_builds: JUDGED,
+                keeps_plain: fit.is_none(),
+            },
+            fit,
+        })
+    }
+
+    /// The value of (3) at a design.
+    fn surrogate(&self, x: &DVector<f64>, widths: &[f64]) -> Result<f64, Infeasible> {
+        let goals = self.goals(self.smoothed(widths), self.scatter);
+        let layout = TargetLayout::of(&goals, self.vehicle);
+        let mut problem = self.problem(&goals, &layout);
+        let mut assessment = Assessment::new(&problem.shape());
+        problem.assess(x, &mut assessment)?;
+        let outside = assessment.goal.residuals.norm_squared();
+        Ok(1.0 - outside / self.scatter.builds as f64)
+    }
+
+    /// The bands as targets with limits moved inwards by the widths, which are their tolerances: residuals are (1).
+    fn smoothed(&self, widths: &[f64]) -> Vec<Target> {
+        let target = |(band, width): (&Band, &f64)| {
+            let [low, high] = band.between;
+            let width = match high > low {
+                true => width.min(WIDEST * (high - low)),
+                false => *width,
+            };
+            self.target(band, [low + width, high - width], width)
+        };
+        self.bands.iter().zip(widths).map(target).collect()
+    }
+
+    /// A band as a target; with `between` of one value, residuals are distances from it.
+    fn target(&self, band: &Band, between: [f64; 2], tolerance: f64) -> Target {
+        let limit = |value: f64| value.is_finite().then_some(Limit::Value(value));
+        let motion = self.vehicle.motion();
+        // Without a place a band holds everywhere in the motion.
+        let racks = match band.at {
+            None if motion.rack_moves => motion.rack.clone(),
+            _ => Vec::new(),
+        };
+        Target {
+            of: band.of.clone(),
+            wanted: Wanted::Band {
+                at: band.at,
+                lower: limit(between[0]),
+                upper: limit(between[1]),
+            },
+            tolerance,
+            weight: 1.0,
+            site: Site {
+                racks,
+                ..Site::default()
+            },
+            stations: band.at.into_iter().collect(),
+        }
+    }
+
+    /// The tuning of some builds towards some targets. Every residual weighs the same: a share of 1 follows from a weight
+    /// that is the number of the target's residuals.
+    fn goals(&self, targets: Vec<Target>, scatter: &Scatter) -> Optimise {
+        let mut goals = Optimise {
+            targets,
+            scatter: Some(scatter.clone()),
+            ..self.optimise.clone()
+        };
+        let of_rows = TargetLayout::of(&goals, self.vehicle).targets_of_rows();
+        for (number, target) in goals.targets.iter_mut().enumerate() {
+            let own = of_rows.iter().filter(|of| **of == number).count();
+            target.weight = own as f64;
+        }
+        goals
+    }
+
+    /// The problem (4) of the search's builds.
+    fn problem<'o>(&'o self, goals: &'o Optimise, layout: &'o TargetLayout) -> SmoothYield<'o> {
+        let (study, width) = (self.vehicle.wheel(), Some(Width::widest()));
+        let (assembled, variables) = (&self.assembled, &goals.variables);
+        let scatter = self.scatter;
+        let builds = Objective::of_builds(study, assembled, variables, layout, scatter, width);
+        SmoothYield::new(builds.expect("the same design was accepted before"))
+    }
+
+    /// Standard deviations of the values of each band over the builds: the root mean square of those at its stations.
+    fn sigmas(&self, x: &DVector<f64>) -> Result<Vec<f64>, Infeasible> {
+        let values: Vec<Target> = self
+            .bands
+            .iter()
+            .map(|band| self.target(band, [0.0; 2], 1.0))
+            .collect();
+        let (builds, goals) = (self.scatter.builds, self.goals(values, self.scatter));
+        let layout = TargetLayout::of(&goals, self.vehicle);
+        let found = self.values(&layout, self.scatter, x)?;
+        let of_rows = layout.targets_of_rows();
+        let rows = of_rows.len() / builds;
+        let variance = |row: usize| {
+            let own = (0..builds).map(|build| found[build * rows + row]);
+            let mean = own.clone().sum::<f64>() / builds as f64;
+            own.map(|value| (value - mean).powi(2)).sum::<f64>() / (builds - 1) as f64
+        };
+        let sigma = |band: usize| {
+            let own = (0..rows).filter(|row| of_rows[*row] == band);
+            let variances: Vec<f64> = own.map(variance).collect();
+            let mean = variances.iter().sum::<f64>() / variances.len().max(1) as f64;
+            mean.sqrt().max(f64::MIN_POSITIVE)
+        };
+        Ok((0..self.bands.len()).map(sigma).collect())
+    }
+
+    /// The share of further builds that keep all bands.
+    fn share(&self, x: &DVector<f64>) -> Result<f64, Infeasible> {
+        let bands: Vec<Target> = self
+            .bands
+            .iter()
+            .map(|band| self.target(band, band.between, 1.0))
+            .collect();
+        let mut further = Scatter {
+            builds: AT_ONCE,
+            ..self.scatter.clone()
+        };
+        let layout = TargetLayout::of(&self.goals(bands, &further), self.vehicle);
+        let mut inside = 0;
+        for part in 0..JUDGED / AT_ONCE {
+            if self.control.is_interrupted() {
+                return Err(Infeasible::Refused("interrupted".to_owned()));
+            }
+            // A seed of its own for each part.
+            further.seed = self.scatter.seed.wrapping_add(1 + part as u32);
+            let found = self.values(&layout, &further, x)?;
+            let builds = found.as_slice().chunks_exact(found.len() / AT_ONCE);
+            inside += builds.filter(|own| own.iter().all(|h| *h == 0.0)).count();
+        }
+        Ok(inside as f64 / JUDGED as f64)
+    }
+
+    /// The residuals of builds at a design, without derivatives.
+    fn values(
+        &self,
+        layout: &TargetLayout,
+        scatter: &Scatter,
+        x: &DVector<f64>,
+    ) -> Result<DVector<f64>, Infeasible> {
+        let mut wheel = self.vehicle.wheel().clone();
+        let (design, frame) = (wheel.design.clone(), wheel.frame);
+        let variables = &self.optimise.variables;
+        moved_design(&design, &frame, variables, x, &mut wheel.design);
+        let refused = refused(&wheel.mechanism);
+        let assembled = Assembler::new(&wheel).map_err(&refused)?;
+        let (assembled, width) = (assembled.suspension(), Some(Width::widest()));
+        let mut builds = Objective::of_builds(&wheel, assembled, &[], layout, scatter, width)
+            .map_err(&refused)?;
+        let mut found = Linearisation::new(layout.residuals(), 0);
+        LeastSquares::evaluate(&mut builds, &DVector::zeros(0), &mut found)?;
+        Ok(found.residuals)
+    }
+}
+
+/// The problem (4).
+struct SmoothYield<'a> {
+    builds: Objective<'a>,
+    /// The values h of all builds.
+    values: Linearisation,
+    count: usize,
+}
+
+impl<'a> SmoothYield<'a> {
+    fn new(builds: Objective<'a>) -> Self {
+        let shape = Constrained::shape(&builds);
+        let count = builds.build_count();
+        SmoothYield {
+            values: Linearisation::new(shape.goal, shape.variables),
+            builds,
+            count,
+        }
+    }
+}
+
+impl Constrained for SmoothYield<'_> {
+    fn shape(&self) -> Shape {
+        Shape {
+            goal: self.count,
+            ..self.builds.shape()
+        }
+    }
+
+    fn row_limits(&self) -> Vec<f64> {
+        self.builds.row_limits()
+    }
+
+    fn assess(&mut self, x: &DVector<f64>, into: &mut Assessment) -> Result<(), Infeasible> {
+        let rows = Some(&mut into.rows);
+        self.builds.evaluate_all(x, &mut self.values, rows)?;
+        let own = self.values.residuals.len() / self.count;
+        for build in 0..self.count {
+            let h = self.values.residuals.rows(build * own, own);
+            let dh = self.values.jacobian.rows(build * own, own);
+            let squares = h.norm_squared();
+            let mut slopes = into.goal.jacobian.row_mut(build);
+            slopes.fill(0.0);
+            into.goal.residuals[build] = (squares / (1.0 + squares)).sqrt();
+            if squares > 0.0 {
+                let factor = 1.0 / (squares.sqrt() * (1.0 + squares).powf(1.5));
+                for (column, slope) in slopes.iter_mut().enumerate() {
+                    *slope = factor * dh.column(column).dot(&h);
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Tunes the drawing towards the targets, then raises the yield from there.
+pub(super) fn tune_for_yield(
+    vehicle: &Vehicle,
+    optimise: &Optimise,
+    (scatter, bands): (&Scatter, &[Band]),
+    control: Control<'_>,
+) -> Result<Tuning, DesignFault> {
+    let plain = Optimise {
+        scatter: None,
+        ..optimise.clone()
+    };
+    let asked = Asked::new(vehicle, &plain, control)?;
+    let tuner = Tuner::new(&asked)?;
+    let mut tuning = tuner.run()?;
+    let end = tuning.starts.best_fit().filter(|fit| fit.is_feasible());
+    let Some(end) = end.filter(|_| !control.is_interrupted()) else {
+        return Ok(tuning);
+    };
+    let (aim, options) = ((scatter, bands), tuner.options());
+    let search = YieldSearch::new(vehicle, &plain, aim, &tuner.bounds, options, control)?;
+    tuning.expected_yield = Some(match search.run(&end.x) {
+        Ok(Found { fit, expected, .. }) => {
+            if let Some(fit) = fit {
+                tuner.keep(&mut tuning, &fit);
+            }
+            Ok(expected)
+        }
+        Err(reason) => Err(reason),
+    });
+    Ok(tuning)
+}

@@ -201,7 +201,7 @@ fn of_corner(own: &WheelStudy) -> Result<(Request<'static>, Vec<[f64; 2]>), Func
 
 /// The request of an axle's quantities over its motion, and for each station the value of the first number that moves and
 /// the rack displacement, as results print them.
-fn of_axle(AxleStudy { axle, plan }: &AxleStudy) -> (Request<'static>, Vec<[f64; 2]>) {
+fn of_axle(AxleStudy { axle, plan, .. }: &AxleStudy) -> (Request<'static>, Vec<[f64; 2]>) {
     let plan = plan.quantities_alone();
     let over = plan.course.moving()[0];
     let sign = axle.left.frame.sign(Axis::Y);

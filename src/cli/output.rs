@@ -28,8 +28,9 @@ const CURVE_FILES: [&str; 4] = [
 ];
 
 /// The files of a tuning.
-const TUNING_FILES: [&str; 8] = [
+const TUNING_FILES: [&str; 9] = [
     "curves.csv",
+    "kc.csv",
     "curves_before.csv",
     "optimised.toml",
     "side_effects.csv",

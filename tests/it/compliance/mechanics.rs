@@ -67,6 +67,7 @@ fn the_compliance_of_the_wheel_centre_is_symmetric() {
     ] {
         let wheel = wheel(&case(name));
         let at = wheel.at(10.0, 0.0).unwrap();
+        let tangent = wheel.tangent(&at, HeldQuantity::WheelLoad).unwrap();
         let mut matrix = [[0.0; 6]; 6];
         for column in 0..6 {
             let mut load = WheelLoads::none(0.0);
@@ -76,7 +77,7 @@ fn the_compliance_of_the_wheel_centre_is_symmetric() {
                 &mut load.moment
             };
             *[&mut part.x, &mut part.y, &mut part.z][column % 3] = 1.0;
-            let [shift, turn] = wheel.twist_by(&at, &load, HeldQuantity::WheelLoad).unwrap();
+            let [shift, turn] = wheel.twist_along(&tangent, &load).unwrap();
             let twist = shift.to_array().into_iter().chain(turn.to_array());
             for (row, value) in twist.enumerate() {
                 matrix[row][column] = value;
@@ -189,7 +190,7 @@ fn links_on_uniform_bushings_are_stretching_links() {
         &Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/five_link_compliance.toml"),
         &[],
     );
-    let spring = elastic.unwrap().compliance.unwrap().parts.spring;
+    let spring = elastic.unwrap().compliance().unwrap().parts.spring.clone();
     let rate = 8000.0;
     // Torsion about the link's line at one end alone: the link follows that end, and has no torque.
     let with_torsion = |name: &str, torsion: f64| BushingPart {

@@ -185,7 +185,7 @@ fn mutilated_studies_are_tested_or_refused_with_a_reason() {
                     assert!(!errors.all().is_empty());
                 }
                 Ok(study) => {
-                    let Some(elastic) = &study.compliance else {
+                    let Some(elastic) = study.compliance() else {
                         continue;
                     };
                     ran += 1;

@@ -26,13 +26,18 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     let elastic = elastic_or_rigid(&study, path)?;
     let output = Output::open(arguments, &study, "kc")?;
     // A study with elastic parts was tried when it was read.
-    let results = results(&study, &elastic).map_err(|fault| {
+    let fault = |fault: ElasticFault| {
         Stop::in_file(path, format!("the design position is singular: {fault:?}"))
-    })?;
+    };
+    let results = results(&study, &elastic).map_err(fault)?;
     let mut files = vec!["kc.csv"];
     output.main_csv("kc.csv", &results.kc_csv())?;
     files.extend(output.file_if_any("levels.csv", results.levels_csv())?);
     files.extend(output.file_if_any("compliance_matrix.csv", results.matrix_csv())?);
+    let points = study.one_wheel().map(|own| &own.outputs.sensitivities[..]);
+    let run = KcRun::new(study.wheel(), &elastic.parts, elastic.tyre_rate).map_err(fault)?;
+    let csv = results.sensitivities_csv(&run, &elastic.parts, points.unwrap_or_default());
+    files.extend(output.file_if_any("sensitivities.csv", csv)?);
     let (failures, warnings) = (results.failures(), results.warnings());
     let summary = json!({
         "command": "kc",

@@ -44,10 +44,11 @@ const TUNING_FILES: [&str; 9] = [
 const SETUP_FILES: [&str; 4] = ["curves.csv", "setup.csv", "effects.csv", "summary.json"];
 
 /// The files of rig tests.
-const KC_FILES: [&str; 4] = [
+const KC_FILES: [&str; 5] = [
     "kc.csv",
     "levels.csv",
     "compliance_matrix.csv",
+    "sensitivities.csv",
     "summary.json",
 ];
 

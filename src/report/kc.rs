@@ -69,7 +69,7 @@ fn place(place: TestPlace) -> &'static str {
     }
 }
 
-fn held(test: &KcTest) -> &'static str {
+pub(super) fn held(test: &KcTest) -> &'static str {
     match (test.load.is_motion(), test.held) {
         (true, _) => "",
         (false, HeldQuantity::WheelHeight) => "wheel_height",
@@ -82,7 +82,7 @@ fn optional(value: Option<f64>) -> String {
 }
 
 /// A CSV file of rows of text.
-fn csv(header: &[String], rows: impl IntoIterator<Item = Vec<String>>) -> Vec<u8> {
+pub(super) fn csv(header: &[String], rows: impl IntoIterator<Item = Vec<String>>) -> Vec<u8> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     let written = "written to memory";
     writer.write_record(header).expect(written);
@@ -97,7 +97,7 @@ impl KcResults<'_> {
         self.suspension.length_unit
     }
 
-    fn columns(&self, names: &[&str]) -> Vec<String> {
+    pub(super) fn columns(&self, names: &[&str]) -> Vec<String> {
         let u = self.length().symbol();
         names
             .iter()

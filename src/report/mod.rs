@@ -21,6 +21,7 @@ mod finished;
 mod fitted;
 mod given_columns;
 mod kc;
+mod kc_sensitivities;
 mod orientation;
 mod page;
 mod picture;

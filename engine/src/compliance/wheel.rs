@@ -138,6 +138,8 @@ pub struct ElasticWheel<T = f64> {
     pub(super) constants: Constants,
     pub(super) bounds: Bounds,
     relaxed: Relaxed,
+    /// True if a bushing has a constant force or torque, which moves the wheel out of the design position.
+    has_offset: bool,
     start: State<T>,
 }
 
@@ -183,6 +185,10 @@ impl<T: Scalar> ElasticWheel<T> {
             constants: Constants::of(suspension),
             bounds,
             relaxed: compliance.relaxed,
+            has_offset: compliance
+                .bushings
+                .iter()
+                .any(|part| part.preload.iter().any(|offset| offset.value() != 0.0)),
             built,
             start,
         };
@@ -232,7 +238,8 @@ impl<T: Scalar> ElasticWheel<T> {
         level_task(nothing, nothing)
     }
 
-    /// The vertical force at the contact point in the design position, if that is an equilibrium.
+    /// The vertical force at the contact point that goes with the forces of bushings and spring in the design position, if
+    /// they are in balance there. Constant forces of bushings come on top.
     pub fn design_load(&self) -> Option<T> {
         (self.relaxed == Relaxed::AtDesignLoad).then_some(self.start.vertical)
     }
@@ -243,8 +250,8 @@ impl ElasticWheel {
     pub fn at(&self, travel: f64, rack: f64) -> Result<Equilibrium, NoEquilibrium> {
         let (from, to) = (level_task(0.0, 0.0), level_task(travel, rack));
         let held = match self.relaxed {
-            Relaxed::AtDesignLoad => None,
-            Relaxed::Free => {
+            Relaxed::AtDesignLoad if !self.has_offset => None,
+            _ => {
                 let equations = self.built.system.equations(&self.start, &from, None);
                 equations.ok().map(|equations| Held {
                     carrier: std::array::from_fn(|i| equations.residual[i]),

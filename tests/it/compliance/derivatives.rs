@@ -184,9 +184,13 @@ fn derivatives_are_those_of_the_reference() {
                     if is_of_curve(parameters[number_of], &parts) {
                         continue;
                     }
-                    // Where no input of the kind has an effect, the others are the scale.
+                    // Where no input of the kind has an effect, the others are the scale; what is held has no
+                    // derivatives at all.
                     let largest = match largest_of(&|other| kind(other) == kind(input)) {
-                        0.0 => largest_of(&|_| true),
+                        0.0 => match largest_of(&|_| true) {
+                            0.0 => f64::MIN_POSITIVE,
+                            largest => largest,
+                        },
                         largest => largest,
                     };
                     compared += 1;

@@ -78,12 +78,6 @@ fn mistakes_are_named_by_line() {
         ),
         (
             rear,
-            &with("preload = [1.0, 0.0, 0.0, 0.0, 0.0, 0.0]"),
-            "preload",
-            "follow from the spring",
-        ),
-        (
-            rear,
             &with("x_axis = [0.0, 0.0, 1.0]"),
             "[bushings.lower_arm_rear]",
             "expected z_axis",

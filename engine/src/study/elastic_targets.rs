@@ -139,6 +139,10 @@ pub(super) fn rate(
 ) -> Option<Variable> {
     let written = variable.get_ref();
     let Some(elastic) = context.elastic else {
+        // What is wrong with the elastic parts is said already.
+        if context.file.compliance.is_some() {
+            return None;
+        }
         let message = "a rate as a variable needs [compliance] with elastic parts";
         return problems.refuse(variable.span(), message);
     };

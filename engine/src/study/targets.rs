@@ -45,6 +45,8 @@ fn target(
             axle_targets::Where::from(written).refuse(false, problems);
             let of = match (context.elastic, &written.figure) {
                 (Some(elastic), _) => elastic_targets::subject(spanned, elastic, context, problems),
+                // What is wrong with the elastic parts is said already.
+                (None, Some(_)) if context.file.compliance.is_some() => None,
                 (None, Some(figure)) => problems.refuse(
                     figure.span(),
                     "a figure of a test needs [compliance] with elastic parts",

@@ -7,6 +7,7 @@ use crate::report::{
     FailureRange, OutputRecord, Scene, counted, shown_side_effects, side_effects_table,
     unchanged_in_words,
 };
+use crate::study::ValueEdit;
 use serde::{Deserialize, Serialize};
 
 /// Coordinates of every point, in the study's axes.
@@ -19,6 +20,15 @@ pub(super) struct Designed {
     /// SHA-256 of the study text.
     pub digest: String,
     pub design: Coordinates,
+}
+
+/// Changes of a text that the server has read.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct EditRequest {
+    /// SHA-256 of the study text.
+    pub digest: String,
+    pub edits: Vec<ValueEdit>,
 }
 
 #[derive(Deserialize)]
@@ -77,6 +87,10 @@ pub(super) struct Overview {
     /// Path of the file, so that a browser does not mistake what it has stored of one study for another's.
     pub place: String,
     pub digest: String,
+    /// SHA-256 of the file's text before changes that are not saved.
+    pub base: String,
+    /// Sections of the study as they are written, for forms.
+    pub written: serde_json::Value,
     pub topology: String,
     pub unit: String,
     pub points: Vec<PointOverview>,

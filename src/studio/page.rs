@@ -20,6 +20,14 @@ pub(super) fn file(name: &str) -> Option<Response> {
         "notes.js" => (SCRIPT, include_str!("page/notes.js")),
         "tuning.js" => (SCRIPT, include_str!("page/tuning.js")),
         "files.js" => (SCRIPT, include_str!("page/files.js")),
+        "changes.js" => (SCRIPT, include_str!("page/changes.js")),
+        "deviation.js" => (SCRIPT, include_str!("page/deviation.js")),
+        "dialog.js" => (SCRIPT, include_str!("page/dialog.js")),
+        "handles.js" => (SCRIPT, include_str!("page/handles.js")),
+        "history.js" => (SCRIPT, include_str!("page/history.js")),
+        "layout.js" => (SCRIPT, include_str!("page/layout.js")),
+        "targets.js" => (SCRIPT, include_str!("page/targets.js")),
+        "space.js" => (SCRIPT, include_str!("page/space.js")),
         _ => return None,
     };
     Some(Response::new(200, content_type, text.as_bytes()))

@@ -5,7 +5,8 @@ use super::connections::Place;
 use super::http::{Connection, Head, Response, Unread};
 use super::job::Job;
 use super::message::{
-    Designed, InfluenceRequest, JobRequest, SaveRequest, Saved, SolveRequest, TuneRequest,
+    Designed, EditRequest, InfluenceRequest, JobRequest, SaveRequest, Saved, SolveRequest,
+    TuneRequest,
 };
 use super::study_file::{NotSaved, Opened, StudyFile};
 use super::{answer, directions, influence, overview, page};
@@ -17,8 +18,8 @@ use std::collections::VecDeque;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// Number of texts of the study that are remembered, so that tabs opened before a save go on.
-const TEXTS: usize = 8;
+/// Number of texts of the study that are remembered, so that tabs opened before a save go on and changes can be undone.
+const TEXTS: usize = 40;
 /// Number of report pages that are remembered.
 const REPORTS: usize = 3;
 
@@ -126,6 +127,12 @@ impl Workshop {
             "limits" => self.with_text(body, |r: &Designed| r, directions::limits),
             "csv" => return self.csv(body).unwrap_or_else(refusal),
             "report" => self.make_report(body),
+            "edit" => self.edit(body),
+            "texts" => self.with_text(
+                body,
+                |r: &Designed| r,
+                |opened, of| self.file.texts(opened, &opened.design(&of.design)?),
+            ),
             "tune" => self.tune(body),
             "progress" => self.job(body, |_| ()),
             "cancel" => self.job(body, Job::cancel),
@@ -167,6 +174,15 @@ impl Workshop {
     fn digest(&self, body: &[u8]) -> Result<Response, Refused> {
         let () = message(body)?;
         json(&self.file.digest().map_err(|why| (422, why))?)
+    }
+
+    /// Overview of a text with changed values. Nothing is written to the file.
+    fn edit(&self, body: &[u8]) -> Result<Response, Refused> {
+        let request: EditRequest = message(body)?;
+        let opened = self.text(&request.digest)?;
+        let edited = self.file.edited(&opened, &request.edits);
+        let edited = self.remember(edited.map_err(|why| (422, why))?);
+        json(&overview::overview(&self.file, &edited))
     }
 
     /// Answers what is asked of a design.

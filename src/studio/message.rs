@@ -31,6 +31,21 @@ pub(super) struct EditRequest {
     pub edits: Vec<ValueEdit>,
 }
 
+/// A study to begin with.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct StartRequest {
+    pub topology: String,
+    /// A plain file name in the folder in which the studio was started.
+    pub name: String,
+    /// Points as text, as a sheet copies them; empty for those of the template.
+    pub points: String,
+    pub unit: Option<String>,
+    pub axes: Option<String>,
+    pub side: Option<String>,
+    pub half_track: Option<f64>,
+}
+
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct SolveRequest {

@@ -7,6 +7,8 @@ pub(super) fn file(name: &str) -> Option<Response> {
     const SCRIPT: &str = "text/javascript; charset=utf-8";
     let (content_type, text) = match name {
         "" => ("text/html; charset=utf-8", include_str!("page/index.html")),
+        "start.html" => ("text/html; charset=utf-8", include_str!("page/start.html")),
+        "start.js" => (SCRIPT, include_str!("page/start.js")),
         "style.css" => ("text/css; charset=utf-8", include_str!("page/style.css")),
         "icon.svg" => ("image/svg+xml", include_str!("page/icon.svg")),
         "main.js" => (SCRIPT, include_str!("page/main.js")),

@@ -314,7 +314,7 @@ fn moved_in(
 }
 
 /// Whether a name is one of a study in the folder itself, on every system.
-fn check_name(name: &str) -> Result<(), String> {
+pub(super) fn check_name(name: &str) -> Result<(), String> {
     let is_plain = |c: char| !c.is_control() && !"/\\:*?\"<>|".contains(c);
     let is_name = Path::new(name).file_name() == Some(name.as_ref());
     let stem = name.strip_suffix(".toml").unwrap_or("");

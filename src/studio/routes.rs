@@ -6,7 +6,7 @@ use super::http::{Connection, Head, Response, Unread};
 use super::job::Job;
 use super::message::{
     Designed, EditRequest, InfluenceRequest, JobRequest, SaveRequest, Saved, SolveRequest,
-    TuneRequest,
+    StartRequest, TuneRequest,
 };
 use super::study_file::{NotSaved, Opened, StudyFile};
 use super::{answer, directions, influence, overview, page, start};

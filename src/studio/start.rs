@@ -26,7 +26,8 @@ pub(super) struct Choice {
 
 /// The kinds of suspension.
 pub(super) fn choices() -> Vec<Choice> {
-    let choice = |topology: &'static Topology| {
+    let choice = |topology: &&'static Topology| {
+        let topology: &'static Topology = topology;
         let study = Study::from_text(topology.name, topology.template, Path::new("")).ok()?;
         let suspension = study.wheel();
         Some(Choice {
@@ -50,7 +51,7 @@ pub(super) fn choices() -> Vec<Choice> {
 /// The reason in words: the name, the points or the disk.
 pub(super) fn start(directory: &Path, request: &StartRequest) -> Result<PathBuf, String> {
     check_name(&request.name)?;
-    let known = Topology::ALL.iter().find(|t| t.name == request.topology);
+    let known = Topology::named(&request.topology);
     let topology = known.ok_or_else(|| format!("there is no topology {:?}", request.topology))?;
     let text = match request.points.trim() {
         "" => {

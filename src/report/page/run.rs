@@ -68,6 +68,7 @@ pub fn page(run: &Run) -> String {
         missed: tuning.map_or_else(Vec::new, missed),
         prices: tuning.map_or(&[], |tuning| &tuning.prices),
     };
+    let answer = tuning.map_or_else(String::new, |tuning| opening(tuning, &run.record));
     let (tuning, ranges) = match &run.summary {
         Summary::Optimise(tuning) => {
             let front = match &run.record.front {
@@ -82,7 +83,6 @@ pub fn page(run: &Run) -> String {
             (String::new(), ranges.unwrap_or_default())
         }
     };
-    let answer = tuning.map_or_else(String::new, |tuning| opening(tuning, &run.record));
     let main = format!(
         include_str!("run.html"),
         answer = answer,

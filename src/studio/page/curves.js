@@ -232,7 +232,8 @@ class Chart {
     for (const tick of ticks(...this.ys, this.inner[1] / 34)) {
       const place = y(tick).toFixed(1);
       axes.append(svg('path', { class: tick === 0 ? 'zero' : null, d: `M${MARGIN.left} ${place}H${width - MARGIN.right}` }));
-      axes.append(svg('text', { x: MARGIN.left - 5, y: Number(place) + 3.5, 'text-anchor': 'end', text: brief(tick) }));
+      // Near the top stands the unit.
+      if (y(tick) > MARGIN.top + 5) axes.append(svg('text', { x: MARGIN.left - 5, y: Number(place) + 3.5, 'text-anchor': 'end', text: brief(tick) }));
     }
     for (const tick of ticks(...this.xs, this.inner[0] / 62)) {
       const place = x(tick).toFixed(1);

@@ -44,7 +44,7 @@ const field = (label, value, change) => {
   return input;
 };
 const remover = (label, path, name) => html('button', { class: 'small', text: '✕', title: label, 'aria-label': label, on: { click: () => edit([{ path, value: null }], `Removed ${name}`) } });
-const headed = (title, head, rows, ...more) => html('div', { class: 'panel' }, html('h2', { text: title }), html('div', { class: 'scroll' },
+const headed = (title, head, rows, ...more) => html('div', { class: 'panel form' }, html('h2', { text: title }), html('div', { class: 'scroll' },
   html('table', {}, html('thead', {}, html('tr', {}, ...head.map((text) => html('th', { text })))), html('tbody', {}, ...rows))), ...more);
 
 // Fields of the numbers by which a table of the study limits or wants a value.
@@ -102,9 +102,11 @@ export const targetForms = () => {
   return [headed('Change targets', ['target', 'wanted', 'tolerance', 'weight', ''], targets.map(targetRow)),
     headed('Variables', ['variable', 'lowest', 'highest', ''], variables.map(variableRow), variableAdder())];
 };
+// Keys that say of which part a constraint is.
+const SUBJECTS = ['length', 'members', 'articulation', 'point', 'characteristic', 'plunge', 'angle', 'load'];
 const constraintName = (constraint) => {
-  const [kind, what] = Object.entries(constraint).find(([, value]) => typeof value === 'string' || Array.isArray(value)) ?? ['constraint', ''];
-  return words(`${kind} ${[].concat(what).join(', ')}`);
+  const kind = SUBJECTS.find((key) => constraint[key] !== undefined);
+  return kind ? words(`${kind} ${[].concat(constraint[kind]).join(', ')}`) : 'constraint';
 };
 // Forms of the Constraints tab.
 export const constraintForms = () => {

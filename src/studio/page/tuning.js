@@ -105,7 +105,7 @@ const tellMisfit = () => {
   const words = byId('proposal-misfit');
   if (!words) return;
   const isKnown = value !== undefined && value !== null;
-  const cost = isKnown && exact !== null ? `; ${brief(exact, 4)} without rounding, which costs ${signed(value - exact, 2)}` : '';
+  const cost = isKnown && exact !== null ? ` (rounding costs ${signed(value - exact, 2)})` : '';
   words.textContent = isKnown ? `misfit with these coordinates: ${brief(value, 4)}${cost}` : '';
 };
 

@@ -508,7 +508,13 @@ impl TuningSummary {
         let distance = has_distance.then(|| Column::from(format!("distance [{unit}]")));
         let names = ["point", "x", "y", "z"].map(Column::from);
         let mut table = Table::with_columns(names.into_iter().chain(distance));
-        let signed = |by: f64| match brief(by) {
+        let decimals = match unit {
+            "m" => 5,
+            "in" => 4,
+            _ => 2,
+        };
+        let shown = |by: f64| with_decimals(by, decimals);
+        let signed = |by: f64| match shown(by) {
             text if by > 0.0 => format!("+{text}"),
             text => text,
         };
@@ -516,7 +522,7 @@ impl TuningSummary {
             let mut row = vec![Cell::from(name)];
             row.extend(by.map(|c| Cell::by(Some(c).filter(|c| *c != 0.0), signed)));
             if has_distance {
-                row.push(Cell::by(Some(length(&by)), brief));
+                row.push(Cell::by(Some(length(&by)), shown));
             }
             table.push_row(row);
         }

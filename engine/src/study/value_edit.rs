@@ -219,7 +219,7 @@ fn set_table(tables: &mut ArrayOfTables, at: usize, value: Option<&Json>) -> Opt
         None => None,
         Some(value) => {
             let mut table = Table::new();
-            for (key, value) in value.as_object()? {
+            for (key, value) in in_usual_order(value.as_object()?) {
                 table.insert(key, Item::Value(written(value)?));
             }
             if at < tables.len() {
@@ -232,6 +232,15 @@ fn set_table(tables: &mut ArrayOfTables, at: usize, value: Option<&Json>) -> Opt
             })
         }
     }
+}
+
+/// Entries of a table with the keys first that say what it is about.
+fn in_usual_order(values: &serde_json::Map<String, Json>) -> Vec<(&String, &Json)> {
+    const FIRST: [&str; 5] = ["hardpoint", "characteristic", "side", "over", "axis"];
+    let mut entries: Vec<_> = values.iter().collect();
+    let rank = |key: &str| FIRST.iter().position(|first| *first == key);
+    entries.sort_by_key(|(key, _)| rank(key).unwrap_or(FIRST.len()));
+    entries
 }
 
 /// A value as a study writes it. Nothing stands for a missing value.
@@ -247,7 +256,7 @@ fn written(value: &Json) -> Option<Value> {
         Json::Array(values) => Value::Array(values.iter().map(written).collect::<Option<_>>()?),
         Json::Object(values) => {
             let mut table = InlineTable::new();
-            for (key, value) in values {
+            for (key, value) in in_usual_order(values) {
                 table.insert(key, written(value)?);
             }
             Value::InlineTable(table)
@@ -304,17 +313,8 @@ mod tests {
         let target = serde_json::json!({"characteristic": "camber", "between": [-1.5, 0.5], "tolerance": 0.1});
         let new =
             edited(serde_json::json!([{"path": ["optimise", "targets", 3], "value": target}]));
-        let tail = "# degrees\n  { between = [-1.5, 0.5], characteristic = \"camber\", tolerance = 0.1 },\n]\n";
-        let sorted = |s: &str| {
-            let mut c: Vec<char> = s.chars().collect();
-            c.sort_unstable();
-            c
-        };
-        assert_eq!(
-            sorted(&new[new.find("# degrees\n").unwrap()..]),
-            sorted(tail),
-            "{new}"
-        );
+        let tail = "# degrees\n  { characteristic = \"camber\", between = [-1.5, 0.5], tolerance = 0.1 },\n]\n";
+        assert!(new.ends_with(tail), "{new}");
         assert!(
             new.starts_with(TEXT.strip_suffix("\n]\n").unwrap()),
             "{new}"

@@ -69,7 +69,13 @@ pub(super) fn start(directory: &Path, request: &StartRequest) -> Result<PathBuf,
     let mut file = temporary_of(directory, "studio").map_err(failed)?;
     file.write_all(text.as_bytes()).map_err(failed)?;
     file.as_file().sync_all().map_err(failed)?;
-    undivided(|| file.persist_noclobber(&path).map(drop).map_err(|e| e.error)).map_err(failed)?;
+    let written = undivided(|| file.persist_noclobber(&path).map(drop).map_err(|e| e.error));
+    written.map_err(|e| match e.kind() {
+        std::io::ErrorKind::AlreadyExists => {
+            format!("there is a file {}: choose another name", request.name)
+        }
+        _ => failed(e),
+    })?;
     Ok(path)
 }
 

@@ -42,7 +42,7 @@ enum Node<'a> {
 
 fn apply(root: &mut Table, edit: &ValueEdit) -> Result<(), String> {
     let missing = || format!("the study has no {}", described(&edit.path));
-    let (last, way) = edit.path.split_last().ok_or_else(missing)?;
+    let (last, way) = edit.path.split_last().ok_or("an edit has no path")?;
     let mut node = Node::Table(root);
     for step in way {
         node = inside(node, step).ok_or_else(missing)?;

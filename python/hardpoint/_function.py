@@ -164,8 +164,10 @@ class Residuals:
                 if self.on_failure == "raise":
                     raise HardpointError(found)
                 m = len(self.rows if kind == "residuals" else self.constraint_rows)
-                found = np.full(m, np.nan), np.full((m, len(self.variables)), np.nan)
-            self._last[kind] = last = (key, *found)
+                last = key, np.full(m, np.nan), np.full((m, len(self.variables)), np.nan)
+            else:
+                last = key, found[0], found[1]
+            self._last[kind] = last
         return last[1].copy(), last[2].copy()
 
     def value_and_jacobian(self, x: Designs) -> tuple[Floats, Floats]:

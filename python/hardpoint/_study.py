@@ -219,6 +219,9 @@ class Study:
         """The study of one build of [tolerance], by its number from 0: the design that its parts make at rest."""
         return Study(_hardpoint.build(self._study, number))
 
+    def _ipython_key_completions_(self) -> list[str]:
+        return self.points
+
     def _repr_html_(self) -> str:
         """The hardpoints, for notebooks."""
         rows = [[name, *position] for name, position in zip(self.points, self.design.tolist(), strict=True)]

@@ -132,7 +132,10 @@ fn of_axle(axle: &Axle) -> Result<Ranges, String> {
     Ok(vec![
         ("left_travel", Some(left)),
         ("right_travel", Some(right)),
-        ("rack", rack.map(|both| ends(both.each_ref().map(end), sign))),
+        (
+            "rack",
+            rack.map(|both| ends(both.each_ref().map(end), sign)),
+        ),
         (
             "roll_deg",
             roll.map(|both| ends(both, 1.0_f64.to_degrees())),

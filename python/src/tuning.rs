@@ -283,10 +283,7 @@ impl Residuals {
 }
 
 /// Values and their derivatives as arrays, or the reason why there are none.
-fn in_arrays(
-    py: Python<'_>,
-    found: Result<Linearisation, Infeasible>,
-) -> PyResult<Evaluated<'_>> {
+fn in_arrays(py: Python<'_>, found: Result<Linearisation, Infeasible>) -> PyResult<Evaluated<'_>> {
     let found = match found {
         Ok(found) => found,
         Err(infeasible) => return Ok(Evaluated::Not(infeasible.to_string())),

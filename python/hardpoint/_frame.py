@@ -201,6 +201,7 @@ class Frame(dict[str, Array]):
     if not TYPE_CHECKING:
 
         def _refuse(self, *_: Any, **__: Any) -> NoReturn:
+            """Raises TypeError: results cannot be changed."""
             raise TypeError("results cannot be changed; dict(frame) is a copy that can")
 
         __setitem__ = __delitem__ = __ior__ = update = pop = popitem = setdefault = clear = _refuse

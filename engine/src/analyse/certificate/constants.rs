@@ -313,3 +313,18 @@ fn equations_on_a_line_are_enclosed() {
         }
     }
 }
+
+/// A knuckle point b is off by the origin's error and the rotation's: sqrt 3 e + 3 (e/scale) |b|.
+#[test]
+fn points_are_off_by_origin_and_rotation() {
+    let certificate = super::Certificate {
+        error: 1e-6,
+        uniqueness: 1.0,
+        scale: 0.5,
+    };
+    for distance in [0.0, 0.25, 3.0] {
+        let least = f64::sqrt(3.0) * 1e-6 + 3.0 * 1e-6 / 0.5 * distance;
+        let found = certificate.point_error(distance);
+        assert!(found >= least && found <= 1.0001 * least, "{found} {least}");
+    }
+}

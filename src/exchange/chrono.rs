@@ -334,7 +334,7 @@ mod tests {
     /// A spring on the link is put beside its outer joint, with the share of its foot. A foot beyond either joint is not.
     #[test]
     fn a_foot_between_the_joints_has_a_share() {
-        let list = |point: [f64; 3]| Node::List(point.map(Node::Number).to_vec());
+        let list = |point: [f64; 3]| Node::List(Vec::from(point.map(Node::Number)));
         let (inner, outer) = ([1.0, 0.5, 0.25], [3.0, 0.5, -0.75]);
         let joints = vec![
             ("Location Chassis".to_owned(), list(inner)),

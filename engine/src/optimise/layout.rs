@@ -116,7 +116,7 @@ pub struct RowLabel {
 #[derive(Clone, Debug)]
 pub(super) enum Beside {
     /// Those of an axle.
-    Axle(AxleLayout),
+    Axle(Box<AxleLayout>),
     /// Those of a wheel with elastic parts.
     Elastic(Box<ElasticLayout>),
 }
@@ -251,9 +251,9 @@ impl TargetLayout {
             }
         }
         let beside = match vehicle {
-            Vehicle::Axle(both) => Some(Beside::Axle(AxleLayout::of(
+            Vehicle::Axle(both) => Some(Beside::Axle(Box::new(AxleLayout::of(
                 &both.axle, optimise, &mut rows, &mut own,
-            ))),
+            )))),
             Vehicle::Wheel(wheel) => wheel.compliance.as_ref().map(|compliance| {
                 let layout = ElasticLayout::of(wheel, compliance, optimise, &mut rows, &mut own);
                 Beside::Elastic(Box::new(layout))

@@ -2,14 +2,16 @@
 
 use super::exit::{Exit, Stop};
 use crate::model::Topology;
+use crate::study::nearest;
 use clap::{Args, ValueEnum};
 use std::fmt::Write as _;
 use std::io::Write;
 
 /// Arguments of `hardpoint new`.
 #[derive(Args)]
+#[command(after_help = topologies())]
 pub(super) struct NewArguments {
-    /// Kind of suspension, such as macpherson
+    /// Kind of suspension: see the list below
     topology: String,
     /// Parts to add to the study, separated by commas
     #[arg(long, value_enum, value_delimiter = ',', value_name = "PART")]
@@ -158,16 +160,21 @@ pub(super) fn template(topology: &str, parts: &[String]) -> Result<String, Strin
     study(named, &parts).map_err(|e| e.to_string())
 }
 
+/// All topologies, a line each.
+fn topologies() -> String {
+    let line = |t: &&Topology| format!("  {:22} {}", t.name, t.summary);
+    let lines: Vec<String> = Topology::ALL.iter().map(line).collect();
+    format!("Topologies:\n{}", lines.join("\n"))
+}
+
 pub(super) fn run(arguments: &NewArguments) -> Result<Exit, Stop> {
     let name = &arguments.topology;
     let Some(topology) = Topology::named(name) else {
-        let known = Topology::ALL.iter();
-        let known: Vec<String> = known
-            .map(|t| format!("  {:22} {}", t.name, t.summary))
-            .collect();
+        let meant = nearest(name, Topology::ALL.iter().map(|t| t.name));
+        let meant = meant.map_or_else(String::new, |near| format!("; did you mean {near}?"));
         return Err(Stop::wrong_input(format!(
-            "there is no topology \"{name}\"; expected one of\n{}",
-            known.join("\n")
+            "there is no topology \"{name}\"{meant}\n{}",
+            topologies()
         )));
     };
     let text = study(topology, &arguments.with).map_err(Stop::wrong_input)?;

@@ -480,19 +480,21 @@ impl TuningSummary {
         table
     }
 
-    /// How well each target was and is met, in tolerances.
+    /// How well each target was and is met: for readers the root mean square in tolerances, and the largest deviation in
+    /// the target's own unit, beside its tolerance. Programs get both in tolerances.
     pub fn targets_table(&self) -> Table {
-        let readers = [
-            "target",
-            "tolerance",
-            "rms before",
-            "rms after",
-            "worst after",
-            "at",
+        let columns = [
+            Column::from("target"),
+            "tolerance".into(),
+            "rms before".into(),
+            "rms after".into(),
+            Column::for_readers("worst before"),
+            "worst after".into(),
+            "at".into(),
         ];
         let programs = ["worst before", "worst before at", "weight", "at unit"];
         let programs = programs.map(Column::for_programs);
-        let mut table = Table::with_columns(readers.map(Column::from).into_iter().chain(programs));
+        let mut table = Table::with_columns(columns.into_iter().chain(programs));
         let cell = |value: Option<f64>| Cell::by(value, hundredths);
         for t in &self.targets {
             let (before, after) = (t.before.as_ref(), t.after.as_ref());
@@ -502,7 +504,8 @@ impl TuningSummary {
                 t.tolerance.into(),
                 cell(before.map(|d| d.rms)),
                 cell(after.map(|d| d.rms)),
-                cell(after.map(|d| d.worst)),
+                Cell::by(before.map(|d| d.worst), |worst| in_units(worst, t.tolerance)),
+                Cell::by(after.map(|d| d.worst), |worst| in_units(worst, t.tolerance)),
                 Cell::by(after.map(|d| d.worst_at), |at| with_unit(at, unit)),
                 before.map(|d| d.worst).into(),
                 before.map(|d| d.worst_at).into(),
@@ -818,6 +821,12 @@ fn with_unit(value: f64, unit: &str) -> String {
 }
 
 /// A misfit for reading: two decimals, or its order of magnitude.
+/// A deviation in tolerances, in the unit of its target, to a hundredth of the tolerance.
+fn in_units(deviation: f64, tolerance: f64) -> String {
+    let decimals = (2.0 - tolerance.log10().floor()).clamp(0.0, 12.0) as usize;
+    with_decimals(deviation * tolerance, decimals)
+}
+
 fn hundredths(value: f64) -> String {
     if value == 0.0 {
         "0".to_owned()

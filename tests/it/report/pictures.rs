@@ -211,25 +211,7 @@ fn the_picture_of_the_sample_study_is_current() {
     let run = Run::of("optimise", "plain", &study("macpherson_front.toml"), &[]);
     let kept = fs::read_to_string(studies().join("macpherson_front.svg")).unwrap();
     let made = fs::read_to_string(run.plots().join("tuning.svg")).unwrap();
-    let pieces = |svg: &str| -> Vec<String> {
-        let parts = svg.split_inclusive(|c: char| !(c.is_ascii_digit() || ".-".contains(c)));
-        parts.map(str::to_owned).collect()
-    };
-    let (kept, made) = (pieces(&kept), pieces(&made));
-    assert_eq!(
-        kept.len(),
-        made.len(),
-        "out/plots/tuning.svg is another picture"
-    );
-    for (a, b) in kept.iter().zip(&made) {
-        let number =
-            |s: &str| s[..s.len() - s.chars().last().map_or(0, char::len_utf8)].parse::<f64>();
-        match (number(a), number(b)) {
-            // A pixel: what the last digits of a platform or a better optimum may do.
-            (Ok(x), Ok(y)) => assert!((x - y).abs() <= 1.0, "{a} and {b}"),
-            _ => assert_eq!(a, b),
-        }
-    }
+    crate::support::assert_same_picture(&kept, &made, "out/plots/tuning.svg");
 }
 
 /// Each rack has its colour and its name.

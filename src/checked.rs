@@ -1,11 +1,10 @@
 //! A study checked as `hardpoint check` checks it: its own curves, those of its named motions, doubts.
 
-use crate::curves::{Curves, curves};
+use crate::curves::Curves;
 use crate::model::Suspension;
-use crate::plan::Plan;
 use crate::report::{FailureRange, variable_plausibility};
 use crate::solved::Solved;
-use crate::study::{Study, Vehicle, WheelStudy};
+use crate::study::{Study, Vehicle};
 
 /// Curves of a study that `solve` takes.
 pub struct Checked<'s> {
@@ -62,21 +61,13 @@ pub struct NamedCurves {
 }
 
 impl NamedCurves {
-    /// Those of every named motion; of an axle none, whose named motions are for constraints.
+    /// The curves of every named motion of a wheel or of an axle.
     pub fn all(study: &Study) -> Result<Vec<Self>, String> {
-        let Some(own) = study.one_wheel() else {
-            return Ok(Vec::new());
-        };
-        let named = study.motions.iter().map(|(name, motion)| {
-            let plan = Plan::of(&WheelStudy {
-                motion: motion.clone(),
-                ..own.clone()
-            });
-            let wheel = &own.suspension;
-            let curves = curves(wheel, &plan).map_err(|f| f.describe(&wheel.mechanism))?;
+        let named = study.motion_names().into_iter().map(|name| {
+            let moved = study.in_motion(name).expect("it is one of the names");
             Ok(NamedCurves {
-                name: name.clone(),
-                curves,
+                name: name.to_owned(),
+                curves: moved.curves().map_err(|error| error.to_string())?,
             })
         });
         named.collect()

@@ -83,9 +83,8 @@ pub(crate) fn solve<'py>(
     let Some(name) = motion else {
         return of_own_motion(py, study, own);
     };
-    let known: Vec<&str> = own.motions.iter().map(|(name, _)| name.as_str()).collect();
-    let place = known.iter().position(|known| *known == name);
-    let place = place.ok_or_else(|| {
+    let known = own.motion_names();
+    let moved = own.in_motion(name).ok_or_else(|| {
         failure(format!(
             "there is no motion {name:?}; [motions] has {}",
             if known.is_empty() {
@@ -95,11 +94,6 @@ pub(crate) fn solve<'py>(
             }
         ))
     })?;
-    let mut moved = own.clone();
-    let wheel = moved.one_wheel_mut().ok_or_else(|| {
-        failure("named motions of an axle are for its constraints; their curves are not available")
-    })?;
-    wheel.motion.clone_from(&own.motions[place].1);
     of_own_motion(py, study, &moved)
 }
 

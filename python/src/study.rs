@@ -83,11 +83,11 @@ impl Study {
         variables.iter().map(|v| v.name.clone()).collect()
     }
 
-    /// Names of the motions in `[motions]`.
+    /// Names of the motions in `[motions]` that have curves.
     #[getter]
     fn motions(&self) -> Vec<String> {
-        let motions = self.study.motions.iter();
-        motions.map(|(name, _)| name.clone()).collect()
+        let names = self.study.motion_names().into_iter();
+        names.map(str::to_owned).collect()
     }
 
     /// True for an axle.

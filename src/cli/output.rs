@@ -144,10 +144,9 @@ impl Output {
         };
         files.extend(arguments.report.then_some("report.html"));
         let of_motions: Vec<String> = match command {
-            // Those of an axle's study are for constraints.
-            "solve" if study.axle().is_none() => {
-                let names = study.motions.iter().map(|(name, _)| name);
-                names.map(|name| motion_file(name.as_str())).collect()
+            "solve" => {
+                let names = study.motion_names().into_iter();
+                names.map(motion_file).collect()
             }
             _ => Vec::new(),
         };

@@ -144,7 +144,7 @@ fn across(left: &Suspension, right: &Suspension) -> Option<String> {
 pub fn study_doubts(study: &Study) -> Result<Vec<String>, (Side, DesignFault)> {
     let mut found = match study.axle() {
         None => plausibility(study.wheel()).map_err(|fault| (Side::Left, fault))?,
-        Some(AxleStudy { axle, plan }) => {
+        Some(AxleStudy { axle, plan, .. }) => {
             let plan = plan.values_alone();
             both_wheels_plausibility(axle, &plan, &axle_curves(axle, &plan)?)?
         }

@@ -466,7 +466,7 @@ pub(super) fn percent(share: f64) -> String {
 /// Columns that say at which position of the motion an axle's values are; empty for a study of one wheel.
 fn places(problem: &Problem) -> Vec<String> {
     let both = problem.study.axle();
-    both.map_or_else(Vec::new, |AxleStudy { axle, plan }| {
+    both.map_or_else(Vec::new, |AxleStudy { axle, plan, .. }| {
         GivenColumns { plan, axle }.names()
     })
 }
@@ -508,7 +508,7 @@ fn values(
                 output: looked.name.clone(),
                 travel: of_axle.is_none().then_some(travel + 0.0),
                 rack: of_axle.is_none().then_some(rack * sign + 0.0),
-                place: of_axle.map_or_else(Vec::new, |AxleStudy { axle, plan }| {
+                place: of_axle.map_or_else(Vec::new, |AxleStudy { axle, plan, .. }| {
                     let columns = GivenColumns { plan, axle };
                     columns.values_anywhere(&problem.placements()[station])
                 }),

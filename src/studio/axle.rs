@@ -139,7 +139,7 @@ fn asking_for(plan: &AxlePlan, axle: &Axle, names: &[String]) -> Result<AxlePlan
 pub(super) fn solved(
     opened: &Opened,
     study: &Study,
-    AxleStudy { axle, plan }: &AxleStudy,
+    AxleStudy { axle, plan, .. }: &AxleStudy,
     request: &SolveRequest,
 ) -> Result<SolvedAnswer, String> {
     let start = Instant::now();
@@ -250,7 +250,7 @@ fn frame(axle: &Axle, plan: &AxlePlan, at: &[f64], side: Side) -> Option<Frame> 
 
 /// The influence of a coordinate of both wheels on each column.
 pub(super) fn influence(
-    AxleStudy { axle, plan }: &AxleStudy,
+    AxleStudy { axle, plan, .. }: &AxleStudy,
     names: &[String],
     point: PointId,
     axis: Axis,

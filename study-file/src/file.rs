@@ -707,6 +707,8 @@ pub struct Constraint {
     pub rack: Option<Spanned<Numbers>>,
     /// Name of a motion.
     pub motion: Option<Text>,
+    /// For a motion of an axle, the only wheel for which the constraint holds.
+    pub side: Option<Text>,
 }
 
 /// A place, one of these.

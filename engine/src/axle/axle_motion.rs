@@ -61,6 +61,15 @@ impl AxleMotion {
         !matches!(self.wheels, WheelMotion::Travels { .. })
     }
 
+    /// Travels of the left and of the right wheel, if they do not depend on the design. In roll they do.
+    pub fn wheel_travels(&self) -> Option<[&[f64]; 2]> {
+        match &self.wheels {
+            WheelMotion::Heave(values) => Some([values, values]),
+            WheelMotion::Travels { left, right, .. } => Some([left, right]),
+            WheelMotion::Roll { .. } => None,
+        }
+    }
+
     /// Number of stations.
     pub fn stations(&self) -> usize {
         let wheels = match &self.wheels {

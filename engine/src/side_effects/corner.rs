@@ -1,6 +1,6 @@
 //! Values of one wheel.
 
-use super::observed::{Grid, Named, Observed, Series, Station};
+use super::observed::{Grid, Observed, Series, Station};
 use super::{PlaceCoordinate, customary};
 use crate::ask::Unit;
 use crate::characteristics::{Characteristic, Measure, Quantity};
@@ -24,11 +24,10 @@ const COMPARED: [Characteristic; 6] = [
 pub(super) fn observe(
     study: &Study,
     own: &WheelStudy,
-    named: Named<'_>,
+    name: Option<&str>,
 ) -> Result<Observed, DesignFault> {
-    let motion = named.map_or(&own.motion, |(_, motion)| motion);
+    let motion = &own.motion;
     let asked = WheelStudy {
-        motion: motion.clone(),
         outputs: outputs(own),
         ..own.clone()
     };
@@ -59,7 +58,7 @@ pub(super) fn observe(
         };
         let at = Looked {
             motion,
-            name: named.map(|(name, _)| name.as_str()),
+            name,
             grid: &grid,
         };
         let wanted = quantity.zip(optimise).map(|(q, o)| at.wanted(q, o));
@@ -71,7 +70,7 @@ pub(super) fn observe(
         });
     }
     Ok(Observed {
-        motion: named.map(|(name, _)| name.clone()),
+        motion: None,
         stations,
         series,
     })

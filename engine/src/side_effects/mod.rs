@@ -85,7 +85,7 @@ impl SideEffect {
     }
 }
 
-/// Compares a study's design with a tuned one, over `[motion]` and, for one wheel, over the named motions. Flagged outputs
+/// Compares a study's design with a tuned one, over `[motion]` and over the named motions that have curves. Flagged outputs
 /// come first: angles before lengths, those with the largest change in tolerances first. Empty without `[optimise]`, and if
 /// `[optimise]` has `side_effects = false`.
 ///
@@ -98,7 +98,8 @@ pub fn side_effects(before: &Study, after: &Study) -> Result<Vec<SideEffect>, De
     }
     let mut found = Vec::new();
     let mut asked = comparison::Asked::default();
-    for motion in observed::motions(before) {
+    let named = before.motion_names().into_iter().map(Some);
+    for motion in std::iter::once(None).chain(named) {
         let [before, after] = [before, after].map(|study| observed::observe(study, motion));
         let (before, after) = (before?, after?);
         found.extend(comparison::compare(&before, &after, &asked));

@@ -4,11 +4,8 @@ use super::{PlaceCoordinate, axle, corner, customary};
 use crate::ask::Unit;
 use crate::mechanism::DesignFault;
 use crate::model::{LengthUnit, Side};
-use crate::study::{Motion, Study, Vehicle};
+use crate::study::{Study, Vehicle};
 use std::collections::HashMap;
-
-/// A named motion, or `None` for the study's own.
-pub(super) type Named<'s> = Option<&'s (String, Motion)>;
 
 /// Shares of a motion's range, or study units of a coordinate that does not move, within which two places are one.
 const SAME_PLACE: f64 = 1e-9;
@@ -70,24 +67,18 @@ impl Series {
     }
 }
 
-/// Motions over which designs are compared: `[motion]`, and the named ones of a study of one wheel. Named motions of an
-/// axle's study are for constraints on its left wheel.
-pub(super) fn motions(study: &Study) -> Vec<Named<'_>> {
-    let named = match study.vehicle {
-        Vehicle::Wheel(_) => &study.motions[..],
-        Vehicle::Axle(_) => &[],
-    };
-    std::iter::once(None)
-        .chain(named.iter().map(Some))
-        .collect()
-}
-
-/// Values of a study's design over a motion.
-pub(super) fn observe(study: &Study, motion: Named<'_>) -> Result<Observed, DesignFault> {
-    match &study.vehicle {
-        Vehicle::Wheel(own) => corner::observe(study, own, motion),
+/// Values of a study's design over a named motion, or over its own.
+pub(super) fn observe(study: &Study, name: Option<&str>) -> Result<Observed, DesignFault> {
+    let moved = name.and_then(|name| study.in_motion(name));
+    let study = moved.as_ref().unwrap_or(study);
+    let observed = match &study.vehicle {
+        Vehicle::Wheel(own) => corner::observe(study, own, name),
         Vehicle::Axle(both) => axle::observe(study, both),
-    }
+    }?;
+    Ok(Observed {
+        motion: name.map(str::to_owned),
+        ..observed
+    })
 }
 
 /// The grid of a motion's stations.

@@ -25,6 +25,24 @@ pub struct AxleStudy {
     pub axle: Axle,
     /// What is computed.
     pub plan: AxlePlan,
+    /// Further motions of the axle by name, in the order of the names.
+    pub motions: Vec<(String, AxleMotion)>,
+}
+
+impl AxleStudy {
+    /// An axle without further motions.
+    pub fn of(axle: Axle, plan: AxlePlan) -> Self {
+        AxleStudy {
+            axle,
+            plan,
+            motions: Vec::new(),
+        }
+    }
+}
+
+/// True if a motion as written moves an axle rather than one wheel.
+pub(super) fn moves_axle(motion: &file::Motion) -> bool {
+    !keys_of_axles(motion).is_empty()
 }
 
 /// What a motion, a target or a band as written says of each coordinate, in the order of [`Coordinate::ALL`].
@@ -108,15 +126,50 @@ pub(super) fn axle(
         setup,
     };
     track_agrees(file, &axle, problems)?;
-    let course = course(file, &axle, problems);
+    let course = course(file, &file.motion, &axle, problems);
+    let mut motions = Vec::new();
+    for (name, section) in &file.motions {
+        if moves_axle(section.get_ref()) {
+            sound &= refuse_wheel_keys(section.get_ref(), problems);
+            match self::course(file, section, &axle, problems) {
+                Some(motion) => motions.push((name.get_ref().clone(), motion)),
+                None => sound = false,
+            }
+        }
+    }
     let plan = plan(file, &axle, course, problems)?;
     check_needs(file, &axle, &plan, problems)?;
-    sound.then_some(AxleStudy { axle, plan })
+    sound.then_some(AxleStudy {
+        axle,
+        plan,
+        motions,
+    })
 }
 
 /// Refuses what is of one wheel, or does not work for an axle; whether there was nothing of it.
 fn refuse_corner_keys(file: &File, problems: &mut Problems) -> bool {
-    let motion = file.motion.get_ref();
+    let mut sound = refuse_wheel_keys(file.motion.get_ref(), problems);
+    let solver = [
+        (
+            file.solver.formulation.as_ref().map(Text::span),
+            "an axle is always solved with formulation = \"knuckle_pose\"; leave formulation out",
+        ),
+        (
+            file.solver.accuracy.as_ref().map(Spanned::span),
+            "an axle is always solved in full precision; leave accuracy out",
+        ),
+    ];
+    for (span, message) in solver {
+        if let Some(span) = span {
+            problems.add(span, message);
+            sound = false;
+        }
+    }
+    sound
+}
+
+/// Refuses the keys of one wheel's motion in a motion of an axle; true if there are none.
+fn refuse_wheel_keys(motion: &file::Motion, problems: &mut Problems) -> bool {
     let mut refused = Vec::new();
     let mut add = |span: Option<std::ops::Range<usize>>, message: &str| {
         refused.extend(span.map(|span| (span, message.to_owned())));
@@ -134,24 +187,6 @@ fn refuse_corner_keys(file: &File, problems: &mut Problems) -> bool {
     add(
         motion.time.as_ref().map(Spanned::span),
         "time is not available for axles",
-    );
-    // Of the left wheel by itself, for constraints.
-    for motion in file.motions.values() {
-        for (key, span) in keys_of_axles(motion.get_ref()) {
-            let message = format!(
-                "{key} belongs in [motion]; a named motion moves the left wheel and serves constraints only: \
-                 expected travel and rack"
-            );
-            add(Some(span), &message);
-        }
-    }
-    add(
-        file.solver.formulation.as_ref().map(Text::span),
-        "an axle is always solved with formulation = \"knuckle_pose\"; leave formulation out",
-    );
-    add(
-        file.solver.accuracy.as_ref().map(Spanned::span),
-        "an axle is always solved in full precision; leave accuracy out",
     );
     let sound = refused.is_empty();
     for (span, message) in refused {
@@ -341,8 +376,12 @@ fn track_agrees(file: &File, axle: &Axle, problems: &mut Problems) -> Option<()>
 }
 
 /// Whether roll holds the load in place of the mean travel.
-fn at_load(file: &File, axle: &Axle, problems: &mut Problems) -> Option<bool> {
-    let section = file.motion.get_ref();
+fn at_load(
+    file: &File,
+    section: &file::Motion,
+    axle: &Axle,
+    problems: &mut Problems,
+) -> Option<bool> {
     let Some(text) = &section.hold else {
         return Some(false);
     };
@@ -350,7 +389,7 @@ fn at_load(file: &File, axle: &Axle, problems: &mut Problems) -> Option<bool> {
     let at_load = choose(text, "hold", &holds, problems)?;
     let certifies = file.outputs.as_ref().and_then(|o| o.certify.as_ref());
     let message = if section.roll.is_none() {
-        "hold applies to roll, and [motion] has no roll"
+        "hold applies to roll, and this motion has no roll"
     } else if at_load && axle.setup.springs.is_none() {
         "hold = \"load\" needs [spring] for the wheel loads"
     } else if at_load && certifies.is_some_and(|c| *c.get_ref()) {
@@ -363,10 +402,14 @@ fn at_load(file: &File, axle: &Axle, problems: &mut Problems) -> Option<bool> {
     problems.refuse(text.span(), message)
 }
 
-/// The stations.
-fn course(file: &File, axle: &Axle, problems: &mut Problems) -> Option<AxleMotion> {
-    let place = file.motion.span();
-    let section = file.motion.get_ref();
+/// The stations of a motion.
+fn course(
+    file: &File,
+    section: &Spanned<file::Motion>,
+    axle: &Axle,
+    problems: &mut Problems,
+) -> Option<AxleMotion> {
+    let (place, section) = (section.span(), section.get_ref());
     let on_plane = match &section.ground {
         None => None,
         Some(text) => Some((
@@ -379,7 +422,7 @@ fn course(file: &File, axle: &Axle, problems: &mut Problems) -> Option<AxleMotio
             text.span(),
         )),
     };
-    let at_load = at_load(file, axle, problems);
+    let at_load = at_load(file, section, axle, problems);
     let mut read = |given: &Option<Spanned<Values>>| match given {
         None => Some(None),
         Some(given) => values(given, problems).map(Some),

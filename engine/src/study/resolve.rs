@@ -157,7 +157,14 @@ fn resolve(
         false => motion::motion(&file.motion, false, &mut problems),
     };
     let mut motions = Vec::new();
-    for (name, section) in &file.motions {
+    // In a study of an axle, motions of one wheel are those of its left wheel.
+    let is_of_wheel =
+        |section: &Spanned<file::Motion>| !of_axle || !axle::moves_axle(section.get_ref());
+    for (name, section) in file
+        .motions
+        .iter()
+        .filter(|(_, section)| is_of_wheel(section))
+    {
         if let Some(motion) = motion::motion(section, true, &mut problems) {
             motions.push((name.get_ref().clone(), motion));
         }

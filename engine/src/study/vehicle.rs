@@ -119,6 +119,31 @@ impl Study {
         }
     }
 
+    /// Names of the further motions that have curves: those of one wheel, or those of an axle. Motions of an axle's left
+    /// wheel by itself serve constraints only.
+    pub fn motion_names(&self) -> Vec<&str> {
+        match &self.vehicle {
+            Vehicle::Wheel(_) => self.motions.iter().map(|(name, _)| name.as_str()).collect(),
+            Vehicle::Axle(both) => both.motions.iter().map(|(name, _)| name.as_str()).collect(),
+        }
+    }
+
+    /// The study with one of [`Study::motion_names`] in place of its own motion; `None` for another name.
+    pub fn in_motion(&self, name: &str) -> Option<Study> {
+        let mut study = self.clone();
+        match &mut study.vehicle {
+            Vehicle::Wheel(own) => {
+                let (_, motion) = self.motions.iter().find(|(known, _)| known == name)?;
+                own.motion.clone_from(motion);
+            }
+            Vehicle::Axle(both) => {
+                let (_, motion) = both.motions.iter().find(|(known, _)| known == name)?;
+                both.plan.course = motion.clone();
+            }
+        }
+        Some(study)
+    }
+
     /// The motion of the wheel by itself ([`Vehicle::motion`]).
     pub fn motion(&self) -> &Motion {
         self.vehicle.motion()

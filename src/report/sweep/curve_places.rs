@@ -32,7 +32,7 @@ fn of_wheel(plan: &SweepPlan, study: &Study) -> Places {
 }
 
 /// Coordinates that the motion gives for each position. Results (the travels in roll) are left out.
-fn of_axle(AxleStudy { axle, plan }: &AxleStudy) -> Places {
+fn of_axle(AxleStudy { axle, plan, .. }: &AxleStudy) -> Places {
     let columns = GivenColumns { plan, axle };
     let placements = plan.course.placements().into_iter().enumerate();
     let stations = placements.map(|(number, at)| (number, columns.values(number, &at)));

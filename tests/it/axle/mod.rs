@@ -10,6 +10,7 @@ mod gradients;
 mod lanes;
 mod limits;
 mod loads;
+mod named_motions;
 mod one_state;
 mod own;
 mod points;

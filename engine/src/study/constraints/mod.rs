@@ -5,16 +5,17 @@ mod regions;
 
 use super::error::Problems;
 use super::file::{self, Constraint as Written, Coordinates};
+use super::names::choose;
 use super::outputs::characteristic;
 use super::resolve::{Context, each};
 use super::subject::{force, length, member, point, site};
 use super::suspension::three;
 use super::value::{Number, Text};
-use super::{Constraint, Limited};
+use super::{Constraint, Limited, Motion, Site};
 use crate::ask::Unit;
 use crate::characteristics::{Measure, Quantity};
 use crate::mechanism::DEGENERATE;
-use crate::model::Suspension;
+use crate::model::{Axis, Side, Suspension};
 use crate::number::Vector3;
 use std::ops::Range as Span;
 use toml::Spanned;
@@ -25,14 +26,15 @@ pub(super) fn constraints(
     context: &Context,
     problems: &mut Problems,
 ) -> Option<Vec<Constraint>> {
-    each(&section.constraints, |written| {
+    let read = each(&section.constraints, |written| {
         let reader = Reader {
             written: written.get_ref(),
             place: written.span(),
             context,
         };
         reader.constraint(problems)
-    })
+    });
+    Some(read?.into_iter().flatten().collect())
 }
 
 /// One constraint as written.
@@ -49,9 +51,10 @@ const LIMITS: [&str; 3] = ["between", "at_least", "at_most"];
 type Limits = [Option<f64>; 2];
 
 impl Reader<'_> {
-    fn constraint(&self, problems: &mut Problems) -> Option<Constraint> {
+    /// The constraint; through a motion of an axle one for each wheel.
+    fn constraint(&self, problems: &mut Problems) -> Option<Vec<Constraint>> {
         let written = self.written;
-        let site = site(&written.motion, &written.rack, self.context, problems)?;
+        let sites = self.sites(problems)?;
         let is_design = match &written.at {
             None => false,
             Some(text) if text.get_ref() == "design" => true,
@@ -95,18 +98,85 @@ impl Reader<'_> {
         };
         let mechanism = &self.suspension().mechanism;
         let moves = || parts.iter().any(|part| !part.of.is_fixed(mechanism));
-        let has_motion = is_design || site.motion.is_some();
+        let has_motion = is_design || sites.iter().all(|(_, site)| site.motion.is_some());
         if self.context.axle.is_some() && !has_motion && moves() {
-            let message = "constraints of an axle hold through a motion of the left wheel: expected motion = \"NAME\", \
-                           with travel and rack in [motions.NAME], or at = \"design\"";
+            let message = "constraints of an axle hold through a named motion: expected motion = \"NAME\", with travel and \
+                           rack (the left wheel), heave, or travel_left and travel_right in [motions.NAME]; or at = \"design\"";
             return problems.refuse(self.place.clone(), message);
         }
         let called = written.name.as_ref().map(|name| name.get_ref().clone());
-        Some(Constraint {
-            name: called.unwrap_or(name),
-            parts,
+        let name = called.unwrap_or(name);
+        let of_wheel = |(side, site): (Option<Side>, Site)| Constraint {
+            name: match side {
+                Some(side) => format!("{name}, {} wheel", side.name()),
+                None => name.clone(),
+            },
+            parts: parts.clone(),
             site: (!is_design).then_some(site),
-        })
+        };
+        Some(sites.into_iter().map(of_wheel).collect())
+    }
+
+    /// The motion and the rack displacements at which the constraint holds. A motion of an axle is a motion of each wheel,
+    /// in the axes of a left wheel.
+    fn sites(&self, problems: &mut Problems) -> Option<Vec<(Option<Side>, Site)>> {
+        let written = self.written;
+        let of_axle = written.motion.as_ref().zip(self.context.axle);
+        let of_axle = of_axle.and_then(|(text, both)| {
+            let named = both.motions.iter().find(|(name, _)| name == text.get_ref());
+            Some((text, both, named?))
+        });
+        let side = match &written.side {
+            None => None,
+            Some(text) => {
+                if of_axle.is_none() {
+                    let message = "side needs a motion of an axle: heave, or travel_left and travel_right, in [motions.NAME]";
+                    return problems.refuse(text.span(), message);
+                }
+                let sides = Side::ALL.map(|side| (side.name(), side));
+                Some(choose(text, "side", &sides, problems)?)
+            }
+        };
+        let Some((text, both, (name, motion))) = of_axle else {
+            let site = site(&written.motion, &written.rack, self.context, problems)?;
+            return Some(vec![(None, site)]);
+        };
+        if let Some(rack) = &written.rack {
+            let message = format!("the motion {name} gives the rack; leave rack out");
+            return problems.refuse(rack.span(), message);
+        }
+        let Some(travels) = motion.wheel_travels() else {
+            let message = format!(
+                "on a plane ground the travels of the wheels follow from the design, and a constraint needs them: expected \
+                 heave on pads, or travel_left and travel_right, in [motions.{name}]"
+            );
+            return problems.refuse(text.span(), message);
+        };
+        if both.axle.right.is_some() && side != Some(Side::Left) {
+            let message = "the right wheel has dimensions of its own, which constraints do not reach: expected side = \"left\"";
+            return problems.refuse(self.place.clone(), message);
+        }
+        let sign = self.suspension().frame.sign(Axis::Y);
+        let of_side = |side: Side| {
+            // As a left wheel, the right one has the rack on the other side.
+            let outwards = if side == Side::Left { sign } else { -sign };
+            let racks: Vec<f64> = motion.racks.iter().map(|r| outwards * r + 0.0).collect();
+            let motion = Motion {
+                values: travels[side as usize].to_vec(),
+                rack: racks.clone(),
+                rack_moves: true,
+                ..Motion::still()
+            };
+            Site {
+                motion: Some((name.clone(), motion)),
+                racks,
+                axle: None,
+            }
+        };
+        let sides = Side::ALL
+            .into_iter()
+            .filter(|own| side.is_none_or(|s| s == *own));
+        Some(sides.map(|side| (Some(side), of_side(side))).collect())
     }
 
     fn suspension(&self) -> &Suspension {

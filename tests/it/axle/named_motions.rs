@@ -1,0 +1,144 @@
+//! `[motions.NAME]` of an axle: curves of their own, and constraints on both wheels.
+
+use super::tuning::study;
+use hardpoint::characteristics::Characteristic;
+use hardpoint::optimise::Control;
+use hardpoint::study::{Motion, Study, Vehicle, WheelStudy};
+
+fn with(study: &Study, edits: &[&str]) -> Result<Study, String> {
+    let edits: Vec<String> = edits.iter().map(|edit| (*edit).to_owned()).collect();
+    let study = study.with_overrides("named.toml", &edits);
+    study.map_err(|error| error.to_string())
+}
+
+/// Each kind of motion gives the same curves under a name as in `[motion]`.
+#[test]
+fn a_named_motion_has_the_curves_of_the_same_motion() {
+    let given = study("macpherson_axle", &[]);
+    for motion in [
+        "{ heave = [-30.0, 0.0, 30.0] }",
+        "{ roll = [-2.0, 0.0, 2.0], rack = [-10.0, 10.0] }",
+        "{ travel_left = [-20.0, 20.0], travel_right = 5.0 }",
+        "{ travel_left = 10.0, travel_right = -10.0, ground = \"plane\" }",
+        "{ heave = 10.0, steering_wheel_angle = [-90.0, 0.0, 90.0] }",
+    ] {
+        let named = with(&given, &[&format!("motions.other={motion}")]).unwrap();
+        assert_eq!(named.motion_names(), ["other"]);
+        let own = with(&given, &[&format!("motion={motion}")]).unwrap();
+        let found = named.in_motion("other").unwrap().curves().unwrap();
+        assert_eq!(found, own.curves().unwrap(), "{motion}");
+        assert_eq!(named.curves().unwrap(), given.curves().unwrap());
+    }
+    assert!(given.in_motion("other").is_none());
+}
+
+/// The largest half track change of one wheel along a motion of that wheel.
+fn most(study: &Study, travels: [f64; 2]) -> f64 {
+    let mut own = WheelStudy::of(study.wheel().clone());
+    own.outputs.characteristics = vec![Characteristic::HalfTrackChange];
+    own.motion = Motion::travel(travels[0]..=travels[1], 4001).unwrap();
+    let alone = Study {
+        vehicle: Vehicle::Wheel(Box::new(own)),
+        optimise: None,
+        ..study.clone()
+    };
+    let curves = alone.curves().unwrap();
+    let values = curves.stations.iter().map(|s| s.values[0].unwrap());
+    values.fold(f64::NEG_INFINITY, f64::max)
+}
+
+/// A limit through a motion of the axle is kept along the travel of each wheel, and along that of one wheel with `side`. It
+/// binds at the wheel that moves farther.
+#[test]
+fn a_constraint_holds_at_both_wheels_or_at_one() {
+    let given = study("macpherson_axle_front", &[]);
+    let motion = "motions.turn={ travel_left = [-60.0, -20.0, 20.0, 60.0], travel_right = [-90.0, -45.0, 0.0, 45.0] }";
+    let tuned = |side: &str| {
+        let constraint = format!(
+            "optimise.constraints=[{{ characteristic = \"half_track_change\", at_most = 0.5, motion = \"turn\"{side} }}]"
+        );
+        let study = with(&given, &[motion, &constraint, "optimise.starts=1"]).unwrap();
+        let tuning = study.tune(Control::default()).unwrap();
+        let best = tuning.best.unwrap();
+        let rooms: Vec<f64> = best.constraints.iter().map(|c| c.room).collect();
+        (study.at_design(best.design), rooms)
+    };
+    let (both, rooms) = tuned("");
+    assert_eq!(rooms.len(), 2);
+    let (left, right) = (most(&both, [-60.0, 60.0]), most(&both, [-90.0, 45.0]));
+    for (room, most) in rooms.iter().zip([left, right]) {
+        assert!((0.5 - most - room).abs() < 1e-5, "{room} {most}");
+    }
+    assert!(rooms.iter().all(|room| *room > -1e-6), "{rooms:?}");
+    assert!(rooms.iter().any(|room| *room < 1e-5), "{rooms:?}");
+    let (one, rooms) = tuned(", side = \"left\"");
+    assert_eq!(rooms.len(), 1);
+    assert!(most(&one, [-60.0, 60.0]) < 0.5 + 1e-5);
+}
+
+/// The rack of the right wheel, seen as a left wheel, is on the other side: a limit on the steer angle of both wheels at one
+/// rack displacement is one at both displacements of the left wheel.
+#[test]
+fn the_right_wheel_steers_the_other_way() {
+    let given = study("macpherson_axle_front", &[]);
+    let constraint =
+        "optimise.constraints=[{ characteristic = \"toe\", at_most = 90.0, motion = \"lock\" }]";
+    let study = with(
+        &given,
+        &["motions.lock={ heave = 0.0, rack = 30.0 }", constraint],
+    )
+    .unwrap();
+    let constraints = &study.optimise.as_ref().unwrap().constraints;
+    let racks = constraints
+        .iter()
+        .map(|c| c.site.as_ref().unwrap().racks.clone());
+    assert_eq!(racks.collect::<Vec<_>>(), [[30.0], [-30.0]]);
+    let names: Vec<&str> = constraints.iter().map(|c| c.name.as_str()).collect();
+    assert_eq!(
+        names,
+        ["toe at most 90, left wheel", "toe at most 90, right wheel"]
+    );
+}
+
+#[test]
+fn motions_that_do_not_fit_are_refused() {
+    let given = study("macpherson_axle_front", &[]);
+    let limit = |rest: &str| {
+        format!(
+            "optimise.constraints=[{{ characteristic = \"toe\", at_most = 1.0, motion = \"m\"{rest} }}]"
+        )
+    };
+    let refused = |edits: &[&str], said: &str| {
+        let error = with(&given, edits).unwrap_err();
+        assert!(error.contains(said), "{error}");
+    };
+    refused(
+        &["motions.m={ heave = 1.0, travel = 2.0 }"],
+        "travel drives one wheel only",
+    );
+    refused(
+        &["motions.m={ roll = 1.0, travel_left = 2.0 }"],
+        "roll holds the mean travel",
+    );
+    refused(
+        &["motions.m={ roll = [0.0, 1.0] }", &limit("")],
+        "on a plane ground the travels of the wheels follow from the design",
+    );
+    refused(
+        &["motions.m={ heave = 1.0 }", &limit(", rack = 3.0")],
+        "leave rack out",
+    );
+    refused(
+        &["motions.m={ travel = 1.0 }", &limit(", side = \"left\"")],
+        "side needs a motion of an axle",
+    );
+    refused(
+        &["motions.m={ heave = 1.0 }", &limit(", side = \"both\"")],
+        "side",
+    );
+    let own = "axle.right={ hardpoints = { tie_rod_outer = [-130.0, -688.0, 240.0] } }";
+    refused(
+        &[own, "motions.m={ heave = 1.0 }", &limit("")],
+        "the right wheel has dimensions of its own",
+    );
+}

@@ -598,15 +598,25 @@ mod tests {
     /// Names are whole at the width of a pipe, however many columns there are.
     #[test]
     fn names_are_not_broken() {
-        let columns = ["camber_gain_deg_per_mm", "roll_centre_height_mm", "half_track_change_mm"];
-        let all = columns.iter().flat_map(|c| [format!("{c}_left"), format!("{c}_right")]);
-        let mut table = Table::with_columns(["hardpoint".to_owned()].into_iter().chain(all.clone()));
+        let columns = [
+            "camber_gain_deg_per_mm",
+            "roll_centre_height_mm",
+            "half_track_change_mm",
+        ];
+        let all = columns
+            .iter()
+            .flat_map(|c| [format!("{c}_left"), format!("{c}_right")]);
+        let mut table =
+            Table::with_columns(["hardpoint".to_owned()].into_iter().chain(all.clone()));
         for name in ["upper_front_link_outer", "lower_rear_link_inner"] {
             let numbers = (0..6).map(|k| Cell::from(0.123456 * f64::from(k)));
             table.push_row([Cell::from(name)].into_iter().chain(numbers));
         }
         let text = table.text(100);
-        assert!(text.lines().all(|line| line.chars().count() <= 100), "{text}");
+        assert!(
+            text.lines().all(|line| line.chars().count() <= 100),
+            "{text}"
+        );
         for name in all {
             assert!(text.contains(&name), "{name}:\n{text}");
         }

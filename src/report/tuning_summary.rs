@@ -504,7 +504,9 @@ impl TuningSummary {
                 t.tolerance.into(),
                 cell(before.map(|d| d.rms)),
                 cell(after.map(|d| d.rms)),
-                Cell::by(before.map(|d| d.worst), |worst| in_units(worst, t.tolerance)),
+                Cell::by(before.map(|d| d.worst), |worst| {
+                    in_units(worst, t.tolerance)
+                }),
                 Cell::by(after.map(|d| d.worst), |worst| in_units(worst, t.tolerance)),
                 Cell::by(after.map(|d| d.worst_at), |at| with_unit(at, unit)),
                 before.map(|d| d.worst).into(),
@@ -820,13 +822,13 @@ fn with_unit(value: f64, unit: &str) -> String {
     }
 }
 
-/// A misfit for reading: two decimals, or its order of magnitude.
 /// A deviation in tolerances, in the unit of its target, to a hundredth of the tolerance.
 fn in_units(deviation: f64, tolerance: f64) -> String {
     let decimals = (2.0 - tolerance.log10().floor()).clamp(0.0, 12.0) as usize;
     with_decimals(deviation * tolerance, decimals)
 }
 
+/// A misfit for reading: two decimals, or its order of magnitude.
 fn hundredths(value: f64) -> String {
     if value == 0.0 {
         "0".to_owned()

@@ -177,7 +177,9 @@ fn refuse_axle_quantity(text: &Text, problems: &mut Problems) -> bool {
         false => format!("unknown characteristic \"{name}\"; did you mean \"{meant}\"?"),
     };
     let error = problems.add(text.span(), message);
-    error.help(format!("\"{meant}\" needs [axle]: see docs/axle.md, or `hardpoint new TOPOLOGY --with axle`"));
+    error.help(format!(
+        "\"{meant}\" needs [axle]: see docs/axle.md, or `hardpoint new TOPOLOGY --with axle`"
+    ));
     true
 }
 

@@ -262,6 +262,23 @@ const AXLE_OUTPUTS: [&str; 8] = [
     "roll_steer",
 ];
 
+/// Springs of an axle, as comments: a template has them where its suspension has ends of a spring.
+const AXLE_FORCES: &str = "# [spring]                       # for wheel loads, ride and roll stiffness; needs the ends of the spring
+# rate = 30.0                    # N per length unit, along the spring
+# force = 3000.0                 # N in the design position
+
+# [bump_stop]
+# gap = 25.0                     # compression of the spring up to the contact
+# force_curve = [[0.0, 0.0], [10.0, 400.0], [20.0, 1500.0]]   # compression of the stop, N
+
+# [anti_roll_bar]                # needs the points of --with anti_roll_bar
+# rate = 500000.0                # N times the length unit per radian between the levers
+
+# [tyre]
+# rate = 200.0                   # N per length unit
+
+";
+
 /// The text with both wheels in place of one: with the motion and the outputs of an axle.
 fn with_axle(text: &str) -> String {
     let is_steered = text.lines().any(|line| line.starts_with("rack = "));
@@ -275,6 +292,7 @@ fn with_axle(text: &str) -> String {
             "[motion]" => {
                 written += "[axle]\n\
                     right = \"mirrored\"               # or [axle.right.hardpoints]: those that are not the mirror image\n\n";
+                written += AXLE_FORCES;
                 if is_steered {
                     written += "[steering]\n\
                         c_factor = -52.0                 # length of rack along +y per turn of the steering wheel to the left; \

@@ -2,16 +2,14 @@
 
 use super::exit::{Exit, Stop};
 use crate::model::Topology;
-use crate::study::nearest;
 use clap::{Args, ValueEnum};
 use std::fmt::Write as _;
 use std::io::Write;
 
 /// Arguments of `hardpoint new`.
 #[derive(Args)]
-#[command(after_help = topologies())]
 pub(super) struct NewArguments {
-    /// Kind of suspension: see the list below
+    /// Kind of suspension, such as macpherson
     topology: String,
     /// Parts to add to the study, separated by commas
     #[arg(long, value_enum, value_delimiter = ',', value_name = "PART")]
@@ -160,21 +158,16 @@ pub(super) fn template(topology: &str, parts: &[String]) -> Result<String, Strin
     study(named, &parts).map_err(|e| e.to_string())
 }
 
-/// All topologies, a line each.
-fn topologies() -> String {
-    let line = |t: &&Topology| format!("  {:22} {}", t.name, t.summary);
-    let lines: Vec<String> = Topology::ALL.iter().map(line).collect();
-    format!("Topologies:\n{}", lines.join("\n"))
-}
-
 pub(super) fn run(arguments: &NewArguments) -> Result<Exit, Stop> {
     let name = &arguments.topology;
     let Some(topology) = Topology::named(name) else {
-        let meant = nearest(name, Topology::ALL.iter().map(|t| t.name));
-        let meant = meant.map_or_else(String::new, |near| format!("; did you mean {near}?"));
+        let known = Topology::ALL.iter();
+        let known: Vec<String> = known
+            .map(|t| format!("  {:22} {}", t.name, t.summary))
+            .collect();
         return Err(Stop::wrong_input(format!(
-            "there is no topology \"{name}\"{meant}\n{}",
-            topologies()
+            "there is no topology \"{name}\"; expected one of\n{}",
+            known.join("\n")
         )));
     };
     let text = study(topology, &arguments.with).map_err(Stop::wrong_input)?;
@@ -262,23 +255,6 @@ const AXLE_OUTPUTS: [&str; 8] = [
     "roll_steer",
 ];
 
-/// Springs of an axle, as comments: a template has them where its suspension has ends of a spring.
-const AXLE_FORCES: &str = "# [spring]                       # for wheel loads, ride and roll stiffness; needs the ends of the spring
-# rate = 30.0                    # N per length unit, along the spring
-# force = 3000.0                 # N in the design position
-
-# [bump_stop]
-# gap = 25.0                     # compression of the spring up to the contact
-# force_curve = [[0.0, 0.0], [10.0, 400.0], [20.0, 1500.0]]   # compression of the stop, N
-
-# [anti_roll_bar]                # needs the points of --with anti_roll_bar
-# rate = 500000.0                # N times the length unit per radian between the levers
-
-# [tyre]
-# rate = 200.0                   # N per length unit
-
-";
-
 /// The text with both wheels in place of one: with the motion and the outputs of an axle.
 fn with_axle(text: &str) -> String {
     let is_steered = text.lines().any(|line| line.starts_with("rack = "));
@@ -292,7 +268,6 @@ fn with_axle(text: &str) -> String {
             "[motion]" => {
                 written += "[axle]\n\
                     right = \"mirrored\"               # or [axle.right.hardpoints]: those that are not the mirror image\n\n";
-                written += AXLE_FORCES;
                 if is_steered {
                     written += "[steering]\n\
                         c_factor = -52.0                 # length of rack along +y per turn of the steering wheel to the left; \

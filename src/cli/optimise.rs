@@ -26,7 +26,7 @@ fn say_outcome(output: &Output, study: &Study, summary: &TuningSummary) -> Resul
     output.table_for_programs("misfit", || summary.misfit_table());
     if summary.has_design() {
         output.table("targets", &summary.targets_table())?;
-        output.text_only("\n  rms in tolerances, worst in the unit of the target\n")?;
+        output.text_only("\n  rms and worst in tolerances\n")?;
         for (_, column, by) in summary.missed() {
             output.say(&format!("  missed: {column}, by up to {by}\n"))?;
         }

@@ -480,21 +480,68 @@ impl TuningSummary {
         table
     }
 
-    /// How well each target was and is met: for readers the root mean square in tolerances, and the largest deviation in
-    /// the target's own unit, beside its tolerance. Programs get both in tolerances.
+    /// Moves of the hardpoints by axis, the largest first. Of points that move together it has those of the first, and
+    /// then no distances.
+    pub fn moved_points(&self, unit: &str) -> Table {
+        let mut moves: Vec<(&str, [f64; 3])> = Vec::new();
+        for variable in &self.variables {
+            let (Some(offset), Some(axis)) = (
+                variable.offset,
+                ["x", "y", "z"].iter().position(|a| *a == variable.axis),
+            ) else {
+                continue;
+            };
+            let known = moves
+                .iter()
+                .position(|(name, _)| *name == variable.hardpoint);
+            let at = known.unwrap_or_else(|| {
+                moves.push((&variable.hardpoint, [0.0; 3]));
+                moves.len() - 1
+            });
+            moves[at].1[axis] += offset;
+        }
+        let length = |by: &[f64; 3]| by.iter().map(|c| c * c).sum::<f64>().sqrt();
+        moves.retain(|(_, by)| length(by) > 0.0);
+        moves.sort_by(|a, b| length(&b.1).total_cmp(&length(&a.1)));
+        // A point that also moves with others goes farther than its own row says.
+        let has_distance = !moves.iter().any(|(name, _)| name.contains('+'));
+        let distance = has_distance.then(|| Column::from(format!("distance [{unit}]")));
+        let names = ["point", "x", "y", "z"].map(Column::from);
+        let mut table = Table::with_columns(names.into_iter().chain(distance));
+        let decimals = match unit {
+            "m" => 5,
+            "in" => 4,
+            _ => 2,
+        };
+        let shown = |by: f64| with_decimals(by, decimals);
+        let signed = |by: f64| match shown(by) {
+            text if by > 0.0 => format!("+{text}"),
+            text => text,
+        };
+        for (name, by) in moves {
+            let mut row = vec![Cell::from(name)];
+            row.extend(by.map(|c| Cell::by(Some(c).filter(|c| *c != 0.0), signed)));
+            if has_distance {
+                row.push(Cell::by(Some(length(&by)), shown));
+            }
+            table.push_row(row);
+        }
+        table
+    }
+
+    /// How well each target was and is met, in tolerances.
     pub fn targets_table(&self) -> Table {
-        let columns = [
-            Column::from("target"),
-            "tolerance".into(),
-            "rms before".into(),
-            "rms after".into(),
-            Column::for_readers("worst before"),
-            "worst after".into(),
-            "at".into(),
+        let readers = [
+            "target",
+            "tolerance",
+            "rms before",
+            "rms after",
+            "worst after",
+            "at",
         ];
         let programs = ["worst before", "worst before at", "weight", "at unit"];
         let programs = programs.map(Column::for_programs);
-        let mut table = Table::with_columns(columns.into_iter().chain(programs));
+        let mut table = Table::with_columns(readers.map(Column::from).into_iter().chain(programs));
         let cell = |value: Option<f64>| Cell::by(value, hundredths);
         for t in &self.targets {
             let (before, after) = (t.before.as_ref(), t.after.as_ref());
@@ -504,10 +551,7 @@ impl TuningSummary {
                 t.tolerance.into(),
                 cell(before.map(|d| d.rms)),
                 cell(after.map(|d| d.rms)),
-                Cell::by(before.map(|d| d.worst), |worst| {
-                    in_units(worst, t.tolerance)
-                }),
-                Cell::by(after.map(|d| d.worst), |worst| in_units(worst, t.tolerance)),
+                cell(after.map(|d| d.worst)),
                 Cell::by(after.map(|d| d.worst_at), |at| with_unit(at, unit)),
                 before.map(|d| d.worst).into(),
                 before.map(|d| d.worst_at).into(),
@@ -820,12 +864,6 @@ fn with_unit(value: f64, unit: &str) -> String {
         "" => as_written(value),
         unit => format!("{} {unit}", as_written(value)),
     }
-}
-
-/// A deviation in tolerances, in the unit of its target, to a hundredth of the tolerance.
-fn in_units(deviation: f64, tolerance: f64) -> String {
-    let decimals = (2.0 - tolerance.log10().floor()).clamp(0.0, 12.0) as usize;
-    with_decimals(deviation * tolerance, decimals)
 }
 
 /// A misfit for reading: two decimals, or its order of magnitude.

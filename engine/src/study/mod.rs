@@ -34,6 +34,7 @@ mod suspension;
 mod sweep;
 mod targets;
 mod tolerance;
+mod value_edit;
 mod vehicle;
 
 pub use crate::analyse::LoadPoint;
@@ -43,8 +44,7 @@ pub use axle_targets::AxleSite;
 pub use compliance::ComplianceStudy;
 pub use designs_file::DesignTable;
 pub use hardpoint_study_file::error::{StudyError, StudyErrors};
-#[doc(hidden)]
-pub use hardpoint_study_file::names::nearest;
+pub(crate) use hardpoint_study_file::names::nearest;
 pub use hardpoint_study_file::source::{
     LONGEST_TABLE, LONGEST_TEXT, read_bytes, read_regular_text, read_text,
 };
@@ -54,6 +54,7 @@ pub use samples::{AxleSample, Sample};
 pub use schema::schema;
 pub use sweep::MOST_DESIGNS;
 pub(crate) use sweep::MOST_EXCHANGED;
+pub use value_edit::{PathStep, ValueEdit, edited_text};
 pub use vehicle::{Vehicle, WheelStudy};
 
 use crate::ask::Unit;

@@ -4,13 +4,12 @@ use super::axle_forces;
 use super::error::Problems;
 use super::file::{self, File};
 use super::loads::loads;
-use super::names::{choose, choose_or, nearest};
+use super::names::{choose, choose_or};
 use super::resolve::each;
 use super::subject::point;
 use super::value::{Selection, Text};
 use super::{Order, Outputs};
 use crate::ask::Need;
-use crate::axle::{AxleQuantity, WheelQuantity};
 use crate::characteristics::Characteristic;
 use crate::model::{PointId, Suspension};
 
@@ -154,35 +153,6 @@ pub(super) fn hardpoint(
     choose(text, "hardpoint", &hardpoints, problems)
 }
 
-/// Refuses a quantity that only an axle has, also if its name is misspelt, and returns true.
-fn refuse_axle_quantity(text: &Text, problems: &mut Problems) -> bool {
-    let name = text.get_ref();
-    let of_a_wheel = || Characteristic::ALL.iter().map(|c| c.info().name);
-    let of_an_axle = || {
-        let wheels = WheelQuantity::ALL.iter().map(|q| q.info().name);
-        wheels.chain(AxleQuantity::ALL.iter().map(|q| q.info().name))
-    };
-    if of_a_wheel().any(|known| known == name) {
-        return false;
-    }
-    // A misspelt name that is nearer to one of a wheel means that.
-    let meant = nearest(name, of_a_wheel().chain(of_an_axle()));
-    let meant = meant.filter(|meant| of_a_wheel().all(|known| known != *meant));
-    let Some(meant) = meant else {
-        return false;
-    };
-    let message = format!("{name} is a quantity of an axle, not of one wheel");
-    let message = match meant == name {
-        true => message,
-        false => format!("unknown characteristic \"{name}\"; did you mean \"{meant}\"?"),
-    };
-    let error = problems.add(text.span(), message);
-    error.help(format!(
-        "\"{meant}\" needs [axle]: see docs/axle.md, or `hardpoint new TOPOLOGY --with axle`"
-    ));
-    true
-}
-
 /// The characteristic of this name, for which the study must give what it needs.
 pub(super) fn characteristic(
     text: &Text,
@@ -193,9 +163,6 @@ pub(super) fn characteristic(
         .iter()
         .map(|c| (c.info().name, *c))
         .collect();
-    if refuse_axle_quantity(text, problems) {
-        return None;
-    }
     let characteristic = choose(text, "characteristic", &all, problems)?;
     let mechanism = &suspension.mechanism;
     let needs_axis = characteristic.info().needs.contains(&Need::SteeringAxis);

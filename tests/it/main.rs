@@ -8,6 +8,7 @@ mod anti;
 mod assemblies;
 mod axle;
 mod bench;
+mod book;
 mod builds;
 mod certificate;
 mod command_line;

@@ -224,6 +224,8 @@ impl<T: Scalar> Builder<'_, T> {
                 Constraint::Link { inner, outer } => self.link(inner, outer),
                 Constraint::StrutLine { top, lower, upper } => self.strut(top, lower, upper),
                 Constraint::Revolute { first, second } => self.hinge(first, second),
+                // Studies refuse elastic parts of a rigid axle.
+                Constraint::AxleTravel { .. } => {}
             }
         }
     }
@@ -233,8 +235,7 @@ impl<T: Scalar> Builder<'_, T> {
         let at_inner = self.compliance.bushing_at(inner);
         let at_outer = self.compliance.bushing_at(outer);
         let limb = self.system.limbs.len();
-        let name = self.mechanism.name(inner);
-        let name = name.strip_suffix("_inner").unwrap_or(name).to_owned();
+        let name = self.mechanism.link_name(inner).to_owned();
         let rates = [at_inner, at_outer].into_iter().flatten();
         let slope = rates
             .flat_map(|number| self.compliance.bushings[number].shapes.iter().take(3))

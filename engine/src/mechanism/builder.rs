@@ -202,10 +202,11 @@ impl SuspensionBuilder {
         };
         let position = |name: &str| given.iter().find(|(known, _)| *known == name);
         let design = mechanism.points.iter();
-        let design: Vec<_> = design
+        let mut design: Vec<_> = design
             .filter_map(|point| position(&point.name))
             .map(|(_, position)| frame.vector(*position))
             .collect();
+        mechanism.add_far_half(&mut design);
         mechanism.assume_seats();
         mechanism.seat_drop_link(&design);
         let suspension = Suspension {

@@ -1,6 +1,6 @@
 //! Reasons why a vehicle has no position at a station.
 
-use super::Failure;
+use super::{Failure, LimitCause};
 use crate::model::{Frame, LengthUnit, Side};
 
 /// Reason why a vehicle has no position at a station, or no values that move with a rocker.
@@ -19,6 +19,16 @@ pub enum NoPose {
         /// Reason of the failure.
         failure: Failure,
     },
+    /// A rigid axle has no pose at a difference of its travels.
+    #[error("solid axle at a travel difference of {difference:.6} (left - right): {failure}")]
+    RigidAxle {
+        /// Travel of the left wheel minus that of the right one.
+        difference: f64,
+        /// Reason of the failure. Its limit is half a difference of travels as a wheel sees it.
+        failure: Failure,
+        /// The wheel that sees it.
+        side: Side,
+    },
     /// No difference of travels puts both wheels on the ground at this roll angle: a wheel falls where it
     /// should rise, or the iteration did not settle.
     #[error("at no difference of the travels do both wheels touch the ground")]
@@ -30,6 +40,14 @@ pub enum NoPose {
     /// A proof was requested: both poses are proved, but not that the ground under them is the only one there.
     #[error("both poses are proved, but not the uniqueness of the ground position")]
     Unproven,
+}
+
+/// The reason for the end of a rigid axle's travel, in words.
+fn of_axle(cause: LimitCause) -> &'static str {
+    match cause {
+        LimitCause::Unresolved => "the path meets another assembly there",
+        _ => "links have come to a dead centre with each other",
+    }
 }
 
 impl NoPose {
@@ -57,6 +75,26 @@ impl NoPose {
                 unit.symbol(),
                 failure.describe(unit, frame_of(*side))
             ),
+            NoPose::RigidAxle {
+                difference,
+                failure,
+                side,
+            } => {
+                let length = |value: f64| format!("{value:.6} {}", unit.symbol());
+                let reason = match failure {
+                    Failure::Unreachable { limit, cause, .. } => format!(
+                        "the difference ends at {}: {}",
+                        length(2.0 * side.sign() * limit),
+                        of_axle(*cause)
+                    ),
+                    Failure::RackUnreachable { limit, cause } => {
+                        format!("the mean travel ends at {}: {}", length(*limit), of_axle(*cause))
+                    }
+                    other => other.describe(unit, frame),
+                };
+                let difference = length(*difference);
+                format!("solid axle at a travel difference of {difference} (left - right): {reason}")
+            }
             other => other.to_string(),
         }
     }
@@ -64,7 +102,9 @@ impl NoPose {
     /// The failure of the wheel, if a wheel is the reason.
     pub fn of_wheel(&self) -> Option<&Failure> {
         match self {
-            NoPose::Corner(failure) | NoPose::Wheel { failure, .. } => Some(failure),
+            NoPose::Corner(failure)
+            | NoPose::Wheel { failure, .. }
+            | NoPose::RigidAxle { failure, .. } => Some(failure),
             NoPose::NoGround | NoPose::NoLoad | NoPose::Unproven => None,
         }
     }

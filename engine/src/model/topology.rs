@@ -3,7 +3,7 @@
 use super::rocker::{self, Carriers};
 use super::{
     Body, Mechanism, Point, PointId, SpinAxis, Spring, double_wishbone, five_link, macpherson,
-    semi_trailing_arm,
+    semi_trailing_arm, solid_axle,
 };
 use crate::number::Vector3;
 
@@ -154,6 +154,7 @@ impl Given {
             steering_axis: None,
             spring: ends.map(|(upper, lower)| Spring { upper, lower }),
             closed_form: None,
+            rigid_axle: None,
             points: self.0,
         }
     }
@@ -184,6 +185,7 @@ impl Topology {
         &double_wishbone::DOUBLE_WISHBONE,
         &five_link::FIVE_LINK,
         &semi_trailing_arm::SEMI_TRAILING_ARM,
+        &solid_axle::SOLID_AXLE,
     ];
 
     /// Its hardpoints and those of its groups.

@@ -160,7 +160,9 @@ fn outer_ends(mechanism: &Mechanism) -> Vec<Option<PointId>> {
     let ends = mechanism.constraints.iter().flat_map(|constraint| {
         let end = match *constraint {
             Constraint::Link { outer, .. } => Some(outer),
-            Constraint::StrutLine { .. } | Constraint::Revolute { .. } => None,
+            Constraint::StrutLine { .. }
+            | Constraint::Revolute { .. }
+            | Constraint::AxleTravel { .. } => None,
         };
         std::iter::repeat_n(end, constraint.freedoms())
     });

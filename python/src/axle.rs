@@ -3,7 +3,8 @@
 use crate::errors::failure;
 use crate::study::{cause_of, ends};
 use crate::threads::on_threads;
-use hardpoint::axle::AxleEnd;
+use hardpoint::analyse::Range;
+use hardpoint::axle::{AxleEnd, TravelRanges};
 use hardpoint::model::Axis;
 use hardpoint::study::AxleStudy;
 use pyo3::prelude::*;
@@ -18,15 +19,29 @@ pub(crate) fn limits<'py>(
     let found = on_threads(py, Some(1), |_| axle.limits())?;
     let found = found.map_err(|fault| failure(axle.describe_fault(fault)))?;
     let result = PyDict::new(py);
-    for (name, range) in ["left_travel", "right_travel"]
-        .into_iter()
-        .zip(&found.travels)
-    {
-        result.set_item(name, ends([&range.lower, &range.upper].map(cause_of), 1.0))?;
+    let ranges: [(&str, &Range, f64); 2] = match &found.travels {
+        TravelRanges::OfWheels([left, right]) => {
+            [("left_travel", left, 1.0), ("right_travel", right, 1.0)]
+        }
+        TravelRanges::OfAxle {
+            heave,
+            half_difference,
+        } => [
+            ("heave", heave, 1.0),
+            ("travel_difference", half_difference, 2.0),
+        ],
+    };
+    for (name, range, factor) in ranges {
+        let causes = [&range.lower, &range.upper].map(cause_of);
+        result.set_item(name, ends(causes, factor))?;
     }
     let end = |end: &AxleEnd| {
         let (_, cause) = cause_of(&end.end);
-        (end.value, format!("{} wheel: {cause}", end.side.name()))
+        let cause = match axle.is_rigid() {
+            true => cause,
+            false => format!("{} wheel: {cause}", end.side.name()),
+        };
+        (end.value, cause)
     };
     let sign = axle.left.frame.sign(Axis::Y);
     let rack = found.rack.as_ref();

@@ -36,6 +36,7 @@ mod study_keys;
 mod study_meaning;
 #[path = "../support/mod.rs"]
 mod support;
+mod solid;
 mod sweep;
 mod terminal;
 mod topologies;

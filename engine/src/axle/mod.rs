@@ -36,7 +36,7 @@ pub use curves::{AxleCurves, AxlePlan, axle_curves};
 pub use force_ends::{BeyondCurve, ForcePart};
 pub use frames::axle_frames;
 pub use lanes::LaneWheel;
-pub use limits::{AxleEnd, AxleLimits};
+pub use limits::{AxleEnd, AxleLimits, TravelRanges};
 pub use reading::{Moving, Parts, Reading, Snapshot, WheelParts};
 pub use setup::Setup;
 pub use solver::{AxleSolver, Placed, Placement, Read, WheelRead};

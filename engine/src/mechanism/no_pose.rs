@@ -1,6 +1,6 @@
 //! Reasons why a vehicle has no position at a station.
 
-use super::{Failure, LimitCause};
+use super::Failure;
 use crate::model::{Frame, LengthUnit, Side};
 
 /// Reason why a vehicle has no position at a station, or no values that move with a rocker.
@@ -42,14 +42,6 @@ pub enum NoPose {
     Unproven,
 }
 
-/// The reason for the end of a rigid axle's travel, in words.
-fn of_axle(cause: LimitCause) -> &'static str {
-    match cause {
-        LimitCause::Unresolved => "the path meets another assembly there",
-        _ => "links have come to a dead centre with each other",
-    }
-}
-
 impl NoPose {
     /// The reason in words, with lengths in this unit and the rack in the axes of this frame: of the wheel of a corner,
     /// or of the left wheel of an axle. If the rack ends, the wheel's travel says nothing and is left out.
@@ -85,10 +77,10 @@ impl NoPose {
                     Failure::Unreachable { limit, cause, .. } => format!(
                         "the difference ends at {}: {}",
                         length(2.0 * side.sign() * limit),
-                        of_axle(*cause)
+                        cause
                     ),
                     Failure::RackUnreachable { limit, cause } => {
-                        format!("the mean travel ends at {}: {}", length(*limit), of_axle(*cause))
+                        format!("the mean travel ends at {}: {}", length(*limit), cause)
                     }
                     other => other.describe(unit, frame),
                 };

@@ -244,6 +244,20 @@ impl Mechanism {
         }
     }
 
+    /// The mechanism with this travel of its rigid axle held, and the other one as its drive.
+    pub fn holding(&self, travel: AxleTravel) -> Mechanism {
+        let mut mechanism = self.clone();
+        if let Some(rigid) = &mut mechanism.rigid_axle {
+            rigid.held = travel;
+        }
+        for constraint in &mut mechanism.constraints {
+            if let Constraint::AxleTravel { held, .. } = constraint {
+                *held = travel;
+            }
+        }
+        mechanism
+    }
+
     /// Returns true for a point of the far half of a rigid axle, which follows the near half.
     pub fn is_far(&self, id: PointId) -> bool {
         self.rigid_axle.as_ref().is_some_and(|rigid| rigid.is_far(id))

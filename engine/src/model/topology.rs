@@ -188,6 +188,11 @@ impl Topology {
         &solid_axle::SOLID_AXLE,
     ];
 
+    /// Returns true for an axle of one body, which is no suspension of one wheel.
+    pub fn carries_both_wheels(&self) -> bool {
+        self.name == solid_axle::SOLID_AXLE.name
+    }
+
     /// Its hardpoints and those of its groups.
     pub fn all_hardpoints(&self) -> impl Iterator<Item = &'static Hardpoint> {
         let further = self.groups.iter().flat_map(|group| group.hardpoints);

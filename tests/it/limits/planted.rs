@@ -78,6 +78,7 @@ impl Planted {
                     rows.extend([first.dot(off), second.dot(off)].map(|r| r / first.norm()));
                 }
                 Constraint::Revolute { .. } => unreachable!("a hinge is never singular"),
+                Constraint::AxleTravel { .. } => unreachable!("solid axles are planted elsewhere"),
             }
         }
         rows.push(match self.quantity {

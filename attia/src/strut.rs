@@ -60,6 +60,7 @@ impl Strut {
                 }
                 Constraint::Link { .. }
                 | Constraint::Revolute { .. }
+                | Constraint::BallJoint { .. }
                 | Constraint::AxleTravel { .. } => {}
             }
         }

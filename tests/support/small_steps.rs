@@ -71,7 +71,9 @@ impl SmallSteps {
                     let first = along.cross(unit(k)).normalised();
                     lines.extend([(at(top), first), (at(top), along.cross(first))]);
                 }
-                Constraint::Revolute { .. } | Constraint::AxleTravel { .. } => {
+                Constraint::Revolute { .. }
+                | Constraint::BallJoint { .. }
+                | Constraint::AxleTravel { .. } => {
                     panic!("struts only")
                 }
             }

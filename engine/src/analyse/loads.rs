@@ -393,6 +393,7 @@ pub fn members(mechanism: &Mechanism, support: Support) -> Vec<Member> {
                 members.extend(force(mechanism.name(first), first));
                 members.extend(force(mechanism.name(second), second));
             }
+            Constraint::BallJoint { at } => members.extend(force(mechanism.name(at), at)),
             Constraint::AxleTravel { .. } => {}
         }
     }

@@ -224,8 +224,8 @@ impl<T: Scalar> Builder<'_, T> {
                 Constraint::Link { inner, outer } => self.link(inner, outer),
                 Constraint::StrutLine { top, lower, upper } => self.strut(top, lower, upper),
                 Constraint::Revolute { first, second } => self.hinge(first, second),
-                // Studies refuse elastic parts of a rigid axle.
-                Constraint::AxleTravel { .. } => {}
+                // Studies refuse elastic parts of these.
+                Constraint::BallJoint { .. } | Constraint::AxleTravel { .. } => {}
             }
         }
     }

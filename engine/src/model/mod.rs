@@ -14,6 +14,7 @@ mod seats;
 mod semi_trailing_arm;
 mod solid_axle;
 mod topology;
+mod trailing_arm_two_links;
 
 pub use frame::{Axis, Frame, FrameConvention, LengthUnit, Side};
 pub use rigid_axle::{AxleTravel, RigidAxle, mirrored};
@@ -98,6 +99,11 @@ pub enum Constraint {
         /// A second chassis point of the axis.
         second: PointId,
     },
+    /// A ball joint at the body: the knuckle turns about a chassis point. Takes three freedoms.
+    BallJoint {
+        /// The chassis point.
+        at: PointId,
+    },
     /// One of the two travels of a rigid axle has the value that stands where other mechanisms have the rack's
     /// displacement. Takes one freedom.
     AxleTravel {
@@ -116,6 +122,7 @@ impl Constraint {
         match self {
             Constraint::Link { .. } | Constraint::AxleTravel { .. } => 1,
             Constraint::StrutLine { .. } => 2,
+            Constraint::BallJoint { .. } => 3,
             Constraint::Revolute { .. } => 5,
         }
     }
@@ -308,7 +315,7 @@ impl Mechanism {
                 Constraint::Link { inner, outer } => Some((inner, outer)),
                 Constraint::StrutLine { top, lower, upper } => Some((lower, upper.unwrap_or(top))),
                 Constraint::Revolute { first, second } => Some((first, second)),
-                Constraint::AxleTravel { .. } => None,
+                Constraint::BallJoint { .. } | Constraint::AxleTravel { .. } => None,
             });
         let spin_axis = match self.spin_axis {
             SpinAxis::From(inner) => Some((inner, self.wheel_centre)),
@@ -329,6 +336,10 @@ impl Mechanism {
                 let of_axis = |id| id == first || id == second;
                 let carried = |id| self.body(id) == Body::Knuckle;
                 of_axis(a) && carried(b) || of_axis(b) && carried(a)
+            }
+            Constraint::BallJoint { at } => {
+                let carried = |id| self.body(id) == Body::Knuckle;
+                a == at && carried(b) || b == at && carried(a)
             }
             Constraint::StrutLine { .. } | Constraint::AxleTravel { .. } => false,
         });

@@ -3,7 +3,7 @@
 use super::rocker::{self, Carriers};
 use super::{
     Body, Mechanism, Point, PointId, SpinAxis, Spring, double_wishbone, five_link, macpherson,
-    semi_trailing_arm, solid_axle,
+    semi_trailing_arm, solid_axle, trailing_arm_two_links,
 };
 use crate::number::Vector3;
 
@@ -185,6 +185,7 @@ impl Topology {
         &double_wishbone::DOUBLE_WISHBONE,
         &five_link::FIVE_LINK,
         &semi_trailing_arm::SEMI_TRAILING_ARM,
+        &trailing_arm_two_links::TRAILING_ARM_TWO_LINKS,
         &solid_axle::SOLID_AXLE,
     ];
 

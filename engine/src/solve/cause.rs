@@ -168,6 +168,7 @@ pub(crate) fn outer_ends(mechanism: &Mechanism) -> Vec<Option<PointId>> {
             Constraint::Link { outer, .. } => Some(outer),
             Constraint::StrutLine { .. }
             | Constraint::Revolute { .. }
+            | Constraint::BallJoint { .. }
             | Constraint::AxleTravel { .. } => None,
         };
         std::iter::repeat_n(end, constraint.freedoms())

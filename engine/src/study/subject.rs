@@ -42,7 +42,9 @@ pub(super) fn members(suspension: &Suspension) -> Vec<(String, [PointId; 2])> {
             Constraint::StrutLine { top, lower, .. } => {
                 members.push(("strut".to_owned(), [top, lower]));
             }
-            Constraint::Revolute { .. } | Constraint::AxleTravel { .. } => {}
+            Constraint::Revolute { .. }
+            | Constraint::BallJoint { .. }
+            | Constraint::AxleTravel { .. } => {}
         }
     }
     for rocker in &mechanism.rockers {

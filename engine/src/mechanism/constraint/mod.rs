@@ -64,6 +64,9 @@ impl<T: Real> Row<T> {
             Constraint::Revolute { first, second } => {
                 Row::Pinned(Pinned::all(first, second, design, design, origin)[number])
             }
+            Constraint::BallJoint { at } => {
+                Row::Pinned(Pinned::point(at, design, origin)[number])
+            }
             Constraint::AxleTravel { near, far, held } => {
                 Row::AxleTravel(TravelRow::new(near, far, held))
             }
@@ -84,9 +87,9 @@ impl<T: Real> Row<T> {
             Constraint::Link { inner, outer } => {
                 Row::Link(Link::of_squared_length(inner, outer, length.squared()))
             }
-            Constraint::StrutLine { .. } | Constraint::AxleTravel { .. } => {
-                Row::of(constraint, number, knuckle, origin)
-            }
+            Constraint::StrutLine { .. }
+            | Constraint::BallJoint { .. }
+            | Constraint::AxleTravel { .. } => Row::of(constraint, number, knuckle, origin),
             Constraint::Revolute { first, second } => {
                 Row::Pinned(Pinned::all(first, second, body, knuckle, origin)[number])
             }

@@ -213,9 +213,9 @@ fn of_axle(AxleStudy { axle, plan, .. }: &AxleStudy) -> (Request<'static>, Vec<[
     (Request::of_axle(stations), motion)
 }
 
-/// A workspace of a [`DesignFunction`]. It computes on the thread that calls: where the engine was compiled without
-/// optimisation (the dev profile of a program that embeds it) that takes 8 MiB of stack, four times the stack that a thread
-/// of `std::thread` or rayon has by default.
+/// A workspace of a [`DesignFunction`]. It computes on the calling thread. If the engine is compiled without
+/// optimisation, as in the dev profile of a program that embeds it, that takes 8 MiB of stack. A thread of
+/// `std::thread` or rayon has a quarter of that by default.
 pub struct Evaluation<'f> {
     function: &'f DesignFunction,
     values: Option<Values<'f>>,

@@ -1,9 +1,9 @@
 //! Wheels given by the hub instead of the wheel centre, as in the geometry files of Suspension Explorer.
 //!
-//! Its documents (`suspension-explorer-core`, README and the schema of its geometry files) give two points of
-//! the spin axis, `axle_inboard` and `axle_outboard`; the second is the hub's mounting face. The wheel's centre
-//! lies `wheel.offset` (ET, in millimetres, positive inboard) from it along that axis, and the tyre's nominal radius is
-//! half the rim's diameter (inches) and the side wall, `aspect_ratio` times `section_width` (millimetres).
+//! Its documents (`suspension-explorer-core`, README and the schema of its geometry files) give two points of the spin
+//! axis, `axle_inboard` and `axle_outboard`; the second is the hub's mounting face. The wheel's centre lies
+//! `wheel.offset` (ET, in millimetres, positive inboard) from it along that axis. The tyre's nominal radius is half the
+//! rim's diameter (inches) plus the side wall, `aspect_ratio` times `section_width` (millimetres).
 
 use super::figure_names::{FigureKind, figure};
 use super::table::{Figure, Marks, NamedPoint, PointTable};

@@ -1,22 +1,20 @@
 //! Hardpoints rounded to a grid with the least loss.
 //!
-//! Let r be the residuals of a study's targets (in tolerances, [`Objective`]), J their derivatives by all
-//! coordinates, and d the moves of the coordinates, in steps g of the grid, that round them. The misfit
-//! after rounding is that of
+//! Let r be the residuals of a study's targets, in tolerances ([`Objective`]), and J their derivatives by all
+//! coordinates. Let d be the moves that round the coordinates, in steps g of the grid. The misfit after rounding is
+//! that of
 //!
 //! ```text
 //! r + g J d,   d = k - x/g,   k whole numbers
 //! ```
 //!
 //! so the best rounding is the lattice point g J k nearest to a given one. Only free coordinates move; the others keep
-//! their digits. *Nearest plane* (L. Babai, On
-//! Lovász' lattice reduction and the nearest lattice point problem, Combinatorica 6, 1986) takes the
-//! coordinates one after the other: with g J = Q R the last one is rounded, what it changes is handed on to
-//! the others, and so back to the first. Coordinates the targets do not see are held by a small spring
-//! towards where they are (rows s I below g J), and each goes to one of its two neighbours on the grid, so that
-//! one that is on the grid stays. What comes out
-//! depends on the order of the coordinates; three are tried, and beside them the ordinary rounding, and the
-//! misfits of all are computed, not estimated.
+//! their digits. *Nearest plane* (L. Babai, On Lovász' lattice reduction and the nearest lattice point problem,
+//! Combinatorica 6, 1986) takes the coordinates one after the other: with g J = Q R the last one is rounded, what it
+//! changes is handed on to the others, and so back to the first. A small spring holds coordinates that no target
+//! depends on near their places (rows s I below g J). Each coordinate goes to one of its two neighbours on the grid, so
+//! a coordinate on the grid stays. What comes out depends on the order of the coordinates; three are tried, and beside
+//! them the ordinary rounding, and the misfits of all are computed, not estimated.
 
 use crate::model::LengthUnit;
 use crate::number::Vector3;

@@ -29,8 +29,8 @@ pub struct AxleProof {
     pub travel_error: f64,
     /// The roll angle is no further than this from the exact one, in radians; 0 if it is given.
     pub roll_error: f64,
-    /// Any other position differs by more than this in a coordinate of the origin of a wheel carrier or, counted at
-    /// the mechanism's size, in an entry of a rotation or in the roll angle.
+    /// Any other position differs by more than this in a coordinate of the origin of a wheel carrier, in an entry of a
+    /// rotation times the mechanism's size, or in the roll angle times that size.
     pub uniqueness: f64,
 }
 

@@ -54,7 +54,10 @@ const ANTI_ROLL_BAR: Points = &[
 ];
 
 const PANHARD: Points = &[
-    ("upper_link_chassis", "upper link at the body; single, with its true y"),
+    (
+        "upper_link_chassis",
+        "upper link at the body; single, with its true y",
+    ),
     ("upper_link_axle", "upper link at the axle"),
     ("panhard_chassis", "Panhard rod at the body; true y"),
     ("panhard_axle", "Panhard rod at the axle"),
@@ -244,7 +247,10 @@ fn study(topology: &Topology, parts: &[Part]) -> Result<String, String> {
             return Err(format!("{} has no Panhard rod", topology.name));
         }
         let single = "# single = [\"upper_link\"]        # with a Panhard rod";
-        text = text.replace(single, "single = [\"upper_link\"]          # with a Panhard rod");
+        text = text.replace(
+            single,
+            "single = [\"upper_link\"]          # with a Panhard rod",
+        );
         let output = "jacking_force_ratio";
         text = with_points(&text, PANHARD, &PANHARD_PLACES, "axle", output);
     }
@@ -261,12 +267,10 @@ fn study(topology: &Topology, parts: &[Part]) -> Result<String, String> {
     let fitting =
         fitting.ok_or_else(|| format!("{} has no parts to choose from yet", topology.name))?;
     if parts.contains(&Part::Pushrod) {
-        let places = fitting
-            .pushrod
-            .ok_or_else(|| match is_solid {
-                true => format!("{} has no pushrod", topology.name),
-                false => format!("{} has no pushrod: its strut is the spring", topology.name),
-            })?;
+        let places = fitting.pushrod.ok_or_else(|| match is_solid {
+            true => format!("{} has no pushrod", topology.name),
+            false => format!("{} has no pushrod: its strut is the spring", topology.name),
+        })?;
         text = with_points(&text, PUSHROD, &places, fitting.carrier, "rocker_angle");
     }
     if parts.contains(&Part::AntiRollBar) {

@@ -29,6 +29,7 @@ mod report;
 mod robustness;
 mod rockers;
 mod side_effects;
+mod solid;
 mod studio;
 mod study_errors;
 mod study_files;
@@ -36,7 +37,6 @@ mod study_keys;
 mod study_meaning;
 #[path = "../support/mod.rs"]
 mod support;
-mod solid;
 mod sweep;
 mod terminal;
 mod topologies;

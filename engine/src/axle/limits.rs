@@ -30,9 +30,9 @@ pub enum TravelRanges {
     /// Travels of a rigid axle.
     OfAxle {
         /// Mean travel with equal travels of both wheels.
-        heave: Box<Range>,
+        heave: Range,
         /// Half the travel of the left wheel minus that of the right one, at zero mean travel.
-        half_difference: Box<Range>,
+        half_difference: Range,
     },
 }
 
@@ -88,8 +88,8 @@ impl<const N: usize> AxleSolver<'_, N> {
         let travels = match self.is_rigid() {
             false => TravelRanges::OfWheels([left, right]),
             true => TravelRanges::OfAxle {
-                heave: Box::new(self.heave_range()?),
-                half_difference: Box::new(left),
+                heave: self.heave_range()?,
+                half_difference: left,
             },
         };
         Ok(AxleLimits {

@@ -499,7 +499,11 @@ fn heaving<const N: usize>(
             let by_rack = match (state.carriers.is_rigid(), linearised[side as usize].get(1)) {
                 (false, _) => 0.0,
                 (true, None) => f64::NAN,
-                (true, Some(line)) => line.at.point(id)[axis].0.get(1).copied().unwrap_or(f64::NAN),
+                (true, Some(line)) => line.at.point(id)[axis]
+                    .0
+                    .get(1)
+                    .copied()
+                    .unwrap_or(f64::NAN),
             };
             state.along(Motion::Heave, side, [by_travel, by_rack])
         }
@@ -703,10 +707,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         }
     }
 
-    fn prepare_whole(
-        &mut self,
-        designs: [&[Vector3<f64>]; 2],
-    ) -> Result<(), (Side, DesignFault)> {
+    fn prepare_whole(&mut self, designs: [&[Vector3<f64>]; 2]) -> Result<(), (Side, DesignFault)> {
         for (corner, design) in self.corners.iter_mut().zip(designs) {
             let side = corner.side;
             corner.prepare(design).map_err(|fault| (side, fault))?;
@@ -781,11 +782,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         let open = numbers
             .iter()
             .filter_map(|number| match placements[*number] {
-                Placement::Roll {
-                    heave,
-                    roll,
-                    rack,
-                } => Some(Open {
+                Placement::Roll { heave, roll, rack } => Some(Open {
                     number: *number,
                     heave,
                     level: self.level(heave, rack).0,

@@ -25,9 +25,9 @@
 //! along [`Motion::Rack`] depend on that, since they hold what the station gives. Formulas of the catalogue must not: they
 //! use the other motions.
 
-use super::{Axle, Quantity};
 use super::reading::{Moving, Reading, WheelParts};
 use super::setup::Setup;
+use super::{Axle, Quantity};
 use crate::mechanism::Ground;
 use crate::model::{AxleTravel, Side};
 use crate::number::{Jet, Real, Vector3, outlined};

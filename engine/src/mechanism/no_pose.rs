@@ -85,7 +85,9 @@ impl NoPose {
                     other => other.describe(unit, frame),
                 };
                 let difference = length(*difference);
-                format!("solid axle at a travel difference of {difference} (left - right): {reason}")
+                format!(
+                    "solid axle at a travel difference of {difference} (left - right): {reason}"
+                )
             }
             other => other.to_string(),
         }

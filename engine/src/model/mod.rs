@@ -267,7 +267,9 @@ impl Mechanism {
 
     /// Returns true for a point of the far half of a rigid axle, which follows the near half.
     pub fn is_far(&self, id: PointId) -> bool {
-        self.rigid_axle.as_ref().is_some_and(|rigid| rigid.is_far(id))
+        self.rigid_axle
+            .as_ref()
+            .is_some_and(|rigid| rigid.is_far(id))
     }
 
     /// The name of a link, from that of its end at the body.

@@ -40,7 +40,10 @@ pub(super) static SOLID_AXLE: Topology = Topology {
         WHEEL_CENTRE,
         SPINDLE_INNER,
         SPRING_UPPER,
-        optional("spring_lower", "lower end of spring and damper, on the axle"),
+        optional(
+            "spring_lower",
+            "lower end of spring and damper, on the axle",
+        ),
     ],
     groups: &[&SPRING, &PANHARD, &ANTI_ROLL_BAR],
     distinct: &[
@@ -66,8 +69,9 @@ fn build(topology: &'static Topology, given: &[&'static str]) -> Mechanism {
     let is_single =
         |name: &str| name.starts_with("panhard_") || has_panhard && name.starts_with("upper_link_");
     let near: Vec<PointId> = (0..given.0.len()).map(PointId).collect();
-    let (singles, near): (Vec<_>, Vec<_>) =
-        near.into_iter().partition(|id| is_single(&given.0[id.0].name));
+    let (singles, near): (Vec<_>, Vec<_>) = near
+        .into_iter()
+        .partition(|id| is_single(&given.0[id.0].name));
     let mut pairs = Vec::with_capacity(near.len());
     for id in near {
         let Point { name, body } = &given.0[id.0];

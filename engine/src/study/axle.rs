@@ -112,11 +112,7 @@ pub(super) fn axle(
         sound &= solid_axle::refuse(file, suspension, problems);
     }
     if suspension.frame.meaning().1 == Side::Right {
-        let place = file
-            .suspension
-            .side
-            .as_ref()
-            .map_or(place, Text::span);
+        let place = file.suspension.side.as_ref().map_or(place, Text::span);
         let message = "[suspension] of an axle is its left wheel; expected side = \"left\"";
         problems.add(place, message);
         sound = false;

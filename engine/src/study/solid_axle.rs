@@ -3,10 +3,10 @@
 use super::error::Problems;
 use super::file::{self, File};
 use super::outputs::hardpoint;
-use super::right_wheel;
 use super::suspension::position;
 use super::value::{RightWheel, Text};
-use crate::model::{RigidAxle, Suspension, mirrored};
+use crate::mechanism::DesignFault;
+use crate::model::{Drive, RigidAxle, Suspension};
 use crate::solve::Solver;
 use std::ops::Range as Span;
 use toml::Spanned;
@@ -134,15 +134,22 @@ pub(super) fn wheels(
         }
         Some(RightWheel::Own(own)) => {
             if !own.bodies.is_empty() || own.wheel.is_some() {
-                let message = "the right half of a solid axle differs in hardpoints and spring only";
+                let message =
+                    "the right half of a solid axle differs in hardpoints and spring only";
                 return problems.refuse(place, message);
             }
             differences(own, rigid, &mut left, problems)?;
         }
     }
-    debug_assert!(right_wheel::own(file).is_some() || left == *suspension);
-    if let Err(fault) = Solver::new(&left.mechanism, &left.design) {
-        let message = fault.describe(&left.mechanism);
+
+    let solver = Solver::new(&left.mechanism, &left.design);
+    if let Err(fault) = solver.and_then(|solver| solver.check_start(Drive::Travel)) {
+        let message = match fault {
+            DesignFault::Singular => {
+                "the links do not hold the axle in the design position: one motion is left beside heave and roll".to_owned()
+            }
+            fault => fault.describe(&left.mechanism),
+        };
         let error = problems.add(file.suspension.hardpoints.span(), message);
         error.help(
             "links that are parallel from above leave the axle free sideways: splay the upper links, or give a single upper \
@@ -183,7 +190,7 @@ fn differences(
             continue;
         };
         left.design[far.0] = left.frame.vector(position);
-        if mirrored(left.design[far.0]).y < 0.0 {
+        if left.design[far.0].y > 0.0 {
             let message = format!(
                 "{} is on the left side: the right half has its true y",
                 text.get_ref()

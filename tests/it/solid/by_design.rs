@@ -66,7 +66,12 @@ fn gradients_are_those_of_whole_designs() {
                     gradients.push(sum.collect::<Vec<_>>());
                 })
                 .unwrap();
-            for point in ["lower_link_axle", "upper_link_chassis", "wheel_centre", "spring_upper"] {
+            for point in [
+                "lower_link_axle",
+                "upper_link_chassis",
+                "wheel_centre",
+                "spring_upper",
+            ] {
                 let id = study.axle.left.mechanism.point(point).unwrap();
                 for axis in Axis::ALL {
                     let mut values = |by: f64| {
@@ -75,11 +80,17 @@ fn gradients_are_those_of_whole_designs() {
                         solver.prepare([&moved, &moved]).unwrap();
                         let placed = solver.place(&placement).unwrap();
                         let state = solver.read(&placed).unwrap().state;
-                        wanted.iter().map(|q| q.evaluate(&state)).collect::<Vec<_>>()
+                        wanted
+                            .iter()
+                            .map(|q| q.evaluate(&state))
+                            .collect::<Vec<_>>()
                     };
                     let mut quotient = |h: f64| {
                         let (up, down) = (values(h), values(-h));
-                        up.iter().zip(down).map(|(u, d)| (u - d) / (2.0 * h)).collect::<Vec<_>>()
+                        up.iter()
+                            .zip(down)
+                            .map(|(u, d)| (u - d) / (2.0 * h))
+                            .collect::<Vec<_>>()
                     };
                     let (coarse, fine) = (quotient(0.2), quotient(0.1));
                     let here = values(0.0);

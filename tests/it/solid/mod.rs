@@ -24,7 +24,8 @@ pub fn text(points: &[(&str, [f64; 3])], single: bool, further: &str) -> String 
     }
     text + "[wheel]\nradius = 330.0\nstatic_camber = 0.0\nstatic_toe = 0.0\n[vehicle]\nwheelbase = 2700.0\n\
             cg_height = 620.0\nposition = \"rear\"\nbrakes = \"outboard\"\nbrake_share_front = 0.6\n\
-            drive_torque = \"carrier\"\ndrive_share_front = 0.0\n" + further
+            drive_torque = \"carrier\"\ndrive_share_front = 0.0\n"
+        + further
 }
 
 /// The axle of a study.
@@ -63,7 +64,9 @@ pub fn points_of(case: &Value) -> Vec<(&'static str, &'static str)> {
         ("spring_lower", "spring_lower_left"),
     ];
     let given = names.into_iter();
-    given.filter(|(_, name)| !case["points"][name].is_null()).collect()
+    given
+        .filter(|(_, name)| !case["points"][name].is_null())
+        .collect()
 }
 
 /// The study of a case.

@@ -5,8 +5,8 @@
 //! the axles drawn here is below 1e3, which makes 1e-9 mm.
 
 use super::{STILL, axle, text};
-use hardpoint::axle::{AxleQuantity as A, AxleSolver, Placement, Quantity};
 use crate::support::random::Random;
+use hardpoint::axle::{AxleQuantity as A, AxleSolver, Placement, Quantity};
 
 type Point = [f64; 3];
 
@@ -40,10 +40,26 @@ fn turned_by(q: [f64; 4], v: Point) -> [Point; 4] {
     let [a, b, c] = v;
     let two = |p: Point| p.map(|c| 2.0 * c);
     [
-        two([w * a - z * b + y * c, z * a + w * b - x * c, -y * a + x * b + w * c]),
-        two([x * a + y * b + z * c, y * a - x * b - w * c, z * a + w * b - x * c]),
-        two([-y * a + x * b + w * c, x * a + y * b + z * c, -w * a + z * b - y * c]),
-        two([-z * a - w * b + x * c, w * a - z * b + y * c, x * a + y * b + z * c]),
+        two([
+            w * a - z * b + y * c,
+            z * a + w * b - x * c,
+            -y * a + x * b + w * c,
+        ]),
+        two([
+            x * a + y * b + z * c,
+            y * a - x * b - w * c,
+            z * a + w * b - x * c,
+        ]),
+        two([
+            -y * a + x * b + w * c,
+            x * a + y * b + z * c,
+            -w * a + z * b - y * c,
+        ]),
+        two([
+            -z * a - w * b + x * c,
+            w * a - z * b + y * c,
+            x * a + y * b + z * c,
+        ]),
     ]
 }
 
@@ -51,12 +67,16 @@ fn turned_by(q: [f64; 4], v: Point) -> [Point; 4] {
 fn solve(mut m: Vec<Vec<f64>>) -> Vec<f64> {
     let n = m.len();
     for k in 0..n {
-        let pivot = (k..n).max_by(|a, b| m[*a][k].abs().total_cmp(&m[*b][k].abs())).unwrap();
+        let pivot = (k..n)
+            .max_by(|a, b| m[*a][k].abs().total_cmp(&m[*b][k].abs()))
+            .unwrap();
         m.swap(k, pivot);
-        for i in k + 1..n {
-            let factor = m[i][k] / m[k][k];
-            for j in k..=n {
-                m[i][j] -= factor * m[k][j];
+        let (done, open) = m.split_at_mut(k + 1);
+        let pivot = &done[k];
+        for row in open {
+            let factor = row[k] / pivot[k];
+            for (entry, by) in row[k..].iter_mut().zip(&pivot[k..]) {
+                *entry -= factor * by;
             }
         }
     }
@@ -88,9 +108,10 @@ impl Axle {
                     let was = minus(*own, *body);
                     let square = |p: Point| p.iter().map(|c| c * c).sum::<f64>();
                     let mut row: Vec<f64> = now.iter().map(|c| 2.0 * c).collect();
-                    row.extend(turned_by(q, *own).map(|by| {
-                        2.0 * (0..3).map(|i| by[i] * now[i]).sum::<f64>()
-                    }));
+                    row.extend(
+                        turned_by(q, *own)
+                            .map(|by| 2.0 * (0..3).map(|i| by[i] * now[i]).sum::<f64>()),
+                    );
                     row.push(square(was) - square(now));
                     rows.push(row);
                 }
@@ -151,7 +172,11 @@ fn own(points: &[(&str, Point)], single: bool) -> Axle {
     let mut rods = vec![rod("lower_link"), rod("lower_link").map(mirror)];
     let rods = {
         rods.push(rod("upper_link"));
-        rods.push(if single { rod("panhard") } else { rod("upper_link").map(mirror) });
+        rods.push(if single {
+            rod("panhard")
+        } else {
+            rod("upper_link").map(mirror)
+        });
         rods
     };
     let centre = at("wheel_centre");

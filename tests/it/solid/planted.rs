@@ -6,10 +6,10 @@
 //! vertical one at the wheel balance, so the horizontal parts of the links' forces are equal and opposite.
 
 use super::{STILL, axle, text};
+use crate::support::random::Random;
 use hardpoint::analyse::RangeEnd;
 use hardpoint::axle::TravelRanges;
 use hardpoint::mechanism::LimitCause;
-use crate::support::random::Random;
 
 /// x and z.
 type Flat = [f64; 2];
@@ -60,7 +60,12 @@ fn planted_folds_of_heave_are_found_and_named() {
         let meeting = [centre[0], near(360.0, 90.0)];
         let lengths = [near(480.0, 120.0), near(320.0, 80.0)];
         let turn = near(0.0, 0.12);
-        let splay = [near(430.0, 30.0), near(530.0, 30.0), near(470.0, 30.0), near(150.0, 30.0)];
+        let splay = [
+            near(430.0, 30.0),
+            near(530.0, 30.0),
+            near(470.0, 30.0),
+            near(150.0, 30.0),
+        ];
         let body = |own: Flat, length: f64| {
             let along = minus(meeting, own);
             let norm = along[0].hypot(along[1]);
@@ -70,7 +75,10 @@ fn planted_folds_of_heave_are_found_and_named() {
                 own[1] + sign * length * along[1] / norm,
             ]
         };
-        let links = [[body(lower, lengths[0]), lower], [body(upper, lengths[1]), upper]];
+        let links = [
+            [body(lower, lengths[0]), lower],
+            [body(upper, lengths[1]), upper],
+        ];
         let steep = links.iter().any(|[a, b]| {
             let d = minus(*a, *b);
             d[0].abs() < 0.3 * d[0].hypot(d[1])
@@ -111,7 +119,11 @@ fn planted_folds_of_heave_are_found_and_named() {
         let TravelRanges::OfAxle { heave, .. } = &limits.travels else {
             panic!("a solid axle");
         };
-        let end = if limit > 0.0 { &heave.upper } else { &heave.lower };
+        let end = if limit > 0.0 {
+            &heave.upper
+        } else {
+            &heave.lower
+        };
         let RangeEnd::Fold(found) = end else {
             panic!("{points:?}: {end:?}");
         };
@@ -129,7 +141,11 @@ fn planted_folds_of_heave_are_found_and_named() {
         );
         let name = study.axle.left.mechanism.name(found.dependent[0]);
         if (of_lower / of_upper - 1.0).abs() > 1e-6 {
-            let wanted = if of_lower < of_upper { "lower_link" } else { "upper_link" };
+            let wanted = if of_lower < of_upper {
+                "lower_link"
+            } else {
+                "upper_link"
+            };
             assert!(name.contains(wanted), "{name}, not {wanted}");
         }
         planted += 1;
@@ -142,11 +158,17 @@ fn roll_ends_where_the_links_fold() {
     use hardpoint::axle::{AxleSolver, Placement};
     let study = axle(&super::study_of(&super::case("solid_four_link"), STILL));
     let limits = study.axle.limits().unwrap();
-    let TravelRanges::OfAxle { half_difference, .. } = &limits.travels else {
+    let TravelRanges::OfAxle {
+        half_difference, ..
+    } = &limits.travels
+    else {
         panic!("a solid axle");
     };
     let mut solver = AxleSolver::<1>::new(&study.axle, &[], false).unwrap();
-    for (end, sign) in [(&half_difference.lower, -1.0), (&half_difference.upper, 1.0)] {
+    for (end, sign) in [
+        (&half_difference.lower, -1.0),
+        (&half_difference.upper, 1.0),
+    ] {
         let value = end.value();
         assert!(value * sign > 0.0, "{value}");
         let mut at = |share: f64| {
@@ -159,6 +181,9 @@ fn roll_ends_where_the_links_fold() {
         };
         assert!(at(1.0 - 1e-6).is_ok());
         let failure = at(1.0 + 1e-6).unwrap_err().to_string();
-        assert!(failure.contains("solid axle at a travel difference"), "{failure}");
+        assert!(
+            failure.contains("solid axle at a travel difference"),
+            "{failure}"
+        );
     }
 }

@@ -111,7 +111,11 @@ fn every_value_is_the_reference_s() {
             };
             note("roll", placed.roll, 1.0);
             for (side, word) in [(Left, "left"), (Right, "right")] {
-                note(&format!("travel_{word}"), placed.travels[side as usize], 1e3);
+                note(
+                    &format!("travel_{word}"),
+                    placed.travels[side as usize],
+                    1e3,
+                );
                 for (point, found) in points(&read, side) {
                     for (axis, found) in ["x", "y", "z"].into_iter().zip(found.to_array()) {
                         note(&format!("{word}_{point}_{axis}"), found, 1e3);

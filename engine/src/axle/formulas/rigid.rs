@@ -105,7 +105,10 @@ pub(crate) fn wheel_loads<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) 
     let rates = |side: Side, part: NumberPart| {
         let reading = &state.readings[side as usize];
         let by_difference = reading.number(part, state.carriers.by_difference());
-        [by_difference, reading.number(part, state.carriers.by_mean())]
+        [
+            by_difference,
+            reading.number(part, state.carriers.by_mean()),
+        ]
     };
     let [left, right] = [Side::Left, Side::Right].map(|side| {
         let force = spring_force(state, side);
@@ -139,7 +142,10 @@ fn forward_force_loads<T: Real, W: WheelParts<T>>(
             (centre + turn.cross(lever)).x
         };
         let carriers = wheel.carriers;
-        [forward(carriers.by_difference()), forward(carriers.by_mean())]
+        [
+            forward(carriers.by_difference()),
+            forward(carriers.by_mean()),
+        ]
     });
     let work = Work {
         difference: (left[0] - right[0]).scaled(0.5),
@@ -150,11 +156,7 @@ fn forward_force_loads<T: Real, W: WheelParts<T>>(
 
 /// 100 share (L/h) (f_l + f_r) for a unit force forward.
 #[inline(always)]
-fn supported<T: Real, W: WheelParts<T>>(
-    state: &AxleState<T, W>,
-    share: f64,
-    by_carrier: f64,
-) -> T {
+fn supported<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>, share: f64, by_carrier: f64) -> T {
     let c = &state.setup.constants;
     let [left, right] = forward_force_loads(state, by_carrier);
     (left + right).scaled(100.0 * share * c.wheelbase / c.cg_height)

@@ -64,9 +64,7 @@ impl<T: Real> Row<T> {
             Constraint::Revolute { first, second } => {
                 Row::Pinned(Pinned::all(first, second, design, design, origin)[number])
             }
-            Constraint::BallJoint { at } => {
-                Row::Pinned(Pinned::point(at, design, origin)[number])
-            }
+            Constraint::BallJoint { at } => Row::Pinned(Pinned::point(at, design, origin)[number]),
             Constraint::AxleTravel { near, far, held } => {
                 Row::AxleTravel(TravelRow::new(near, far, held))
             }

@@ -224,8 +224,9 @@ impl<T: Scalar> Builder<'_, T> {
                 Constraint::Link { inner, outer } => self.link(inner, outer),
                 Constraint::StrutLine { top, lower, upper } => self.strut(top, lower, upper),
                 Constraint::Revolute { first, second } => self.hinge(first, second),
-                // Studies refuse elastic parts of these.
-                Constraint::BallJoint { .. } | Constraint::AxleTravel { .. } => {}
+                Constraint::BallJoint { at } => self.ball_joint(at),
+                // Studies refuse elastic parts of a rigid axle.
+                Constraint::AxleTravel { .. } => {}
             }
         }
     }
@@ -335,6 +336,19 @@ impl<T: Scalar> Builder<'_, T> {
                 }));
                 self.names.push("strut".to_owned());
             }
+        }
+    }
+
+    /// A ball joint of the carrier at the body. It is rigid: it has no place for a bushing.
+    fn ball_joint(&mut self, at: PointId) {
+        let lever = self.on_carrier(at);
+        let (one, zero) = (lever.x.one(), lever.x.zero());
+        for direction in [
+            Vector3::new(one, zero, zero),
+            Vector3::new(zero, one, zero),
+            Vector3::new(zero, zero, one),
+        ] {
+            self.system.joints.push(Joint::Pin { lever, direction });
         }
     }
 

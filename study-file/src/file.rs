@@ -82,6 +82,8 @@ pub struct Suspension {
     pub frame: Option<Text>,
     /// `[suspension.hardpoints]`
     pub hardpoints: Spanned<BTreeMap<Text, Coordinates>>,
+    /// Links that a solid axle has once, with true y.
+    pub single: Option<Spanned<Vec<Text>>>,
     /// `[suspension.bodies]`: bodies on which ends of springs and rods are mounted.
     #[serde(default)]
     pub bodies: BTreeMap<Text, Text>,

@@ -223,6 +223,9 @@ impl<T: Scalar> Builder<'_, T> {
                 Constraint::Link { inner, outer } => self.link(inner, outer),
                 Constraint::StrutLine { top, lower, upper } => self.strut(top, lower, upper),
                 Constraint::Revolute { first, second } => self.hinge(first, second),
+                Constraint::BallJoint { at } => self.ball_joint(at),
+                // Studies refuse elastic parts of a rigid axle.
+                Constraint::AxleTravel { .. } => {}
             }
         }
     }
@@ -232,8 +235,7 @@ impl<T: Scalar> Builder<'_, T> {
         let at_inner = self.compliance.bushing_at(inner);
         let at_outer = self.compliance.bushing_at(outer);
         let limb = self.system.limbs.len();
-        let name = self.mechanism.name(inner);
-        let name = name.strip_suffix("_inner").unwrap_or(name).to_owned();
+        let name = self.mechanism.link_name(inner).to_owned();
         let rates = [at_inner, at_outer].into_iter().flatten();
         let slope = rates
             .flat_map(|number| self.compliance.bushings[number].shapes.iter().take(3))
@@ -333,6 +335,19 @@ impl<T: Scalar> Builder<'_, T> {
                 }));
                 self.names.push("strut".to_owned());
             }
+        }
+    }
+
+    /// A ball joint of the carrier at the body. It is rigid: it has no place for a bushing.
+    fn ball_joint(&mut self, at: PointId) {
+        let lever = self.on_carrier(at);
+        let (one, zero) = (lever.x.one(), lever.x.zero());
+        for direction in [
+            Vector3::new(one, zero, zero),
+            Vector3::new(zero, one, zero),
+            Vector3::new(zero, zero, one),
+        ] {
+            self.system.joints.push(Joint::Pin { lever, direction });
         }
     }
 

@@ -150,6 +150,7 @@ pub fn bushing_points(mechanism: &Mechanism) -> Vec<PointId> {
             }
             Constraint::StrutLine { top, .. } => points.push(top),
             Constraint::Revolute { first, second } => points.extend([first, second]),
+            Constraint::BallJoint { .. } | Constraint::AxleTravel { .. } => {}
         }
     }
     points.sort();
@@ -161,8 +162,7 @@ pub fn link_members(mechanism: &Mechanism) -> Vec<(String, LinkMember)> {
     let mut members = Vec::new();
     for constraint in &mechanism.constraints {
         if let Constraint::Link { inner, outer } = *constraint {
-            let name = mechanism.name(inner);
-            let name = name.strip_suffix("_inner").unwrap_or(name).to_owned();
+            let name = mechanism.link_name(inner).to_owned();
             members.push((name, LinkMember::Rod { inner, outer }));
         }
     }

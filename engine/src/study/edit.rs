@@ -72,7 +72,9 @@ impl Study {
     /// The study of another design; a right wheel with hardpoints of its own goes the way of the left one.
     pub fn at_design(&self, design: Vec<Vector3<f64>>) -> Study {
         let mut moved = self.clone();
+        let mut design = design;
         if let Some(AxleStudy { axle, .. }) = moved.axle_mut() {
+            axle.complete(&mut design);
             let own = axle.right_design(&design).map(Iterator::collect);
             if let (Some(right), Some(own)) = (&mut axle.right, own) {
                 right.design = own;

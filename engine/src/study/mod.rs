@@ -29,6 +29,7 @@ mod right_wheel;
 mod samples;
 mod schema;
 mod setup;
+mod solid_axle;
 mod solver;
 mod subject;
 mod suspension;

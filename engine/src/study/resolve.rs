@@ -153,7 +153,9 @@ fn resolve(
     let mut problems = Problems::new(source.clone());
 
     let suspension = suspension::suspension(&file, &mut problems);
-    let of_axle = file.axle.is_some();
+    // A solid axle is one without [axle], too.
+    let is_rigid = |s: &Suspension| s.mechanism.rigid_axle.is_some();
+    let of_axle = file.axle.is_some() || suspension.as_ref().is_some_and(is_rigid);
     let motion = match of_axle {
         true => Some(Motion::still()),
         false => motion::motion(&file.motion, false, &mut problems),

@@ -137,6 +137,12 @@ impl Reader<'_> {
                 Some(choose(text, "side", &sides, problems)?)
             }
         };
+        if let Some((text, both, _)) = of_axle
+            && both.axle.is_rigid()
+        {
+            let message = "constraints of a solid axle hold in the design position: expected at = \"design\", and no motion";
+            return problems.refuse(text.span(), message);
+        }
         let Some((text, both, (name, motion))) = of_axle else {
             let site = site(&written.motion, &written.rack, self.context, problems)?;
             return Some(vec![(None, site)]);

@@ -34,6 +34,8 @@ pub enum Unit {
     TorquePerAngle,
     /// Frequency, in hertz.
     Frequency,
+    /// Angle per acceleration, in degrees per g.
+    AnglePerG,
 }
 
 const DEGREES: f64 = 180.0 / PI;
@@ -55,13 +57,14 @@ impl Unit {
             Unit::Torque => "N_m".to_owned(),
             Unit::TorquePerAngle => "N_m_per_deg".to_owned(),
             Unit::Frequency => "Hz".to_owned(),
+            Unit::AnglePerG => "deg_per_g".to_owned(),
         }
     }
 
     /// Factor from a value inside the program to the printed value.
     pub fn printed_factor(self, length: LengthUnit) -> f64 {
         match self {
-            Unit::Angle | Unit::AnglePerLength => DEGREES,
+            Unit::Angle | Unit::AnglePerLength | Unit::AnglePerG => DEGREES,
             Unit::LengthPerAngle => 1.0 / DEGREES,
             Unit::Torque => 1.0 / length.per_metre(),
             Unit::TorquePerAngle => 1.0 / (length.per_metre() * DEGREES),
@@ -78,7 +81,7 @@ impl Unit {
     /// The value inside the program of a printed one.
     pub fn from_printed(self, printed: f64, length: LengthUnit) -> f64 {
         match self {
-            Unit::Angle | Unit::AnglePerLength => printed.to_radians(),
+            Unit::Angle | Unit::AnglePerLength | Unit::AnglePerG => printed.to_radians(),
             _ => printed / self.printed_factor(length),
         }
     }

@@ -295,6 +295,7 @@ pub(super) fn springs(
     let law = |spring: Law| SpringLaw {
         spring,
         bump_stop: stop.clone(),
+        rebound_stop: None,
     };
     Some(Some([law(left?), law(right?)]))
 }

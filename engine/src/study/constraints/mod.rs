@@ -303,6 +303,7 @@ impl Reader<'_> {
             Unit::Torque => (1.0, "N m".to_owned()),
             Unit::TorquePerAngle => (1.0, "N m/deg".to_owned()),
             Unit::Frequency => (0.01, "Hz".to_owned()),
+            Unit::AnglePerG => (0.01, "deg per g".to_owned()),
         };
         let inside = |printed: f64| unit.from_printed(printed, length);
         let [lower, upper] = limits.map(|limit| limit.map(inside));

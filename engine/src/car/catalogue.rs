@@ -69,6 +69,20 @@ pub enum CarNeed {
     Bar,
 }
 
+impl CarNeed {
+    /// What a study must give.
+    pub fn key(self) -> &'static str {
+        match self {
+            CarNeed::RideHeight | CarNeed::RideHeights => {
+                "ride_height_point_front and ride_height_point_rear in [car]"
+            }
+            CarNeed::Air => "[car.aero]",
+            CarNeed::PitchInertia => "pitch_inertia in [car]",
+            CarNeed::Bar => "an anti-roll bar with a rate",
+        }
+    }
+}
+
 /// Entry of a result.
 #[derive(Clone, Copy, Debug)]
 pub struct CarInfo {
@@ -209,7 +223,7 @@ catalogue! {
         LocalDistribution, "lateral_load_transfer_distribution_local", Percent, "always", "100 front/(front + rear) of d(load transfer)/d ay", [], rate, car::local_distribution;
         RollGradient, "roll_gradient", AnglePerG, "rolls to the right as ay grows", "d phi/d ay", [], rate, car::roll_gradient;
         PitchGradient, "pitch_gradient", AnglePerG, "the nose dips as ax grows; below 0 it dips in braking", "d theta/d ax", [], rate, car::pitch_gradient;
-        RollStiffness, "body_roll_stiffness", TorquePerAngle, "always", "1/(d phi/d M), M a couple on the body; A, B held, tyres in series, weight included", [], rate, car::roll_stiffness;
+        RollStiffness, "body_roll_stiffness", TorquePerAngle, "always", "1/(d phi/d M), M a couple on the body about i; tyres in series, weight and side forces included", [], rate, car::roll_stiffness;
         RollStiffnessDistribution, "body_roll_stiffness_distribution", Percent, "always", "100 front/(front + rear) of d(track (N_r - N_l)/2)/d M", [], rate, car::roll_stiffness_distribution;
         AntiDive, "anti_dive_by_force", Percent, "resists the dive", "100 longitudinal parts front/T, T = -sum(F.i) h/L; braking", [], state, car::anti_front;
         AntiLiftRear, "anti_lift_by_force_rear", Percent, "resists the lift", "-100 longitudinal parts rear/T; braking", [], state, car::anti_rear;
@@ -272,6 +286,71 @@ impl CarQuantity {
             return vec![*whole];
         }
         found
+    }
+
+    /// The columns that a study gets which asks for none.
+    pub fn default_columns(car: &Car) -> Vec<CarQuantity> {
+        let whole = |list: &[WholeResult]| -> Vec<CarQuantity> {
+            list.iter().copied().map(CarQuantity::Whole).collect()
+        };
+        let axles = |list: &[AxleResult]| -> Vec<CarQuantity> {
+            let of = |end: AxleEnd| {
+                list.iter()
+                    .map(move |result| CarQuantity::Axle(end, *result))
+            };
+            AxleEnd::ALL.into_iter().flat_map(of).collect()
+        };
+        let mut columns = whole(&[WholeResult::Roll, WholeResult::Pitch, WholeResult::Heave]);
+        columns.extend(axles(&[AxleResult::RideHeight]));
+        let of_wheel = [
+            WheelResult::Travel,
+            WheelResult::Load,
+            WheelResult::Elastic,
+            WheelResult::Geometric,
+            WheelResult::Longitudinal,
+            WheelResult::Unsprung,
+            WheelResult::SideForce,
+            WheelResult::LongitudinalForce,
+            WheelResult::FrictionDemand,
+            WheelResult::Gap,
+            WheelResult::CamberToRoad,
+            WheelResult::Toe,
+            WheelResult::Steer,
+            WheelResult::SpringForce,
+            WheelResult::SpringTravel,
+        ];
+        for place in WheelPlace::ALL {
+            columns.extend(of_wheel.map(|result| CarQuantity::Wheel(place, result)));
+        }
+        columns.extend(axles(&[
+            AxleResult::Transfer,
+            AxleResult::Elastic,
+            AxleResult::Geometric,
+            AxleResult::Longitudinal,
+            AxleResult::Unsprung,
+            AxleResult::RollCentreHeight,
+            AxleResult::ForceRollCentre,
+            AxleResult::RollAxisHeight,
+        ]));
+        columns.extend(whole(&[
+            WholeResult::Distribution,
+            WholeResult::LocalDistribution,
+            WholeResult::RollGradient,
+            WholeResult::PitchGradient,
+            WholeResult::RollStiffness,
+            WholeResult::RollStiffnessDistribution,
+            WholeResult::AntiDive,
+            WholeResult::AntiLiftRear,
+            WholeResult::AntiLiftFront,
+            WholeResult::AntiSquat,
+            WholeResult::RollUndersteer,
+            WholeResult::AeroBalance,
+            WholeResult::WeightFront,
+            WholeResult::WeightLeft,
+            WholeResult::CrossWeight,
+        ]));
+        columns.retain(|quantity| quantity.is_met_by(car));
+        columns
     }
 
     /// Its entry.

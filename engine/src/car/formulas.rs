@@ -2,8 +2,8 @@
 
 use super::catalogue::WheelPlace;
 use super::equations::{
-    Balance, GROUND, LONGITUDINAL, PITCH, PITCH_MOMENT, ROLL, ROLL_MOMENT, SIDE_FORCES, TRAVELS,
-    VERTICAL, WheelState,
+    Balance, GROUND, LONGITUDINAL, PITCH, PITCH_MOMENT, ROLL, SIDE_FORCES, TRAVELS, VERTICAL,
+    WheelState,
 };
 use super::rates::Solved;
 use crate::number::{Jet, Scalar, Vector3};
@@ -265,7 +265,7 @@ pub(super) mod axle {
 
     /// Load that both wheels gain as the ground rises.
     pub(in super::super) fn ride_rate<T: Scalar>(solved: &Solved<'_, T>, axle: usize) -> T {
-        load(&solved.by_body[0], axle)[1]
+        load(&solved.by_heave, axle)[1]
     }
 
     pub(in super::super) fn ride_frequency<T: Scalar>(solved: &Solved<'_, T>, axle: usize) -> T {
@@ -471,47 +471,20 @@ pub(super) mod car {
         axle::roll_steer_gradient(solved, 1) - axle::roll_steer_gradient(solved, 0)
     }
 
-    /// Stiffness of the body by (gamma, phi, theta).
-    fn stiffness<T: Scalar>(solved: &Solved<'_, T>) -> [[T; 3]; 3] {
-        let rows = [(VERTICAL, 1.0), (ROLL_MOMENT, -1.0), (PITCH_MOMENT, -1.0)];
-        rows.map(|(row, sign)| {
-            let along = |state: &Balance<Jet<T, 2>>| state.residuals[row][1].scaled(sign);
-            solved.by_body.each_ref().map(along)
-        })
-    }
-
-    /// The motion (gamma, phi, theta) by a couple whose work is one per roll angle, times a common factor, and that factor.
-    fn by_couple<T: Scalar>(solved: &Solved<'_, T>) -> ([T; 3], T) {
-        let k = stiffness(solved);
-        let minor = |[a, b]: [usize; 2], [c, d]: [usize; 2]| k[a][c] * k[b][d] - k[a][d] * k[b][c];
-        let motion = [
-            -minor([0, 2], [1, 2]),
-            minor([0, 2], [0, 2]),
-            -minor([0, 2], [0, 1]),
-        ];
-        let determinant = k[1][0] * motion[0] + k[1][1] * motion[1] + k[1][2] * motion[2];
-        (motion, determinant)
-    }
-
     pub(in super::super) fn roll_stiffness<T: Scalar>(solved: &Solved<'_, T>) -> T {
-        let (motion, factor) = by_couple(solved);
-        factor / motion[1]
+        let by_couple = roll(&solved.by_couple)[1];
+        by_couple.one() / by_couple
     }
 
     pub(in super::super) fn roll_stiffness_distribution<T: Scalar>(solved: &Solved<'_, T>) -> T {
-        let (motion, _) = by_couple(solved);
-        let [front, rear] = [0, 1].map(|end| {
-            let moment = |state: &Balance<Jet<T, 2>>| {
-                (axle::track(state, end) * axle::load_transfer(state, end))[1]
-            };
-            let by = solved.by_body.each_ref().map(moment);
-            by[0] * motion[0] + by[1] * motion[1] + by[2] * motion[2]
-        });
+        let state = &solved.by_couple;
+        let [front, rear] =
+            [0, 1].map(|end| (axle::track(state, end) * axle::load_transfer(state, end))[1]);
         front.scaled(100.0) / (front + rear)
     }
 
     pub(in super::super) fn heave_rate<T: Scalar>(solved: &Solved<'_, T>) -> T {
-        stiffness(solved)[0][0]
+        solved.by_heave.residuals[VERTICAL][1]
     }
 
     pub(in super::super) fn heave_frequency<T: Scalar>(solved: &Solved<'_, T>) -> T {
@@ -522,7 +495,11 @@ pub(super) mod car {
     /// Squared angular frequencies of the sprung mass in heave and pitch on massless wheels: the roots of
     /// det(K - w M) = 0, M of the height of G and the pitch angle.
     fn body_frequency<T: Scalar>(solved: &Solved<'_, T>, sign: f64) -> T {
-        let k = stiffness(solved);
+        // Vertical force and moment about -e by gamma and theta.
+        let k = [(VERTICAL, 1.0), (PITCH_MOMENT, -1.0)].map(|(row, sign)| {
+            let along = |state: &Balance<Jet<T, 2>>| state.residuals[row][1].scaled(sign);
+            solved.by_attitude.each_ref().map(along)
+        });
         let per_metre = solved.car.per_metre();
         let (mass, cg) = solved.now.sprung;
         let lever = solved.now.road.forward.dot(cg);
@@ -532,8 +509,8 @@ pub(super) mod car {
             [mass * lever, mass * lever.squared() + mass.lit(inertia)],
         ];
         let product = mass.scaled(inertia);
-        let middle = k[0][0] * m[1][1] + k[2][2] * m[0][0] - (k[0][2] + k[2][0]) * m[0][1];
-        let determinant = k[0][0] * k[2][2] - k[0][2] * k[2][0];
+        let middle = k[0][0] * m[1][1] + k[1][1] * m[0][0] - (k[0][1] + k[1][0]) * m[0][1];
+        let determinant = k[0][0] * k[1][1] - k[0][1] * k[1][0];
         let root = (middle.squared() - (product * determinant).scaled(4.0)).sqrt();
         let squared = (middle + root.scaled(sign)) / product.scaled(2.0);
         frequency(squared.scaled(per_metre))

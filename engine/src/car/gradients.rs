@@ -24,7 +24,7 @@ impl<'a> CarSolver<'a> {
     /// The state with its derivatives along directions.
     pub fn solved(
         &mut self,
-        case: &'a Case,
+        case: &Case,
         found: &Equilibrium,
     ) -> Result<Solved<'a, f64>, NoEquilibrium> {
         let readings = self.readings(found)?;
@@ -32,7 +32,7 @@ impl<'a> CarSolver<'a> {
         let base = readings.base(self.held(case, found));
         let plain = Plain::of(&base, &parameters, found.unknowns);
         let plain = plain.ok_or(NoEquilibrium::Singular)?;
-        Ok(Solved::of(&base, &parameters, &plain, |c: f64| c))
+        Ok(Solved::of(self.car, &base, &parameters, &plain, |c: f64| c))
     }
 
     /// Results with their derivatives by everything.
@@ -67,7 +67,7 @@ impl<'a> CarSolver<'a> {
         let x = settle(&base, &tracked, &plain, same);
         let now: Balance<Tracked<'_>> = base.balance(&tracked, x, same);
         let is_along = quantities.iter().any(|quantity| quantity.info().is_rate);
-        let solved = is_along.then(|| Solved::of(&base, &tracked, &plain, same));
+        let solved = is_along.then(|| Solved::of(self.car, &base, &tracked, &plain, same));
         let mut adjoints = Vec::new();
         let mut buffers = linearised.each_ref().map(|axle| axle.buffer());
         let gradient = |quantity: &CarQuantity| {

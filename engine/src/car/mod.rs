@@ -68,6 +68,7 @@ mod parameters;
 mod rates;
 mod road;
 mod solver;
+mod tune;
 
 pub use case::{
     Case, LateralShares, Longitudinal, LongitudinalShares, NoEquilibrium, Setting, TyreAxes,
@@ -80,6 +81,7 @@ pub use gradients::CarGradient;
 pub use parameters::{AxleParameter, BodyParameter, Parameter, Parameters};
 pub use rates::Solved;
 pub use solver::{CarSolver, Equilibrium};
+pub use tune::{CarTarget, CarVariable, Moves, body_key, moved, rate_key, tune};
 
 use crate::axle::Axle;
 use crate::model::{LengthUnit, TorquePath};

@@ -1,7 +1,9 @@
 //! A state with its derivatives along directions: by accelerations of the car and by motions of the body.
 
 use super::Car;
-use super::equations::{BODY, Balance, HELD_ROWS, UNKNOWNS};
+use super::equations::{
+    BODY, Balance, GROUND, HELD_ROWS, PITCH, PITCH_MOMENT, ROLL, ROLL_MOMENT, UNKNOWNS, VERTICAL,
+};
 use super::parameters::{BodyParameter, Parameter, Parameters};
 use super::solver::{Base, Matrix, held_inverse, inverse, tangent};
 use crate::axle::{Reading, WheelParts};
@@ -18,28 +20,52 @@ pub struct Solved<'c, T> {
     pub by_ay: Balance<Jet<T, 2>>,
     /// The state along ax, per g.
     pub by_ax: Balance<Jet<T, 2>>,
-    /// The state along (gamma, phi, theta) of the body, the forces along the ground held.
-    pub by_body: [Balance<Jet<T, 2>>; 3],
+    /// The state along a couple on the body about the direction forward along the ground.
+    pub by_couple: Balance<Jet<T, 2>>,
+    /// The state along gamma: roll, pitch, A and B held.
+    pub by_heave: Balance<Jet<T, 2>>,
+    /// The state along gamma and theta: roll and the other one held; A and B keep the balance along the ground.
+    pub by_attitude: [Balance<Jet<T, 2>>; 2],
 }
 
 /// The plain numbers of a state that its derivatives are made with.
 #[derive(Clone, Debug)]
 pub(super) struct Plain {
     pub unknowns: [f64; UNKNOWNS],
-    /// Inverse of the tangent, and of the tangent with the body held.
+    /// Inverse of the tangent.
     pub inverse: Matrix,
-    pub held_inverse: Matrix,
-    /// Derivatives of the unknowns along ay, ax, gamma, phi, theta.
-    pub rates: [[f64; UNKNOWNS]; 5],
+    /// Inverse with the equations of the whole car replaced by held unknowns.
+    held_inverse: Matrix,
+    /// Inverse with vertical force, roll and pitch moment replaced by held attitude.
+    attitude_inverse: Matrix,
+    /// Derivatives of the unknowns along each direction.
+    rates: [[f64; UNKNOWNS]; 6],
 }
 
-/// The parameter that each direction changes.
-const DIRECTIONS: [Option<Parameter>; 5] = [
-    Some(Parameter::Body(BodyParameter::Ay)),
-    Some(Parameter::Body(BodyParameter::Ax)),
-    None,
-    None,
-    None,
+/// A change of which a state is a function.
+#[derive(Clone, Copy, Debug)]
+enum Direction {
+    Parameter(BodyParameter),
+    Couple,
+    Heave,
+    /// gamma or theta, by its row among [`ATTITUDE`].
+    Attitude(usize),
+}
+
+const DIRECTIONS: [Direction; 6] = [
+    Direction::Parameter(BodyParameter::Ay),
+    Direction::Parameter(BodyParameter::Ax),
+    Direction::Couple,
+    Direction::Heave,
+    Direction::Attitude(VERTICAL),
+    Direction::Attitude(PITCH_MOMENT),
+];
+
+/// Equations that held attitude replaces, and the unknowns that stand for them.
+const ATTITUDE: [(usize, usize); 3] = [
+    (VERTICAL, GROUND),
+    (ROLL_MOMENT, ROLL),
+    (PITCH_MOMENT, PITCH),
 ];
 
 impl Plain {
@@ -50,39 +76,70 @@ impl Plain {
         unknowns: [f64; UNKNOWNS],
     ) -> Option<Self> {
         let (_, tangent) = tangent(base, parameters, &unknowns);
-        let (inverse, held_inverse) = (inverse(&tangent)?, held_inverse(&tangent)?);
-        let mut rates = [[0.0; UNKNOWNS]; 5];
-        for (rate, parameter) in rates.iter_mut().zip(DIRECTIONS) {
-            if let Some(parameter) = parameter {
-                let moved = moving(parameters, Some(parameter));
-                let still = unknowns.map(Jet::constant);
-                let balance = base.balance(&moved, still, |c: f64| Jet::constant(c));
-                *rate = times(&inverse, balance.residuals.map(|row: Jet<f64, 2>| -row[1]));
-            }
+        let mut with_attitude = tangent;
+        for (row, unknown) in ATTITUDE {
+            with_attitude[row].fill(0.0);
+            with_attitude[row][unknown] = 1.0;
         }
-        for (rate, column) in rates[2..].iter_mut().zip(HELD_ROWS) {
-            *rate = std::array::from_fn(|k| held_inverse[k][BODY + column]);
-        }
-        Some(Plain {
+        let mut plain = Plain {
             unknowns,
-            inverse,
-            held_inverse,
-            rates,
-        })
+            inverse: inverse(&tangent)?,
+            held_inverse: held_inverse(&tangent)?,
+            attitude_inverse: inverse(&with_attitude)?,
+            rates: [[0.0; UNKNOWNS]; 6],
+        };
+        for (number, direction) in DIRECTIONS.into_iter().enumerate() {
+            let column = |matrix: &Matrix, column: usize| -> [f64; UNKNOWNS] {
+                std::array::from_fn(|k| matrix[k][column])
+            };
+            plain.rates[number] = match direction {
+                Direction::Parameter(_) => {
+                    let moved = direction.moving(parameters);
+                    let still = unknowns.map(Jet::constant);
+                    let balance = base.balance(&moved, still, |c: f64| Jet::constant(c));
+                    let residuals = balance.residuals.map(|row: Jet<f64, 2>| -row[1]);
+                    times(&plain.inverse, residuals)
+                }
+                Direction::Couple => {
+                    let level = unknowns[PITCH].cos();
+                    column(&plain.inverse, ROLL_MOMENT).map(|c| -c * level)
+                }
+                Direction::Heave => column(&plain.held_inverse, BODY + HELD_ROWS[0]),
+                Direction::Attitude(row) => column(&plain.attitude_inverse, row),
+            };
+        }
+        Some(plain)
     }
 }
 
-/// The parameters along a direction.
-fn moving<T: Real>(
-    parameters: &Parameters<T>,
-    direction: Option<Parameter>,
-) -> Parameters<Jet<T, 2>> {
-    let mut moved = parameters.map(Jet::constant);
-    if let Some(parameter) = direction {
-        let number = &mut moved.0[parameter.place()];
-        number.0[1] = number.0[0].one();
+impl Direction {
+    /// The parameters along the direction.
+    fn moving<T: Real>(self, parameters: &Parameters<T>) -> Parameters<Jet<T, 2>> {
+        let mut moved = parameters.map(Jet::constant);
+        if let Direction::Parameter(parameter) = self {
+            let number = &mut moved.0[Parameter::Body(parameter).place()];
+            number.0[1] = number.0[0].one();
+        }
+        moved
     }
-    moved
+
+    /// What is left of the equations along the direction, from the rates of the residuals; `level` is the work of the
+    /// couple by the roll angle.
+    fn defect<T: Real>(self, mut rates: [T; UNKNOWNS], level: T) -> [T; UNKNOWNS] {
+        let zero = level.zero();
+        match self {
+            Direction::Parameter(_) => {}
+            Direction::Couple => rates[ROLL_MOMENT] = rates[ROLL_MOMENT] + level,
+            // The body moves as it is told.
+            Direction::Heave => rates[BODY..].fill(zero),
+            Direction::Attitude(_) => {
+                for (row, _) in ATTITUDE {
+                    rates[row] = zero;
+                }
+            }
+        }
+        rates
+    }
 }
 
 /// A matrix of plain numbers times a vector.
@@ -116,14 +173,16 @@ pub(super) fn settle<T: Scalar, U: Real, R: WheelParts<U>>(
 impl<'c, T: Scalar> Solved<'c, T> {
     /// The state near plain numbers with all its derivatives.
     pub(super) fn of<U: Real, R: WheelParts<U>>(
-        base: &Base<'c, '_, R>,
+        car: &'c Car,
+        base: &Base<'_, '_, R>,
         parameters: &Parameters<T>,
         plain: &Plain,
         lift: impl Fn(U) -> T + Copy,
     ) -> Self {
         let x = settle(base, parameters, plain, lift);
         let along = |number: usize| {
-            let moved = moving(parameters, DIRECTIONS[number]);
+            let direction = DIRECTIONS[number];
+            let moved = direction.moving(parameters);
             let lifted = move |c: U| Jet::<T, 2>::constant(lift(c));
             let evaluate = |rates: [T; UNKNOWNS]| {
                 let mut series = x.map(Jet::<T, 2>::constant);
@@ -133,26 +192,27 @@ impl<'c, T: Scalar> Solved<'c, T> {
                 base.balance(&moved, series, lifted)
             };
             let mut rates = plain.rates[number].map(|c| x[0].lit(c));
-            let mut residuals = evaluate(rates).residuals.map(|row: Jet<T, 2>| row[1]);
-            let inverse = match DIRECTIONS[number] {
-                Some(_) => &plain.inverse,
-                None => {
-                    // The body moves as it is told.
-                    residuals[BODY..].fill(x[0].zero());
-                    &plain.held_inverse
-                }
+            let first = evaluate(rates);
+            let level = first.road.forward.x[0];
+            let defect = direction.defect(first.residuals.map(|row| row[1]), level);
+            let inverse = match direction {
+                Direction::Parameter(_) | Direction::Couple => &plain.inverse,
+                Direction::Heave => &plain.held_inverse,
+                Direction::Attitude(_) => &plain.attitude_inverse,
             };
-            for (rate, step) in rates.iter_mut().zip(times(inverse, residuals)) {
+            for (rate, step) in rates.iter_mut().zip(times(inverse, defect)) {
                 *rate = *rate - step;
             }
             evaluate(rates)
         };
         Solved {
-            car: base.held.car,
+            car,
             now: base.balance(parameters, x, lift),
             by_ay: along(0),
             by_ax: along(1),
-            by_body: [along(2), along(3), along(4)],
+            by_couple: along(2),
+            by_heave: along(3),
+            by_attitude: [along(4), along(5)],
         }
     }
 }

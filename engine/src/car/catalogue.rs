@@ -1,9 +1,9 @@
 //! Results of a car: for each a name, a unit, a sign, and its formula.
 
-use super::Car;
 use super::equations::Balance;
 use super::formulas::{axle, car, wheel};
 use super::rates::Solved;
+use super::{Car, Case, Longitudinal};
 use crate::ask::Unit;
 use crate::model::LengthUnit;
 use crate::number::Scalar;
@@ -391,6 +391,44 @@ impl CarQuantity {
             }
             (CarNeed::Bar, _) => true,
         })
+    }
+
+    /// Why the result has no value in a case, if it has none: a quotient of zeros, or of the other kind of force.
+    pub fn undefined_in(self, case: &Case) -> Option<&'static str> {
+        use WholeResult::{
+            AntiDive, AntiLiftFront, AntiLiftRear, AntiSquat, Distribution, DistributionElastic,
+            DistributionGeometric, DistributionLongitudinal, DistributionUnsprung,
+        };
+        let CarQuantity::Whole(result) = self else {
+            return None;
+        };
+        let is_braked = case.setting.longitudinal == Longitudinal::Brake;
+        match result {
+            Distribution
+            | DistributionElastic
+            | DistributionGeometric
+            | DistributionLongitudinal
+            | DistributionUnsprung
+                if case.ay == 0.0 =>
+            {
+                Some("at ay = 0 no load is transferred across the car")
+            }
+            AntiDive | AntiLiftRear if !is_braked => Some("it is of braking, and the case drives"),
+            AntiLiftFront | AntiSquat if is_braked => Some("it is of drive, and the case brakes"),
+            AntiDive | AntiLiftRear | AntiLiftFront | AntiSquat if case.ax == 0.0 => {
+                Some("at ax = 0 no load is transferred along the car")
+            }
+            _ => None,
+        }
+    }
+
+    /// The value as printed, or `None` where it is not defined.
+    pub fn printed(self, solved: &Solved<'_, f64>, case: &Case) -> Option<f64> {
+        if self.undefined_in(case).is_some() {
+            return None;
+        }
+        let value = self.evaluate(solved) * self.info().unit.printed_factor(solved.car.length_unit);
+        value.is_finite().then_some(value)
     }
 
     /// The value of a result that is no derivative of the state; NaN for others.

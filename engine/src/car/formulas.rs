@@ -2,7 +2,7 @@
 
 use super::catalogue::WheelPlace;
 use super::equations::{
-    Balance, GROUND, LONGITUDINAL, PITCH, PITCH_MOMENT, ROLL, SIDE_FORCES, TRAVELS, VERTICAL,
+    BODY, Balance, GROUND, LONGITUDINAL, PITCH, PITCH_MOMENT, ROLL, SIDE_FORCES, TRAVELS, VERTICAL,
     WheelState,
 };
 use super::rates::Solved;
@@ -495,11 +495,15 @@ pub(super) mod car {
     /// Squared angular frequencies of the sprung mass in heave and pitch on massless wheels: the roots of
     /// det(K - w M) = 0, M of the height of G and the pitch angle.
     fn body_frequency<T: Scalar>(solved: &Solved<'_, T>, sign: f64) -> T {
-        // Vertical force and moment about -e by gamma and theta.
-        let k = [(VERTICAL, 1.0), (PITCH_MOMENT, -1.0)].map(|(row, sign)| {
-            let along = |state: &Balance<Jet<T, 2>>| state.residuals[row][1].scaled(sign);
-            solved.by_attitude.each_ref().map(along)
-        });
+        // Vertical force, and moment about -e at the mean contact point of the design position, by gamma and theta.
+        let height = solved.now.road.up.dot(solved.now.design_contact);
+        let along = |state: &Balance<Jet<T, 2>>| {
+            let [forward, up, pitch] =
+                [BODY, VERTICAL, PITCH_MOMENT].map(|row| state.residuals[row][1]);
+            [up, height * forward - pitch]
+        };
+        let [by_heave, by_pitch] = [along(&solved.by_heave), along(&solved.by_pitch)];
+        let k = [[by_heave[0], by_pitch[0]], [by_heave[1], by_pitch[1]]];
         let per_metre = solved.car.per_metre();
         let (mass, cg) = solved.now.sprung;
         let lever = solved.now.road.forward.dot(cg);

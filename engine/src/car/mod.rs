@@ -68,6 +68,7 @@ mod parameters;
 mod rates;
 mod road;
 mod solver;
+mod templates;
 mod tune;
 
 pub use case::{
@@ -81,6 +82,7 @@ pub use gradients::CarGradient;
 pub use parameters::{AxleParameter, BodyParameter, Parameter, Parameters};
 pub use rates::Solved;
 pub use solver::{CarSolver, Equilibrium};
+pub use templates::{CarTemplate, TEMPLATES};
 pub use tune::{CarTarget, CarVariable, Moves, body_key, moved, rate_key, tune};
 
 use crate::axle::Axle;

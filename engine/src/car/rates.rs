@@ -1,9 +1,7 @@
 //! A state with its derivatives along directions: by accelerations of the car and by motions of the body.
 
 use super::Car;
-use super::equations::{
-    BODY, Balance, GROUND, HELD_ROWS, PITCH, PITCH_MOMENT, ROLL, ROLL_MOMENT, UNKNOWNS, VERTICAL,
-};
+use super::equations::{BODY, Balance, HELD_ROWS, PITCH, ROLL_MOMENT, UNKNOWNS};
 use super::parameters::{BodyParameter, Parameter, Parameters};
 use super::solver::{Base, Matrix, held_inverse, inverse, tangent};
 use crate::axle::{Reading, WheelParts};
@@ -24,8 +22,8 @@ pub struct Solved<'c, T> {
     pub by_couple: Balance<Jet<T, 2>>,
     /// The state along gamma: roll, pitch, A and B held.
     pub by_heave: Balance<Jet<T, 2>>,
-    /// The state along gamma and theta: roll and the other one held; A and B keep the balance along the ground.
-    pub by_attitude: [Balance<Jet<T, 2>>; 2],
+    /// The state along theta: gamma, roll, A and B held.
+    pub by_pitch: Balance<Jet<T, 2>>,
 }
 
 /// The plain numbers of a state that its derivatives are made with.
@@ -36,10 +34,8 @@ pub(super) struct Plain {
     pub inverse: Matrix,
     /// Inverse with the equations of the whole car replaced by held unknowns.
     held_inverse: Matrix,
-    /// Inverse with vertical force, roll and pitch moment replaced by held attitude.
-    attitude_inverse: Matrix,
     /// Derivatives of the unknowns along each direction.
-    rates: [[f64; UNKNOWNS]; 6],
+    rates: [[f64; UNKNOWNS]; 5],
 }
 
 /// A change of which a state is a function.
@@ -47,25 +43,16 @@ pub(super) struct Plain {
 enum Direction {
     Parameter(BodyParameter),
     Couple,
-    Heave,
-    /// gamma or theta, by its row among [`ATTITUDE`].
-    Attitude(usize),
+    /// A motion of the body, by its place among [`HELD_ROWS`].
+    Body(usize),
 }
 
-const DIRECTIONS: [Direction; 6] = [
+const DIRECTIONS: [Direction; 5] = [
     Direction::Parameter(BodyParameter::Ay),
     Direction::Parameter(BodyParameter::Ax),
     Direction::Couple,
-    Direction::Heave,
-    Direction::Attitude(VERTICAL),
-    Direction::Attitude(PITCH_MOMENT),
-];
-
-/// Equations that held attitude replaces, and the unknowns that stand for them.
-const ATTITUDE: [(usize, usize); 3] = [
-    (VERTICAL, GROUND),
-    (ROLL_MOMENT, ROLL),
-    (PITCH_MOMENT, PITCH),
+    Direction::Body(0),
+    Direction::Body(2),
 ];
 
 impl Plain {
@@ -76,17 +63,11 @@ impl Plain {
         unknowns: [f64; UNKNOWNS],
     ) -> Option<Self> {
         let (_, tangent) = tangent(base, parameters, &unknowns);
-        let mut with_attitude = tangent;
-        for (row, unknown) in ATTITUDE {
-            with_attitude[row].fill(0.0);
-            with_attitude[row][unknown] = 1.0;
-        }
         let mut plain = Plain {
             unknowns,
             inverse: inverse(&tangent)?,
             held_inverse: held_inverse(&tangent)?,
-            attitude_inverse: inverse(&with_attitude)?,
-            rates: [[0.0; UNKNOWNS]; 6],
+            rates: [[0.0; UNKNOWNS]; 5],
         };
         for (number, direction) in DIRECTIONS.into_iter().enumerate() {
             let column = |matrix: &Matrix, column: usize| -> [f64; UNKNOWNS] {
@@ -104,8 +85,7 @@ impl Plain {
                     let level = unknowns[PITCH].cos();
                     column(&plain.inverse, ROLL_MOMENT).map(|c| -c * level)
                 }
-                Direction::Heave => column(&plain.held_inverse, BODY + HELD_ROWS[0]),
-                Direction::Attitude(row) => column(&plain.attitude_inverse, row),
+                Direction::Body(place) => column(&plain.held_inverse, BODY + HELD_ROWS[place]),
             };
         }
         Some(plain)
@@ -126,17 +106,11 @@ impl Direction {
     /// What is left of the equations along the direction, from the rates of the residuals; `level` is the work of the
     /// couple by the roll angle.
     fn defect<T: Real>(self, mut rates: [T; UNKNOWNS], level: T) -> [T; UNKNOWNS] {
-        let zero = level.zero();
         match self {
             Direction::Parameter(_) => {}
             Direction::Couple => rates[ROLL_MOMENT] = rates[ROLL_MOMENT] + level,
             // The body moves as it is told.
-            Direction::Heave => rates[BODY..].fill(zero),
-            Direction::Attitude(_) => {
-                for (row, _) in ATTITUDE {
-                    rates[row] = zero;
-                }
-            }
+            Direction::Body(_) => rates[BODY..].fill(level.zero()),
         }
         rates
     }
@@ -197,8 +171,7 @@ impl<'c, T: Scalar> Solved<'c, T> {
             let defect = direction.defect(first.residuals.map(|row| row[1]), level);
             let inverse = match direction {
                 Direction::Parameter(_) | Direction::Couple => &plain.inverse,
-                Direction::Heave => &plain.held_inverse,
-                Direction::Attitude(_) => &plain.attitude_inverse,
+                Direction::Body(_) => &plain.held_inverse,
             };
             for (rate, step) in rates.iter_mut().zip(times(inverse, defect)) {
                 *rate = *rate - step;
@@ -212,7 +185,7 @@ impl<'c, T: Scalar> Solved<'c, T> {
             by_ax: along(1),
             by_couple: along(2),
             by_heave: along(3),
-            by_attitude: [along(4), along(5)],
+            by_pitch: along(4),
         }
     }
 }

@@ -701,6 +701,12 @@ impl Resolver<'_> {
             .map(|(k, case)| (case.name.as_str(), k))
             .collect();
         let case = choose(&written.case, "case", &names, self.problems)?;
+        for quantity in &quantities {
+            if let Some(why) = quantity.undefined_in(&cases[case]) {
+                let message = format!("{} has no value in this case: {why}", quantity.name());
+                return self.problems.refuse(written.case.span(), message);
+            }
+        }
         let tolerance = above_zero(&written.tolerance, self.problems)?;
         let weight = positive(&written.weight, self.problems)?.unwrap_or(1.0);
         let target = |quantity: CarQuantity| CarTarget {
@@ -805,6 +811,11 @@ impl Resolver<'_> {
         }
         Some(CarVariable { moves, range })
     }
+}
+
+/// A text with edits `path=value`, as `--set` makes them; as it is if one of them does not fit.
+pub fn edited(text: &str, edits: &[String]) -> String {
+    overrides::apply("study", text, edits).unwrap_or_else(|_| text.to_owned())
 }
 
 fn lateral_shares(

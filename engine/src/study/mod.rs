@@ -41,7 +41,7 @@ pub use crate::analyse::LoadPoint;
 pub use crate::solve::Drive;
 pub use axle::AxleStudy;
 pub use axle_targets::AxleSite;
-pub use car::{CarOptimise, CarStudy, GgMap};
+pub use car::{CarOptimise, CarStudy, GgMap, edited};
 pub use compliance::ComplianceStudy;
 pub use designs_file::DesignTable;
 pub use hardpoint_study_file::error::{StudyError, StudyErrors};

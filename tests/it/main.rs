@@ -9,6 +9,7 @@ mod assemblies;
 mod axle;
 mod bench;
 mod builds;
+mod car;
 mod certificate;
 mod command_line;
 mod compliance;

@@ -1,5 +1,7 @@
 //! The whole car: against independent answers, and against what statics says.
 
+mod commands;
+mod mechanics;
 mod reference;
 
 use hardpoint::axle::{Axle, BumpStop, ForceCurve, Law, Setup, SpringLaw};

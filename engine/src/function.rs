@@ -213,9 +213,9 @@ fn of_axle(AxleStudy { axle, plan, .. }: &AxleStudy) -> (Request<'static>, Vec<[
     (Request::of_axle(stations), motion)
 }
 
-/// A workspace of a [`DesignFunction`]. It computes on the thread that calls: where the engine was compiled without
-/// optimisation (the dev profile of a program that embeds it) that takes 8 MiB of stack, four times the stack that a thread
-/// of `std::thread` or rayon has by default.
+/// A workspace of a [`DesignFunction`]. It computes on the calling thread. If the engine is compiled without
+/// optimisation, as in the dev profile of a program that embeds it, that takes 8 MiB of stack. A thread of
+/// `std::thread` or rayon has a quarter of that by default.
 pub struct Evaluation<'f> {
     function: &'f DesignFunction,
     values: Option<Values<'f>>,
@@ -413,6 +413,23 @@ impl DesignFunction {
         for ((variable, x), into) in self.names.iter().zip(x).zip(into.iter_mut()) {
             *into = if variable.absolute { 0.0 } else { *x };
         }
+    }
+
+    /// The study of this function with the variables at `x`.
+    pub fn moved(&self, study: &Study, x: &[f64]) -> Study {
+        let mut offsets = DVector::zeros(self.names.len());
+        self.offsets(x, &mut offsets);
+        let mut left = self.suspension.design.clone();
+        self.design(x, &offsets, &mut left);
+        let mut moved = study.at_design(left.clone());
+        if let Some(own) = &self.right {
+            let mut design = own.design.clone();
+            self.right_design(own, &offsets, &left, &mut design);
+            if let Some(right) = moved.axle_mut().and_then(|both| both.axle.right.as_mut()) {
+                right.design = design;
+            }
+        }
+        moved
     }
 
     /// Writes the design of a right wheel with hardpoints of its own, which moves as the left one does, into `into`.

@@ -15,7 +15,7 @@ use crate::plan::Plan;
 use crate::report::{Cell, Column, SolveSummary, Summary, Table, as_written, counted};
 use crate::solve::StationOrder;
 use crate::study::{
-    CarStudy, Designs, Drive, Formulation, Study, Sweep, Tolerance, Vehicle, WheelStudy,
+    CarStudy, Designs, Drive, Formulation, Scatter, Study, Sweep, Tolerance, Vehicle, WheelStudy,
 };
 use crate::sweep::SweepPlan;
 use crate::tolerance::Problem;
@@ -153,6 +153,7 @@ fn asked(study: &Study) -> Vec<String> {
             counted(optimise.targets.len(), "target"),
             counted(optimise.starts, "start")
         ));
+        said.extend(optimise.scatter.as_ref().map(robust));
         let effects = match optimise.side_effects {
             true => "changes that no target asks for are reported",
             false => "off, by side_effects = false",
@@ -168,6 +169,15 @@ fn asked(study: &Study) -> Vec<String> {
     }
     said.extend(study.tolerance.as_ref().map(|of| scattered(study, of)));
     said
+}
+
+/// Sentence on a robust tuning.
+fn robust(scatter: &Scatter) -> String {
+    let builds = counted(scatter.builds, "build");
+    match scatter.lowers_misfit() {
+        true => format!("Robust tuning: lowers the mean squared misfit of {builds}."),
+        false => format!("Robust tuning: raises the share of {builds} within the bands."),
+    }
 }
 
 /// Sentence on the scatter, and the reason if builds do not use SIMD lanes.

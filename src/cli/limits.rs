@@ -3,6 +3,7 @@
 use super::exit::{Exit, Stop};
 use super::output::design_fault;
 use super::printer::Printer;
+use super::save::save;
 use super::{LimitsArguments, StudyArguments};
 use crate::analyse::{Limit, Limits, Range, RangeEnd};
 use crate::axle::{Axle, AxleEnd};
@@ -12,26 +13,59 @@ use crate::derive::MotionPoint;
 use crate::mechanism::{DesignFault, LimitCause, Toggle};
 use crate::model::{self, Axis, PointId, RockerId, Side};
 use crate::plan::Plan;
-use crate::report::{Cell, Column, FailureRange, Table, as_written, brief};
+use crate::report::{Cell, Column, FailureRange, Table, as_written, brief, limits_page};
 use crate::solve::Solver;
 use crate::solved::Solved;
 use crate::study::{AxleStudy, Drive, Study, Vehicle, WheelStudy};
 use std::ops::ControlFlow;
+use std::path::Path;
 
 pub(super) fn run(arguments: &LimitsArguments) -> Result<Exit, Stop> {
-    let (builds, arguments) = (arguments.builds, &arguments.study);
+    let (builds, page) = (arguments.builds, arguments.report.as_deref());
+    let page = page.map(|path| Page {
+        path,
+        force: arguments.force,
+    });
+    let arguments = &arguments.study;
     let path = &arguments.study;
     let study = Study::read(path, &arguments.set)?;
     if let Some(count) = builds {
         return super::limits_of_builds::run(arguments, &study, count);
     }
     match &study.vehicle {
-        Vehicle::Axle(both) => of_axle(arguments, &study, both),
-        Vehicle::Wheel(own) => of_wheel(arguments, &study, own),
+        Vehicle::Axle(both) => of_axle(arguments, &study, both, page),
+        Vehicle::Wheel(own) => of_wheel(arguments, &study, own, page),
     }
 }
 
-fn of_wheel(arguments: &StudyArguments, study: &Study, own: &WheelStudy) -> Result<Exit, Stop> {
+/// The page that was asked for.
+#[derive(Clone, Copy)]
+struct Page<'a> {
+    path: &'a Path,
+    force: bool,
+}
+
+impl Page<'_> {
+    fn save(
+        self,
+        arguments: &StudyArguments,
+        study: &Study,
+        limits: &Table,
+        notes: &[String],
+        failures: &[String],
+    ) -> Result<(), Stop> {
+        let page = limits_page(&study.name, limits, notes, failures);
+        let inputs = [arguments.study.clone()];
+        save(self.path, page.as_bytes(), self.force, &inputs)
+    }
+}
+
+fn of_wheel(
+    arguments: &StudyArguments,
+    study: &Study,
+    own: &WheelStudy,
+    page: Option<Page<'_>>,
+) -> Result<Exit, Stop> {
     let path = &arguments.study;
     let suspension = &own.suspension;
     let fault = |fault| design_fault(study, path, &fault);
@@ -49,10 +83,10 @@ fn of_wheel(arguments: &StudyArguments, study: &Study, own: &WheelStudy) -> Resu
         NamedCurves::all(&motion_alone(study)).map_err(|why| Stop::in_file(path, why))?;
 
     let mut out = Printer::new(arguments.format);
-    out.table("limits", table(study, &limits, &by_rack))?;
+    let table = table(study, &limits, &by_rack);
+    let mut notes = Vec::new();
     if study.motion().drive != Drive::PaperTheta {
-        let margin = margin(study, &plan, &mut solver, &by_rack, &moved).map_err(fault)?;
-        out.say(&format!("\n{margin}\n"))?;
+        notes.push(margin(study, &plan, &mut solver, &by_rack, &moved).map_err(fault)?);
     }
     let failures = FailureRange::all(&moved, suspension);
     let failures = failures
@@ -62,6 +96,13 @@ fn of_wheel(arguments: &StudyArguments, study: &Study, own: &WheelStudy) -> Resu
         .iter()
         .flat_map(|motion| motion.failures(suspension));
     let failures: Vec<String> = failures.chain(of_motions).collect();
+    if let Some(page) = page {
+        page.save(arguments, study, &table, &notes, &failures)?;
+    }
+    out.table("limits", table)?;
+    for note in &notes {
+        out.say(&format!("\n{note}\n"))?;
+    }
     for failure in &failures {
         out.failure(&format!("\n{failure}\n"))?;
     }
@@ -70,7 +111,12 @@ fn of_wheel(arguments: &StudyArguments, study: &Study, own: &WheelStudy) -> Resu
 }
 
 /// The limits of an axle: which wheel ends what.
-fn of_axle(arguments: &StudyArguments, study: &Study, both: &AxleStudy) -> Result<Exit, Stop> {
+fn of_axle(
+    arguments: &StudyArguments,
+    study: &Study,
+    both: &AxleStudy,
+    page: Option<Page<'_>>,
+) -> Result<Exit, Stop> {
     let (path, axle) = (&arguments.study, &both.axle);
     let fault = |why| Stop::in_file(path, why);
     let limits = axle.limits();
@@ -94,6 +140,12 @@ fn of_axle(arguments: &StudyArguments, study: &Study, both: &AxleStudy) -> Resul
     }
     if let [Some(lower), Some(upper)] = &limits.roll {
         table.push(Row::roll().cells([lower, upper].map(end)));
+    }
+    if let Some(page) = page {
+        let lines = failures
+            .iter()
+            .map(|failure| format!("not solved: {failure}"));
+        page.save(arguments, study, &table, &[], &lines.collect::<Vec<_>>())?;
     }
     let mut out = Printer::new(arguments.format);
     out.table("limits", table)?;

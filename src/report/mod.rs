@@ -61,7 +61,7 @@ pub use finished::{FinishedRun, NotARun};
 pub use fitted::FittedOffset;
 pub use kc::{KcResults, elastic_parts, no_equilibrium};
 pub(crate) use orientation::{Directions, Reading, Verdict};
-pub use page::{comparison_page, page, sweep_page};
+pub use page::{comparison_page, limits_page, page, set_up_page, sweep_page};
 pub use picture::{Picture, picture_names, pictures};
 pub use places::{Clearance, Places, Rim, Shape};
 pub use plausibility::{

@@ -480,6 +480,55 @@ impl TuningSummary {
         table
     }
 
+    /// Moves of the hardpoints by axis, the largest first. Of points that move together it has those of the first, and
+    /// then no distances.
+    pub fn moved_points(&self, unit: &str) -> Table {
+        let mut moves: Vec<(&str, [f64; 3])> = Vec::new();
+        for variable in &self.variables {
+            let (Some(offset), Some(axis)) = (
+                variable.offset,
+                ["x", "y", "z"].iter().position(|a| *a == variable.axis),
+            ) else {
+                continue;
+            };
+            let known = moves
+                .iter()
+                .position(|(name, _)| *name == variable.hardpoint);
+            let at = known.unwrap_or_else(|| {
+                moves.push((&variable.hardpoint, [0.0; 3]));
+                moves.len() - 1
+            });
+            moves[at].1[axis] += offset;
+        }
+        let length = |by: &[f64; 3]| by.iter().map(|c| c * c).sum::<f64>().sqrt();
+        moves.retain(|(_, by)| length(by) > 0.0);
+        moves.sort_by(|a, b| length(&b.1).total_cmp(&length(&a.1)));
+        // A point that also moves with others goes farther than its own row says.
+        let has_distance = !moves.iter().any(|(name, _)| name.contains('+'));
+        let distance = has_distance.then(|| Column::from(format!("distance [{unit}]")));
+        let names = ["point", "x", "y", "z"].map(Column::from);
+        let mut table = Table::with_columns(names.into_iter().chain(distance));
+        let decimals = match unit {
+            "m" => 5,
+            "in" => 4,
+            _ => 2,
+        };
+        let shown = |by: f64| with_decimals(by, decimals);
+        let signed = |by: f64| match shown(by) {
+            text if by > 0.0 => format!("+{text}"),
+            text => text,
+        };
+        for (name, by) in moves {
+            let mut row = vec![Cell::from(name)];
+            row.extend(by.map(|c| Cell::by(Some(c).filter(|c| *c != 0.0), signed)));
+            if has_distance {
+                row.push(Cell::by(Some(length(&by)), shown));
+            }
+            table.push_row(row);
+        }
+        table
+    }
+
     /// How well each target was and is met, in tolerances.
     pub fn targets_table(&self) -> Table {
         let readers = [

@@ -20,10 +20,10 @@ const ISO: &str = "ISO 8855";
 const VELOCITIES: &str = "velocities of the contact points; agrees with the statics of the links";
 const VIRTUAL_WORK: &str = "virtual work of springs and anti-roll bar; parts weigh nothing";
 
-/// Defines the catalogue. A line has the variant, name, unit, meaning of a positive value, formula, source, needs, slots of
-/// each wheel that it reads beside position and carrier, order of its derivatives, `by_rack` (axle only), `lanes` or
-/// `one_by_one` for sweeps, function, and a reason for having no value (axle only). Functions for lanes are generic over
-/// [`Real`](crate::number::Real) and inlined throughout.
+/// Defines the catalogue. A line has, in this order: variant, name, unit, meaning of a positive value, formula, source,
+/// and needs; the slots of each wheel that it reads beside position and carrier; the order of its derivatives;
+/// `by_rack` (axle only); `lanes` or `one_by_one` for sweeps; its function; and a reason for having no value (axle
+/// only). Functions for lanes are generic over [`Real`](crate::number::Real) and inlined throughout.
 macro_rules! catalogue {
     (@is_for lanes) => { true };
     (@is_for one_by_one) => { false };

@@ -29,8 +29,8 @@ pub struct AxleProof {
     pub travel_error: f64,
     /// The roll angle is no further than this from the exact one, in radians; 0 if it is given.
     pub roll_error: f64,
-    /// Any other position differs by more than this in a coordinate of the origin of a wheel carrier or, counted at
-    /// the mechanism's size, in an entry of a rotation or in the roll angle.
+    /// Any other position differs by more than this in a coordinate of the origin of a wheel carrier, in an entry of a
+    /// rotation times the mechanism's size, or in the roll angle times that size.
     pub uniqueness: f64,
 }
 
@@ -51,6 +51,8 @@ struct Wheel<'a> {
 
 /// Times that an interval is made four times as short before nothing is proved.
 const MOST_QUARTERINGS: usize = 24;
+/// Share of an interval that is tried next, where nothing is proved in it. It changes the path, not the result.
+const NARROWER: f64 = 0.25;
 /// Half the widest interval in which a root is looked for, of a roll angle.
 const WIDEST_ROLL: f64 = 0.1;
 
@@ -83,7 +85,7 @@ impl Root {
                 let off = off_by(off).unwrap_or(off);
                 return Some(Root { off, alone });
             }
-            alone *= 0.25;
+            alone *= NARROWER;
         }
         None
     }

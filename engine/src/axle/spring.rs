@@ -181,6 +181,49 @@ mod tests {
         assert!(ForceCurve::through(&[[1.0, 0.0], [1.0, 2.0]]).is_none());
     }
 
+    /// Between points the curve is Hermite's cubic with the slopes of Fritsch and Butland; beyond the ends it is straight.
+    #[test]
+    fn a_curve_has_the_slopes_of_fritsch_and_butland() {
+        let points = [
+            [-3.0, -50.0],
+            [1.0, 10.0],
+            [3.5, 250.0],
+            [4.0, 240.0],
+            [6.0, 300.0],
+        ];
+        let curve = ForceCurve::through(&points).unwrap();
+        let secant = |i: usize| {
+            let [[a, left], [b, right]] = [points[i], points[i + 1]];
+            (right - left) / (b - a)
+        };
+        let slope = |i: usize| match i {
+            0 => secant(0),
+            4 => secant(3),
+            // The curve turns at these points.
+            2 | 3 => 0.0,
+            _ => {
+                let (h, k) = (4.0, 2.5);
+                3.0 * (h + k) / ((2.0 * k + h) / secant(0) + (k + 2.0 * h) / secant(1))
+            }
+        };
+        for i in 0..4 {
+            let [[a, left], [b, right]] = [points[i], points[i + 1]];
+            let h = b - a;
+            for t in [0.125, 0.5, 0.75] {
+                let s = 1.0 - t;
+                let ends = left * (1.0 + 2.0 * t) * s * s + right * t * t * (1.0 + 2.0 * s);
+                let expected = ends + h * t * s * (s * slope(i) - t * slope(i + 1));
+                let found = curve.at(a + t * h);
+                assert!(
+                    (found - expected).abs() < 1e-10,
+                    "{i} {t}: {found} {expected}"
+                );
+            }
+        }
+        assert_eq!(curve.at(-5.0), -50.0 - 2.0 * secant(0));
+        assert_eq!(curve.at(7.0), 300.0 + secant(3));
+    }
+
     #[test]
     fn a_bump_stop_acts_beyond_its_gap() {
         let law = SpringLaw {

@@ -71,9 +71,9 @@ pub enum Measure {
     FromSpinAxis(PointId),
     /// How far outboard of the wheel centre a point is along the spin axis.
     AlongSpinAxis(PointId),
-    /// The distance from the spin axis at which a member, given by its outer and its inner end, crosses the plane
-    /// normal to the spin axis that is this far outboard of the wheel centre. If it does not cross the plane, the
-    /// distance of its end nearer to the plane.
+    /// The distance from the spin axis at which a member crosses a plane normal to that axis, so far outboard of the
+    /// wheel centre. The member is given by its outer and its inner end. If it does not cross the plane, the distance
+    /// of its end nearer to the plane.
     FromSpinAxisAt([PointId; 2], f64),
     /// The distance of two members' centre lines, each between two points.
     Clearance([[PointId; 2]; 2]),

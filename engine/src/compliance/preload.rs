@@ -1,8 +1,8 @@
 //! Forces in bushings and links in the design position, where that is the equilibrium at the design load.
 //!
-//! Torques are zero there. Of all sets of forces f0 that hold every body in balance with the spring's force and a
-//! vertical force F at the contact point, the one with the least sum f0.K^-1 f0/2 is taken, K the slopes of the laws
-//! without deflection. With B the arms of the forces, C those of rigid joints, q that of F and r the spring's forces,
+//! Torques are zero there. Many sets of forces f0 hold every body in balance with the spring's force and a vertical
+//! force F at the contact point. The set with the least sum f0.K^-1 f0/2 is taken. K are the slopes of the laws without
+//! deflection. With B the arms of the forces, C those of rigid joints, q that of F and r the spring's forces,
 //!
 //! ```text
 //! f0 = K B' v,   B K B' v + C' l - q F = -r,   C v = 0,   q.v = 0                                 (1)

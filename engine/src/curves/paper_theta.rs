@@ -21,11 +21,10 @@
 //! 1 - cos(psi) = -o - e + 2 (1 + e) sin^2(theta/2),   tan^2(psi/2) their quotient
 //! ```
 //!
-//! The equation knows the cosine alone, so psi stays in the half-turn it has in the
-//! design position: where theta passes a multiple of pi the arm does not pass its highest or lowest
-//! position (its dead centre) but turns back. At the dead centre itself no finite speed of the arm
-//! belongs to one of theta, and where 1 is not beside 5, so that d51 > rho, there is no position at
-//! all about it.
+//! The equation knows the cosine alone, so psi stays in the half-turn it has in the design position: where theta passes
+//! a multiple of pi the arm does not pass its highest or lowest position (its dead centre) but turns back. At the dead
+//! centre itself no finite speed of the arm belongs to a speed of theta. If point 1 is not beside point 5 (d51 > rho),
+//! there are no positions about it.
 
 use crate::mechanism::DesignFault;
 use crate::mechanism::constraint::axis_ends;

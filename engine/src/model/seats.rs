@@ -47,8 +47,8 @@ impl Mechanism {
         self.unsaid_seats = points.filter(may_choose).collect();
     }
 
-    /// Puts the drop link of an anti-roll bar on the body that is clearly nearest to it, if a rocker is among the bodies
-    /// that it may stand on and the study does not name its body. On the wrong body of these the bar turns ten times too
+    /// Puts the drop link of an anti-roll bar on the body that is clearly nearest to it. That applies if the study does
+    /// not name its body and a rocker is among the candidates. On the wrong body of these the bar turns ten times too
     /// little or too much.
     pub fn seat_drop_link(&mut self, design: &[Vector3<f64>]) {
         if let Some(id) = self.unsaid_drop_link()

@@ -8,13 +8,12 @@
 //! lower <= d <= upper
 //! ```
 //!
-//! with R upper triangular and regular. The method begins at the minimum without any constraint,
-//! which is -R^-1 q, and adds the most violated one after the other, always keeping the point that is
-//! the minimum under those it has (D. Goldfarb, A. Idnani, A numerically stable dual method for
-//! solving strictly convex quadratic programs, Mathematical Programming 27, 1983). It therefore needs
-//! no feasible point to begin with, and where there is none, it ends with a constraint whose gradient
-//! is a combination of those held that all push against it: by Farkas' lemma these exclude one
-//! another, and since the gradients held are independent, no one of them could be left out.
+//! with R upper triangular and regular. The method begins at the minimum without constraints, -R^-1 q. It adds the most
+//! violated constraint, moves to the minimum under the constraints that it holds, and repeats this (D. Goldfarb, A.
+//! Idnani, A numerically stable dual method for solving strictly convex quadratic programs, Mathematical Programming
+//! 27, 1983). So it needs no feasible point to begin with. If there is none, it ends at a constraint whose gradient is
+//! a combination of the held gradients, all of which push against it. By Farkas' lemma these constraints exclude one
+//! another. The held gradients are independent, so none of these constraints can be left out.
 //!
 //! The method works on J with J^T R^T R J = 1, whose first columns span the gradients held and whose
 //! others are directions in which the held constraints keep their values. It begins as R^-1: the

@@ -1,8 +1,8 @@
 //! Targets of an axle: rows of the least-squares problem beside those of one wheel.
 //!
-//! A variable moves the same points of both wheels, each in the frame of its side, so that the derivative
-//! of a row is the sum of both wheels' gradients along the variable's rates. Where the right wheel has
-//! hardpoints of its own they are moved as the mirror images of the left ones are.
+//! A variable moves the same points of both wheels, each in the frame of its side. So the derivative of a row is the
+//! sum of both wheels' gradients along the variable's rates. Where the right wheel has hardpoints of its own they are
+//! moved as the mirror images of the left ones are.
 
 use super::layout::TargetSample;
 use super::moves::{PointRate, moved_design, point_rates};

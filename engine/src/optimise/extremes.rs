@@ -1,10 +1,11 @@
 //! Extremes between stations, for constraints that hold there, too.
 //!
-//! Wherever a value is more extreme at a station than at its neighbours, the place of its extreme is solved for, with the
-//! value's derivative by the drive, from the parabola through the three; at an end of the motion, from the parabola
-//! through the last three, where that has its extreme within the motion. The row of the station is taken there. It needs
-//! no derivative of the place, along which the value does not change. So all extremes are held, and as one of them wanders
-//! past a station with the design, the largest row stays continuous: the neighbour's takes it over halfway.
+//! If a value is more extreme at a station than at both neighbours, an extreme lies nearby. The search begins at the
+//! extreme of the parabola through the three values, and uses the value's derivative by the drive. At an end of the
+//! motion it begins with the parabola through the last three values, if that has its extreme within the motion. The row
+//! of the station then holds the value at the extreme. Its slopes need no derivative of the place, because the value
+//! does not change along the place. So limits hold at all extremes. If an extreme moves past a station while the design
+//! changes, the neighbour's row takes it over halfway, and the largest row stays continuous.
 
 use super::Linearisation;
 use super::layout::{Extremes, Leg, Part};

@@ -427,6 +427,11 @@ impl TargetLayout {
         &self.labels
     }
 
+    /// Number of rows of the constraints that are equalities, which come first.
+    pub fn equalities(&self) -> usize {
+        self.equalities
+    }
+
     /// The target of each residual.
     pub fn targets_of_rows(&self) -> Vec<usize> {
         let mut of = vec![0; self.rows];

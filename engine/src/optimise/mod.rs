@@ -1,16 +1,13 @@
 //! Tuning hardpoints: targets as nonlinear least squares with box bounds, from one start or several.
 //!
-//! [`tune()`] lays the targets of a study out as an [`Objective`]. Nothing below it knows of
-//! suspensions: a [`LeastSquares`] problem yields residuals (in units of their
-//! tolerances) and their exact Jacobian in one pass, [`fit()`] finds a minimum from one start,
-//! [`multistart()`] from several in parallel, and [`Identifiability`] says what the residuals at the
-//! solution cannot tell apart. This is the only place that knows argmin.
+//! [`tune()`] lays the targets of a study out as an [`Objective`]. Nothing below it knows of suspensions. A
+//! [`LeastSquares`] problem yields residuals, in units of their tolerances, and their exact Jacobian in one pass.
+//! [`fit()`] finds a minimum from one start, [`multistart()`] from several in parallel. [`Identifiability`] names the
+//! directions in which the residuals do not change. This is the only module that uses argmin.
 //!
-//! Steps are measured in fractions of the variables' ranges throughout. The ranges are the
-//! engineer's own statement of which moves are comparable, so they make the method independent of
-//! units. Scaling by column norms of the Jacobian (as in MINPACK) would do that too, but it lets a
-//! variable move the more freely the less the residuals see of it, which is the opposite of what a
-//! rank-deficient fit needs.
+//! Steps are measured in fractions of the variables' ranges. The ranges say which moves are comparable, so the method
+//! does not depend on units. MINPACK scales by the column norms of the Jacobian instead. Such a scale lets a variable
+//! move more freely if the residuals depend on it less. A rank-deficient fit needs the opposite.
 
 mod active_set;
 mod at_design;
@@ -59,7 +56,7 @@ mod tune;
 mod yield_search;
 
 pub use active_set::{ActiveSet, Held, Outcome, Rows};
-pub use at_design::{assessed, evaluated};
+pub use at_design::{assessed, assessed_at, evaluated};
 pub use bounded_least_squares::{ActiveBound, BoundedLeastSquares};
 pub use bounds::{Bounds, EmptyRange};
 pub use choices::{Choice, Front, front, price_list};

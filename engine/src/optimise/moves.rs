@@ -1,9 +1,9 @@
 //! How variables move the design, and the derivatives of that.
 //!
-//! Points that are turned as one body go to c + R(w) (p - c), c being their centroid in the design and w
-//! the rotation vector; everything else is added to that. With the angle a = |w|, R is Cayley's rotation
-//! of the Rodrigues vector w tan(a/2)/a, a power series in w.w that is summed to double precision up to the
-//! largest turn a study may ask for.
+//! Points that are turned as one body go to c + R(w) (p - c), c being their centroid in the design and w the rotation
+//! vector; everything else is added to that. With the angle a = |w|, R is Cayley's rotation of the Rodrigues vector w
+//! tan(a/2)/a. The factor tan(a/2)/a is a power series in w.w. It is summed to double precision up to the largest turn
+//! that a study may ask for.
 
 use crate::model::{Axis, Frame, Suspension};
 use crate::number::{Dual, Matrix3, Real, Vector3};

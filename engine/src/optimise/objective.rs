@@ -1,15 +1,15 @@
 //! The targets and constraints of a study as a least-squares problem over its variables.
 //!
-//! A residual is the deviation of something from its target at one station (from the nearer limit of a
-//! band), in tolerances, times a share s of the weight such that the misfit (the root mean square of all
-//! residuals) is
+//! A residual is the deviation from a target at one station, in tolerances, times a share s of the target's weight. The
+//! deviation from a band is that from the nearer limit. The misfit is the root mean square of all residuals. The shares
+//! are such that
 //!
 //! ```text
 //! misfit^2 = sum_targets weight rms^2 / sum_targets weight,   rms over the target's own stations
 //! ```
 //!
-//! however many stations each target has. Everything comes from one visit of the stations: the pose, one
-//! factorisation, and one adjoint for each value.
+//! for any numbers of stations. One visit of the stations gives everything: the pose, one factorisation, and one
+//! adjoint for each value.
 //!
 //! Constraints hold between the stations, too: see [`extremes`](super::extremes).
 

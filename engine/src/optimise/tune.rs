@@ -1,9 +1,9 @@
 //! Tuning a study: from its targets, constraints and variables to the design kept.
 //!
-//! From every start the misfit is lowered first, until it is good enough or a minimum. With m the misfit
-//! that is good enough or, where the least found is above that, one hundredth more than the least, each of
-//! the designs with a misfit up to m then goes back towards the study's own as far as m and the constraints
-//! let it; and of these the nearest is kept. With `good_enough = 0` the least misfit is what is wanted.
+//! Every start first lowers the misfit, until it is good enough or at a minimum. Let m be the misfit that is good
+//! enough; if the least misfit found is larger, let m be that misfit plus one hundredth. Every design with a misfit of
+//! at most m then moves back towards the study's own design, as far as m and the constraints allow. The nearest of them
+//! is kept. With `good_enough = 0` the design of least misfit is kept.
 
 use super::constrained::{KEPT, constrained_fit};
 use super::fixed::moves;

@@ -16,6 +16,8 @@
 //! r = sqrt(H/(1 + H)),     dr = (sum h dh) / (sqrt(H) (1 + H)^(3/2)),     r = dr = 0 where H = 0      (4)
 //! ```
 //!
+//! Where most builds are far outside, (3) is flat. Then a first step lowers the mean of H itself: r = sqrt(H)           (5)
+//!
 //! tau is a share of the standard deviation of the band's values over the builds, at most a quarter of the band. The
 //! search begins at the optimum without scatter, with wide tau, and narrows it ([`WIDTHS`]). Each end is judged by
 //! [`JUDGED`] further builds, which the search has not seen; the end with the most builds within all bands is kept. The
@@ -39,6 +41,8 @@ use nalgebra::DVector;
 const WIDTHS: [f64; 4] = [2.0, 1.0, 0.5, 0.25];
 /// Largest width in relation to the width of the band.
 const WIDEST: f64 = 0.25;
+/// Share of builds within all bands below which the search first lowers their distance from the bands.
+const FEW: f64 = 0.5;
 /// Builds that judge the ends of the search.
 const JUDGED: usize = 1 << 16;
 /// Builds whose designs are held in memory at once.
@@ -107,11 +111,13 @@ impl<'a> YieldSearch<'a> {
         let plain_share = self.share(plain)?;
         let mut kept = (plain_share, plain.clone(), None);
         let mut from = plain.clone();
-        for width in WIDTHS {
+        let approach = (plain_share < FEW).then_some((WIDTHS[0], Residual::Distance));
+        let steps = WIDTHS.map(|width| (width, Residual::Share));
+        for (width, residual) in approach.into_iter().chain(steps) {
             let widths: Vec<f64> = sigmas.iter().map(|sigma| width * sigma).collect();
             let goals = self.goals(self.smoothed(&widths), self.scatter);
             let layout = TargetLayout::of(&goals, self.vehicle);
-            let problem = self.problem(&goals, &layout);
+            let problem = self.problem(&goals, &layout, residual);
             let (bounds, control) = (self.bounds, self.control);
             let fit = constrained_fit(0, problem, bounds, &from, &self.options, control)?;
             from.clone_from(&fit.x);
@@ -142,7 +148,7 @@ impl<'a> YieldSearch<'a> {
     fn surrogate(&self, x: &DVector<f64>, widths: &[f64]) -> Result<f64, Infeasible> {
         let goals = self.goals(self.smoothed(widths), self.scatter);
         let layout = TargetLayout::of(&goals, self.vehicle);
-        let mut problem = self.problem(&goals, &layout);
+        let mut problem = self.problem(&goals, &layout, Residual::Share);
         let mut assessment = Assessment::new(&problem.shape());
         problem.assess(x, &mut assessment)?;
         let outside = assessment.goal.residuals.norm_squared();
@@ -204,13 +210,19 @@ impl<'a> YieldSearch<'a> {
         goals
     }
 
-    /// The problem (4) of the search's builds.
-    fn problem<'o>(&'o self, goals: &'o Optimise, layout: &'o TargetLayout) -> SmoothYield<'o> {
+    /// The problem of the search's builds.
+    fn problem<'o>(
+        &'o self,
+        goals: &'o Optimise,
+        layout: &'o TargetLayout,
+        residual: Residual,
+    ) -> SmoothYield<'o> {
         let (study, width) = (self.vehicle.wheel(), Some(Width::widest()));
         let (assembled, variables) = (&self.assembled, &goals.variables);
         let scatter = self.scatter;
         let builds = Objective::of_builds(study, assembled, variables, layout, scatter, width);
-        SmoothYield::new(builds.expect("the same design was accepted before"))
+        let builds = builds.expect("the same design was accepted before");
+        SmoothYield::new(builds, residual)
     }
 
     /// Standard deviations of the values of each band over the builds: the root mean square of those at its stations.
@@ -287,8 +299,18 @@ impl<'a> YieldSearch<'a> {
     }
 }
 
-/// The problem (4).
+/// The residual of a build.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Residual {
+    /// That of (4).
+    Share,
+    /// That of (5).
+    Distance,
+}
+
+/// The problem (4) or (5).
 struct SmoothYield<'a> {
+    residual: Residual,
     builds: Objective<'a>,
     /// The values h of all builds.
     values: Linearisation,
@@ -296,10 +318,11 @@ struct SmoothYield<'a> {
 }
 
 impl<'a> SmoothYield<'a> {
-    fn new(builds: Objective<'a>) -> Self {
+    fn new(builds: Objective<'a>, residual: Residual) -> Self {
         let shape = Constrained::shape(&builds);
         let count = builds.build_count();
         SmoothYield {
+            residual,
             values: Linearisation::new(shape.goal, shape.variables),
             builds,
             count,
@@ -329,9 +352,13 @@ impl Constrained for SmoothYield<'_> {
             let squares = h.norm_squared();
             let mut slopes = into.goal.jacobian.row_mut(build);
             slopes.fill(0.0);
-            into.goal.residuals[build] = (squares / (1.0 + squares)).sqrt();
+            let (residual, scale) = match self.residual {
+                Residual::Share => ((squares / (1.0 + squares)).sqrt(), 1.0 + squares),
+                Residual::Distance => (squares.sqrt(), 1.0),
+            };
+            into.goal.residuals[build] = residual;
             if squares > 0.0 {
-                let factor = 1.0 / (squares.sqrt() * (1.0 + squares).powf(1.5));
+                let factor = 1.0 / (squares.sqrt() * scale.powf(1.5));
                 for (column, slope) in slopes.iter_mut().enumerate() {
                     *slope = factor * dh.column(column).dot(&h);
                 }

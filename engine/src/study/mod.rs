@@ -35,6 +35,7 @@ mod suspension;
 mod sweep;
 mod targets;
 mod tolerance;
+mod value_edit;
 mod vehicle;
 
 pub use crate::analyse::LoadPoint;
@@ -55,6 +56,7 @@ pub use samples::{AxleSample, Sample};
 pub use schema::schema;
 pub use sweep::MOST_DESIGNS;
 pub(crate) use sweep::MOST_EXCHANGED;
+pub use value_edit::{PathStep, ValueEdit, edited_text};
 pub use vehicle::{Vehicle, WheelStudy};
 
 use crate::ask::Unit;

@@ -47,7 +47,7 @@ const VARIABLES: &str = "optimise.variables=[
   { hardpoint = \"lower_ball_joint\", axis = \"z\", range = [-15.0, 15.0] }]";
 const YIELD: [&str; 2] = ["optimise.robust=\"yield\"", "optimise.scatter=256"];
 
-/// Ten studies: three suspensions with different bands and scatter.
+/// Eleven studies: three suspensions with different bands and scatter.
 fn studies() -> Vec<Study> {
     let welded = |bump: &str, camber: &str, sigma: &str| {
         let bands = format!(
@@ -92,18 +92,22 @@ fn studies() -> Vec<Study> {
         strut("[0.15, 0.38]", "[3.3, 3.65]", "true"),
         strut("[-0.3, 0.6]", "[3.42, 3.58]", "false"),
         strut("[0.1, 0.3]", "[3.2, 3.7]", "true"),
+        // Far from what the targets ask for.
+        tight(
+            "tolerance.bands=[{ characteristic = \"camber\", at = 0.0, between = [-2.2, -1.8] }, { characteristic = \"toe\", at = 30.0, between = [0.5, 0.6] }]",
+        ),
     ]
 }
 
 #[test]
 fn the_yield_of_some_studies_is_raised() {
     let all = studies();
-    judged_by_fresh_builds(&[&all[2], &all[3], &all[8]], 3);
+    judged_by_fresh_builds(&[&all[3], &all[10]], 2);
 }
 
 #[test]
 #[ignore = "a minute: for .ci/long"]
-fn the_yield_of_ten_studies_is_raised() {
+fn the_yield_of_eleven_studies_is_raised() {
     let all = studies();
     judged_by_fresh_builds(&all.iter().collect::<Vec<_>>(), 8);
 }

@@ -145,11 +145,14 @@ pub(crate) const UPRIGHT: f64 = 1e-8;
 
 /// Whether they meet farther, or are upright.
 pub(crate) fn normals_are_parallel(state: &AxleState<f64>) -> bool {
-    let [left, right] = jacking(state);
-    let sum = (left + right).abs();
-    let meet = sum > UPRIGHT && (left - right).abs() < FARTHEST_MEETING * sum;
     // NaN is parallel.
-    !meet
+    !meet_near(jacking(state))
+}
+
+/// Whether normals with these jacking coefficients meet near enough.
+fn meet_near([left, right]: [f64; 2]) -> bool {
+    let sum = (left + right).abs();
+    sum > UPRIGHT && (left - right).abs() < FARTHEST_MEETING * sum
 }
 
 /// Camber against the normal of the ground.
@@ -174,4 +177,29 @@ pub(crate) fn roll_camber_to_road<T: Real, W: WheelParts<T>>(
     side: Side,
 ) -> T {
     camber_to_road(&state.moving(Motion::Roll), side)[1]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Normals with coefficients a and b meet at (a - b)/(a + b) halves of the track beside the middle. They meet up to a
+    /// hundred tracks, and where they are not upright.
+    #[test]
+    fn normals_meet_within_a_hundred_tracks() {
+        for sign in [1.0, -1.0] {
+            let at = |place: f64, sum: f64| {
+                let difference = place * sum;
+                meet_near([0.5 * (sum + difference), 0.5 * (sum - difference)].map(|a| sign * a))
+            };
+            for place in [-199.0, -1.0, 0.0, 3.0, 199.0] {
+                assert!(at(place, 0.01) && at(place, 2e-8), "{place}");
+                assert!(!at(place, 5e-9), "{place}");
+            }
+            for place in [-201.0, 201.0] {
+                assert!(!at(place, 0.01), "{place}");
+            }
+        }
+        assert!(!meet_near([f64::NAN, 0.1]) && !meet_near([0.0, 0.0]));
+    }
 }

@@ -1,22 +1,22 @@
 //! Rows that some variable moves, and rows that none does.
 //!
-//! A row without a slope says nothing about steps: if it is kept it is kept whatever they are, and if it is violated no
-//! step mends it. Its gradient is not exactly zero, though: it is the rounding of its computation, and a program that
-//! takes it for a gradient divides by it. A row *stands still* at a point where a move of all variables across their
-//! ranges changes it, to first order, by no more than its rounding,
+//! A row without a slope does not restrict steps. If it is kept, every step keeps it; if it is violated, no step mends
+//! it. Its computed gradient is not zero but rounding, and a program that takes rounding for a gradient divides by it.
+//! A row *stands still* at a point if a move of all variables across their ranges changes it, to first order, by no
+//! more than its rounding:
 //!
 //! ```text
 //! sum_j |a_j| width_j <= max(1e-9, 256 e (|value| + 2 |limit|)),     e: the machine precision            (1)
 //! ```
 //!
-//! Rows are in units that anybody sees, a millimetre or a degree, and come from coordinates of up to ten thousand of
-//! them by some hundreds of operations: 1e-9, a hundredth of what counts as kept, is their rounding. The second term
-//! is that of values larger than that.
+//! Rows are in visible units, a millimetre or a degree. Some hundreds of operations compute them from coordinates of up
+//! to ten thousand units, so that their rounding is about 1e-9. That is a hundredth of what counts as kept. The second
+//! term is the rounding of larger values.
 //!
-//! A row that stands still where a run begins may move elsewhere. So it is looked at again at every evaluation, also of
-//! trials that are refused, and takes part from the first at which it moves, or at which its value differs by more than
-//! (1). The violation of a run is that of the rows that take part. Rows that never do are left to the caller, who names
-//! those that are violated.
+//! A row that stands still at the start may move elsewhere. So every evaluation examines it again, also the evaluations
+//! of refused steps. The row takes part from the first evaluation at which it moves, or at which its value differs by
+//! more than (1). The violation of a run is that of the rows that take part. The caller names violated rows that never
+//! take part.
 
 use super::super::{Bounds, Linearisation};
 

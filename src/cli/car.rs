@@ -244,6 +244,10 @@ pub(super) fn optimise(arguments: &RunArguments) -> Result<Exit, Stop> {
     });
     output.json("summary.json", &summary)?;
     files.extend(["cases.csv", "cases_before.csv", "summary.json"]);
+    if output.directory().is_some() {
+        keep(&output, &study)?;
+        files.extend(["study.toml", "front.toml", "rear.toml"]);
+    }
     output.finish()?;
     output.say(&format!(
         "{}\nmisfit {met:.3e} (root mean square, in tolerances); {}\n\n",

@@ -565,8 +565,7 @@ pub fn optimised_car(study: &CarStudy, car: &Car, x: &[f64]) -> [String; 3] {
             Moves::Rate { axle, parameter } => {
                 of_axles[axle].push(format!("{}={}", rate_key(parameter), shortest(*value)));
             }
-            Moves::Body(own @ (BodyParameter::CgX | BodyParameter::CgY | BodyParameter::CgZ)) => {
-                let _ = own;
+            Moves::Body(BodyParameter::CgX | BodyParameter::CgY | BodyParameter::CgZ) => {
                 let cg = study.frame().vector(car.cg).to_array().map(shortest);
                 let key = match car.masses {
                     crate::car::Masses::Whole => "car.cg",
@@ -597,7 +596,8 @@ pub fn optimised_car(study: &CarStudy, car: &Car, x: &[f64]) -> [String; 3] {
 
 /// The edit that writes a wheelbase where the study gives it: as such, or as the rear study's offset.
 fn wheelbase_edit(text: &str, wheelbase: f64, offset: Vector3<f64>) -> String {
-    match text.contains("rear_offset") {
+    let gives_offset = |line: &str| line.trim_start().starts_with("rear_offset");
+    match text.lines().any(gives_offset) {
         true => format!(
             "car.rear_offset=[{}]",
             offset.to_array().map(shortest).join(", ")

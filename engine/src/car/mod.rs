@@ -56,7 +56,7 @@
 //! ```
 //!
 //! The equations are written once over any number. One Newton step over numbers that carry gradients adds the gradient of
-//! the unknowns ([`settle`](solver)), and a further step over series does so for derivatives along a direction.
+//! the unknowns, and a further step over series does so for derivatives along a direction.
 
 mod case;
 mod catalogue;

@@ -10,10 +10,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     for builds in [4, 16, 64] {
         let study = Study::read(path.as_ref(), &[format!("optimise.scatter={builds}")])?;
         let tuning = study.tune(Control::default())?;
-        let before = tuning
-            .before
-            .as_ref()
-            .ok_or("the design cannot be solved")?;
+        let before = tuning.before.as_ref().map_err(ToString::to_string)?;
         let best = tuning.best.as_ref().ok_or("no start can be solved")?;
         let offsets: Vec<String> = best.offsets.iter().map(|o| format!("{o:+.2}")).collect();
         println!(

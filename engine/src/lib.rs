@@ -49,6 +49,8 @@ pub mod axle;
 #[doc(hidden)]
 pub mod bench_hooks;
 #[doc(hidden)]
+pub mod car;
+#[doc(hidden)]
 pub mod characteristics;
 #[doc(hidden)]
 pub mod compliance;

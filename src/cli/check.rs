@@ -15,7 +15,7 @@ use crate::plan::Plan;
 use crate::report::{Cell, Column, SolveSummary, Summary, Table, as_written, counted};
 use crate::solve::StationOrder;
 use crate::study::{
-    Designs, Drive, Formulation, Scatter, Study, Sweep, Tolerance, Vehicle, WheelStudy,
+    CarStudy, Designs, Drive, Formulation, Scatter, Study, Sweep, Tolerance, Vehicle, WheelStudy,
 };
 use crate::sweep::SweepPlan;
 use crate::tolerance::Problem;
@@ -23,6 +23,9 @@ use std::path::Path;
 
 pub(super) fn run(arguments: &StudyArguments) -> Result<Exit, Stop> {
     let path = &arguments.study;
+    if CarStudy::is_at(path) {
+        return super::car::check(arguments);
+    }
     let study = Study::read_elastic(path, &arguments.set)?;
     if let Some(elastic) = study.compliance() {
         return super::elastic::check(arguments, &study, elastic);

@@ -2,6 +2,7 @@
 
 mod assemblies;
 mod bench;
+mod car;
 mod check;
 mod choices;
 mod compare;

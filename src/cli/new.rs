@@ -1,16 +1,21 @@
 //! `hardpoint new`
 
 use super::exit::{Exit, Stop};
+use crate::car::{CarTemplate, TEMPLATES};
 use crate::model::Topology;
 use clap::{Args, ValueEnum};
 use std::fmt::Write as _;
 use std::io::Write;
+use std::path::{Path, PathBuf};
 
 /// Arguments of `hardpoint new`.
 #[derive(Args)]
 pub(super) struct NewArguments {
-    /// Kind of suspension, such as macpherson
+    /// Kind of suspension, such as macpherson; or car, formula_student_car: three files
     topology: String,
+    /// Directory for the three files of a car
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
     /// Parts to add to the study, separated by commas
     #[arg(long, value_enum, value_delimiter = ',', value_name = "PART")]
     with: Vec<Part>,
@@ -214,12 +219,52 @@ pub(super) fn template(topology: &str, parts: &[String]) -> Result<String, Strin
     study(named, &parts).map_err(|e| e.to_string())
 }
 
+/// Writes the three studies of a car. Nothing is written if one of the files is there.
+fn write_car((name, files): &CarTemplate, arguments: &NewArguments) -> Result<Exit, Stop> {
+    if !arguments.with.is_empty() {
+        return Err(Stop::wrong_input(format!(
+            "{name} has no parts to add: leave --with out"
+        )));
+    }
+    let directory = arguments.out.as_deref().unwrap_or(Path::new("."));
+    let paths = files.map(|(file, _)| directory.join(file));
+    if let Some(taken) = paths.iter().find(|path| path.exists()) {
+        return Err(Stop::wrong_input(format!(
+            "{} is there already, and nothing is written; give another directory with --out",
+            taken.display()
+        )));
+    }
+    std::fs::create_dir_all(directory)?;
+    for (path, (_, text)) in paths.iter().zip(files) {
+        std::fs::write(path, text)?;
+        super::terminal::print(&format!("{}\n", path.display()))?;
+    }
+    Ok(Exit::Done)
+}
+
 pub(super) fn run(arguments: &NewArguments) -> Result<Exit, Stop> {
     let name = &arguments.topology;
+    if let Some(car) = TEMPLATES.iter().find(|(car, _)| car == name) {
+        return write_car(car, arguments);
+    }
+    if arguments.out.is_some() {
+        let message = "--out is for cars, which are three files; the study of a suspension goes to standard output";
+        return Err(Stop::wrong_input(message));
+    }
     let Some(topology) = Topology::named(name) else {
         let known = Topology::ALL.iter();
         let known: Vec<String> = known
             .map(|t| format!("  {:22} {}", t.name, t.summary))
+            .chain([
+                format!(
+                    "  {:22} Road car: a car and two axles, in three files",
+                    "car"
+                ),
+                format!(
+                    "  {:22} Formula Student car, in three files",
+                    "formula_student_car"
+                ),
+            ])
             .collect();
         return Err(Stop::wrong_input(format!(
             "there is no topology \"{name}\"; expected one of\n{}",

@@ -14,7 +14,7 @@ use crate::report::{
 };
 use crate::side_effects::side_effects;
 use crate::solved::Solved;
-use crate::study::{Optimise, Study, StudyErrors};
+use crate::study::{CarStudy, Optimise, Study, StudyErrors};
 use std::path::Path;
 
 /// Largest number of printed free moves; the page and `summary.json` have all.
@@ -110,6 +110,9 @@ pub(super) fn run(arguments: &OptimiseArguments) -> Result<Exit, Stop> {
         prices,
     } = arguments;
     let path = &arguments.study.study;
+    if CarStudy::is_at(path) {
+        return super::car::optimise(arguments);
+    }
     let study = Study::read_elastic(path, &arguments.study.set)?;
     let Some(optimise) = &study.optimise else {
         let what = "variables and targets";

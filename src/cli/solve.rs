@@ -7,10 +7,13 @@ use super::report::ReportOptions;
 use crate::checked::NamedCurves;
 use crate::report::{counted, curves_csv};
 use crate::solved::Solved;
-use crate::study::Study;
+use crate::study::{CarStudy, Study};
 
 pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     let path = &arguments.study.study;
+    if CarStudy::is_at(path) {
+        return super::car::solve(arguments);
+    }
     let study = Study::read(path, &arguments.study.set)?;
     let fault = |why| Stop::in_file(path, why);
     let solved = Solved::of(&study).map_err(fault)?;

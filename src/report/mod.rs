@@ -9,6 +9,7 @@ mod accuracy_plot;
 mod axle_record;
 mod bands;
 mod benchmarks;
+mod car;
 mod choices;
 mod common_motion;
 mod comparison;
@@ -47,6 +48,7 @@ pub use accuracy::remarks;
 pub use axle_record::SolvedAxle;
 pub use bands::BandRecord;
 pub use benchmarks::{accuracy_picture, accuracy_table, effects_table, throughput_table};
+pub use car::{CarResults, CarState, car_with_axles, optimised_car};
 pub use choices::{FrontPoint, FrontRecord, PriceRecord, front_csv, front_remarks, front_table};
 pub use comparison::{
     Compared, ComparedOutput, ComparedPoints, Comparison, NamedPoints, StationColumn,

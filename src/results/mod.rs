@@ -66,6 +66,17 @@ pub fn study_digest(study: &Study) -> String {
     hex(&hash.finalize())
 }
 
+/// The digest of several texts that a run is made from.
+pub fn digest_of_texts(texts: &[&str]) -> String {
+    let mut hash = hmac_sha256::Hash::new();
+    for text in texts {
+        // The length keeps texts apart.
+        hash.update(text.len().to_le_bytes());
+        hash.update(text.as_bytes());
+    }
+    hex(&hash.finalize())
+}
+
 /// Bytes as hexadecimal digits.
 pub fn hex(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()

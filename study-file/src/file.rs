@@ -34,10 +34,12 @@ pub struct File {
     pub spring: Option<Spanned<Spring>>,
     /// `[bump_stop]`
     pub bump_stop: Option<Spanned<BumpStop>>,
+    /// `[rebound_stop]`
+    pub rebound_stop: Option<Spanned<BumpStop>>,
     /// `[anti_roll_bar]`
     pub anti_roll_bar: Option<Spanned<Rate>>,
     /// `[tyre]`
-    pub tyre: Option<Spanned<Rate>>,
+    pub tyre: Option<Spanned<Tyre>>,
     /// `[compliance]`
     pub compliance: Option<Spanned<Compliance>>,
     /// `[bushings.NAME]`
@@ -199,17 +201,27 @@ pub struct Spring {
     pub force_curve: Option<Spanned<Vec<Spanned<Vec<Number>>>>>,
 }
 
-/// `[bump_stop]`
+/// `[bump_stop]` and `[rebound_stop]`
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BumpStop {
-    /// Shortening of the spring from the design position until the stop is met.
+    /// Shortening of the spring from the design position until the stop is met; lengthening for a rebound stop.
     pub gap: Number,
-    /// Pairs of compression and force.
+    /// Pairs of compression of the stop and force.
     pub force_curve: Spanned<Vec<Spanned<Vec<Number>>>>,
 }
 
-/// `[anti_roll_bar]` and `[tyre]`
+/// `[tyre]`
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Tyre {
+    /// Force per length.
+    pub rate: Number,
+    /// Load at which `[wheel] radius` holds, for a car.
+    pub load: Option<Number>,
+}
+
+/// `[anti_roll_bar]`
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Rate {

@@ -18,6 +18,7 @@
 #![cfg_attr(not(test), warn(clippy::print_stdout, clippy::print_stderr))]
 #![warn(clippy::allow_attributes_without_reason, unreachable_pub)]
 
+pub mod car_file;
 pub mod error;
 pub mod file;
 pub mod names;

@@ -4,12 +4,25 @@ use crate::error::{Source, StudyError, StudyErrors};
 use crate::file::File;
 use crate::names::nearest;
 use crate::value::Number;
+use serde::de::DeserializeOwned;
 use std::sync::Arc;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 /// Reads the text of a study.
 pub fn parse(source: &Arc<Source>) -> Result<File, StudyErrors> {
+    parse_as(source)
+}
+
+/// Place of `[car]` in a text that is the study of a car.
+pub fn car_section(text: &str) -> Option<std::ops::Range<usize>> {
+    let root = DeTable::parse(text).ok()?;
+    let (key, _) = root.get_ref().get_key_value("car")?;
+    Some(key.span())
+}
+
+/// Reads the text of a study whose root is of this type.
+pub fn parse_as<T: DeserializeOwned>(source: &Arc<Source>) -> Result<T, StudyErrors> {
     let text = &source.text;
     if text.trim_start_matches('\u{feff}').trim().is_empty() {
         return Err(StudyError::of_file(&source.name, "the file is empty").into());

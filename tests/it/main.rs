@@ -10,6 +10,7 @@ mod axle;
 mod bench;
 mod book;
 mod builds;
+mod car;
 mod certificate;
 mod command_line;
 mod compliance;

@@ -39,6 +39,11 @@ const TABLES: &[(&str, &str, &str)] = &[
     ("spring", "[spring]", "[spring]\nbogus = 1"),
     ("bump_stop", "[bump_stop]", "[bump_stop]\nbogus = 1"),
     (
+        "rebound_stop",
+        "[rebound_stop]",
+        "[rebound_stop]\nbogus = 1",
+    ),
+    (
         "anti_roll_bar",
         "[anti_roll_bar]",
         "[anti_roll_bar]\nbogus = 1",
@@ -144,6 +149,9 @@ right = "mirrored"
 c_factor = 1.0
 [spring]
 [bump_stop]
+gap = 1.0
+force_curve = []
+[rebound_stop]
 gap = 1.0
 force_curve = []
 [anti_roll_bar]

@@ -42,6 +42,8 @@ pub enum Unit {
     AnglePerTorque,
     /// Force per length, in newtons per millimetre whatever the length unit.
     Stiffness,
+    /// Angle per acceleration, in degrees per g.
+    AnglePerG,
 }
 
 const DEGREES: f64 = 180.0 / PI;
@@ -67,13 +69,14 @@ impl Unit {
             Unit::LengthPerForce => format!("{length}_per_kN"),
             Unit::AnglePerTorque => "deg_per_100_N_m".to_owned(),
             Unit::Stiffness => "N_per_mm".to_owned(),
+            Unit::AnglePerG => "deg_per_g".to_owned(),
         }
     }
 
     /// Factor from a value inside the program to the printed value.
     pub fn printed_factor(self, length: LengthUnit) -> f64 {
         match self {
-            Unit::Angle | Unit::AnglePerLength => DEGREES,
+            Unit::Angle | Unit::AnglePerLength | Unit::AnglePerG => DEGREES,
             Unit::LengthPerAngle => 1.0 / DEGREES,
             Unit::Torque => 1.0 / length.per_metre(),
             Unit::TorquePerAngle => 1.0 / (length.per_metre() * DEGREES),
@@ -94,7 +97,7 @@ impl Unit {
     /// The value inside the program of a printed one.
     pub fn from_printed(self, printed: f64, length: LengthUnit) -> f64 {
         match self {
-            Unit::Angle | Unit::AnglePerLength => printed.to_radians(),
+            Unit::Angle | Unit::AnglePerLength | Unit::AnglePerG => printed.to_radians(),
             _ => printed / self.printed_factor(length),
         }
     }

@@ -21,6 +21,8 @@ pub struct Setup {
     pub bar_rate: Option<f64>,
     /// Tyre rate: force per deflection. `None` means a rigid tyre.
     pub tyre_rate: Option<f64>,
+    /// Load at which the wheel's radius holds, for a car.
+    pub tyre_load: Option<f64>,
     /// Mass that the axle carries, kg.
     pub sprung_mass: Option<f64>,
     /// Mass of the axle itself, kg.

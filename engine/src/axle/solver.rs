@@ -17,7 +17,7 @@ use crate::ask::NoValue;
 use crate::derive::{DesignSeries, Linearised, MotionPoint};
 use crate::mechanism::{Configuration, DesignFault, Failure, Ground, NoPose, Pose, Unproven};
 use crate::model::{Axis, AxleTravel, Drive, Mechanism, PointId, RigidAxle, RockerId, Rod, Side};
-use crate::number::{Jet, Tape, Vector3};
+use crate::number::{Jet, Tape, Tracked, Vector3};
 use crate::solve::{Solver, StationOrder, Toggles};
 use std::ops::ControlFlow;
 
@@ -476,6 +476,79 @@ fn read_wheel<const N: usize>(
     })
 }
 
+/// Both wheels of a position, ready for gradients of formulas by the hardpoints.
+pub(crate) struct LinearisedAxle<'s, const N: usize> {
+    /// For each wheel, the wheel along each line.
+    wheels: [Vec<Linearised<'s, N>>; 2],
+    snapshots: [Vec<Snapshot<N>>; 2],
+    parts: Parts,
+}
+
+impl<const N: usize> LinearisedAxle<'_, N> {
+    /// Both wheels as inputs on the tape, the left one first.
+    pub(crate) fn on_tape<'t>(&self, tape: &'t Tape) -> [Reading<Tracked<'t>>; 2] {
+        let on_tape = |lines: &Vec<Snapshot<N>>| Reading::on_tape(tape, lines, &self.parts);
+        self.snapshots.each_ref().map(on_tape)
+    }
+
+    /// Count of the inputs of each wheel.
+    pub(crate) fn inputs(&self) -> usize {
+        inputs_on_tape::<N>(&self.parts, self.wheels[0].len())
+    }
+
+    /// Working memory for [`LinearisedAxle::add_gradient`].
+    pub(crate) fn buffer(&self) -> Vec<Vector3<Jet<f64, N>>> {
+        let zero = Jet::constant(0.0);
+        let points = self.wheels[0][0].at.mechanism.points.len();
+        vec![Vector3::new(zero, zero, zero); points]
+    }
+
+    /// Adds the gradient by the hardpoints of a wheel, from the derivatives by its inputs.
+    pub(crate) fn add_gradient(
+        &self,
+        side: Side,
+        by: &[f64],
+        buffer: &mut [Vector3<Jet<f64, N>>],
+        gradient: &mut [Vector3<f64>],
+    ) {
+        let lines = &self.wheels[side as usize];
+        let per_line = self.inputs() / lines.len();
+        for (linearised, by) in lines.iter().zip(by.chunks(per_line)) {
+            add_gradient(linearised, &self.parts, by, buffer, gradient);
+        }
+    }
+}
+
+/// Linearises both wheels of a position along the lines that are read.
+fn linearise<'s, const N: usize>(
+    corners: &'s [Corner<'_, N>; 2],
+    (lines, parts): (&[Line], Parts),
+    placed: &Placed,
+    coordinates: [(f64, f64); 2],
+) -> Result<LinearisedAxle<'s, N>, NoPose> {
+    let mut wheels = [Vec::new(), Vec::new()];
+    for (corner, linearised) in corners.iter().zip(&mut wheels) {
+        let pose = &placed.poses[corner.side as usize];
+        let (travel, rack) = coordinates[corner.side as usize];
+        for line in lines {
+            let motion = along::<N>(line, travel, rack);
+            let found = corner.solver.linearised(&corner.series, pose, &motion);
+            linearised.push(found.map_err(|failure| corner.fails(travel, failure))?);
+        }
+    }
+    let snapshots = wheels.each_ref().map(|of_wheel| {
+        let lines = of_wheel.iter();
+        lines
+            .map(|linearised| Snapshot::of(&linearised.at, &parts))
+            .collect::<Vec<_>>()
+    });
+    Ok(LinearisedAxle {
+        wheels,
+        snapshots,
+        parts,
+    })
+}
+
 /// A number whose gradient is sought.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Sought {
@@ -653,6 +726,12 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         corner
             .solver
             .balance(&placed.poses[side as usize], rack, support)
+    }
+
+    /// Both wheels of a position, ready for gradients of formulas.
+    pub(crate) fn linearised(&self, placed: &Placed) -> Result<LinearisedAxle<'_, N>, NoPose> {
+        let coordinates = self.coordinates(placed.travels, placed.rack);
+        linearise(&self.corners, (self.lines, self.parts), placed, coordinates)
     }
 
     /// Takes over other designs of the same mechanisms, each in the frame of its side.
@@ -1098,32 +1177,12 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
             let [left, right] = plain.wheels().map(|wheel| wheel.rise());
             [left + right, plain.track()]
         };
-        let mut linearised = [Vec::new(), Vec::new()];
-        for (corner, linearised) in self.corners.iter().zip(&mut linearised) {
-            let pose = &placed.poses[corner.side as usize];
-            let (travel, rack) = coordinates[corner.side as usize];
-            for line in lines {
-                let motion = along::<N>(line, travel, rack);
-                let found = corner.solver.linearised(&corner.series, pose, &motion);
-                linearised.push(found.map_err(|failure| corner.fails(travel, failure))?);
-            }
-        }
-        let snapshots = linearised.each_ref().map(|of_wheel| {
-            let lines = of_wheel.iter();
-            lines
-                .map(|linearised| Snapshot::of(&linearised.at, &parts))
-                .collect::<Vec<_>>()
-        });
-        let inputs = inputs_on_tape::<N>(&parts, lines.len());
-        let per_line = inputs / lines.len();
+        let linearised = linearise(&self.corners, (lines, parts), placed, coordinates)?;
+        let inputs = linearised.inputs();
         for (number, sought) in sought.iter().enumerate() {
             self.tape.clear();
             let tape = &self.tape;
-            let mut first = [0; 2];
-            let readings = [0, 1].map(|wheel| {
-                first[wheel] = tape.len();
-                Reading::on_tape(tape, &snapshots[wheel], &parts)
-            });
+            let readings = linearised.on_tape(tape);
             let state = self.state(readings, placed).settled(slopes);
             let value = match sought {
                 Sought::Quantity(quantity) => quantity.evaluate(&state),
@@ -1131,16 +1190,13 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
                 Sought::Point(side, ..) => state.readings[*side as usize].travel(),
             };
             tape.gradient(value, &mut self.adjoints);
-            for wheel in [0, 1] {
-                let gradient = &mut self.gradients[wheel];
+            for (side, by) in Side::ALL.into_iter().zip(self.adjoints.chunks(inputs)) {
+                let gradient = &mut self.gradients[side as usize];
                 gradient.fill(Vector3::new(0.0, 0.0, 0.0));
-                let by_wheel = &self.adjoints[first[wheel]..first[wheel] + inputs];
-                for (linearised, by) in linearised[wheel].iter().zip(by_wheel.chunks(per_line)) {
-                    add_gradient(linearised, &parts, by, &mut self.buffer, gradient);
-                }
+                linearised.add_gradient(side, by, &mut self.buffer, gradient);
             }
             if let Sought::Point(side, id, axis) = *sought {
-                let linearised = &linearised[side as usize][0];
+                let linearised = &linearised.wheels[side as usize][0];
                 let by_travel = linearised.at.point(id)[axis].0.get(1).copied();
                 for by in self.gradients.iter_mut().flatten() {
                     // On pads no travel follows from the ground.
@@ -1156,7 +1212,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
                 }
             }
             if let Some(heaves) = &by_heave {
-                let along = heaving(&plain, &linearised, sought);
+                let along = heaving(&plain, &linearised.wheels, sought);
                 for (gradient, heaves) in self.gradients.iter_mut().zip(heaves) {
                     for (total, by) in gradient.iter_mut().zip(heaves) {
                         *total = *total + *by * along;

@@ -23,9 +23,11 @@ pub struct SpringLaw<T = f64> {
     pub spring: Law<T>,
     /// The bump stop, over how far it is compressed.
     pub bump_stop: Option<BumpStop>,
+    /// The rebound stop, over how far it is stretched or pressed by the spring's lengthening.
+    pub rebound_stop: Option<BumpStop>,
 }
 
-/// A bump stop.
+/// A bump stop; of a rebound stop "shortened" reads "lengthened".
 #[derive(Clone, Debug, PartialEq)]
 pub struct BumpStop {
     /// How far the spring is shortened from the design position when the stop is met.
@@ -46,6 +48,7 @@ impl<T: Copy> SpringLaw<T> {
                 Law::Curve(curve) => Law::Curve(curve.clone()),
             },
             bump_stop: self.bump_stop.clone(),
+            rebound_stop: self.rebound_stop.clone(),
         }
     }
 
@@ -57,11 +60,17 @@ impl<T: Copy> SpringLaw<T> {
             Law::Linear { force, rate } => over(*force) + over(*rate) * shortened,
             Law::Curve(curve) => curve.at(length),
         };
-        match &self.bump_stop {
+        let pressed = match &self.bump_stop {
             Some(stop) if shortened.value() > stop.gap => {
                 spring + stop.curve.at(shortened - length.lit(stop.gap))
             }
             _ => spring,
+        };
+        match &self.rebound_stop {
+            Some(stop) if -shortened.value() > stop.gap => {
+                pressed - stop.curve.at(-shortened - length.lit(stop.gap))
+            }
+            _ => pressed,
         }
     }
 }
@@ -103,7 +112,15 @@ impl SpringLaw {
             gap: stop.gap - shortened,
             curve: stop.curve.clone(),
         });
-        SpringLaw { spring, bump_stop }
+        let rebound_stop = self.rebound_stop.as_ref().map(|stop| BumpStop {
+            gap: stop.gap + shortened,
+            curve: stop.curve.clone(),
+        });
+        SpringLaw {
+            spring,
+            bump_stop,
+            rebound_stop,
+        }
     }
 }
 
@@ -257,9 +274,15 @@ mod tests {
                 gap: 20.0,
                 curve: ForceCurve::through(&[[0.0, 0.0], [10.0, 500.0]]).unwrap(),
             }),
+            rebound_stop: Some(BumpStop {
+                gap: 25.0,
+                curve: ForceCurve::through(&[[0.0, 0.0], [5.0, 400.0]]).unwrap(),
+            }),
         };
         assert_eq!(law.force(490.0, 500.0), 3300.0);
         assert_eq!(law.force(475.0, 500.0), 3750.0 + 250.0);
+        assert_eq!(law.force(520.0, 500.0), 2400.0);
+        assert_eq!(law.force(530.0, 500.0), 2100.0 - 400.0);
     }
 
     #[test]
@@ -273,9 +296,13 @@ mod tests {
                 gap: 20.0,
                 curve: ForceCurve::through(&[[0.0, 0.0], [10.0, 500.0]]).unwrap(),
             }),
+            rebound_stop: Some(BumpStop {
+                gap: 25.0,
+                curve: ForceCurve::through(&[[0.0, 0.0], [5.0, 400.0]]).unwrap(),
+            }),
         };
         let shorter = law.of_shorter_design(8.0);
-        for length in [510.0, 492.0, 475.0] {
+        for length in [535.0, 528.0, 510.0, 492.0, 475.0] {
             assert_eq!(shorter.force(length, 492.0), law.force(length, 500.0));
         }
     }

@@ -88,6 +88,10 @@ pub(super) fn refuse_without_axle(file: &File, problems: &mut Problems) {
     let springs = [
         ("[spring]", file.spring.as_ref().map(Spanned::span)),
         ("[bump_stop]", file.bump_stop.as_ref().map(Spanned::span)),
+        (
+            "[rebound_stop]",
+            file.rebound_stop.as_ref().map(Spanned::span),
+        ),
         ("[tyre]", file.tyre.as_ref().map(Spanned::span)),
     ];
     let springs = springs.into_iter().filter(|_| file.compliance.is_none());
@@ -209,11 +213,13 @@ fn setup(file: &File, left: &Suspension, problems: &mut Problems) -> Option<Setu
         Some(c_factor) => Some(Some(c_factor.value * left.frame.sign(Axis::Y))),
     };
     let springs = springs(file, left, problems);
-    let rates = [&file.anti_roll_bar, &file.tyre];
-    let [mut bar_rate, tyre_rate] = rates.map(|section| match section {
+    let bar = file.anti_roll_bar.as_ref().map(|bar| &bar.get_ref().rate);
+    let tyre = file.tyre.as_ref().map(Spanned::get_ref);
+    let [mut bar_rate, tyre_rate] = [bar, tyre.map(|tyre| &tyre.rate)].map(|rate| match rate {
         None => Some(None),
-        Some(section) => above_zero(&section.get_ref().rate, problems).map(Some),
+        Some(rate) => above_zero(rate, problems).map(Some),
     });
+    let tyre_load = positive(&tyre.and_then(|tyre| tyre.load.clone()), problems);
     if let (Some(section), None) = (&file.anti_roll_bar, left.mechanism.anti_roll_bar()) {
         let message = "[anti_roll_bar] has a rate, but the study gives no anti-roll bar";
         let error = problems.add(section.span(), message);
@@ -229,6 +235,7 @@ fn setup(file: &File, left: &Suspension, problems: &mut Problems) -> Option<Setu
         springs: springs?,
         bar_rate: bar_rate?,
         tyre_rate: tyre_rate?,
+        tyre_load: tyre_load?,
         sprung_mass: sprung_mass?,
         unsprung_mass: unsprung_mass?,
         constants: Constants::of(left),
@@ -243,20 +250,23 @@ pub(super) fn springs(
     problems: &mut Problems,
 ) -> Option<Option<[SpringLaw; 2]>> {
     let own = right_wheel::own(file).and_then(|own| own.spring.as_ref());
-    let stop = match &file.bump_stop {
-        None => None,
+    let mut stop = |section: &Option<Spanned<file::BumpStop>>| match section {
+        None => Some(None),
         Some(stop) => {
             let points = force_curve(&stop.get_ref().force_curve, problems);
-            Some(BumpStop {
+            Some(Some(BumpStop {
                 gap: stop.get_ref().gap.value,
                 curve: points?,
-            })
+            }))
         }
     };
+    let (bump_stop, rebound_stop) = (stop(&file.bump_stop)?, stop(&file.rebound_stop)?);
     let Some(section) = &file.spring else {
         let stop = file.bump_stop.as_ref().map(Spanned::span);
+        let rebound = file.rebound_stop.as_ref().map(Spanned::span);
         let beside = [
             ("[bump_stop]", stop),
+            ("[rebound_stop]", rebound),
             ("[axle.right.spring]", own.map(Spanned::span)),
         ];
         let mut beside = beside
@@ -267,6 +277,7 @@ pub(super) fn springs(
         };
         let message = match name {
             "[bump_stop]" => "[bump_stop] acts beside a spring: expected [spring] too",
+            "[rebound_stop]" => "[rebound_stop] acts beside a spring: expected [spring] too",
             _ => "[axle.right.spring] is what differs from [spring]: expected [spring] too",
         };
         return problems.refuse(span, message);
@@ -296,7 +307,8 @@ pub(super) fn springs(
     };
     let law = |spring: Law| SpringLaw {
         spring,
-        bump_stop: stop.clone(),
+        bump_stop: bump_stop.clone(),
+        rebound_stop: rebound_stop.clone(),
     };
     Some(Some([law(left?), law(right?)]))
 }

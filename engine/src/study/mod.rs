@@ -10,6 +10,7 @@
 mod axle;
 mod axle_forces;
 mod axle_targets;
+mod car;
 mod compliance;
 mod constraints;
 mod curve_file;
@@ -43,6 +44,7 @@ pub use crate::analyse::LoadPoint;
 pub use crate::solve::Drive;
 pub use axle::AxleStudy;
 pub use axle_targets::AxleSite;
+pub use car::{CarOptimise, CarStudy, GgMap, edited};
 pub use compliance::ComplianceStudy;
 pub use designs_file::DesignTable;
 pub use hardpoint_study_file::error::{StudyError, StudyErrors};

@@ -149,6 +149,12 @@ fn resolve(
     parts: Parts,
 ) -> Result<Study, StudyErrors> {
     let source = Arc::new(Source { name: shown, text });
+    if let Some(place) = parse::car_section(&source.text) {
+        let message = "[car] makes this the study of a car, which this command does not take";
+        let mut error = StudyError::new(source.clone(), Some(place), message);
+        error.help("hardpoint check, solve and optimise take cars; the axles by themselves are studies for every command");
+        return Err(error.into());
+    }
     let file = parse::parse(&source)?;
     let mut problems = Problems::new(source.clone());
 

@@ -56,6 +56,7 @@ fn axle(case: &Value) -> Axle {
             rate: case["spring"]["stiffness"].as_f64().unwrap(),
         },
         bump_stop: None,
+        rebound_stop: None,
     };
     let setup = Setup {
         wheel_radius: left.wheel_radius,

@@ -80,6 +80,7 @@ pub fn spring(case: &Value) -> SpringLaw {
             gap: number(&stop["gap"]),
             curve: ForceCurve::through(&points(&stop["force_curve"])).unwrap(),
         }),
+        rebound_stop: None,
     }
 }
 

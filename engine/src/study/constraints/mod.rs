@@ -313,6 +313,7 @@ impl Reader<'_> {
             Unit::LengthPerForce => (0.01 * millimetre, format!("{symbol}/kN")),
             Unit::AnglePerTorque => (0.001, "deg/(100 N m)".to_owned()),
             Unit::Stiffness => (1.0, "N/mm".to_owned()),
+            Unit::AnglePerG => (0.01, "deg per g".to_owned()),
         };
         let inside = |printed: f64| unit.from_printed(printed, length);
         let [lower, upper] = limits.map(|limit| limit.map(inside));

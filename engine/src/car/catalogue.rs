@@ -1,0 +1,451 @@
+//! Results of a car: for each a name, a unit, a sign, and its formula.
+
+use super::equations::Balance;
+use super::formulas::{axle, car, wheel};
+use super::rates::Solved;
+use super::{Car, Case, Longitudinal};
+use crate::ask::Unit;
+use crate::model::LengthUnit;
+use crate::number::Scalar;
+
+/// One of the four wheels: front left, front right, rear left, rear right.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct WheelPlace(pub usize);
+
+impl WheelPlace {
+    /// All of them.
+    pub const ALL: [WheelPlace; 4] = [WheelPlace(0), WheelPlace(1), WheelPlace(2), WheelPlace(3)];
+
+    /// Its name in columns.
+    pub fn name(self) -> &'static str {
+        ["front_left", "front_right", "rear_left", "rear_right"][self.0]
+    }
+
+    /// The wheel in words.
+    pub fn words(self) -> &'static str {
+        [
+            "the front left wheel",
+            "the front right wheel",
+            "the rear left wheel",
+            "the rear right wheel",
+        ][self.0]
+    }
+}
+
+/// An axle of the car.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum AxleEnd {
+    /// The front axle.
+    Front,
+    /// The rear axle.
+    Rear,
+}
+
+impl AxleEnd {
+    /// Both of them.
+    pub const ALL: [AxleEnd; 2] = [AxleEnd::Front, AxleEnd::Rear];
+
+    /// Its name in studies and columns.
+    pub fn name(self) -> &'static str {
+        match self {
+            AxleEnd::Front => "front",
+            AxleEnd::Rear => "rear",
+        }
+    }
+}
+
+/// Part or figure of a car that a result needs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CarNeed {
+    /// The car's point for the ride height of this axle.
+    RideHeight,
+    /// Both points for ride heights.
+    RideHeights,
+    /// `[car.aero]`.
+    Air,
+    /// `[car] pitch_inertia`.
+    PitchInertia,
+    /// An anti-roll bar with a rate at this axle.
+    Bar,
+}
+
+impl CarNeed {
+    /// What a study must give.
+    pub fn key(self) -> &'static str {
+        match self {
+            CarNeed::RideHeight | CarNeed::RideHeights => {
+                "ride_height_point_front and ride_height_point_rear in [car]"
+            }
+            CarNeed::Air => "[car.aero]",
+            CarNeed::PitchInertia => "pitch_inertia in [car]",
+            CarNeed::Bar => "an anti-roll bar with a rate",
+        }
+    }
+}
+
+/// Entry of a result.
+#[derive(Clone, Copy, Debug)]
+pub struct CarInfo {
+    /// Name in studies. `{}` stands for `front` or `rear` of an axle's result.
+    pub name: &'static str,
+    /// Kind of number.
+    pub unit: Unit,
+    /// Meaning of a positive value.
+    pub positive: &'static str,
+    /// Formula in the notation of the manual.
+    pub formula: &'static str,
+    /// Parts that the car must have.
+    pub needs: &'static [CarNeed],
+    /// True if the value is made of derivatives of the state.
+    pub is_rate: bool,
+}
+
+macro_rules! catalogue {
+    (@is_rate state) => { false };
+    (@is_rate rate) => { true };
+    (@value state, $function:expr, $solved:ident, ($($place:ident)?)) => { $function(&$solved.now $(, $place)?) };
+    (@value rate, $function:expr, $solved:ident, ($($place:ident)?)) => { $function($solved $(, $place)?) };
+    (@state state, $function:expr, $state:ident, ($($place:ident)?)) => { $function($state $(, $place)?) };
+    (@state rate, $function:expr, $state:ident, $place:tt) => { $state.unknowns[0].lit(f64::NAN) };
+    ($($Kind:ident of $parameter:ident: $Place:ty, $place:tt {
+        $($entry:ident, $name:literal, $unit:ident, $positive:literal, $formula:literal, [$($need:ident),*], $how:ident, $function:expr;)*
+    })*) => {
+        $(
+            /// Results of this kind.
+            #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+            pub enum $Kind {
+                $(#[doc = concat!("`", $name, "`: `", $formula, "`")] $entry,)*
+            }
+
+            impl $Kind {
+                /// All of them.
+                pub const ALL: &'static [$Kind] = &[$($Kind::$entry),*];
+
+                /// Its entry.
+                pub fn info(self) -> &'static CarInfo {
+                    match self {
+                        $($Kind::$entry => &CarInfo {
+                            name: $name, unit: Unit::$unit, positive: $positive, formula: $formula,
+                            needs: &[$(CarNeed::$need),*], is_rate: catalogue!(@is_rate $how),
+                        },)*
+                    }
+                }
+
+                fn evaluate<T: Scalar>(self, solved: &Solved<'_, T>, $parameter: $Place) -> T {
+                    match self {
+                        $($Kind::$entry => catalogue!(@value $how, $function, solved, $place),)*
+                    }
+                }
+
+                #[allow(unused_variables, reason = "derivatives do not read the place")]
+                fn evaluate_state<T: Scalar>(self, state: &Balance<T>, $parameter: $Place) -> T {
+                    match self {
+                        $($Kind::$entry => catalogue!(@state $how, $function, state, $place),)*
+                    }
+                }
+            }
+        )*
+    };
+}
+
+catalogue! {
+    WheelResult of place: WheelPlace, (place) {
+        Travel, "travel", Length, "jounce", "z", [], state, wheel::travel;
+        Load, "wheel_load", Force, "pressed to the ground", "N, all of it", [], state, wheel::load;
+        Elastic, "wheel_load_elastic", Force, "pressed to the ground", "U_z/(n.C')", [], state, wheel::elastic;
+        Geometric, "wheel_load_geometric", Force, "pressed to the ground", "-S lambda.C'/(n.C')", [], state, wheel::geometric;
+        Longitudinal, "wheel_load_longitudinal", Force, "pressed to the ground", "-X t.B'/(n.C')", [], state, wheel::longitudinal;
+        Unsprung, "wheel_load_unsprung", Force, "pressed to the ground", "m_b alpha.W'/(n.C')", [], state, wheel::unsprung;
+        SideForce, "side_force", Force, "on the car to the left", "S", [], state, wheel::side_force;
+        LongitudinalForce, "longitudinal_force", Force, "on the car forward", "X", [], state, wheel::longitudinal_force;
+        LateralShare, "lateral_share", Ratio, "always", "S over that of the axle", [], state, wheel::share;
+        FrictionDemand, "friction_demand", Ratio, "always", "hypot(S, X)/N", [], state, wheel::friction_demand;
+        Gap, "gap", Length, "lifted", "height of the lifted wheel's lowest point", [], state, wheel::gap;
+        LoadedRadius, "loaded_radius", Length, "always", "R_l", [], state, wheel::loaded_radius;
+        Camber, "camber", Angle, "top of the wheel outboard", "-asin(a_z)", [], state, wheel::camber;
+        CamberToRoad, "camber_to_road", Angle, "top of the wheel outboard", "-asin(a.n)", [], state, wheel::camber_to_road;
+        Toe, "toe", Angle, "front of the wheel inboard", "atan2(a_x, a_y outboard)", [], state, wheel::toe;
+        Steer, "steer", Angle, "steered to the left, at both wheels", "-toe at the left, +toe at the right wheel", [], state, wheel::steer;
+        SteerToRoad, "steer_to_road", Angle, "steered to the left, at both wheels", "the same against i and e", [], state, wheel::steer_to_road;
+        ContactX, "contact_point_x", Length, "forward", "C_x, body axes", [], state, wheel::contact_x;
+        ContactY, "contact_point_y", Length, "left", "C_y, body axes", [], state, wheel::contact_y;
+        ContactZ, "contact_point_z", Length, "upward", "C_z, body axes", [], state, wheel::contact_z;
+        SpringForce, "spring_force", Force, "compressed", "force of the spring, stops included", [], state, wheel::spring_force;
+        SpringLength, "spring_length", Length, "always", "length of the spring", [], state, wheel::spring_length;
+        SpringTravel, "spring_travel", Length, "compressed", "length in the design position less the present one", [], state, wheel::spring_travel;
+        Jacking, "jacking_coefficient", Ratio, "a side force inboard lifts the body", "(C'.o)/(C'.n), o outboard along the ground", [], state, wheel::jacking;
+        SideForceJacking, "side_force_jacking", Ratio, "a side force inboard lifts the body", "(C'.o)/(C'.n), o across the wheel in the ground", [], state, wheel::side_force_jacking;
+        CamberGradient, "camber_gradient", AnglePerG, "camber to the road grows with ay", "d camber_to_road/d ay", [], rate, wheel::camber_gradient;
+    }
+    AxleResult of place: usize, (place) {
+        RideHeight, "ride_height_{}", Length, "above the ground", "n.P - gamma", [RideHeight], state, axle::ride_height;
+        Transfer, "lateral_load_transfer_{}", Force, "to the right, as in a left turn", "(N_r - N_l)/2", [], state, axle::load_transfer;
+        Elastic, "lateral_load_transfer_{}_elastic", Force, "to the right", "the same of U_z/(n.C')", [], state, axle::elastic;
+        Geometric, "lateral_load_transfer_{}_geometric", Force, "to the right", "the same of -S lambda.C'/(n.C')", [], state, axle::geometric;
+        Longitudinal, "lateral_load_transfer_{}_longitudinal", Force, "to the right", "the same of -X t.B'/(n.C')", [], state, axle::longitudinal;
+        Unsprung, "lateral_load_transfer_{}_unsprung", Force, "to the right", "the same of m_b alpha.W'/(n.C')", [], state, axle::unsprung;
+        Load, "axle_load_{}", Force, "pressed to the ground", "N_l + N_r", [], state, axle::load;
+        SideForce, "axle_side_force_{}", Force, "on the car to the left", "A", [], state, axle::side_force;
+        Track, "track_{}", Length, "always", "e.(C_l - C_r)", [], state, axle::track;
+        MeanSteer, "mean_steer_{}", Angle, "to the left", "(steer_l + steer_r)/2", [], state, axle::mean_steer;
+        RollCentreHeight, "roll_centre_height_{}", Length, "above the ground", "track j_l j_r/(j_l + j_r)", [], state, axle::roll_centre_height;
+        RollCentreLateral, "roll_centre_lateral_{}", Length, "to the left of midway between the contact points", "track (j_l - j_r)/(2 (j_l + j_r))", [], state, axle::roll_centre_lateral;
+        ForceRollCentre, "force_roll_centre_height_{}", Length, "above the ground", "track (j_l + j_r)/4", [], state, axle::force_roll_centre_height;
+        RollAxisHeight, "roll_axis_height_{}", Length, "above the ground", "track (f_l J_l + f_r J_r)/2", [], state, axle::roll_axis_height;
+        BarTorque, "anti_roll_bar_torque_{}", Torque, "the left lever is pushed further", "k_b (b_l - b_r)", [Bar], state, axle::bar_torque;
+        Downforce, "downforce_{}", Force, "down", "force of the air along -n", [Air], state, axle::downforce;
+        RollSteerGradient, "roll_steer_gradient_{}", AnglePerG, "steers to the left as ay grows", "d mean_steer/d ay, rack held", [], rate, axle::roll_steer_gradient;
+        PitchSteerGradient, "pitch_steer_gradient_{}", AnglePerG, "steers to the left as ax grows", "d mean_steer/d ax, rack held", [], rate, axle::pitch_steer_gradient;
+        RideRate, "axle_ride_rate_{}", ForcePerLength, "always", "d(N_l + N_r)/d gamma; attitude, A, B held, tyres in series", [], rate, axle::ride_rate;
+        RideFrequency, "ride_frequency_{}", Frequency, "always", "sqrt(K_A/m_A)/(2 pi), m_A the part of the sprung mass by the lever of G", [], rate, axle::ride_frequency;
+    }
+    WholeResult of _place: (), () {
+        Roll, "roll", Angle, "right side down", "phi", [], state, car::roll;
+        Pitch, "pitch", Angle, "nose down", "theta", [], state, car::pitch;
+        Heave, "heave", Length, "body down", "gamma - n.P0, P0 the mean contact point in the design position", [], state, car::heave;
+        Rake, "rake", Length, "nose down", "ride_height_rear - ride_height_front", [RideHeights], state, car::rake;
+        Wheelbase, "wheelbase_at_contact", Length, "always", "i.(mid contact points front - rear)", [], state, car::wheelbase;
+        CgHeight, "cg_height", Length, "above the ground", "of all masses", [], state, car::cg_height;
+        SprungCgHeight, "sprung_cg_height", Length, "above the ground", "n.G - gamma", [], state, car::sprung_cg_height;
+        RollCentreInclination, "roll_centre_inclination", Angle, "rises to the front", "atan2(h_f - h_r, L) of roll_centre_height", [], state, car::roll_centre_inclination;
+        RollCentreAtCg, "roll_centre_height_at_cg", Length, "above the ground", "on the line of roll centres at G", [], state, car::roll_centre_height_at_cg;
+        RollCentreArm, "roll_centre_moment_arm", Length, "G above the line", "n.G - gamma - roll_centre_height_at_cg", [], state, car::roll_centre_moment_arm;
+        RollAxisInclination, "roll_axis_inclination", Angle, "rises to the front", "atan2(h_f - h_r, L) of roll_axis_height", [], state, car::roll_axis_inclination;
+        RollAxisAtCg, "roll_axis_height_at_cg", Length, "above the ground", "on the roll axis at G", [], state, car::roll_axis_height_at_cg;
+        RollAxisArm, "roll_axis_moment_arm", Length, "G above the axis", "n.G - gamma - roll_axis_height_at_cg", [], state, car::roll_axis_moment_arm;
+        LongitudinalForce, "longitudinal_force", Force, "forward", "B", [], state, car::longitudinal_force;
+        Transfer, "lateral_load_transfer", Force, "to the right, as in a left turn", "front + rear", [], state, car::load_transfer;
+        Distribution, "lateral_load_transfer_distribution", Percent, "always", "100 front/(front + rear)", [], state, car::distribution;
+        DistributionElastic, "lateral_load_transfer_distribution_elastic", Percent, "with the whole transfer", "100 elastic part front/(front + rear)", [], state, car::distribution_elastic;
+        DistributionGeometric, "lateral_load_transfer_distribution_geometric", Percent, "with the whole transfer", "100 geometric part front/(front + rear)", [], state, car::distribution_geometric;
+        DistributionLongitudinal, "lateral_load_transfer_distribution_longitudinal", Percent, "with the whole transfer", "100 longitudinal part front/(front + rear)", [], state, car::distribution_longitudinal;
+        DistributionUnsprung, "lateral_load_transfer_distribution_unsprung", Percent, "with the whole transfer", "100 unsprung part front/(front + rear)", [], state, car::distribution_unsprung;
+        LocalDistribution, "lateral_load_transfer_distribution_local", Percent, "always", "100 front/(front + rear) of d(load transfer)/d ay", [], rate, car::local_distribution;
+        RollGradient, "roll_gradient", AnglePerG, "rolls to the right as ay grows", "d phi/d ay", [], rate, car::roll_gradient;
+        PitchGradient, "pitch_gradient", AnglePerG, "the nose dips as ax grows; below 0 it dips in braking", "d theta/d ax", [], rate, car::pitch_gradient;
+        RollStiffness, "body_roll_stiffness", TorquePerAngle, "always", "1/(d phi/d M), M a couple on the body about i; tyres in series, weight and side forces included", [], rate, car::roll_stiffness;
+        RollStiffnessDistribution, "body_roll_stiffness_distribution", Percent, "always", "100 front/(front + rear) of d(track (N_r - N_l)/2)/d M", [], rate, car::roll_stiffness_distribution;
+        AntiDive, "anti_dive_by_force", Percent, "resists the dive", "100 longitudinal parts front/T, T = -sum(F.i) h/L; braking", [], state, car::anti_front;
+        AntiLiftRear, "anti_lift_by_force_rear", Percent, "resists the lift", "-100 longitudinal parts rear/T; braking", [], state, car::anti_rear;
+        AntiLiftFront, "anti_lift_by_force_front", Percent, "resists the lift", "100 longitudinal parts front/T; drive", [], state, car::anti_front;
+        AntiSquat, "anti_squat_by_force", Percent, "resists the squat", "-100 longitudinal parts rear/T; drive", [], state, car::anti_rear;
+        RollUndersteer, "roll_understeer", AnglePerG, "understeers", "roll_steer_gradient_rear - roll_steer_gradient_front", [], rate, car::roll_understeer;
+        CrossWeight, "cross_weight", Percent, "always", "100 (front right + rear left)/sum of wheel loads", [], state, car::cross_weight;
+        WeightFront, "weight_distribution_front", Percent, "always", "100 front/sum of wheel loads", [], state, car::weight_front;
+        WeightLeft, "weight_distribution_left", Percent, "always", "100 left/sum of wheel loads", [], state, car::weight_left;
+        Downforce, "downforce", Force, "down", "front + rear", [Air], state, car::downforce;
+        AeroBalance, "aero_balance", Percent, "always", "100 front/downforce", [Air], state, car::aero_balance;
+        Drag, "drag", Force, "backward", "force of the air along -i", [Air], state, car::drag;
+        HeaveRate, "body_heave_rate", ForcePerLength, "always", "d(vertical force)/d gamma, attitude held, tyres in series", [], rate, car::heave_rate;
+        HeaveFrequency, "heave_frequency_uncoupled", Frequency, "always", "sqrt(body_heave_rate/m_s)/(2 pi)", [], rate, car::heave_frequency;
+        LowFrequency, "body_frequency_low", Frequency, "always", "heave and pitch of the sprung mass, massless wheels, tyres in series", [PitchInertia], rate, car::low_frequency;
+        HighFrequency, "body_frequency_high", Frequency, "always", "heave and pitch of the sprung mass, massless wheels, tyres in series", [PitchInertia], rate, car::high_frequency;
+    }
+}
+
+/// A result of a car.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum CarQuantity {
+    /// Of a wheel.
+    Wheel(WheelPlace, WheelResult),
+    /// Of an axle.
+    Axle(AxleEnd, AxleResult),
+    /// Of the whole car.
+    Whole(WholeResult),
+}
+
+impl CarQuantity {
+    /// All of them: the car's, those of each wheel, those of each axle.
+    pub fn all() -> Vec<CarQuantity> {
+        let whole = WholeResult::ALL.iter().copied().map(CarQuantity::Whole);
+        let wheels = WheelPlace::ALL.into_iter().flat_map(|place| {
+            let of = move |result: &WheelResult| CarQuantity::Wheel(place, *result);
+            WheelResult::ALL.iter().map(of)
+        });
+        let axles = AxleEnd::ALL.into_iter().flat_map(|end| {
+            let of = move |result: &AxleResult| CarQuantity::Axle(end, *result);
+            AxleResult::ALL.iter().map(of)
+        });
+        whole.chain(wheels).chain(axles).collect()
+    }
+
+    /// The results that a name stands for: one, or those of all four wheels or both axles.
+    pub fn named(name: &str) -> Vec<CarQuantity> {
+        let matches = |quantity: &CarQuantity| {
+            let plain = match quantity {
+                CarQuantity::Wheel(_, result) => result.info().name == name,
+                CarQuantity::Axle(_, result) => result.info().name.replace("_{}", "") == name,
+                CarQuantity::Whole(_) => false,
+            };
+            plain || quantity.name() == name
+        };
+        let mut found = CarQuantity::all();
+        found.retain(matches);
+        // The car's own result goes before those of both axles.
+        if let Some(whole) = found.iter().find(|q| matches!(q, CarQuantity::Whole(_))) {
+            return vec![*whole];
+        }
+        found
+    }
+
+    /// The columns that a study gets which asks for none.
+    pub fn default_columns(car: &Car) -> Vec<CarQuantity> {
+        let whole = |list: &[WholeResult]| -> Vec<CarQuantity> {
+            list.iter().copied().map(CarQuantity::Whole).collect()
+        };
+        let axles = |list: &[AxleResult]| -> Vec<CarQuantity> {
+            let of = |end: AxleEnd| {
+                list.iter()
+                    .map(move |result| CarQuantity::Axle(end, *result))
+            };
+            AxleEnd::ALL.into_iter().flat_map(of).collect()
+        };
+        let mut columns = whole(&[WholeResult::Roll, WholeResult::Pitch, WholeResult::Heave]);
+        columns.extend(axles(&[AxleResult::RideHeight]));
+        let of_wheel = [
+            WheelResult::Travel,
+            WheelResult::Load,
+            WheelResult::Elastic,
+            WheelResult::Geometric,
+            WheelResult::Longitudinal,
+            WheelResult::Unsprung,
+            WheelResult::SideForce,
+            WheelResult::LongitudinalForce,
+            WheelResult::FrictionDemand,
+            WheelResult::Gap,
+            WheelResult::CamberToRoad,
+            WheelResult::Toe,
+            WheelResult::Steer,
+            WheelResult::SpringForce,
+            WheelResult::SpringTravel,
+        ];
+        for place in WheelPlace::ALL {
+            columns.extend(of_wheel.map(|result| CarQuantity::Wheel(place, result)));
+        }
+        columns.extend(axles(&[
+            AxleResult::Transfer,
+            AxleResult::Elastic,
+            AxleResult::Geometric,
+            AxleResult::Longitudinal,
+            AxleResult::Unsprung,
+            AxleResult::RollCentreHeight,
+            AxleResult::ForceRollCentre,
+            AxleResult::RollAxisHeight,
+        ]));
+        columns.extend(whole(&[
+            WholeResult::Distribution,
+            WholeResult::LocalDistribution,
+            WholeResult::RollGradient,
+            WholeResult::PitchGradient,
+            WholeResult::RollStiffness,
+            WholeResult::RollStiffnessDistribution,
+            WholeResult::AntiDive,
+            WholeResult::AntiLiftRear,
+            WholeResult::AntiLiftFront,
+            WholeResult::AntiSquat,
+            WholeResult::RollUndersteer,
+            WholeResult::AeroBalance,
+            WholeResult::WeightFront,
+            WholeResult::WeightLeft,
+            WholeResult::CrossWeight,
+        ]));
+        columns.retain(|quantity| quantity.is_met_by(car));
+        columns
+    }
+
+    /// Its entry.
+    pub fn info(self) -> &'static CarInfo {
+        match self {
+            CarQuantity::Wheel(_, result) => result.info(),
+            CarQuantity::Axle(_, result) => result.info(),
+            CarQuantity::Whole(result) => result.info(),
+        }
+    }
+
+    /// Name, without the unit.
+    pub fn name(self) -> String {
+        match self {
+            CarQuantity::Wheel(place, result) => {
+                format!("{}_{}", place.name(), result.info().name)
+            }
+            CarQuantity::Axle(end, result) => result.info().name.replace("{}", end.name()),
+            CarQuantity::Whole(result) => result.info().name.to_owned(),
+        }
+    }
+
+    /// Name of its column.
+    pub fn column(self, length: LengthUnit) -> String {
+        crate::ask::with_unit(self.name(), &self.info().unit.suffix(length))
+    }
+
+    /// Whether a car has all that it needs.
+    pub fn is_met_by(self, car: &Car) -> bool {
+        let has_height = |axle: usize| car.ride_height_points[axle].is_some();
+        self.info().needs.iter().all(|need| match (need, self) {
+            (CarNeed::RideHeight, CarQuantity::Axle(end, _)) => has_height(end as usize),
+            (CarNeed::RideHeight | CarNeed::RideHeights, _) => has_height(0) && has_height(1),
+            (CarNeed::Air, _) => car.air.is_some(),
+            (CarNeed::PitchInertia, _) => car.pitch_inertia.is_some(),
+            (CarNeed::Bar, CarQuantity::Axle(end, _)) => {
+                car.axles[end as usize].setup.bar_rate.is_some()
+            }
+            (CarNeed::Bar, _) => true,
+        })
+    }
+
+    /// Why the result has no value in a case, if it has none: a quotient of zeros, or of the other kind of force.
+    pub fn undefined_in(self, case: &Case) -> Option<&'static str> {
+        use WholeResult::{
+            AntiDive, AntiLiftFront, AntiLiftRear, AntiSquat, Distribution, DistributionElastic,
+            DistributionGeometric, DistributionLongitudinal, DistributionUnsprung,
+        };
+        let CarQuantity::Whole(result) = self else {
+            return None;
+        };
+        let is_braked = case.setting.longitudinal == Longitudinal::Brake;
+        match result {
+            Distribution
+            | DistributionElastic
+            | DistributionGeometric
+            | DistributionLongitudinal
+            | DistributionUnsprung
+                if case.ay == 0.0 =>
+            {
+                Some("at ay = 0 no load is transferred across the car")
+            }
+            AntiDive | AntiLiftRear if !is_braked => Some("it is of braking, and the case drives"),
+            AntiLiftFront | AntiSquat if is_braked => Some("it is of drive, and the case brakes"),
+            AntiDive | AntiLiftRear | AntiLiftFront | AntiSquat if case.ax == 0.0 => {
+                Some("at ax = 0 no load is transferred along the car")
+            }
+            _ => None,
+        }
+    }
+
+    /// The value as printed, or `None` where it is not defined.
+    pub fn printed(self, solved: &Solved<'_, f64>, case: &Case) -> Option<f64> {
+        if self.undefined_in(case).is_some() {
+            return None;
+        }
+        let value = self.evaluate(solved) * self.info().unit.printed_factor(solved.car.length_unit);
+        value.is_finite().then_some(value)
+    }
+
+    /// The value of a result that is no derivative of the state; NaN for others.
+    pub fn evaluate_state<T: Scalar>(self, state: &Balance<T>) -> T {
+        match self {
+            CarQuantity::Wheel(place, result) => result.evaluate_state(state, place),
+            CarQuantity::Axle(end, result) => result.evaluate_state(state, end as usize),
+            CarQuantity::Whole(result) => result.evaluate_state(state, ()),
+        }
+    }
+
+    /// The value, in radians, newtons and the car's length unit; not finite where it is not defined.
+    pub fn evaluate<T: Scalar>(self, solved: &Solved<'_, T>) -> T {
+        match self {
+            CarQuantity::Wheel(place, result) => result.evaluate(solved, place),
+            CarQuantity::Axle(end, result) => result.evaluate(solved, end as usize),
+            CarQuantity::Whole(result) => result.evaluate(solved, ()),
+        }
+    }
+}

@@ -1,0 +1,493 @@
+//! The equations of equilibrium, (1) to (9) of [`super`].
+
+use super::corner::Corner;
+use super::parameters::{AxleParameter, BodyParameter, Parameters};
+use super::road::Road;
+use super::{
+    Car, Case, GRAVITY, LateralShares, Longitudinal, LongitudinalShares, Masses, TyreAxes,
+};
+use crate::number::{Scalar, Vector3};
+
+/// Number of unknowns and equations.
+pub const UNKNOWNS: usize = 14;
+
+/// Places of the unknowns.
+pub(super) const ROLL: usize = 0;
+pub(super) const PITCH: usize = 1;
+pub(super) const GROUND: usize = 2;
+pub(super) const TRAVELS: usize = 3;
+pub(super) const LOADS: usize = 7;
+pub(super) const SIDE_FORCES: usize = 11;
+pub(super) const LONGITUDINAL: usize = 13;
+
+/// Places of the equations: contact and travels of the wheels, then the whole car.
+pub(super) const CONTACTS: usize = 0;
+pub(super) const BALANCES: usize = 4;
+pub(super) const BODY: usize = 8;
+/// Equations of the body whose residuals are the vertical force, the roll moment and the pitch moment.
+pub(super) const VERTICAL: usize = 10;
+pub(super) const ROLL_MOMENT: usize = 11;
+pub(super) const PITCH_MOMENT: usize = 12;
+/// Places of gamma, phi and theta among the held unknowns of the body, which stand for its equations.
+pub(super) const HELD_ROWS: [usize; 3] = [2, 0, 1];
+
+/// What stays fixed while the unknowns are sought.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Held<'a> {
+    pub car: &'a Car,
+    pub case: &'a Case,
+    /// Wheels off the ground: front left, front right, rear left, rear right.
+    pub lifted: [bool; 4],
+}
+
+/// One wheel in a state.
+#[derive(Clone, Copy, Debug)]
+pub struct WheelState<T> {
+    /// The wheel.
+    pub corner: Corner<T>,
+    /// Wheel load N.
+    pub load: T,
+    /// Parts of the load by (9): elastic, geometric, longitudinal, unsprung.
+    pub parts: [T; 4],
+    /// Lateral force S, to the left.
+    pub side_force: T,
+    /// Longitudinal force X, forward.
+    pub longitudinal_force: T,
+    /// Share of the axle's lateral force.
+    pub share: T,
+    /// Direction of longitudinal forces.
+    pub heading: Vector3<T>,
+    /// Direction of lateral forces.
+    pub across: Vector3<T>,
+    /// Contact point C.
+    pub contact: Vector3<T>,
+    /// C'.
+    pub contact_rate: Vector3<T>,
+    /// Loaded radius.
+    pub radius: T,
+    /// Height of the wheel's lowest point over the ground, the tyre not pressed in.
+    pub gap: T,
+    /// Force of the spring with its stops.
+    pub spring_force: T,
+}
+
+/// A state with its forces.
+#[derive(Clone, Copy, Debug)]
+pub struct Balance<T> {
+    /// The unknowns.
+    pub unknowns: [T; UNKNOWNS],
+    /// The ground.
+    pub road: Road<T>,
+    /// The wheels: front left, front right, rear left, rear right.
+    pub wheels: [WheelState<T>; 4],
+    /// Sprung mass and its centre of gravity.
+    pub sprung: (T, Vector3<T>),
+    /// Mass and centre of gravity of the whole car.
+    pub whole: (T, Vector3<T>),
+    /// Mean contact point in the design position.
+    pub design_contact: Vector3<T>,
+    /// Downforces near the front and the rear axle, and the drag.
+    pub air: [T; 3],
+    /// Heights of the ride-height points; NaN where there is none.
+    pub ride_heights: [T; 2],
+    /// Torques of the anti-roll bars.
+    pub bars: [T; 2],
+    /// Residuals of the equations.
+    pub residuals: [T; UNKNOWNS],
+    /// Wheels off the ground.
+    pub lifted: [bool; 4],
+}
+
+impl<T: Scalar> Balance<T> {
+    /// Forces and residuals of a state. The corners are at the travels of the unknowns.
+    pub(super) fn of(
+        held: &Held<'_>,
+        parameters: &Parameters<T>,
+        corners: [Corner<T>; 4],
+        x: [T; UNKNOWNS],
+    ) -> Self {
+        let like = x[0];
+        let zero = like.zero();
+        let road = Road::under(x[ROLL], x[PITCH]);
+        let masses = masses(held.car, parameters, &corners);
+        let bars = bar_torques(held.car, parameters, &corners);
+        let acceleration = road.forward * parameters.body(BodyParameter::Ax).scaled(GRAVITY)
+            + road.left * parameters.body(BodyParameter::Ay).scaled(GRAVITY)
+            + road.up * (parameters.body(BodyParameter::Az) + like.one()).scaled(GRAVITY);
+        let shares = shares(held, &x);
+        let static_loads = static_loads(held.car, parameters, &corners, &masses);
+        let mut residuals = [zero; UNKNOWNS];
+        let mut wheels = [None; 4];
+        let mut force = Vector3::new(zero, zero, zero);
+        let mut moment = force;
+        let mut act = |at: Vector3<T>, by: Vector3<T>| {
+            force = force + by;
+            moment = moment + at.cross(by);
+        };
+        for number in 0..4 {
+            let axle = number / 2;
+            let corner = corners[number];
+            let unsprung = parameters
+                .axle(axle, AxleParameter::UnsprungMass)
+                .scaled(0.5);
+            let share =
+                held.car
+                    .longitudinal_share(axle, held.case.setting.longitudinal, parameters);
+            let forces = Forces {
+                load: x[LOADS + number],
+                side: x[SIDE_FORCES + axle] * shares[number][0],
+                longitudinal: x[LONGITUDINAL] * share * shares[number][1],
+                share: shares[number][0],
+                bar: match corner.sign > 0.0 {
+                    true => bars[axle],
+                    false => -bars[axle],
+                },
+                inertia: acceleration * unsprung,
+                static_load: static_loads[axle],
+            };
+            let (wheel, contact, travel) =
+                wheel_balance(held, parameters, number, corner, &road, x[GROUND], &forces);
+            residuals[CONTACTS + number] = contact;
+            residuals[BALANCES + number] = travel;
+            act(
+                wheel.contact,
+                road.up * forces.load
+                    + wheel.across * forces.side
+                    + wheel.heading * forces.longitudinal,
+            );
+            act(corner.centre, -forces.inertia);
+            wheels[number] = Some(wheel);
+        }
+        let (mass, cg) = masses.sprung;
+        act(cg, -(acceleration * mass));
+        let ride_heights = [0, 1].map(|axle| match held.car.ride_height_points[axle] {
+            Some(point) => road.up.dot(road.up.lit(point)) - x[GROUND],
+            None => like.lit(f64::NAN),
+        });
+        let (air, pushes) = air(held.car, parameters, ride_heights);
+        for (point, size, direction) in [
+            (pushes[0], air[0], -road.up),
+            (pushes[1], air[1], -road.up),
+            (pushes[2], air[2], -road.forward),
+        ] {
+            act(road.up.lit(point), direction * size);
+        }
+        let inertia = held.car.yaw_inertia.unwrap_or(0.0) * held.case.yaw_acceleration;
+        moment = moment - road.up * like.lit(inertia * held.car.per_metre());
+        // Along i, e, n; the roll moment is about the body's own axis x.
+        let body = [
+            force.dot(road.forward),
+            force.dot(road.left),
+            force.dot(road.up),
+            moment.x,
+            moment.dot(road.left),
+            moment.dot(road.up),
+        ];
+        residuals[BODY..].copy_from_slice(&body);
+        Balance {
+            unknowns: x,
+            road,
+            wheels: wheels.map(|wheel| wheel.expect("all four were formed")),
+            sprung: masses.sprung,
+            whole: masses.whole,
+            design_contact: masses.design_contact,
+            air,
+            ride_heights,
+            bars,
+            residuals,
+            lifted: held.lifted,
+        }
+    }
+}
+
+/// Forces on one wheel.
+struct Forces<T> {
+    load: T,
+    side: T,
+    longitudinal: T,
+    share: T,
+    /// Torque of the bar on its lever, in the sense of its angle.
+    bar: T,
+    /// Force that accelerates the wheel's mass.
+    inertia: Vector3<T>,
+    static_load: T,
+}
+
+/// A wheel, and the residuals of its contact and its travel: (2) to (7) and (9).
+fn wheel_balance<T: Scalar>(
+    held: &Held<'_>,
+    parameters: &Parameters<T>,
+    number: usize,
+    corner: Corner<T>,
+    road: &Road<T>,
+    ground: T,
+    forces: &Forces<T>,
+) -> (WheelState<T>, T, T) {
+    let axle = number / 2;
+    let setting = &held.case.setting;
+    let up = road.up;
+    let along = up.dot(corner.spin);
+    let down = up - corner.spin * along;
+    let tilt = down.norm();
+    let height = up.dot(corner.centre) - ground;
+    let radius = parameters.axle(axle, AxleParameter::Radius);
+    let spring = match (setting.elastic_tyres, held.car.tyres) {
+        (true, Some(tyres)) => {
+            let rate = parameters.axle(axle, AxleParameter::TyreRate);
+            let load = match tyres[axle].load {
+                Some(load) => radius.lit(load),
+                None => forces.static_load,
+            };
+            Some((rate, radius + load / rate))
+        }
+        _ => None,
+    };
+    let free = spring.map_or(radius, |(_, free)| free);
+    let loaded = match (spring, held.lifted[number]) {
+        (Some(_), false) => height / tilt,
+        _ => free,
+    };
+    let lever = down * (-loaded / tilt);
+    let contact = corner.centre + lever;
+    let contact_rate = corner.centre_rate + corner.turn.cross(lever);
+    let (heading, across) = match setting.tyre_axes {
+        TyreAxes::Road => (road.forward, road.left),
+        TyreAxes::Wheel => {
+            let heading = corner.spin.cross(up) * tilt.lit(corner.sign);
+            let heading = heading.normalised();
+            (heading, up.cross(heading))
+        }
+    };
+    let pushed_rate = match held.car.carrier_takes_torque(axle, setting.longitudinal) {
+        true => contact_rate,
+        false => {
+            let turn = corner.turn - corner.spin * corner.turn.dot(corner.spin);
+            corner.centre_rate + turn.cross(lever)
+        }
+    };
+    let law = &held.car.axles[axle].setup.springs;
+    let spring_force = match law {
+        Some(laws) => {
+            let side = usize::from(corner.sign < 0.0);
+            let shortened = corner.design_spring - corner.spring[0];
+            laws[side].force(corner.spring[0], corner.design_spring)
+                + parameters.axle(axle, AxleParameter::SpringForce)
+                + parameters.axle(axle, AxleParameter::SpringRate) * shortened
+        }
+        None => tilt.zero(),
+    };
+    let mut elastic = tilt.zero();
+    if law.is_some() {
+        elastic = elastic - spring_force * corner.spring[1];
+    }
+    if held.car.axles[axle].setup.bar_rate.is_some() {
+        elastic = elastic + forces.bar * corner.bar[1];
+    }
+    let parts = [
+        elastic,
+        -(forces.side * across.dot(contact_rate)),
+        -(forces.longitudinal * heading.dot(pushed_rate)),
+        forces.inertia.dot(corner.centre_rate),
+    ];
+    let rise = up.dot(contact_rate);
+    let travel = forces.load * rise - parts[0] - parts[1] - parts[2] - parts[3];
+    let contact_residual = match (held.lifted[number], spring) {
+        (true, _) => forces.load,
+        (false, None) => height - radius * tilt,
+        (false, Some((rate, free))) => forces.load - rate * (free - loaded) / tilt,
+    };
+    let wheel = WheelState {
+        corner,
+        load: forces.load,
+        parts: parts.map(|part| part / rise),
+        side_force: forces.side,
+        longitudinal_force: forces.longitudinal,
+        share: forces.share,
+        heading,
+        across,
+        contact,
+        contact_rate,
+        radius: loaded,
+        gap: height - free * tilt,
+        spring_force,
+    };
+    (wheel, contact_residual, travel)
+}
+
+/// Masses of a car.
+struct CarMasses<T> {
+    sprung: (T, Vector3<T>),
+    whole: (T, Vector3<T>),
+    design_contact: Vector3<T>,
+    /// Contact points in the design position.
+    design_contacts: [Vector3<T>; 4],
+}
+
+fn masses<T: Scalar>(
+    car: &Car,
+    parameters: &Parameters<T>,
+    corners: &[Corner<T>; 4],
+) -> CarMasses<T> {
+    let (mass, cg) = (parameters.body(BodyParameter::Mass), parameters.cg());
+    let wheel = |number: usize| {
+        parameters
+            .axle(number / 2, AxleParameter::UnsprungMass)
+            .scaled(0.5)
+    };
+    let add =
+        |(mass, moment): (T, Vector3<T>), of: T, at: Vector3<T>| (mass + of, moment + at * of);
+    let place = |(mass, moment): (T, Vector3<T>)| (mass, moment * (mass.one() / mass));
+    let given = (mass, cg * mass);
+    let mut sprung = given;
+    if car.masses == Masses::Whole {
+        // G moves with the wheels, whose masses are part of the whole.
+        for (number, corner) in corners.iter().enumerate() {
+            sprung = add(sprung, -wheel(number), corner.design_centre);
+        }
+    }
+    let mut whole = sprung;
+    for (number, corner) in corners.iter().enumerate() {
+        whole = add(whole, wheel(number), corner.centre);
+    }
+    let level = Road::under(mass.zero(), mass.zero());
+    let design_contacts = [0, 1, 2, 3].map(|number| {
+        let corner = &corners[number];
+        let down = level.up - corner.design_spin * level.up.dot(corner.design_spin);
+        let radius = parameters.axle(number / 2, AxleParameter::Radius);
+        corner.design_centre - down.normalised() * radius
+    });
+    let [a, b, c, d] = design_contacts;
+    CarMasses {
+        sprung: place(sprung),
+        whole: place(whole),
+        design_contact: (a + b + c + d) * mass.lit(0.25),
+        design_contacts,
+    }
+}
+
+/// Load of each wheel of the axles at rest in the design position, half the axle's: the lever rule.
+fn static_loads<T: Scalar>(
+    car: &Car,
+    parameters: &Parameters<T>,
+    corners: &[Corner<T>; 4],
+    masses: &CarMasses<T>,
+) -> [T; 2] {
+    let is_needed = car
+        .tyres
+        .is_some_and(|tyres| tyres.iter().any(|tyre| tyre.load.is_none()));
+    let like = parameters.body(BodyParameter::Mass);
+    if !is_needed {
+        return [like.zero(); 2];
+    }
+    let [front, rear] = [0, 2].map(|left| {
+        (masses.design_contacts[left].x + masses.design_contacts[left + 1].x).scaled(0.5)
+    });
+    let (mut mass, mut moment) = (masses.sprung.0, masses.sprung.0 * masses.sprung.1.x);
+    for (number, corner) in corners.iter().enumerate() {
+        let own = parameters
+            .axle(number / 2, AxleParameter::UnsprungMass)
+            .scaled(0.5);
+        mass = mass + own;
+        moment = moment + own * corner.design_centre.x;
+    }
+    let on_front = (moment - mass * rear) / (front - rear);
+    [on_front, mass - on_front].map(|carried| carried.scaled(0.5 * GRAVITY))
+}
+
+/// Torque of each axle's bar, by the left lever's angle minus the right one's.
+fn bar_torques<T: Scalar>(
+    car: &Car,
+    parameters: &Parameters<T>,
+    corners: &[Corner<T>; 4],
+) -> [T; 2] {
+    [0, 1].map(|axle| match car.axles[axle].setup.bar_rate {
+        Some(_) => {
+            let [left, right] = [0, 1].map(|side| corners[2 * axle + side].bar[0]);
+            parameters.axle(axle, AxleParameter::BarRate) * (left - right)
+        }
+        None => corners[0].centre.x.zero(),
+    })
+}
+
+/// Lateral and longitudinal share of each wheel in the force of its axle (3).
+fn shares<T: Scalar>(held: &Held<'_>, x: &[T; UNKNOWNS]) -> [[T; 2]; 4] {
+    let setting = &held.case.setting;
+    let share = |number: usize, is_by_load: bool, of_left: f64| {
+        let (own, other) = (number, number ^ 1);
+        let like = x[0];
+        if held.lifted[own] {
+            return like.zero();
+        }
+        if held.lifted[other] {
+            return like.one();
+        }
+        if is_by_load {
+            return x[LOADS + own] / (x[LOADS + own] + x[LOADS + other]);
+        }
+        like.lit(match number % 2 {
+            0 => of_left,
+            _ => 1.0 - of_left,
+        })
+    };
+    [0, 1, 2, 3].map(|number| {
+        let lateral = match setting.lateral_shares {
+            LateralShares::ByLoad => share(number, true, 0.5),
+            LateralShares::Equal => share(number, false, 0.5),
+            LateralShares::Left(left) => share(number, false, left[number / 2]),
+        };
+        let by_load = setting.longitudinal_shares == LongitudinalShares::ByLoad;
+        [lateral, share(number, by_load, 0.5)]
+    })
+}
+
+impl Car {
+    /// An axle's share of the longitudinal force.
+    fn longitudinal_share<T: Scalar>(
+        &self,
+        axle: usize,
+        longitudinal: Longitudinal,
+        parameters: &Parameters<T>,
+    ) -> T {
+        let front = parameters.body(match longitudinal {
+            Longitudinal::Brake => BodyParameter::BrakeShareFront,
+            Longitudinal::Drive => BodyParameter::DriveShareFront,
+        });
+        match axle {
+            0 => front,
+            _ => front.one() - front,
+        }
+    }
+}
+
+/// Downforces and drag, and the points of the body where they act.
+fn air<T: Scalar>(
+    car: &Car,
+    parameters: &Parameters<T>,
+    [front, rear]: [T; 2],
+) -> ([T; 3], [Vector3<f64>; 3]) {
+    let zero = front.zero();
+    let mut points = [Vector3::default(); 3];
+    let mut forces = [zero; 3];
+    let Some(air) = &car.air else {
+        return (forces, points);
+    };
+    let pressure = parameters
+        .body(BodyParameter::Speed)
+        .squared()
+        .scaled(0.5 * air.density);
+    let given = [air.downforce[0], air.downforce[1], air.drag];
+    for (number, force) in given.iter().enumerate() {
+        let Some(force) = force else { continue };
+        points[number] = force.point;
+        let mut area = zero.lit(force.area[0]);
+        // Without ride heights, their factors are zero.
+        if force.area[1..].iter().any(|factor| *factor != 0.0) {
+            let powers = [front, rear, front.squared(), front * rear, rear.squared()];
+            for (power, factor) in powers.into_iter().zip(&force.area[1..]) {
+                area = area + power.scaled(*factor);
+            }
+        }
+        forces[number] = pressure * area;
+    }
+    (forces, points)
+}

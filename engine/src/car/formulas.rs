@@ -1,0 +1,530 @@
+//! Formulas of results. j and J are the jacking coefficients along the ground and across the wheel.
+
+use super::catalogue::WheelPlace;
+use super::equations::{
+    BODY, Balance, GROUND, LONGITUDINAL, PITCH, PITCH_MOMENT, ROLL, SIDE_FORCES, TRAVELS, VERTICAL,
+    WheelState,
+};
+use super::rates::Solved;
+use crate::number::{Jet, Scalar, Vector3};
+use std::f64::consts::PI;
+
+/// Results of one wheel in a state.
+pub(super) mod wheel {
+    use super::*;
+
+    fn of<T: Scalar>(state: &Balance<T>, place: WheelPlace) -> &WheelState<T> {
+        &state.wheels[place.0]
+    }
+
+    pub(in super::super) fn travel<T: Scalar>(state: &Balance<T>, place: WheelPlace) -> T {
+        state.unknowns[TRAVELS + place.0]
+    }
+
+    pub(in super::super) fn load<T: Scalar>(state: &Balance<T>, place: WheelPlace) -> T {
+        of(state, place).load
+    }
+
+    pub(in super::super) fn elastic<T: Scalar>(state: &Balance<T>, place: WheelPlace) -> T {
+        of(state, place).parts[0]
+    }
+
+    pub(in super::super) fn geometric<T: Scalar>(state: &Balance<T>, place: WheelPlace) -> T {
+        of(state, place).parts[1]
+    }
+
+    pub(in super::super) fn longitudinal<T: Scalar>(state: &Balance<T>, place: WheelPlace) -> T {
+        of(state, place).parts[2]
+    }
+
+    pub(in super::super) fn unsprung<T: Scalar>(state: &Balance<T>, place: WheelPlace) -> T {
+        of(state, place).parts[3]
+    }
+
+    pub(in super::super) fn side_force<T: Scalar>(state: &Balance<T>, place: WheelPlace) -> T {
+        of(state, place).side_force
+    }
+
+    pub(in super::super) fn longitudinal_force<T: Scalar>(
+        state: &Balance<T>,
+        place: WheelPlace,
+    ) -> T {
+        of(state, place).longitudinal_force
+    }
+
+    pub(in super::super) fn share<T: Scalar>(state: &Balance<T>, place: WheelPlace) -> T {
+        of(state, place).share
+    }
+
+    pub(in super::super) fn friction_demand<T: Scalar>(state: &Balance<T>, place: WheelPlace) -> T {
+        let wheel = of(state, place);
+        let squared = wheel.side_force.squared() + wheel.longitudinal_force.squared();
+        // The root of zero has no slope.
+        match squared.value() == 0.0 {
+            true => squared,
+            false => squared.sqrt() / wheel.load,
+        }
+    }
+
+    pub(in super::super) fn gap<T: Scalar>(state: &Balance<T>, place: WheelPlace) -> T {
+        let gap = of(state, place).gap;
+        match state.lifted[place.0] {
+            true => gap,
+            false => gap.zero(),
+        }
+    }
+
+    pub(in super::super) fn loaded_radius<T: Scalar>(state: &Balance<T>, place: WheelPlace) -> T {
+        of(state, place).radius
+    }
+
+    pub(in super::super) fn camber<T: Scalar>(state: &Balance<T>, place: WheelPlace) -> T {
+        -of(state, place).corner.spin.z.asin()
+    }
+
+    pub(in super::super) fn camber_to_road<T: Scalar>(state: &Balance<T>, place: WheelPlace) -> T {
+        -state.road.up.dot(of(state, place).corner.spin).asin()
+    }
+
+    pub(in super::super) fn steer<T: Scalar>(state: &Balance<T>, place: WheelPlace) -> T {
+        let corner = &of(state, place).corner;
+        let sign = corner.sign;
+        -corner.spin.x.scaled(sign).atan2(corner.spin.y.scaled(sign))
+    }
+
+    pub(in super::super) fn toe<T: Scalar>(state: &Balance<T>, place: WheelPlace) -> T {
+        steer(state, place).scaled(-of(state, place).corner.sign)
+    }
+
+    pub(in super::super) fn steer_to_road<T: Scalar>(state: &Balance<T>, place: WheelPlace) -> T {
+        let corner = &of(state, place).corner;
+        let along = |direction: Vector3<T>| corner.spin.dot(direction).scaled(corner.sign);
+        -along(state.road.forward).atan2(along(state.road.left))
+    }
+
+    pub(in super::super) fn contact_x<T: Scalar>(state: &Balance<T>, place: WheelPlace) -> T {
+        of(state, place).contact.x
+    }
+
+    pub(in super::super) fn contact_y<T: Scalar>(state: &Balance<T>, place: WheelPlace) -> T {
+        of(state, place).contact.y
+    }
+
+    pub(in super::super) fn contact_z<T: Scalar>(state: &Balance<T>, place: WheelPlace) -> T {
+        of(state, place).contact.z
+    }
+
+    pub(in super::super) fn spring_force<T: Scalar>(state: &Balance<T>, place: WheelPlace) -> T {
+        of(state, place).spring_force
+    }
+
+    pub(in super::super) fn spring_length<T: Scalar>(state: &Balance<T>, place: WheelPlace) -> T {
+        of(state, place).corner.spring[0]
+    }
+
+    pub(in super::super) fn spring_travel<T: Scalar>(state: &Balance<T>, place: WheelPlace) -> T {
+        let corner = &of(state, place).corner;
+        corner.design_spring - corner.spring[0]
+    }
+
+    /// Load gained per side force inboard along the ground.
+    pub(in super::super) fn jacking<T: Scalar>(state: &Balance<T>, place: WheelPlace) -> T {
+        let wheel = of(state, place);
+        let rate = wheel.contact_rate;
+        rate.dot(state.road.left).scaled(wheel.corner.sign) / rate.dot(state.road.up)
+    }
+
+    /// Load gained per side force inboard across the wheel.
+    pub(in super::super) fn side_force_jacking<T: Scalar>(
+        state: &Balance<T>,
+        place: WheelPlace,
+    ) -> T {
+        let wheel = of(state, place);
+        let rate = wheel.contact_rate;
+        rate.dot(wheel.across).scaled(wheel.corner.sign) / rate.dot(state.road.up)
+    }
+
+    pub(in super::super) fn camber_gradient<T: Scalar>(
+        solved: &Solved<'_, T>,
+        place: WheelPlace,
+    ) -> T {
+        camber_to_road(&solved.by_ay, place)[1]
+    }
+}
+
+/// Results of one axle; 0 is the front one.
+pub(super) mod axle {
+    use super::*;
+
+    fn both<T: Scalar>(
+        state: &Balance<T>,
+        axle: usize,
+        of: impl Fn(&Balance<T>, WheelPlace) -> T,
+    ) -> [T; 2] {
+        [0, 1].map(|side| of(state, WheelPlace(2 * axle + side)))
+    }
+
+    /// Half the right wheel's part less the left one's.
+    fn transfer<T: Scalar>(
+        state: &Balance<T>,
+        axle: usize,
+        of: impl Fn(&Balance<T>, WheelPlace) -> T,
+    ) -> T {
+        let [left, right] = both(state, axle, of);
+        (right - left).scaled(0.5)
+    }
+
+    pub(in super::super) fn load_transfer<T: Scalar>(state: &Balance<T>, axle: usize) -> T {
+        transfer(state, axle, wheel::load)
+    }
+
+    pub(in super::super) fn elastic<T: Scalar>(state: &Balance<T>, axle: usize) -> T {
+        transfer(state, axle, wheel::elastic)
+    }
+
+    pub(in super::super) fn geometric<T: Scalar>(state: &Balance<T>, axle: usize) -> T {
+        transfer(state, axle, wheel::geometric)
+    }
+
+    pub(in super::super) fn longitudinal<T: Scalar>(state: &Balance<T>, axle: usize) -> T {
+        transfer(state, axle, wheel::longitudinal)
+    }
+
+    pub(in super::super) fn unsprung<T: Scalar>(state: &Balance<T>, axle: usize) -> T {
+        transfer(state, axle, wheel::unsprung)
+    }
+
+    pub(in super::super) fn load<T: Scalar>(state: &Balance<T>, axle: usize) -> T {
+        let [left, right] = both(state, axle, wheel::load);
+        left + right
+    }
+
+    pub(in super::super) fn side_force<T: Scalar>(state: &Balance<T>, axle: usize) -> T {
+        state.unknowns[SIDE_FORCES + axle]
+    }
+
+    pub(in super::super) fn track<T: Scalar>(state: &Balance<T>, axle: usize) -> T {
+        let [left, right] = [0, 1].map(|side| state.wheels[2 * axle + side].contact);
+        state.road.left.dot(left - right)
+    }
+
+    pub(in super::super) fn mean_steer<T: Scalar>(state: &Balance<T>, axle: usize) -> T {
+        let [left, right] = both(state, axle, wheel::steer);
+        (left + right).scaled(0.5)
+    }
+
+    pub(in super::super) fn roll_centre_height<T: Scalar>(state: &Balance<T>, axle: usize) -> T {
+        let [left, right] = both(state, axle, wheel::jacking);
+        track(state, axle) * left * right / (left + right)
+    }
+
+    pub(in super::super) fn roll_centre_lateral<T: Scalar>(state: &Balance<T>, axle: usize) -> T {
+        let [left, right] = both(state, axle, wheel::jacking);
+        track(state, axle).scaled(0.5) * (left - right) / (left + right)
+    }
+
+    pub(in super::super) fn force_roll_centre_height<T: Scalar>(
+        state: &Balance<T>,
+        axle: usize,
+    ) -> T {
+        let [left, right] = both(state, axle, wheel::jacking);
+        track(state, axle).scaled(0.25) * (left + right)
+    }
+
+    pub(in super::super) fn roll_axis_height<T: Scalar>(state: &Balance<T>, axle: usize) -> T {
+        let [left, right] = both(state, axle, wheel::side_force_jacking);
+        let [of_left, of_right] = both(state, axle, wheel::share);
+        track(state, axle).scaled(0.5) * (of_left * left + of_right * right)
+    }
+
+    pub(in super::super) fn bar_torque<T: Scalar>(state: &Balance<T>, axle: usize) -> T {
+        state.bars[axle]
+    }
+
+    pub(in super::super) fn downforce<T: Scalar>(state: &Balance<T>, axle: usize) -> T {
+        state.air[axle]
+    }
+
+    pub(in super::super) fn ride_height<T: Scalar>(state: &Balance<T>, axle: usize) -> T {
+        state.ride_heights[axle]
+    }
+
+    pub(in super::super) fn roll_steer_gradient<T: Scalar>(
+        solved: &Solved<'_, T>,
+        axle: usize,
+    ) -> T {
+        mean_steer(&solved.by_ay, axle)[1]
+    }
+
+    pub(in super::super) fn pitch_steer_gradient<T: Scalar>(
+        solved: &Solved<'_, T>,
+        axle: usize,
+    ) -> T {
+        mean_steer(&solved.by_ax, axle)[1]
+    }
+
+    /// Load that both wheels gain as the ground rises.
+    pub(in super::super) fn ride_rate<T: Scalar>(solved: &Solved<'_, T>, axle: usize) -> T {
+        load(&solved.by_heave, axle)[1]
+    }
+
+    pub(in super::super) fn ride_frequency<T: Scalar>(solved: &Solved<'_, T>, axle: usize) -> T {
+        let state = &solved.now;
+        let (mass, _) = state.sprung;
+        let share = car::front_share_at_cg(state);
+        let own = match axle {
+            0 => share,
+            _ => share.one() - share,
+        };
+        let per_metre = solved.car.per_metre();
+        frequency(ride_rate(solved, axle).scaled(per_metre) / (mass * own))
+    }
+}
+
+/// Frequency of a squared angular frequency, in hertz.
+fn frequency<T: Scalar>(squared: T) -> T {
+    squared.sqrt().scaled(0.5 / PI)
+}
+
+/// Results of the car as a whole.
+pub(super) mod car {
+    use super::*;
+
+    pub(in super::super) fn roll<T: Scalar>(state: &Balance<T>) -> T {
+        state.unknowns[ROLL]
+    }
+
+    pub(in super::super) fn pitch<T: Scalar>(state: &Balance<T>) -> T {
+        state.unknowns[PITCH]
+    }
+
+    pub(in super::super) fn heave<T: Scalar>(state: &Balance<T>) -> T {
+        state.unknowns[GROUND] - state.road.up.dot(state.design_contact)
+    }
+
+    pub(in super::super) fn rake<T: Scalar>(state: &Balance<T>) -> T {
+        state.ride_heights[1] - state.ride_heights[0]
+    }
+
+    fn mid_contact<T: Scalar>(state: &Balance<T>, axle: usize) -> T {
+        let [left, right] = [0, 1].map(|side| state.wheels[2 * axle + side].contact);
+        state.road.forward.dot(left + right).scaled(0.5)
+    }
+
+    pub(in super::super) fn wheelbase<T: Scalar>(state: &Balance<T>) -> T {
+        mid_contact(state, 0) - mid_contact(state, 1)
+    }
+
+    /// How far ahead of the rear axle the sprung mass is, in wheelbases.
+    pub(in super::super) fn front_share_at_cg<T: Scalar>(state: &Balance<T>) -> T {
+        (state.road.forward.dot(state.sprung.1) - mid_contact(state, 1)) / wheelbase(state)
+    }
+
+    fn height<T: Scalar>(state: &Balance<T>, point: Vector3<T>) -> T {
+        state.road.up.dot(point) - state.unknowns[GROUND]
+    }
+
+    pub(in super::super) fn cg_height<T: Scalar>(state: &Balance<T>) -> T {
+        height(state, state.whole.1)
+    }
+
+    pub(in super::super) fn sprung_cg_height<T: Scalar>(state: &Balance<T>) -> T {
+        height(state, state.sprung.1)
+    }
+
+    type OfAxle<T> = fn(&Balance<T>, usize) -> T;
+
+    fn inclination<T: Scalar>(state: &Balance<T>, of: OfAxle<T>) -> T {
+        (of(state, 0) - of(state, 1)).atan2(wheelbase(state))
+    }
+
+    fn at_cg<T: Scalar>(state: &Balance<T>, of: OfAxle<T>) -> T {
+        let (front, rear) = (of(state, 0), of(state, 1));
+        rear + (front - rear) * front_share_at_cg(state)
+    }
+
+    pub(in super::super) fn roll_centre_inclination<T: Scalar>(state: &Balance<T>) -> T {
+        inclination(state, axle::roll_centre_height)
+    }
+
+    pub(in super::super) fn roll_centre_height_at_cg<T: Scalar>(state: &Balance<T>) -> T {
+        at_cg(state, axle::roll_centre_height)
+    }
+
+    pub(in super::super) fn roll_centre_moment_arm<T: Scalar>(state: &Balance<T>) -> T {
+        sprung_cg_height(state) - roll_centre_height_at_cg(state)
+    }
+
+    pub(in super::super) fn roll_axis_inclination<T: Scalar>(state: &Balance<T>) -> T {
+        inclination(state, axle::roll_axis_height)
+    }
+
+    pub(in super::super) fn roll_axis_height_at_cg<T: Scalar>(state: &Balance<T>) -> T {
+        at_cg(state, axle::roll_axis_height)
+    }
+
+    pub(in super::super) fn roll_axis_moment_arm<T: Scalar>(state: &Balance<T>) -> T {
+        sprung_cg_height(state) - roll_axis_height_at_cg(state)
+    }
+
+    pub(in super::super) fn longitudinal_force<T: Scalar>(state: &Balance<T>) -> T {
+        state.unknowns[LONGITUDINAL]
+    }
+
+    pub(in super::super) fn load_transfer<T: Scalar>(state: &Balance<T>) -> T {
+        axle::load_transfer(state, 0) + axle::load_transfer(state, 1)
+    }
+
+    fn share_of_transfer<T: Scalar>(state: &Balance<T>, of: OfAxle<T>) -> T {
+        of(state, 0).scaled(100.0) / load_transfer(state)
+    }
+
+    pub(in super::super) fn distribution<T: Scalar>(state: &Balance<T>) -> T {
+        share_of_transfer(state, axle::load_transfer)
+    }
+
+    pub(in super::super) fn distribution_elastic<T: Scalar>(state: &Balance<T>) -> T {
+        share_of_transfer(state, axle::elastic)
+    }
+
+    pub(in super::super) fn distribution_geometric<T: Scalar>(state: &Balance<T>) -> T {
+        share_of_transfer(state, axle::geometric)
+    }
+
+    pub(in super::super) fn distribution_longitudinal<T: Scalar>(state: &Balance<T>) -> T {
+        share_of_transfer(state, axle::longitudinal)
+    }
+
+    pub(in super::super) fn distribution_unsprung<T: Scalar>(state: &Balance<T>) -> T {
+        share_of_transfer(state, axle::unsprung)
+    }
+
+    fn loads<T: Scalar>(state: &Balance<T>) -> [T; 4] {
+        state.wheels.map(|wheel| wheel.load)
+    }
+
+    pub(in super::super) fn cross_weight<T: Scalar>(state: &Balance<T>) -> T {
+        let [a, b, c, d] = loads(state);
+        (b + c).scaled(100.0) / (a + b + c + d)
+    }
+
+    pub(in super::super) fn weight_front<T: Scalar>(state: &Balance<T>) -> T {
+        let [a, b, c, d] = loads(state);
+        (a + b).scaled(100.0) / (a + b + c + d)
+    }
+
+    pub(in super::super) fn weight_left<T: Scalar>(state: &Balance<T>) -> T {
+        let [a, b, c, d] = loads(state);
+        (a + c).scaled(100.0) / (a + b + c + d)
+    }
+
+    pub(in super::super) fn downforce<T: Scalar>(state: &Balance<T>) -> T {
+        state.air[0] + state.air[1]
+    }
+
+    pub(in super::super) fn aero_balance<T: Scalar>(state: &Balance<T>) -> T {
+        state.air[0].scaled(100.0) / downforce(state)
+    }
+
+    pub(in super::super) fn drag<T: Scalar>(state: &Balance<T>) -> T {
+        state.air[2]
+    }
+
+    /// Longitudinal parts of an axle's loads in percent of the load that the tyres' longitudinal forces transfer.
+    pub(in super::super) fn anti<T: Scalar>(state: &Balance<T>, axle: usize) -> T {
+        let push = |wheel: &WheelState<T>| {
+            let force = wheel.across * wheel.side_force + wheel.heading * wheel.longitudinal_force;
+            force.dot(state.road.forward)
+        };
+        let [a, b, c, d] = state.wheels.each_ref().map(push);
+        let transfer = -(a + b + c + d) * cg_height(state) / wheelbase(state);
+        let parts = [0, 1].map(|side| state.wheels[2 * axle + side].parts[2]);
+        let own = (parts[0] + parts[1]).scaled(match axle {
+            0 => 100.0,
+            _ => -100.0,
+        });
+        own / transfer
+    }
+
+    pub(in super::super) fn anti_front<T: Scalar>(state: &Balance<T>) -> T {
+        anti(state, 0)
+    }
+
+    pub(in super::super) fn anti_rear<T: Scalar>(state: &Balance<T>) -> T {
+        anti(state, 1)
+    }
+
+    pub(in super::super) fn roll_gradient<T: Scalar>(solved: &Solved<'_, T>) -> T {
+        roll(&solved.by_ay)[1]
+    }
+
+    pub(in super::super) fn pitch_gradient<T: Scalar>(solved: &Solved<'_, T>) -> T {
+        pitch(&solved.by_ax)[1]
+    }
+
+    pub(in super::super) fn local_distribution<T: Scalar>(solved: &Solved<'_, T>) -> T {
+        let [front, rear] = [0, 1].map(|end| axle::load_transfer(&solved.by_ay, end)[1]);
+        front.scaled(100.0) / (front + rear)
+    }
+
+    pub(in super::super) fn roll_understeer<T: Scalar>(solved: &Solved<'_, T>) -> T {
+        axle::roll_steer_gradient(solved, 1) - axle::roll_steer_gradient(solved, 0)
+    }
+
+    pub(in super::super) fn roll_stiffness<T: Scalar>(solved: &Solved<'_, T>) -> T {
+        let by_couple = roll(&solved.by_couple)[1];
+        by_couple.one() / by_couple
+    }
+
+    pub(in super::super) fn roll_stiffness_distribution<T: Scalar>(solved: &Solved<'_, T>) -> T {
+        let state = &solved.by_couple;
+        let [front, rear] =
+            [0, 1].map(|end| (axle::track(state, end) * axle::load_transfer(state, end))[1]);
+        front.scaled(100.0) / (front + rear)
+    }
+
+    pub(in super::super) fn heave_rate<T: Scalar>(solved: &Solved<'_, T>) -> T {
+        solved.by_heave.residuals[VERTICAL][1]
+    }
+
+    pub(in super::super) fn heave_frequency<T: Scalar>(solved: &Solved<'_, T>) -> T {
+        let per_metre = solved.car.per_metre();
+        frequency(heave_rate(solved).scaled(per_metre) / solved.now.sprung.0)
+    }
+
+    /// Squared angular frequencies of the sprung mass in heave and pitch on massless wheels: the roots of
+    /// det(K - w M) = 0, M of the height of G and the pitch angle.
+    fn body_frequency<T: Scalar>(solved: &Solved<'_, T>, sign: f64) -> T {
+        // Vertical force, and moment about -e at the mean contact point of the design position, by gamma and theta.
+        let height = solved.now.road.up.dot(solved.now.design_contact);
+        let along = |state: &Balance<Jet<T, 2>>| {
+            let [forward, up, pitch] =
+                [BODY, VERTICAL, PITCH_MOMENT].map(|row| state.residuals[row][1]);
+            [up, height * forward - pitch]
+        };
+        let [by_heave, by_pitch] = [along(&solved.by_heave), along(&solved.by_pitch)];
+        let k = [[by_heave[0], by_pitch[0]], [by_heave[1], by_pitch[1]]];
+        let per_metre = solved.car.per_metre();
+        let (mass, cg) = solved.now.sprung;
+        let lever = solved.now.road.forward.dot(cg);
+        let inertia = solved.car.pitch_inertia.unwrap_or(f64::NAN) * per_metre * per_metre;
+        let m = [
+            [mass, mass * lever],
+            [mass * lever, mass * lever.squared() + mass.lit(inertia)],
+        ];
+        let product = mass.scaled(inertia);
+        let middle = k[0][0] * m[1][1] + k[1][1] * m[0][0] - (k[0][1] + k[1][0]) * m[0][1];
+        let determinant = k[0][0] * k[1][1] - k[0][1] * k[1][0];
+        let root = (middle.squared() - (product * determinant).scaled(4.0)).sqrt();
+        let squared = (middle + root.scaled(sign)) / product.scaled(2.0);
+        frequency(squared.scaled(per_metre))
+    }
+
+    pub(in super::super) fn low_frequency<T: Scalar>(solved: &Solved<'_, T>) -> T {
+        body_frequency(solved, -1.0)
+    }
+
+    pub(in super::super) fn high_frequency<T: Scalar>(solved: &Solved<'_, T>) -> T {
+        body_frequency(solved, 1.0)
+    }
+}

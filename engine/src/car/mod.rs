@@ -1,0 +1,179 @@
+//! The whole car in quasi-static equilibrium.
+//!
+//! The body is rigid and carries two axles, the sprung mass with its centre of gravity G, and the forces of the air. The
+//! ground is a plane. Each wheel carrier has a point mass m_b at its wheel centre W. All masses share one acceleration,
+//! which is given in the axes of the ground. Links and tyres have no compliance but a vertical spring of the tyre.
+//!
+//! ## Ground
+//!
+//! The body stays fixed in its axes (x forward, y left, z up); the ground tilts. Order of the angles: yaw, pitch, roll
+//! (ISO 8855). With roll phi (right wheel in jounce), pitch theta (nose down), S = sin theta and c = cos theta
+//!
+//! ```text
+//! n = (-S, c sin phi, c cos phi)   up      e = (0, cos phi, -sin phi)   left      i = e x n   forward          (1)
+//! C = W - R_l u                            u = (n - (n.a) a)/s                    s = |n - (n.a) a|            (2)
+//! ```
+//!
+//! The ground is n.X = gamma, and R_l the loaded radius.
+//!
+//! ## Unknowns and equations
+//!
+//! x = (phi, theta, gamma; z_1..z_4; N_1..N_4; A_f, A_r, B) with the travels z and the wheel loads N. A wheel's tyre
+//! carries N n + S lambda + X t with
+//!
+//! ```text
+//! S = A f,   X = B p g                                                                                          (3)
+//! ```
+//!
+//! f and g the wheel's shares of its axle, p the axle's share of braking or drive. With k, N0 and R the rate of a tyre
+//! spring, its load and the radius at that load, R_u = R + N0/k, and alpha = ax i + ay e + (g + az) n,
+//!
+//! ```text
+//! rigid tyre       n.W - gamma - R s = 0                                                                        (4)
+//! tyre spring      N - k (R_u - R_l)/s = 0,      R_l = (n.W - gamma)/s                                          (5)
+//! lifted wheel     N = 0                                                                                        (6)
+//! each travel      N n.C' + S lambda.C' + X t.B' - m_b alpha.W' - U_z = 0                                       (7)
+//! whole car        sum F.i = sum F.e = sum F.n = 0,   sum M.x = sum M.e = sum M.n = 0                           (8)
+//! ```
+//!
+//! A prime is the derivative by the wheel's own travel, the body held. C' is the velocity of the carrier's point at C. B' is
+//! C' where the carrier takes the torque, else that of a point which does not turn with the carrier about the spin axis. U
+//! is the energy of springs, stops and bar. Moments are about the origin; M.x is the work of a roll.
+//!
+//! Divided by n.C', equation (7) splits each wheel load exactly:
+//!
+//! ```text
+//! N = U_z/(n.C')  -  S lambda.C'/(n.C')  -  X t.B'/(n.C')  +  m_b alpha.W'/(n.C')                               (9)
+//!     elastic        geometric              longitudinal      unsprung
+//! ```
+//!
+//! ## Derivatives
+//!
+//! With G = 0 the equations and p a parameter or a hardpoint,
+//!
+//! ```text
+//! x_p = -G_x^-1 G_p,      dy/dp = y_p + y_x x_p                                                                (10)
+//! ```
+//!
+//! The equations are written once over any number. One Newton step over numbers that carry gradients adds the gradient of
+//! the unknowns, and a further step over series does so for derivatives along a direction.
+
+mod case;
+mod catalogue;
+mod corner;
+mod equations;
+mod formulas;
+mod gradients;
+mod parameters;
+mod rates;
+mod road;
+mod solver;
+mod templates;
+mod tune;
+
+pub use case::{
+    Case, LateralShares, Longitudinal, LongitudinalShares, NoEquilibrium, Setting, TyreAxes,
+};
+pub use catalogue::{
+    AxleEnd, AxleResult, CarInfo, CarNeed, CarQuantity, WheelPlace, WheelResult, WholeResult,
+};
+pub use equations::{Balance, UNKNOWNS, WheelState};
+pub use gradients::CarGradient;
+pub use parameters::{AxleParameter, BodyParameter, Parameter, Parameters};
+pub use rates::Solved;
+pub use solver::{CarSolver, Equilibrium};
+pub use templates::{CarTemplate, TEMPLATES};
+pub use tune::{CarTarget, CarVariable, Moves, body_key, moved, rate_key, tune};
+
+use crate::axle::Axle;
+use crate::model::{LengthUnit, TorquePath};
+use crate::number::Vector3;
+
+/// Standard acceleration of free fall, m/s2.
+pub const GRAVITY: f64 = 9.80665;
+
+/// A car: two axles and a body. Vectors are in the axes of the front axle's left wheel (x forward, y left, z up).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Car {
+    /// Front and rear axle.
+    pub axles: [Axle; 2],
+    /// Place of the rear axle's origin.
+    pub rear_offset: Vector3<f64>,
+    /// How mass and centre of gravity are given.
+    pub masses: Masses,
+    /// The mass that [`Masses`] says, kg.
+    pub mass: f64,
+    /// The centre of gravity of that mass, design position.
+    pub cg: Vector3<f64>,
+    /// Front share of the braking force.
+    pub brake_share_front: Option<f64>,
+    /// Front share of the drive force.
+    pub drive_share_front: Option<f64>,
+    /// Yaw inertia, kg m2.
+    pub yaw_inertia: Option<f64>,
+    /// Pitch inertia of the sprung mass, kg m2.
+    pub pitch_inertia: Option<f64>,
+    /// Points of the body whose heights over the ground are the ride heights.
+    pub ride_height_points: [Option<Vector3<f64>>; 2],
+    /// Vertical springs of the tyres; `None` means rigid tyres.
+    pub tyres: Option<[Tyre; 2]>,
+    /// Forces of the air.
+    pub air: Option<Air>,
+    /// Length unit of all lengths.
+    pub length_unit: LengthUnit,
+}
+
+/// The mass that is given.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Masses {
+    /// The whole car, wheels included.
+    Whole,
+    /// The sprung mass alone.
+    Sprung,
+}
+
+/// Vertical spring of a tyre.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tyre {
+    /// Force per deflection.
+    pub rate: f64,
+    /// Load at which the wheel's radius holds; `None` means half the axle's load at rest in the design position.
+    pub load: Option<f64>,
+}
+
+/// Forces of the air, along -n and -i at points of the body.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Air {
+    /// Density, kg/m3.
+    pub density: f64,
+    /// Downforce near the front and rear axle.
+    pub downforce: [Option<AirForce>; 2],
+    /// Drag.
+    pub drag: Option<AirForce>,
+}
+
+/// A force of the air.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AirForce {
+    /// Point of the body.
+    pub point: Vector3<f64>,
+    /// Coefficient times area, m2: factors of 1, hf, hr, hf2, hf hr, hr2 with the ride heights h.
+    pub area: [f64; 6],
+}
+
+impl Car {
+    /// Whether the torque of brakes or drive of an axle is taken by the carrier.
+    pub fn carrier_takes_torque(&self, axle: usize, longitudinal: Longitudinal) -> bool {
+        let vehicle = &self.axles[axle].left.vehicle;
+        let path = match longitudinal {
+            Longitudinal::Brake => vehicle.brakes,
+            Longitudinal::Drive => vehicle.drive_torque,
+        };
+        path != Some(TorquePath::Shafts)
+    }
+
+    /// Length units per metre.
+    pub fn per_metre(&self) -> f64 {
+        self.length_unit.per_metre()
+    }
+}

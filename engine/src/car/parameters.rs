@@ -1,0 +1,185 @@
+//! Parameters of a car and a case, by which results are differentiated.
+
+use super::{Car, Case};
+use crate::number::{Real, Vector3};
+
+/// A parameter of one axle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum AxleParameter {
+    /// Rate of the springs, as a change from the study's value.
+    SpringRate,
+    /// Force of the springs in the design position, as a change from the study's value.
+    SpringForce,
+    /// Rate of the anti-roll bar.
+    BarRate,
+    /// Rate of the tyres.
+    TyreRate,
+    /// Radius of the wheels.
+    Radius,
+    /// Mass of both wheels with what moves with them.
+    UnsprungMass,
+    /// Place of the axle's origin, forward.
+    OffsetX,
+    /// Place of the axle's origin, to the left.
+    OffsetY,
+    /// Place of the axle's origin, upward.
+    OffsetZ,
+}
+
+/// A parameter of the body or of the case.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum BodyParameter {
+    /// Mass, of the whole car or the sprung mass.
+    Mass,
+    /// Its centre of gravity, forward.
+    CgX,
+    /// Its centre of gravity, to the left.
+    CgY,
+    /// Its centre of gravity, upward.
+    CgZ,
+    /// Front share of braking.
+    BrakeShareFront,
+    /// Front share of drive.
+    DriveShareFront,
+    /// Acceleration forward, g.
+    Ax,
+    /// Acceleration to the left, g.
+    Ay,
+    /// Acceleration upward, g.
+    Az,
+    /// Speed, m/s.
+    Speed,
+}
+
+const OF_AXLE: usize = 9;
+const COUNT: usize = 2 * OF_AXLE + 10;
+
+impl AxleParameter {
+    /// All of them.
+    pub const ALL: [AxleParameter; OF_AXLE] = [
+        AxleParameter::SpringRate,
+        AxleParameter::SpringForce,
+        AxleParameter::BarRate,
+        AxleParameter::TyreRate,
+        AxleParameter::Radius,
+        AxleParameter::UnsprungMass,
+        AxleParameter::OffsetX,
+        AxleParameter::OffsetY,
+        AxleParameter::OffsetZ,
+    ];
+}
+
+/// A parameter.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Parameter {
+    /// Of an axle, 0 the front one.
+    Axle(usize, AxleParameter),
+    /// Of the body or the case.
+    Body(BodyParameter),
+}
+
+impl Parameter {
+    /// Number of parameters.
+    pub const COUNT: usize = COUNT;
+
+    /// Place among all parameters.
+    pub fn place(self) -> usize {
+        match self {
+            Parameter::Axle(axle, own) => axle * OF_AXLE + own as usize,
+            Parameter::Body(own) => 2 * OF_AXLE + own as usize,
+        }
+    }
+}
+
+/// Values of all parameters.
+#[derive(Clone, Copy, Debug)]
+pub struct Parameters<T>(pub [T; COUNT]);
+
+impl Parameters<f64> {
+    /// The values of a car in a case. Figures that the car does not have are zero.
+    pub fn of(car: &Car, case: &Case) -> Self {
+        let mut values = [0.0; COUNT];
+        let mut set = |parameter: Parameter, value: f64| values[parameter.place()] = value;
+        for (number, axle) in car.axles.iter().enumerate() {
+            let setup = &axle.setup;
+            let tyre = car.tyres.map_or(0.0, |tyres| tyres[number].rate);
+            let offset = match number {
+                0 => Vector3::default(),
+                _ => car.rear_offset,
+            };
+            let own = [
+                (AxleParameter::BarRate, setup.bar_rate.unwrap_or(0.0)),
+                (AxleParameter::TyreRate, tyre),
+                (
+                    AxleParameter::Radius,
+                    setup.wheel_radius.unwrap_or(f64::NAN),
+                ),
+                (
+                    AxleParameter::UnsprungMass,
+                    setup.unsprung_mass.unwrap_or(0.0),
+                ),
+                (AxleParameter::OffsetX, offset.x),
+                (AxleParameter::OffsetY, offset.y),
+                (AxleParameter::OffsetZ, offset.z),
+            ];
+            for (parameter, value) in own {
+                set(Parameter::Axle(number, parameter), value);
+            }
+        }
+        let body = [
+            (BodyParameter::Mass, car.mass),
+            (BodyParameter::CgX, car.cg.x),
+            (BodyParameter::CgY, car.cg.y),
+            (BodyParameter::CgZ, car.cg.z),
+            (
+                BodyParameter::BrakeShareFront,
+                car.brake_share_front.unwrap_or(0.0),
+            ),
+            (
+                BodyParameter::DriveShareFront,
+                car.drive_share_front.unwrap_or(0.0),
+            ),
+            (BodyParameter::Ax, case.ax),
+            (BodyParameter::Ay, case.ay),
+            (BodyParameter::Az, case.az),
+            (BodyParameter::Speed, case.speed),
+        ];
+        for (parameter, value) in body {
+            set(Parameter::Body(parameter), value);
+        }
+        Parameters(values)
+    }
+}
+
+impl<T: Copy> Parameters<T> {
+    /// A parameter of an axle.
+    #[inline]
+    pub fn axle(&self, axle: usize, parameter: AxleParameter) -> T {
+        self.0[Parameter::Axle(axle, parameter).place()]
+    }
+
+    /// A parameter of the body or the case.
+    #[inline]
+    pub fn body(&self, parameter: BodyParameter) -> T {
+        self.0[Parameter::Body(parameter).place()]
+    }
+
+    /// The values over another kind of number.
+    pub fn map<U>(&self, f: impl FnMut(T) -> U) -> Parameters<U> {
+        Parameters(self.0.map(f))
+    }
+}
+
+impl<T: Real> Parameters<T> {
+    /// Place of an axle's origin.
+    pub(super) fn offset(&self, axle: usize) -> Vector3<T> {
+        use AxleParameter::{OffsetX, OffsetY, OffsetZ};
+        Vector3::from([OffsetX, OffsetY, OffsetZ].map(|parameter| self.axle(axle, parameter)))
+    }
+
+    /// The centre of gravity that is given.
+    pub(super) fn cg(&self) -> Vector3<T> {
+        use BodyParameter::{CgX, CgY, CgZ};
+        Vector3::from([CgX, CgY, CgZ].map(|parameter| self.body(parameter)))
+    }
+}

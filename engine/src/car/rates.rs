@@ -1,0 +1,191 @@
+//! A state with its derivatives along directions: by accelerations of the car and by motions of the body.
+
+use super::Car;
+use super::equations::{BODY, Balance, HELD_ROWS, PITCH, ROLL_MOMENT, UNKNOWNS};
+use super::parameters::{BodyParameter, Parameter, Parameters};
+use super::solver::{Base, Matrix, held_inverse, inverse, tangent};
+use crate::axle::{Reading, WheelParts};
+use crate::number::{Jet, Real, Scalar};
+
+/// A state with its derivatives. Values of results are made of it.
+#[derive(Clone, Debug)]
+pub struct Solved<'c, T> {
+    /// The car.
+    pub car: &'c Car,
+    /// The state.
+    pub now: Balance<T>,
+    /// The state along ay, per g.
+    pub by_ay: Balance<Jet<T, 2>>,
+    /// The state along ax, per g.
+    pub by_ax: Balance<Jet<T, 2>>,
+    /// The state along a couple on the body about the direction forward along the ground.
+    pub by_couple: Balance<Jet<T, 2>>,
+    /// The state along gamma: roll, pitch, A and B held.
+    pub by_heave: Balance<Jet<T, 2>>,
+    /// The state along theta: gamma, roll, A and B held.
+    pub by_pitch: Balance<Jet<T, 2>>,
+}
+
+/// The plain numbers of a state that its derivatives are made with.
+#[derive(Clone, Debug)]
+pub(super) struct Plain {
+    pub unknowns: [f64; UNKNOWNS],
+    /// Inverse of the tangent.
+    pub inverse: Matrix,
+    /// Inverse with the equations of the whole car replaced by held unknowns.
+    held_inverse: Matrix,
+    /// Derivatives of the unknowns along each direction.
+    rates: [[f64; UNKNOWNS]; 5],
+}
+
+/// A change of which a state is a function.
+#[derive(Clone, Copy, Debug)]
+enum Direction {
+    Parameter(BodyParameter),
+    Couple,
+    /// A motion of the body, by its place among [`HELD_ROWS`].
+    Body(usize),
+}
+
+const DIRECTIONS: [Direction; 5] = [
+    Direction::Parameter(BodyParameter::Ay),
+    Direction::Parameter(BodyParameter::Ax),
+    Direction::Couple,
+    Direction::Body(0),
+    Direction::Body(2),
+];
+
+impl Plain {
+    /// `None` where the equations are singular.
+    pub(super) fn of(
+        base: &Base<'_, '_, Reading<f64>>,
+        parameters: &Parameters<f64>,
+        unknowns: [f64; UNKNOWNS],
+    ) -> Option<Self> {
+        let (_, tangent) = tangent(base, parameters, &unknowns);
+        let mut plain = Plain {
+            unknowns,
+            inverse: inverse(&tangent)?,
+            held_inverse: held_inverse(&tangent)?,
+            rates: [[0.0; UNKNOWNS]; 5],
+        };
+        for (number, direction) in DIRECTIONS.into_iter().enumerate() {
+            let column = |matrix: &Matrix, column: usize| -> [f64; UNKNOWNS] {
+                std::array::from_fn(|k| matrix[k][column])
+            };
+            plain.rates[number] = match direction {
+                Direction::Parameter(_) => {
+                    let moved = direction.moving(parameters);
+                    let still = unknowns.map(Jet::constant);
+                    let balance = base.balance(&moved, still, |c: f64| Jet::constant(c));
+                    let residuals = balance.residuals.map(|row: Jet<f64, 2>| -row[1]);
+                    times(&plain.inverse, residuals)
+                }
+                Direction::Couple => {
+                    let level = unknowns[PITCH].cos();
+                    column(&plain.inverse, ROLL_MOMENT).map(|c| -c * level)
+                }
+                Direction::Body(place) => column(&plain.held_inverse, BODY + HELD_ROWS[place]),
+            };
+        }
+        Some(plain)
+    }
+}
+
+impl Direction {
+    /// The parameters along the direction.
+    fn moving<T: Real>(self, parameters: &Parameters<T>) -> Parameters<Jet<T, 2>> {
+        let mut moved = parameters.map(Jet::constant);
+        if let Direction::Parameter(parameter) = self {
+            let number = &mut moved.0[Parameter::Body(parameter).place()];
+            number.0[1] = number.0[0].one();
+        }
+        moved
+    }
+
+    /// What is left of the equations along the direction, from the rates of the residuals; `level` is the work of the
+    /// couple by the roll angle.
+    fn defect<T: Real>(self, mut rates: [T; UNKNOWNS], level: T) -> [T; UNKNOWNS] {
+        match self {
+            Direction::Parameter(_) => {}
+            Direction::Couple => rates[ROLL_MOMENT] = rates[ROLL_MOMENT] + level,
+            // The body moves as it is told.
+            Direction::Body(_) => rates[BODY..].fill(level.zero()),
+        }
+        rates
+    }
+}
+
+/// A matrix of plain numbers times a vector.
+fn times<T: Real>(matrix: &Matrix, vector: [T; UNKNOWNS]) -> [T; UNKNOWNS] {
+    let mut product = [vector[0].zero(); UNKNOWNS];
+    for (sum, row) in product.iter_mut().zip(matrix) {
+        for (factor, c) in row.iter().zip(vector) {
+            if *factor != 0.0 {
+                *sum = *sum + c.scaled(*factor);
+            }
+        }
+    }
+    product
+}
+
+/// The unknowns with one Newton step. For numbers that carry gradients it adds the gradient of the unknowns (10).
+pub(super) fn settle<T: Scalar, U: Real, R: WheelParts<U>>(
+    base: &Base<'_, '_, R>,
+    parameters: &Parameters<T>,
+    plain: &Plain,
+    lift: impl Fn(U) -> T + Copy,
+) -> [T; UNKNOWNS] {
+    let mut x = plain.unknowns.map(|c| parameters.0[0].lit(c));
+    let residuals = base.balance(parameters, x, lift).residuals;
+    for (unknown, step) in x.iter_mut().zip(times(&plain.inverse, residuals)) {
+        *unknown = *unknown - step;
+    }
+    x
+}
+
+impl<'c, T: Scalar> Solved<'c, T> {
+    /// The state near plain numbers with all its derivatives.
+    pub(super) fn of<U: Real, R: WheelParts<U>>(
+        car: &'c Car,
+        base: &Base<'_, '_, R>,
+        parameters: &Parameters<T>,
+        plain: &Plain,
+        lift: impl Fn(U) -> T + Copy,
+    ) -> Self {
+        let x = settle(base, parameters, plain, lift);
+        let along = |number: usize| {
+            let direction = DIRECTIONS[number];
+            let moved = direction.moving(parameters);
+            let lifted = move |c: U| Jet::<T, 2>::constant(lift(c));
+            let evaluate = |rates: [T; UNKNOWNS]| {
+                let mut series = x.map(Jet::<T, 2>::constant);
+                for (series, rate) in series.iter_mut().zip(rates) {
+                    series.0[1] = rate;
+                }
+                base.balance(&moved, series, lifted)
+            };
+            let mut rates = plain.rates[number].map(|c| x[0].lit(c));
+            let first = evaluate(rates);
+            let level = first.road.forward.x[0];
+            let defect = direction.defect(first.residuals.map(|row| row[1]), level);
+            let inverse = match direction {
+                Direction::Parameter(_) | Direction::Couple => &plain.inverse,
+                Direction::Body(_) => &plain.held_inverse,
+            };
+            for (rate, step) in rates.iter_mut().zip(times(inverse, defect)) {
+                *rate = *rate - step;
+            }
+            evaluate(rates)
+        };
+        Solved {
+            car,
+            now: base.balance(parameters, x, lift),
+            by_ay: along(0),
+            by_ax: along(1),
+            by_couple: along(2),
+            by_heave: along(3),
+            by_pitch: along(4),
+        }
+    }
+}

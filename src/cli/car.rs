@@ -1,0 +1,265 @@
+//! `hardpoint check`, `solve` and `optimise` for the study of a car.
+
+use super::exit::{Exit, Stop};
+use super::interrupt;
+use super::output::{Destination, Output};
+use super::printer::Printer;
+use super::terminal;
+use super::{RunArguments, StudyArguments};
+use crate::car::CarSolver;
+use crate::optimise::Control;
+use crate::report::{CarResults, CarState, counted, optimised_car};
+use crate::results::{Claim, digest_of_texts};
+use crate::study::CarStudy;
+use serde_json::json;
+use std::path::Path;
+
+/// The files of a solve and of a tuning.
+const FILES: [&str; 9] = [
+    "cases.csv",
+    "gg.csv",
+    "sensitivities.csv",
+    "summary.json",
+    "study.toml",
+    "front.toml",
+    "rear.toml",
+    "optimised.toml",
+    "cases_before.csv",
+];
+
+fn solver<'a>(study: &'a CarStudy, path: &Path) -> Result<CarSolver<'a>, Stop> {
+    CarSolver::new(&study.car).map_err(|(axle, side, fault)| {
+        let text = study.car.axles[axle].describe_fault((side, fault));
+        Stop::in_file(path, format!("{} axle: {text}", ["front", "rear"][axle]))
+    })
+}
+
+/// `hardpoint check` of a car: the static position.
+pub(super) fn check(arguments: &StudyArguments) -> Result<Exit, Stop> {
+    let path = &arguments.study;
+    let study = CarStudy::read(path, &arguments.set)?;
+    let results = CarResults::solve(&study, &mut solver(&study, path)?, 1);
+    let mut out = Printer::new(arguments.format);
+    out.say(&format!("{}: valid\n\n", path.display()))?;
+    for remark in remarks(&study, &results) {
+        out.remark(&format!("{remark}\n\n"))?;
+    }
+    for failure in results.failures() {
+        out.failure(&format!("{failure}\n\n"))?;
+    }
+    if !terminal::is_quiet() {
+        out.say(&format!("{}\n\nStatic position:\n\n", headline(&study)))?;
+        out.table("static", results.static_table())?;
+        out.finish()?;
+    }
+    Ok(Exit::of(results.is_complete()))
+}
+
+fn headline(study: &CarStudy) -> String {
+    let tyres = match study.car.tyres {
+        Some(_) => "tyre springs",
+        None => "rigid tyres",
+    };
+    let cases = counted(study.cases.len(), "case");
+    format!("{}: {cases}, {tyres}", study.name)
+}
+
+/// Remarks on the static position and on figures that the axle studies give differently.
+fn remarks(study: &CarStudy, results: &CarResults<'_>) -> Vec<String> {
+    let mut remarks = Vec::new();
+    let limit = 0.01 * study.car.per_metre();
+    if let Some(CarState::Solved { solved, .. }) = results.states.first() {
+        let travels = &solved.now.unknowns[3..7];
+        let far = travels.iter().fold(0.0_f64, |far, z| far.max(z.abs()));
+        if far > limit {
+            let unit = study.car.length_unit.symbol();
+            remarks.push(format!(
+                "warning: the static position is {far:.1} {unit} of travel from the design position: the spring forces do not \
+                 fit the masses"
+            ));
+        }
+    }
+    remarks.extend(results.warnings());
+    for (end, axle) in ["front", "rear"].iter().zip(&study.axles) {
+        let vehicle = &axle.wheel().vehicle;
+        let figures = [
+            (
+                "brake_share_front",
+                vehicle.brake_share_front,
+                study.car.brake_share_front,
+            ),
+            (
+                "drive_share_front",
+                vehicle.drive_share_front,
+                study.car.drive_share_front,
+            ),
+        ];
+        for (key, own, of_car) in figures {
+            if let (Some(own), Some(of_car)) = (own, of_car)
+                && (own - of_car).abs() > 1e-3 * of_car.abs()
+            {
+                remarks.push(format!(
+                    "note: {key} of the {end} study is {own}; the car uses its own, {of_car}"
+                ));
+            }
+        }
+    }
+    remarks
+}
+
+fn open(arguments: &RunArguments, study: &CarStudy, command: &str) -> Result<Output, Stop> {
+    if arguments.report || arguments.plots.is_some() {
+        return Err(Stop::wrong_input(format!(
+            "`hardpoint {command}` of a car writes tables, without --report and --plots"
+        )));
+    }
+    let (out, format) = (arguments.out.as_deref(), arguments.study.format);
+    let destination = Destination::of(out, &study.name, arguments.force, format)?;
+    let mut files = FILES.to_vec();
+    files.extend(["optimised_front.toml", "optimised_rear.toml"]);
+    let texts = [&study.text, &study.axles[0].text, &study.axles[1].text];
+    Output::at(
+        &destination,
+        Claim {
+            command,
+            study: &study.name,
+            digest: digest_of_texts(&texts.map(String::as_str)),
+            files: &files,
+            inputs: &study.inputs,
+            ..Claim::default()
+        },
+    )
+}
+
+/// Writes the studies of a run beside its results.
+fn keep(output: &Output, study: &CarStudy) -> Result<(), Stop> {
+    let text = crate::report::car_with_axles(&study.text, "front.toml", "rear.toml");
+    output.file("study.toml", text.as_bytes())?;
+    for (name, axle) in ["front.toml", "rear.toml"].iter().zip(&study.axles) {
+        output.file(name, axle.text.as_bytes())?;
+    }
+    Ok(())
+}
+
+/// `hardpoint solve` of a car.
+pub(super) fn solve(arguments: &RunArguments) -> Result<Exit, Stop> {
+    let path = &arguments.study.study;
+    let study = CarStudy::read(path, &arguments.study.set)?;
+    let mut solver = solver(&study, path)?;
+    let output = open(arguments, &study, "solve")?;
+    let results = CarResults::solve(&study, &mut solver, study.cases.len());
+    let mut files = vec!["cases.csv"];
+    output.main_csv("cases.csv", &results.cases_csv())?;
+    let (map, map_failures) = results.gg_csv(&mut solver);
+    files.extend(output.file_if_any("gg.csv", map)?);
+    let sensitivities = results.sensitivities_csv(&mut solver);
+    files.extend(output.file_if_any("sensitivities.csv", sensitivities)?);
+    let failures = results.failures();
+    let warnings = remarks(&study, &results);
+    let summary = json!({
+        "command": "solve",
+        "study": study.name,
+        "cases": results.states.len(),
+        "not_solved": failures,
+        "gg_map_not_solved": map_failures,
+        "warnings": warnings,
+    });
+    output.json("summary.json", &summary)?;
+    files.push("summary.json");
+    if output.directory().is_some() {
+        keep(&output, &study)?;
+        files.extend(["study.toml", "front.toml", "rear.toml"]);
+    }
+    output.finish()?;
+    output.say(&format!("{}\n\n", headline(&study)))?;
+    output.table("cases", &results.summary_table())?;
+    output.say_plausibility(warnings, results.is_complete())?;
+    for failure in &failures {
+        output.say_failure(&format!("\nnot solved: {failure}\n"))?;
+    }
+    if map_failures > 0 {
+        let states = counted(map_failures, "state");
+        output.say(&format!(
+            "\n{states} of gg_map have no equilibrium: see status in gg.csv\n"
+        ))?;
+    }
+    output.print_files(&files)?;
+    Ok(Exit::of(results.is_complete()))
+}
+
+/// `hardpoint optimise` of a car.
+pub(super) fn optimise(arguments: &RunArguments) -> Result<Exit, Stop> {
+    let path = &arguments.study.study;
+    let study = CarStudy::read(path, &arguments.study.set)?;
+    let Some(wanted) = &study.optimise else {
+        return Err(Stop::no_section(path, "optimise", "variables and targets"));
+    };
+    let mut solver = solver(&study, path)?;
+    let output = open(arguments, &study, "optimise")?;
+    let before = CarResults::solve(&study, &mut solver, study.cases.len());
+    let interrupt = interrupt::flag();
+    let control = Control {
+        interrupt: Some(interrupt),
+        ..Control::default()
+    };
+    let (variables, targets) = (&wanted.variables, &wanted.targets);
+    let tuned = crate::car::tune(
+        &study.car,
+        &study.cases,
+        variables,
+        targets,
+        wanted.max_iterations,
+        control,
+    );
+    let tuned = tuned.map_err(|why| Stop::unsolved(path, why))?;
+    let car = crate::car::moved(&study.car, variables, tuned.x.as_slice());
+    let texts = optimised_car(&study, &car, tuned.x.as_slice());
+    let after_study = CarStudy {
+        car,
+        ..study.clone()
+    };
+    let mut after_solver = self::solver(&after_study, path)?;
+    let after = CarResults::solve(&after_study, &mut after_solver, after_study.cases.len());
+    let mut files = vec!["optimised.toml"];
+    output.main_csv("optimised.toml", texts[0].as_bytes())?;
+    for (name, text) in ["optimised_front.toml", "optimised_rear.toml"]
+        .into_iter()
+        .zip(&texts[1..])
+    {
+        output.file(name, text.as_bytes())?;
+        files.push(name);
+    }
+    output.file("cases.csv", &after.cases_csv())?;
+    output.file("cases_before.csv", &before.cases_csv())?;
+    let met = tuned.misfit();
+    let summary = json!({
+        "command": "optimise",
+        "study": study.name,
+        "misfit": met,
+        "ended": tuned.ended(),
+        "iterations": tuned.history.len().saturating_sub(1),
+        "evaluations": tuned.evaluations(),
+        "variables": after.variables_json(&study, tuned.x.as_slice()),
+        "targets": after.targets_json(wanted),
+    });
+    output.json("summary.json", &summary)?;
+    files.extend(["cases.csv", "cases_before.csv", "summary.json"]);
+    if output.directory().is_some() {
+        keep(&output, &study)?;
+        files.extend(["study.toml", "front.toml", "rear.toml"]);
+    }
+    output.finish()?;
+    output.say(&format!(
+        "{}\nmisfit {met:.3e} (root mean square, in tolerances); {}\n\n",
+        headline(&study),
+        tuned.ended()
+    ))?;
+    output.table("targets", &after.targets_table(wanted, &before))?;
+    output.text_only("\n")?;
+    output.table(
+        "variables",
+        &after.variables_table(&study, tuned.x.as_slice()),
+    )?;
+    output.print_files(&files)?;
+    Ok(Exit::of(tuned.termination.at_minimum()))
+}

@@ -1,0 +1,222 @@
+//! The study of a car as written: its sections and keys. Unknown ones are refused.
+
+use crate::file::Coordinates;
+use crate::value::{Number, Text, Whole};
+use serde::Deserialize;
+use toml::Spanned;
+
+/// The whole file of a car.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CarFile {
+    /// `[car]`
+    pub car: Spanned<Car>,
+    /// `[[cases]]`
+    #[serde(default)]
+    pub cases: Vec<Spanned<Case>>,
+    /// `[gg_map]`
+    pub gg_map: Option<Spanned<GgMap>>,
+    /// `[outputs]`
+    #[serde(default)]
+    pub outputs: Outputs,
+    /// `[optimise]`
+    pub optimise: Option<Optimise>,
+}
+
+/// `[car]`
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Car {
+    /// Path of the front axle's study.
+    pub front: Text,
+    /// Path of the rear axle's study.
+    pub rear: Text,
+    /// Distance of the mean wheel centres,
+    pub wheelbase: Option<Number>,
+    /// or place of the rear study's origin.
+    pub rear_offset: Option<Coordinates>,
+    /// Mass of the whole car,
+    pub mass: Option<Number>,
+    /// with its centre of gravity;
+    pub cg: Option<Coordinates>,
+    /// or the sprung mass,
+    pub sprung_mass: Option<Number>,
+    /// with its centre of gravity.
+    pub sprung_cg: Option<Coordinates>,
+    /// Front share of braking.
+    pub brake_share_front: Option<Number>,
+    /// Front share of drive.
+    pub drive_share_front: Option<Number>,
+    /// Yaw inertia, kg m2.
+    pub yaw_inertia: Option<Number>,
+    /// Pitch inertia, kg m2.
+    pub pitch_inertia: Option<Number>,
+    /// Point of the body for the front ride height.
+    pub ride_height_point_front: Option<Coordinates>,
+    /// Point of the body for the rear ride height.
+    pub ride_height_point_rear: Option<Coordinates>,
+    /// `elastic` or `rigid`.
+    pub tyres: Option<Text>,
+    /// `[car.aero]`
+    pub aero: Option<Spanned<Aero>>,
+}
+
+/// `[car.aero]`
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Aero {
+    /// Density of the air, kg/m3.
+    pub density: Option<Number>,
+    /// Downforce near the front axle.
+    pub front: Option<Spanned<Downforce>>,
+    /// Downforce near the rear axle.
+    pub rear: Option<Spanned<Downforce>>,
+    /// Drag.
+    pub drag: Option<Spanned<Drag>>,
+}
+
+/// `front` and `rear` of `[car.aero]`
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Downforce {
+    /// Point of the body where it acts.
+    pub point: Coordinates,
+    /// Coefficient times area: factors of 1, hf, hr, hf2, hf hr, hr2.
+    pub downforce: Spanned<Vec<Number>>,
+}
+
+/// `drag` of `[car.aero]`
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Drag {
+    /// Point of the body where it acts.
+    pub point: Coordinates,
+    /// Coefficient times area, m2.
+    pub drag_area: Number,
+}
+
+/// An element of `cases`.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Case {
+    /// Its name.
+    pub name: Text,
+    /// Acceleration forward, g.
+    pub ax: Option<Number>,
+    /// Acceleration to the left, g.
+    pub ay: Option<Number>,
+    /// Acceleration upward, g.
+    pub az: Option<Number>,
+    /// Speed, m/s.
+    pub speed: Option<Number>,
+    /// Yaw acceleration to the left, rad/s2.
+    pub yaw_acceleration: Option<Number>,
+    /// Displacement of the front rack along +y,
+    pub rack: Option<Number>,
+    /// or angle of the steering wheel, degrees.
+    pub steering_wheel_angle: Option<Number>,
+    /// Displacement of the rear rack along +y.
+    pub rack_rear: Option<Number>,
+    /// `brake` or `drive`.
+    pub longitudinal: Option<Text>,
+    /// `by_load` or `equal`.
+    pub lateral_shares: Option<Text>,
+    /// The left wheels' shares of their axles' lateral forces.
+    pub lateral_share_left: Option<Spanned<Vec<Number>>>,
+    /// `by_load` or `equal`.
+    pub longitudinal_shares: Option<Text>,
+    /// `wheel` or `road`.
+    pub tyre_axes: Option<Text>,
+    /// `elastic` or `rigid`.
+    pub tyres: Option<Text>,
+}
+
+/// `[gg_map]`
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct GgMap {
+    /// Accelerations forward, g.
+    pub ax: Spanned<Steps>,
+    /// Accelerations to the left, g.
+    pub ay: Spanned<Steps>,
+    /// Acceleration upward, g.
+    pub az: Option<Number>,
+    /// Speed, m/s.
+    pub speed: Option<Number>,
+    /// Displacement of the front rack along +y.
+    pub rack: Option<Number>,
+    /// `by_load` or `equal`.
+    pub lateral_shares: Option<Text>,
+    /// `by_load` or `equal`.
+    pub longitudinal_shares: Option<Text>,
+}
+
+/// A range of values.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Steps {
+    /// First value.
+    pub from: Number,
+    /// Last value.
+    pub to: Number,
+    /// Number of values.
+    pub steps: Whole,
+}
+
+/// `[outputs]` of a car.
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Outputs {
+    /// Names of results.
+    pub characteristics: Option<Spanned<Vec<Text>>>,
+    /// True if derivatives by parameters and hardpoints are written.
+    pub sensitivities: Option<Spanned<bool>>,
+}
+
+/// `[optimise]` of a car.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Optimise {
+    /// Cap on iterations.
+    pub max_iterations: Option<Whole>,
+    /// Design variables.
+    pub variables: Spanned<Vec<Spanned<Variable>>>,
+    /// Targets.
+    pub targets: Spanned<Vec<Spanned<Target>>>,
+}
+
+/// An element of `variables`.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Variable {
+    /// `front` or `rear`.
+    pub axle: Option<Text>,
+    /// Name of the axle's hardpoint,
+    pub hardpoint: Option<Text>,
+    /// and `x`, `y` or `z`;
+    pub axis: Option<Text>,
+    /// or `spring`, `anti_roll_bar` or `tyre`;
+    pub rate: Option<Text>,
+    /// or a figure of the car.
+    pub car: Option<Text>,
+    /// Lowest and highest offset of a hardpoint, else lowest and highest value.
+    pub range: Option<Spanned<Vec<Number>>>,
+    /// Largest change, as a part of the study's value.
+    pub relative: Option<Number>,
+}
+
+/// An element of `targets`.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Target {
+    /// Name of the result.
+    pub characteristic: Text,
+    /// Name of the case.
+    pub case: Text,
+    /// Its value.
+    pub value: Number,
+    /// Deviation that counts as one.
+    pub tolerance: Number,
+    /// Weight.
+    pub weight: Option<Number>,
+}

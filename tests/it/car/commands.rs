@@ -1,0 +1,162 @@
+//! Commands on studies of cars.
+
+use std::fs;
+use std::path::Path;
+
+fn studies() -> std::path::PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("studies")
+}
+
+fn hardpoint(directory: &Path, arguments: &[&str]) -> assert_cmd::assert::Assert {
+    let mut command = assert_cmd::Command::cargo_bin("hardpoint").unwrap();
+    command.current_dir(directory).args(arguments).assert()
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+/// `hardpoint new` writes three files that run, and overwrites none. They are the samples.
+#[test]
+fn new_cars_run() {
+    let directory = tempfile::tempdir().unwrap();
+    for name in ["car", "formula_student_car"] {
+        hardpoint(directory.path(), &["new", name]).success();
+        for end in ["", "_front", "_rear"] {
+            let file = format!("{name}{end}.toml");
+            let sample = fs::read(studies().join(&file)).unwrap();
+            assert_eq!(
+                fs::read(directory.path().join(&file)).unwrap(),
+                sample,
+                "{file}"
+            );
+        }
+        let again = hardpoint(directory.path(), &["new", name]).code(2);
+        assert!(text(&again.get_output().stderr).contains("is there already"));
+        let study = format!("{name}.toml");
+        hardpoint(directory.path(), &["check", &study]).success();
+        hardpoint(directory.path(), &["solve", &study]).success();
+        let cases = fs::read_to_string(directory.path().join(format!("out/{name}/cases.csv")));
+        let cases = cases.unwrap();
+        assert!(
+            cases.lines().nth(1).unwrap().starts_with("static,"),
+            "{cases}"
+        );
+        assert!(
+            cases.lines().skip(1).all(|line| line.ends_with(",ok")),
+            "{cases}"
+        );
+    }
+}
+
+/// A tuned car is three studies whose results are those of the tuning.
+#[test]
+fn tuned_cars_are_studies() {
+    let directory = tempfile::tempdir().unwrap();
+    hardpoint(directory.path(), &["new", "car"]).success();
+    hardpoint(
+        directory.path(),
+        &["optimise", "car.toml", "--out", "tuned"],
+    )
+    .success();
+    let tuned = directory.path().join("tuned");
+    hardpoint(&tuned, &["solve", "optimised.toml", "--out", "again"]).success();
+    let read = |path: &str| fs::read_to_string(tuned.join(path)).unwrap();
+    assert_eq!(read("cases.csv"), read("again/cases.csv"));
+    assert_ne!(read("cases.csv"), read("cases_before.csv"));
+}
+
+/// Commands that do not take cars say so.
+#[test]
+fn other_commands_refuse_cars() {
+    let car = studies().join("car.toml");
+    let car = car.to_str().unwrap();
+    let directory = tempfile::tempdir().unwrap();
+    for command in ["sweep", "limits", "kc", "setup", "tolerance", "assemblies"] {
+        let refused = hardpoint(directory.path(), &[command, car]).code(2);
+        let said = text(&refused.get_output().stderr);
+        assert!(
+            said.contains("[car] makes this the study of a car"),
+            "{command}: {said}"
+        );
+    }
+}
+
+/// Mistakes are named with file, line and key.
+#[test]
+fn mistakes_are_named() {
+    let directory = tempfile::tempdir().unwrap();
+    hardpoint(directory.path(), &["new", "car"]).success();
+    let path = directory.path().join("car.toml");
+    let good = fs::read_to_string(&path).unwrap();
+    for (from, to, said) in [
+        (
+            "wheelbase = 2650.0",
+            "wheelbas = 2650.0",
+            "unknown key \"wheelbas\"",
+        ),
+        (
+            "name = \"braking\"",
+            "name = \"static\"",
+            "other than front, rear, left, right and static",
+        ),
+        (
+            "brake_share_front = 0.68",
+            "",
+            "needs brake_share_front in [car]",
+        ),
+        (
+            "sprung_mass = 1450.0",
+            "mass = 1450.0",
+            "expected mass with cg of the whole car",
+        ),
+        (
+            "case = \"turn\", value = 3.2",
+            "case = \"trun\", value = 3.2",
+            "unknown case \"trun\"",
+        ),
+        (
+            "rear = \"car_rear.toml\"",
+            "rear = \"car_front.toml\"",
+            "is of the other axle",
+        ),
+        (
+            "characteristic = \"roll_gradient\"",
+            "characteristic = \"rol_gradient\"",
+            "unknown result of a car",
+        ),
+        (
+            "characteristic = \"lateral_load_transfer_distribution\", case = \"turn\"",
+            "characteristic = \"lateral_load_transfer_distribution\", case = \"braking\"",
+            "at ay = 0 no load is transferred",
+        ),
+    ] {
+        assert!(good.contains(from), "{from}");
+        fs::write(&path, good.replacen(from, to, 1)).unwrap();
+        let refused = hardpoint(directory.path(), &["check", "car.toml"]).code(2);
+        let message = text(&refused.get_output().stderr);
+        assert!(message.contains(said), "{from}: {message}");
+        assert!(message.contains("car.toml:"), "{message}");
+    }
+}
+
+/// `--set` reaches the axles.
+#[test]
+fn changes_reach_the_axles() {
+    let directory = tempfile::tempdir().unwrap();
+    let car = studies().join("car.toml");
+    let share = |set: &str| {
+        let arguments = ["solve", car.to_str().unwrap(), "--out", "-", "--set", set];
+        let said = hardpoint(directory.path(), &arguments).success();
+        let csv = text(&said.get_output().stdout);
+        let mut rows = csv.lines();
+        let header: Vec<&str> = rows.next().unwrap().split(',').collect();
+        let name = "lateral_load_transfer_distribution_percent";
+        let column = header.iter().position(|column| *column == name).unwrap();
+        let turn = rows.find(|row| row.starts_with("turn,")).unwrap();
+        turn.split(',').nth(column).unwrap().parse::<f64>().unwrap()
+    };
+    let soft = share("front.anti_roll_bar.rate=300000.0");
+    let stiff = share("front.anti_roll_bar.rate=1200000.0");
+    assert!(stiff > soft + 3.0, "{soft} {stiff}");
+}

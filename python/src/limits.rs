@@ -5,7 +5,7 @@ use crate::errors::failure;
 use crate::study::Study;
 use crate::threads::{interruptible, on_threads};
 use hardpoint::analyse::{Range, RangeEnd};
-use hardpoint::axle::{Axle, AxleEnd};
+use hardpoint::axle::{Axle, AxleEnd, TravelRanges};
 use hardpoint::model::{Axis, Suspension};
 use hardpoint::scatter;
 use hardpoint::solve::Solver;
@@ -115,13 +115,28 @@ fn of_wheel(suspension: &Suspension) -> Result<Ranges, String> {
 
 fn of_axle(axle: &Axle) -> Result<Ranges, String> {
     let found = axle.limits().map_err(|fault| axle.describe_fault(fault))?;
-    let [left, right] = found
-        .travels
-        .each_ref()
-        .map(|range| ends([&range.lower, &range.upper].map(cause_of), 1.0));
+    let range =
+        |range: &Range, factor: f64| ends([&range.lower, &range.upper].map(cause_of), factor);
+    let mut ranges: Ranges = match &found.travels {
+        TravelRanges::OfWheels([left, right]) => vec![
+            ("left_travel", Some(range(left, 1.0))),
+            ("right_travel", Some(range(right, 1.0))),
+        ],
+        TravelRanges::OfAxle {
+            heave,
+            half_difference,
+        } => vec![
+            ("heave", Some(range(heave, 1.0))),
+            ("travel_difference", Some(range(half_difference, 2.0))),
+        ],
+    };
     let end = |end: &AxleEnd| {
         let (_, cause) = cause_of(&end.end);
-        (end.value, format!("{} wheel: {cause}", end.side.name()))
+        let cause = match axle.is_rigid() {
+            true => cause,
+            false => format!("{} wheel: {cause}", end.side.name()),
+        };
+        (end.value, cause)
     };
     let sign = axle.left.frame.sign(Axis::Y);
     let rack = found.rack.as_ref();
@@ -129,9 +144,7 @@ fn of_axle(axle: &Axle) -> Result<Ranges, String> {
         [Some(lower), Some(upper)] => Some([lower, upper].map(end)),
         _ => None,
     };
-    Ok(vec![
-        ("left_travel", Some(left)),
-        ("right_travel", Some(right)),
+    ranges.extend([
         (
             "rack",
             rack.map(|both| ends(both.each_ref().map(end), sign)),
@@ -140,7 +153,8 @@ fn of_axle(axle: &Axle) -> Result<Ranges, String> {
             "roll_deg",
             roll.map(|both| ends(both, 1.0_f64.to_degrees())),
         ),
-    ])
+    ]);
+    Ok(ranges)
 }
 
 /// The value of an end, NaN where there is none, and its cause.

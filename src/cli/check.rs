@@ -27,7 +27,7 @@ pub(super) fn run(arguments: &StudyArguments) -> Result<Exit, Stop> {
         return super::car::check(arguments);
     }
     let study = Study::read_elastic(path, &arguments.set)?;
-    if let Some(elastic) = &study.compliance {
+    if let Some(elastic) = study.compliance() {
         return super::elastic::check(arguments, &study, elastic);
     }
     let fault = |why| Stop::in_file(path, why);

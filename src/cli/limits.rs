@@ -6,7 +6,7 @@ use super::printer::Printer;
 use super::save::save;
 use super::{LimitsArguments, StudyArguments};
 use crate::analyse::{Limit, Limits, Range, RangeEnd};
-use crate::axle::{Axle, AxleEnd};
+use crate::axle::{Axle, AxleEnd, AxleLimits, TravelRanges};
 use crate::checked::{NamedCurves, motion_alone};
 use crate::curves::{Curves, curves};
 use crate::derive::MotionPoint;
@@ -124,8 +124,7 @@ fn of_axle(
     let alone = motion_alone(study);
     let failures = Solved::of(&alone).map_err(fault)?.failures();
     let mut table = Table::with_columns(columns()).keyed(2);
-    for (side, range) in Side::ALL.into_iter().zip(&limits.travels) {
-        let row = Row::wheel_travel(axle, side);
+    for (row, range) in travel_rows(axle, &limits) {
         table.push(row.of(study, &range.lower, &range.upper));
     }
     let end = |end: &AxleEnd| {
@@ -133,7 +132,12 @@ fn of_axle(
             RangeEnd::Fold(limit) => because(limit, study),
             _ => LOST.to_owned(),
         };
-        (end.value, end.side.about(&why))
+        let why = if axle.is_rigid() {
+            why
+        } else {
+            end.side.about(&why)
+        };
+        (end.value, why)
     };
     if let Some(ends) = &limits.rack {
         table.push(Row::axle_rack(axle).cells(ends.each_ref().map(end)));
@@ -157,6 +161,30 @@ fn of_axle(
     }
     out.finish()?;
     Ok(Exit::of(failures.is_empty()))
+}
+
+/// Rows of the travels of an axle, with their ranges.
+pub(super) fn travel_rows<'l>(axle: &Axle, limits: &'l AxleLimits) -> Vec<(Row, &'l Range)> {
+    let unit = axle.left.length_unit.symbol();
+    let row = |quantity: &str, at: &str, factor: f64| Row {
+        quantity: format!("{quantity}_{unit}"),
+        at: at.to_owned(),
+        factor,
+    };
+    match &limits.travels {
+        TravelRanges::OfWheels(ranges) => {
+            let rows = Side::ALL.map(|side| Row::wheel_travel(axle, side));
+            rows.into_iter().zip(ranges).collect()
+        }
+        TravelRanges::OfAxle {
+            heave,
+            half_difference,
+        } => vec![
+            (row("heave", "travel difference 0", 1.0), heave),
+            // Left minus right.
+            (row("travel_difference", "heave 0", 2.0), half_difference),
+        ],
+    }
 }
 
 /// Cause of a limit for which no singularity was found.
@@ -273,7 +301,9 @@ impl Row {
 fn because(limit: &Limit, study: &Study) -> String {
     let name = |id: &PointId| {
         let name = study.wheel().mechanism.name(*id);
-        name.strip_suffix("_outer").unwrap_or(name).to_owned()
+        let ends = ["_outer", "_axle"];
+        let link = ends.iter().find_map(|end| name.strip_suffix(end));
+        link.unwrap_or(name).to_owned()
     };
     let links: Vec<String> = limit.dependent.iter().map(name).collect();
     match (limit.cause, &limit.nearest) {
@@ -282,6 +312,9 @@ fn because(limit: &Limit, study: &Study) -> String {
                 "{} have come to a dead centre with each other",
                 links.join(", ")
             )
+        }
+        (cause @ LimitCause::AxleFolds, _) => {
+            format!("{cause}; the largest force is in {}", links.join(", "))
         }
         (cause, Some(nearest)) if !cause.is_part() => {
             let part = match nearest.cause {

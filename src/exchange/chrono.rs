@@ -167,15 +167,15 @@ fn refusal(template: &str) -> String {
         | "HendricksonPRIMAXX"
         | "SAELeafspringAxle"
         | "SAEToeBarLeafspringAxle" => {
-            "an axle that joins both wheels; a study has wheels that move on their own"
+            "an axle that joins both wheels, which cannot be imported yet; a solid_axle on four links, or on three and a Panhard \
+             rod, can be written by hand"
         }
         "RigidSuspension" | "RigidPinnedAxle" => "it has no links that a study could hold",
         "GenericWheeledSuspension" => {
             "it lists bodies and joints of any kind; write the joints as hardpoints of a topology into a table"
         }
         "ThreeLinkIRS" => {
-            "a trailing arm with two lateral links; a five_link can stand for it (docs/suspensions.md): three links \
-             that share the arm's joint on the body, and the two lateral links"
+            "a trailing arm with two lateral links; write its points as those of a trailing_arm_two_links into a table"
         }
         _ => {
             "expected DoubleWishbone, DoubleWishboneReduced, MacPhersonStrut, MultiLink or SemiTrailingArm"

@@ -22,6 +22,7 @@ mod finished;
 mod fitted;
 mod given_columns;
 mod kc;
+mod kc_sensitivities;
 mod orientation;
 mod page;
 mod picture;

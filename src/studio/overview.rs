@@ -196,7 +196,7 @@ fn target(target: &Target, study: &Study) -> TargetOverview {
         (None, racks) => racks.to_vec(),
     };
     let columns = match &target.of.about {
-        About::Wheel(_) => vec![target.of.column.clone()],
+        About::Wheel(_) | About::Elastic(_) => vec![target.of.column.clone()],
         About::Axle(quantities) => {
             let length = study.wheel().length_unit;
             let columns = quantities.iter();

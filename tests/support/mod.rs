@@ -239,3 +239,21 @@ pub fn sensitivity_errors(
     }
     errors
 }
+
+/// Asserts that two pictures are the same to a pixel: as far as the last digits of a platform or a better optimum move them.
+pub fn assert_same_picture(kept: &str, made: &str, name: &str) {
+    let pieces = |svg: &str| -> Vec<String> {
+        let parts = svg.split_inclusive(|c: char| !(c.is_ascii_digit() || ".-".contains(c)));
+        parts.map(str::to_owned).collect()
+    };
+    let (kept, made) = (pieces(kept), pieces(made));
+    assert_eq!(kept.len(), made.len(), "{name} is another picture");
+    for (a, b) in kept.iter().zip(&made) {
+        let number =
+            |s: &str| s[..s.len() - s.chars().last().map_or(0, char::len_utf8)].parse::<f64>();
+        match (number(a), number(b)) {
+            (Ok(x), Ok(y)) => assert!((x - y).abs() <= 1.0, "{name}: {a} and {b}"),
+            _ => assert_eq!(a, b, "{name}"),
+        }
+    }
+}

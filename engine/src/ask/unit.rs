@@ -36,6 +36,14 @@ pub enum Unit {
     Frequency,
     /// Angle per acceleration, in degrees per g.
     AnglePerG,
+    /// Angle per force, in degrees per kilonewton.
+    AnglePerForce,
+    /// Length per force, in length units per kilonewton.
+    LengthPerForce,
+    /// Angle per torque, in degrees per 100 newton metres.
+    AnglePerTorque,
+    /// Force per length, in newtons per millimetre whatever the length unit.
+    Stiffness,
 }
 
 const DEGREES: f64 = 180.0 / PI;
@@ -58,6 +66,10 @@ impl Unit {
             Unit::TorquePerAngle => "N_m_per_deg".to_owned(),
             Unit::Frequency => "Hz".to_owned(),
             Unit::AnglePerG => "deg_per_g".to_owned(),
+            Unit::AnglePerForce => "deg_per_kN".to_owned(),
+            Unit::LengthPerForce => format!("{length}_per_kN"),
+            Unit::AnglePerTorque => "deg_per_100_N_m".to_owned(),
+            Unit::Stiffness => "N_per_mm".to_owned(),
         }
     }
 
@@ -68,6 +80,10 @@ impl Unit {
             Unit::LengthPerAngle => 1.0 / DEGREES,
             Unit::Torque => 1.0 / length.per_metre(),
             Unit::TorquePerAngle => 1.0 / (length.per_metre() * DEGREES),
+            Unit::AnglePerForce => 1000.0 * DEGREES,
+            Unit::LengthPerForce => 1000.0,
+            Unit::AnglePerTorque => 100.0 * length.per_metre() * DEGREES,
+            Unit::Stiffness => length.per_metre() / 1000.0,
             Unit::Length
             | Unit::AnglePerAngle
             | Unit::Percent

@@ -1,16 +1,16 @@
 //! The force of a spring with its bump stop.
 
-use crate::number::Scalar;
+use crate::number::{Jet, Scalar};
 
 /// Force over length, positive in compression.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Law {
+pub enum Law<T = f64> {
     /// `force` in the design position, growing by `rate` per length that the spring is shortened.
     Linear {
         /// Force in the design position.
-        force: f64,
+        force: T,
         /// Force per length.
-        rate: f64,
+        rate: T,
     },
     /// A curve through points of length and force.
     Curve(ForceCurve),
@@ -18,9 +18,9 @@ pub enum Law {
 
 /// A spring, and the bump stop that acts beside it.
 #[derive(Clone, Debug, PartialEq)]
-pub struct SpringLaw {
+pub struct SpringLaw<T = f64> {
     /// The spring.
-    pub spring: Law,
+    pub spring: Law<T>,
     /// The bump stop, over how far it is compressed.
     pub bump_stop: Option<BumpStop>,
     /// The rebound stop, over how far it is stretched or pressed by the spring's lengthening.
@@ -36,12 +36,28 @@ pub struct BumpStop {
     pub curve: ForceCurve,
 }
 
-impl SpringLaw {
-    /// The force at a length, the length in the design position being `design`.
-    pub fn force<T: Scalar>(&self, length: T, design: T) -> T {
+impl<T: Copy> SpringLaw<T> {
+    /// The law over another kind of number.
+    pub fn map<U>(&self, f: impl Fn(T) -> U) -> SpringLaw<U> {
+        SpringLaw {
+            spring: match &self.spring {
+                Law::Linear { force, rate } => Law::Linear {
+                    force: f(*force),
+                    rate: f(*rate),
+                },
+                Law::Curve(curve) => Law::Curve(curve.clone()),
+            },
+            bump_stop: self.bump_stop.clone(),
+            rebound_stop: self.rebound_stop.clone(),
+        }
+    }
+
+    /// The force at a length in numbers to which `over` takes those of the law.
+    #[inline(always)]
+    fn force_over<U: Scalar>(&self, length: U, design: U, over: impl Fn(T) -> U) -> U {
         let shortened = design - length;
         let spring = match &self.spring {
-            Law::Linear { force, rate } => length.lit(*force) + length.lit(*rate) * shortened,
+            Law::Linear { force, rate } => over(*force) + over(*rate) * shortened,
             Law::Curve(curve) => curve.at(length),
         };
         let pressed = match &self.bump_stop {
@@ -56,6 +72,30 @@ impl SpringLaw {
             }
             _ => pressed,
         }
+    }
+}
+
+impl<T: Scalar> SpringLaw<T> {
+    /// Force and rate (force per shortening) at a length, the length in the design position being `design`.
+    #[inline(always)]
+    pub(crate) fn at(&self, length: T, design: T) -> (T, T) {
+        let series = Jet([length, -length.one()]);
+        let force = self.force_over(series, Jet::constant(design), Jet::constant);
+        (force[0], force[1])
+    }
+
+    /// Returns true if a stop is in touch at a length.
+    pub(crate) fn meets_stop(&self, length: T, design: T) -> bool {
+        let shortened = (design - length).value();
+        let meets = |stop: &Option<BumpStop>, by: f64| stop.as_ref().is_some_and(|s| by > s.gap);
+        meets(&self.bump_stop, shortened) || meets(&self.rebound_stop, -shortened)
+    }
+}
+
+impl SpringLaw {
+    /// The force at a length, the length in the design position being `design`.
+    pub fn force<T: Scalar>(&self, length: T, design: T) -> T {
+        self.force_over(length, design, |c| length.lit(c))
     }
 
     /// The law of the same parts in a design whose spring is shorter by `shortened`: the force there is that of this

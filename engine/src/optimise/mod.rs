@@ -20,6 +20,7 @@ mod carried_triangle;
 mod choices;
 mod constrained;
 mod covariance;
+mod elastic;
 mod extremes;
 mod fit;
 mod fit_record;

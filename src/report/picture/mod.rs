@@ -3,19 +3,23 @@
 
 mod drawn_target;
 mod glyphs;
+mod labels;
 mod lettering;
 mod panel;
 mod raster;
 mod scale;
+mod view;
 
 use super::curve_table::CurveTable;
 use super::figure::brief;
 use super::record::{OutputRecord, Record};
-use super::run::Run;
+use super::run::{Run, Summary};
+use crate::SideEffect;
 use crate::curves::Status;
 use drawn_target::DrawnTarget;
 use lettering::Lettering;
 use panel::{Hue, Line, Look, Panel, SIZE};
+use view::{Sight, View};
 
 /// A file with a picture.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,9 +32,21 @@ pub struct Picture {
 
 /// Name of the picture with several outputs.
 const OVERVIEW: &str = "overview";
+/// Name of the drawing of the mechanism.
+const MECHANISM: &str = "mechanism";
+/// Name of the picture of a tuning: mechanism, targets and side effects, before and after.
+const TUNING: &str = "tuning";
 
+/// Number of panels in a row.
+const COLUMNS: usize = 3;
 /// The most panels of the overview.
-const MOST_PANELS: usize = 3;
+const MOST_PANELS: usize = 15;
+/// The most targets of the picture of a tuning.
+const MOST_TARGETS: usize = 3;
+/// The number of panels of the picture of a tuning.
+const TUNING_PANELS: usize = 6;
+/// Width and height of a view with names.
+const NAMED_VIEW: [f64; 2] = [560.0, 560.0];
 
 const STYLE: &str = "text{font:12px system-ui,-apple-system,Segoe UI,Roboto,Helvetica,Arial,sans-serif;fill:#3d454d}\
 .label{font-size:13px;fill:#1b1f24}path{fill:none;stroke-linejoin:round;stroke-linecap:round}\
@@ -59,63 +75,179 @@ pub fn picture_names(record: &Record) -> Vec<String> {
     let outputs = record.outputs.iter();
     let mut names: Vec<String> = outputs.map(|o| file_name(&o.column)).collect();
     names.extend((!names.is_empty()).then(|| OVERVIEW.to_owned()));
+    names.push(MECHANISM.to_owned());
+    names.extend((record.command == "optimise").then(|| TUNING.to_owned()));
     let files = |name: &String| ["svg", "png"].map(|kind| format!("{name}.{kind}"));
     names.iter().flat_map(files).collect()
 }
 
-/// A picture for each output, and `overview` with those that have targets side by side (the first
-/// ones where none has), each as SVG and as PNG.
-pub fn pictures(run: &Run) -> Vec<Picture> {
-    let outputs = &run.record.outputs;
-    let named = |output: &OutputRecord| (file_name(&output.column), vec![panel(run, output)]);
-    let mut sheets: Vec<(String, Vec<Panel>)> = outputs.iter().map(named).collect();
-    let has_target = |o: &&OutputRecord| {
-        let targets = run.record.targets.iter().map(|t| &t.column);
-        let bands = run.record.bands.iter().map(|b| &b.column);
-        targets.chain(bands).any(|column| *column == o.column)
-    };
-    let mut chosen: Vec<&OutputRecord> = outputs.iter().filter(has_target).collect();
-    if chosen.is_empty() {
-        chosen = outputs.iter().collect();
+/// A part of a sheet.
+enum Cell<'r> {
+    Panel(Box<Panel>),
+    View(View<'r>),
+    /// Explanation of the lines of the views.
+    Key(&'r Record),
+}
+
+/// A picture: equal cells in rows.
+struct Sheet<'r> {
+    name: String,
+    columns: usize,
+    cell: [f64; 2],
+    cells: Vec<Cell<'r>>,
+}
+
+impl<'r> Sheet<'r> {
+    fn of_panels(name: String, panels: impl IntoIterator<Item = Panel>) -> Self {
+        let cells = panels.into_iter().map(|panel| Cell::Panel(Box::new(panel)));
+        Sheet {
+            name,
+            columns: COLUMNS,
+            cell: SIZE,
+            cells: cells.collect(),
+        }
     }
-    let panels = chosen.into_iter().take(MOST_PANELS);
-    let panels: Vec<Panel> = panels.map(|output| panel(run, output)).collect();
-    if !panels.is_empty() {
-        sheets.push((OVERVIEW.to_owned(), panels));
+
+    /// The drawing with the names of the points.
+    fn mechanism(record: &'r Record) -> Self {
+        let views = Sight::ALL.map(|sight| View::of(record, sight, true, NAMED_VIEW));
+        let views = views.into_iter().flatten().map(Cell::View);
+        Sheet {
+            name: MECHANISM.to_owned(),
+            columns: 2,
+            cell: NAMED_VIEW,
+            cells: views.chain([Cell::Key(record)]).collect(),
+        }
     }
-    let outlines = Lettering::outlines();
-    let drawn = |(name, panels): &(String, Vec<Panel>)| {
-        let has_rare_looks = panels.iter().any(Panel::has_rare_looks);
-        let style = [STYLE, if has_rare_looks { RARE } else { "" }].concat();
-        let svg = sheet(panels, &style, &Lettering::Text);
-        let png = raster::png(&sheet(
-            panels,
-            &[style.as_str(), LETTERS].concat(),
-            &outlines,
-        ));
+
+    /// Mechanism, targets and side effects of a tuning.
+    fn tuning(run: &'r Run) -> Self {
+        let record = &run.record;
+        let flagged: Vec<String> = match &run.summary {
+            Summary::Optimise(tuning) => {
+                let flagged = tuning.side_effects.iter().filter(|e| e.flagged);
+                flagged.map(SideEffect::column).collect()
+            }
+            Summary::Solve(_) | Summary::Tolerance(_) => Vec::new(),
+        };
+        let outputs = record.outputs.iter();
+        let targets: Vec<&OutputRecord> = outputs.filter(|o| has_target(record, o)).collect();
+        // The columns of an axle also name the wheel.
+        let is_flagged = |o: &&OutputRecord| {
+            let column = o
+                .column
+                .trim_start_matches("left_")
+                .trim_start_matches("right_");
+            !has_target(record, o) && flagged.iter().any(|name| name == column)
+        };
+        let targets = targets.into_iter().take(MOST_TARGETS);
+        let mut panels: Vec<Panel> = targets.map(|o| panel(run, o)).collect();
+        for output in record.outputs.iter().filter(is_flagged) {
+            if panels.len() + 1 < TUNING_PANELS {
+                let mut side_effect = panel(run, output);
+                side_effect.value = format!("side effect: {}", side_effect.value);
+                panels.push(side_effect);
+            }
+        }
+        let rest = COLUMNS - panels.len() % COLUMNS;
+        let views = Sight::ALL.into_iter().take(rest);
+        let views = views.filter_map(|sight| View::of(record, sight, false, SIZE));
+        let panels = panels.into_iter().map(|panel| Cell::Panel(Box::new(panel)));
+        Sheet {
+            name: TUNING.to_owned(),
+            columns: COLUMNS,
+            cell: SIZE,
+            cells: views.map(Cell::View).chain(panels).collect(),
+        }
+    }
+
+    /// The picture, in rows.
+    fn svg(&self, style: &str, lettering: &Lettering) -> String {
+        // Legends of many rows need more height; all plots of a sheet stand in line.
+        let panels = self.cells.iter().filter_map(|cell| match cell {
+            Cell::Panel(panel) => Some(panel.legend_beyond()),
+            Cell::View(_) | Cell::Key(_) => None,
+        });
+        let lower = panels.fold(0.0, f64::max);
+        let columns = self.columns.min(self.cells.len()).max(1);
+        let rows = self.cells.len().div_ceil(columns);
+        let row = self.cell[1] + lower;
+        let [width, height] = [self.cell[0] * columns as f64, row * rows as f64];
+        let mut svg = format!(
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" width=\"{width}\" \
+             height=\"{height}\">\n<style>{style}</style>\n<rect width=\"{width}\" height=\"{height}\" \
+             rx=\"6\" fill=\"#ffffff\"/>\n"
+        );
+        for (number, cell) in self.cells.iter().enumerate() {
+            let (column, above) = (number % columns, (number / columns) as f64 * row);
+            let shift = [column as f64 * self.cell[0], above];
+            let lowered = [shift[0], above + lower];
+            svg += &match cell {
+                Cell::Panel(panel) => panel.svg(lowered, lettering),
+                Cell::View(view) => view.svg(lowered, lettering),
+                Cell::Key(record) => view::key(record, shift, lettering),
+            };
+        }
+        svg + "</svg>\n"
+    }
+
+    /// Styles of the parts.
+    fn style(&self) -> String {
+        let is_rare = |cell: &Cell| matches!(cell, Cell::Panel(p) if p.has_rare_looks());
+        let is_view = |cell: &Cell| matches!(cell, Cell::View(_));
+        let mut style = STYLE.to_owned();
+        if self.cells.iter().any(is_rare) {
+            style += RARE;
+        }
+        if self.cells.iter().any(is_view) {
+            style += view::STYLE;
+        }
+        style
+    }
+
+    /// The files of the picture.
+    fn files(&self, outlines: &Lettering) -> [Picture; 2] {
+        let style = self.style();
+        let svg = self.svg(&style, &Lettering::Text);
+        let png = raster::png(&self.svg(&[style.as_str(), LETTERS].concat(), outlines));
         let file = |kind: &str, contents| Picture {
-            name: format!("{name}.{kind}"),
+            name: format!("{}.{kind}", self.name),
             contents,
         };
         [file("svg", svg.into_bytes()), file("png", png)]
-    };
-    sheets.iter().flat_map(drawn).collect()
+    }
 }
 
-/// Panels side by side.
-fn sheet(panels: &[Panel], style: &str, lettering: &Lettering) -> String {
-    // Legends of many rows need more height; all plots of a sheet stand in line.
-    let lower = panels.iter().map(Panel::legend_beyond).fold(0.0, f64::max);
-    let [width, height] = [SIZE[0] * panels.len() as f64, SIZE[1] + lower];
-    let mut svg = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" width=\"{width}\" \
-         height=\"{height}\">\n<style>{style}</style>\n<rect width=\"{width}\" height=\"{height}\" \
-         rx=\"6\" fill=\"#ffffff\"/>\n"
-    );
-    for (number, panel) in panels.iter().enumerate() {
-        svg += &panel.svg([number as f64 * SIZE[0], lower], lettering);
+fn has_target(record: &Record, output: &OutputRecord) -> bool {
+    let targets = record.targets.iter().map(|t| &t.column);
+    let bands = record.bands.iter().map(|b| &b.column);
+    targets.chain(bands).any(|column| *column == output.column)
+}
+
+/// A picture for each output; `overview` with those that have targets side by side (all, where none has); `mechanism`; for a
+/// tuning also `tuning`. Each as SVG and as PNG.
+pub fn pictures(run: &Run) -> Vec<Picture> {
+    let record = &run.record;
+    let outputs = &record.outputs;
+    let alone = |o: &OutputRecord| Sheet::of_panels(file_name(&o.column), [panel(run, o)]);
+    let mut sheets: Vec<Sheet> = outputs.iter().map(alone).collect();
+    let chosen = outputs.iter().filter(|o| has_target(record, o));
+    let mut chosen: Vec<&OutputRecord> = chosen.collect();
+    if chosen.is_empty() {
+        chosen = outputs.iter().collect();
     }
-    svg + "</svg>\n"
+    if !chosen.is_empty() {
+        let panels = chosen.into_iter().take(MOST_PANELS);
+        let panels = panels.map(|output| panel(run, output));
+        sheets.push(Sheet::of_panels(OVERVIEW.to_owned(), panels));
+    }
+    sheets.push(Sheet::mechanism(record));
+    if record.command == "optimise" {
+        sheets.push(Sheet::tuning(run));
+    }
+    let outlines = Lettering::outlines();
+    let files = sheets.iter().flat_map(|sheet| sheet.files(&outlines));
+    files.collect()
 }
 
 fn panel(run: &Run, output: &OutputRecord) -> Panel {

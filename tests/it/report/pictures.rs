@@ -20,9 +20,11 @@ fn there_is_one_for_each_output_and_an_overview() {
             "caster_deg",
             "half_track_change_mm",
             "kingpin_inclination_deg",
+            "mechanism",
             "overview",
             "scrub_radius_mm",
-            "toe_deg"
+            "toe_deg",
+            "tuning"
         ]
         .map(|name| [format!("{name}.png"), format!("{name}.svg")])
         .concat()
@@ -149,32 +151,67 @@ fn pictures_are_made_alike() {
     }
 }
 
+/// The picture of a tuning shows the mechanism, every target and the side effects beyond their tolerances; the drawing of the
+/// mechanism has the name of every point.
+#[test]
+fn a_tuning_is_shown_with_its_mechanism_and_side_effects() {
+    let run = Run::of("optimise", "plain", &study("macpherson_front.toml"), &[]);
+    let tuning = fs::read_to_string(run.plots().join("tuning.svg")).unwrap();
+    for part in [
+        "front view",
+        "camber [°]",
+        "toe [°]",
+        "kingpin inclination [°]",
+        "side effect: scrub radius [mm]",
+        "side effect: half track change [mm]",
+        "class=\"was\"",
+        "class=\"moved\"",
+    ] {
+        assert!(tuning.contains(part), "{part}");
+    }
+    assert!(
+        !tuning.contains("caster"),
+        "its change is within its tolerance"
+    );
+    let mechanism = fs::read_to_string(run.plots().join("mechanism.svg")).unwrap();
+    for name in [
+        "strut_top",
+        "lower_arm_rear",
+        "tie_rod_outer",
+        "wheel_centre",
+    ] {
+        // Front view, side view, top view.
+        assert_eq!(mechanism.matches(&format!(">{name}<")).count(), 3, "{name}");
+    }
+}
+
+/// In the front view the left wheel is on the right, in the side view forward is to the left, from above to the top.
+#[test]
+fn views_are_as_their_titles_say() {
+    let run = Run::of("solve", "plain", &study("double_wishbone_solve.toml"), &[]);
+    let mechanism = fs::read_to_string(run.plots().join("mechanism.svg")).unwrap();
+    let at = |view: usize, name: &str| -> [f64; 2] {
+        let label = mechanism.split(&format!(">{name}<")).nth(view).unwrap();
+        let number = |key: &str| {
+            let text = label.rsplit_once(&format!("{key}=\"")).unwrap().1;
+            text.split('"').next().unwrap().parse().unwrap()
+        };
+        [number("x"), number("y")]
+    };
+    assert!(at(0, "lower_arm_front")[0] < at(0, "lower_ball_joint")[0]);
+    assert!(at(0, "upper_ball_joint")[1] < at(0, "lower_ball_joint")[1]);
+    assert!(at(1, "lower_arm_front")[0] < at(1, "lower_arm_rear")[0]);
+    assert!(at(2, "lower_arm_front")[1] < at(2, "lower_arm_rear")[1]);
+}
+
 /// The picture in the README is the program's own, made with
 /// `hardpoint optimise studies/macpherson_front.toml --plots out/plots`.
 #[test]
 fn the_picture_of_the_sample_study_is_current() {
     let run = Run::of("optimise", "plain", &study("macpherson_front.toml"), &[]);
     let kept = fs::read_to_string(studies().join("macpherson_front.svg")).unwrap();
-    let made = fs::read_to_string(run.plots().join("overview.svg")).unwrap();
-    let pieces = |svg: &str| -> Vec<String> {
-        let parts = svg.split_inclusive(|c: char| !(c.is_ascii_digit() || ".-".contains(c)));
-        parts.map(str::to_owned).collect()
-    };
-    let (kept, made) = (pieces(&kept), pieces(&made));
-    assert_eq!(
-        kept.len(),
-        made.len(),
-        "out/plots/overview.svg is another picture"
-    );
-    for (a, b) in kept.iter().zip(&made) {
-        let number =
-            |s: &str| s[..s.len() - s.chars().last().map_or(0, char::len_utf8)].parse::<f64>();
-        match (number(a), number(b)) {
-            // A pixel: what the last digits of a platform or a better optimum may do.
-            (Ok(x), Ok(y)) => assert!((x - y).abs() <= 1.0, "{a} and {b}"),
-            _ => assert_eq!(a, b),
-        }
-    }
+    let made = fs::read_to_string(run.plots().join("tuning.svg")).unwrap();
+    crate::support::assert_same_picture(&kept, &made, "out/plots/tuning.svg");
 }
 
 /// Each rack has its colour and its name.

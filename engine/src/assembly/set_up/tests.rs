@@ -181,18 +181,18 @@ fn half_steps_allow_half_effects() {
 /// An adjustment of up to a tenth of the suspension's size is made, a longer one is refused with its amount.
 #[test]
 fn adjustments_beyond_a_tenth_of_the_size_are_refused() {
-    let adjust = "setup.adjust=[{length=\"tie_rod\"}]";
+    let adjust = "setup.adjust=[{shim=\"upper_ball_joint\",axis=\"y\"}]";
     let at = |amount: f64| {
         let study = study(&[
             adjust,
-            "setup.want={toe=0.0}",
+            "setup.want={camber=0.0}",
             "setup.ride_height_change=0.0",
         ]);
         let size = study.wheel().size();
-        let toe = with(&study, |problem, _| {
-            problem.state(&[amount * size]).unwrap().values[1]
+        let camber = with(&study, |problem, _| {
+            problem.state(&[amount * size]).unwrap().values[0]
         });
-        let want = format!("setup.want={{toe={toe:?}}}");
+        let want = format!("setup.want={{camber={camber:?}}}");
         let study = self::study(&[adjust, &want, "setup.ride_height_change=0.0"]);
         let assembler = Assembler::new(study.wheel()).unwrap();
         let found = SetUp::solve(&study, study.setup.as_ref().unwrap(), &assembler);
@@ -229,7 +229,7 @@ fn neighbours_are_the_best_of_all_roundings() {
         assert_eq!((levels.rest.len(), levels.threads.len()), (3, 0));
         let steps: Vec<f64> = problem.shims().map(|(_, step)| step).collect();
         for number in 0..6 {
-            let part = |k: usize| 1.3 * (k as f64 + 1.7 * f64::from(number)).sin();
+            let part = |k: usize| 1.3 * (0.3 + k as f64 + 1.7 * f64::from(number)).sin();
             let amounts: Vec<f64> = (0..5).map(part).collect();
             let real = problem.state(&amounts).unwrap();
             let errors = problem.errors(&real, &levels.rest);

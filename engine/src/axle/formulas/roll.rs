@@ -15,6 +15,7 @@
 //!
 //! Equal side forces make the same roll moment at the height track (j_l + j_r)/4, which stays finite.
 
+use super::rigid;
 use crate::axle::reading::WheelParts;
 use crate::axle::state::{AxleState, Motion, WheelState};
 use crate::mechanism::Ground;
@@ -87,6 +88,9 @@ pub(crate) fn roll_angle<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> 
 /// Height of the kinematic roll centre above the ground; on pads above the mean of both.
 #[inline(always)]
 pub(crate) fn roll_centre_height<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
+    if state.carriers.is_rigid() {
+        return rigid::roll_centre(state)[0];
+    }
     let [left, right] = jacking(state);
     let higher = state.mismatch().scaled(0.5);
     (state.track() * (left * right) + higher * (right - left)) / (left + right)
@@ -95,6 +99,9 @@ pub(crate) fn roll_centre_height<T: Real, W: WheelParts<T>>(state: &AxleState<T,
 /// The kinematic roll centre along the ground, from midway between the contact points.
 #[inline(always)]
 pub(crate) fn roll_centre_lateral<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
+    if state.carriers.is_rigid() {
+        return rigid::roll_centre(state)[1];
+    }
     let [left, right] = jacking(state);
     (state.track().scaled(0.5) * (left - right) + state.mismatch()) / (left + right)
 }
@@ -102,6 +109,10 @@ pub(crate) fn roll_centre_lateral<T: Real, W: WheelParts<T>>(state: &AxleState<T
 /// Height at which equal side forces roll the body.
 #[inline(always)]
 pub(crate) fn force_roll_centre_height<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
+    if state.carriers.is_rigid() {
+        let [left, right] = rigid::side_force_loads(state);
+        return (state.track() * (right - left)).scaled(0.5);
+    }
     let [left, right] = jacking(state);
     (state.track() * (left + right)).scaled(0.25)
 }
@@ -109,6 +120,10 @@ pub(crate) fn force_roll_centre_height<T: Real, W: WheelParts<T>>(state: &AxleSt
 /// Lift per side force to the left, shared equally.
 #[inline(always)]
 pub(crate) fn jacking_force_ratio<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
+    if state.carriers.is_rigid() {
+        let [left, right] = rigid::side_force_loads(state);
+        return left + right;
+    }
     let [left, right] = jacking(state);
     (right - left).scaled(0.5)
 }
@@ -145,6 +160,9 @@ pub(crate) const UPRIGHT: f64 = 1e-8;
 
 /// Whether they meet farther, or are upright.
 pub(crate) fn normals_are_parallel(state: &AxleState<f64>) -> bool {
+    if state.carriers.is_rigid() {
+        return rigid::rolls_about_infinity(state);
+    }
     // NaN is parallel.
     !meet_near(jacking(state))
 }

@@ -493,7 +493,7 @@ mod tests {
     use crate::study::Study;
     use std::path::Path;
 
-    /// At each arm angle the four assemblies have the lengths of the design, and differ. The first one is the design's.
+    /// At each arm angle the assemblies have the lengths of the design, and differ. The first one is the design's.
     #[test]
     fn assemblies_keep_every_length() {
         let mut seen = 0;
@@ -514,13 +514,18 @@ mod tests {
                         form.pose(&form.at(cosine, sine, 0.0))
                     },
                 );
+                // Some of the others cannot be assembled.
+                let is_real = |pose: &&Pose<f64>| !pose.rotation.columns[0].x.is_nan();
+                assert!(is_real(&&poses[0]));
+                let poses: Vec<_> = poses.iter().filter(is_real).collect();
+                assert!(poses.len() >= 2, "{}", topology.name);
                 for (number, pose) in poses.iter().enumerate() {
-                    let at = Configuration::new(mechanism, design, *pose, 0.0);
+                    let at = Configuration::new(mechanism, design, **pose, 0.0);
                     let off = closure.residuals(&at, Driver::ArmAngle { sine, cosine });
                     let most = off.iter().fold(0.0, |most: f64, r| most.max(r.abs()));
                     assert!(most < 1e-9 * suspension.size().powi(2), "{number}: {off:?}");
                     for other in &poses[..number] {
-                        let [a, b] = [pose, other].map(|pose| pose.rotation.columns);
+                        let [a, b] = [*pose, *other].map(|pose| pose.rotation.columns);
                         let apart = (0..3).map(|k| (a[k] - b[k]).norm()).sum::<f64>();
                         assert!(apart > 0.01, "{} {number}: {apart}", topology.name);
                     }

@@ -1,0 +1,27 @@
+//! A robust tuning: the misfit of builds that scatter as `[tolerance]` says, before and after.
+//!
+//! `cargo run --example robust`
+
+use hardpoint::{Control, Study};
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let path = std::env::args().nth(1);
+    let path = path.unwrap_or_else(|| "studies/double_wishbone_robust.toml".to_owned());
+    for builds in [4, 16, 64] {
+        let study = Study::read(path.as_ref(), &[format!("optimise.scatter={builds}")])?;
+        let tuning = study.tune(Control::default())?;
+        let before = tuning
+            .before
+            .as_ref()
+            .ok_or("the design cannot be solved")?;
+        let best = tuning.best.as_ref().ok_or("no start can be solved")?;
+        let offsets: Vec<String> = best.offsets.iter().map(|o| format!("{o:+.2}")).collect();
+        println!(
+            "{builds:3} builds: rms misfit {:.3} -> {:.3} tolerances, moves {}",
+            before.misfit,
+            best.after.misfit,
+            offsets.join(" ")
+        );
+    }
+    Ok(())
+}

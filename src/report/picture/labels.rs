@@ -1,0 +1,166 @@
+//! Places of names on a drawing: near their points, and not upon one another.
+
+/// Width of a letter and height of a line, of the small letters.
+const LETTER: [f64; 2] = [6.6, 13.0];
+/// Distances from the point that are tried, nearest first.
+const DISTANCES: [f64; 6] = [9.0, 18.0, 30.0, 46.0, 66.0, 90.0];
+/// Directions that are tried at each distance.
+const DIRECTIONS: usize = 16;
+
+/// A name with its place.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Label<'a> {
+    /// The name.
+    pub text: &'a str,
+    /// Left end of its baseline.
+    pub at: [f64; 2],
+    /// Line from the point to the name, if it is not beside the point.
+    pub leader: Option<[[f64; 2]; 2]>,
+}
+
+/// A rectangle: left, top, right, bottom.
+type Area = [f64; 4];
+
+/// Places for names. Each name takes the place of the lowest cost: other names cost most, then points, then lines, then the
+/// distance from its own point. Names are placed in their order.
+pub(super) fn place_labels<'a>(
+    names: &[(&'a str, [f64; 2])],
+    dots: &[[f64; 2]],
+    segments: &[[[f64; 2]; 2]],
+    size: [f64; 2],
+) -> Vec<Label<'a>> {
+    let mut taken: Vec<Area> = Vec::new();
+    let mut labels = Vec::new();
+    for (text, dot) in names {
+        let width = LETTER[0] * text.chars().count() as f64;
+        let mut best: Option<(f64, Area)> = None;
+        for area in candidates(*dot, width) {
+            let is_inside = area[0] >= 4.0
+                && area[2] <= size[0] - 4.0
+                && area[1] >= 30.0
+                && area[3] <= size[1] - 4.0;
+            let names = taken.iter().map(|other| overlap(&area, other)).sum::<f64>();
+            let near = |d: &&[f64; 2]| overlap(&area, &around(**d)) > 0.0;
+            let points = dots.iter().filter(near).count() as f64;
+            let crossed = |s: &&[[f64; 2]; 2]| crosses(&area, s);
+            let lines = segments.iter().filter(crossed).count() as f64;
+            let away = distance(&area, *dot);
+            let outside = if is_inside { 0.0 } else { 1e6 };
+            let cost = outside + 40.0 * names + 60.0 * points + 12.0 * lines + 0.5 * away;
+            if best.is_none_or(|(least, _)| cost < least) {
+                best = Some((cost, area));
+            }
+        }
+        let Some((_, area)) = best else { continue };
+        taken.push(area);
+        let nearest = [
+            dot[0].clamp(area[0], area[2]),
+            dot[1].clamp(area[1], area[3]),
+        ];
+        labels.push(Label {
+            text,
+            at: [area[0], area[3] - 3.0],
+            leader: (distance(&area, *dot) > 12.0).then_some([*dot, nearest]),
+        });
+    }
+    labels
+}
+
+fn candidates(dot: [f64; 2], width: f64) -> impl Iterator<Item = Area> {
+    let at = move |(away, step): (f64, usize)| {
+        let angle = std::f64::consts::TAU * step as f64 / DIRECTIONS as f64;
+        let [c, s] = [angle.cos(), angle.sin()];
+        // The name's nearest place lies at this distance from the point.
+        let middle = [
+            dot[0] + away * c + width / 2.0 * c.signum() * f64::from(c.abs() > 0.01),
+            dot[1] + away * s + LETTER[1] / 2.0 * s,
+        ];
+        [
+            middle[0] - width / 2.0,
+            middle[1] - LETTER[1] / 2.0,
+            middle[0] + width / 2.0,
+            middle[1] + LETTER[1] / 2.0,
+        ]
+    };
+    let steps = DISTANCES
+        .into_iter()
+        .flat_map(|away| (0..DIRECTIONS).map(move |step| (away, step)));
+    steps.map(at)
+}
+
+fn around(dot: [f64; 2]) -> Area {
+    [dot[0] - 4.0, dot[1] - 4.0, dot[0] + 4.0, dot[1] + 4.0]
+}
+
+/// Common area of two rectangles, in units of a letter.
+fn overlap(a: &Area, b: &Area) -> f64 {
+    let width = a[2].min(b[2]) - a[0].max(b[0]);
+    let height = a[3].min(b[3]) - a[1].max(b[1]);
+    width.max(0.0) * height.max(0.0) / (LETTER[0] * LETTER[1])
+}
+
+fn distance(area: &Area, dot: [f64; 2]) -> f64 {
+    let across = dot[0] - dot[0].clamp(area[0], area[2]);
+    let along = dot[1] - dot[1].clamp(area[1], area[3]);
+    across.hypot(along)
+}
+
+/// Returns true if the segment runs through the rectangle: clipping leaves a piece of it.
+fn crosses(area: &Area, [from, to]: &[[f64; 2]; 2]) -> bool {
+    let mut share = [0.0f64, 1.0f64];
+    for k in 0..2 {
+        let along = to[k] - from[k];
+        if along.abs() < 1e-9 {
+            if from[k] < area[k] || from[k] > area[k + 2] {
+                return false;
+            }
+            continue;
+        }
+        let mut ends = [(area[k] - from[k]) / along, (area[k + 2] - from[k]) / along];
+        ends.sort_by(f64::total_cmp);
+        share = [share[0].max(ends[0]), share[1].min(ends[1])];
+    }
+    share[0] <= share[1]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A ring of points, as the joints of a wheel carrier are.
+    #[test]
+    fn names_do_not_overlap() {
+        let place = |k: usize| {
+            let angle = k as f64 * 0.7;
+            [280.0 + 60.0 * angle.cos(), 280.0 + 60.0 * angle.sin()]
+        };
+        let dots: Vec<[f64; 2]> = (0..9).map(place).collect();
+        let names: Vec<(&str, [f64; 2])> = dots.iter().map(|d| ("upper_front_link", *d)).collect();
+        let labels = place_labels(&names, &dots, &[], [560.0, 560.0]);
+        let area = |label: &Label| {
+            let [left, base] = label.at;
+            let width = LETTER[0] * label.text.len() as f64;
+            [left, base + 3.0 - LETTER[1], left + width, base + 3.0]
+        };
+        for (k, label) in labels.iter().enumerate() {
+            let [left, top, right, bottom] = area(label);
+            assert!(left >= 0.0 && top >= 0.0 && right <= 560.0 && bottom <= 560.0);
+            for other in &labels[..k] {
+                assert_eq!(
+                    overlap(&area(label), &area(other)),
+                    0.0,
+                    "{label:?} {other:?}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn a_line_through_a_rectangle_crosses_it() {
+        let area = [0.0, 0.0, 10.0, 4.0];
+        assert!(crosses(&area, &[[-5.0, 2.0], [15.0, 2.0]]));
+        assert!(crosses(&area, &[[5.0, 1.0], [6.0, 3.0]]));
+        assert!(!crosses(&area, &[[-5.0, 5.0], [15.0, 5.0]]));
+        assert!(!crosses(&area, &[[11.0, -5.0], [20.0, 9.0]]));
+    }
+}

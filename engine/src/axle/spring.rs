@@ -84,10 +84,11 @@ impl<T: Scalar> SpringLaw<T> {
         (force[0], force[1])
     }
 
-    /// Returns true if the bump stop is in touch at a length.
+    /// Returns true if a stop is in touch at a length.
     pub(crate) fn meets_stop(&self, length: T, design: T) -> bool {
-        let stop = self.bump_stop.as_ref();
-        stop.is_some_and(|stop| (design - length).value() > stop.gap)
+        let shortened = (design - length).value();
+        let meets = |stop: &Option<BumpStop>, by: f64| stop.as_ref().is_some_and(|s| by > s.gap);
+        meets(&self.bump_stop, shortened) || meets(&self.rebound_stop, -shortened)
     }
 }
 

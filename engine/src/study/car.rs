@@ -196,6 +196,11 @@ impl Resolver<'_> {
             return None;
         };
         let axle = both.axle.clone();
+        if axle.is_rigid() {
+            let message =
+                format!("the {name} study is of a solid axle, which a car does not take yet");
+            return self.problems.refuse(place, message);
+        }
         let wanted = [AxlePosition::Front, AxlePosition::Rear][end];
         if axle
             .setup

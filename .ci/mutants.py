@@ -6,6 +6,10 @@ them are compiled at once, each behind a switch: the variable HARDPOINT_FAULT na
 faults cost one build. For each of them the tests of its folder run, at most LIMIT seconds; the first failure ends the
 run. A fault that does not compile is left out and counted.
 
+A constant whose doc comment says "It changes the path, not the result." is strategy: a damping, a share of a step, a
+bracket of a search. Small and moderate factors on it are equivalent by construction, since the end of the iteration
+follows from equations and thresholds. So its factors are FACTORS_OF_STRATEGY, which break the convergence.
+
 cargo-mutants (27.0) was considered. It takes no seed, leaves constants as they are (here the thresholds of guards),
 runs the same tests for every file, and compiles once for each fault.
 """
@@ -53,6 +57,9 @@ VALUE = re.compile(r"^(\s*let (?:mut )?\w+ = )([^&|\"?][^|\"?]*);$")
 # Lines without a computation: comments, attributes, imports, signatures, constants, messages.
 SKIPPED = re.compile(r"^\s*(//|#|use |pub use |mod |pub mod |impl|where|type |assert|debug_assert|fn |pub fn|pub\(\w+\) fn)"
                      r"|format!|panic!|const |static |&mut |'[a-z]+")
+FACTORS = ["100.0", "0.01"]
+STRATEGY = "It changes the path, not the result."
+FACTORS_OF_STRATEGY = ["1e9", "-1e9"]
 SWITCH = '''//! Chooses the planted fault.
 
 /// Whether this fault is planted.
@@ -76,8 +83,10 @@ pub fn number(fault: u32, right: f64, wrong: f64) -> f64 {
 def code_lines(text):
     """Numbers and contents of the lines of code before the unit tests, without constants of several lines."""
     in_constant = False
-    for number, line in enumerate(text.split("\n")):
-        if line.strip() == "#[cfg(test)]":
+    lines = text.split("\n")
+    for number, line in enumerate(lines):
+        # Not `mod tests;`, after which code may follow.
+        if line.strip() == "#[cfg(test)]" and lines[number + 1].rstrip().endswith("{"):
             return
         if re.match(r"^\s*(pub(\([^)]*\))? )?(const|static) ", line) and not line.rstrip().endswith(("{", ";")):
             in_constant = True
@@ -121,15 +130,20 @@ def candidates(root, patterns):
     # Files that only tests compile.
     tests = {name for path in paths for name in re.findall(r"#\[cfg\(test\)\]\nmod (\w+);", path.read_text())}
     for path in [path for path in paths if path.stem not in tests]:
-        lines = list(code_lines(path.read_text()))
-        for number, line in lines:
+        lines = path.read_text().split("\n")
+        code = list(code_lines(path.read_text()))
+        for number, line in code:
             for said, fault in faults_of(line):
                 found.append((path.relative_to(root), {number: fault}, number, f"`{line.strip()}` -> `{said}`"))
             if match := THRESHOLD.match(line):
                 # A constant is changed where it is used.
                 name = match[1]
-                uses = [(n, l) for n, l in lines if re.search(rf"\b{name}\b", l) and not SKIPPED.search(l)]
-                for factor in ["100.0", "0.01"] if uses else []:
+                uses = [(n, l) for n, l in code if re.search(rf"\b{name}\b", l) and not SKIPPED.search(l)]
+                comment = []
+                while lines[number - len(comment) - 1].startswith("///"):
+                    comment.insert(0, lines[number - len(comment) - 1][3:].strip())
+                factors = FACTORS_OF_STRATEGY if STRATEGY in " ".join(comment) else FACTORS
+                for factor in factors if uses else []:
                     planted = f"crate::planted::number({{n}}, {name}, {name} * {factor})"
                     changed = {n: re.sub(rf"\b{name}\b", lambda _: planted, l.replace("{", "{{").replace("}", "}}"))
                                for n, l in uses}

@@ -58,7 +58,10 @@ impl Strut {
                 Constraint::Link { inner, outer } if outer != arm.outer => {
                     tie_rod = Some((inner, outer));
                 }
-                Constraint::Link { .. } | Constraint::Revolute { .. } => {}
+                Constraint::Link { .. }
+                | Constraint::Revolute { .. }
+                | Constraint::BallJoint { .. }
+                | Constraint::AxleTravel { .. } => {}
             }
         }
         let at = |id: PointId| design[id.0];

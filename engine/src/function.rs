@@ -415,6 +415,23 @@ impl DesignFunction {
         }
     }
 
+    /// The study of this function with the variables at `x`.
+    pub fn moved(&self, study: &Study, x: &[f64]) -> Study {
+        let mut offsets = DVector::zeros(self.names.len());
+        self.offsets(x, &mut offsets);
+        let mut left = self.suspension.design.clone();
+        self.design(x, &offsets, &mut left);
+        let mut moved = study.at_design(left.clone());
+        if let Some(own) = &self.right {
+            let mut design = own.design.clone();
+            self.right_design(own, &offsets, &left, &mut design);
+            if let Some(right) = moved.axle_mut().and_then(|both| both.axle.right.as_mut()) {
+                right.design = design;
+            }
+        }
+        moved
+    }
+
     /// Writes the design of a right wheel with hardpoints of its own, which moves as the left one does, into `into`.
     fn right_design(
         &self,

@@ -84,6 +84,7 @@ impl Plan {
             motion,
             formulation,
             outputs: asked,
+            compliance: _,
         } = own;
         let highest = asked.order as usize;
         let length = suspension.length_unit;

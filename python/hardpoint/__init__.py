@@ -25,16 +25,21 @@ from ._function import Function, Residuals
 from ._hardpoint import STATUS as _STATUS
 from ._hardpoint import HardpointError, StudyError, __version__, topologies
 from ._runs import Results, Run, read_run
+from ._sections import Adjustment, Band, Constraint, Scatter, SweepVariable, Target, Variable, vehicle
 from ._study import Limits, Study, check, limits, load, loads, solve
 from ._sweep import Sweep, sweep
 from ._tuning import Tuning, optimise
+from ._view import view
 
 STATUS: tuple[str, ...] = tuple(_STATUS)
 """Words of the codes in `status`, by code. New ones are appended."""
 
 __all__ = [
     "STATUS",
+    "Adjustment",
+    "Band",
     "Column",
+    "Constraint",
     "Curves",
     "Frame",
     "Function",
@@ -43,10 +48,14 @@ __all__ = [
     "Residuals",
     "Results",
     "Run",
+    "Scatter",
     "Study",
     "StudyError",
     "Sweep",
+    "SweepVariable",
+    "Target",
     "Tuning",
+    "Variable",
     "__version__",
     "assemblies",
     "check",
@@ -68,6 +77,8 @@ __all__ = [
     "template",
     "tolerance",
     "topologies",
+    "vehicle",
+    "view",
 ]
 
 

@@ -172,12 +172,8 @@ class Frame(dict[str, Array]):
         if self.rows > _SHOWN_ROWS:
             half = _SHOWN_ROWS // 2
             rows = [*range(half), None, *range(self.rows - half, self.rows)]
-        head = "".join(f"<th>{html.escape(name)}</th>" for name in self)
-        body = "".join(
-            "<tr>" + "".join(f"<td>{'...' if row is None else _shown(v[row])}</td>" for v in self.values()) + "</tr>"
-            for row in rows
-        )
-        return f"<p>{html.escape(repr(self))}</p><table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
+        columns = list(self.values())
+        return html_of(repr(self), list(self), [["..." if row is None else v[row] for v in columns] for row in rows])
 
     def _ipython_key_completions_(self) -> list[str]:
         return list(self)
@@ -205,6 +201,7 @@ class Frame(dict[str, Array]):
     if not TYPE_CHECKING:
 
         def _refuse(self, *_: Any, **__: Any) -> NoReturn:
+            """Raises TypeError: results cannot be changed."""
             raise TypeError("results cannot be changed; dict(frame) is a copy that can")
 
         __setitem__ = __delitem__ = __ior__ = update = pop = popitem = setdefault = clear = _refuse
@@ -229,6 +226,13 @@ def _read_only(values: Any) -> Array:
 
 def _for_arrow(frame: Frame) -> dict[str, Any]:
     return {name: v if v.dtype.kind in "fiub" else v.tolist() for name, v in frame.items()}
+
+
+def html_of(title: str, head: Iterable[str], rows: Iterable[Iterable[Any]]) -> str:
+    """A table in HTML."""
+    columns = "".join(f"<th>{html.escape(name)}</th>" for name in head)
+    body = "".join("<tr>" + "".join(f"<td>{_shown(cell)}</td>" for cell in row) + "</tr>" for row in rows)
+    return f"<p>{html.escape(title)}</p><table><thead><tr>{columns}</tr></thead><tbody>{body}</tbody></table>"
 
 
 def _shown(value: Any) -> str:

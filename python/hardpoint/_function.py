@@ -50,6 +50,17 @@ def _by_name(table: Any, names: list[str], unit: str) -> Floats:
     return np.stack(columns, axis=-1)
 
 
+def _single(read: tuple[Floats, bool]) -> Floats:
+    """The one design of an array, with finite numbers."""
+    rows, single = read
+    if not single:
+        raise HardpointError(f"x has shape {rows.shape}; expected ({rows.shape[1]},), one design")
+    if not np.isfinite(rows).all():
+        raise HardpointError("x has a number that is not finite")
+    design: Floats = rows[0]
+    return design
+
+
 class Function:
     """Curves as a pure function of the design.
 
@@ -103,6 +114,12 @@ class Function:
         rows, _ = self._rows(x)
         return self._function.values(rows, threads)[1]
 
+    def study(self, x: Designs) -> Study:
+        """The study of the design at x (k,)."""
+        from ._study import Study
+
+        return Study(self._function.moved(_single(self._rows(x)).tolist()))
+
     def __repr__(self) -> str:
         return repr(self._function)
 
@@ -127,30 +144,35 @@ class Residuals:
         """Lowest and highest offset (k, 2)."""
         self.rows: tuple[str, ...] = tuple(self._residuals.rows)
         """Column of the target of each residual (m)."""
-        self._last: tuple[bytes, Floats, Floats] | None = None
+        names, self.equalities = self._residuals.constraint_rows
+        self.constraint_rows: tuple[str, ...] = tuple(names)
+        """Constraint and limit of each row (c) of `constraints`; the first `equalities` rows are equalities."""
+        self._last: dict[str, tuple[bytes, Floats, Floats]] = {}
 
-    def value_and_jacobian(self, x: Designs) -> tuple[Floats, Floats]:
-        """r (m,) and its derivatives (m, k). A design that cannot be solved gives NaN, or raises `HardpointError`."""
+    def _found(self, kind: Literal["residuals", "constraints"], x: Designs) -> tuple[Floats, Floats]:
+        """Values and derivatives; SciPy asks for both apart, so the last ones are remembered."""
         rows, single = rows_of(x, self.variables, self._study.length_unit)
         if not single:
             k = len(self.variables)
             raise HardpointError(f"x has shape {rows.shape}; expected ({k},), one design")
         key = rows.tobytes()
-        last = self._last
+        last = self._last.get(kind)
         if last is None or last[0] != key:
-            if np.isfinite(rows).all():
-                found = self._residuals.value_and_jacobian(rows[0])
-            else:
-                found = "x has a number that is not finite"
+            work = self._residuals.value_and_jacobian if kind == "residuals" else self._residuals.constraints
+            found = work(rows[0]) if np.isfinite(rows).all() else "x has a number that is not finite"
             if isinstance(found, str):
                 if self.on_failure == "raise":
                     raise HardpointError(found)
-                m = len(self.rows)
-                values, jacobian = np.full(m, np.nan), np.full((m, len(self.variables)), np.nan)
+                m = len(self.rows if kind == "residuals" else self.constraint_rows)
+                last = key, np.full(m, np.nan), np.full((m, len(self.variables)), np.nan)
             else:
-                values, jacobian = found
-            self._last = last = (key, values, jacobian)
+                last = key, found[0], found[1]
+            self._last[kind] = last
         return last[1].copy(), last[2].copy()
+
+    def value_and_jacobian(self, x: Designs) -> tuple[Floats, Floats]:
+        """r (m,) and its derivatives (m, k). A design that cannot be solved gives NaN, or raises `HardpointError`."""
+        return self._found("residuals", x)
 
     def __call__(self, x: Designs) -> Floats:
         return self.value_and_jacobian(x)[0]
@@ -158,6 +180,43 @@ class Residuals:
     def jacobian(self, x: Designs) -> Floats:
         """Derivatives (m, k)."""
         return self.value_and_jacobian(x)[1]
+
+    def constraints(self, x: Designs) -> Floats:
+        """The constraints of [optimise] (c,): 0 or more where a limit is kept, and 0 where an equality is. A violation of 1
+        is a visible one, such as a millimetre or a degree."""
+        return self._kept(self._found("constraints", x)[0])
+
+    def constraint_jacobian(self, x: Designs) -> Floats:
+        """Derivatives of `constraints` (c, k)."""
+        return self._kept(self._found("constraints", x)[1])
+
+    def _kept(self, rows: Floats) -> Floats:
+        """Rows of limits with the sign that SciPy expects."""
+        rows[self.equalities :] *= -1.0
+        return rows
+
+    def scipy_constraints(self) -> list[dict[str, Any]]:
+        """The constraints as `scipy.optimize.minimize(method="SLSQP", constraints=...)` takes them."""
+        parts = [("eq", slice(self.equalities)), ("ineq", slice(self.equalities, None))]
+        return [
+            {
+                "type": kind,
+                "fun": lambda x, part=part: self.constraints(x)[part],
+                "jac": lambda x, part=part: self.constraint_jacobian(x)[part],
+            }
+            for kind, part in parts
+            if len(self.constraint_rows[part])
+        ]
+
+    def study(self, x: Designs) -> Study:
+        """The study of the design at the offsets x (k,)."""
+        from ._study import Study
+
+        return Study(self._residuals.moved(_single(rows_of(x, self.variables, self._study.length_unit)).tolist()))
+
+    def __repr__(self) -> str:
+        k, m, c = len(self.variables), len(self.rows), len(self.constraint_rows)
+        return f"<hardpoint.Residuals {self._study.name!r}: {k} variables -> {m} residuals, {c} constraints>"
 
     def __reduce__(self) -> tuple[Any, ...]:
         return (Residuals, (self._study, self.on_failure))

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from . import _hardpoint
-from ._frame import Frame
+from ._frame import Frame, html_of
 from ._hardpoint import HardpointError
 from ._study import Study, load
 
@@ -54,6 +54,11 @@ class Results(Mapping[str, Frame]):
 
     def __repr__(self) -> str:
         return f"<hardpoint.Results: {', '.join(self)}>"
+
+    def _repr_html_(self) -> str:
+        """The tables, for notebooks."""
+        rows = [[name, self[name].rows, ", ".join(self[name])] for name in self]
+        return html_of("hardpoint.Results", ["table", "rows", "columns"], rows)
 
 
 class Run(Mapping[str, Frame]):

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import json
+import re
 import tomllib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from os import PathLike
 from typing import Any, Literal, cast
@@ -14,11 +15,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _hardpoint
 from ._curves import Curves
+from ._frame import html_of
 from ._function import Function, Residuals
 from ._hardpoint import HardpointError
 
 Overrides = Mapping[str, Any]
 Floats = NDArray[np.float64]
+_BARE = re.compile("[A-Za-z0-9_-]+")
 
 
 def _toml(value: Any) -> str:
@@ -34,6 +37,29 @@ def _toml(value: Any) -> str:
     if not isinstance(value, (str, bool, int, float)):
         raise HardpointError(f"a value is {value!r}; expected text, a number, a truth value, a list or a mapping")
     return json.dumps(value)
+
+
+def _is_tables(value: Any) -> bool:
+    """True for a list of mappings."""
+    return isinstance(value, (list, tuple)) and bool(value) and all(isinstance(v, Mapping) for v in value)
+
+
+def _lines(section: Mapping[str, Any], path: str = "") -> Iterator[str]:
+    """A mapping as lines of TOML: a header for each table, a line for each value, so that errors have useful places."""
+    tables: list[tuple[str, str, Any]] = []
+    for key, value in section.items():
+        name = key if _BARE.fullmatch(key) else json.dumps(key)
+        whole = f"{path}.{name}" if path else name
+        if isinstance(value, Mapping):
+            tables.append(("[{}]", whole, value))
+        elif _is_tables(value):
+            tables.extend(("[[{}]]", whole, inner) for inner in value)
+        else:
+            yield f"{name} = {_toml(value)}"
+    for head, whole, inner in tables:
+        yield ""
+        yield head.format(whole)
+        yield from _lines(inner, whole)
 
 
 def _written(overrides: Overrides | None) -> list[str]:
@@ -172,7 +198,7 @@ class Study:
     @classmethod
     def from_dict(cls, sections: Mapping[str, Any], name: str = "study.toml") -> Study:
         """The study of a mapping as a TOML reader would give it: {"suspension": {...}, "motion": {...}}."""
-        return loads("".join(f"{key} = {_toml(value)}\n" for key, value in sections.items()), name=name)
+        return loads("\n".join(_lines(sections)).lstrip("\n") + "\n", name=name)
 
     def function(self, variables: Sequence[str] | None = None) -> Function:
         """The curves as a pure function of the design: by `variables` such as "tie_rod_inner_dz" for offsets,
@@ -192,6 +218,14 @@ class Study:
     def built(self, number: int) -> Study:
         """The study of one build of [tolerance], by its number from 0: the design that its parts make at rest."""
         return Study(_hardpoint.build(self._study, number))
+
+    def _ipython_key_completions_(self) -> list[str]:
+        return self.points
+
+    def _repr_html_(self) -> str:
+        """The hardpoints, for notebooks."""
+        rows = [[name, *position] for name, position in zip(self.points, self.design.tolist(), strict=True)]
+        return html_of(repr(self), ["hardpoint", *(f"{axis}_{self.length_unit}" for axis in "xyz")], rows)
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Study) and self.text == other.text and self.name == other.name
@@ -229,6 +263,8 @@ class End:
     """In the length unit, or degrees."""
     cause: str
     """Why it goes no further."""
+    build: int | None = None
+    """Number of the build that ends here; None of the nominal design."""
 
 
 @dataclass(frozen=True)
@@ -244,9 +280,13 @@ class Limits(Mapping[str, Extent | None]):
     `right_travel`, `rack` and `roll_deg`; None where there is nothing to move. Also as attributes:
     `limits.travel.low.value`."""
 
-    def __init__(self, found: Mapping[str, Any]) -> None:
+    rejected: int | None
+    """Number of builds that cannot be assembled or cannot move; None of the nominal design."""
+
+    def __init__(self, found: Mapping[str, Any], rejected: int | None = None) -> None:
         ends = {name: both and Extent(*(End(*end) for end in both)) for name, both in found.items()}
         self._ends: dict[str, Extent | None] = ends
+        self.rejected = rejected
 
     def __getitem__(self, name: str) -> Extent | None:
         return self._ends[name]
@@ -269,10 +309,29 @@ class Limits(Mapping[str, Extent | None]):
         ranges = [f"{n} {e.low.value:.6g} to {e.high.value:.6g}" for n, e in self._ends.items() if e]
         return f"<hardpoint.Limits: {'; '.join(ranges)}>"
 
+    def _repr_html_(self) -> str:
+        """A row for each end, for notebooks."""
+        rows = [
+            [name, end.value, end.cause, "" if end.build is None else end.build]
+            for name, extent in self._ends.items()
+            for end in ((extent.low, extent.high) if extent else ())
+        ]
+        return html_of("hardpoint.Limits", ["quantity", "limit", "cause", "build"], rows)
 
-def limits(study: Study | str | PathLike[str]) -> Limits:
-    """How far travel, rack and arm go, and why no further."""
-    return Limits(_hardpoint.limits(study_of(study)._study))
+
+def limits(
+    study: Study | str | PathLike[str],
+    builds: int | None = None,
+    *,
+    threads: int | None = None,
+    progress: Callable[[int, int], object] | None = None,
+) -> Limits:
+    """How far travel, rack and arm go, and why no further. With `builds` the nearest limits of the first builds of
+    [tolerance], each with the number of its build; `progress(done, all)` is called about twenty times a second."""
+    study = study_of(study)
+    if builds is None:
+        return Limits(_hardpoint.limits(study._study))
+    return Limits(*_hardpoint.limits_of_builds(study._study, builds, threads, progress))
 
 
 def check(study: Study | str | PathLike[str]) -> list[str]:

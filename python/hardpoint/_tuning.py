@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 import json
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -63,6 +64,11 @@ class Tuning:
 
     def __repr__(self) -> str:
         return f"<hardpoint.Tuning: {'success' if self.success else 'NO SUCCESS'}: {self.message}>"
+
+    def _repr_html_(self) -> str:
+        """Outcome, moves and targets, for notebooks."""
+        frames = [self.moves, self.targets, self.constraints]
+        return f"<p>{html.escape(repr(self))}</p>" + "".join(f._repr_html_() for f in frames if f.rows)
 
 
 def _move(name: str, record: dict[str, Any]) -> dict[str, Any]:

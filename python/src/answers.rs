@@ -71,7 +71,7 @@ pub(crate) fn setup<'py>(py: Python<'py>, study: &Study) -> PyResult<Bound<'py, 
     answer.map_err(failure)?.into_dict(py)
 }
 
-fn tolerance_of(own: &hardpoint::Study) -> PyResult<&Tolerance> {
+pub(crate) fn tolerance_of(own: &hardpoint::Study) -> PyResult<&Tolerance> {
     own.tolerance.as_ref().ok_or_else(|| {
         failure("the study has no [tolerance] section, which gives the scatter of parts")
     })

@@ -77,6 +77,12 @@ impl Function {
         self.function.stations()
     }
 
+    /// The study with the variables at `x` (variables,).
+    fn moved(&self, py: Python<'_>, x: Vec<f64>) -> PyResult<Study> {
+        let study = self.study.bind(py);
+        Study::moved(study, self.function.moved(&study.get().study, &x))
+    }
+
     /// Values of designs (n, variables): (n, outputs, stations), and the status of each design.
     #[pyo3(signature = (x, threads=None))]
     fn values<'py>(

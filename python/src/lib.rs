@@ -10,10 +10,10 @@
 )]
 
 mod answers;
-mod axle;
 mod curves;
 mod errors;
 mod function;
+mod limits;
 mod status;
 mod study;
 mod sweep;
@@ -40,7 +40,9 @@ fn _hardpoint(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(study::topologies, module)?)?;
     module.add_function(wrap_pyfunction!(study::template, module)?)?;
     module.add_function(wrap_pyfunction!(curves::solve, module)?)?;
-    module.add_function(wrap_pyfunction!(study::limits, module)?)?;
+    module.add_function(wrap_pyfunction!(limits::limits, module)?)?;
+    module.add_function(wrap_pyfunction!(limits::limits_of_builds, module)?)?;
+    module.add_function(wrap_pyfunction!(study::drawing, module)?)?;
     module.add_function(wrap_pyfunction!(study::check, module)?)?;
     module.add_function(wrap_pyfunction!(study::schema, module)?)?;
     module.add_function(wrap_pyfunction!(tables::read_tables, module)?)?;

@@ -3,15 +3,12 @@
 use crate::errors::{failure, study_error};
 use crate::threads::on_threads;
 use hardpoint::Topology;
-use hardpoint::analyse::{Range, RangeEnd};
 use hardpoint::mechanism::GeometryFault;
-use hardpoint::model::Axis;
 use hardpoint::number::Vector3;
-use hardpoint::solve::Solver;
+use hardpoint::solved::Solved;
 use hardpoint::study::{Designs, StudyErrors};
 use numpy::{IntoPyArray, PyArray2, PyArrayMethods, PyReadonlyArray2};
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
 use std::path::PathBuf;
 use std::sync::OnceLock;
 
@@ -117,7 +114,7 @@ impl Study {
 
     /// The study with other design positions, as its text with these points would be read.
     fn with_design(slf: &Bound<'_, Self>, design: PyReadonlyArray2<'_, f64>) -> PyResult<Self> {
-        let (py, this) = (slf.py(), slf.get());
+        let this = slf.get();
         let suspension = this.study.wheel();
         let expected = [suspension.design.len(), 3];
         let array = design.as_array();
@@ -138,21 +135,7 @@ impl Study {
         let moved: Vec<Vector3<f64>> = rows
             .map(|p| suspension.frame.vector(Vector3::new(p[0], p[1], p[2])))
             .collect();
-        let moved = this.study.at_design(moved);
-        let root = match &this.moved_from {
-            Some(root) => root.clone_ref(py),
-            None => slf.clone().unbind(),
-        };
-        // The body of a drop link that the study does not name depends on the points.
-        if suspension.mechanism.unsaid_seats.is_empty() && is_sound(&moved) {
-            return Ok(Study {
-                study: moved,
-                moved_from: Some(root),
-                whole: OnceLock::new(),
-            });
-        }
-        let text = root.get().study.with_points_of(&moved);
-        Self::loads(py, &text, &this.file_name(), None)
+        Self::moved(slf, this.study.at_design(moved))
     }
 
     /// The study with fields overridden, each as in `motion.rack=5.0`.
@@ -183,6 +166,26 @@ impl Study {
             moved_from: None,
             whole: OnceLock::new(),
         })
+    }
+
+    /// A study whose points were moved, as its text with these points would be read.
+    pub(crate) fn moved(slf: &Bound<'_, Self>, moved: hardpoint::study::Study) -> PyResult<Self> {
+        let (py, this) = (slf.py(), slf.get());
+        let root = match &this.moved_from {
+            Some(root) => root.clone_ref(py),
+            None => slf.clone().unbind(),
+        };
+        // The body of a drop link that the study does not name depends on the points.
+        let has_seats_named = this.study.wheel().mechanism.unsaid_seats.is_empty();
+        if has_seats_named && is_sound(&moved) {
+            return Ok(Study {
+                study: moved,
+                moved_from: Some(root),
+                whole: OnceLock::new(),
+            });
+        }
+        let text = root.get().study.with_points_of(&moved);
+        Self::loads(py, &text, &this.file_name(), None)
     }
 
     /// The study with its own text.
@@ -234,59 +237,6 @@ pub(crate) fn schema(py: Python<'_>) -> &'static str {
     py.detach(|| SCHEMA.get_or_init(|| hardpoint::study::schema().to_string()))
 }
 
-/// How far travel, rack and arm go from the design position: (lower, upper) with their causes.
-#[pyfunction]
-pub(crate) fn limits<'py>(py: Python<'py>, study: &Study) -> PyResult<Bound<'py, PyDict>> {
-    if let Some(axle) = study.study.axle() {
-        return crate::axle::limits(py, axle);
-    }
-    let suspension = study.study.wheel();
-    let found = on_threads(py, Some(1), |_| {
-        Solver::new(&suspension.mechanism, &suspension.design).and_then(|mut s| s.limits())
-    })?;
-    let found = found.map_err(|fault| study.fault(&fault))?;
-    let range =
-        |range: &Range, factor: f64| ends([&range.lower, &range.upper].map(cause_of), factor);
-    let result = PyDict::new(py);
-    result.set_item("travel", range(&found.travel, 1.0))?;
-    let rack_sign = suspension.frame.sign(Axis::Y);
-    let rack = found.rack.as_ref().map(|r| range(r, rack_sign));
-    result.set_item("rack", rack)?;
-    let degrees = 1.0_f64.to_degrees();
-    let angle = found.arm_angle.as_ref().map(|r| range(r, degrees));
-    result.set_item("arm_angle_deg", angle)?;
-    Ok(result)
-}
-
-/// An end of a range and its cause; of one that turns right round there is half a turn on either side.
-pub(crate) type End = (f64, String);
-
-/// The value of an end, NaN where there is none, and its cause.
-pub(crate) fn cause_of(end: &RangeEnd) -> End {
-    match end {
-        RangeEnd::Fold(limit) => (end.value(), limit.cause.to_string()),
-        RangeEnd::FullTurn => (f64::NAN, "turns right round".to_owned()),
-        RangeEnd::Unresolved(_) => {
-            let cause = "the path could not be followed any further";
-            (end.value(), cause.to_owned())
-        }
-    }
-}
-
-/// Both ends as they are printed, the lower one first.
-pub(crate) fn ends([lower, upper]: [End; 2], factor: f64) -> [End; 2] {
-    let half_turn = std::f64::consts::PI;
-    let printed = |(value, cause): End, otherwise: f64| {
-        let value = if value.is_nan() { otherwise } else { value };
-        (value * factor, cause)
-    };
-    let [lower, upper] = [printed(lower, -half_turn), printed(upper, half_turn)];
-    match factor < 0.0 {
-        true => [upper, lower],
-        false => [lower, upper],
-    }
-}
-
 /// Checks a study as `hardpoint check` does: doubts and remarks, each on a line, and what cannot be solved.
 #[pyfunction]
 pub(crate) fn check(py: Python<'_>, study: &Study) -> PyResult<(Vec<String>, Vec<String>)> {
@@ -297,6 +247,19 @@ pub(crate) fn check(py: Python<'_>, study: &Study) -> PyResult<(Vec<String>, Vec
         Ok((checked.remarks(own), checked.failures(own.wheel())))
     })?
     .map_err(failure)
+}
+
+/// The drawing of the mechanism along the study's motion, as JSON: the bodies, and the positions at some stations.
+#[pyfunction]
+pub(crate) fn drawing(py: Python<'_>, study: &Study) -> PyResult<String> {
+    let own = &study.study;
+    let record = on_threads(py, Some(1), |_| {
+        let solved = Solved::of(own)?;
+        Solved::record("solve", &[("design", "curves.csv", &solved)])
+    })?;
+    let record = record.map_err(failure)?;
+    let frames = record.designs.last().map(|design| &design.frames);
+    Ok(serde_json::json!({ "scene": record.scene, "frames": frames }).to_string())
 }
 
 /// Runs a command of the program in this process, as in `["report", "out/front"]`; its exit code. As the program

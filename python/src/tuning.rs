@@ -5,7 +5,8 @@ use crate::study::Study;
 use crate::threads::{interruptible, on_threads};
 use hardpoint::mechanism::DesignFault;
 use hardpoint::optimise::{
-    Control, Iteration, TargetLayout, Tuning, evaluated, front, price_list, tune,
+    Control, Infeasible, Iteration, Linearisation, TargetLayout, Tuning, assessed_at, evaluated,
+    front, price_list, tune,
 };
 use hardpoint::report::{PriceRecord, TuningSummary, front_csv, history_csv};
 use hardpoint::side_effects::side_effects;
@@ -188,44 +189,63 @@ pub(crate) fn optimise<'py>(
 /// The targets of a study as least squares.
 #[pyclass(frozen, module = "hardpoint._hardpoint")]
 pub(crate) struct Residuals {
-    study: hardpoint::study::Study,
+    study: Py<Study>,
     layout: TargetLayout,
 }
 
 #[pymethods]
 impl Residuals {
     #[new]
-    fn new(py: Python<'_>, study: &Study) -> PyResult<Self> {
-        let (own, optimise) = tuned(study)?;
+    fn new(py: Python<'_>, study: Py<Study>) -> PyResult<Self> {
+        let (own, optimise) = tuned(study.get())?;
         let layout = py.detach(|| TargetLayout::of(optimise, &own.vehicle));
-        Ok(Residuals {
-            study: own.clone(),
-            layout,
-        })
+        Ok(Residuals { study, layout })
     }
 
     #[getter]
-    fn variables(&self) -> Vec<String> {
-        let variables = self.study.optimise.iter().flat_map(|o| &o.variables);
-        variables.map(Variable::label).collect()
+    fn variables(&self) -> PyResult<Vec<String>> {
+        let (_, optimise) = tuned(self.study.get())?;
+        Ok(optimise.variables.iter().map(Variable::label).collect())
     }
 
     #[getter]
     fn bounds<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let variables = self.study.optimise.iter().flat_map(|o| &o.variables);
-        let flat: Vec<f64> = variables.flat_map(|v| v.range).collect();
+        let (_, optimise) = tuned(self.study.get())?;
+        let flat: Vec<f64> = optimise.variables.iter().flat_map(|v| v.range).collect();
         let count = flat.len() / 2;
         flat.into_pyarray(py).reshape([count, 2])
     }
 
     /// Names of the columns of the targets, one for each residual.
     #[getter]
-    fn rows(&self) -> Vec<String> {
-        let targets = self.study.optimise.iter().flat_map(|o| &o.targets);
-        let names: Vec<&str> = targets.map(|t| t.of.column.as_str()).collect();
+    fn rows(&self) -> PyResult<Vec<String>> {
+        let (_, optimise) = tuned(self.study.get())?;
+        let name = |target: usize| optimise.targets[target].of.column.clone();
         let rows = self.layout.targets_of_rows();
-        let name = |target: &usize| names[*target].to_owned();
-        rows.iter().map(name).collect()
+        Ok(rows.into_iter().map(name).collect())
+    }
+
+    /// Names of the constraints, one for each row, with the limit; and the number of rows that are equalities, which come
+    /// first.
+    #[getter]
+    fn constraint_rows(&self) -> PyResult<(Vec<String>, usize)> {
+        let (_, optimise) = tuned(self.study.get())?;
+        let equalities = self.layout.equalities();
+        let rows = self.layout.labels().iter().enumerate().map(|(row, label)| {
+            let name = &optimise.constraints[label.constraint].name;
+            match (row < equalities, label.is_upper) {
+                (true, _) => name.clone(),
+                (false, true) => format!("{name}: upper limit"),
+                (false, false) => format!("{name}: lower limit"),
+            }
+        });
+        Ok((rows.collect(), equalities))
+    }
+
+    /// The study with the variables at these offsets.
+    fn moved(&self, py: Python<'_>, x: Vec<f64>) -> PyResult<Study> {
+        let (own, _) = tuned(self.study.get())?;
+        Study::moved(self.study.bind(py), own.moved(&x))
     }
 
     /// Residuals and their derivatives at offsets; a reason in words where the design there has none.
@@ -234,28 +254,49 @@ impl Residuals {
         py: Python<'py>,
         x: PyReadonlyArray1<'py, f64>,
     ) -> PyResult<Evaluated<'py>> {
-        let optimise = self.study.optimise.as_ref();
-        let variables = optimise.map_or(&[][..], |o| &o.variables);
+        let (own, optimise) = tuned(self.study.get())?;
         let x = x.as_slice().map_err(|_| failure("x is not contiguous"))?;
-        let suspension = self.study.wheel();
-        let evaluation = on_threads(py, Some(1), |_| {
-            evaluated(suspension, variables, &self.layout, x)
-        })?
-        .map_err(|fault| failure(fault.describe(&suspension.mechanism)))?;
-        let evaluation = match evaluation {
-            Ok(evaluation) => evaluation,
-            Err(infeasible) => return Ok(Err(infeasible.to_string()).into()),
-        };
-        let (rows, columns) = evaluation.jacobian.shape();
-        // nalgebra lies column by column.
-        let jacobian: Vec<f64> = (0..rows)
-            .flat_map(|r| (0..columns).map(move |c| (r, c)))
-            .map(|at| evaluation.jacobian[at])
-            .collect();
-        let values: Vec<f64> = evaluation.residuals.iter().copied().collect();
-        let jacobian = jacobian.into_pyarray(py).reshape([rows, columns])?;
-        Ok(Ok((values.into_pyarray(py), jacobian)).into())
+        let wheel = own.wheel();
+        let found = on_threads(py, Some(1), |_| {
+            evaluated(wheel, &optimise.variables, &self.layout, x)
+        })?;
+        let found = found.map_err(|fault| failure(fault.describe(&wheel.mechanism)))?;
+        in_arrays(py, found)
     }
+
+    /// Rows of the constraints and their derivatives at offsets: at most 0 where they are kept, 0 for equalities, 1 for a
+    /// visible violation such as a millimetre. A reason in words where the design there has none.
+    fn constraints<'py>(
+        &self,
+        py: Python<'py>,
+        x: PyReadonlyArray1<'py, f64>,
+    ) -> PyResult<Evaluated<'py>> {
+        let (own, optimise) = tuned(self.study.get())?;
+        let x = x.as_slice().map_err(|_| failure("x is not contiguous"))?;
+        let wheel = own.wheel();
+        let found = on_threads(py, Some(1), |_| {
+            assessed_at(wheel, &optimise.variables, &self.layout, x)
+        })?;
+        let found = found.map_err(|fault| failure(fault.describe(&wheel.mechanism)))?;
+        in_arrays(py, found.map(|found| found.rows))
+    }
+}
+
+/// Values and their derivatives as arrays, or the reason why there are none.
+fn in_arrays(py: Python<'_>, found: Result<Linearisation, Infeasible>) -> PyResult<Evaluated<'_>> {
+    let found = match found {
+        Ok(found) => found,
+        Err(infeasible) => return Ok(Evaluated::Not(infeasible.to_string())),
+    };
+    let (rows, columns) = found.jacobian.shape();
+    // nalgebra lies column by column.
+    let jacobian: Vec<f64> = (0..rows)
+        .flat_map(|r| (0..columns).map(move |c| (r, c)))
+        .map(|at| found.jacobian[at])
+        .collect();
+    let values: Vec<f64> = found.residuals.iter().copied().collect();
+    let jacobian = jacobian.into_pyarray(py).reshape([rows, columns])?;
+    Ok(Evaluated::Found((values.into_pyarray(py), jacobian)))
 }
 
 /// Residuals with their Jacobian, or the reason why there are none.
@@ -263,15 +304,4 @@ impl Residuals {
 enum Evaluated<'py> {
     Found((Bound<'py, PyArray1<f64>>, Bound<'py, PyArray2<f64>>)),
     Not(String),
-}
-
-impl<'py> From<Result<(Bound<'py, PyArray1<f64>>, Bound<'py, PyArray2<f64>>), String>>
-    for Evaluated<'py>
-{
-    fn from(found: Result<(Bound<'py, PyArray1<f64>>, Bound<'py, PyArray2<f64>>), String>) -> Self {
-        match found {
-            Ok(found) => Evaluated::Found(found),
-            Err(reason) => Evaluated::Not(reason),
-        }
-    }
 }

@@ -87,3 +87,18 @@ def test_every_word_of_a_status_has_a_code():
     codes = (STUDIES.parent / "docs" / "formats.md").read_text(encoding="utf-8")
     for code, word in enumerate(hp.STATUS):
         assert f"| {code} | `{word}` |" in codes
+
+
+def test_results_are_tables_in_notebooks(front):
+    tuned = hp.optimise(front)
+    study = hp.load(STUDIES / "macpherson_tolerance.toml", {"tolerance.builds": 256})
+    shown = {
+        "study": (front, front.points),
+        "limits": (hp.limits(front), ["travel", hp.limits(front).travel.low.cause]),
+        "tuning": (tuned, ["success", *tuned.variables]),
+        "setup": (hp.setup(study), ["setup", "effects"]),
+    }
+    for name, (result, words) in shown.items():
+        html = result._repr_html_()
+        assert html.count("<table>") >= 1 and html.count("<table>") == html.count("</table>"), name
+        assert all(word in html for word in words), name

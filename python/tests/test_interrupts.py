@@ -42,6 +42,10 @@ def tolerance(_):
     hp.tolerance(hp.load(STUDIES / "macpherson_tolerance.toml", {"tolerance.builds": 50_000_000}))
 
 
+def limits(_):
+    hp.limits(STUDIES / "macpherson_tolerance.toml", builds=50_000_000)
+
+
 def program_sweep(folder):
     study = str(STUDIES / "macpherson_sweep.toml")
     hp.run(["--quiet", "sweep", study, "--set", "sweep.samples=20000000", "--out", folder / "run"])
@@ -56,7 +60,7 @@ def studio(_):
     hp.run(["studio", STUDIES / "macpherson_front.toml", "--no-open"])
 
 
-CALLS = [sweep, values, values_on_this_thread, axle, optimise, tolerance, program_sweep, program_optimise, studio]
+CALLS = [sweep, values, values_on_this_thread, axle, optimise, tolerance, limits, program_sweep, program_optimise, studio]
 
 
 @pytest.mark.parametrize("call", CALLS, ids=lambda call: call.__name__)

@@ -24,7 +24,7 @@ use std::path::Path;
 pub(super) fn run(arguments: &StudyArguments) -> Result<Exit, Stop> {
     let path = &arguments.study;
     let study = Study::read_elastic(path, &arguments.set)?;
-    if let Some(elastic) = &study.compliance {
+    if let Some(elastic) = study.compliance() {
         return super::elastic::check(arguments, &study, elastic);
     }
     let fault = |why| Stop::in_file(path, why);

@@ -38,7 +38,7 @@ pub(super) fn check(
     out.table("elastic_parts", elastic_parts(study))?;
     out.say(
         "\nEverything else is rigid. Links and arms do not bend, and parts have no weight. \
-         `hardpoint kc` runs the tests; other commands refuse this study.\n",
+         `hardpoint kc` runs the tests, `hardpoint optimise` tunes; other commands refuse this study.\n",
     )?;
     let complete = say_design(&mut out, study, elastic)?;
     out.finish()?;

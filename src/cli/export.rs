@@ -22,7 +22,7 @@ pub(super) struct ExportArguments {
     pub(super) source: PathBuf,
     /// Format of the file
     #[arg(long, value_enum)]
-    to: Target,
+    pub(super) to: Target,
     /// Unit of lengths in the file: mm, m or in [default: the study's]
     #[arg(long, value_parser = unit)]
     pub(super) unit: Option<LengthUnit>,
@@ -69,7 +69,7 @@ pub(super) struct ExportArguments {
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Target {
+pub(super) enum Target {
     /// The points as a table, or with --curves the curves
     Csv,
     /// The points and the curves as a workbook

@@ -1,7 +1,7 @@
 //! Sources of `hardpoint export`: a study, or the directory of a run.
 
 use super::exit::Stop;
-use super::export::ExportArguments;
+use super::export::{ExportArguments, Target};
 use super::output::{STUDY_COPY, kept_study};
 use super::terminal::{note, width};
 use crate::checked::{Checked, motion_alone};
@@ -60,6 +60,10 @@ impl Source {
             }
             return Ok(source);
         };
+        if study.wheel().mechanism.rigid_axle.is_some() && arguments.to != Target::Csv {
+            let message = "a solid axle can be exported to CSV only: its points, or its curves";
+            return Err(Stop::in_file(path, message));
+        }
         // Studies that `check` refuses are not exported.
         Checked::of(&motion_alone(study)).map_err(|why| Stop::in_file(path, why))?;
         source.inputs.extend(study.inputs.iter().cloned());

@@ -61,8 +61,10 @@ pub(super) struct ImportArguments {
 
 /// A topology by its name.
 pub(super) fn topology(name: &str) -> Result<&'static Topology, String> {
-    Topology::named(name).ok_or_else(|| {
-        let names: Vec<&str> = Topology::ALL.iter().map(|t| t.name).collect();
+    let wheel = Topology::named(name).filter(|topology| !topology.carries_both_wheels());
+    wheel.ok_or_else(|| {
+        let wheels = Topology::ALL.iter().filter(|t| !t.carries_both_wheels());
+        let names: Vec<&str> = wheels.map(|t| t.name).collect();
         format!("expected one of {}", names.join(", "))
     })
 }

@@ -4,7 +4,7 @@ use super::RunArguments;
 use super::exit::{Exit, Stop};
 use super::output::Output;
 use super::terminal;
-use crate::compliance::{Compliance, KcRun, KcTest};
+use crate::compliance::{Compliance, ElasticFault, KcRun, KcTest};
 use crate::report::{KcResults, counted};
 use crate::study::{ComplianceStudy, Drive, Study};
 use serde_json::json;
@@ -24,32 +24,26 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
         ));
     }
     let elastic = elastic_or_rigid(&study, path)?;
-    let run = KcRun::new(study.wheel(), &elastic.parts, elastic.tyre_rate);
-    // A study with elastic parts was tried when it was read.
-    let run = run.map_err(|fault| {
-        Stop::in_file(path, format!("the design position is singular: {fault:?}"))
-    })?;
     let output = Output::open(arguments, &study, "kc")?;
-    let mechanism = &study.wheel().mechanism;
-    let parts = elastic.parts.bushings.iter();
-    let results = KcResults {
-        suspension: study.wheel(),
-        bushings: parts
-            .map(|part| mechanism.name(part.point).to_owned())
-            .collect(),
-        links: elastic.link_names.clone(),
-        stations: run.run(&study.motion().values, &study.motion().rack, &elastic.tests),
+    // A study with elastic parts was tried when it was read.
+    let fault = |fault: ElasticFault| {
+        Stop::in_file(path, format!("the design position is singular: {fault:?}"))
     };
+    let results = results(&study, &elastic).map_err(fault)?;
     let mut files = vec!["kc.csv"];
     output.main_csv("kc.csv", &results.kc_csv())?;
     files.extend(output.file_if_any("levels.csv", results.levels_csv())?);
     files.extend(output.file_if_any("compliance_matrix.csv", results.matrix_csv())?);
+    let points = study.one_wheel().map(|own| &own.outputs.sensitivities[..]);
+    let run = KcRun::new(study.wheel(), &elastic.parts, elastic.tyre_rate).map_err(fault)?;
+    let csv = results.sensitivities_csv(&run, &elastic.parts, points.unwrap_or_default());
+    files.extend(output.file_if_any("sensitivities.csv", csv)?);
     let (failures, warnings) = (results.failures(), results.warnings());
     let summary = json!({
         "command": "kc",
         "study": study.name,
         "is_rigid": elastic.parts.is_rigid(),
-        "design_load_N": run.wheel().design_load(),
+        "design_load_N": results.design_load,
         "stations": results.stations.len(),
         "without_equilibrium": failures,
         "warnings": warnings,
@@ -65,7 +59,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
         false => counted(parts, "elastic part"),
     };
     output.say(&format!("{}: {parts}, {stations}\n", study.name))?;
-    if let Some(load) = run.wheel().design_load() {
+    if let Some(load) = results.design_load {
         output.say(&format!("design load: {load:.0} N at the contact point\n"))?;
     }
     output.table_for_programs("figures", || results.table());
@@ -83,9 +77,28 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     Ok(Exit::of(results.is_complete()))
 }
 
+/// The tests of a study at its stations.
+pub(super) fn results<'s>(
+    study: &'s Study,
+    elastic: &ComplianceStudy,
+) -> Result<KcResults<'s>, ElasticFault> {
+    let run = KcRun::new(study.wheel(), &elastic.parts, elastic.tyre_rate)?;
+    let mechanism = &study.wheel().mechanism;
+    let parts = elastic.parts.bushings.iter();
+    Ok(KcResults {
+        suspension: study.wheel(),
+        design_load: run.wheel().design_load(),
+        bushings: parts
+            .map(|part| mechanism.name(part.point).to_owned())
+            .collect(),
+        links: elastic.link_names.clone(),
+        stations: run.run(&study.motion().values, &study.motion().rack, &elastic.tests),
+    })
+}
+
 /// The elastic parts of a study, or the rigid mechanism with its tests.
 fn elastic_or_rigid(study: &Study, path: &Path) -> Result<ComplianceStudy, Stop> {
-    if let Some(elastic) = &study.compliance {
+    if let Some(elastic) = study.compliance() {
         return Ok(elastic.clone());
     }
     if study.wheel().wheel_radius.is_none() {

@@ -3,35 +3,69 @@
 use super::exit::{Exit, Stop};
 use super::output::design_fault;
 use super::printer::Printer;
+use super::save::save;
 use super::{LimitsArguments, StudyArguments};
 use crate::analyse::{Limit, Limits, Range, RangeEnd};
-use crate::axle::{Axle, AxleEnd};
+use crate::axle::{Axle, AxleEnd, AxleLimits, TravelRanges};
 use crate::checked::{NamedCurves, motion_alone};
 use crate::curves::{Curves, curves};
 use crate::derive::MotionPoint;
 use crate::mechanism::{DesignFault, LimitCause, Toggle};
 use crate::model::{self, Axis, PointId, RockerId, Side};
 use crate::plan::Plan;
-use crate::report::{Cell, Column, FailureRange, Table, as_written, brief};
+use crate::report::{Cell, Column, FailureRange, Table, as_written, brief, limits_page};
 use crate::solve::Solver;
 use crate::solved::Solved;
 use crate::study::{AxleStudy, Drive, Study, Vehicle, WheelStudy};
 use std::ops::ControlFlow;
+use std::path::Path;
 
 pub(super) fn run(arguments: &LimitsArguments) -> Result<Exit, Stop> {
-    let (builds, arguments) = (arguments.builds, &arguments.study);
+    let (builds, page) = (arguments.builds, arguments.report.as_deref());
+    let page = page.map(|path| Page {
+        path,
+        force: arguments.force,
+    });
+    let arguments = &arguments.study;
     let path = &arguments.study;
     let study = Study::read(path, &arguments.set)?;
     if let Some(count) = builds {
         return super::limits_of_builds::run(arguments, &study, count);
     }
     match &study.vehicle {
-        Vehicle::Axle(both) => of_axle(arguments, &study, both),
-        Vehicle::Wheel(own) => of_wheel(arguments, &study, own),
+        Vehicle::Axle(both) => of_axle(arguments, &study, both, page),
+        Vehicle::Wheel(own) => of_wheel(arguments, &study, own, page),
     }
 }
 
-fn of_wheel(arguments: &StudyArguments, study: &Study, own: &WheelStudy) -> Result<Exit, Stop> {
+/// The page that was asked for.
+#[derive(Clone, Copy)]
+struct Page<'a> {
+    path: &'a Path,
+    force: bool,
+}
+
+impl Page<'_> {
+    fn save(
+        self,
+        arguments: &StudyArguments,
+        study: &Study,
+        limits: &Table,
+        notes: &[String],
+        failures: &[String],
+    ) -> Result<(), Stop> {
+        let page = limits_page(&study.name, limits, notes, failures);
+        let inputs = [arguments.study.clone()];
+        save(self.path, page.as_bytes(), self.force, &inputs)
+    }
+}
+
+fn of_wheel(
+    arguments: &StudyArguments,
+    study: &Study,
+    own: &WheelStudy,
+    page: Option<Page<'_>>,
+) -> Result<Exit, Stop> {
     let path = &arguments.study;
     let suspension = &own.suspension;
     let fault = |fault| design_fault(study, path, &fault);
@@ -49,10 +83,10 @@ fn of_wheel(arguments: &StudyArguments, study: &Study, own: &WheelStudy) -> Resu
         NamedCurves::all(&motion_alone(study)).map_err(|why| Stop::in_file(path, why))?;
 
     let mut out = Printer::new(arguments.format);
-    out.table("limits", table(study, &limits, &by_rack))?;
+    let table = table(study, &limits, &by_rack);
+    let mut notes = Vec::new();
     if study.motion().drive != Drive::PaperTheta {
-        let margin = margin(study, &plan, &mut solver, &by_rack, &moved).map_err(fault)?;
-        out.say(&format!("\n{margin}\n"))?;
+        notes.push(margin(study, &plan, &mut solver, &by_rack, &moved).map_err(fault)?);
     }
     let failures = FailureRange::all(&moved, suspension);
     let failures = failures
@@ -62,6 +96,13 @@ fn of_wheel(arguments: &StudyArguments, study: &Study, own: &WheelStudy) -> Resu
         .iter()
         .flat_map(|motion| motion.failures(suspension));
     let failures: Vec<String> = failures.chain(of_motions).collect();
+    if let Some(page) = page {
+        page.save(arguments, study, &table, &notes, &failures)?;
+    }
+    out.table("limits", table)?;
+    for note in &notes {
+        out.say(&format!("\n{note}\n"))?;
+    }
     for failure in &failures {
         out.failure(&format!("\n{failure}\n"))?;
     }
@@ -70,7 +111,12 @@ fn of_wheel(arguments: &StudyArguments, study: &Study, own: &WheelStudy) -> Resu
 }
 
 /// The limits of an axle: which wheel ends what.
-fn of_axle(arguments: &StudyArguments, study: &Study, both: &AxleStudy) -> Result<Exit, Stop> {
+fn of_axle(
+    arguments: &StudyArguments,
+    study: &Study,
+    both: &AxleStudy,
+    page: Option<Page<'_>>,
+) -> Result<Exit, Stop> {
     let (path, axle) = (&arguments.study, &both.axle);
     let fault = |why| Stop::in_file(path, why);
     let limits = axle.limits();
@@ -78,8 +124,7 @@ fn of_axle(arguments: &StudyArguments, study: &Study, both: &AxleStudy) -> Resul
     let alone = motion_alone(study);
     let failures = Solved::of(&alone).map_err(fault)?.failures();
     let mut table = Table::with_columns(columns()).keyed(2);
-    for (side, range) in Side::ALL.into_iter().zip(&limits.travels) {
-        let row = Row::wheel_travel(axle, side);
+    for (row, range) in travel_rows(axle, &limits) {
         table.push(row.of(study, &range.lower, &range.upper));
     }
     let end = |end: &AxleEnd| {
@@ -87,13 +132,24 @@ fn of_axle(arguments: &StudyArguments, study: &Study, both: &AxleStudy) -> Resul
             RangeEnd::Fold(limit) => because(limit, study),
             _ => LOST.to_owned(),
         };
-        (end.value, end.side.about(&why))
+        let why = if axle.is_rigid() {
+            why
+        } else {
+            end.side.about(&why)
+        };
+        (end.value, why)
     };
     if let Some(ends) = &limits.rack {
         table.push(Row::axle_rack(axle).cells(ends.each_ref().map(end)));
     }
     if let [Some(lower), Some(upper)] = &limits.roll {
         table.push(Row::roll().cells([lower, upper].map(end)));
+    }
+    if let Some(page) = page {
+        let lines = failures
+            .iter()
+            .map(|failure| format!("not solved: {failure}"));
+        page.save(arguments, study, &table, &[], &lines.collect::<Vec<_>>())?;
     }
     let mut out = Printer::new(arguments.format);
     out.table("limits", table)?;
@@ -105,6 +161,30 @@ fn of_axle(arguments: &StudyArguments, study: &Study, both: &AxleStudy) -> Resul
     }
     out.finish()?;
     Ok(Exit::of(failures.is_empty()))
+}
+
+/// Rows of the travels of an axle, with their ranges.
+pub(super) fn travel_rows<'l>(axle: &Axle, limits: &'l AxleLimits) -> Vec<(Row, &'l Range)> {
+    let unit = axle.left.length_unit.symbol();
+    let row = |quantity: &str, at: &str, factor: f64| Row {
+        quantity: format!("{quantity}_{unit}"),
+        at: at.to_owned(),
+        factor,
+    };
+    match &limits.travels {
+        TravelRanges::OfWheels(ranges) => {
+            let rows = Side::ALL.map(|side| Row::wheel_travel(axle, side));
+            rows.into_iter().zip(ranges).collect()
+        }
+        TravelRanges::OfAxle {
+            heave,
+            half_difference,
+        } => vec![
+            (row("heave", "travel difference 0", 1.0), heave),
+            // Left minus right.
+            (row("travel_difference", "heave 0", 2.0), half_difference),
+        ],
+    }
 }
 
 /// Cause of a limit for which no singularity was found.
@@ -221,7 +301,9 @@ impl Row {
 fn because(limit: &Limit, study: &Study) -> String {
     let name = |id: &PointId| {
         let name = study.wheel().mechanism.name(*id);
-        name.strip_suffix("_outer").unwrap_or(name).to_owned()
+        let ends = ["_outer", "_axle"];
+        let link = ends.iter().find_map(|end| name.strip_suffix(end));
+        link.unwrap_or(name).to_owned()
     };
     let links: Vec<String> = limit.dependent.iter().map(name).collect();
     match (limit.cause, &limit.nearest) {
@@ -230,6 +312,9 @@ fn because(limit: &Limit, study: &Study) -> String {
                 "{} have come to a dead centre with each other",
                 links.join(", ")
             )
+        }
+        (cause @ LimitCause::AxleFolds, _) => {
+            format!("{cause}; the largest force is in {}", links.join(", "))
         }
         (cause, Some(nearest)) if !cause.is_part() => {
             let part = match nearest.cause {

@@ -2,7 +2,7 @@
 
 use super::StudyArguments;
 use super::exit::{Exit, Stop};
-use super::limits::{Row, ranges, ranges_by_rack, rod_travel, straight, travel_left};
+use super::limits::{Row, ranges, ranges_by_rack, rod_travel, straight, travel_left, travel_rows};
 use super::output::{design_fault, pool};
 use super::printer::Printer;
 use super::progress;
@@ -127,9 +127,8 @@ impl LimitRanges {
     /// Limits of an axle. An unknown limit of roll is NaN.
     fn of_axle(axle: &Axle, plan: &AxlePlan) -> Result<Self, (Side, DesignFault)> {
         let limits = axle.limits()?;
-        let travels = Side::ALL.into_iter().zip(&limits.travels);
-        let travels =
-            travels.map(|(side, range)| in_table(Row::wheel_travel(axle, side), range.ends()));
+        let travels = travel_rows(axle, &limits).into_iter();
+        let travels = travels.map(|(row, range)| in_table(row, range.ends()));
         let mut rows: Vec<_> = travels.collect();
         if let Some(ends) = &limits.rack {
             let ends = ends.each_ref().map(|end| end.value);

@@ -31,6 +31,7 @@ mod studio;
 mod sweep;
 mod terminal;
 mod tolerance;
+mod tune_elastic;
 mod yields;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -156,6 +157,12 @@ struct LimitsArguments {
     /// Print the smallest limits of the first N builds of [tolerance], with the build that sets each limit
     #[arg(long, value_name = "N")]
     builds: Option<std::num::NonZeroU64>,
+    /// Also write the limits as one self-contained page
+    #[arg(long, value_name = "PAGE.html", conflicts_with = "builds")]
+    report: Option<PathBuf>,
+    /// Replace an existing page
+    #[arg(long, requires = "report")]
+    force: bool,
 }
 
 /// Arguments of a tuning.

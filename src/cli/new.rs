@@ -30,6 +30,8 @@ enum Part {
     AntiRollBar,
     /// Both wheels: roll on a plane ground
     Axle,
+    /// Panhard rod and a single upper link of a solid axle
+    Panhard,
 }
 
 /// Points of a part, with name and description.
@@ -51,6 +53,24 @@ const ANTI_ROLL_BAR: Points = &[
     ("anti_roll_bar_outer", "outboard point of the bar's axis"),
 ];
 
+const PANHARD: Points = &[
+    (
+        "upper_link_chassis",
+        "upper link at the body; single, with its true y",
+    ),
+    ("upper_link_axle", "upper link at the axle"),
+    ("panhard_chassis", "Panhard rod at the body; true y"),
+    ("panhard_axle", "Panhard rod at the axle"),
+];
+
+/// Places of the points of [`PANHARD`] in the template of a solid axle.
+const PANHARD_PLACES: [[f64; 3]; PANHARD.len()] = [
+    [420.0, 50.0, 470.0],
+    [15.0, 70.0, 480.0],
+    [-140.0, 480.0, 360.0],
+    [-140.0, -470.0, 335.0],
+];
+
 /// Differences between templates: coordinates in the template's axes.
 struct Fitting {
     topology: &'static str,
@@ -62,7 +82,38 @@ struct Fitting {
     anti_roll_bar: [[f64; 3]; ANTI_ROLL_BAR.len()],
 }
 
-const FITTINGS: [Fitting; 4] = [
+const FITTINGS: [Fitting; 6] = [
+    Fitting {
+        topology: "trailing_arm_two_links",
+        steers: "lower_link_inner",
+        carrier: "arm",
+        pushrod: Some([
+            [70.0, 580.0, 270.0],
+            [70.0, 442.0, 604.0],
+            [90.0, 330.0, 520.0],
+            [50.0, 330.0, 520.0],
+            [70.0, 246.0, 632.0],
+            [70.0, 46.0, 482.0],
+        ]),
+        anti_roll_bar: [
+            [100.0, 580.0, 250.0],
+            [100.0, 570.0, 380.0],
+            [300.0, 50.0, 380.0],
+            [300.0, 560.0, 380.0],
+        ],
+    },
+    Fitting {
+        topology: "solid_axle",
+        steers: "lower_link_chassis",
+        carrier: "axle",
+        pushrod: None,
+        anti_roll_bar: [
+            [-60.0, 520.0, 300.0],
+            [-60.0, 515.0, 420.0],
+            [-260.0, 50.0, 420.0],
+            [-260.0, 510.0, 420.0],
+        ],
+    },
     Fitting {
         topology: "macpherson",
         steers: "tie_rod_inner",
@@ -143,6 +194,11 @@ const AXLE_TARGETS: &str = r#"  { characteristic = "toe", over = "heave", points
   { characteristic = "roll_steer", over = "roll", between = [-0.02, 0.02], tolerance = 0.005 },
 "#;
 
+/// Targets of a solid axle: little roll steer, and anti-squat.
+const SOLID_AXLE_TARGETS: &str = r#"  { characteristic = "roll_steer", over = "roll", between = [-0.02, 0.02], tolerance = 0.005 },
+  { characteristic = "anti_squat", over = "heave", roll = 0.0, points = [[0.0, 100.0]], tolerance = 2.0 },
+"#;
+
 /// A commented study of a topology that runs, with parts by their names.
 ///
 /// # Errors
@@ -182,10 +238,27 @@ fn study(topology: &Topology, parts: &[Part]) -> Result<String, String> {
     let template = topology.template.replace(&own, "STUDY.toml");
     let mut text = format!("#:schema ./hardpoint.schema.json\n{template}");
     let is_axle = parts.contains(&Part::Axle);
+    let is_solid = topology.carries_both_wheels();
+    if is_axle && is_solid {
+        return Err(format!("{} is an axle without this part", topology.name));
+    }
+    if parts.contains(&Part::Panhard) {
+        if !is_solid {
+            return Err(format!("{} has no Panhard rod", topology.name));
+        }
+        let single = "# single = [\"upper_link\"]        # with a Panhard rod";
+        text = text.replace(
+            single,
+            "single = [\"upper_link\"]          # with a Panhard rod",
+        );
+        let output = "jacking_force_ratio";
+        text = with_points(&text, PANHARD, &PANHARD_PLACES, "axle", output);
+    }
     if is_axle {
         text = with_axle(&text);
     }
-    if parts.iter().all(|part| *part == Part::Axle) {
+    let is_done = |part: &Part| matches!(part, Part::Axle | Part::Panhard);
+    if parts.iter().all(is_done) {
         return Ok(text);
     }
     let fitting = FITTINGS
@@ -194,9 +267,10 @@ fn study(topology: &Topology, parts: &[Part]) -> Result<String, String> {
     let fitting =
         fitting.ok_or_else(|| format!("{} has no parts to choose from yet", topology.name))?;
     if parts.contains(&Part::Pushrod) {
-        let places = fitting
-            .pushrod
-            .ok_or_else(|| format!("{} has no pushrod: its strut is the spring", topology.name))?;
+        let places = fitting.pushrod.ok_or_else(|| match is_solid {
+            true => format!("{} has no pushrod", topology.name),
+            false => format!("{} has no pushrod: its strut is the spring", topology.name),
+        })?;
         text = with_points(&text, PUSHROD, &places, fitting.carrier, "rocker_angle");
     }
     if parts.contains(&Part::AntiRollBar) {
@@ -225,7 +299,11 @@ variables = [                    # offsets from the design
         );
     }
     if parts.contains(&Part::Optimise) {
-        let targets = if is_axle { AXLE_TARGETS } else { TARGETS };
+        let targets = match (is_solid, is_axle) {
+            (true, _) => SOLID_AXLE_TARGETS,
+            (false, true) => AXLE_TARGETS,
+            (false, false) => TARGETS,
+        };
         let _ = write!(
             text,
             r#"
@@ -383,7 +461,8 @@ mod tests {
                 assert!(complete, "{} {parts:?}", topology.name);
                 let mechanism = &study.wheel().mechanism;
                 assert_eq!(mechanism.unsaid_drop_link(), None, "{parts:?}");
-                assert_eq!(study.axle().is_some(), parts.contains(&Part::Axle));
+                let is_axle = parts.contains(&Part::Axle) || topology.carries_both_wheels();
+                assert_eq!(study.axle().is_some(), is_axle);
                 assert_eq!(study.optimise.is_some(), parts.contains(&Part::Optimise));
                 assert_eq!(study.sweep.is_some(), parts.contains(&Part::Sweep));
             }

@@ -21,7 +21,11 @@ use std::path::Path;
 const MOST_DIRECTIONS: usize = 2;
 
 /// Prints the result of a tuning: misfit, targets, variables, constraints.
-fn say_outcome(output: &Output, study: &Study, summary: &TuningSummary) -> Result<(), Stop> {
+pub(super) fn say_outcome(
+    output: &Output,
+    study: &Study,
+    summary: &TuningSummary,
+) -> Result<(), Stop> {
     output.say(&format!("{}: {}\n\n", study.name, summary.headline()))?;
     output.table_for_programs("misfit", || summary.misfit_table());
     if summary.has_design() {
@@ -66,7 +70,7 @@ fn say_side_effects(output: &Output, summary: &TuningSummary) -> Result<(), Stop
 
 /// Prints the faults of the tuned design, moves that leave the targets unchanged, and the ends of the starts.
 /// `refused` holds the errors of the tuned study, if it has any.
-fn say_openings(
+pub(super) fn say_openings(
     output: &Output,
     study: &Study,
     summary: &TuningSummary,
@@ -106,11 +110,14 @@ pub(super) fn run(arguments: &OptimiseArguments) -> Result<Exit, Stop> {
         prices,
     } = arguments;
     let path = &arguments.study.study;
-    let study = Study::read(path, &arguments.study.set)?;
+    let study = Study::read_elastic(path, &arguments.study.set)?;
     let Some(optimise) = &study.optimise else {
         let what = "variables and targets";
         return Err(Stop::no_section(path, "optimise", what));
     };
+    if let Some(elastic) = study.compliance() {
+        return super::tune_elastic::run(arguments, *prices, &study, elastic, optimise);
+    }
     let pool = pool(arguments.threads, optimise.starts as u64)?;
     // Solved first: a design that is wrong must be known before anything is written.
     let fault = |why| Stop::in_file(path, why);
@@ -246,7 +253,7 @@ fn keep(
     output.file("history.csv", &history_csv(&tuning.starts))
 }
 
-fn tune_with_progress(
+pub(super) fn tune_with_progress(
     study: &Study,
     optimise: &Optimise,
 ) -> Result<Tuning, crate::mechanism::DesignFault> {

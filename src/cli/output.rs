@@ -28,8 +28,9 @@ const CURVE_FILES: [&str; 4] = [
 ];
 
 /// The files of a tuning.
-const TUNING_FILES: [&str; 8] = [
+const TUNING_FILES: [&str; 9] = [
     "curves.csv",
+    "kc.csv",
     "curves_before.csv",
     "optimised.toml",
     "side_effects.csv",
@@ -43,10 +44,11 @@ const TUNING_FILES: [&str; 8] = [
 const SETUP_FILES: [&str; 4] = ["curves.csv", "setup.csv", "effects.csv", "summary.json"];
 
 /// The files of rig tests.
-const KC_FILES: [&str; 4] = [
+const KC_FILES: [&str; 5] = [
     "kc.csv",
     "levels.csv",
     "compliance_matrix.csv",
+    "sensitivities.csv",
     "summary.json",
 ];
 

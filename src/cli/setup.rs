@@ -4,7 +4,7 @@ use super::RunArguments;
 use super::exit::{Exit, Stop};
 use super::output::Output;
 use super::terminal;
-use crate::report::{SetUpSummary, brief};
+use crate::report::{SetUpSummary, brief, set_up_page};
 use crate::set_up::{Refusal, about, effects_table, set_up};
 use crate::solved::Solved;
 use crate::study::{Drive, Study};
@@ -16,10 +16,14 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
         let what = "what may be adjusted and what is wanted";
         return Err(Stop::no_section(path, "setup", what));
     };
-    if arguments.report || arguments.plots.is_some() {
+    if arguments.plots.is_some() {
         return Err(Stop::wrong_input(
-            "`hardpoint setup` writes tables and curves.csv, without --report and --plots; those are options of \
-             `solve`, `sweep`, `optimise` and `tolerance`",
+            "`hardpoint setup` writes tables, curves.csv and with --report a page, but no pictures: without --plots",
+        ));
+    }
+    if arguments.report && arguments.out.as_deref() == Some(std::path::Path::new("-")) {
+        return Err(Stop::wrong_input(
+            "--report needs a directory and does not work with --out -",
         ));
     }
     let found = match set_up(&study, setup) {
@@ -48,6 +52,10 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     output.file("effects.csv", found.effects_table().csv(None).as_bytes())?;
     files.insert(files.len() - 1, "effects.csv");
     output.json("summary.json", &found.record())?;
+    if arguments.report {
+        output.file("report.html", set_up_page(&found.wheels).as_bytes())?;
+        files.push("report.html");
+    }
     output.finish()?;
 
     let topology = study.wheel().mechanism.topology.name;

@@ -10,8 +10,8 @@ use std::path::{Path, PathBuf};
 /// Arguments of the live page.
 #[derive(Args)]
 pub(super) struct StudioArguments {
-    /// The study file (TOML)
-    study: PathBuf,
+    /// The study file (TOML) [default: the page asks for a topology and writes a new study here]
+    study: Option<PathBuf>,
     /// Port on this machine [default: 7353, or any free port if it is in use]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     port: Option<u16>,
@@ -21,12 +21,16 @@ pub(super) struct StudioArguments {
 }
 
 pub(super) fn run(arguments: &StudioArguments) -> Result<Exit, Stop> {
-    if arguments.study == Path::new("-") {
+    if arguments.study.as_deref() == Some(Path::new("-")) {
         return Err(Stop::wrong_input(
             "the live page saves to the study's file; standard input is none",
         ));
     }
-    let studio = Studio::open(&arguments.study, arguments.port).map_err(Stop::wrong_input)?;
+    let studio = match &arguments.study {
+        Some(study) => Studio::open(study, arguments.port),
+        None => Studio::choose(std::env::current_dir()?, arguments.port),
+    };
+    let studio = studio.map_err(Stop::wrong_input)?;
     let address = studio.address();
     let mut out = std::io::stdout();
     writeln!(out, "{address}")?;

@@ -21,6 +21,7 @@
 //! moves, no angle. Springs have rates at the wheel and no points.
 
 use super::axes::{Axes, Declared};
+use super::decimals::LARGEST;
 use super::table::{Figure, Kind, Marks, NamedPoint, PointTable};
 use crate::model::{AxlePosition, FrameConvention, LengthUnit};
 use std::path::Path;
@@ -234,6 +235,20 @@ impl File<'_> {
 
 fn number(text: &str, line: usize) -> Result<f64, String> {
     let number = text.parse::<f64>().ok();
-    let number = number.filter(|n| n.abs() <= 1e12);
+    let number = number.filter(|n| n.abs() <= LARGEST);
     number.ok_or_else(|| format!("line {line}: expected a number, found {text:?}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_end_at_a_million_million() {
+        assert_eq!(number("-1e12", 1), Ok(-1e12));
+        for text in ["1.0001e12", "-1.0001e12", "inf", "nan", "x"] {
+            let refused = number(text, 7).unwrap_err();
+            assert!(refused.starts_with("line 7: ") && refused.contains(text));
+        }
+    }
 }

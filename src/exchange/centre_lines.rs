@@ -33,6 +33,11 @@ pub(super) fn axes(convention: FrameConvention) -> &'static str {
     }
 }
 
+/// Height of the letters in the file's unit: 6 mm.
+fn text_height(outgoing: &Outgoing<'_>) -> f64 {
+    outgoing.unit.convert(6.0, LengthUnit::Millimetre)
+}
+
 /// Entities and the layers that they are on.
 #[derive(Default)]
 struct Drawing {
@@ -42,7 +47,7 @@ struct Drawing {
 
 impl Drawing {
     fn wheel(&mut self, outgoing: &Outgoing<'_>, side: Side, prefix: &str) {
-        let height = outgoing.unit.convert(6.0, LengthUnit::Millimetre);
+        let height = text_height(outgoing);
         let suspension = outgoing.suspension(side);
         for body in Scene::of(suspension).bodies {
             let layer = format!("{prefix}{}", body.name);
@@ -106,7 +111,7 @@ impl Drawing {
         let (unit, convention) = (outgoing.unit.symbol(), outgoing.convention);
         let (name, axes) = (convention.name(), axes(convention));
         let said = format!("unit {unit}; frame {name}: {axes}");
-        let height = outgoing.unit.convert(6.0, LengthUnit::Millimetre);
+        let height = text_height(outgoing);
         self.text("UNIT_AND_FRAME", &said, [0.0; 3], height);
         // All of the header except the unit is of release 12; readers that do not know the unit skip it.
         let code = match outgoing.unit {

@@ -167,15 +167,15 @@ fn refusal(template: &str) -> String {
         | "HendricksonPRIMAXX"
         | "SAELeafspringAxle"
         | "SAEToeBarLeafspringAxle" => {
-            "an axle that joins both wheels; a study has wheels that move on their own"
+            "an axle that joins both wheels, which cannot be imported yet; a solid_axle on four links, or on three and a Panhard \
+             rod, can be written by hand"
         }
         "RigidSuspension" | "RigidPinnedAxle" => "it has no links that a study could hold",
         "GenericWheeledSuspension" => {
             "it lists bodies and joints of any kind; write the joints as hardpoints of a topology into a table"
         }
         "ThreeLinkIRS" => {
-            "a trailing arm with two lateral links; a five_link can stand for it (docs/suspensions.md): three links \
-             that share the arm's joint on the body, and the two lateral links"
+            "a trailing arm with two lateral links; write its points as those of a trailing_arm_two_links into a table"
         }
         _ => {
             "expected DoubleWishbone, DoubleWishboneReduced, MacPhersonStrut, MultiLink or SemiTrailingArm"
@@ -325,4 +325,49 @@ fn text<'n>(node: &'n Node, key: &str) -> Option<&'n str> {
 
 fn location(root: &Node, (part, key): (&str, &str)) -> Option<[f64; 3]> {
     position(entry(entry(root, part)?, key)?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A spring on the link is put beside its outer joint, with the share of its foot. A foot beyond either joint is not.
+    #[test]
+    fn a_foot_between_the_joints_has_a_share() {
+        let list = |point: [f64; 3]| Node::List(Vec::from(point.map(Node::Number)));
+        let (inner, outer) = ([1.0, 0.5, 0.25], [3.0, 0.5, -0.75]);
+        let joints = vec![
+            ("Location Chassis".to_owned(), list(inner)),
+            ("Location Upright".to_owned(), list(outer)),
+        ];
+        let root = Node::Table(vec![("Trailing Link".to_owned(), Node::Table(joints))]);
+        let said = |share: f64| {
+            let lower = std::array::from_fn(|k| inner[k] + share * (outer[k] - inner[k]));
+            let upper = std::array::from_fn(|k| lower[k] + [0.0, 0.0, 0.5][k]);
+            on_link(&root, "Spring", "five_link", upper, lower)
+        };
+        for (share, is_between) in [
+            (-0.0005, false),
+            (0.0005, true),
+            (0.9995, true),
+            (1.0005, false),
+        ] {
+            let text = said(share);
+            assert_eq!(
+                text.contains("add a parallel spring"),
+                is_between,
+                "{share}: {text}"
+            );
+        }
+        let text = said(0.75);
+        assert!(text.contains("take 0.75 of its motion_ratio"), "{text}");
+        assert!(
+            text.contains("spring_lower = [3.0000, 0.5000, -0.7500]"),
+            "{text}"
+        );
+        assert!(
+            text.contains("spring_upper = [3.0000, 0.5000, -0.2500]"),
+            "{text}"
+        );
+    }
 }

@@ -124,7 +124,9 @@ pub(super) fn rather(
     let letters = Letters::of_points(&table.points);
     let meaning =
         |name: &str, other: &Topology| roles::read(name, other, letters).map(|role| role.hardpoint);
-    let mut others = Topology::ALL.iter().filter(|other| **other != topology);
+    let mut others = Topology::ALL
+        .iter()
+        .filter(|other| **other != topology && !other.carries_both_wheels());
     let found = others.find(|other| {
         let is_there = |name: &str| {
             let mut points = table.points.iter();

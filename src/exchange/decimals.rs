@@ -3,6 +3,9 @@
 use super::cell::{Cell, Sheet};
 use super::header::{Columns, text};
 
+/// The largest number that a file may hold.
+pub(super) const LARGEST: f64 = 1e12;
+
 /// Decimal notation of a table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Decimals {
@@ -136,6 +139,22 @@ pub(super) fn plain_number(text: &str, comma: bool) -> Result<f64, String> {
     let number = plain
         .parse::<f64>()
         .ok()
-        .filter(|n| is_number && n.abs() <= 1e12);
+        .filter(|n| is_number && n.abs() <= LARGEST);
     number.ok_or_else(|| format!("expected a number, found {text:?}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_end_at_a_million_million() {
+        assert_eq!(plain_number("1e12", false), Ok(1e12));
+        assert_eq!(plain_number("-1e12", false), Ok(-1e12));
+        for text in ["1.0001e12", "-1.0001e12", "inf", "NaN", "1,5"] {
+            assert!(plain_number(text, false).is_err(), "{text}");
+        }
+        assert_eq!(plain_number("\u{2212}1,5", true), Ok(-1.5));
+        assert_eq!(plain_number("2.5\"", false), Ok(2.5));
+    }
 }

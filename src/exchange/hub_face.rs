@@ -86,3 +86,60 @@ pub(super) fn to_wheel_centres(table: &mut PointTable) -> Result<(), String> {
     }
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A tyre 205/55 R16: half of 16 in and a side wall of 0.55 of 205 mm, in each unit of the file.
+    #[test]
+    fn tyres_have_their_nominal_radius() {
+        for unit in LengthUnit::ALL {
+            let figure = |name: &str, value: f64| Figure {
+                name: name.to_owned(),
+                read_as: name.to_owned(),
+                value,
+                marks: Marks::default(),
+                remark: String::new(),
+                place: "row 1".to_owned(),
+            };
+            let point = |name: &str, position: [f64; 3]| NamedPoint {
+                name: name.to_owned(),
+                read_as: name.to_owned(),
+                marks: Marks::default(),
+                mirrored: false,
+                position: Ok(position),
+                body: None,
+                place: "row 1".to_owned(),
+            };
+            let mut table = PointTable {
+                points: vec![
+                    point("axle_inboard", [0.0, 2.0, 1.0]),
+                    point("axle_outboard", [0.0, 5.0, 5.0]),
+                ],
+                figures: vec![
+                    figure("wheel offset", 40.0),
+                    figure("tire rim_diameter", 16.0),
+                    figure("tire section_width", 205.0),
+                    figure("tire aspect_ratio", 0.55),
+                ],
+                unit: Some(unit),
+                ..PointTable::default()
+            };
+            to_wheel_centres(&mut table).unwrap();
+            let length = |mm: f64| unit.convert(mm, LengthUnit::Millimetre);
+            let radius = table.figures.iter().find(|f| f.name == "wheel radius");
+            let radius = radius.unwrap().value;
+            assert!(
+                (radius / length(203.2 + 112.75) - 1.0).abs() < 1e-14,
+                "{radius}"
+            );
+            // 40 mm back along (0, 3, 4).
+            let centre = table.points[1].position.clone().unwrap();
+            let expected = [0.0, 5.0 - 0.6 * length(40.0), 5.0 - 0.8 * length(40.0)];
+            for (found, expected) in centre.iter().zip(expected) {
+                assert!((found - expected).abs() < 1e-12, "{centre:?}");
+            }
+        }
+    }
+}

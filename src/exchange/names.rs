@@ -147,6 +147,11 @@ const PATTERNS: &[(&str, &str)] = &[
     ("lower_rear_link_outer", "lower rear outer ?rod ?arm"),
     ("toe_link_inner", "toe inner ?rod | tie inner ?rod"),
     ("toe_link_outer", "toe outer ?rod | tie outer ?rod"),
+    ("arm_pivot", "arm ?trailing"),
+    ("upper_link_inner", "upper inner rod ?lateral"),
+    ("upper_link_outer", "upper outer rod ?lateral"),
+    ("lower_link_inner", "lower inner rod ?lateral"),
+    ("lower_link_outer", "lower outer rod ?lateral"),
     ("arm_pivot_inner", "arm inner ?trailing"),
     ("arm_pivot_outer", "arm outer ?trailing"),
     (
@@ -366,7 +371,9 @@ mod tests {
 
     #[test]
     fn every_hardpoint_is_known_by_its_own_name_and_by_that_of_adams() {
-        for topology in Topology::ALL {
+        // Only single wheels are imported.
+        let wheels = Topology::ALL.iter().filter(|t| !t.carries_both_wheels());
+        for topology in wheels {
             for known in topology.all_hardpoints() {
                 let capitals = known.name.to_uppercase().replace('_', " ");
                 for name in [known.name, &capitals, in_adams(known.name)] {

@@ -322,3 +322,103 @@ pub(super) fn to_half_track(
     ));
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::exchange::Hardpoint;
+    use crate::model::{FrameConvention, LengthUnit, Topology};
+    use std::collections::BTreeMap;
+
+    fn picked(name: &'static str, y: f64) -> Picked {
+        Picked {
+            hardpoint: Hardpoint {
+                name,
+                position: [0.5, y, 0.25],
+                called: name.to_owned(),
+                place: "row 1".to_owned(),
+                body: None,
+                named_body: None,
+            },
+            origin: None,
+        }
+    }
+
+    /// Points show the side of their wheel where their arms point outward with a cosine above 0.25. Otherwise it is
+    /// assumed to be the left one.
+    #[test]
+    fn a_side_is_shown_by_a_quarter() {
+        let none = BTreeMap::new();
+        let options = ImportOptions {
+            topology: Topology::ALL[0],
+            unit: Some(LengthUnit::Metre),
+            frame: None,
+            axes: None,
+            side: None,
+            axle: None,
+            half_track: None,
+            names: &none,
+            bodies: &none,
+        };
+        let axes = Axes::of(FrameConvention::Iso8855);
+        for (cosine, side, is_shown) in [
+            (0.2501, Side::Left, true),
+            (0.2499, Side::Left, false),
+            (-0.2499, Side::Left, false),
+            (-0.2501, Side::Right, true),
+        ] {
+            let outer = [-f64::sqrt(1.0 - cosine * cosine), cosine, 0.0];
+            let points = [("lower_ball_joint", outer), ("lower_arm_front", [0.0; 3])];
+            let mut notes = Vec::new();
+            let directions = Directions::of(&points);
+            let placed = said(axes, true, None, &directions, &options, &mut notes).unwrap();
+            assert_eq!(placed.side, side, "{cosine}");
+            let shown = notes[0].contains("on that side of the body");
+            assert_eq!(shown, is_shown, "{cosine}: {notes:?}");
+            // A side that is said contradicts a side that is shown, no other.
+            for wheel in Side::ALL {
+                let placed = said(axes, true, Some(wheel), &directions, &options, &mut notes);
+                assert_eq!(placed.is_ok(), !is_shown || wheel == side, "{cosine}");
+            }
+        }
+    }
+
+    /// A wheel that is nearer to the centre plane than half of its reach has its origin at the wheel. It is moved out by
+    /// the half track, at either side.
+    #[test]
+    fn wheels_at_the_origin_are_moved_out() {
+        let moved = |side: Side, wheel: f64, inner: f64, half_track: Option<f64>, asked: bool| {
+            let axes = Axes::of(FrameConvention::Iso8855);
+            let outward = side.sign();
+            let mut points = vec![
+                picked("wheel_centre", outward * wheel),
+                picked("lower_arm_front", outward * inner),
+                picked("tie_rod_outer", outward * 7.0),
+            ];
+            let placed = Placed { axes, side };
+            let mut notes = Vec::new();
+            to_half_track(placed, half_track, asked, &mut points, &mut notes)?;
+            let along = |p: &Picked| outward * p.hardpoint.position[1];
+            assert_eq!(notes.len(), usize::from(along(&points[0]) != wheel));
+            Ok::<Vec<f64>, Refusal>(points.iter().map(along).collect())
+        };
+        for side in Side::ALL {
+            assert_eq!(
+                moved(side, 1.0, -1.0, None, false).unwrap(),
+                [1.0, -1.0, 7.0]
+            );
+            let open = moved(side, 0.9995, -1.0005, None, false);
+            assert!(matches!(open, Err(Refusal::Open(_))));
+            let found = moved(side, 0.0, -0.5, Some(0.75), true).unwrap();
+            assert_eq!(found, [0.75, 0.25, 7.75]);
+            for half_track in [0.0, -1.0] {
+                let wrong = moved(side, 0.0, -0.5, Some(half_track), true);
+                assert!(matches!(wrong, Err(Refusal::Wrong(_))));
+            }
+            // A half track that the file contradicts is refused: by more than a thousandth.
+            assert!(moved(side, 1000.0, 500.0, Some(1000.999), true).is_ok());
+            assert!(moved(side, 1000.0, 500.0, Some(1001.0005), true).is_err());
+            assert!(moved(side, 1000.0, 500.0, Some(1001.0005), false).is_ok());
+        }
+    }
+}

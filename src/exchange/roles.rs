@@ -201,10 +201,9 @@ pub(super) fn body_of(text: &str, topology: &Topology) -> Option<&'static str> {
     let cut = cut(text);
     let has = |wanted: &str| cut.iter().any(|word| wanted.split(' ').any(|w| w == word));
     let arm = has("arm wishbone aarm");
-    let carrier = if topology.name == "semi_trailing_arm" {
-        "arm"
-    } else {
-        "knuckle"
+    let carrier = match topology.name {
+        "semi_trailing_arm" | "trailing_arm_two_links" => "arm",
+        _ => "knuckle",
     };
     if has("rocker bellcrank") {
         Some("rocker")

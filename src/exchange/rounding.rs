@@ -312,6 +312,32 @@ mod tests {
         }
     }
 
+    #[test]
+    fn decimals_of_any_length_are_the_shortest() {
+        let unit = LengthUnit::Metre;
+        for (step, parts) in [(0.001, 1000.0), (0.0001, 10_000.0), (1.0, 1.0)] {
+            for steps in 0..2000 {
+                let steps = f64::from(steps);
+                assert_eq!(Grid { step, unit }.length(steps), steps / parts);
+            }
+        }
+    }
+
+    /// A number is whole within a part of 1e-9, below 1 within 1e-9.
+    #[test]
+    fn whole_numbers_have_no_neighbours() {
+        for (at, expected) in [
+            (3.0, (3.0, 3.0)),
+            (3.0 + 2.9985e-9, (3.0, 3.0)),
+            (3.0 + 3.0015e-9, (3.0, 4.0)),
+            (0.9995e-9, (0.0, 0.0)),
+            (1.0005e-9, (0.0, 1.0)),
+            (-2.5, (-3.0, -2.0)),
+        ] {
+            assert_eq!(neighbours(at), expected, "{at}");
+        }
+    }
+
     fn front() -> Study {
         let directory = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies");
         let text = std::fs::read_to_string(directory.join("macpherson_front.toml")).unwrap();
@@ -330,6 +356,7 @@ mod tests {
     fn nearest_plane_loses_no_more_than_ordinary_rounding() {
         let study = front();
         let all = vec![true; 3 * study.wheel().design.len()];
+        let mut better = 0;
         for (step, unit) in [
             (1.0, LengthUnit::Millimetre),
             (0.1, LengthUnit::Millimetre),
@@ -340,6 +367,7 @@ mod tests {
             let rounded = rounded(&study, grid, &all).unwrap();
             let loss = rounded.loss.unwrap();
             assert!(loss.best <= loss.ordinary.unwrap(), "{loss:?}");
+            better += usize::from(loss.best < 0.9 * loss.ordinary.unwrap());
             // A second rounding changes nothing.
             let after = study.at_design(rounded.design.clone());
             let again = super::rounded(&after, grid, &all).unwrap();
@@ -362,6 +390,7 @@ mod tests {
                 }
             }
         }
+        assert!(better >= 1, "{better}");
     }
 
     #[test]

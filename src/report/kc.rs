@@ -2,9 +2,10 @@
 
 use super::shortest;
 use super::table::{Cell, Table};
+use crate::ask::Unit;
 use crate::compliance::{
-    BushingReading, HeldQuantity, KcFigure, KcLevel, KcOutcome, KcState, KcStation, KcTest, KcUnit,
-    Motion, NoEquilibrium, TestLoad, TestPlace,
+    BushingReading, HeldQuantity, KcFigure, KcLevel, KcOutcome, KcState, KcStation, KcTest, Motion,
+    NoEquilibrium, TestLoad, TestPlace,
 };
 use crate::model::{Axis, LengthUnit, Suspension};
 use crate::number::Vector3;
@@ -18,6 +19,8 @@ pub struct KcResults<'a> {
     pub bushings: Vec<String>,
     /// Names of the links, in the order of their tensions.
     pub links: Vec<String>,
+    /// The vertical force at the contact point in the design position, if that is an equilibrium.
+    pub design_load: Option<f64>,
     /// The stations.
     pub stations: Vec<KcStation>,
 }
@@ -43,30 +46,17 @@ fn status(why: &NoEquilibrium) -> &'static str {
     }
 }
 
-fn unit_suffix(unit: KcUnit, length: LengthUnit) -> String {
-    let u = length.symbol();
-    match unit {
-        KcUnit::AnglePerKilonewton => "deg_per_kN".to_owned(),
-        KcUnit::LengthPerKilonewton => format!("{u}_per_kN"),
-        KcUnit::AnglePerMoment => "deg_per_100_N_m".to_owned(),
-        KcUnit::Rate => "N_per_mm".to_owned(),
-        KcUnit::AnglePerLength => format!("deg_per_{u}"),
-        KcUnit::Force => "N".to_owned(),
-        KcUnit::Ratio => String::new(),
-    }
-}
-
 /// The unit for a reader.
-fn unit_shown(unit: KcUnit, length: LengthUnit) -> String {
+fn unit_shown(unit: Unit, length: LengthUnit) -> String {
     let u = length.symbol();
     match unit {
-        KcUnit::AnglePerKilonewton => "deg/kN".to_owned(),
-        KcUnit::LengthPerKilonewton => format!("{u}/kN"),
-        KcUnit::AnglePerMoment => "deg/(100 N m)".to_owned(),
-        KcUnit::Rate => "N/mm".to_owned(),
-        KcUnit::AnglePerLength => format!("deg/{u}"),
-        KcUnit::Force => "N".to_owned(),
-        KcUnit::Ratio => "-".to_owned(),
+        Unit::AnglePerForce => "deg/kN".to_owned(),
+        Unit::LengthPerForce => format!("{u}/kN"),
+        Unit::AnglePerTorque => "deg/(100 N m)".to_owned(),
+        Unit::Stiffness => "N/mm".to_owned(),
+        Unit::AnglePerLength => format!("deg/{u}"),
+        Unit::Ratio => "-".to_owned(),
+        unit => unit.suffix(length),
     }
 }
 
@@ -79,7 +69,7 @@ fn place(place: TestPlace) -> &'static str {
     }
 }
 
-fn held(test: &KcTest) -> &'static str {
+pub(super) fn held(test: &KcTest) -> &'static str {
     match (test.load.is_motion(), test.held) {
         (true, _) => "",
         (false, HeldQuantity::WheelHeight) => "wheel_height",
@@ -92,7 +82,7 @@ fn optional(value: Option<f64>) -> String {
 }
 
 /// A CSV file of rows of text.
-fn csv(header: &[String], rows: impl IntoIterator<Item = Vec<String>>) -> Vec<u8> {
+pub(super) fn csv(header: &[String], rows: impl IntoIterator<Item = Vec<String>>) -> Vec<u8> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     let written = "written to memory";
     writer.write_record(header).expect(written);
@@ -107,7 +97,7 @@ impl KcResults<'_> {
         self.suspension.length_unit
     }
 
-    fn columns(&self, names: &[&str]) -> Vec<String> {
+    pub(super) fn columns(&self, names: &[&str]) -> Vec<String> {
         let u = self.length().symbol();
         names
             .iter()
@@ -173,13 +163,18 @@ impl KcResults<'_> {
         cells
     }
 
+    /// A value of a figure as it is printed.
+    fn printed(&self, figure: &KcFigure, value: Option<f64>) -> Option<f64> {
+        value.map(|value| value * figure.unit.printed_factor(self.length()))
+    }
+
     fn figure_rows(&self, station: &KcStation, outcome: &KcOutcome, rows: &mut Vec<Vec<String>>) {
         let failed = outcome.levels.iter().find_map(|l| l.state.as_ref().err());
         for figure in &outcome.figures {
             let mut row = self.test_cells(station, &outcome.test, outcome.place);
             let has_window = !outcome.levels.is_empty();
             let reason = match (figure.value, failed) {
-                (None, _) if figure.unit == KcUnit::Rate => {
+                (None, _) if figure.unit == Unit::Stiffness => {
                     "nothing moves: the stiffness has no bound".to_owned()
                 }
                 (None, _) => "no value here".to_owned(),
@@ -188,10 +183,10 @@ impl KcResults<'_> {
             };
             row.extend([
                 figure.quantity.to_owned(),
-                optional(figure.value),
-                optional(figure.secant),
+                optional(self.printed(figure, figure.value)),
+                optional(self.printed(figure, figure.secant)),
                 optional(has_window.then_some(outcome.test.window)),
-                unit_suffix(figure.unit, self.length()),
+                figure.unit.suffix(self.length()),
                 reason,
                 "ok".to_owned(),
             ]);
@@ -391,8 +386,8 @@ impl KcResults<'_> {
         let number = |value: Option<f64>| Cell::by(value, four_figures);
         [
             Cell::from(figure.quantity),
-            number(figure.value),
-            number(figure.secant),
+            number(self.printed(figure, figure.value)),
+            number(self.printed(figure, figure.secant)),
             Cell::from(unit_shown(figure.unit, self.length())),
         ]
     }
@@ -509,7 +504,7 @@ fn four_figures(value: f64) -> String {
 /// What is elastic in a study, a line each.
 pub fn elastic_parts(study: &Study) -> Table {
     let mut table = Table::new(["part", "elastic", "rates", "torsional rates", "unit"]);
-    let Some(elastic) = &study.compliance else {
+    let Some(elastic) = study.compliance() else {
         return table;
     };
     let u = study.wheel().length_unit.symbol();

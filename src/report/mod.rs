@@ -21,6 +21,7 @@ mod finished;
 mod fitted;
 mod given_columns;
 mod kc;
+mod kc_sensitivities;
 mod orientation;
 mod page;
 mod picture;
@@ -59,7 +60,7 @@ pub use finished::{FinishedRun, NotARun};
 pub use fitted::FittedOffset;
 pub use kc::{KcResults, elastic_parts, no_equilibrium};
 pub(crate) use orientation::{Directions, Reading, Verdict};
-pub use page::{comparison_page, page, sweep_page};
+pub use page::{comparison_page, limits_page, page, set_up_page, sweep_page};
 pub use picture::{Picture, picture_names, pictures};
 pub use places::{Clearance, Places, Rim, Shape};
 pub use plausibility::{

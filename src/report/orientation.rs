@@ -232,7 +232,9 @@ mod tests {
     /// Every template under all 48 signed orders of its coordinates.
     #[test]
     fn the_axes_of_every_template_are_recognised() {
-        for topology in Topology::ALL {
+        // Only single wheels are imported.
+        let wheels = Topology::ALL.iter().filter(|t| !t.carries_both_wheels());
+        for topology in wheels {
             let study = Study::from_text("s.toml", topology.template, Path::new(".")).unwrap();
             let suspension = study.wheel();
             let names = topology.all_hardpoints().map(|h| h.name);

@@ -268,6 +268,10 @@ impl<'a> PlausibilityRemarks<'a> {
     /// Rods lead outboard from the body to the wheel carrier, and inboard from there to a rocker.
     fn rods(&mut self) {
         let mechanism = &self.suspension.mechanism;
+        if mechanism.rigid_axle.is_some() {
+            // Links of a solid axle may lead either way.
+            return;
+        }
         let links = mechanism.constraints.iter().filter_map(|c| match *c {
             Constraint::Link { inner, outer } => Some((inner, outer)),
             _ => None,

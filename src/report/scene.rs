@@ -126,6 +126,8 @@ fn bodies(mechanism: &Mechanism) -> Vec<SceneBody> {
             }
             // The knuckle is the arm itself.
             Constraint::Revolute { .. } => {}
+            Constraint::BallJoint { at } => joints.push(at),
+            Constraint::AxleTravel { .. } => {}
         }
     }
     if let Some(spring) = mechanism.spring

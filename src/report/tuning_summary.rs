@@ -225,13 +225,18 @@ impl TuningSummary {
                 Some(point[axis as usize])
             };
             let fitted = errors.map(|e| FittedOffset::from(e.intervals[k]));
-            let unit = if v.turn.is_some() { ", deg" } else { "" };
+            let unit = match (&v.turn, &v.rate) {
+                (Some(_), _) => ", deg",
+                (None, Some(rate)) if rate.is_relative => ", ln of a factor",
+                (None, _) => "",
+            };
+            let rate = |x: f64| v.rate.map(|rate| rate.at(x)[0]);
             let axis = format!("{}{unit}", v.way());
             VariableSummary {
                 hardpoint: v.name.clone(),
                 axis,
-                design: coordinate(&suspension.design),
-                tuned: best.and_then(|b| coordinate(&b.design)),
+                design: coordinate(&suspension.design).or(rate(0.0)),
+                tuned: best.and_then(|b| coordinate(&b.design).or(rate(b.offsets[k]))),
                 offset: best.map(|b| b.offsets[k] + 0.0),
                 range: v.range,
                 at_bound: fit.and_then(|fit| match fit.active_bounds[k] {

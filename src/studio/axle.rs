@@ -103,7 +103,7 @@ pub(super) fn catalogue(study: &Study, both: &AxleStudy) -> Vec<CharacteristicOv
     let targets = study.optimise.as_ref().map_or(&[][..], |o| &o.targets);
     let asked = both.plan_with(targets).quantities;
     let overview = |name: &'static str| {
-        let quantities = Quantity::named(name);
+        let quantities = axle.quantities(name);
         let first = *quantities.first()?;
         Some(CharacteristicOverview {
             name,
@@ -120,7 +120,7 @@ pub(super) fn catalogue(study: &Study, both: &AxleStudy) -> Vec<CharacteristicOv
 fn asking_for(plan: &AxlePlan, axle: &Axle, names: &[String]) -> Result<AxlePlan, String> {
     let mut quantities: Vec<Quantity> = Vec::new();
     for name in names {
-        let named = Quantity::named(name);
+        let named = axle.quantities(name);
         if named.is_empty() || !named.iter().all(|q| axle.has(*q)) {
             return Err(format!("this study has no {name}"));
         }

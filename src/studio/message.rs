@@ -7,6 +7,7 @@ use crate::report::{
     FailureRange, OutputRecord, Scene, counted, shown_side_effects, side_effects_table,
     unchanged_in_words,
 };
+use crate::study::ValueEdit;
 use serde::{Deserialize, Serialize};
 
 /// Coordinates of every point, in the study's axes.
@@ -19,6 +20,30 @@ pub(super) struct Designed {
     /// SHA-256 of the study text.
     pub digest: String,
     pub design: Coordinates,
+}
+
+/// Changes of a text that the server has read.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct EditRequest {
+    /// SHA-256 of the study text.
+    pub digest: String,
+    pub edits: Vec<ValueEdit>,
+}
+
+/// A study to begin with.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct StartRequest {
+    pub topology: String,
+    /// A plain file name in the folder in which the studio was started.
+    pub name: String,
+    /// Points as text, as a sheet copies them; empty for those of the template.
+    pub points: String,
+    pub unit: Option<String>,
+    pub axes: Option<String>,
+    pub side: Option<String>,
+    pub half_track: Option<f64>,
 }
 
 #[derive(Deserialize)]
@@ -77,6 +102,10 @@ pub(super) struct Overview {
     /// Path of the file, so that a browser does not mistake what it has stored of one study for another's.
     pub place: String,
     pub digest: String,
+    /// SHA-256 of the file's text before changes that are not saved.
+    pub base: String,
+    /// Sections of the study as they are written, for forms.
+    pub written: serde_json::Value,
     pub topology: String,
     pub unit: String,
     pub points: Vec<PointOverview>,

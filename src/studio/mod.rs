@@ -27,6 +27,7 @@ mod overview;
 mod page;
 mod routes;
 mod server;
+mod start;
 mod study_file;
 
 pub use invitation::Invitation;

@@ -37,6 +37,8 @@ pub(super) fn overview(file: &StudyFile, opened: &Opened) -> Overview {
         file: file.name(),
         place: file.path().display().to_string(),
         digest: opened.digest.clone(),
+        base: opened.base.clone(),
+        written: written(&opened.text),
         topology: mechanism.topology.name.replace('_', " "),
         unit: unit.symbol().to_owned(),
         points: mechanism.points.iter().map(|p| point(&p.name)).collect(),
@@ -72,6 +74,15 @@ pub(super) fn overview(file: &StudyFile, opened: &Opened) -> Overview {
         has_constraints: optimise.is_some_and(|o| !o.constraints.is_empty()),
         starts: optimise.map_or(0, |o| o.starts),
     }
+}
+
+/// Sections of a study as they are written, for forms.
+fn written(text: &str) -> serde_json::Value {
+    let document: toml::Table = text.parse().unwrap_or_default();
+    let shown = ["motion", "motions", "outputs", "optimise"];
+    let sections = document.into_iter();
+    let sections = sections.filter(|(name, _)| shown.contains(&name.as_str()));
+    serde_json::to_value(toml::Table::from_iter(sections)).unwrap_or_default()
 }
 
 /// A design of the kernel's, in the study's axes.
@@ -185,7 +196,7 @@ fn target(target: &Target, study: &Study) -> TargetOverview {
         (None, racks) => racks.to_vec(),
     };
     let columns = match &target.of.about {
-        About::Wheel(_) => vec![target.of.column.clone()],
+        About::Wheel(_) | About::Elastic(_) => vec![target.of.column.clone()],
         About::Axle(quantities) => {
             let length = study.wheel().length_unit;
             let columns = quantities.iter();

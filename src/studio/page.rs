@@ -7,6 +7,8 @@ pub(super) fn file(name: &str) -> Option<Response> {
     const SCRIPT: &str = "text/javascript; charset=utf-8";
     let (content_type, text) = match name {
         "" => ("text/html; charset=utf-8", include_str!("page/index.html")),
+        "start.html" => ("text/html; charset=utf-8", include_str!("page/start.html")),
+        "start.js" => (SCRIPT, include_str!("page/start.js")),
         "style.css" => ("text/css; charset=utf-8", include_str!("page/style.css")),
         "icon.svg" => ("image/svg+xml", include_str!("page/icon.svg")),
         "main.js" => (SCRIPT, include_str!("page/main.js")),
@@ -20,6 +22,14 @@ pub(super) fn file(name: &str) -> Option<Response> {
         "notes.js" => (SCRIPT, include_str!("page/notes.js")),
         "tuning.js" => (SCRIPT, include_str!("page/tuning.js")),
         "files.js" => (SCRIPT, include_str!("page/files.js")),
+        "changes.js" => (SCRIPT, include_str!("page/changes.js")),
+        "deviation.js" => (SCRIPT, include_str!("page/deviation.js")),
+        "dialog.js" => (SCRIPT, include_str!("page/dialog.js")),
+        "handles.js" => (SCRIPT, include_str!("page/handles.js")),
+        "history.js" => (SCRIPT, include_str!("page/history.js")),
+        "layout.js" => (SCRIPT, include_str!("page/layout.js")),
+        "targets.js" => (SCRIPT, include_str!("page/targets.js")),
+        "space.js" => (SCRIPT, include_str!("page/space.js")),
         _ => return None,
     };
     Some(Response::new(200, content_type, text.as_bytes()))

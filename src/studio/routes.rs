@@ -5,20 +5,22 @@ use super::connections::Place;
 use super::http::{Connection, Head, Response, Unread};
 use super::job::Job;
 use super::message::{
-    Designed, InfluenceRequest, JobRequest, SaveRequest, Saved, SolveRequest, TuneRequest,
+    Designed, EditRequest, InfluenceRequest, JobRequest, SaveRequest, Saved, SolveRequest,
+    StartRequest, TuneRequest,
 };
 use super::study_file::{NotSaved, Opened, StudyFile};
-use super::{answer, directions, influence, overview, page};
+use super::{answer, directions, influence, overview, page, start};
 use crate::report::{CurveTable, Run};
 use crate::solved::Solved;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::collections::VecDeque;
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
-/// Number of texts of the study that are remembered, so that tabs opened before a save go on.
-const TEXTS: usize = 8;
+/// Number of texts of the study that are remembered, so that tabs opened before a save go on and changes can be undone.
+const TEXTS: usize = 40;
 /// Number of report pages that are remembered.
 const REPORTS: usize = 3;
 
@@ -27,7 +29,10 @@ pub(super) struct Workshop {
     pub access: Access,
     /// Whether a request with the token has come.
     pub visited: AtomicBool,
-    file: StudyFile,
+    /// Folder in which a new study is written.
+    directory: PathBuf,
+    /// The study; without one the page asks for it.
+    file: OnceLock<StudyFile>,
     /// The latest last.
     texts: Mutex<VecDeque<Arc<Opened>>>,
     job: Mutex<Option<Arc<Job>>>,
@@ -41,16 +46,31 @@ pub(super) struct Workshop {
 type Refused = (u16, String);
 
 impl Workshop {
-    pub(super) fn new(access: Access, file: StudyFile, opened: Opened) -> Self {
+    /// State of a server whose study is chosen in the page and written into a folder.
+    pub(super) fn new(access: Access, directory: PathBuf) -> Self {
         Workshop {
             access,
             visited: AtomicBool::new(false),
-            file,
-            texts: Mutex::new(VecDeque::from([Arc::new(opened)])),
+            directory,
+            file: OnceLock::new(),
+            texts: Mutex::default(),
             job: Mutex::new(None),
             reports: Mutex::default(),
             saving: Mutex::new(()),
         }
+    }
+
+    /// Takes a study that was read. A server has one; a second one is refused.
+    pub(super) fn take(&self, file: StudyFile, opened: Opened) -> Result<(), String> {
+        let taken = self.file.set(file);
+        taken.map_err(|_| "another tab has chosen a study: reload the page".to_owned())?;
+        self.remember(opened);
+        Ok(())
+    }
+
+    fn file(&self) -> Result<&StudyFile, Refused> {
+        let none = || (409, "no study is chosen yet: reload the page".to_owned());
+        self.file.get().ok_or_else(none)
     }
 
     /// Serves a connection until it ends.
@@ -109,7 +129,10 @@ impl Workshop {
     fn answered(&self, head: &Head, rest: &str, body: &[u8]) -> Response {
         if head.method == "GET" {
             let report = rest.strip_prefix("report/").map(|n| self.report(n));
-            let found = report.unwrap_or_else(|| page::file(rest));
+            let found = report.unwrap_or_else(|| match rest {
+                "" if self.file.get().is_none() => page::file("start.html"),
+                _ => page::file(rest),
+            });
             return found.unwrap_or_else(|| Response::refusal(404, "there is nothing here"));
         }
         let is_json =
@@ -126,6 +149,18 @@ impl Workshop {
             "limits" => self.with_text(body, |r: &Designed| r, directions::limits),
             "csv" => return self.csv(body).unwrap_or_else(refusal),
             "report" => self.make_report(body),
+            "choices" => message(body).and_then(|()| json(&start::choices())),
+            "start" => self.start(body),
+            "edit" => self.edit(body),
+            "texts" => self.with_text(
+                body,
+                |r: &Designed| r,
+                |opened, of| {
+                    self.file()
+                        .map_err(|(_, why)| why)?
+                        .texts(opened, &opened.design(&of.design)?)
+                },
+            ),
             "tune" => self.tune(body),
             "progress" => self.job(body, |_| ()),
             "cancel" => self.job(body, Job::cancel),
@@ -158,15 +193,44 @@ impl Workshop {
     /// The study as the file has it now.
     fn study(&self, body: &[u8]) -> Result<Response, Refused> {
         let () = message(body)?;
-        let opened = self.file.read().map_err(|why| (422, why))?;
+        let opened = self.file()?.read().map_err(|why| (422, why))?;
         let opened = self.remember(opened);
-        json(&overview::overview(&self.file, &opened))
+        json(&overview::overview(self.file()?, &opened))
     }
 
     /// The SHA-256 of the file's text as it is now.
     fn digest(&self, body: &[u8]) -> Result<Response, Refused> {
         let () = message(body)?;
-        json(&self.file.digest().map_err(|why| (422, why))?)
+        json(&self.file()?.digest().map_err(|why| (422, why))?)
+    }
+
+    /// Writes a new study and serves it from now on.
+    fn start(&self, body: &[u8]) -> Result<Response, Refused> {
+        let request: StartRequest = message(body)?;
+        let _one_at_a_time = locked(&self.saving);
+        if self.file.get().is_some() {
+            let why = "this server already has a study: reload the page";
+            return Err((409, why.to_owned()));
+        }
+        let refused = |why: String| (422, why);
+        let path = start::start(&self.directory, &request).map_err(refused)?;
+        let file = StudyFile::at(&path).map_err(|e| refused(format!("{}: {e}", path.display())))?;
+        let opened = file.read().map_err(refused)?;
+        let saved = Saved {
+            file: file.name(),
+            digest: opened.digest.clone(),
+        };
+        self.take(file, opened).map_err(refused)?;
+        json(&saved)
+    }
+
+    /// Overview of a text with changed values. Nothing is written to the file.
+    fn edit(&self, body: &[u8]) -> Result<Response, Refused> {
+        let request: EditRequest = message(body)?;
+        let opened = self.text(&request.digest)?;
+        let edited = self.file()?.edited(&opened, &request.edits);
+        let edited = self.remember(edited.map_err(|why| (422, why))?);
+        json(&overview::overview(self.file()?, &edited))
     }
 
     /// Answers what is asked of a design.
@@ -224,15 +288,15 @@ impl Workshop {
         };
         let saved = match &request.name {
             None => {
-                let saved = self.file.save(&opened, &design, request.anyway);
+                let saved = self.file()?.save(&opened, &design, request.anyway);
                 let saved = self.remember(saved.map_err(refused)?);
                 Saved {
-                    file: self.file.name(),
+                    file: self.file()?.name(),
                     digest: saved.digest.clone(),
                 }
             }
             Some(name) => {
-                let file = self.file.save_as(&opened, &design, name, request.anyway);
+                let file = self.file()?.save_as(&opened, &design, name, request.anyway);
                 Saved {
                     file: file.map_err(refused)?,
                     digest: opened.digest.clone(),

@@ -7,7 +7,7 @@ use super::invitation::Invitation;
 use super::routes::Workshop;
 use super::study_file::StudyFile;
 use std::net::{Ipv4Addr, TcpListener, TcpStream};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
@@ -55,6 +55,17 @@ impl Studio {
         let file =
             StudyFile::at(study).map_err(|e| wrong(format!("{shown}: cannot be read: {e}")))?;
         let opened = file.read().map_err(wrong)?;
+        let directory = file.path().parent().unwrap_or(Path::new("")).to_owned();
+        let studio = Self::choose(directory, port)?;
+        studio.workshop.take(file, opened).map_err(wrong)?;
+        Ok(studio)
+    }
+
+    /// Listens without a study: the page asks for a topology and writes a new study into a folder.
+    ///
+    /// # Errors
+    /// If the port is taken.
+    pub fn choose(directory: PathBuf, port: Option<u16>) -> Result<Self, NotServed> {
         let listen = |port: u16| TcpListener::bind((Ipv4Addr::LOCALHOST, port));
         let listener = match port {
             Some(port) => listen(port).map_err(|source| NotServed::Port { port, source })?,
@@ -63,7 +74,7 @@ impl Studio {
         let access = Access::new(listener.local_addr()?)?;
         Ok(Studio {
             listener,
-            workshop: Arc::new(Workshop::new(access, file, opened)),
+            workshop: Arc::new(Workshop::new(access, directory)),
         })
     }
 

@@ -6,7 +6,10 @@ use crate::number::Vector3;
 use crate::optimise::TargetLayout;
 use crate::report::is_printable;
 use crate::results::{temporary_of, undivided};
-use crate::study::{LONGEST_TEXT, Study, StudyErrors, Variable, checked_number, read_regular_text};
+use crate::study::{
+    LONGEST_TEXT, Study, StudyErrors, ValueEdit, Variable, checked_number, edited_text,
+    read_regular_text,
+};
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -16,7 +19,11 @@ use tempfile::NamedTempFile;
 pub(super) struct Opened {
     /// SHA-256 of the study text.
     pub digest: String,
-    /// The text as it is in the file.
+    /// SHA-256 of the file's text that `edits` lead from.
+    pub base: String,
+    /// Changes that are not in the file.
+    pub edits: Vec<ValueEdit>,
+    /// The text as it is in the file, with `edits` in it.
     pub text: String,
     pub study: Study,
     /// Every coordinate as something that can move.
@@ -39,8 +46,11 @@ impl Opened {
         let study = Study::from_text(&path.display().to_string(), &text, directory)?;
         let layout = study.optimise.as_ref();
         let layout = layout.map(|o| TargetLayout::of(o, &study.vehicle));
+        let digest = digest(&text);
         Ok(Opened {
-            digest: digest(&text),
+            base: digest.clone(),
+            digest,
+            edits: Vec::new(),
             every: Variable::every_coordinate(study.wheel(), [-1.0, 1.0]),
             layout,
             text,
@@ -117,6 +127,26 @@ impl StudyFile {
         text.map_err(|e| format!("{}: {e}", self.path.display()))
     }
 
+    /// A text that was read, with further changes of its values.
+    pub(super) fn edited(&self, opened: &Opened, edits: &[ValueEdit]) -> Result<Opened, String> {
+        let text = edited_text(&opened.text, edits)?;
+        let edited = Opened::of(&self.path, text).map_err(|errors| errors.render(false))?;
+        Ok(Opened {
+            base: opened.base.clone(),
+            edits: [&opened.edits, edits].concat(),
+            ..edited
+        })
+    }
+
+    /// The text of the file now, and the text that saving a design would write.
+    pub(super) fn texts(
+        &self,
+        opened: &Opened,
+        design: &[Vector3<f64>],
+    ) -> Result<[String; 2], String> {
+        Ok([self.text()?, edited(&opened.study, &opened.text, design)])
+    }
+
     /// Writes a design into the study. Where the file is no longer the text that was opened, it is left alone, or
     /// gets the coordinates that differ from what was opened `anyway`.
     pub(super) fn save(
@@ -126,13 +156,13 @@ impl StudyFile {
         anyway: bool,
     ) -> Result<Opened, NotSaved> {
         let text = self.text().map_err(NotSaved::Refused)?;
-        let edited = if digest(&text) == opened.digest {
-            edited(&opened.study, &text, design)
+        let edited = if digest(&text) == opened.base {
+            edited(&opened.study, &opened.text, design)
         } else if anyway {
-            let now = Opened::of(&self.path, text.clone())
-                .map_err(|errors| NotSaved::Refused(errors.render(false)))?;
+            let own = edited_text(&text, &opened.edits).map_err(NotSaved::Refused)?;
+            let now = self.understood(&self.path, own)?;
             let merged = moved_in(opened, design, &now).map_err(NotSaved::Refused)?;
-            edited(&now.study, &text, &merged)
+            edited(&now.study, &now.text, &merged)
         } else {
             let message = format!("{} has been changed since it was opened", self.name());
             return Err(NotSaved::Changed(message));
@@ -284,7 +314,7 @@ fn moved_in(
 }
 
 /// Whether a name is one of a study in the folder itself, on every system.
-fn check_name(name: &str) -> Result<(), String> {
+pub(super) fn check_name(name: &str) -> Result<(), String> {
     let is_plain = |c: char| !c.is_control() && !"/\\:*?\"<>|".contains(c);
     let is_name = Path::new(name).file_name() == Some(name.as_ref());
     let stem = name.strip_suffix(".toml").unwrap_or("");

@@ -82,6 +82,8 @@ pub struct Suspension {
     pub frame: Option<Text>,
     /// `[suspension.hardpoints]`
     pub hardpoints: Spanned<BTreeMap<Text, Coordinates>>,
+    /// Links that a solid axle has once, with true y.
+    pub single: Option<Spanned<Vec<Text>>>,
     /// `[suspension.bodies]`: bodies on which ends of springs and rods are mounted.
     #[serde(default)]
     pub bodies: BTreeMap<Text, Text>,
@@ -483,8 +485,16 @@ pub struct Variable {
     pub hardpoint: Option<Text>,
     /// or names of several that move together,
     pub hardpoints: Option<Spanned<Vec<Text>>>,
-    /// or of several that are one body.
+    /// or of several that are one body,
     pub rigid: Option<Spanned<Vec<Text>>>,
+    /// or name of a bushing,
+    pub bushing: Option<Text>,
+    /// with the axis of its stiffness, `x`, `y`, `z`, `tx`, `ty` or `tz`,
+    pub stiffness: Option<Text>,
+    /// or name of a link with axial stiffness.
+    pub link: Option<Text>,
+    /// True if the range of a rate is in factors.
+    pub relative: Option<Spanned<bool>>,
     /// Displacement of each coordinate per unit of the variable.
     pub factors: Option<Spanned<Vec<Number>>>,
     /// `x`, `y` or `z`,
@@ -513,8 +523,10 @@ pub struct Target {
     pub axis: Option<Text>,
     /// or a length,
     pub length: Option<Spanned<MemberName>>,
-    /// or a force under a load.
+    /// or a force under a load,
     pub load: Option<Text>,
+    /// or a figure of a test of the elastic parts.
+    pub figure: Option<Text>,
     /// A curve: pairs of drive value and wanted value.
     pub points: Option<Spanned<Vec<Spanned<Vec<Number>>>>>,
     /// A curve in a CSV file.

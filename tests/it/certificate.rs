@@ -100,6 +100,16 @@ fn certified(
             &StationOrder::through(values),
             rack,
             |_, station, proof| {
+                // The pose that is shown is the one of its station.
+                if let Ok((pose, certificate)) = proof {
+                    let point = MotionPoint {
+                        drive,
+                        value: values[station],
+                        rack,
+                    };
+                    let alone = certifier.pose(pose, &point).unwrap();
+                    assert!(alone.error <= 2.0 * certificate.error + 1e-15);
+                }
                 found[station] = proof.map(|(_, certificate)| certificate.error);
                 ControlFlow::Continue(())
             },

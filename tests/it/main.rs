@@ -30,6 +30,7 @@ mod report;
 mod robustness;
 mod rockers;
 mod side_effects;
+mod solid;
 mod studio;
 mod study_errors;
 mod study_files;

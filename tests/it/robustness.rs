@@ -179,6 +179,7 @@ impl Trial {
                 certify: true,
                 loads: Vec::new(),
             },
+            compliance: None,
         })
     }
 }

@@ -71,7 +71,11 @@ impl SmallSteps {
                     let first = along.cross(unit(k)).normalised();
                     lines.extend([(at(top), first), (at(top), along.cross(first))]);
                 }
-                Constraint::Revolute { .. } => panic!("struts only"),
+                Constraint::Revolute { .. }
+                | Constraint::BallJoint { .. }
+                | Constraint::AxleTravel { .. } => {
+                    panic!("struts only")
+                }
             }
         }
         let arm = &mechanism.arms[0];

@@ -21,7 +21,7 @@ use crate::mechanism::{LimitCause, PartMeasure, Toggle};
 use crate::model::Drive;
 use crate::model::{PointId, RockerId, Rod};
 use crate::number::Vector3;
-use crate::solve::cause::{dependent_links, nearest_part};
+use crate::solve::cause::{dependent_links, nearest_part, outer_ends};
 use crate::solve::continuation::{Curve, CurvePoint, Moving, PathEnd};
 use crate::solve::{Solver, StationOrder};
 use std::ops::ControlFlow;
@@ -35,7 +35,8 @@ pub struct Limit {
     pub cause: LimitCause,
     /// The part nearest to a singular position, if the mechanism has an arm and a tie rod.
     pub nearest: Option<PartMeasure>,
-    /// Outer ends of the links that are at a dead centre with each other, if that is the reason.
+    /// Outer ends of the links that are at a dead centre with each other, if that is the reason. Of a rigid axle the end of
+    /// the link that holds it at the fold with the largest force.
     pub dependent: Vec<PointId>,
     /// The pose at the fold.
     pub pose: Pose<f64>,
@@ -252,6 +253,7 @@ impl Solver<'_> {
                         LimitCause::DependentLinks => {
                             dependent_links(curve.closure, &at, curve.size)
                         }
+                        LimitCause::AxleFolds => curve.holding_link(&fold).into_iter().collect(),
                         _ => Vec::new(),
                     },
                     pose: fold.pose(),
@@ -267,6 +269,15 @@ impl Solver<'_> {
 }
 
 impl Curve<'_> {
+    /// The outer end of the link with the largest multiplier w of (1), the force that holds the mechanism at the fold.
+    fn holding_link(&self, fold: &CurvePoint) -> Option<PointId> {
+        let ends = outer_ends(self.mechanism).into_iter();
+        let forces = ends.zip(self.fold_multipliers(fold));
+        let links = forces.filter_map(|(end, force)| Some((end?, force.abs())));
+        let largest = links.max_by(|a, b| a.1.total_cmp(&b.1));
+        largest.map(|(end, _)| end)
+    }
+
     /// Derivative of the value at a fold by every point of the design.
     fn fold_gradient(&self, fold: &CurvePoint) -> Vec<Vector3<f64>> {
         let motion: MotionPoint<f64> = self.motion(fold.value());

@@ -301,6 +301,11 @@ impl<T: Scalar> Row<T> {
                 point: row.point,
                 force: row.direction * multiplier,
             },
+            // The far wheel's support; no part of the mechanism carries it.
+            Row::AxleTravel(row) => Reaction::Force {
+                point: row.far(),
+                force: at.spin_axis().zero(),
+            },
         }
     }
 }
@@ -378,9 +383,8 @@ pub fn members(mechanism: &Mechanism, support: Support) -> Vec<Member> {
             // The legs of an arm with a spring on it are bent, and no force along them is the whole.
             Constraint::Link { outer, .. } if sprung_joint(mechanism) == Some(outer) => {}
             Constraint::Link { inner, outer } => {
-                let name = mechanism.name(inner);
                 members.push(Member {
-                    name: name.strip_suffix("_inner").unwrap_or(name).to_owned(),
+                    name: mechanism.link_name(inner).to_owned(),
                     what: Carried::Tension(inner, outer),
                 });
             }
@@ -389,6 +393,8 @@ pub fn members(mechanism: &Mechanism, support: Support) -> Vec<Member> {
                 members.extend(force(mechanism.name(first), first));
                 members.extend(force(mechanism.name(second), second));
             }
+            Constraint::BallJoint { at } => members.extend(force(mechanism.name(at), at)),
+            Constraint::AxleTravel { .. } => {}
         }
     }
     let ends_a_link = |arm: &&Arm| {

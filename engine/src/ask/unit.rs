@@ -34,6 +34,14 @@ pub enum Unit {
     TorquePerAngle,
     /// Frequency, in hertz.
     Frequency,
+    /// Angle per force, in degrees per kilonewton.
+    AnglePerForce,
+    /// Length per force, in length units per kilonewton.
+    LengthPerForce,
+    /// Angle per torque, in degrees per 100 newton metres.
+    AnglePerTorque,
+    /// Force per length, in newtons per millimetre whatever the length unit.
+    Stiffness,
 }
 
 const DEGREES: f64 = 180.0 / PI;
@@ -55,6 +63,10 @@ impl Unit {
             Unit::Torque => "N_m".to_owned(),
             Unit::TorquePerAngle => "N_m_per_deg".to_owned(),
             Unit::Frequency => "Hz".to_owned(),
+            Unit::AnglePerForce => "deg_per_kN".to_owned(),
+            Unit::LengthPerForce => format!("{length}_per_kN"),
+            Unit::AnglePerTorque => "deg_per_100_N_m".to_owned(),
+            Unit::Stiffness => "N_per_mm".to_owned(),
         }
     }
 
@@ -65,6 +77,10 @@ impl Unit {
             Unit::LengthPerAngle => 1.0 / DEGREES,
             Unit::Torque => 1.0 / length.per_metre(),
             Unit::TorquePerAngle => 1.0 / (length.per_metre() * DEGREES),
+            Unit::AnglePerForce => 1000.0 * DEGREES,
+            Unit::LengthPerForce => 1000.0,
+            Unit::AnglePerTorque => 100.0 * length.per_metre() * DEGREES,
+            Unit::Stiffness => length.per_metre() / 1000.0,
             Unit::Length
             | Unit::AnglePerAngle
             | Unit::Percent

@@ -19,8 +19,7 @@ impl Member {
         let links = mechanism.constraints.iter().enumerate();
         let links = links.filter_map(|(number, constraint)| match *constraint {
             Constraint::Link { inner, .. } => {
-                let name = mechanism.name(inner);
-                let name = name.strip_suffix("_inner").unwrap_or(name);
+                let name = mechanism.link_name(inner);
                 Some((name.to_owned(), Member::Link(number)))
             }
             _ => None,

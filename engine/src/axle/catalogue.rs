@@ -3,7 +3,7 @@
 //! Beside these every wheel characteristic of [`crate::characteristics`] is a quantity of either wheel, but
 //! for the corner's `roll_centre_height`, which gives way to the axle's.
 
-use super::formulas::{loads, roll, steering};
+use super::formulas::{loads, rigid, roll, steering};
 use super::reading::WheelParts;
 use super::state::AxleState;
 use crate::ask::{Info, Need, NoValue, Unit};
@@ -18,6 +18,8 @@ const RATIO: Unit = Unit::Ratio;
 
 const ISO: &str = "ISO 8855";
 const VELOCITIES: &str = "velocities of the contact points; agrees with the statics of the links";
+const LINK_LOADS: &str =
+    "virtual work along both travels of the axle; agrees with the statics of the links";
 const VIRTUAL_WORK: &str = "virtual work of springs and anti-roll bar; parts weigh nothing";
 
 /// Defines the catalogue. A line has, in this order: variant, name, unit, meaning of a positive value, formula, source,
@@ -170,6 +172,14 @@ catalogue! {
         RollStiffnessAtLoad, "roll_stiffness_at_load", Unit::TorquePerAngle, "always", "d roll_moment/d phi on a plane ground, the sum of the wheel loads and the rack held", VIRTUAL_WORK, [WheelRadius, SpringForce], [SpringLength, BarAngle], 2, false, one_by_one, loads::roll_stiffness_at_load, None;
         RideRate, "ride_rate", Unit::ForcePerLength, "always", "d(F_l + F_r)/d heave/2, per wheel, in series with the tyre where [tyre] gives its rate: rack held, on a plane ground the roll angle too, on pads equal travels", VIRTUAL_WORK, [WheelRadius, SpringForce], [SpringLength, BarAngle], 2, false, one_by_one, loads::ride_rate, None;
         RideFrequency, "ride_frequency", Unit::Frequency, "always", "sqrt(2 ride_rate/sprung mass)/(2 pi)", "natural frequency of the sprung mass in heave", [WheelRadius, SpringForce, SprungMass], [SpringLength, BarAngle], 2, false, one_by_one, loads::ride_frequency, None;
+        AxleSteer, "axle_steer", ANGLE, "to the left", "atan2(-a_x, a_y), a the line of a solid axle", "kinematics of a solid axle", [], [], 0, false, one_by_one, rigid::axle_steer, None;
+        AxleLateral, "axle_lateral", LENGTH, "to the left", "y of the middle of both wheel centres, from the design position of a solid axle", "kinematics of a solid axle", [], [], 0, false, one_by_one, rigid::axle_lateral, None;
+        AxleLongitudinal, "axle_longitudinal", LENGTH, "forward", "x of the middle of both wheel centres, from the design position of a solid axle", "kinematics of a solid axle", [], [], 0, false, one_by_one, rigid::axle_longitudinal, None;
+        PinionAngle, "pinion_angle", ANGLE, "nose up", "atan2(R_zx, R_xx), R the rotation of a solid axle from the design position", "kinematics of a solid axle", [], [], 0, false, one_by_one, rigid::pinion_angle, None;
+        RigidAntiSquat, "anti_squat", PERCENT, "the rear resists squatting under drive", "of a solid axle: 100 d (L/h)(f_l + f_r), f the loads that balance a unit drive force, half at each wheel", LINK_LOADS, [WheelRadius, Wheelbase, CgHeight, RearDrive], [], 1, false, one_by_one, rigid::anti_squat, None;
+        RigidAntiLift, "anti_lift", PERCENT, "the rear resists lifting in braking, or a driven front under drive", "of a solid axle: 100 p (L/h)(f_l + f_r) at the rear, -100 d (L/h)(f_l + f_r) in front", LINK_LOADS, [WheelRadius, Wheelbase, CgHeight, RearBrakingOrFrontDrive], [], 1, false, one_by_one, rigid::anti_lift, None;
+        RigidAntiDive, "anti_dive", PERCENT, "the front resists diving in braking", "of a solid axle: -100 p (L/h)(f_l + f_r)", LINK_LOADS, [WheelRadius, Wheelbase, CgHeight, FrontBraking], [], 1, false, one_by_one, rigid::anti_dive, None;
+        DriveLoadTransfer, "drive_load_transfer", RATIO, "the right wheel gains load under drive", "of a solid axle: (f_r - f_l)/2 for a unit drive force; the torque of the propeller shaft is left out", LINK_LOADS, [WheelRadius, RearDrive], [], 1, false, one_by_one, rigid::drive_load_transfer, None;
         WheelHopFrequency, "wheel_hop_frequency", Unit::Frequency, "always", "sqrt(2 (wheel_rate + tyre rate)/unsprung mass)/(2 pi), wheel_rate the mean of both", "natural frequency of the wheels, the body held", [WheelRadius, SpringForce, TyreRate, UnsprungMass], [SpringLength, BarAngle], 2, false, one_by_one, loads::wheel_hop_frequency, None;
     }
 }
@@ -202,6 +212,40 @@ impl Quantity {
         let own = AxleQuantity::ALL.iter().find(|q| q.info().name == name);
         found.extend(own.map(|q| Quantity::Axle(*q)));
         found
+    }
+
+    /// Returns true if an axle has it that is rigid, or one that is not. A derivative by a wheel's own travel means nothing
+    /// for a rigid axle.
+    pub fn is_of(self, rigid: bool) -> bool {
+        use AxleQuantity as A;
+        use WheelQuantity as W;
+        match self {
+            Quantity::Corner(_, c) => !rigid || c.info().rate_order == 0,
+            Quantity::Wheel(_, q) => {
+                let by_own_travel = [W::JackingCoefficient, W::SideForceJacking, W::WheelRate];
+                !(rigid && by_own_travel.contains(&q))
+            }
+            Quantity::Axle(
+                A::AckermannError
+                | A::Ackermann
+                | A::AckermannByInner
+                | A::AckermannByCotangents
+                | A::TurningCircle
+                | A::SteeringRatio
+                | A::WheelHopFrequency,
+            ) => !rigid,
+            Quantity::Axle(
+                A::AxleSteer
+                | A::AxleLateral
+                | A::AxleLongitudinal
+                | A::PinionAngle
+                | A::RigidAntiSquat
+                | A::RigidAntiLift
+                | A::RigidAntiDive
+                | A::DriveLoadTransfer,
+            ) => rigid,
+            Quantity::Axle(_) => true,
+        }
     }
 
     /// Every name a study may ask for.

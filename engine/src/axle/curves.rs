@@ -271,6 +271,10 @@ impl WheelCurves {
             let placed = solver.place(placement)?;
             return Ok((placed, solver.read(&placed)?));
         };
+        if solver.is_rigid() {
+            let placed = solver.place(placement)?;
+            return Ok((placed, solver.read(&placed)?));
+        }
         if self.rack != Some(rack) {
             self.travels = match &course.wheels {
                 WheelMotion::Heave(values) => [values.clone(), values.clone()],
@@ -360,7 +364,8 @@ fn gradients<const N: usize>(
     station: usize,
 ) -> Result<Vec<Sensitivity>, NoPose> {
     let mut found = Vec::new();
-    let is_own = axle.right.is_some();
+    // Derivatives of a rigid axle are by the left half, which the right one follows.
+    let is_own = axle.right.is_some() && !axle.is_rigid();
     let values = columns.iter().enumerate().filter(|(_, c)| c.by.is_none());
     let sought = values.filter_map(|(column, c)| match c.of {
         Of::Quantity(quantity) => Some((column, Sought::Quantity(quantity))),

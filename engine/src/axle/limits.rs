@@ -1,24 +1,39 @@
 //! How far an axle goes: each wheel's travel, the rack that both are on, and roll.
 //!
 //! With the rack held and both wheel centres at travels heave +- s, roll goes on until the first wheel comes to
-//! the end of its travel. The roll angle there is that of the plane under both wheels.
+//! the end of its travel. A rigid axle rolls until its links fold. The roll angle there is that of the plane under both wheels.
 
 use super::Axle;
 use super::solver::{AxleSolver, Placement};
 use crate::analyse::{Range, RangeEnd};
 use crate::mechanism::{DesignFault, Pose};
-use crate::model::Side;
+use crate::model::{AxleTravel, Drive, Side};
+use crate::solve::Solver;
 
 /// How far an axle goes from its design position.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AxleLimits {
-    /// Travel of the left and of the right wheel, the rack in the middle.
-    pub travels: [Range; 2],
+    /// Ranges of the travels.
+    pub travels: TravelRanges,
     /// The least and the largest displacement of the rack towards the left wheel's outside, at zero travel. `None` if
     /// nothing is on the rack.
     pub rack: Option<[AxleEnd; 2]>,
     /// The least and the largest roll angle (radians) at zero heave, the rack in the middle. `None` if it is not known.
     pub roll: [Option<AxleEnd>; 2],
+}
+
+/// How far the wheels of an axle travel from the design position.
+#[derive(Clone, Debug, PartialEq)]
+pub enum TravelRanges {
+    /// Travel of the left and of the right wheel, each by itself, the rack in the middle.
+    OfWheels([Range; 2]),
+    /// Travels of a rigid axle.
+    OfAxle {
+        /// Mean travel with equal travels of both wheels.
+        heave: Range,
+        /// Half the travel of the left wheel minus that of the right one, at zero mean travel.
+        half_difference: Range,
+    },
 }
 
 /// The end of an axle's range: where the first wheel comes to an end.
@@ -69,11 +84,28 @@ impl<const N: usize> AxleSolver<'_, N> {
         };
         let upper = roll([&left.lower, &right.upper]);
         let lower = roll([&left.upper, &right.lower]);
+        let roll = [lower, upper];
+        let travels = match self.is_rigid() {
+            false => TravelRanges::OfWheels([left, right]),
+            true => TravelRanges::OfAxle {
+                heave: self.heave_range()?,
+                half_difference: left,
+            },
+        };
         Ok(AxleLimits {
-            travels: [left, right],
+            travels,
             rack,
-            roll: [lower, upper],
+            roll,
         })
+    }
+
+    /// The range of the mean travel of a rigid axle, with equal travels of both wheels.
+    fn heave_range(&self) -> Result<Range, (Side, DesignFault)> {
+        let [left, _] = self.designs();
+        let mechanism = self.axle.left.mechanism.holding(AxleTravel::Difference);
+        let solver = Solver::new(&mechanism, &left);
+        let limits = solver.and_then(|mut solver| solver.drive_range(Drive::Travel, 0.0));
+        limits.map_err(|fault| (Side::Left, fault))
     }
 
     /// The roll angle where the first wheel, at half the difference of travels that is the end's value, comes to its end.

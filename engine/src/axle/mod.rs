@@ -36,12 +36,12 @@ pub use curves::{AxleCurves, AxlePlan, axle_curves};
 pub use force_ends::{BeyondCurve, ForcePart};
 pub use frames::axle_frames;
 pub use lanes::LaneWheel;
-pub use limits::{AxleEnd, AxleLimits};
+pub use limits::{AxleEnd, AxleLimits, TravelRanges};
 pub use reading::{Moving, Parts, Reading, Snapshot, WheelParts};
 pub use setup::Setup;
 pub use solver::{AxleSolver, Placed, Placement, Read, WheelRead};
 pub use spring::{BumpStop, ForceCurve, Law, SpringLaw};
-pub use state::{AxleState, Hold, Motion, WheelState};
+pub use state::{AxleState, Carriers, Hold, Motion, WheelState};
 pub use taylor::{Line, Taylor};
 
 use crate::ask::Need;
@@ -71,6 +71,11 @@ impl Axle {
         }
     }
 
+    /// Returns true if one body carries both wheels.
+    pub fn is_rigid(&self) -> bool {
+        self.left.mechanism.rigid_axle.is_some()
+    }
+
     /// Why the design of a wheel cannot be solved, in words with the names of its points.
     pub fn describe_fault(&self, (side, fault): (Side, DesignFault)) -> String {
         let mechanism = &self.suspension(side).mechanism;
@@ -94,13 +99,29 @@ impl Axle {
     ) -> Option<impl Iterator<Item = Vector3<f64>>> {
         let own = self.right.as_ref()?.design.iter();
         let ways = self.left.design.iter().zip(left);
+        let whole = self.left.mechanism.rigid_axle.as_ref().map(|rigid| {
+            let mut whole = left.to_vec();
+            rigid.complete(&self.left.design, &mut whole);
+            let mut right = whole.clone();
+            rigid.turn_over(&whole, &mut right);
+            right
+        });
         Some(
             own.zip(ways)
-                .map(|(own, (before, now))| match own == before {
-                    true => *now,
-                    false => *own + (*now - *before),
+                .enumerate()
+                .map(move |(number, (own, (before, now)))| match &whole {
+                    Some(right) => right[number],
+                    None if own == before => *now,
+                    None => *own + (*now - *before),
                 }),
         )
+    }
+
+    /// Completes a left design whose points were moved: the far half of a rigid axle follows the near half.
+    pub fn complete(&self, left: &mut [Vector3<f64>]) {
+        if let Some(rigid) = &self.left.mechanism.rigid_axle {
+            rigid.complete(&self.left.design, left);
+        }
     }
 
     /// The axle with other wheels of the same topology at rest; `right` is `None` for a mirror image. The springs are the
@@ -145,9 +166,17 @@ impl Axle {
         }
     }
 
+    /// The quantities of a name that this axle has, left before right; empty where there is none.
+    pub fn quantities(&self, name: &str) -> Vec<Quantity> {
+        let mut found = Quantity::named(name);
+        found.retain(|quantity| quantity.is_of(self.is_rigid()));
+        found
+    }
+
     /// Returns true if the study gives everything that a quantity requires.
     pub fn has(&self, quantity: Quantity) -> bool {
-        quantity.info().needs.iter().all(|need| self.meets(*need))
+        quantity.is_of(self.is_rigid())
+            && quantity.info().needs.iter().all(|need| self.meets(*need))
     }
 
     /// The rockers that quantities move with, on one side.

@@ -9,14 +9,14 @@ use super::adjoint::{add_gradient, inputs_on_tape};
 use super::at_load::LOAD_TERMS;
 use super::reading::{Parts, Reading, Snapshot, WheelParts, along};
 use super::setup::Setup;
-use super::state::{AxleState, Hold, Motion};
+use super::state::{AxleState, Carriers, Hold, Motion};
 use super::taylor::{Line, Taylor};
 use super::{Axle, Quantity};
 use crate::analyse::{Balance, Certifier, Limits, Support};
 use crate::ask::NoValue;
 use crate::derive::{DesignSeries, Linearised, MotionPoint};
 use crate::mechanism::{Configuration, DesignFault, Failure, Ground, NoPose, Pose, Unproven};
-use crate::model::{Axis, Drive, Mechanism, PointId, RockerId, Rod, Side};
+use crate::model::{Axis, AxleTravel, Drive, Mechanism, PointId, RigidAxle, RockerId, Rod, Side};
 use crate::number::{Jet, Tape, Vector3};
 use crate::solve::{Solver, StationOrder, Toggles};
 use std::ops::ControlFlow;
@@ -150,7 +150,8 @@ struct Corner<'a, const N: usize> {
     /// Series of poses along the travel, for heights of contact points.
     slopes: DesignSeries<TERMS>,
     series: DesignSeries<N>,
-    /// 1, or -1 for the right wheel, in whose own frame the rack moves the other way.
+    /// 1, or -1 for the right wheel, in whose own frame the rack moves the other way. (The mean travel of a rigid axle takes
+    /// the rack's place and is the same at both wheels.)
     rack_sign: f64,
     toggles: Toggles,
     /// Rack displacement, in this wheel's own frame, that `toggles` has begun with; `None` before the first.
@@ -182,6 +183,8 @@ pub struct AxleSolver<'a, const N: usize> {
     pub(super) loads: Option<Box<AxleSolver<'a, LOAD_TERMS>>>,
     parts: Parts,
     lines: &'static [Line],
+    /// Both designs of a rigid axle, complete.
+    whole: [Vec<Vector3<f64>>; 2],
     tape: Tape,
     adjoints: Vec<f64>,
     buffer: Vec<Vector3<Jet<f64, N>>>,
@@ -264,7 +267,10 @@ impl<'a, const N: usize> Corner<'a, N> {
             slopes: DesignSeries::new(mechanism, design).with_steering_axis(false),
             series: DesignSeries::new(mechanism, design)
                 .with_steering_axis(parts.contain_steering_axis()),
-            rack_sign: side.sign(),
+            rack_sign: match &mechanism.rigid_axle {
+                Some(rigid) if rigid.held == AxleTravel::Mean => 1.0,
+                _ => side.sign(),
+            },
             toggles: Toggles::of(mechanism, rockers.iter().copied()),
             begun: None,
             ends: Vec::new(),
@@ -302,8 +308,15 @@ impl<'a, const N: usize> Corner<'a, N> {
         Ok(())
     }
 
-    /// The failure of this wheel at a travel.
+    /// The failure of this wheel at a travel; of a rigid axle, whose mean travel is held, at its drive.
     fn fails(&self, travel: f64, failure: Failure) -> NoPose {
+        if self.mechanism.rigid_axle.is_some() {
+            return NoPose::RigidAxle {
+                difference: 2.0 * travel * self.side.sign(),
+                failure,
+                side: self.side,
+            };
+        }
         NoPose::Wheel {
             side: self.side,
             travel,
@@ -482,7 +495,17 @@ fn heaving<const N: usize>(
         Sought::Point(side, id, axis) => {
             let place = linearised[side as usize][0].at.point(id)[axis];
             let by_travel = place.0.get(1).copied().unwrap_or(f64::NAN);
-            state.along(Motion::Heave, side, [by_travel, 0.0])
+            // Of a rigid axle the second line is that of the held travel.
+            let by_rack = match (state.carriers.is_rigid(), linearised[side as usize].get(1)) {
+                (false, _) => 0.0,
+                (true, None) => f64::NAN,
+                (true, Some(line)) => line.at.point(id)[axis]
+                    .0
+                    .get(1)
+                    .copied()
+                    .unwrap_or(f64::NAN),
+            };
+            state.along(Motion::Heave, side, [by_travel, by_rack])
         }
     }
 }
@@ -578,7 +601,12 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
             corners,
             setup: &axle.setup,
             parts,
-            lines: Line::needed(degree_with_rack),
+            lines: Line::needed(match axle.is_rigid() {
+                // Each wheel moves with both travels.
+                true => N - 1,
+                false => degree_with_rack,
+            }),
+            whole: Default::default(),
             tape: Tape::default(),
             adjoints: Vec::new(),
             buffer: vec![zero.map(Jet::constant); points],
@@ -629,6 +657,57 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
 
     /// Takes over other designs of the same mechanisms, each in the frame of its side.
     pub fn prepare(&mut self, designs: [&[Vector3<f64>]; 2]) -> Result<(), (Side, DesignFault)> {
+        let Some(rigid) = self.rigid() else {
+            return self.prepare_whole(designs);
+        };
+        let mut whole = std::mem::take(&mut self.whole);
+        for design in &mut whole {
+            design.clear();
+            design.extend_from_slice(designs[0]);
+        }
+        let [left, right] = &mut whole;
+        rigid.complete(&self.axle.left.design, left);
+        rigid.turn_over(left, right);
+        let prepared = self.prepare_whole([left, right]);
+        self.whole = whole;
+        prepared
+    }
+
+    /// Returns true if one body carries both wheels.
+    pub(super) fn is_rigid(&self) -> bool {
+        self.axle.is_rigid()
+    }
+
+    /// The far half, if one body carries both wheels.
+    fn rigid(&self) -> Option<&'a RigidAxle> {
+        self.axle.left.mechanism.rigid_axle.as_ref()
+    }
+
+    /// Drive and rack of each wheel, in its own frame, at these travels. A rigid axle has its two travels there.
+    fn coordinates(&self, travels: [f64; 2], rack: f64) -> [(f64, f64); 2] {
+        let [left, right] = travels;
+        match self.rigid() {
+            None => [0, 1].map(|side| (travels[side], rack * self.corners[side].rack_sign)),
+            Some(rigid) => {
+                let (mean, difference) = (0.5 * (left + right), 0.5 * (left - right));
+                match rigid.held {
+                    AxleTravel::Mean => [(difference, mean), (-difference, mean)],
+                    AxleTravel::Difference => [(mean, difference), (mean, -difference)],
+                }
+            }
+        }
+    }
+
+    /// Drive of both wheels and rack when the axle stands level at `heave`. Roll moves the drives of the wheels
+    /// oppositely.
+    fn level(&self, heave: f64, rack: f64) -> (f64, f64) {
+        match self.rigid() {
+            Some(_) => (0.0, heave),
+            None => (heave, rack),
+        }
+    }
+
+    fn prepare_whole(&mut self, designs: [&[Vector3<f64>]; 2]) -> Result<(), (Side, DesignFault)> {
         for (corner, design) in self.corners.iter_mut().zip(designs) {
             let side = corner.side;
             corner.prepare(design).map_err(|fault| (side, fault))?;
@@ -648,10 +727,11 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
     pub fn place_all(&mut self, placements: &[Placement]) -> Vec<Result<Placed, NoPose>> {
         let mut by_rack: Vec<(f64, Vec<usize>)> = Vec::new();
         for (number, placement) in placements.iter().enumerate() {
-            if let Placement::Roll { rack, .. } = placement {
-                match by_rack.iter_mut().find(|(known, _)| known == rack) {
+            if let Placement::Roll { heave, rack, .. } = *placement {
+                let (_, rack) = self.level(heave, rack);
+                match by_rack.iter_mut().find(|(known, _)| *known == rack) {
                     Some((_, numbers)) => numbers.push(number),
-                    None => by_rack.push((*rack, vec![number])),
+                    None => by_rack.push((rack, vec![number])),
                 }
             }
         }
@@ -692,6 +772,8 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         struct Open {
             number: usize,
             heave: f64,
+            /// Drive of both wheels at this heave and no roll.
+            level: f64,
             roll: f64,
             half: f64,
         }
@@ -700,9 +782,10 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         let open = numbers
             .iter()
             .filter_map(|number| match placements[*number] {
-                Placement::Roll { heave, roll, .. } => Some(Open {
+                Placement::Roll { heave, roll, rack } => Some(Open {
                     number: *number,
                     heave,
+                    level: self.level(heave, rack).0,
                     roll,
                     half: self.straight_half(roll),
                 }),
@@ -714,7 +797,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
                 return;
             }
             let travels = |sign: f64| -> Vec<f64> {
-                let travel = |at: &Open| at.heave + sign * at.half;
+                let travel = |at: &Open| at.level + sign * at.half;
                 open.iter().map(travel).collect()
             };
             let ground = |station: usize| Ground::rolled(open[station].roll);
@@ -737,7 +820,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
                     found[at.number] = Some(Placed {
                         travels: [at.heave + half, at.heave - half],
                         roll: at.roll,
-                        rack,
+                        rack: placements[at.number].rack(),
                         hold: Hold::MeanTravel,
                         at_load: None,
                         poses: [left.moved(step), right.moved(-step)],
@@ -765,10 +848,11 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
             Placement::Travels {
                 travels, on_plane, ..
             } => {
+                let coordinates = self.coordinates(travels, rack);
                 let mut pose = |side: Side| {
                     let corner = &mut self.corners[side as usize];
-                    let rack = rack * corner.rack_sign;
-                    corner.at(travels[side as usize], rack, |_, _, pose| Ok(*pose))
+                    let (drive, rack) = coordinates[side as usize];
+                    corner.at(drive, rack, |_, _, pose| Ok(*pose))
                 };
                 let poses = both(pose(Side::Left), pose(Side::Right))?;
                 let roll = match on_plane {
@@ -799,14 +883,15 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         let radius = self.radius();
         let size = self.corners[0].solver.size();
         let mut half = self.straight_half(roll);
+        let (level, rack) = self.level(heave, rack);
         // Where both wheels stood last, which a step may go back towards.
         let mut reached = None;
         let mut smallest = f64::INFINITY;
         for _ in 0..MOST_STEPS {
             let [left, right] = &mut self.corners;
             let found = both(
-                left.height(heave + half, rack, ground, radius),
-                right.height(heave - half, rack, ground.mirrored(), radius),
+                left.height(level + half, rack, ground, radius),
+                right.height(level - half, rack, ground.mirrored(), radius),
             );
             // Where a wheel falls by its travel, both are beyond the position wanted. NaN falls.
             let found = found.and_then(|[l, r]| match l.height[1] > 0.0 && r.height[1] > 0.0 {
@@ -877,10 +962,11 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
     /// Reads a position.
     pub fn read(&mut self, placed: &Placed) -> Result<Read<'a>, NoPose> {
         let (lines, parts) = (self.lines, self.parts);
+        let coordinates = self.coordinates(placed.travels, placed.rack);
         let mut wheel = |side: Side| {
             let corner = &mut self.corners[side as usize];
-            let (travel, pose) = (placed.travels[side as usize], &placed.poses[side as usize]);
-            let rack = placed.rack * corner.rack_sign;
+            let (travel, rack) = coordinates[side as usize];
+            let pose = &placed.poses[side as usize];
             let found = corner.begin(rack).map_err(|_| Failure::Singular);
             let found = found.and_then(|()| corner.read(pose, travel, rack, (lines, &parts)));
             found.map_err(|failure| corner.fails(travel, failure))
@@ -975,6 +1061,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
             ground: Ground::rolled(placed.roll).map(|c| like.lit(c)),
             roll: like.lit(placed.roll),
             hold: placed.hold,
+            carriers: Carriers::of(self.axle),
             setup: self.setup,
         }
     }
@@ -1005,6 +1092,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
             None => None,
         };
         let (lines, parts) = (self.lines, self.parts);
+        let coordinates = self.coordinates(placed.travels, placed.rack);
         let plain = self.read(placed)?.state;
         let slopes = {
             let [left, right] = plain.wheels().map(|wheel| wheel.rise());
@@ -1013,9 +1101,9 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         let mut linearised = [Vec::new(), Vec::new()];
         for (corner, linearised) in self.corners.iter().zip(&mut linearised) {
             let pose = &placed.poses[corner.side as usize];
-            let travel = placed.travels[corner.side as usize];
+            let (travel, rack) = coordinates[corner.side as usize];
             for line in lines {
-                let motion = along::<N>(line, travel, placed.rack * corner.rack_sign);
+                let motion = along::<N>(line, travel, rack);
                 let found = corner.solver.linearised(&corner.series, pose, &motion);
                 linearised.push(found.map_err(|failure| corner.fails(travel, failure))?);
             }
@@ -1075,7 +1163,11 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
                     }
                 }
             }
-            let [left, right] = &self.gradients;
+            let rigid = self.axle.left.mechanism.rigid_axle.as_ref();
+            let [left, right] = &mut self.gradients;
+            if let Some(rigid) = rigid {
+                rigid.gather([left, right]);
+            }
             receive(number, [left, right]);
         }
         Ok(())

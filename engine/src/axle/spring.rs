@@ -1,16 +1,16 @@
 //! The force of a spring with its bump stop.
 
-use crate::number::Scalar;
+use crate::number::{Jet, Scalar};
 
 /// Force over length, positive in compression.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Law {
+pub enum Law<T = f64> {
     /// `force` in the design position, growing by `rate` per length that the spring is shortened.
     Linear {
         /// Force in the design position.
-        force: f64,
+        force: T,
         /// Force per length.
-        rate: f64,
+        rate: T,
     },
     /// A curve through points of length and force.
     Curve(ForceCurve),
@@ -18,9 +18,9 @@ pub enum Law {
 
 /// A spring, and the bump stop that acts beside it.
 #[derive(Clone, Debug, PartialEq)]
-pub struct SpringLaw {
+pub struct SpringLaw<T = f64> {
     /// The spring.
-    pub spring: Law,
+    pub spring: Law<T>,
     /// The bump stop, over how far it is compressed.
     pub bump_stop: Option<BumpStop>,
 }
@@ -34,12 +34,27 @@ pub struct BumpStop {
     pub curve: ForceCurve,
 }
 
-impl SpringLaw {
-    /// The force at a length, the length in the design position being `design`.
-    pub fn force<T: Scalar>(&self, length: T, design: T) -> T {
+impl<T: Copy> SpringLaw<T> {
+    /// The law over another kind of number.
+    pub fn map<U>(&self, f: impl Fn(T) -> U) -> SpringLaw<U> {
+        SpringLaw {
+            spring: match &self.spring {
+                Law::Linear { force, rate } => Law::Linear {
+                    force: f(*force),
+                    rate: f(*rate),
+                },
+                Law::Curve(curve) => Law::Curve(curve.clone()),
+            },
+            bump_stop: self.bump_stop.clone(),
+        }
+    }
+
+    /// The force at a length in numbers to which `over` takes those of the law.
+    #[inline(always)]
+    fn force_over<U: Scalar>(&self, length: U, design: U, over: impl Fn(T) -> U) -> U {
         let shortened = design - length;
         let spring = match &self.spring {
-            Law::Linear { force, rate } => length.lit(*force) + length.lit(*rate) * shortened,
+            Law::Linear { force, rate } => over(*force) + over(*rate) * shortened,
             Law::Curve(curve) => curve.at(length),
         };
         match &self.bump_stop {
@@ -48,6 +63,29 @@ impl SpringLaw {
             }
             _ => spring,
         }
+    }
+}
+
+impl<T: Scalar> SpringLaw<T> {
+    /// Force and rate (force per shortening) at a length, the length in the design position being `design`.
+    #[inline(always)]
+    pub(crate) fn at(&self, length: T, design: T) -> (T, T) {
+        let series = Jet([length, -length.one()]);
+        let force = self.force_over(series, Jet::constant(design), Jet::constant);
+        (force[0], force[1])
+    }
+
+    /// Returns true if the bump stop is in touch at a length.
+    pub(crate) fn meets_stop(&self, length: T, design: T) -> bool {
+        let stop = self.bump_stop.as_ref();
+        stop.is_some_and(|stop| (design - length).value() > stop.gap)
+    }
+}
+
+impl SpringLaw {
+    /// The force at a length, the length in the design position being `design`.
+    pub fn force<T: Scalar>(&self, length: T, design: T) -> T {
+        self.force_over(length, design, |c| length.lit(c))
     }
 
     /// The law of the same parts in a design whose spring is shorter by `shortened`: the force there is that of this
@@ -163,6 +201,49 @@ mod tests {
         }
         assert!(ForceCurve::through(&points[..1]).is_none());
         assert!(ForceCurve::through(&[[1.0, 0.0], [1.0, 2.0]]).is_none());
+    }
+
+    /// Between points the curve is Hermite's cubic with the slopes of Fritsch and Butland; beyond the ends it is straight.
+    #[test]
+    fn a_curve_has_the_slopes_of_fritsch_and_butland() {
+        let points = [
+            [-3.0, -50.0],
+            [1.0, 10.0],
+            [3.5, 250.0],
+            [4.0, 240.0],
+            [6.0, 300.0],
+        ];
+        let curve = ForceCurve::through(&points).unwrap();
+        let secant = |i: usize| {
+            let [[a, left], [b, right]] = [points[i], points[i + 1]];
+            (right - left) / (b - a)
+        };
+        let slope = |i: usize| match i {
+            0 => secant(0),
+            4 => secant(3),
+            // The curve turns at these points.
+            2 | 3 => 0.0,
+            _ => {
+                let (h, k) = (4.0, 2.5);
+                3.0 * (h + k) / ((2.0 * k + h) / secant(0) + (k + 2.0 * h) / secant(1))
+            }
+        };
+        for i in 0..4 {
+            let [[a, left], [b, right]] = [points[i], points[i + 1]];
+            let h = b - a;
+            for t in [0.125, 0.5, 0.75] {
+                let s = 1.0 - t;
+                let ends = left * (1.0 + 2.0 * t) * s * s + right * t * t * (1.0 + 2.0 * s);
+                let expected = ends + h * t * s * (s * slope(i) - t * slope(i + 1));
+                let found = curve.at(a + t * h);
+                assert!(
+                    (found - expected).abs() < 1e-10,
+                    "{i} {t}: {found} {expected}"
+                );
+            }
+        }
+        assert_eq!(curve.at(-5.0), -50.0 - 2.0 * secant(0));
+        assert_eq!(curve.at(7.0), 300.0 + secant(3));
     }
 
     #[test]

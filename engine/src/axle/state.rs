@@ -13,15 +13,23 @@
 //!
 //! since C is the lowest point: its own motion in the wheel does not change its height.
 //!
+//! A rigid axle moves each wheel with both travels. With C_b,d and C_b,h the velocities of the carrier's point at contact
+//! point b by the wheel's own share of the difference (d z_own = -d z_other) and by the mean travel, F above is made of
+//! C_b,d, and
+//!
+//! ```text
+//! heave       z_l' = 1 + D,  z_r' = 1 - D        D = -(n.C_l,h - n.C_r,h)/F
+//! ```
+//!
 //! A position on a plane may be asked for by its roll angle and mean travel, by both travels, or at a load. Derivatives
 //! along [`Motion::Rack`] depend on that, since they hold what the station gives. Formulas of the catalogue must not: they
 //! use the other motions.
 
-use super::Quantity;
 use super::reading::{Moving, Reading, WheelParts};
 use super::setup::Setup;
+use super::{Axle, Quantity};
 use crate::mechanism::Ground;
-use crate::model::Side;
+use crate::model::{AxleTravel, Side};
 use crate::number::{Jet, Real, Vector3, outlined};
 
 /// What is held, so that a displacement of the rack, a heave or a roll means one motion.
@@ -33,6 +41,48 @@ pub enum Hold {
     TravelsOnPlane,
     /// Both travels, the body level, each wheel on a level pad.
     TravelsOnPads,
+}
+
+/// Bodies that carry the wheels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Carriers {
+    /// Each wheel has its own carrier, which moves with its own travel and the rack.
+    Independent,
+    /// One body carries both wheels. Readings are functions of its two travels: the one that is not held first, then, in
+    /// the place of the rack, the held one.
+    Rigid(AxleTravel),
+}
+
+impl Carriers {
+    /// The carriers of an axle.
+    pub(crate) fn of(axle: &Axle) -> Self {
+        match &axle.left.mechanism.rigid_axle {
+            Some(rigid) => Carriers::Rigid(rigid.held),
+            None => Carriers::Independent,
+        }
+    }
+
+    /// Returns true if one body carries both wheels.
+    #[inline(always)]
+    pub fn is_rigid(self) -> bool {
+        self != Carriers::Independent
+    }
+
+    /// Powers of a first derivative by the wheel's own share of the difference of travels, for a rigid axle.
+    #[inline(always)]
+    pub(crate) fn by_difference(self) -> [usize; 2] {
+        match self {
+            Carriers::Rigid(AxleTravel::Difference) => [0, 1],
+            _ => [1, 0],
+        }
+    }
+
+    /// Powers of a first derivative by the mean travel, for a rigid axle.
+    #[inline(always)]
+    pub(crate) fn by_mean(self) -> [usize; 2] {
+        let [travel, rack] = self.by_difference();
+        [rack, travel]
+    }
 }
 
 /// A motion of the axle.
@@ -80,6 +130,8 @@ pub struct WheelState<'s, T, W = Reading<T>> {
     pub ground: Ground<T>,
     /// Its loaded radius; NaN where the study gives none.
     pub radius: f64,
+    /// What carries it.
+    pub carriers: Carriers,
 }
 
 /// An axle in one position.
@@ -93,6 +145,8 @@ pub struct AxleState<'a, T, W = Reading<T>> {
     pub roll: T,
     /// What a motion holds.
     pub hold: Hold,
+    /// What carries the wheels.
+    pub carriers: Carriers,
     /// Figures of the study.
     pub setup: &'a Setup,
 }
@@ -138,6 +192,18 @@ impl<T: Real, W: WheelParts<T>> WheelState<'_, T, W> {
         self.carried_at_contact(self.reading.by_rack())
     }
 
+    /// The velocity at C by the wheel's own share of the difference of travels, of a rigid axle.
+    #[inline(always)]
+    pub fn contact_by_difference(&self) -> Vector3<T> {
+        self.carried_at_contact(self.reading.twist(self.carriers.by_difference()))
+    }
+
+    /// The velocity at C by the mean travel, of a rigid axle.
+    #[inline(always)]
+    pub fn contact_by_mean(&self) -> Vector3<T> {
+        self.carried_at_contact(self.reading.twist(self.carriers.by_mean()))
+    }
+
     /// Velocity at C of a carrier with this velocity of the wheel centre and this angular velocity.
     #[inline(always)]
     fn carried_at_contact(&self, twist: [Vector3<T>; 2]) -> Vector3<T> {
@@ -160,6 +226,18 @@ impl<T: Real, W: WheelParts<T>> WheelState<'_, T, W> {
     #[inline(always)]
     pub fn rise(&self) -> T {
         self.ground.normal().dot(self.contact_velocity())
+    }
+
+    /// The derivative of [`WheelState::height`] by the wheel's own share of the difference of travels, of a rigid axle.
+    #[inline(always)]
+    pub fn rise_by_difference(&self) -> T {
+        self.ground.normal().dot(self.contact_by_difference())
+    }
+
+    /// The derivative of [`WheelState::height`] by the mean travel, of a rigid axle.
+    #[inline(always)]
+    pub fn rise_by_mean(&self) -> T {
+        self.ground.normal().dot(self.contact_by_mean())
     }
 
     /// The derivative of [`WheelState::height`] by the rack.
@@ -196,6 +274,7 @@ impl<'a, T: Real, W: WheelParts<T>> AxleState<'a, T, W> {
                 Side::Right => self.ground.mirrored(),
             },
             radius: self.setup.wheel_radius.unwrap_or(f64::NAN),
+            carriers: self.carriers,
         }
     }
 
@@ -245,7 +324,18 @@ impl<'a, T: Real, W: WheelParts<T>> AxleState<'a, T, W> {
     #[inline(always)]
     fn rises(&self) -> [T; 2] {
         let [left, right] = self.wheels();
-        [left.rise(), right.rise()]
+        match self.carriers {
+            // The contact points of a rigid axle rise by each wheel's own share of the difference.
+            Carriers::Rigid(_) => [left, right].map(|wheel| wheel.rise_by_difference()),
+            Carriers::Independent => [left.rise(), right.rise()],
+        }
+    }
+
+    /// The derivative of [`AxleState::mismatch`] by the mean travel of a rigid axle, the difference held.
+    #[inline(always)]
+    fn mismatch_by_mean(&self) -> T {
+        let [left, right] = self.wheels();
+        left.rise_by_mean() - right.rise_by_mean()
     }
 
     /// The derivative of [`AxleState::mismatch`] by the rack, both travels held. The right wheel's own rack moves the
@@ -272,6 +362,13 @@ impl<'a, T: Real, W: WheelParts<T>> AxleState<'a, T, W> {
                 rates.roll = one;
             }
             (Motion::Heave, Hold::TravelsOnPads) => rates.travel = [one; 2],
+            (Motion::Heave, Hold::MeanTravel | Hold::TravelsOnPlane)
+                if self.carriers.is_rigid() =>
+            {
+                let [left, right] = self.rises();
+                let difference = -self.mismatch_by_mean() / (left + right);
+                rates.travel = [one + difference, one - difference];
+            }
             (Motion::Heave, Hold::MeanTravel | Hold::TravelsOnPlane) => {
                 let [left, right] = self.rises();
                 let share = (one + one) / (left + right);
@@ -298,19 +395,47 @@ impl<'a, T: Real, W: WheelParts<T>> AxleState<'a, T, W> {
         );
         if self.hold == Hold::TravelsOnPlane && is_one_sided {
             let [left, right] = self.rises();
-            rates.roll = -(left * rates.travel[0] - right * rates.travel[1]) / self.track();
+            let [z_left, z_right] = rates.travel;
+            let mismatch = match self.carriers {
+                Carriers::Independent => left * z_left - right * z_right,
+                Carriers::Rigid(_) => {
+                    let (mean, difference) = ((z_left + z_right), (z_left - z_right));
+                    (difference * (left + right) + mean * self.mismatch_by_mean()).scaled(0.5)
+                }
+            };
+            rates.roll = -mismatch / self.track();
         }
         rates
     }
 
+    /// The rates of a wheel's own two variables, in its frame. `None` stands for a second variable at rest.
+    #[inline(always)]
+    fn own_rates(&self, side: Side, rates: &Rates<T>) -> (T, Option<T>) {
+        let [left, right] = rates.travel;
+        match (self.carriers, side) {
+            (Carriers::Independent, Side::Left) => (left, rates.rack),
+            (Carriers::Independent, Side::Right) => (right, rates.rack.map(|rack| -rack)),
+            (Carriers::Rigid(held), side) => {
+                let mean = (left + right).scaled(0.5);
+                let difference = match side {
+                    Side::Left => left - right,
+                    Side::Right => right - left,
+                };
+                let difference = difference.scaled(0.5);
+                match held {
+                    AxleTravel::Mean => (difference, Some(mean)),
+                    AxleTravel::Difference => (mean, Some(difference)),
+                }
+            }
+        }
+    }
+
     /// The derivative along a motion of a number of one wheel, from its derivatives by the wheel's own travel and rack.
     pub fn along(&self, motion: Motion, side: Side, [by_travel, by_rack]: [T; 2]) -> T {
-        let Rates { travel, rack, .. } = self.rates(motion);
-        let by_travel = by_travel * travel[side as usize];
-        match (rack, side) {
-            (None, _) => by_travel,
-            (Some(rack), Side::Left) => by_travel + by_rack * rack,
-            (Some(rack), Side::Right) => by_travel - by_rack * rack,
+        let (travel, rack) = self.own_rates(side, &self.rates(motion));
+        match rack {
+            None => by_travel * travel,
+            Some(rack) => by_travel * travel + by_rack * rack,
         }
     }
 
@@ -318,16 +443,21 @@ impl<'a, T: Real, W: WheelParts<T>> AxleState<'a, T, W> {
     #[inline(always)]
     pub fn moving(&self, motion: Motion) -> AxleState<'a, Jet<T, 2>, Moving<'_, W, T>> {
         // Out of line, since most formulas take derivatives along some motion.
-        let Rates { travel, rack, roll } = outlined!(
+        let rates = outlined!(
             [T: Real, W: WheelParts<T>] self.like();
             state: &'p AxleState<'p, T, W> = self, motion: Motion = motion => Rates<T> { state.rates(motion) }
         );
         let [left, right] = &self.readings;
+        let (of_left, of_right) = (
+            self.own_rates(Side::Left, &rates),
+            self.own_rates(Side::Right, &rates),
+        );
+        let roll = rates.roll;
         let Ground { sine, cosine } = self.ground;
         AxleState {
             readings: [
-                left.moving(travel[0], rack),
-                right.moving(travel[1], rack.map(|rack| -rack)),
+                left.moving(of_left.0, of_left.1),
+                right.moving(of_right.0, of_right.1),
             ],
             ground: Ground {
                 sine: Jet([sine, cosine * roll]),
@@ -335,6 +465,7 @@ impl<'a, T: Real, W: WheelParts<T>> AxleState<'a, T, W> {
             },
             roll: Jet([self.roll, roll]),
             hold: self.hold,
+            carriers: self.carriers,
             setup: self.setup,
         }
     }

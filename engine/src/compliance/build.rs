@@ -6,7 +6,7 @@ use super::floating::Floating;
 use super::law::Law;
 use super::loads::WheelPart;
 use super::parts::{CarrierSeat, Joint, LegSeat, Mount, RodPart};
-use super::point::{RockerSeat, Seat, Spring};
+use super::point::{RockerSeat, Seat};
 use super::swinging::{End, Swinging};
 use super::system::{CarrierBushing, Limb, System};
 use crate::derive::DesignedSpinAxis;
@@ -132,9 +132,8 @@ impl<T: Scalar> Builder<'_, T> {
     /// normal to it.
     fn axes(&self, number: usize, default: Vector3<T>) -> Matrix3<T> {
         let part = &self.compliance.bushings[number];
-        let given = |v: Vector3<f64>| default.lit(v);
-        let x = part.x_axis.map_or(default, given).normalised();
-        let z = part.z_axis.map_or(self.up(), given).across(x).normalised();
+        let x = part.x_axis.unwrap_or(default).normalised();
+        let z = part.z_axis.unwrap_or(self.up()).across(x).normalised();
         Matrix3 {
             columns: [x, z.cross(x), z],
         }
@@ -224,6 +223,9 @@ impl<T: Scalar> Builder<'_, T> {
                 Constraint::Link { inner, outer } => self.link(inner, outer),
                 Constraint::StrutLine { top, lower, upper } => self.strut(top, lower, upper),
                 Constraint::Revolute { first, second } => self.hinge(first, second),
+                Constraint::BallJoint { at } => self.ball_joint(at),
+                // Studies refuse elastic parts of a rigid axle.
+                Constraint::AxleTravel { .. } => {}
             }
         }
     }
@@ -233,8 +235,7 @@ impl<T: Scalar> Builder<'_, T> {
         let at_inner = self.compliance.bushing_at(inner);
         let at_outer = self.compliance.bushing_at(outer);
         let limb = self.system.limbs.len();
-        let name = self.mechanism.name(inner);
-        let name = name.strip_suffix("_inner").unwrap_or(name).to_owned();
+        let name = self.mechanism.link_name(inner).to_owned();
         let rates = [at_inner, at_outer].into_iter().flatten();
         let slope = rates
             .flat_map(|number| self.compliance.bushings[number].shapes.iter().take(3))
@@ -318,8 +319,8 @@ impl<T: Scalar> Builder<'_, T> {
                 let part = &self.compliance.bushings[number];
                 let one = along.x.one();
                 let forward = Vector3::new(one, one.zero(), one.zero());
-                let z = part.z_axis.map_or(along, |v| along.lit(v)).normalised();
-                let x = part.x_axis.map_or(forward, |v| along.lit(v)).across(z);
+                let z = part.z_axis.unwrap_or(along).normalised();
+                let x = part.x_axis.unwrap_or(forward).across(z);
                 let x = x.normalised();
                 let axes = Matrix3 {
                     columns: [x, z.cross(x), z],
@@ -330,10 +331,23 @@ impl<T: Scalar> Builder<'_, T> {
                     along,
                     spring_line: self.at(top) - self.at(lower),
                     bushing: self.bushing(number, axes),
-                    spring: law.map(|law| Spring::new(law, one)),
+                    spring: law.cloned(),
                 }));
                 self.names.push("strut".to_owned());
             }
+        }
+    }
+
+    /// A ball joint of the carrier at the body. It is rigid: it has no place for a bushing.
+    fn ball_joint(&mut self, at: PointId) {
+        let lever = self.on_carrier(at);
+        let (one, zero) = (lever.x.one(), lever.x.zero());
+        for direction in [
+            Vector3::new(one, zero, zero),
+            Vector3::new(zero, one, zero),
+            Vector3::new(zero, zero, one),
+        ] {
+            self.system.joints.push(Joint::Pin { lever, direction });
         }
     }
 
@@ -383,7 +397,7 @@ impl<T: Scalar> Builder<'_, T> {
         if in_strut && self.mechanism.body(spring.upper) == Body::Chassis {
             return;
         }
-        let law = Spring::new(law, self.at(spring.lower).x);
+        let law = law.clone();
         let mut point = spring.lower;
         let rocker = match self.mechanism.body(spring.lower) {
             Body::Rocker(id) => {

@@ -24,9 +24,9 @@ pub struct BushingPart<T = f64> {
     /// Constant forces and torques.
     pub preload: [T; 6],
     /// Direction of its x axis in the design position, in the kernel's frame; `None` for the default.
-    pub x_axis: Option<Vector3<f64>>,
+    pub x_axis: Option<Vector3<T>>,
     /// Direction whose part normal to the x axis is the z axis; `None` for the vertical.
-    pub z_axis: Option<Vector3<f64>>,
+    pub z_axis: Option<Vector3<T>>,
 }
 
 /// A link with axial stiffness.
@@ -71,7 +71,7 @@ pub struct Compliance<T = f64> {
     /// The links.
     pub links: Vec<LinkPart<T>>,
     /// The law of the spring.
-    pub spring: Option<SpringLaw>,
+    pub spring: Option<SpringLaw<T>>,
 }
 
 impl Compliance {
@@ -106,8 +106,8 @@ impl Compliance {
             point: part.point,
             shapes: part.shapes.each_ref().map(shape),
             preload: part.preload.map(f),
-            x_axis: part.x_axis,
-            z_axis: part.z_axis,
+            x_axis: part.x_axis.map(|axis| axis.map(f)),
+            z_axis: part.z_axis.map(|axis| axis.map(f)),
         };
         let link = |part: &LinkPart| LinkPart {
             member: part.member,
@@ -120,7 +120,7 @@ impl Compliance {
             relaxed: self.relaxed,
             bushings: self.bushings.iter().map(bushing).collect(),
             links: self.links.iter().map(link).collect(),
-            spring: self.spring.clone(),
+            spring: self.spring.as_ref().map(|law| law.map(f)),
         }
     }
 }
@@ -150,6 +150,7 @@ pub fn bushing_points(mechanism: &Mechanism) -> Vec<PointId> {
             }
             Constraint::StrutLine { top, .. } => points.push(top),
             Constraint::Revolute { first, second } => points.extend([first, second]),
+            Constraint::BallJoint { .. } | Constraint::AxleTravel { .. } => {}
         }
     }
     points.sort();
@@ -161,8 +162,7 @@ pub fn link_members(mechanism: &Mechanism) -> Vec<(String, LinkMember)> {
     let mut members = Vec::new();
     for constraint in &mechanism.constraints {
         if let Constraint::Link { inner, outer } = *constraint {
-            let name = mechanism.name(inner);
-            let name = name.strip_suffix("_inner").unwrap_or(name).to_owned();
+            let name = mechanism.link_name(inner).to_owned();
             members.push((name, LinkMember::Rod { inner, outer }));
         }
     }

@@ -5,7 +5,7 @@ use super::floating::Floating;
 use super::law::{Law, Shape};
 use super::loads::WheelPart;
 use super::parts::{CarrierSeat, Joint, LegSeat, Mount, RodPart};
-use super::point::{RockerSeat, Seat, Spring};
+use super::point::{RockerSeat, Seat};
 use super::reading::WheelFigures;
 use super::swinging::{End, Swinging};
 use super::system::{CarrierBushing, Limb, System};
@@ -148,12 +148,6 @@ impl<T: Scalar> System<T> {
                 radius: self.wheel.radius,
             },
         }
-    }
-}
-
-impl<T: Scalar> Spring<T> {
-    fn map<U: Scalar>(&self, f: impl Fn(T) -> U + Copy) -> Spring<U> {
-        self.with(|linear| linear.map(f))
     }
 }
 

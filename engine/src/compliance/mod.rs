@@ -11,7 +11,9 @@ mod algebra;
 mod build;
 mod bushing;
 mod definition;
+mod derivatives;
 mod floating;
+mod inputs;
 mod kc;
 mod law;
 mod limb;
@@ -31,8 +33,11 @@ pub use definition::{
     AxialStiffness, BushingPart, Compliance, LinkMember, LinkPart, Relaxed, bushing_points,
     link_members,
 };
+pub use derivatives::Tangent;
+pub use inputs::{OnTape, Parameter};
 pub use kc::{
-    KcFigure, KcLevel, KcOutcome, KcRun, KcState, KcStation, KcTest, KcUnit, TestLoad, TestPlace,
+    KcFigure, KcGradient, KcLevel, KcOutcome, KcRun, KcState, KcStation, KcTest, KcValue, TestLoad,
+    TestPlace, WheelAngle, quantities,
 };
 pub use law::Shape;
 pub use loads::WheelLoads;

@@ -27,7 +27,8 @@
 use super::algebra::{Placed, angle_by_sine, cross_matrix, second_order};
 use super::bushing::Bushing;
 use super::limb::{Conditions, Evaluated, Followers, LimbState, Sum};
-use super::point::{PointForce, Seat, SeatForce, Spring, Stretched};
+use super::point::{PointForce, Seat, SeatForce, Stretched};
+use crate::axle::SpringLaw;
 use crate::number::{Dual, Matrix3, Real, Scalar, Vector3};
 
 /// The top mount of a strut with its spring.
@@ -40,7 +41,7 @@ pub(super) struct Mount<T> {
     /// From the spring's lower end to `strut_top`.
     pub(super) spring_line: Vector3<T>,
     pub(super) bushing: Bushing<T>,
-    pub(super) spring: Option<Spring<T>>,
+    pub(super) spring: Option<SpringLaw<T>>,
 }
 
 /// Deflections and forces of a top mount.

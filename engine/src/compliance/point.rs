@@ -20,9 +20,9 @@
 //! come from nested derivative numbers.
 
 use super::algebra::{cross_matrix, second_order};
-use crate::axle::{Law as SpringShape, SpringLaw};
+use crate::axle::SpringLaw;
 use crate::mechanism::Turn;
-use crate::number::{Dual, Jet, Matrix3, Scalar, Vector3};
+use crate::number::{Dual, Matrix3, Scalar, Vector3};
 
 /// A force at a moving point: the derivative of an energy by the point's position, and its tangent.
 #[derive(Clone, Copy, Debug)]
@@ -113,61 +113,6 @@ impl<T: Scalar> Stretched<T> {
     }
 }
 
-/// The law of the spring with its bump stop, over any number.
-#[derive(Clone, Debug)]
-pub(super) struct Spring<T> {
-    law: SpringLaw,
-    /// Force in the design position and rate, of a linear spring.
-    linear: Option<[T; 2]>,
-}
-
-impl<T: Scalar> Spring<T> {
-    pub(super) fn new(law: &SpringLaw, like: T) -> Self {
-        let linear = match law.spring {
-            SpringShape::Linear { force, rate } => Some([like.lit(force), like.lit(rate)]),
-            SpringShape::Curve(_) => None,
-        };
-        Spring {
-            law: law.clone(),
-            linear,
-        }
-    }
-
-    /// The spring over another kind of number, with force and rate given by those of this one.
-    pub(super) fn with<U>(&self, f: impl Fn([T; 2]) -> [U; 2]) -> Spring<U> {
-        Spring {
-            law: self.law.clone(),
-            linear: self.linear.map(f),
-        }
-    }
-
-    /// Force and rate (force per shortening) at a length.
-    #[inline(always)]
-    pub(super) fn at(&self, length: T, design: T) -> (T, T) {
-        let shortened = design - length;
-        let Some([force, rate]) = self.linear else {
-            let series = Jet([length, -length.one()]);
-            let force = self.law.force(series, Jet::constant(design));
-            return (force[0], force[1]);
-        };
-        let plain = (force + rate * shortened, rate);
-        match &self.law.bump_stop {
-            Some(stop) if shortened.value() > stop.gap => {
-                let series = Jet([shortened - length.lit(stop.gap), length.one()]);
-                let more = stop.curve.at(series);
-                (plain.0 + more[0], plain.1 + more[1])
-            }
-            _ => plain,
-        }
-    }
-
-    /// Returns true if the bump stop is in touch at a length.
-    pub(super) fn meets_stop(&self, length: f64, design: f64) -> bool {
-        let stop = self.law.bump_stop.as_ref();
-        stop.is_some_and(|stop| design - length > stop.gap)
-    }
-}
-
 /// A rocker and the rod that turns it, in the design position.
 #[derive(Clone, Debug)]
 pub(super) struct RockerSeat<T> {
@@ -188,7 +133,7 @@ pub(super) struct Seat<T> {
     /// The spring's end on the body.
     pub(super) upper: Vector3<T>,
     /// The spring; `None` if the study has hardpoints of a spring without a law.
-    pub(super) law: Spring<T>,
+    pub(super) law: SpringLaw<T>,
     pub(super) rocker: Option<RockerSeat<T>>,
 }
 

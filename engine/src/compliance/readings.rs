@@ -1,21 +1,23 @@
 //! Forces and deflections of bushings, links and spring in a state.
 
+use super::algebra::Logarithm;
 use super::build::{Built, BushingPlace, LinkPlace};
 use super::bushing::{Bushing, BushingState};
 use super::floating::Floating;
 use super::limb::LimbStep;
 use super::parts::Joint;
+use super::reading::WheelFigures;
 use super::swinging::Swinging;
 use super::system::{Limb, State, System};
-use super::wheel::{BushingReading, SpringReading};
+use super::wheel::{BushingReading, ElasticWheel, Equilibrium, SpringReading};
 use crate::number::{Scalar, Vector3};
 
 /// Rotation of a bushing above which its law is doubtful, rad.
 const LARGEST_ROTATION: f64 = std::f64::consts::FRAC_PI_3;
 
-impl Built<f64> {
+impl<T: Scalar> Built<T> {
     /// State of each bushing, in the order of the definition.
-    pub(super) fn bushing_readings(&self, state: &State<f64>, rack: f64) -> Vec<BushingReading> {
+    pub(super) fn bushing_readings(&self, state: &State<T>, rack: T) -> Vec<BushingReading<T>> {
         let at = self.system.conditions(state, rack);
         let read = |place: &BushingPlace| match *place {
             BushingPlace::Limb { limb, end } => {
@@ -45,9 +47,9 @@ impl Built<f64> {
                 // The law's force is on the body; the moving part has the opposite.
                 let state = BushingState {
                     deflection: found.deflection,
-                    rotation: Vector3::new(x, y, 0.0),
+                    rotation: Vector3::new(x, y, x.zero()),
                     force: found.force,
-                    torque: Vector3::new(a, b, 0.0),
+                    torque: Vector3::new(a, b, a.zero()),
                 };
                 Some(reading(&state, &mount.bushing))
             }
@@ -56,7 +58,7 @@ impl Built<f64> {
     }
 
     /// Tension of each link, in the order of the definition.
-    pub(super) fn tensions(&self, state: &State<f64>, rack: f64) -> Vec<f64> {
+    pub(super) fn tensions(&self, state: &State<T>, rack: T) -> Vec<T> {
         let at = self.system.conditions(state, rack);
         let tension = |place: &LinkPlace| match *place {
             LinkPlace::Rod(number) => {
@@ -70,7 +72,7 @@ impl Built<f64> {
     }
 
     /// State of the spring.
-    pub(super) fn spring_reading(&self, state: &State<f64>, rack: f64) -> Option<SpringReading> {
+    pub(super) fn spring_reading(&self, state: &State<T>, rack: T) -> Option<SpringReading<T>> {
         let at = self.system.conditions(state, rack);
         let laws = self.system.limbs.iter().find_map(|limb| match limb {
             Limb::Mount(mount) => mount.spring.as_ref(),
@@ -95,20 +97,20 @@ impl Built<f64> {
     }
 
     /// Force on the rack along +y that holds it: the derivative of the energy by the rack's displacement.
-    pub(super) fn rack_force(&self, state: &State<f64>, rack: f64) -> f64 {
+    pub(super) fn rack_force(&self, state: &State<T>, rack: T) -> T {
         let at = self.system.conditions(state, rack);
-        let mut force = 0.0;
+        let mut force = rack.zero();
         for rod in &self.system.rods {
             if let Some([rate, tension]) = rod.elastic.filter(|_| rod.on_rack) {
                 let line = rod.line(&at);
-                force -= (tension + rate * line.stretch) * line.direction.y;
+                force = force - (tension + rate * line.stretch) * line.direction.y;
             }
         }
         for (joint, pull) in self.system.joints.iter().zip(state.joints) {
             if let Joint::Rod(rod) = joint
                 && rod.on_rack
             {
-                force -= pull * rod.line(&at).direction.y;
+                force = force - pull * rod.line(&at).direction.y;
             }
         }
         for (k, limb) in self.system.limbs.iter().enumerate() {
@@ -119,12 +121,12 @@ impl Built<f64> {
                         if let (true, Some(bushing), Some(found)) =
                             (end.on_rack, &end.bushing, found)
                         {
-                            force -= bushing.axes.apply(found.force).y;
+                            force = force - bushing.axes.apply(found.force).y;
                         }
                     }
                 }
                 Limb::Floating(link) if link.on_rack => {
-                    force -= rack_force_of(link, &states, state)
+                    force = force - rack_force_of(link, &states, state)
                 }
                 _ => {}
             }
@@ -133,17 +135,64 @@ impl Built<f64> {
     }
 
     /// The system over another kind of number.
-    pub(super) fn system_over<U: Scalar>(&self, f: impl Fn(f64) -> U + Copy) -> System<U> {
+    pub(super) fn system_over<U: Scalar>(&self, f: impl Fn(T) -> U + Copy) -> System<U> {
         self.system.map(f)
     }
 }
 
+impl<T: Scalar> ElasticWheel<T> {
+    /// Angles and positions of the wheel.
+    pub fn figures(&self, at: &Equilibrium<T>) -> WheelFigures<T> {
+        self.geometry.figures(&at.solution.state, self.constants)
+    }
+
+    /// Height of the wheel centre above its design position.
+    pub fn travel(&self, at: &Equilibrium<T>) -> T {
+        let centre = self.built.system.wheel.centre;
+        at.solution.state.carrier.displacement(centre).z
+    }
+
+    /// All of the vertical force at the contact point.
+    pub fn wheel_load(&self, at: &Equilibrium<T>) -> T {
+        at.solution.state.vertical + at.solution.task.loads.contact.z
+    }
+
+    /// State of each bushing, in the order of the definition.
+    pub fn bushings(&self, at: &Equilibrium<T>) -> Vec<BushingReading<T>> {
+        self.built
+            .bushing_readings(&at.solution.state, at.solution.task.rack)
+    }
+
+    /// Tension of each link, in the order of the definition.
+    pub fn tensions(&self, at: &Equilibrium<T>) -> Vec<T> {
+        self.built
+            .tensions(&at.solution.state, at.solution.task.rack)
+    }
+
+    /// State of the spring, if it has a law.
+    pub fn spring(&self, at: &Equilibrium<T>) -> Option<SpringReading<T>> {
+        self.built
+            .spring_reading(&at.solution.state, at.solution.task.rack)
+    }
+
+    /// Force on the rack along the kernel's +y that holds it.
+    pub fn rack_force(&self, at: &Equilibrium<T>) -> T {
+        self.built
+            .rack_force(&at.solution.state, at.solution.task.rack)
+    }
+
+    /// Rotation vector of the carrier.
+    pub fn rotation(&self, at: &Equilibrium<T>) -> Vector3<T> {
+        Logarithm::of(&at.solution.state.carrier.turn).vector
+    }
+}
+
 /// Force of a link on the rack, along +y. A ball joint at the rack passes on what the bushing at the carrier has.
-fn rack_force_of(
-    link: &Floating<f64>,
-    states: &[Option<BushingState<f64>>; 2],
-    state: &State<f64>,
-) -> f64 {
+fn rack_force_of<T: Scalar>(
+    link: &Floating<T>,
+    states: &[Option<BushingState<T>>; 2],
+    state: &State<T>,
+) -> T {
     match (&link.inner, states) {
         (Some(bushing), [Some(found), _]) => bushing.axes.apply(found.force).y,
         (_, [_, Some(found)]) => {
@@ -151,12 +200,12 @@ fn rack_force_of(
             // The force on the link at the carrier is -F; at the rack the link gets +F, so the rack gets -F.
             -state.carrier.rotation().apply(in_carrier).y
         }
-        _ => 0.0,
+        _ => state.vertical.zero(),
     }
 }
 
-fn reading(state: &BushingState<f64>, bushing: &Bushing<f64>) -> BushingReading {
-    let [d, r] = [state.deflection, state.rotation].map(Vector3::to_array);
+fn reading<T: Scalar>(state: &BushingState<T>, bushing: &Bushing<T>) -> BushingReading<T> {
+    let [d, r] = [state.deflection, state.rotation].map(|v| v.map(Scalar::value).to_array());
     let beyond =
         (0..3).any(|k| bushing.laws[k].is_beyond(d[k]) || bushing.laws[3 + k].is_beyond(r[k]));
     BushingReading {
@@ -164,7 +213,7 @@ fn reading(state: &BushingState<f64>, bushing: &Bushing<f64>) -> BushingReading 
         rotation: state.rotation,
         force: -state.force,
         torque: -state.torque,
-        is_extrapolated: beyond || state.rotation.norm() > LARGEST_ROTATION,
+        is_extrapolated: beyond || Vector3::from(r).norm() > LARGEST_ROTATION,
     }
 }
 

@@ -12,7 +12,7 @@
 //! The share that is reached is known to 1e-6.
 
 use super::limb::is_positive;
-use super::system::{Equations, Held, Hold, Singular, State, Step, System, Task};
+use super::system::{Equations, Held, Hold, Singular, State, System, Task};
 use crate::linear::square::MOST;
 use crate::number::Scalar;
 
@@ -47,12 +47,11 @@ pub(super) enum Obstacle {
     Unstable(Option<usize>),
 }
 
-/// An equilibrium with its equations.
+/// An equilibrium.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Solution<T> {
     pub(super) state: State<T>,
     pub(super) task: Task<T>,
-    pub(super) equations: Equations<T>,
     /// Newton steps that led to it.
     pub(super) steps: usize,
 }
@@ -124,7 +123,6 @@ impl System<f64> {
                 return Ok(Solution {
                     state,
                     task: *task,
-                    equations,
                     steps,
                 });
             }
@@ -297,12 +295,4 @@ fn null_space(rows: &mut [[f64; 6]]) -> Option<([[f64; 6]; 6], usize)> {
         count += 1;
     }
     Some((motions, count))
-}
-
-impl<T: Scalar> Solution<T> {
-    /// Rate of all unknowns by a right-hand side of equation (1) of `system.rs`.
-    pub(super) fn rate(&self, right: &[T; MOST]) -> Option<Step<T>> {
-        let solution = self.equations.factors()?.solve(right);
-        Some(self.equations.step(&solution, true))
-    }
 }

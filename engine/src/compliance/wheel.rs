@@ -4,13 +4,13 @@ use super::build::Built;
 use super::definition::{Compliance, Relaxed};
 use super::loads::WheelLoads;
 use super::preload::NoPreload;
-use super::reading::{WheelFigures, WheelGeometry};
+use super::reading::WheelGeometry;
 use super::solve::{Bounds, Obstacle, Solution, Stuck};
-use super::system::{Held, Hold, Limb, Singular, State, Step, Task};
+use super::system::{Held, Hold, Limb, Singular, State, Task};
 use crate::characteristics::Constants;
-use crate::linear::square::{MOST, SquareLu};
+use crate::linear::square::MOST;
 use crate::model::{Axis, Suspension};
-use crate::number::{Dual, Jet, Vector3};
+use crate::number::{Scalar, Vector3};
 
 /// A turn is compared with a shift at this distance, mm.
 const TURN_LEVER: f64 = 300.0;
@@ -30,9 +30,9 @@ pub enum HeldQuantity {
 
 /// Input along which an equilibrium changes.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Change {
+pub enum Change<T = f64> {
     /// A load on the wheel. Its trail is taken for the side force.
-    Load(WheelLoads),
+    Load(WheelLoads<T>),
     /// Wheel travel; the height is held.
     Travel,
     /// Displacement of the rack along the kernel's +y.
@@ -87,18 +87,18 @@ pub struct NoEquilibrium {
 
 /// An equilibrium.
 #[derive(Clone, Copy, Debug)]
-pub struct Equilibrium {
-    pub(super) solution: Solution<f64>,
+pub struct Equilibrium<T = f64> {
+    pub(super) solution: Solution<T>,
 }
 
-impl Equilibrium {
+impl<T: Scalar> Equilibrium<T> {
     /// Newton steps that led to it.
     pub fn steps(&self) -> usize {
         self.solution.steps
     }
 
     /// Rack displacement, along the kernel's +y.
-    pub fn rack(&self) -> f64 {
+    pub fn rack(&self) -> T {
         self.solution.task.rack
     }
 }
@@ -106,64 +106,77 @@ impl Equilibrium {
 /// State of a bushing, in its axes and as a left wheel's. Force and torque are those on the moving body: the arm, the
 /// link, the mount of a strut.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BushingReading {
+pub struct BushingReading<T = f64> {
     /// Deflection along x, y, z.
-    pub deflection: Vector3<f64>,
+    pub deflection: Vector3<T>,
     /// Rotation vector.
-    pub rotation: Vector3<f64>,
+    pub rotation: Vector3<T>,
     /// Force.
-    pub force: Vector3<f64>,
+    pub force: Vector3<T>,
     /// Torque.
-    pub torque: Vector3<f64>,
+    pub torque: Vector3<T>,
     /// True if a curve is continued beyond its points, or the rotation is above 60 degrees.
     pub is_extrapolated: bool,
 }
 
 /// State of the spring.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SpringReading {
+pub struct SpringReading<T = f64> {
     /// Length.
-    pub length: f64,
+    pub length: T,
     /// Force, positive in compression.
-    pub force: f64,
+    pub force: T,
     /// True if the bump stop is met.
     pub meets_stop: bool,
 }
 
 /// An elastic suspension of one wheel, in one design.
 #[derive(Clone, Debug)]
-pub struct ElasticWheel {
-    pub(super) built: Built<f64>,
-    pub(super) geometry: WheelGeometry<f64>,
+pub struct ElasticWheel<T = f64> {
+    pub(super) built: Built<T>,
+    pub(super) geometry: WheelGeometry<T>,
     pub(super) constants: Constants,
     pub(super) bounds: Bounds,
     relaxed: Relaxed,
-    start: State<f64>,
+    /// True if a bushing has a constant force or torque, which moves the wheel out of the design position.
+    has_offset: bool,
+    start: State<T>,
 }
 
 /// No loads beside the vertical force that holds the height.
-pub(super) fn level_task(travel: f64, rack: f64) -> Task<f64> {
+pub(super) fn level_task<T: Scalar>(travel: T, rack: T) -> Task<T> {
     Task {
         rack,
         hold: Hold::Height(travel),
-        loads: WheelLoads::none(0.0),
+        loads: WheelLoads::none(rack),
     }
 }
 
 impl ElasticWheel {
     /// The elastic suspension of a design.
     pub fn new(suspension: &Suspension, compliance: &Compliance) -> Result<Self, ElasticFault> {
-        let (mechanism, design) = (&suspension.mechanism, &suspension.design);
+        Self::of(suspension, &suspension.design, compliance)
+    }
+}
+
+impl<T: Scalar> ElasticWheel<T> {
+    /// The elastic suspension with its hardpoints at `design`.
+    pub fn of(
+        suspension: &Suspension,
+        design: &[Vector3<T>],
+        compliance: &Compliance<T>,
+    ) -> Result<Self, ElasticFault> {
+        let mechanism = &suspension.mechanism;
         let radius = suspension.wheel_radius.unwrap_or(0.0);
         let bounds = Bounds {
             millimetre: suspension.length_unit.per_metre() / 1000.0,
         };
         let mut built = Built::of(mechanism, design, radius, compliance);
         let start = match compliance.relaxed {
-            Relaxed::Free => State::design(0.0),
+            Relaxed::Free => State::design(built.system.like()),
             Relaxed::AtDesignLoad => {
                 let found = built.preload(bounds);
-                found.map_err(|fault| preload_fault(&built, fault))?
+                found.map_err(|fault| preload_fault(&built.names, fault))?
             }
         };
         let geometry = WheelGeometry::of(mechanism, design, &built.system);
@@ -172,14 +185,17 @@ impl ElasticWheel {
             constants: Constants::of(suspension),
             bounds,
             relaxed: compliance.relaxed,
+            has_offset: compliance
+                .bushings
+                .iter()
+                .any(|part| part.preload.iter().any(|offset| offset.value() != 0.0)),
             built,
             start,
         };
         if wheel.relaxed == Relaxed::AtDesignLoad {
-            let force = wheel
-                .spring_in(&start, 0.0)
-                .map_or(0.0, |spring| spring.force);
-            let has_leverage = start.vertical.abs() > LEAST_LEVERAGE * force.abs();
+            let spring = wheel.built.spring_reading(&start, start.vertical.zero());
+            let force = spring.map_or(0.0, |spring| spring.force.value());
+            let has_leverage = start.vertical.value().abs() > LEAST_LEVERAGE * force.abs();
             if !has_leverage {
                 return Err(ElasticFault::NoLeverage);
             }
@@ -193,7 +209,7 @@ impl ElasticWheel {
         let equations = self
             .built
             .system
-            .equations(&self.start, &level_task(0.0, 0.0), None);
+            .equations(&self.start, &self.level(), None);
         let loose = |part: String, motion| Err(ElasticFault::Loose { part, motion });
         match equations {
             Err(Singular::Limb(limb)) => loose(self.built.names[limb].clone(), self.spin_of(limb)),
@@ -213,20 +229,29 @@ impl ElasticWheel {
             Limb::Floating(link) => link.along,
             _ => return Motion::Turn(Axis::X),
         };
-        Motion::Turn(largest_axis(along))
+        Motion::Turn(largest_axis(along.map(Scalar::value)))
     }
 
-    /// The vertical force at the contact point in the design position, if that is an equilibrium.
-    pub fn design_load(&self) -> Option<f64> {
+    /// The design height, with the rack straight ahead.
+    fn level(&self) -> Task<T> {
+        let nothing = self.start.vertical.zero();
+        level_task(nothing, nothing)
+    }
+
+    /// The vertical force at the contact point that goes with the forces of bushings and spring in the design position, if
+    /// they are in balance there. Constant forces of bushings come on top.
+    pub fn design_load(&self) -> Option<T> {
         (self.relaxed == Relaxed::AtDesignLoad).then_some(self.start.vertical)
     }
+}
 
+impl ElasticWheel {
     /// The equilibrium with the wheel centre at a height and without horizontal loads.
     pub fn at(&self, travel: f64, rack: f64) -> Result<Equilibrium, NoEquilibrium> {
         let (from, to) = (level_task(0.0, 0.0), level_task(travel, rack));
         let held = match self.relaxed {
-            Relaxed::AtDesignLoad => None,
-            Relaxed::Free => {
+            Relaxed::AtDesignLoad if !self.has_offset => None,
+            _ => {
                 let equations = self.built.system.equations(&self.start, &from, None);
                 equations.ok().map(|equations| Held {
                     carrier: std::array::from_fn(|i| equations.residual[i]),
@@ -286,162 +311,6 @@ impl ElasticWheel {
         to.loads = base.loads.plus(loads, 1.0);
         to.loads.trail = loads.trail;
         self.solved(&state, &task, &to, None)
-    }
-
-    /// An equilibrium as one in which another quantity is held.
-    pub(super) fn held_as(
-        &self,
-        from: &Equilibrium,
-        held: HeldQuantity,
-    ) -> (State<f64>, Task<f64>) {
-        let (mut state, mut task) = (from.solution.state, from.solution.task);
-        match (task.hold, held) {
-            (Hold::Height(_), HeldQuantity::WheelLoad) => {
-                task.loads.contact.z += state.vertical;
-                state.vertical = 0.0;
-                task.hold = Hold::Load;
-            }
-            (Hold::Load, HeldQuantity::WheelHeight) => {
-                let centre = self.built.system.wheel.centre;
-                task.hold = Hold::Height(state.carrier.displacement(centre).z);
-            }
-            _ => {}
-        }
-        (state, task)
-    }
-
-    /// Angles and positions of the wheel.
-    pub fn figures(&self, at: &Equilibrium) -> WheelFigures {
-        self.geometry.figures(&at.solution.state, self.constants)
-    }
-
-    /// Height of the wheel centre above its design position.
-    pub fn travel(&self, at: &Equilibrium) -> f64 {
-        let centre = self.built.system.wheel.centre;
-        at.solution.state.carrier.displacement(centre).z
-    }
-
-    /// All of the vertical force at the contact point.
-    pub fn wheel_load(&self, at: &Equilibrium) -> f64 {
-        at.solution.state.vertical + at.solution.task.loads.contact.z
-    }
-
-    /// Rate of all unknowns along a change of an input.
-    pub(super) fn rate(
-        &self,
-        at: &Equilibrium,
-        change: &Change,
-        held: HeldQuantity,
-    ) -> Option<(State<f64>, Step<f64>)> {
-        let (state, task) = self.held_as(at, held);
-        let mut right = [0.0; MOST];
-        let system = &self.built.system;
-        match change {
-            Change::Load(loads) => {
-                let by_load = system.wheel.wrench(&state.carrier, loads).to_array();
-                right[..6].copy_from_slice(&by_load);
-                let solution = Solution {
-                    state,
-                    task,
-                    equations: system.equations(&state, &task, None).ok()?,
-                    steps: 0,
-                };
-                return Some((state, solution.rate(&right)?));
-            }
-            Change::Travel => {
-                let equations = system.equations(&state, &task, None).ok()?;
-                right[equations.size - 1] = 1.0;
-                let factors = SquareLu::of(equations.matrix, equations.size)?;
-                return Some((state, equations.step(&factors.solve(&right), true)));
-            }
-            Change::Rack => {}
-        }
-        // The equations in numbers that carry the derivative by the rack: with the forces in balance, what is
-        // eliminated inside has the derivative of its rest alone.
-        let dual = self.built.system_over(Dual::<f64, 1>::constant);
-        let mut moving = task.map(Dual::constant);
-        moving.rack.partials[0] = 1.0;
-        let equations = dual
-            .equations(&state.map(Dual::constant), &moving, None)
-            .ok()?;
-        let factors = SquareLu::of(equations.matrix, equations.size)?;
-        let solution = factors.solve(&equations.residual.map(|c| -c));
-        let step = equations.step(&solution, false);
-        Some((state, step.map(|c| c.partials[0])))
-    }
-
-    /// Derivatives of angles, positions and vertical force along a change of an input.
-    pub fn figures_by(
-        &self,
-        at: &Equilibrium,
-        change: &Change,
-        held: HeldQuantity,
-    ) -> Option<WheelFigures> {
-        let (state, rate) = self.rate(at, change, held)?;
-        let moving = self.moving(&state, &rate);
-        let geometry = self.geometry.map(Jet::constant);
-        Some(geometry.figures(&moving, self.constants).map(|c| c[1]))
-    }
-
-    /// Shift of the wheel centre and turn of the carrier by a load.
-    pub fn twist_by(
-        &self,
-        at: &Equilibrium,
-        loads: &WheelLoads,
-        held: HeldQuantity,
-    ) -> Option<[Vector3<f64>; 2]> {
-        let (state, rate) = self.rate(at, &Change::Load(*loads), held)?;
-        let [x, y, z, a, b, c] = rate.carrier;
-        let turn = Vector3::new(a, b, c);
-        let lever = state.carrier.lever(self.built.system.wheel.centre);
-        Some([Vector3::new(x, y, z) + turn.cross(lever), turn])
-    }
-
-    /// The state along its rate, as far as wheels are read.
-    fn moving(&self, state: &State<f64>, rate: &Step<f64>) -> State<Jet<f64, 2>> {
-        let mut moving = state.map(Jet::constant);
-        let [x, y, z, a, b, c] = rate.carrier.map(|c| Jet([0.0, c]));
-        let (shift, turn) = (Vector3::new(x, y, z), Vector3::new(a, b, c));
-        moving.carrier = moving.carrier.moved(shift, turn);
-        for (k, limb) in self.built.system.limbs.iter().enumerate() {
-            if let Limb::Mount(_) = limb {
-                moving.limbs[k].slide.0[1] = rate.limbs[k].inner[0];
-            }
-        }
-        moving.vertical.0[1] = rate.vertical;
-        moving
-    }
-
-    /// State of each bushing, in the order of the definition.
-    pub fn bushings(&self, at: &Equilibrium) -> Vec<BushingReading> {
-        self.built
-            .bushing_readings(&at.solution.state, at.solution.task.rack)
-    }
-
-    /// Tension of each link, in the order of the definition.
-    pub fn tensions(&self, at: &Equilibrium) -> Vec<f64> {
-        self.built
-            .tensions(&at.solution.state, at.solution.task.rack)
-    }
-
-    /// State of the spring, if it has a law.
-    pub fn spring(&self, at: &Equilibrium) -> Option<SpringReading> {
-        self.spring_in(&at.solution.state, at.solution.task.rack)
-    }
-
-    fn spring_in(&self, state: &State<f64>, rack: f64) -> Option<SpringReading> {
-        self.built.spring_reading(state, rack)
-    }
-
-    /// Force on the rack along the kernel's +y that holds it.
-    pub fn rack_force(&self, at: &Equilibrium) -> f64 {
-        self.built
-            .rack_force(&at.solution.state, at.solution.task.rack)
-    }
-
-    /// Rotation vector of the carrier.
-    pub fn rotation(&self, at: &Equilibrium) -> Vector3<f64> {
-        super::algebra::Logarithm::of(&at.solution.state.carrier.turn).vector
     }
 
     fn explained(&self, stuck: &Stuck) -> NoEquilibrium {
@@ -513,10 +382,10 @@ fn largest_axis(v: Vector3<f64>) -> Axis {
         .fold(x, |m, a| if size(&a) > size(&m) { a } else { m })
 }
 
-fn preload_fault(built: &Built<f64>, fault: NoPreload) -> ElasticFault {
+fn preload_fault(names: &[String], fault: NoPreload) -> ElasticFault {
     match fault {
         NoPreload::Singular(Singular::Limb(limb)) => ElasticFault::NoBalance {
-            part: built.names[limb].clone(),
+            part: names[limb].clone(),
         },
         NoPreload::Singular(Singular::Carrier) => ElasticFault::NoBalance {
             part: CARRIER.to_owned(),

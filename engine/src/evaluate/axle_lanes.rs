@@ -4,7 +4,7 @@ use super::axle::AxleStations;
 use super::block::{Block, SIDE_BY_SIDE};
 use super::evaluator::{Pairs, SolvesInLanes};
 use super::lanes::{NotInLanes, gather};
-use crate::axle::{Axle, AxleState, Hold, LaneWheel, Placement, Quantity, Setup};
+use crate::axle::{Axle, AxleState, Carriers, Hold, LaneWheel, Placement, Quantity, Setup};
 use crate::characteristics::{LaneInputs, LaneReader, LaneWheels, Slots};
 use crate::model::Side;
 use crate::number::{SimdReal, SimdTask, Vector3, Width};
@@ -52,6 +52,9 @@ impl<'a> AxleLanes<'a> {
     pub(super) fn new(stations: &'a AxleStations<'a>, width: Width) -> Result<Self, NotInLanes> {
         let axle: &Axle = &stations.axle;
         let quantities = &stations.quantities[..];
+        if axle.is_rigid() {
+            return Err(NotInLanes::Mechanism);
+        }
         if !quantities.iter().all(|q| q.is_for_lanes()) {
             return Err(NotInLanes::Reading);
         }
@@ -265,6 +268,7 @@ impl<B: SimdReal> VisitPair<B> for Reading<'_, '_, B> {
             ground: stand.ground,
             roll: stand.roll,
             hold: *hold,
+            carriers: Carriers::Independent,
             setup,
         };
         let count = stations.placements.len();

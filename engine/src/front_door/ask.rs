@@ -78,7 +78,6 @@ impl Study {
             sweep: None,
             setup: None,
             tolerance: None,
-            compliance: None,
         }
     }
 
@@ -229,6 +228,7 @@ impl Variable {
             name: names.join("+"),
             moves,
             turn: None,
+            rate: None,
             range: ends("an offset", &range)?,
             cost: 1.0,
         })

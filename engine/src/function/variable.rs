@@ -91,6 +91,7 @@ impl DesignVariable {
                 name: variable.name.clone(),
                 moves: variable.moves.clone(),
                 turn: None,
+                rate: None,
                 range: variable.range,
                 cost: 1.0,
             },

@@ -36,6 +36,9 @@ pub enum BuildError {
         "the direction of the wheel takes either the hardpoint spindle_inner or static camber and toe"
     )]
     SpinAxis,
+    /// The topology carries both wheels, so it is no suspension of one.
+    #[error("{0} carries both wheels; expected a topology of one wheel, or a study")]
+    BothWheels(&'static str),
     /// The hardpoints make no suspension.
     #[error(transparent)]
     Geometry(Box<GeometryFault>),
@@ -176,6 +179,9 @@ impl SuspensionBuilder {
     pub(crate) fn assemble(self) -> Result<Suspension, BuildError> {
         let topology = Topology::named(&self.topology)
             .ok_or_else(|| BuildError::UnknownTopology(self.topology.clone()))?;
+        if topology.carries_both_wheels() {
+            return Err(BuildError::BothWheels(topology.name));
+        }
         let given = self.given(topology)?;
         let names: Vec<&'static str> = given.iter().map(|(name, _)| *name).collect();
         if let Some(fault) = HardpointFault::missing(topology, |name| names.contains(&name)) {

@@ -4,7 +4,7 @@
 //! Their Jacobian J by the pose has the constraints' lines as rows, so it is singular exactly where the
 //! mechanism is.
 
-use super::constraint::{ArmAngle, Row};
+use super::constraint::{ArmAngle, Row, TravelRow};
 use super::pose::{Configuration, Pose, Sink, Twist, Wrench};
 use crate::linear::lu::{Lu6, Matrix6, Vector6};
 use crate::model::{Mechanism, PointId};
@@ -13,7 +13,7 @@ use crate::number::{Matrix3, Outlined, Real, Vector3, each};
 /// The sixth equation: the drive with its present value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Driver<T> {
-    /// Height of the wheel centre above its design position.
+    /// Height of the wheel centre above its design position; of a rigid axle the travel that is not held.
     Travel(T),
     /// Angle of the first arm from its design position.
     ArmAngle {
@@ -227,6 +227,10 @@ impl<T: Real> Closure<T> {
         for (k, row) in self.rows.iter().enumerate() {
             rates[k] = row.wrench_rate(at, along);
         }
+        if let Some(row) = driven_travel(at.mechanism) {
+            rates[5].moment = row.moment_rate(at, along);
+            return rates;
+        }
         let centre = at.designed_lever(at.mechanism.wheel_centre);
         let velocity = along.turn.cross(at.pose.rotation.apply(centre));
         let zero = velocity.x.zero();
@@ -332,6 +336,14 @@ impl Closure<f64> {
     }
 }
 
+/// The travel that drives a rigid axle; `None` for other mechanisms, which the height of the wheel centre drives.
+#[inline(always)]
+fn driven_travel(mechanism: &Mechanism) -> Option<TravelRow> {
+    let axle = mechanism.rigid_axle.as_ref()?;
+    let (near, far) = (mechanism.wheel_centre, axle.far_centre);
+    Some(TravelRow::new(near, far, axle.held.other()))
+}
+
 impl<T> Driver<T> {
     /// The bit of this drive's equation in a [`RowSet`].
     #[inline]
@@ -360,6 +372,9 @@ impl<T: Real> Driver<T> {
     fn residual(&self, at: &Configuration<T>) -> T {
         match *self {
             Driver::Travel(travel) => {
+                if let Some(row) = driven_travel(at.mechanism) {
+                    return row.value(at) - travel;
+                }
                 let centre = at.mechanism.wheel_centre;
                 at.carried(centre).z - at.designed(centre).z - travel
             }
@@ -371,6 +386,9 @@ impl<T: Real> Driver<T> {
     fn differential(&self, at: &Configuration<T>, weight: T, sink: &mut impl Sink<T>) {
         match *self {
             Driver::Travel(_) => {
+                if let Some(row) = driven_travel(at.mechanism) {
+                    return row.push(at, weight, sink);
+                }
                 let centre = at.mechanism.wheel_centre;
                 let zero = weight.zero();
                 let up = Vector3::new(zero, zero, weight);

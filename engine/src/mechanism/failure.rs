@@ -100,6 +100,8 @@ pub enum LimitCause {
     StrutSquare,
     /// Some of the links have become dependent on each other and leave the wheel carrier one more degree of freedom.
     DependentLinks,
+    /// The links of a rigid axle are at a dead centre.
+    AxleFolds,
     /// No part is singular: the wheel centre is at the highest point of its way.
     CentreHighest,
     /// No part is singular: the wheel centre is at the lowest point of its way.
@@ -122,6 +124,7 @@ impl LimitCause {
                 | LimitCause::UpperArmStraight
                 | LimitCause::StrutSquare
                 | LimitCause::DependentLinks
+                | LimitCause::AxleFolds
         )
     }
 }
@@ -133,6 +136,7 @@ impl fmt::Display for LimitCause {
             LimitCause::UpperArmStraight => "the upper arm is in line with the steering axis",
             LimitCause::StrutSquare => "the strut is square to the steering axis",
             LimitCause::DependentLinks => "links have come to a dead centre with each other",
+            LimitCause::AxleFolds => "the links of the axle are at a dead centre",
             LimitCause::CentreHighest => {
                 "the wheel centre is at its highest point, no part is at a singularity"
             }

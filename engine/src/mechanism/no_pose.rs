@@ -19,6 +19,16 @@ pub enum NoPose {
         /// Reason of the failure.
         failure: Failure,
     },
+    /// A rigid axle has no pose at a difference of its travels.
+    #[error("solid axle at a travel difference of {difference:.6} (left - right): {failure}")]
+    RigidAxle {
+        /// Travel of the left wheel minus that of the right one.
+        difference: f64,
+        /// Reason of the failure. Its limit is half a difference of travels as a wheel sees it.
+        failure: Failure,
+        /// The wheel that sees it.
+        side: Side,
+    },
     /// No difference of travels puts both wheels on the ground at this roll angle: a wheel falls where it
     /// should rise, or the iteration did not settle.
     #[error("at no difference of the travels do both wheels touch the ground")]
@@ -57,6 +67,28 @@ impl NoPose {
                 unit.symbol(),
                 failure.describe(unit, frame_of(*side))
             ),
+            NoPose::RigidAxle {
+                difference,
+                failure,
+                side,
+            } => {
+                let length = |value: f64| format!("{value:.6} {}", unit.symbol());
+                let reason = match failure {
+                    Failure::Unreachable { limit, cause, .. } => format!(
+                        "the difference ends at {}: {}",
+                        length(2.0 * side.sign() * limit),
+                        cause
+                    ),
+                    Failure::RackUnreachable { limit, cause } => {
+                        format!("the mean travel ends at {}: {}", length(*limit), cause)
+                    }
+                    other => other.describe(unit, frame),
+                };
+                let difference = length(*difference);
+                format!(
+                    "solid axle at a travel difference of {difference} (left - right): {reason}"
+                )
+            }
             other => other.to_string(),
         }
     }
@@ -64,7 +96,9 @@ impl NoPose {
     /// The failure of the wheel, if a wheel is the reason.
     pub fn of_wheel(&self) -> Option<&Failure> {
         match self {
-            NoPose::Corner(failure) | NoPose::Wheel { failure, .. } => Some(failure),
+            NoPose::Corner(failure)
+            | NoPose::Wheel { failure, .. }
+            | NoPose::RigidAxle { failure, .. } => Some(failure),
             NoPose::NoGround | NoPose::NoLoad | NoPose::Unproven => None,
         }
     }

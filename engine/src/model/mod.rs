@@ -8,12 +8,16 @@ mod double_wishbone;
 mod five_link;
 mod frame;
 mod macpherson;
+mod rigid_axle;
 mod rocker;
 mod seats;
 mod semi_trailing_arm;
+mod solid_axle;
 mod topology;
+mod trailing_arm_two_links;
 
 pub use frame::{Axis, Frame, FrameConvention, LengthUnit, Side};
+pub use rigid_axle::{AxleTravel, RigidAxle, mirrored};
 pub use rocker::{Rocker, RockerId, Rod};
 pub use seats::Seat;
 pub use topology::{Group, Hardpoint, Topology};
@@ -95,14 +99,30 @@ pub enum Constraint {
         /// A second chassis point of the axis.
         second: PointId,
     },
+    /// A ball joint at the body: the knuckle turns about a chassis point. Takes three freedoms.
+    BallJoint {
+        /// The chassis point.
+        at: PointId,
+    },
+    /// One of the two travels of a rigid axle has the value that stands where other mechanisms have the rack's
+    /// displacement. Takes one freedom.
+    AxleTravel {
+        /// Centre of the near wheel.
+        near: PointId,
+        /// Centre of the far wheel.
+        far: PointId,
+        /// The travel that is held.
+        held: AxleTravel,
+    },
 }
 
 impl Constraint {
     /// Freedoms it takes.
     pub fn freedoms(&self) -> usize {
         match self {
-            Constraint::Link { .. } => 1,
+            Constraint::Link { .. } | Constraint::AxleTravel { .. } => 1,
             Constraint::StrutLine { .. } => 2,
+            Constraint::BallJoint { .. } => 3,
             Constraint::Revolute { .. } => 5,
         }
     }
@@ -201,6 +221,8 @@ pub struct Mechanism {
     pub spring: Option<Spring>,
     /// The closed form that applies, if any.
     pub closed_form: Option<ClosedForm>,
+    /// The far half, if the knuckle is an axle that carries both wheels.
+    pub rigid_axle: Option<RigidAxle>,
 }
 
 /// The point that gives the spin axis of a built wheel.
@@ -218,6 +240,44 @@ impl Mechanism {
         self.points
             .get(id.0)
             .map_or(SPINDLE_INNER, |point| &point.name)
+    }
+
+    /// Adds the far half of a rigid axle to a design, as the mirror image of the near half.
+    pub fn add_far_half(&self, design: &mut Vec<Vector3<f64>>) {
+        if let Some(rigid) = &self.rigid_axle {
+            for [near, _] in &rigid.pairs {
+                design.push(mirrored(design[near.0]));
+            }
+        }
+    }
+
+    /// The mechanism with this travel of its rigid axle held, and the other one as its drive.
+    pub fn holding(&self, travel: AxleTravel) -> Mechanism {
+        let mut mechanism = self.clone();
+        if let Some(rigid) = &mut mechanism.rigid_axle {
+            rigid.held = travel;
+        }
+        for constraint in &mut mechanism.constraints {
+            if let Constraint::AxleTravel { held, .. } = constraint {
+                *held = travel;
+            }
+        }
+        mechanism
+    }
+
+    /// Returns true for a point of the far half of a rigid axle, which follows the near half.
+    pub fn is_far(&self, id: PointId) -> bool {
+        self.rigid_axle
+            .as_ref()
+            .is_some_and(|rigid| rigid.is_far(id))
+    }
+
+    /// The name of a link, from that of its end at the body.
+    pub fn link_name(&self, inner: PointId) -> &str {
+        let name = self.name(inner);
+        let of_body = ["_inner", "_chassis"];
+        let stripped = of_body.iter().find_map(|end| name.strip_suffix(end));
+        stripped.unwrap_or(name)
     }
 
     /// The second point of a strut's axis on the knuckle, where there is one.
@@ -250,11 +310,15 @@ impl Mechanism {
     /// spin axis.
     pub fn lengths(&self) -> impl Iterator<Item = (PointId, PointId)> {
         let arms = self.arms.iter().map(|arm| (arm.front, arm.rear));
-        let constraints = self.constraints.iter().map(|constraint| match *constraint {
-            Constraint::Link { inner, outer } => (inner, outer),
-            Constraint::StrutLine { top, lower, upper } => (lower, upper.unwrap_or(top)),
-            Constraint::Revolute { first, second } => (first, second),
-        });
+        let constraints = self
+            .constraints
+            .iter()
+            .filter_map(|constraint| match *constraint {
+                Constraint::Link { inner, outer } => Some((inner, outer)),
+                Constraint::StrutLine { top, lower, upper } => Some((lower, upper.unwrap_or(top))),
+                Constraint::Revolute { first, second } => Some((first, second)),
+                Constraint::BallJoint { .. } | Constraint::AxleTravel { .. } => None,
+            });
         let spin_axis = match self.spin_axis {
             SpinAxis::From(inner) => Some((inner, self.wheel_centre)),
             SpinAxis::Along(_) => None,
@@ -275,7 +339,11 @@ impl Mechanism {
                 let carried = |id| self.body(id) == Body::Knuckle;
                 of_axis(a) && carried(b) || of_axis(b) && carried(a)
             }
-            Constraint::StrutLine { .. } => false,
+            Constraint::BallJoint { at } => {
+                let carried = |id| self.body(id) == Body::Knuckle;
+                a == at && carried(b) || b == at && carried(a)
+            }
+            Constraint::StrutLine { .. } | Constraint::AxleTravel { .. } => false,
         });
         let rods = self
             .rockers

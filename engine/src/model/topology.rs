@@ -3,7 +3,7 @@
 use super::rocker::{self, Carriers};
 use super::{
     Body, Mechanism, Point, PointId, SpinAxis, Spring, double_wishbone, five_link, macpherson,
-    semi_trailing_arm,
+    semi_trailing_arm, solid_axle, trailing_arm_two_links,
 };
 use crate::number::Vector3;
 
@@ -154,6 +154,7 @@ impl Given {
             steering_axis: None,
             spring: ends.map(|(upper, lower)| Spring { upper, lower }),
             closed_form: None,
+            rigid_axle: None,
             points: self.0,
         }
     }
@@ -184,7 +185,14 @@ impl Topology {
         &double_wishbone::DOUBLE_WISHBONE,
         &five_link::FIVE_LINK,
         &semi_trailing_arm::SEMI_TRAILING_ARM,
+        &trailing_arm_two_links::TRAILING_ARM_TWO_LINKS,
+        &solid_axle::SOLID_AXLE,
     ];
+
+    /// Returns true for an axle of one body, which is no suspension of one wheel.
+    pub fn carries_both_wheels(&self) -> bool {
+        self.name == solid_axle::SOLID_AXLE.name
+    }
 
     /// Its hardpoints and those of its groups.
     pub fn all_hardpoints(&self) -> impl Iterator<Item = &'static Hardpoint> {

@@ -85,9 +85,21 @@ impl<'t> Tracked<'t> {
         }
     }
 
+    /// The value without its derivatives.
+    pub fn plain(self) -> f64 {
+        self.value
+    }
+
+    /// Index of its note; `None` of a constant.
+    pub fn index(self) -> Option<usize> {
+        self.origin.map(|(_, index)| index)
+    }
+
     #[inline(never)]
     fn of_one(self, value: f64, slope: f64) -> Self {
         match self.origin {
+            // What does not change with its operand needs no note.
+            Some(_) if slope == 0.0 => Tracked::constant(value),
             None => Tracked::constant(value),
             Some((tape, index)) => tape.note(value, [(index, slope), (index, 0.0)]),
         }

@@ -30,10 +30,20 @@ pub fn assessed(
     variables: &[Variable],
     layout: &TargetLayout,
 ) -> Result<Result<Assessment, Infeasible>, DesignFault> {
+    assessed_at(suspension, variables, layout, &vec![0.0; variables.len()])
+}
+
+/// Targets and constraints with the variables at these offsets from the design; or why it has none. An error says why the
+/// design itself cannot be solved.
+pub fn assessed_at(
+    suspension: &Suspension,
+    variables: &[Variable],
+    layout: &TargetLayout,
+    offsets: &[f64],
+) -> Result<Result<Assessment, Infeasible>, DesignFault> {
     let mut objective = Objective::new(suspension, variables, layout)?;
-    let shape = objective.shape();
-    let mut assessment = Assessment::new(&shape);
-    let here = DVector::zeros(shape.variables);
-    let assessed = objective.assess(&here, &mut assessment);
+    let mut assessment = Assessment::new(&objective.shape());
+    let x = DVector::from_column_slice(offsets);
+    let assessed = objective.assess(&x, &mut assessment);
     Ok(assessed.map(|()| assessment))
 }

@@ -102,16 +102,18 @@ pub(super) struct Moved<'m> {
 }
 
 /// Residuals and their derivatives.
-pub(super) trait AxleRows: Send {
-    /// Writes the rows of all targets of the axle.
+pub(super) trait RowsBeside: Send {
+    /// Writes the rows of all its targets.
     fn evaluate(&mut self, moved: &Moved<'_>, into: &mut Linearisation) -> Result<(), Infeasible>;
 }
 
 /// The rows of a layout.
-pub(super) fn axle_rows<'a>(layout: &'a AxleLayout) -> Result<Box<dyn AxleRows + 'a>, DesignFault> {
+pub(super) fn axle_rows<'a>(
+    layout: &'a AxleLayout,
+) -> Result<Box<dyn RowsBeside + 'a>, DesignFault> {
     fn rows<'a, const N: usize>(
         layout: &'a AxleLayout,
-    ) -> Result<Box<dyn AxleRows + 'a>, DesignFault> {
+    ) -> Result<Box<dyn RowsBeside + 'a>, DesignFault> {
         let solver = AxleSolver::<N>::new(&layout.axle, &layout.quantities, false);
         Ok(Box::new(Rows {
             layout,
@@ -138,7 +140,7 @@ struct Rows<'a, const N: usize> {
     wanted: Vec<Quantity>,
 }
 
-impl<const N: usize> AxleRows for Rows<'_, N> {
+impl<const N: usize> RowsBeside for Rows<'_, N> {
     fn evaluate(&mut self, moved: &Moved<'_>, into: &mut Linearisation) -> Result<(), Infeasible> {
         let Rows {
             layout,

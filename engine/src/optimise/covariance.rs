@@ -86,3 +86,61 @@ impl Covariance {
         correlations
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Columns at an angle a make estimates with the correlation -cos a. Those above 0.95 are told, the worst first.
+    #[test]
+    fn close_correlations_are_told() {
+        let bounds = Bounds::new(&[[-1.0, 1.0], [0.0, 4.0], [0.0, 1.0], [0.0, 7.0]]).unwrap();
+        let told = |cosines: [f64; 2]| {
+            let jacobian = DMatrix::from_fn(5, 4, |i, j| {
+                let cosine = cosines[j / 2];
+                match (i, j) {
+                    (0, 0) | (2, 2) => 1.0,
+                    (0, 1) | (2, 3) => cosine,
+                    (1, 1) | (3, 3) => (1.0 - cosine * cosine).sqrt(),
+                    _ => 0.0,
+                }
+            });
+            let at = Linearisation {
+                residuals: DVector::zeros(5),
+                jacobian,
+            };
+            let all = Covariance::of(&at, vec![0, 1, 2, 3], &bounds, &[1.0; 5]).unwrap();
+            all.correlations()
+        };
+        assert_eq!(told([0.5, -0.949]), []);
+        for (cosines, expected) in [
+            ([0.951, 0.0], vec![(0, 1, -0.951)]),
+            ([0.951, -0.98], vec![(2, 3, 0.98), (0, 1, -0.951)]),
+            ([0.99, -0.96], vec![(0, 1, -0.99), (2, 3, 0.96)]),
+        ] {
+            let found = told(cosines);
+            assert_eq!(found.len(), expected.len());
+            for (found, expected) in found.iter().zip(&expected) {
+                assert_eq!((found.0, found.1), (expected.0, expected.1));
+                assert!((found.2 - expected.2).abs() < 1e-12, "{found:?}");
+            }
+        }
+    }
+
+    /// Equal columns are not seen apart; the others are. With weights of 1 every ratio of variances is 1.
+    #[test]
+    fn twins_are_unseen() {
+        let bounds = Bounds::new(&[[-1.0, 1.0]; 3]).unwrap();
+        let rows = [1.0, 1.0, 0.0, 2.0, 2.0, 1.0, 0.0, 0.0, 3.0];
+        let at = Linearisation {
+            residuals: DVector::zeros(3),
+            jacobian: DMatrix::from_row_slice(3, 3, &rows),
+        };
+        let all = Covariance::of(&at, vec![0, 1, 2], &bounds, &[1.0; 3]).unwrap();
+        assert_eq!(all.unseen, [true, true, false]);
+        assert_eq!((all.ratio(0), all.ratio(1)), (1.0, 1.0));
+        assert!((all.ratio(2) - 1.0).abs() < 1e-12);
+        assert_eq!(all.ratio(7), 0.0);
+        assert!(Covariance::of(&at, Vec::new(), &bounds, &[1.0; 3]).is_none());
+    }
+}

@@ -50,9 +50,9 @@ impl Direction {
                 *free = most;
                 continue;
             }
-            let (mut low, mut high) = (0.0, most);
+            let (mut low, mut high) = (0.0_f64, most);
             for _ in 0..10 {
-                let middle = 0.5 * (low + high);
+                let middle = low.midpoint(high);
                 match keeps(middle) {
                     true => low = middle,
                     false => high = middle,
@@ -243,6 +243,32 @@ mod tests {
                 "{found} {wanted}"
             );
         }
+    }
+
+    /// A direction is free as far as the misfit stays within 0.1 and the ranges go: all of it where nothing is felt, and
+    /// up to the root where the misfit rises.
+    #[test]
+    fn directions_are_free_until_they_are_felt() {
+        let bounds = Bounds::new(&[[-1.0, 3.0], [-2.0, 2.0]]).unwrap();
+        let x = DVector::from_column_slice(&[0.0, 0.5]);
+        let mut tried = Direction {
+            change: DVector::from_column_slice(&[4.0, -1.0]),
+            effect: 0.0,
+            free: [0.0; 2],
+        };
+        // Up to x = 3 and x = -1 of the first variable.
+        tried.try_out(&x, 2.0, &bounds, |_| Some(2.0 + Direction::RISE));
+        assert_eq!(tried.free, [0.75, 0.25]);
+        // The misfit rises by 1 a unit of the first variable, upwards only.
+        tried.try_out(&x, 2.0, &bounds, |x| Some(2.0 + f64::max(x[0], 0.0)));
+        assert!((tried.free[0] - 0.1 / 4.0).abs() < 1e-3, "{:?}", tried.free);
+        assert!(tried.free[0] <= 0.1 / 4.0 && tried.free[1] == 0.25);
+        // No misfit beyond a place, and none anywhere.
+        tried.try_out(&x, 2.0, &bounds, |x| (x[0] < 1.0).then_some(2.0));
+        assert!((tried.free[0] - 0.25).abs() < 1e-3 && tried.free[0] < 0.25);
+        tried.free = [0.0; 2];
+        tried.try_out(&x, 2.0, &bounds, |_| None);
+        assert_eq!(tried.free, [0.0; 2]);
     }
 
     /// The range counts: the same Jacobian sees what moves far, not what hardly moves.

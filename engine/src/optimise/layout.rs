@@ -2,6 +2,7 @@
 
 use super::Linearisation;
 use super::axle::AxleLayout;
+use super::elastic::ElasticLayout;
 use super::trade::Aim;
 use crate::characteristics::{Measure, Slots};
 use crate::evaluate::place_of;
@@ -111,6 +112,25 @@ pub struct RowLabel {
     pub station: usize,
 }
 
+/// Targets beside those of a rigid wheel.
+#[derive(Clone, Debug)]
+pub(super) enum Beside {
+    /// Those of an axle.
+    Axle(Box<AxleLayout>),
+    /// Those of a wheel with elastic parts.
+    Elastic(Box<ElasticLayout>),
+}
+
+impl Beside {
+    /// Weighs the rows: the residual of each target per deviation in tolerances.
+    fn weigh(&mut self, shares: &[f64]) {
+        match self {
+            Beside::Axle(axle) => axle.weigh(shares),
+            Beside::Elastic(elastic) => elastic.weigh(shares),
+        }
+    }
+}
+
 /// Targets and constraints laid out: which row of the problem is about what, where.
 #[derive(Clone, Debug)]
 pub struct TargetLayout {
@@ -118,8 +138,8 @@ pub struct TargetLayout {
     pub(super) rows: usize,
     /// The measures that targets of one wheel are about.
     pub(super) measures: Vec<Measure>,
-    /// The targets of an axle.
-    pub(super) axle: Option<AxleLayout>,
+    /// The targets beside those of a rigid wheel.
+    pub(super) beside: Option<Beside>,
     pub(super) parts: Vec<Part>,
     pub(super) labels: Vec<RowLabel>,
     pub(super) equalities: usize,
@@ -230,8 +250,15 @@ impl TargetLayout {
                 }
             }
         }
-        let both = vehicle.axle();
-        let axle = both.map(|both| AxleLayout::of(&both.axle, optimise, &mut rows, &mut own));
+        let beside = match vehicle {
+            Vehicle::Axle(both) => Some(Beside::Axle(Box::new(AxleLayout::of(
+                &both.axle, optimise, &mut rows, &mut own,
+            )))),
+            Vehicle::Wheel(wheel) => wheel.compliance.as_ref().map(|compliance| {
+                let layout = ElasticLayout::of(wheel, compliance, optimise, &mut rows, &mut own);
+                Beside::Elastic(Box::new(layout))
+            }),
+        };
         let parts = parts(optimise, mechanism);
         for (place, part) in parts.iter().enumerate() {
             let default = Site::default();
@@ -255,13 +282,13 @@ impl TargetLayout {
             draft.leave_out_unused();
         }
         drafts.retain(|draft| !draft.values.is_empty());
-        Self::finished(optimise, drafts, axle, parts, rows, &own)
+        Self::finished(optimise, drafts, beside, parts, rows, &own)
     }
 
     fn finished(
         optimise: &Optimise,
         drafts: Vec<Draft>,
-        mut axle: Option<AxleLayout>,
+        mut beside: Option<Beside>,
         parts: Vec<Part>,
         rows: usize,
         own: &[usize],
@@ -277,8 +304,8 @@ impl TargetLayout {
                 false => (target.weight / total * rows as f64 / *own as f64).sqrt(),
             })
             .collect();
-        if let Some(axle) = &mut axle {
-            axle.weigh(&shares);
+        if let Some(beside) = &mut beside {
+            beside.weigh(&shares);
         }
         // The measures are those of the targets of one wheel, in their order.
         let mut measures = Vec::new();
@@ -369,7 +396,7 @@ impl TargetLayout {
             legs,
             rows,
             measures,
-            axle,
+            beside,
             parts,
             labels,
             equalities,
@@ -427,6 +454,11 @@ impl TargetLayout {
         &self.labels
     }
 
+    /// Number of rows of the constraints that are equalities, which come first.
+    pub fn equalities(&self) -> usize {
+        self.equalities
+    }
+
     /// The target of each residual.
     pub fn targets_of_rows(&self) -> Vec<usize> {
         let mut of = vec![0; self.rows];
@@ -449,7 +481,19 @@ impl TargetLayout {
                 })
             })
         });
-        let stations = self.axle.iter().flat_map(|axle| &axle.stations);
+        let (axle, elastic) = match &self.beside {
+            Some(Beside::Axle(axle)) => (Some(axle), None),
+            Some(Beside::Elastic(elastic)) => (None, Some(elastic)),
+            None => (None, None),
+        };
+        let of_elastic = elastic.into_iter().flat_map(|elastic| elastic.samples());
+        let of_elastic = of_elastic.map(|(sample, rack)| TargetRow {
+            row: sample.row,
+            target: sample.target,
+            at: sample.wanted.drive,
+            rack,
+        });
+        let stations = axle.into_iter().flat_map(|axle| &axle.stations);
         let of_axle = stations.flat_map(|station| {
             station.samples.iter().map(|sample| TargetRow {
                 row: sample.row,
@@ -458,7 +502,7 @@ impl TargetLayout {
                 rack: station.placement.rack(),
             })
         });
-        legs.chain(of_axle)
+        legs.chain(of_axle).chain(of_elastic)
     }
 
     /// The residual of a target per deviation in tolerances.

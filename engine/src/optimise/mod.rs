@@ -20,6 +20,7 @@ mod carried_triangle;
 mod choices;
 mod constrained;
 mod covariance;
+mod elastic;
 mod extremes;
 mod fit;
 mod fit_record;
@@ -56,7 +57,7 @@ mod tune;
 mod yield_search;
 
 pub use active_set::{ActiveSet, Held, Outcome, Rows};
-pub use at_design::{assessed, evaluated};
+pub use at_design::{assessed, assessed_at, evaluated};
 pub use bounded_least_squares::{ActiveBound, BoundedLeastSquares};
 pub use bounds::{Bounds, EmptyRange};
 pub use choices::{Choice, Front, front, price_list};

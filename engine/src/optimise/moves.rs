@@ -5,6 +5,7 @@
 //! tan(a/2)/a. The factor tan(a/2)/a is a power series in w.w. It is summed to double precision up to the largest turn
 //! that a study may ask for.
 
+use super::elastic::set_rate;
 use crate::model::{Axis, Frame, Suspension};
 use crate::number::{Dual, Matrix3, Real, Vector3};
 use crate::study::{Study, Variable};
@@ -109,6 +110,16 @@ impl Study {
             moved_design(&design, frame, &optimise.variables, &x, &mut wheel.design);
         };
         by_variables(moved.wheel_mut());
+        let elastic = moved
+            .one_wheel_mut()
+            .and_then(|own| own.compliance.as_mut());
+        if let Some(elastic) = elastic {
+            for (variable, offset) in optimise.variables.iter().zip(offsets) {
+                if let Some(rate) = &variable.rate {
+                    set_rate(&mut elastic.parts, rate.parameter, rate.at(*offset)[0]);
+                }
+            }
+        }
         if let Some(both) = moved.axle_mut() {
             both.axle.right.as_mut().map(by_variables);
         }
@@ -176,6 +187,7 @@ mod tests {
                 points: vec![PointId(0), PointId(1), PointId(2)],
                 axis,
             }),
+            rate: None,
             range: [-10.0, 10.0],
             cost: 1.0,
         };

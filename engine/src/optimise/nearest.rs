@@ -101,8 +101,8 @@ impl Search<'_, '_> {
         let is_known = found.termination.at_minimum() && misfit >= self.level.misfit;
         let (distance, x) = (self.distance.of(&found.x), found.x.clone());
         let is_better = self.best.as_ref().is_none_or(|(least, _, was_known)| {
-            let as_near = distance <= least * (1.0 + AS_NEAR);
-            distance < least * (1.0 - AS_NEAR) || (as_near && is_known && !was_known)
+            let tie = AS_NEAR * least;
+            distance < least - tie || (distance <= least + tie && is_known && !was_known)
         });
         if is_better {
             self.best = Some((distance, found, is_known));
@@ -113,7 +113,7 @@ impl Search<'_, '_> {
     /// Whether the nearest design is known, or the search has to stop.
     fn is_over(&self, most: f64) -> bool {
         let near = self.best.as_ref();
-        near.is_some_and(|(distance, _, known)| *known && *distance <= most * (1.0 + AS_NEAR))
+        near.is_some_and(|(distance, _, known)| *known && *distance <= most + AS_NEAR * most)
             || self.ended == Some(Termination::Interrupted)
             || self.left == 0
     }

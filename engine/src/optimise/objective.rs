@@ -13,14 +13,15 @@
 //!
 //! Constraints hold between the stations, too: see [`extremes`](super::extremes).
 
-use super::axle::{AxleRows, Moved, axle_rows};
+use super::axle::{Moved, RowsBeside, axle_rows};
 use super::builds::{Builds, follower};
 use super::carried::{self, AlongVariables};
 use super::constrained::{Assessment, Constrained, Shape};
+use super::elastic::elastic_rows;
 use super::extremes::{self, SEARCHES, Search};
 use super::lane_builds::LaneBuilds;
 use super::lane_rows::{Checked, LaneRows};
-use super::layout::{Extremes, Leg, TargetLayout};
+use super::layout::{Beside, Extremes, Leg, TargetLayout};
 use super::moves::{PointRate, moved_design, point_rates};
 use super::{Infeasible, LeastSquares, Linearisation};
 use crate::characteristics::{Constants, Measure, WheelReading};
@@ -53,8 +54,8 @@ pub struct Objective<'a> {
     sloped: Option<Reader<3>>,
     /// How forces under loads change with the variables; `None` if no target or constraint is about one.
     moving: Option<AlongVariables>,
-    /// The rows of targets of an axle; `None` if there are none.
-    axle: Option<Box<dyn AxleRows + 'a>>,
+    /// The rows of targets of an axle or of elastic parts; `None` if there are none.
+    beside: Option<Box<dyn RowsBeside + 'a>>,
     values: PartValues,
     searches: Vec<Search>,
 }
@@ -361,7 +362,11 @@ impl<'a> Objective<'a> {
             reader: reader(suspension, layout, &points, variables.len()),
             sloped: has_extremes.then(|| Reader::new(suspension, layout, &points, variables.len())),
             moving: AlongVariables::new(suspension, variables.len(), all()),
-            axle: layout.axle.as_ref().map(axle_rows).transpose()?,
+            beside: match &layout.beside {
+                Some(Beside::Axle(axle)) => Some(axle_rows(axle)?),
+                Some(Beside::Elastic(elastic)) => Some(elastic_rows(elastic, variables)),
+                None => None,
+            },
             values: vec![Vec::new(); layout.parts.len()],
             searches: Vec::new(),
         })
@@ -456,7 +461,7 @@ impl<'a> Objective<'a> {
             if !self.evaluate_in_lanes(into, rows.as_deref_mut())? {
                 self.evaluate_moved(Some((&mut *into, 0)), rows)?;
             }
-            let Some(axle) = &mut self.axle else {
+            let Some(beside) = &mut self.beside else {
                 return Ok(());
             };
             let moved = Moved {
@@ -465,7 +470,7 @@ impl<'a> Objective<'a> {
                 design: &self.moved,
                 point_rates: &self.point_rates,
             };
-            return axle.evaluate(&moved, into);
+            return beside.evaluate(&moved, into);
         };
         // Constraints are on the drawing.
         let found = match &mut rows {

@@ -6,6 +6,8 @@ use nalgebra::{DMatrix, DVector};
 
 /// Trials of the search for an end.
 const TRIALS: usize = 60;
+/// Share of the value at an end that stays twice, by which it moves on. It changes the path, not the result.
+const ILLINOIS: f64 = 0.5;
 /// Damping of the bounded problems, relative to the largest column: it decides directions that are not seen.
 const DAMPING: f64 = 1e-10;
 
@@ -135,10 +137,10 @@ impl<'a> Profile<'a> {
             let repeats = was_inside == Some(is_inside);
             if is_inside {
                 (inside, low) = (value, found);
-                high *= if repeats { 0.5 } else { 1.0 };
+                high *= if repeats { ILLINOIS } else { 1.0 };
             } else {
                 (outside, high) = (value, found);
-                low *= if repeats { 0.5 } else { 1.0 };
+                low *= if repeats { ILLINOIS } else { 1.0 };
             }
             was_inside = Some(is_inside);
             let is_close = (outside - inside).abs() <= 1e-9 * (outside - from).abs();
@@ -163,5 +165,61 @@ impl<'a> Profile<'a> {
             x[j] += moves[place] * self.bounds.width()[j];
         }
         self.bounds.nearest(&x)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The least squares of two variables in closed form: the other one goes to its best place within its range.
+    #[test]
+    fn profiles_are_the_closed_form() {
+        let bounds = Bounds::new(&[[-2.0, 4.0], [0.0, 0.5]]).unwrap();
+        let jacobian = DMatrix::from_row_slice(3, 2, &[1.0, 0.7, -0.2, 1.5, 0.4, 0.9]);
+        let measured = DVector::from_column_slice(&[0.6, 0.3, 0.4]);
+        let x = DVector::from_column_slice(&[0.3, 0.2]);
+        let at = Linearisation {
+            residuals: &jacobian * &x - &measured,
+            jacobian: jacobian.clone(),
+        };
+        let squares = |held: usize, value: f64, from: &DVector<f64>| {
+            let free = 1 - held;
+            let rest = jacobian.column(held) * value - from;
+            let column = jacobian.column(free);
+            let best = -column.dot(&rest) / column.norm_squared();
+            let best = best.clamp(bounds.lower()[free], bounds.upper()[free]);
+            let mut place = DVector::from_element(2, value);
+            place[free] = best;
+            (((&jacobian * &place) - from).norm_squared(), place)
+        };
+        for variable in [0, 1] {
+            let profile = Profile::new(&x, &at, &bounds, variable);
+            let ends = [bounds.lower()[variable], bounds.upper()[variable]];
+            for share in [0.0, 0.1, 0.35, 0.6, 1.0] {
+                let value = ends[0] + share * (ends[1] - ends[0]);
+                let (expected, place) = squares(variable, value, &measured);
+                let (found, _) = profile.squares(value);
+                assert!((found - expected).abs() < 1e-12, "{found} {expected}");
+                assert!((profile.point(value) - place).norm() < 1e-8);
+                let (apart, _) = squares(variable, value, &(&jacobian * &x));
+                assert!((profile.distance(value) - apart.sqrt()).abs() < 1e-9);
+            }
+            let (from, first) = (x[variable], profile.squares(x[variable]).0);
+            for bound in ends {
+                let last = profile.squares(bound).0;
+                if last <= first {
+                    continue;
+                }
+                for share in [0.01, 0.3, 0.7, 0.99] {
+                    let level = first + share * (last - first);
+                    let (end, _) = profile.end(from, bound, level).unwrap();
+                    assert!((profile.squares(end).0 - level).abs() < 1e-7 * (last - first));
+                    assert!((end - from) * (bound - from) > 0.0);
+                }
+                assert!(profile.end(from, bound, last * 1.01).is_none());
+                assert!(profile.end(from, bound, first * 0.99).is_none());
+            }
+        }
     }
 }

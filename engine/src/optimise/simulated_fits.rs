@@ -141,3 +141,83 @@ impl Noise {
         (-2.0 * u.ln()).sqrt() * (std::f64::consts::TAU * v).cos()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two variables beside their bounds: each fit is the best place between the edges or the best of the four edges, in
+    /// closed form.
+    #[test]
+    fn fits_of_two_variables_are_the_closed_form() {
+        let bounds = Bounds::new(&[[-0.4, 2.0], [0.0, 0.5]]).unwrap();
+        let jacobian = DMatrix::from_row_slice(4, 2, &[1.0, 0.4, 0.3, 2.0, -0.5, 1.0, 0.2, 0.6]);
+        let at = Linearisation {
+            residuals: DVector::zeros(4),
+            jacobian,
+        };
+        let fits = SimulatedFits::new(&at, &bounds, &[1.0; 4]);
+        let x0 = DVector::from_column_slice(&[0.1, 0.2]);
+        let scatter = 0.9;
+        // Moves in fractions of the ranges and in units of the scatter.
+        let ends: [[f64; 2]; 2] = std::array::from_fn(|j| {
+            [bounds.lower()[j], bounds.upper()[j]]
+                .map(|end| (end - x0[j]) / bounds.width()[j] / scatter)
+        });
+        let r = &fits.triangle;
+        for variable in [0, 1] {
+            let mut ratios: Vec<f64> = (0..FITS)
+                .map(|fit| {
+                    let e = fits.rotated.column(fit).into_owned();
+                    let squares =
+                        |v: [f64; 2]| (r * DVector::from_row_slice(&v) + &e).norm_squared();
+                    // The best move of one variable, the other one being held.
+                    let along = |held: usize, value: f64| {
+                        let free = 1 - held;
+                        let rest = &e + r.column(held) * value;
+                        let best = -r.column(free).dot(&rest) / r.column(free).norm_squared();
+                        let mut v = [value; 2];
+                        v[free] = best.clamp(ends[free][0], ends[free][1]);
+                        v
+                    };
+                    let inner = r.clone().lu().solve(&-&e).unwrap();
+                    let is_inside = (0..2).all(|j| (ends[j][0]..=ends[j][1]).contains(&inner[j]));
+                    let candidates = match is_inside {
+                        true => vec![[inner[0], inner[1]]],
+                        false => vec![
+                            along(0, ends[0][0]),
+                            along(0, ends[0][1]),
+                            along(1, ends[1][0]),
+                            along(1, ends[1][1]),
+                        ],
+                    };
+                    let better = |a: &[f64; 2], b: &[f64; 2]| squares(*a).total_cmp(&squares(*b));
+                    let best = candidates.into_iter().min_by(better).unwrap();
+                    let free = (0..2).filter(|j| !ends[*j].contains(&best[*j])).count();
+                    let moves = DVector::from_row_slice(&best);
+                    let held = squares(along(variable, 0.0));
+                    (held - squares(best)).max(0.0) / fits.variance(fit, &moves, free)
+                })
+                .collect();
+            ratios.sort_by(f64::total_cmp);
+            for (probability, place) in [(0.95, 380), (0.9, 360), (1.0, 399)] {
+                let found = fits.quantile(variable, &x0, scatter, probability - 0.001);
+                let expected = ratios[place].sqrt();
+                assert!((found / expected - 1.0).abs() < 1e-6, "{found} {expected}");
+            }
+        }
+    }
+
+    /// The simulated errors have mean 0, variance 1 and the tails of the normal distribution.
+    #[test]
+    fn errors_are_normal() {
+        let mut noise = Noise(SEED);
+        let count = 40_000;
+        let errors: Vec<f64> = (0..count).map(|_| noise.normal()).collect();
+        let mean =
+            |f: &dyn Fn(f64) -> f64| errors.iter().map(|e| f(*e)).sum::<f64>() / count as f64;
+        assert!(mean(&|e| e).abs() < 0.02);
+        assert!((mean(&|e| e * e) - 1.0).abs() < 0.03);
+        assert!((mean(&|e| f64::from(u8::from(e.abs() > 1.959_964))) - 0.05).abs() < 0.004);
+    }
+}

@@ -394,6 +394,66 @@ mod tests {
         }
     }
 
+    /// The mean of measurements whose errors add up to nothing, beside a bound. `room` is its distance in standard errors.
+    fn mean(rows: usize, room: f64) -> (StandardErrors, f64) {
+        let mut noise = Noise::new(rows as u64);
+        let mut errors = DVector::from_fn(rows, |_, _| normal(&mut noise));
+        errors.add_scalar_mut(-errors.mean());
+        let freedoms = (rows - 1) as f64;
+        let error = (errors.norm_squared() / freedoms / rows as f64).sqrt();
+        let fit = Linear {
+            jacobian: DMatrix::from_element(rows, 1, 1.0),
+            measured: errors,
+            bounds: Bounds::new(&[[-room * error, 1e3 * error]]).unwrap(),
+            weights: vec![1.0; rows],
+        };
+        (fit.errors(&DVector::zeros(1)).0, error)
+    }
+
+    /// Without a bound within four standard errors of either end the interval is that of Student. Closer to a bound it is
+    /// narrower there, since errors beyond the bound are cut off.
+    #[test]
+    fn bounds_count_within_four_standard_errors() {
+        for rows in 8..30 {
+            let t = Student::new(rows - 1).quantile(0.025);
+            for (room, is_far) in [(t + 4.2, true), (t + 0.6, false)] {
+                let (found, error) = mean(rows, room);
+                let ConfidenceInterval::TwoSided { lower, upper } = found.intervals[0] else {
+                    panic!("{:?}", found.intervals[0]);
+                };
+                let [below, above] = [-lower, upper].map(|end| end / (t * error));
+                match is_far {
+                    true => assert!((above - 1.0).abs() < 1e-6, "{rows} {room}: {above}"),
+                    false => assert!(above > 0.9, "{rows} {room}: {above}"),
+                }
+                match is_far {
+                    true => assert!((below - 1.0).abs() < 1e-6, "{rows}: {below}"),
+                    false => assert!((below - 1.0).abs() > 1e-3, "{rows}: {below}"),
+                }
+            }
+        }
+    }
+
+    /// Measurements that fit exactly are known to a billionth of a tolerance, no better.
+    #[test]
+    fn exact_measurements_have_rounding_errors() {
+        let rows = 9;
+        let fit = Linear {
+            jacobian: DMatrix::from_element(rows, 1, 1.0),
+            measured: DVector::zeros(rows),
+            bounds: Bounds::new(&[[-1.0, 1.0]]).unwrap(),
+            weights: vec![1.0; rows],
+        };
+        let (found, _) = fit.errors(&DVector::zeros(1));
+        let ConfidenceInterval::TwoSided { lower, upper } = found.intervals[0] else {
+            panic!("{:?}", found.intervals[0]);
+        };
+        let half = Student::new(rows - 1).quantile(0.025) * 1e-9 / 3.0;
+        for end in [-lower, upper] {
+            assert!((end / half - 1.0).abs() < 1e-3, "{end} {half}");
+        }
+    }
+
     #[test]
     fn what_is_not_seen_is_not_determined() {
         let mut noise = Noise::new(9);

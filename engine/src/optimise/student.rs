@@ -49,14 +49,14 @@ impl Student {
 /// The place between `low` and `high` below which `is_below` holds, by bisection.
 pub(super) fn root(mut low: f64, mut high: f64, is_below: impl Fn(f64) -> bool) -> f64 {
     for _ in 0..60 {
-        let middle = 0.5 * (low + high);
+        let middle = low.midpoint(high);
         if is_below(middle) {
             low = middle;
         } else {
             high = middle;
         }
     }
-    0.5 * (low + high)
+    low.midpoint(high)
 }
 
 #[cfg(test)]

@@ -39,6 +39,9 @@
 //!   the rack at held travel, has that cause if and only if U T = 0 there too (as with an upright steering axis,
 //!   where steering does not lift the wheel). Else it has none.
 //!
+//! The links of a rigid axle have no such parts. Its limit names the link with the largest multiplier w in w J = 0, J the
+//! whole Jacobian: the largest force that holds the axle at the fold.
+//!
 //! With the rack moving, its column comes to C, and the path may be regular where C has rank 4: then some
 //! combination of the constraints, m C = 0, is the cause, of the links with m not 0. That takes a mechanism without
 //! arms, as with them it is one of (3) and (4). A hinge is never singular.
@@ -57,6 +60,9 @@ pub(crate) const SINGULAR_PART: f64 = 1e-6;
 impl Curve<'_> {
     /// Returns the reason why the path turns back at a fold.
     pub(crate) fn cause(&self, fold: &CurvePoint) -> LimitCause {
+        if self.mechanism.rigid_axle.is_some() {
+            return LimitCause::AxleFolds;
+        }
         let at = self.configuration(fold);
         let nearest = nearest_part(&at);
         if let Some(part) = nearest.filter(|part| part.sine < SINGULAR_PART) {
@@ -155,12 +161,15 @@ pub(crate) fn dependent_links(
 }
 
 /// For each of the five equations, the outer end of its link; `None` if it is not a link's.
-fn outer_ends(mechanism: &Mechanism) -> Vec<Option<PointId>> {
+pub(crate) fn outer_ends(mechanism: &Mechanism) -> Vec<Option<PointId>> {
     use crate::model::Constraint;
     let ends = mechanism.constraints.iter().flat_map(|constraint| {
         let end = match *constraint {
             Constraint::Link { outer, .. } => Some(outer),
-            Constraint::StrutLine { .. } | Constraint::Revolute { .. } => None,
+            Constraint::StrutLine { .. }
+            | Constraint::Revolute { .. }
+            | Constraint::BallJoint { .. }
+            | Constraint::AxleTravel { .. } => None,
         };
         std::iter::repeat_n(end, constraint.freedoms())
     });

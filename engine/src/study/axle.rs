@@ -8,6 +8,7 @@ use super::motion::values;
 use super::names::choose;
 use super::outputs::{self, distinct};
 use super::right_wheel::{self, right_wheel};
+use super::solid_axle;
 use super::suspension::{above_zero, positive};
 use super::value::{Number, Text, Values};
 use crate::axle::{
@@ -105,26 +106,27 @@ pub(super) fn axle(
     suspension: &Suspension,
     problems: &mut Problems,
 ) -> Option<AxleStudy> {
-    let section = file.axle.as_ref()?;
+    let place = (file.axle.as_ref()).map_or(file.suspension.topology.span(), Spanned::span);
     let mut sound = refuse_corner_keys(file, problems);
+    if suspension.mechanism.rigid_axle.is_some() {
+        sound &= solid_axle::refuse(file, suspension, problems);
+    }
     if suspension.frame.meaning().1 == Side::Right {
-        let place = file
-            .suspension
-            .side
-            .as_ref()
-            .map_or(section.span(), Text::span);
+        let place = file.suspension.side.as_ref().map_or(place, Text::span);
         let message = "[suspension] of an axle is its left wheel; expected side = \"left\"";
         problems.add(place, message);
         sound = false;
     }
-    let right = right_wheel(file, section.get_ref(), suspension, problems);
-    let setup = setup(file, suspension, problems);
-    let (right, setup) = (right?, setup?);
-    let axle = Axle {
-        left: suspension.clone(),
-        right,
-        setup,
+    let wheels = match &suspension.mechanism.rigid_axle {
+        Some(rigid) => solid_axle::wheels(file, suspension, rigid, problems),
+        None => {
+            let right = right_wheel(file, suspension, problems);
+            right.map(|right| (suspension.clone(), right))
+        }
     };
+    let setup = setup(file, suspension, problems);
+    let ((left, right), setup) = (wheels?, setup?);
+    let axle = Axle { left, right, setup };
     track_agrees(file, &axle, problems)?;
     let course = course(file, &file.motion, &axle, problems);
     let mut motions = Vec::new();
@@ -522,10 +524,12 @@ fn plan(
 ) -> Option<AxlePlan> {
     let Some(section) = &file.outputs else {
         let default = ["camber", "steer", "mean_steer"];
-        let quantities = default.iter().flat_map(|name| Quantity::named(name));
+        let quantities = default.iter().flat_map(|name| axle.quantities(name));
         return Some(AxlePlan::of(course?, quantities.collect()));
     };
-    let listed = distinct(&section.characteristics, problems, quantities);
+    let listed = distinct(&section.characteristics, problems, |text, problems| {
+        quantities(text, axle, problems)
+    });
     let order = outputs::order(section, problems);
     let points = outputs::points(section, &axle.left, problems);
     let sensitivities = outputs::sensitivities(section, &axle.left, problems);
@@ -545,10 +549,23 @@ fn plan(
 }
 
 /// The quantities of this name, which those of both wheels share.
-pub(super) fn quantities(text: &Text, problems: &mut Problems) -> Option<Vec<Quantity>> {
+pub(super) fn quantities(
+    text: &Text,
+    axle: &Axle,
+    problems: &mut Problems,
+) -> Option<Vec<Quantity>> {
     let names = Quantity::names().into_iter().map(|name| (name, name));
     let names: Vec<_> = names.collect();
-    choose(text, "quantity of an axle", &names, problems).map(Quantity::named)
+    let name = choose(text, "quantity of an axle", &names, problems)?;
+    let found = axle.quantities(name);
+    if found.is_empty() {
+        let message = match axle.is_rigid() {
+            true => format!("{name} needs wheels that move by themselves; this is a solid axle"),
+            false => format!("{name} needs a solid axle; these wheels move by themselves"),
+        };
+        return problems.refuse(text.span(), message);
+    }
+    Some(found)
 }
 
 /// Returns true if the study gives everything that a quantity requires. Reports what is missing.
@@ -580,7 +597,7 @@ fn check_needs(file: &File, axle: &Axle, plan: &AxlePlan, problems: &mut Problem
     let mut sound = true;
     let texts = file.outputs.iter().flat_map(|o| &o.characteristics);
     for text in texts {
-        for quantity in Quantity::named(text.get_ref()).into_iter().take(1) {
+        for quantity in axle.quantities(text.get_ref()).into_iter().take(1) {
             sound &= lacks_nothing(text, quantity, axle, problems);
         }
     }
@@ -594,7 +611,7 @@ fn check_needs(file: &File, axle: &Axle, plan: &AxlePlan, problems: &mut Problem
     if plan.degree() > 3 {
         let texts = file.outputs.iter().flat_map(|o| &o.characteristics);
         let orders = |text: &&Text| {
-            let quantities = Quantity::named(text.get_ref()).into_iter();
+            let quantities = axle.quantities(text.get_ref()).into_iter();
             quantities.map(|q| q.rate_order()).max()
         };
         let made_of_most = texts.max_by_key(orders);

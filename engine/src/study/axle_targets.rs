@@ -203,7 +203,7 @@ fn subject(
     study: &AxleStudy,
     problems: &mut Problems,
 ) -> Option<Subject> {
-    let all = quantities(name, problems)?;
+    let all = quantities(name, &study.axle, problems)?;
     let side_of = |quantity: &Quantity| match quantity {
         Quantity::Corner(side, _) | Quantity::Wheel(side, _) => Some(*side),
         Quantity::Axle(_) => None,

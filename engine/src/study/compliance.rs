@@ -57,7 +57,7 @@ pub(super) fn compliance(
         return None;
     };
     if !knows_elastic {
-        let message = "elastic parts are known to `hardpoint kc` and `hardpoint check` alone; here they would be left out";
+        let message = "elastic parts are known to `hardpoint kc`, `optimise` and `check` alone; here they would be left out";
         let error = problems.add(section.span(), message);
         error.help(
             "for results of the rigid mechanism, remove [compliance], [bushings] and [links]",
@@ -86,7 +86,7 @@ pub(super) fn compliance(
     let relaxed = relaxed(section, problems);
     let springs = axle::springs(file, suspension, problems);
     let bushings = each(&file.bushings, |(name, part)| {
-        bushing(name, part, relaxed, suspension, problems)
+        bushing(name, part, suspension, problems)
     });
     let links = each(&file.links, |(name, part)| {
         link(name, part, suspension, problems)
@@ -195,7 +195,6 @@ fn six(
 fn bushing(
     name: &Text,
     written: &Spanned<file::Bushing>,
-    relaxed: Option<Relaxed>,
     suspension: &Suspension,
     problems: &mut Problems,
 ) -> Option<BushingPart> {
@@ -203,12 +202,6 @@ fn bushing(
     let point = bushing_point(name, suspension, problems)?;
     if let Some(file) = &part.file {
         return problems.refuse(file.span(), "bushing files are not available yet");
-    }
-    if let (Some(preload), Some(Relaxed::AtDesignLoad)) = (&part.preload, relaxed) {
-        let message = "with relaxed = \"at_design_load\" the forces in the design position follow from the spring";
-        let error = problems.add(preload.span(), message);
-        error.help("leave out preload, or take relaxed = \"free\"");
-        return None;
     }
     let shapes = shapes(name, written, problems)?;
     let any = |_: f64| true;

@@ -1,7 +1,8 @@
 //! Studies written back: edits of the text, so that comments and layout stay.
 
 use super::targets::WrittenCurve;
-use super::{AxleStudy, Designs, Study};
+use super::{AxleStudy, ComplianceStudy, Designs, Study};
+use crate::compliance::{AxialStiffness, Shape};
 use crate::model::{Axis, Frame, Suspension};
 use crate::number::Vector3;
 use std::path::{Component, Path};
@@ -71,7 +72,9 @@ impl Study {
     /// The study of another design; a right wheel with hardpoints of its own goes the way of the left one.
     pub fn at_design(&self, design: Vec<Vector3<f64>>) -> Study {
         let mut moved = self.clone();
+        let mut design = design;
         if let Some(AxleStudy { axle, .. }) = moved.axle_mut() {
+            axle.complete(&mut design);
             let own = axle.right_design(&design).map(Iterator::collect);
             if let (Some(right), Some(own)) = (&mut axle.right, own) {
                 right.design = own;
@@ -90,7 +93,47 @@ impl Study {
     /// curves from files written out.
     pub fn text_with_points_of(&self, text: &str, moved: &Study) -> String {
         let right = moved.axle().and_then(|a| a.axle.right.as_ref());
-        self.rewritten(text, &moved.wheel().design, right.map(|r| &r.design[..]))
+        let text = self.rewritten(text, &moved.wheel().design, right.map(|r| &r.design[..]));
+        self.with_rates_of(text, moved)
+    }
+
+    /// The text with the rates of elastic parts of another study, where they differ.
+    fn with_rates_of(&self, text: String, moved: &Study) -> String {
+        let (Some(elastic), Some(new)) = (self.compliance(), moved.compliance()) else {
+            return text;
+        };
+        let Ok(mut document) = text.parse::<DocumentMut>() else {
+            return text;
+        };
+        let root = document.as_table_mut();
+        let mechanism = &self.wheel().mechanism;
+        for (old, new) in elastic.parts.bushings.iter().zip(&new.parts.bushings) {
+            if let Some(bushing) = table(root, &["bushings", mechanism.name(old.point)]) {
+                rewrite_rates(bushing, &old.shapes, &new.shapes);
+            }
+        }
+        let links = elastic.parts.links.iter().zip(&new.parts.links);
+        for (name, (old, new)) in link_names(elastic).zip(links) {
+            let (key, value) = match (old.stiffness, new.stiffness) {
+                (AxialStiffness::Rate(old), AxialStiffness::Rate(new)) if old != new => {
+                    ("axial_stiffness", new)
+                }
+                (AxialStiffness::PerStrain(old), AxialStiffness::PerStrain(new)) if old != new => {
+                    ("modulus", new)
+                }
+                _ => continue,
+            };
+            let Some(link) = table(root, &["links", name]) else {
+                continue;
+            };
+            // A modulus goes with an area.
+            let area = link
+                .get("area")
+                .and_then(number)
+                .filter(|_| key == "modulus");
+            link.insert(key, Item::Value((value / area.unwrap_or(1.0)).into()));
+        }
+        document.to_string()
     }
 
     fn rewritten(
@@ -166,6 +209,44 @@ fn rewrite(
             {
                 replace(number, frame.sign(axis) * new[i]);
             }
+        }
+    }
+}
+
+/// Names of the links.
+fn link_names(elastic: &ComplianceStudy) -> impl Iterator<Item = &str> {
+    elastic.link_names.iter().map(String::as_str)
+}
+
+/// A number, with or without a decimal point.
+fn number(item: &Item) -> Option<f64> {
+    let whole = item.as_integer().map(|whole| whole as f64);
+    item.as_float().or(whole)
+}
+
+/// Writes the rates of a bushing that differ: the stiffness over its factor, or the factor of a curve.
+fn rewrite_rates(bushing: &mut dyn TableLike, old: &[Shape; 6], new: &[Shape; 6]) {
+    for (k, (old, new)) in old.iter().zip(new).enumerate() {
+        let entry = |bushing: &dyn TableLike, key: &str| {
+            let list = bushing.get(key)?.as_array()?;
+            let value = list.get(k)?;
+            value.as_float().or(value.as_integer().map(|n| n as f64))
+        };
+        let (key, value) = match (old, new) {
+            (Shape::Cubic { rate: old, .. }, Shape::Cubic { rate: new, .. }) if old != new => {
+                ("stiffness", new / entry(bushing, "scale").unwrap_or(1.0))
+            }
+            (Shape::Curve { scale: old, .. }, Shape::Curve { scale: new, .. }) if old != new => {
+                ("scale", *new)
+            }
+            _ => continue,
+        };
+        if bushing.get(key).is_none() {
+            bushing.insert(key, Item::Value(Array::from_iter([1.0; 6]).into()));
+        }
+        let list = bushing.get_mut(key).and_then(Item::as_array_mut);
+        if let Some(place) = list.and_then(|list| list.get_mut(k)) {
+            replace(place, value);
         }
     }
 }

@@ -15,6 +15,7 @@ mod constraints;
 mod curve_file;
 mod designs_file;
 mod edit;
+mod elastic_targets;
 mod geometry;
 mod loads;
 mod members;
@@ -28,6 +29,7 @@ mod right_wheel;
 mod samples;
 mod schema;
 mod setup;
+mod solid_axle;
 mod solver;
 mod subject;
 mod suspension;
@@ -60,6 +62,7 @@ pub use vehicle::{Vehicle, WheelStudy};
 use crate::ask::Unit;
 use crate::assembly::BuildParameter;
 use crate::characteristics::{Characteristic, Measure, Quantity};
+use crate::compliance::{KcValue, Parameter};
 use crate::model::{Axis, Frame, LengthUnit, PointId, Side, Suspension};
 use crate::number::Vector3;
 
@@ -94,8 +97,6 @@ pub struct Study {
     pub setup: Option<Setup>,
     /// The tolerances, if the study has them.
     pub tolerance: Option<Tolerance>,
-    /// The elastic parts and their tests, if the study has them.
-    pub compliance: Option<ComplianceStudy>,
 }
 
 /// The equations whose solution is a pose.
@@ -393,6 +394,8 @@ pub struct Variable {
     pub moves: Vec<Move>,
     /// The points it turns; the variable then is one of the three components of a rotation vector in degrees.
     pub turn: Option<Turn>,
+    /// The rate of an elastic part that it is instead.
+    pub rate: Option<Rate>,
     /// Lowest and highest offset from the design, in the study's axes; degrees of a turn.
     pub range: [f64; 2],
     /// Cost of a move across the range, relative to the other variables; it counts where the design that moves least is
@@ -404,6 +407,12 @@ impl Variable {
     /// A name that no other variable has, with how it moves: `tie_rod_inner_dz`,
     /// `lower_arm_front+lower_arm_rear_turn_x`.
     pub fn label(&self) -> String {
+        if let Some(rate) = &self.rate {
+            return match rate.axis_name() {
+                Some(axis) => format!("{}_{axis}", self.name),
+                None => self.name.clone(),
+            };
+        }
         match (&self.turn, self.axis()) {
             (Some(turn), _) => format!("{}_turn_{}", self.name, turn.axis.name()),
             (None, Some(axis)) => format!("{}_d{}", self.name, axis.name()),
@@ -419,6 +428,12 @@ impl Variable {
 
     /// How it moves: `z`, `along` a direction, `turn about z`.
     pub fn way(&self) -> String {
+        if let Some(rate) = &self.rate {
+            return match rate.axis_name() {
+                Some(axis) => format!("stiffness {axis}"),
+                None => "axial stiffness".to_owned(),
+            };
+        }
         match (&self.turn, self.axis()) {
             (Some(turn), _) => format!("turn about {}", turn.axis.name()),
             (None, Some(axis)) => axis.name().to_owned(),
@@ -447,6 +462,7 @@ impl Variable {
                 factor: 1.0,
             }],
             turn: None,
+            rate: None,
             range,
             cost: 1.0,
         };
@@ -454,6 +470,38 @@ impl Variable {
             .flat_map(|point| Axis::ALL.map(|axis| (point, axis)))
             .map(coordinate)
             .collect()
+    }
+}
+
+/// The rate of an elastic part as a variable.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rate {
+    /// The rate: of a bushing along or about an axis, or of a link.
+    pub parameter: Parameter,
+    /// Its value in the study.
+    pub design: f64,
+    /// True if the variable is the logarithm of a factor, false if it is added.
+    pub is_relative: bool,
+}
+
+/// Names of the axes along and about which a bushing has rates.
+pub const RATE_AXES: [&str; 6] = ["x", "y", "z", "tx", "ty", "tz"];
+
+impl Rate {
+    /// The rate and its derivative with the variable at `x`.
+    pub fn at(&self, x: f64) -> [f64; 2] {
+        match self.is_relative {
+            true => [self.design * x.exp(); 2],
+            false => [self.design + x, 1.0],
+        }
+    }
+
+    /// Name of the axis, of a bushing.
+    pub fn axis_name(&self) -> Option<&'static str> {
+        match self.parameter {
+            Parameter::Stiffness(_, axis) => RATE_AXES.get(axis).copied(),
+            _ => None,
+        }
     }
 }
 
@@ -488,6 +536,8 @@ pub enum About {
     Wheel(Measure),
     /// A quantity of an axle, or the same quantity of either wheel.
     Axle(Vec<crate::axle::Quantity>),
+    /// A value of one wheel with elastic parts.
+    Elastic(KcValue),
 }
 
 impl Subject {
@@ -517,7 +567,7 @@ impl Subject {
     pub fn of_wheel(&self) -> Option<&Measure> {
         match &self.about {
             About::Wheel(measure) => Some(measure),
-            About::Axle(_) => None,
+            About::Axle(_) | About::Elastic(_) => None,
         }
     }
 

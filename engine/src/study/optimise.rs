@@ -1,6 +1,7 @@
 //! `[optimise]`: what may move, and how.
 
 use super::constraints::constraints;
+use super::elastic_targets;
 use super::error::Problems;
 use super::file;
 use super::motion::within;
@@ -39,7 +40,10 @@ pub(super) fn optimise(
         i64::from(MAX_ITERATIONS),
         1..=i64::MAX,
     );
-    let variables = variables(section, context.suspension, problems);
+    if context.elastic.is_some() {
+        elastic_targets::refuse_in_optimise(section, problems)?;
+    }
+    let variables = variables(section, context, problems);
     let good_enough = match &section.good_enough {
         None => Some(None),
         Some(number) if number.value >= 0.0 => Some(Some(number.value)),
@@ -214,15 +218,16 @@ const LARGEST_TURN: f64 = 15.0;
 
 fn variables(
     section: &file::Optimise,
-    suspension: &Suspension,
+    context: &Context,
     problems: &mut Problems,
 ) -> Option<Vec<Variable>> {
+    let suspension = context.suspension;
     let written = some(&section.variables, "variable", problems)?;
     let resolved: Vec<_> = written
         .iter()
         .flat_map(|v| match &v.get_ref().rigid {
             Some(points) => rigid(v, points, suspension, problems),
-            None => vec![variable(v, suspension, problems)],
+            None => vec![variable(v, context, problems)],
         })
         .collect();
     if written.iter().any(|v| v.get_ref().rigid.is_some()) {
@@ -239,7 +244,7 @@ fn variables(
         let same = |other: &Option<Variable>| {
             let other = other.as_ref();
             other.is_some_and(|other| {
-                other.moves == variable.moves
+                other.moves == variable.moves && other.rate == variable.rate
                     // Two directions would have one name.
                     || variable.axis().is_none() && other.label() == variable.label()
             })
@@ -259,10 +264,25 @@ fn variables(
 
 fn variable(
     variable: &Spanned<file::Variable>,
-    suspension: &Suspension,
+    context: &Context,
     problems: &mut Problems,
 ) -> Option<Variable> {
+    let suspension = context.suspension;
     let written = variable.get_ref();
+    if written.bushing.is_some() || written.link.is_some() {
+        let cost = cost(written, problems);
+        return elastic_targets::rate(variable, context, cost, problems);
+    }
+    let of_rates = [
+        ("stiffness", written.stiffness.as_ref().map(Spanned::span)),
+        ("relative", written.relative.as_ref().map(Spanned::span)),
+    ];
+    for (key, span) in of_rates {
+        if let Some(span) = span {
+            let message = format!("{key} needs bushing or link: the part whose rate varies");
+            return problems.refuse(span, message);
+        }
+    }
     let missing = |key: &str, problems: &mut Problems| {
         problems.add(variable.span(), format!("the key \"{key}\" is missing"));
     };
@@ -304,6 +324,7 @@ fn variable(
         name: moves::names(&moves, suspension),
         moves,
         turn: None,
+        rate: None,
         range: [low, high],
         cost: cost?,
     })
@@ -392,6 +413,7 @@ fn rigid(
                 name: name.clone(),
                 moves: moved.collect(),
                 turn: None,
+                rate: None,
                 range: [-shift, shift],
                 cost,
             }));
@@ -406,6 +428,7 @@ fn rigid(
                     points: ids.clone(),
                     axis,
                 }),
+                rate: None,
                 range: [-turn, turn],
                 cost,
             }));

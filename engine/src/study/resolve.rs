@@ -2,9 +2,9 @@
 
 use super::error::{Problems, Source, StudyError, StudyErrors};
 use super::{
-    AxleStudy, Drive, Load, Motion, Optimise, Outputs, Study, Vehicle, WheelStudy, axle,
-    compliance, edit, file, motion, optimise, outputs, overrides, parse, setup, solver, source,
-    suspension, sweep, tolerance,
+    AxleStudy, ComplianceStudy, Drive, Load, Motion, Optimise, Outputs, Study, Vehicle, WheelStudy,
+    axle, compliance, edit, file, motion, optimise, outputs, overrides, parse, setup, solver,
+    source, suspension, sweep, tolerance,
 };
 use crate::model::Suspension;
 use std::path::Path;
@@ -23,6 +23,8 @@ pub(super) struct Context<'a> {
     pub loads: &'a [Load],
     /// Both wheels, if the study is of an axle.
     pub axle: Option<&'a AxleStudy>,
+    /// The elastic parts, if the study has them.
+    pub elastic: Option<&'a ComplianceStudy>,
     /// The file as written.
     pub file: &'a super::file::File,
     /// Where the study file is.
@@ -58,7 +60,7 @@ impl Study {
         Study::read_parts(path, overrides, Parts::Rigid)
     }
 
-    /// The same as [`Study::read`], for what knows elastic parts: [`Study::compliance`] may be there.
+    /// The same as [`Study::read`], for what knows elastic parts: [`WheelStudy::compliance`] may be there.
     pub fn read_elastic(path: &Path, overrides: &[String]) -> Result<Study, StudyErrors> {
         Study::read_parts(path, overrides, Parts::Elastic)
     }
@@ -151,7 +153,9 @@ fn resolve(
     let mut problems = Problems::new(source.clone());
 
     let suspension = suspension::suspension(&file, &mut problems);
-    let of_axle = file.axle.is_some();
+    // A solid axle is one without [axle], too.
+    let is_rigid = |s: &Suspension| s.mechanism.rigid_axle.is_some();
+    let of_axle = file.axle.is_some() || suspension.as_ref().is_some_and(is_rigid);
     let motion = match of_axle {
         true => Some(Motion::still()),
         false => motion::motion(&file.motion, false, &mut problems),
@@ -221,6 +225,7 @@ fn resolve(
         motion::check_sensitivities(file.motion.span(), stations, points, &mut problems);
     }
     let context = Context {
+        elastic: elastic.as_ref().and_then(Option::as_ref),
         suspension: &suspension,
         motion: motion.as_ref(),
         motions: &motions,
@@ -292,6 +297,7 @@ fn resolve(
                     motion: motion?,
                     formulation: formulation?,
                     outputs: outputs?,
+                    compliance: elastic?,
                 })),
             },
             motions,
@@ -302,7 +308,6 @@ fn resolve(
             sweep: sweep?,
             setup: setup?,
             tolerance: tolerance?,
-            compliance: elastic?,
         })
     };
     problems.finish(study())

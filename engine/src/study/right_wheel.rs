@@ -20,15 +20,15 @@ pub(super) fn own(file: &File) -> Option<&file::OwnRight> {
 /// The right wheel; the inner `None` is the mirror image, springs left out.
 pub(super) fn right_wheel(
     file: &File,
-    section: &file::Axle,
     left: &Suspension,
     problems: &mut Problems,
 ) -> Option<Option<Suspension>> {
-    let place = match &section.right {
-        Some(right) => right.span(),
-        None => return Some(None),
+    let section = file.axle.as_ref().map(Spanned::get_ref);
+    let Some(written) = section.and_then(|section| section.right.as_ref()) else {
+        return Some(None);
     };
-    if let Some(RightWheel::Word(word)) = section.right.as_ref().map(Spanned::get_ref) {
+    let place = written.span();
+    if let RightWheel::Word(word) = written.get_ref() {
         if word == "mirrored" {
             return Some(None);
         }

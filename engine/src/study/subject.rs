@@ -20,7 +20,10 @@ pub(super) fn point(
     problems: &mut Problems,
 ) -> Option<PointId> {
     let points = suspension.mechanism.points.iter().enumerate();
-    let points: Vec<_> = points.map(|(i, p)| (p.name.as_str(), PointId(i))).collect();
+    let points = points.map(|(i, p)| (p.name.as_str(), PointId(i)));
+    let points: Vec<_> = points
+        .filter(|(_, id)| !suspension.mechanism.is_far(*id))
+        .collect();
     choose(text, "point", &points, problems)
 }
 
@@ -31,15 +34,17 @@ pub(super) fn members(suspension: &Suspension) -> Vec<(String, [PointId; 2])> {
     let mut members: Vec<(String, [PointId; 2])> = Vec::new();
     for constraint in &mechanism.constraints {
         match *constraint {
+            Constraint::Link { inner, .. } if mechanism.is_far(inner) => {}
             Constraint::Link { inner, outer } => {
-                let name = mechanism.name(inner);
-                let name = name.strip_suffix("_inner").unwrap_or(name);
+                let name = mechanism.link_name(inner);
                 members.push((name.to_owned(), [inner, outer]));
             }
             Constraint::StrutLine { top, lower, .. } => {
                 members.push(("strut".to_owned(), [top, lower]));
             }
-            Constraint::Revolute { .. } => {}
+            Constraint::Revolute { .. }
+            | Constraint::BallJoint { .. }
+            | Constraint::AxleTravel { .. } => {}
         }
     }
     for rocker in &mechanism.rockers {

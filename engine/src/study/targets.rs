@@ -2,6 +2,7 @@
 
 use super::axle_targets;
 use super::curve_file::{self, WantedColumns};
+use super::elastic_targets;
 use super::error::Problems;
 use super::file::{self, Target as Written};
 use super::names::choose;
@@ -42,7 +43,16 @@ fn target(
         },
         None => {
             axle_targets::Where::from(written).refuse(false, problems);
-            let of = subject(spanned, context, problems);
+            let of = match (context.elastic, &written.figure) {
+                (Some(elastic), _) => elastic_targets::subject(spanned, elastic, context, problems),
+                // What is wrong with the elastic parts is said already.
+                (None, Some(_)) if context.file.compliance.is_some() => None,
+                (None, Some(figure)) => problems.refuse(
+                    figure.span(),
+                    "a figure of a test needs [compliance] with elastic parts",
+                ),
+                (None, None) => subject(spanned, context, problems),
+            };
             let site = site(&written.motion, &written.rack, context, problems);
             (of, site, None)
         }
@@ -105,6 +115,11 @@ fn target(
         (None, None, at, None, true) => target.band(written, at.as_ref(), problems),
         (None, None, Some(at), None, false) => {
             problems.refuse(at.span.clone(), "at needs value: the target value there")
+        }
+        // A figure is of the design height, if no travel is given.
+        (None, None, None, Some(value), false) if written.figure.is_some() => {
+            let value = of.from_printed(value.value);
+            Some(Wanted::At { drive: 0.0, value })
         }
         (None, None, None, Some(value), false) => problems.refuse(
             value.span.clone(),

@@ -1,6 +1,6 @@
 //! The vehicle of a study: one wheel or an axle, each with its motion and what is asked of it.
 
-use super::{AxleStudy, Formulation, Motion, Outputs, Study};
+use super::{AxleStudy, ComplianceStudy, Formulation, Motion, Outputs, Study};
 use crate::model::Suspension;
 use std::sync::LazyLock;
 
@@ -24,6 +24,8 @@ pub struct WheelStudy {
     pub formulation: Formulation,
     /// What is asked for.
     pub outputs: Outputs,
+    /// The elastic parts and their tests, if there are any.
+    pub compliance: Option<ComplianceStudy>,
 }
 
 impl WheelStudy {
@@ -34,6 +36,7 @@ impl WheelStudy {
             motion: Motion::still(),
             formulation: Formulation::KnucklePose,
             outputs: Outputs::of(Vec::new()),
+            compliance: None,
         }
     }
 }
@@ -147,6 +150,11 @@ impl Study {
     /// The motion of the wheel by itself ([`Vehicle::motion`]).
     pub fn motion(&self) -> &Motion {
         self.vehicle.motion()
+    }
+
+    /// The elastic parts and their tests, if the study has them.
+    pub fn compliance(&self) -> Option<&ComplianceStudy> {
+        self.one_wheel()?.compliance.as_ref()
     }
 
     /// The axle, if the study is of one.

@@ -59,6 +59,7 @@ impl Failing {
             reason: match failure {
                 NoPose::Corner(failure) => reason(failure),
                 NoPose::Wheel { side, failure, .. } => side.about(&reason(failure)),
+                NoPose::RigidAxle { failure, .. } => reason(failure),
                 failure => failure.to_string(),
             },
             stations: 0,

@@ -13,7 +13,7 @@
 use super::Problem;
 use super::expansion::combined;
 use crate::assembly::{Built, NoSetUp, Rest};
-use crate::axle::{AxleSolver, AxleState, Hold, Parts, Quantity, Reading, Snapshot};
+use crate::axle::{AxleSolver, AxleState, Carriers, Hold, Parts, Quantity, Reading, Snapshot};
 use crate::derive::{MotionPoint, pose_series};
 use crate::evaluate::AxleStations;
 use crate::linear::lu::Lu6;
@@ -212,6 +212,7 @@ impl<'p> DrawnPositions<'p> {
             },
             roll: Series::constant(position.roll) + turn,
             hold: position.hold,
+            carriers: Carriers::Independent,
             setup: &axle.setup,
         }
     }

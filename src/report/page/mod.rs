@@ -6,14 +6,17 @@
 mod compare;
 mod escape;
 mod library;
+mod opening;
 mod policy;
 mod run;
 mod scatter;
+mod sheet;
 mod sweep;
 mod table;
 
 pub use compare::comparison_page;
 pub use run::page;
+pub use sheet::{limits_page, set_up_page};
 pub use sweep::sweep_page;
 
 use escape::html;

@@ -1,6 +1,7 @@
 //! The page of a solve or an optimisation.
 
 use super::escape::html;
+use super::opening::opening;
 use super::scatter::{contributors, distributions};
 use super::table::table;
 use super::{Page, STAGE};
@@ -67,6 +68,7 @@ pub fn page(run: &Run) -> String {
         missed: tuning.map_or_else(Vec::new, missed),
         prices: tuning.map_or(&[], |tuning| &tuning.prices),
     };
+    let answer = tuning.map_or_else(String::new, |tuning| opening(tuning, &run.record));
     let (tuning, ranges) = match &run.summary {
         Summary::Optimise(tuning) => {
             let front = match &run.record.front {
@@ -83,6 +85,7 @@ pub fn page(run: &Run) -> String {
     };
     let main = format!(
         include_str!("run.html"),
+        answer = answer,
         curves_note = curves_note,
         stage = STAGE,
         ranges = ranges,
@@ -231,6 +234,7 @@ fn remarks(run: &Run) -> String {
 fn sections(run: &Run) -> Vec<(&'static str, &'static str)> {
     let tuned = matches!(run.summary, Summary::Optimise(_));
     let all = [
+        ("answer", "Result", tuned),
         ("curves", "Curves", true),
         ("mechanism", "Mechanism", true),
         ("turn", "Steering geometry", has_turn(run)),

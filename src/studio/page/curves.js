@@ -2,10 +2,15 @@
 import { brief, byId, html, set, signed, svg, ticks } from './draw.js';
 import { ask, askGhost, emit, here as placeNow, isInGesture, on, state } from './design.js';
 import { framed } from './frame.js';
+import { Deviation } from './deviation.js';
+import { EdgeHandles } from './handles.js';
+import { askForTarget } from './targets.js';
 
 const MARGIN = { left: 46, right: 10, top: 15, bottom: 33 };
 // Number of lines of a family that have a label each; of more only the first, the last and the present one.
 const MOST_LABELS = 5;
+// Height of the strip of deviations.
+const STRIP = 26;
 let charts = [];
 let clips = 0;
 
@@ -78,8 +83,8 @@ class Chart {
     const id = `clip-${clips += 1}`;
     this.clip = svg('rect', { x: MARGIN.left, y: MARGIN.top });
     this.svg.append(svg('clipPath', { id }, this.clip));
-    this.parts = Object.fromEntries(['axes', 'bands', 'ghosts', 'others', 'influence', 'proposal', 'now', 'gaps', 'cursor', 'labels']
-      .map((name) => [name, this.svg.appendChild(svg('g', { class: name, 'clip-path': ['axes', 'labels', 'gaps', 'cursor'].includes(name) ? null : `url(#${id})` }))]));
+    this.parts = Object.fromEntries(['axes', 'bands', 'ghosts', 'pins', 'others', 'influence', 'proposal', 'now', 'gaps', 'cursor', 'labels', 'deviation', 'edges']
+      .map((name) => [name, this.svg.appendChild(svg('g', { class: name, 'clip-path': ['axes', 'labels', 'gaps', 'cursor', 'deviation', 'edges'].includes(name) ? null : `url(#${id})` }))]));
     this.series = parts.map(({ column, side }) => ({
       column, side,
       now: this.parts.now.appendChild(svg('path', { class: side })),
@@ -90,8 +95,11 @@ class Chart {
     }));
     this.line = this.parts.cursor.appendChild(svg('path'));
     this.parts.cursor.append(...this.series.map(({ spot }) => spot));
+    this.edges = new EdgeHandles(this);
+    this.deviation = new Deviation(this.parts.deviation);
+    const adder = html('button', { class: 'adder', text: '+ target', on: { click: () => askForTarget(this.series, state.answer) } });
     this.figure = html('figure', { class: 'chartbox', 'data-column': key },
-      html('figcaption', {}, html('span', { class: 'name' }, this.title, this.unit), html('span', { class: 'values' }, this.value, this.range)), this.svg);
+      html('figcaption', {}, adder, html('span', { class: 'name' }, this.title, this.unit), html('span', { class: 'values' }, this.value, this.range)), this.svg);
     const point = (event) => {
       const box = this.svg.getBoundingClientRect();
       const [low, high] = this.xs;
@@ -122,7 +130,10 @@ class Chart {
     if (width < 40) return;
     // Printed in another size, the picture is scaled.
     set(this.svg, { viewBox: `0 0 ${width} ${height}` });
-    this.inner = [width - MARGIN.left - MARGIN.right, height - MARGIN.top - MARGIN.bottom];
+    const targets = targetsOf(this.series.map(({ column }) => column), answer.rack);
+    // Under curves with targets there is a strip of their deviation.
+    this.bottom = MARGIN.bottom + (targets.length ? STRIP : 0);
+    this.inner = [width - MARGIN.left - MARGIN.right, height - MARGIN.top - this.bottom];
     set(this.clip, { width: this.inner[0] + MARGIN.right, height: this.inner[1] });
     const group = answer.shown;
     const family = familyOf(answer);
@@ -137,11 +148,11 @@ class Chart {
       const bent = slopes ? runs(answer, values.map((v, i) => (v === null || slopes[i] === null ? null : v + slopes[i] * far)), group) : [];
       return {
         ...this.series[k], found: found[k], slopes, bent, pieces: runs(answer, values, group), old: of(ghost, column), next: of(proposed, column),
+        pins: Object.entries(state.pins).map(([letter, pin]) => [letter, of(pin.answer, column)]),
         family: family.map((g) => ({ value: answer.group_places[g][state.family], pieces: runs(answer, values, g) })),
       };
     });
     this.series.forEach((one, k) => { one.values = found[k].values; });
-    const targets = targetsOf(this.series.map(({ column }) => column), answer.rack);
 
     const drives = answer.drive.filter((x) => x !== null);
     const wantedAt = targets.flatMap((t) => t.points.map((p) => p[0]));
@@ -149,7 +160,7 @@ class Chart {
     this.xs = [Math.min(...all), Math.max(...all)];
     if (this.xs[0] === this.xs[1]) this.xs = [this.xs[0] - 1, this.xs[1] + 1];
     const bands = targets.flatMap((t) => t.points.flatMap(([, low, high]) => [low, high].filter((v) => v !== null)));
-    const still = [...lines.flatMap(({ old, next }) => [...heights(old), ...heights(next)]), ...bands];
+    const still = [...lines.flatMap(({ old, next, pins }) => [...heights(old), ...heights(next), ...pins.flatMap(([, some]) => heights(some))]), ...bands];
     const moving = lines.flatMap(({ pieces, family: some }) => [...heights(pieces), ...some.flatMap((f) => heights(f.pieces))]);
     this.ys = framed(this, still, moving, isInGesture());
     const x = (v) => MARGIN.left + ((v - this.xs[0]) / (this.xs[1] - this.xs[0])) * this.inner[0];
@@ -175,9 +186,12 @@ class Chart {
       if (here !== null) set(one.spot, { cx: x(now).toFixed(1), cy: y(here).toFixed(1) });
     });
     this.parts.others.replaceChildren(...lines.flatMap(({ side, family: some }) => some.map((f) => svg('path', { class: side, d: path(f.pieces) }))));
+    this.parts.pins.replaceChildren(...lines.flatMap(({ pins }) => pins.map(([letter, some]) => svg('path', { class: `pin-${letter}`, d: path(some) }))));
     this.drawLabels(lines, x, y);
+    this.edges.draw(targets, this.scales, this.xs);
+    this.deviation.draw(targets, lines, { x, base: height - STRIP / 2, low: this.inner[0] + MARGIN.left, at, answer });
     this.drawGaps(answer, group, x, height);
-    set(this.line, { d: `M${x(now).toFixed(1)} ${MARGIN.top}V${height - MARGIN.bottom}` });
+    set(this.line, { d: `M${x(now).toFixed(1)} ${MARGIN.top}V${height - this.bottom}` });
     this.say(lines);
   }
 
@@ -209,23 +223,24 @@ class Chart {
 
   drawAxes(width, height, x, y, unit) {
     const { name, unit: own } = state.overview.sliders[state.over];
-    const key = [width, height, ...this.xs, ...this.ys, name].join();
+    const key = [width, height, this.bottom, ...this.xs, ...this.ys, name].join();
     if (key === this.frame) return;
     this.frame = key;
     const { axes } = this.parts;
     axes.replaceChildren();
-    const bottom = height - MARGIN.bottom;
+    const bottom = height - this.bottom;
     for (const tick of ticks(...this.ys, this.inner[1] / 34)) {
       const place = y(tick).toFixed(1);
       axes.append(svg('path', { class: tick === 0 ? 'zero' : null, d: `M${MARGIN.left} ${place}H${width - MARGIN.right}` }));
-      axes.append(svg('text', { x: MARGIN.left - 5, y: Number(place) + 3.5, 'text-anchor': 'end', text: brief(tick) }));
+      // Near the top stands the unit.
+      if (y(tick) > MARGIN.top + 5) axes.append(svg('text', { x: MARGIN.left - 5, y: Number(place) + 3.5, 'text-anchor': 'end', text: brief(tick) }));
     }
     for (const tick of ticks(...this.xs, this.inner[0] / 62)) {
       const place = x(tick).toFixed(1);
       axes.append(svg('path', { class: tick === 0 ? 'zero' : null, d: `M${place} ${MARGIN.top}V${bottom}` }));
       axes.append(svg('text', { x: place, y: bottom + 13, 'text-anchor': 'middle', text: brief(tick) }));
     }
-    axes.append(svg('text', { class: 'axis-title', x: (MARGIN.left + this.inner[0] / 2).toFixed(1), y: height - 4, 'text-anchor': 'middle', text: `${name} [${own}]` }));
+    axes.append(svg('text', { class: 'axis-title', x: (MARGIN.left + this.inner[0] / 2).toFixed(1), y: bottom + 29, 'text-anchor': 'middle', text: `${name} [${own}]` }));
     if (unit) axes.append(svg('text', { class: 'axis-title', x: MARGIN.left - 5, y: 9, 'text-anchor': 'end', text: `[${unit}]` }));
   }
 
@@ -244,6 +259,7 @@ class Chart {
       const named = known.length <= MOST_LABELS ? known : [known[0], known.at(-1)];
       for (const f of named) if (!isPair || side === 'left') wanted.push([end(f.pieces), `${brief(f.value, 3)} ${unit}`, side ?? '']);
     }
+    for (const { pins } of lines) for (const [letter, pieces] of pins) if (end(pieces)) wanted.push([end(pieces), letter, `pin pin-${letter}`]);
     const taken = [];
     const labels = wanted.flatMap(([[a, b], text, kind]) => {
       const height = y(b);
@@ -287,7 +303,7 @@ class Chart {
         if (value !== null || answer.groups[i] !== group || answer.drive[i] === null) return;
         const stretch = answer.failures.find((f) => i >= f.first && i <= f.last);
         const reason = stretch ? stretch.reason : answer.status[i] === 'ok' ? 'has no value here' : answer.status[i].replace('_', ' ');
-        gaps.append(svg('rect', { x: (x(answer.drive[i]) - 2).toFixed(1), y: height - MARGIN.bottom - 5, width: 4, height: 5 }, svg('title', { text: `${brief(answer.drive[i])}: ${reason}` })));
+        gaps.append(svg('rect', { x: (x(answer.drive[i]) - 2).toFixed(1), y: height - this.bottom - 5, width: 4, height: 5 }, svg('title', { text: `${brief(answer.drive[i])}: ${reason}` })));
       });
     }
   }
@@ -308,13 +324,6 @@ const arrange = () => {
   const kept = new Map(charts.map((chart) => [chart.key, chart]));
   charts = parts.map(([key, own]) => kept.get(key) ?? new Chart(key, own));
   byId('charts').replaceChildren(...charts.map((chart) => chart.figure));
-  lay();
-};
-// As many columns as there is room for, and charts as high as the window lets them be together.
-const lay = () => {
-  const box = byId('charts');
-  const columns = Math.max(1, Math.floor((box.clientWidth + 12) / (304 + 12)));
-  box.style.setProperty('--rows', Math.max(1, Math.ceil(charts.length / columns)));
 };
 const drawAll = () => charts.forEach((chart) => chart.draw());
 
@@ -354,7 +363,6 @@ const offerAxes = () => {
 };
 
 export const startCurves = () => {
-  new ResizeObserver(lay).observe(byId('charts'));
   byId('over').addEventListener('change', (event) => {
     state.over = Number(event.target.value);
     offerAxes();
@@ -375,7 +383,15 @@ export const startCurves = () => {
     offer();
     offerAxes();
   });
+  on('edited', () => {
+    const asked = state.overview.characteristics.filter((c) => c.asked && c.available).map((c) => c.name);
+    state.chosen = [...new Set([...state.chosen.filter((name) => state.overview.characteristics.some((c) => c.name === name && c.available)), ...asked])];
+    offer();
+    offerAxes();
+    askGhost();
+  });
   on('answer', () => { arrange(); drawAll(); });
+  on('pins', drawAll);
   on('ghost', drawAll);
   on('deed', drawAll);
   on('proposed', () => { byId('key-proposal').hidden = !state.proposed; drawAll(); });

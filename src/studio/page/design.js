@@ -1,4 +1,5 @@
 // The design being worked on: coordinates, what is locked, what was done. Everything else follows it.
+import { signed } from './draw.js';
 import { post } from './server.js';
 
 export const state = {
@@ -22,6 +23,8 @@ export const state = {
   ghost: null,
   proposed: null,
   fault: null,
+  // Designs that are kept beside the present one, by letter.
+  pins: {},
   selected: null,
   // Which target the arrows are for; null for the misfit.
   arrows: null,
@@ -44,39 +47,72 @@ export const snapped = (value, step = state.step) => {
   return Number((Math.round(value / step) * step).toFixed(Math.min(decimals, 12)));
 };
 
-// Undo and redo. A gesture (a drag, keys in a row) is one deed.
-const done = [];
-let undone = [];
+// A coordinate moved by a step: exactly by it, without the digits that arithmetic adds.
+export const stepped = (value, by) => Number((value + by).toPrecision(14));
+
+// The history: every state that undo and redo lead to, with the deed that led there. A gesture (a drag, keys in a row)
+// is one deed.
+let timeline = [];
+let present = 0;
 let gesture = null;
-export const canUndo = () => done.length > 0;
-export const canRedo = () => undone.length > 0;
+export const history = () => ({ timeline, present });
+export const canUndo = () => present > 0;
+export const canRedo = () => present < timeline.length - 1;
+
+const DEEDS = { drag: 'Drag', key: 'Keys', coordinate: 'Typed', back: 'Back to the file', tune: 'Accepted proposal', draft: 'Restored', direction: 'Free direction', pin: 'Pinned design' };
+const described = (name, before) => {
+  const moved = state.overview.points.flatMap((point, p) => (before[p].every((c, k) => c === state.design[p][k]) ? [] : [p]));
+  const deed = DEEDS[name] ?? name;
+  if (moved.length !== 1) return `${deed}: ${moved.length} points`;
+  const [p] = moved;
+  const changes = before[p].flatMap((c, k) => (c === state.design[p][k] ? [] : [`${'xyz'[k]} ${signed(state.design[p][k] - c)}`]));
+  return `${deed}: ${state.overview.points[p].name.replaceAll('_', ' ')} ${changes.join(', ')}`;
+};
+export const remember = (label) => {
+  timeline.splice(present + 1);
+  timeline.push({ label, design: copy(state.design), overview: state.overview });
+  if (timeline.length > 500) timeline.shift();
+  present = timeline.length - 1;
+};
 export const begin = (name) => {
   gesture = { name, before: copy(state.design) };
 };
 export const finish = () => {
-  if (gesture && !isSame(gesture.before, state.design)) {
-    done.push(gesture.before);
-    if (done.length > 500) done.shift();
-    undone = [];
-  }
+  if (gesture && !isSame(gesture.before, state.design)) remember(described(gesture.name, gesture.before));
   gesture = null;
   emit('deed');
 };
 export const isInGesture = () => gesture !== null;
-const restore = (from, to) => {
-  const design = from.pop();
-  if (!design) return;
-  to.push(copy(state.design));
-  state.design = design;
+// Leads to a state of the history.
+export const travel = (to) => {
+  const found = timeline[to];
+  if (!found || to === present) return;
+  present = to;
+  state.design = copy(found.design);
+  if (found.overview !== state.overview) {
+    state.overview = { ...found.overview, base: state.overview.base };
+    found.overview = state.overview;
+    emit('edited');
+  }
   emit('design');
   emit('deed');
 };
-export const undo = () => restore(done, undone);
-export const redo = () => restore(undone, done);
+export const undo = () => travel(present - 1);
+export const redo = () => travel(present + 1);
 export const forget = () => {
-  done.length = 0;
-  undone = [];
+  timeline = [{ label: 'As opened', design: copy(state.design), overview: state.overview }];
+  present = 0;
 };
+// Takes the overview of a study whose values were changed; the design stays.
+export const takeOverview = (overview, label) => {
+  state.overview = overview;
+  remember(label);
+  emit('edited');
+  emit('design');
+  emit('deed');
+};
+// Whether the study's text was changed, apart from coordinates.
+export const isEdited = () => state.overview.digest !== state.overview.base;
 
 // Puts coordinates in one deed.
 export const put = (design, name) => {
@@ -185,6 +221,13 @@ export const askGhost = async () => {
   state.ghost = ghost;
   emit('ghost');
 };
+// The answers of pinned designs. They follow what is asked of the present one.
+export const askPins = async () => {
+  for (const pin of Object.values(state.pins)) {
+    pin.answer = await post('solve', request(pin.design)).catch(() => null);
+  }
+  emit('pins');
+};
 let proposals = 0;
 export const askProposal = async (design) => {
   const number = ++proposals;
@@ -192,6 +235,12 @@ export const askProposal = async (design) => {
   if (number !== proposals) return;
   state.proposed = answer;
   emit('proposed');
+};
+
+// The misfit of a design; null where it has none.
+export const askMisfit = async (design) => {
+  const answer = await post('solve', request(design)).catch(() => null);
+  return answer?.misfit?.value ?? null;
 };
 
 // What one coordinate does, asked for when somebody points at it.

@@ -1,39 +1,19 @@
 // Save, save as, export; and what the browser keeps of moves that are not saved.
 import { byId, html, svg } from './draw.js';
-import { askGhost, copy, emit, forget, isMoved, isSame, of, on, put, state } from './design.js';
+import { askGhost, copy, emit, forget, isEdited, isMoved, isSame, of, on, put, state } from './design.js';
 import { chartSvgs } from './curves.js';
 import { viewSvgs } from './views.js';
 import { post, postForText } from './server.js';
+import { action, question, say } from './dialog.js';
+import { writtenDiff } from './changes.js';
 import { acceptProposal, hasProposal, isTuning } from './tuning.js';
-
-// A question with answers; the answer, or null.
-const ask = (title, text, answers, field) => new Promise((done) => {
-  const dialog = byId('dialog');
-  const form = dialog.querySelector('form');
-  const input = field && html('input', { type: 'text', value: field, 'aria-label': title, name: 'name', autocomplete: 'off' });
-  const buttons = answers.map(([value, label], k) => html('button', { value, text: label, class: k === 0 ? 'strong' : null }));
-  form.replaceChildren(html('h2', { text: title }), html('p', { text }), ...(input ? [input] : []), html('div', { class: 'group' }, ...buttons));
-  dialog.returnValue = '';
-  dialog.addEventListener('close', () => done(dialog.returnValue ? { answer: dialog.returnValue, text: input?.value ?? '' } : null), { once: true });
-  dialog.showModal();
-  input?.select();
-});
-// A message over the page, which moves nothing on it.
-export const say = (text, kind = 'good', ...actions) => {
-  const banner = byId('banner');
-  banner.className = kind;
-  const close = html('button', { class: 'close', text: '✕', 'aria-label': 'Close the message', on: { click: () => { banner.hidden = true; } } });
-  banner.replaceChildren(html('span', { text }), ...actions, close);
-  banner.hidden = false;
-  if (kind === 'good' && !actions.length) setTimeout(() => { if (banner.firstChild?.textContent === text) banner.hidden = true; }, 5000);
-};
-const action = (text, handler) => html('button', { text, on: { click: () => { byId('banner').hidden = true; handler(); } } });
 
 // The study as the file has it, with the present design on top where that is wanted.
 export const readStudy = async () => {
   state.overview = await post('study', null);
   const { overview } = state;
   state.opened = copy(overview.design);
+  state.pins = {};
   state.design = copy(overview.design);
   state.locked = overview.points.map(() => [false, false, false]);
   state.at = overview.sliders.map((slider) => slider.home);
@@ -47,20 +27,21 @@ export const readStudy = async () => {
 };
 
 const saved = ({ file, digest }, design) => {
-  const wasMoved = isMoved();
+  const wasMoved = isMoved() || isEdited();
   state.overview.digest = digest;
+  state.overview.base = digest;
   state.opened = design;
   dropDraft();
   askGhost();
   emit('saved');
   emit('design');
-  if (!wasMoved) say(`No point was moved: ${file} stays as it was.`);
+  if (!wasMoved) say(`Nothing was changed: ${file} stays as it was.`);
   else say(isTuning() ? `${file} saved with the present points; the tuning that runs is not in it.` : `${file} saved`);
 };
 // A proposal on the page is no part of the design yet.
 const settleProposal = async () => {
   if (!hasProposal()) return true;
-  const chosen = await ask('A proposal is open', 'Tune has proposed other points. The file gets the points as they are now, unless you accept the proposal first.', [
+  const chosen = await question('A proposal is open', 'Tune has proposed other points. The file gets the points as they are now, unless you accept the proposal first.', [
     ['accept', 'Accept it and save'], ['without', 'Save without it'], ['', 'Cancel'],
   ]);
   if (chosen?.answer === 'accept') acceptProposal();
@@ -69,13 +50,18 @@ const settleProposal = async () => {
 const save = async (anyway = false) => {
   if (!anyway && !await settleProposal()) return;
   const design = copy(state.design);
+  // Changed values are shown as text before they are written.
+  if (isEdited() && !anyway) {
+    const sure = await question('Save these changes?', `${state.overview.file}: lines that change.`, [['yes', 'Save'], ['', 'Cancel']], await writtenDiff());
+    if (!sure) return;
+  }
   try {
     saved(await post('save', { of: of(design), name: null, anyway }), design);
     if (anyway) await readStudy();
   } catch (refused) {
     if (refused.status !== 409 || anyway) return say(refused.message, 'bad');
-    const chosen = await ask('The file has changed', `${refused.message}, by you or another program. What now?`, [
-      ['merge', 'Put my moved points into it'], ['as', 'Save as…'], ['reload', 'Reload it, drop my moves'], ['', 'Cancel'],
+    const chosen = await question('The file has changed', `${refused.message}, by you or another program. What now?`, [
+      ['merge', 'Put my changes into it'], ['as', 'Save as…'], ['reload', 'Reload it, drop my moves'], ['', 'Cancel'],
     ]);
     if (chosen?.answer === 'merge') return save(true);
     if (chosen?.answer === 'as') return saveAs();
@@ -91,7 +77,7 @@ const reload = async () => {
 };
 const saveAs = async () => {
   if (!await settleProposal()) return;
-  const chosen = await ask('Save as', 'A new study beside this one, with its comments.', [['ok', 'Save'], ['', 'Cancel']], state.overview.file.replace(/\.toml$/, '_2.toml'));
+  const chosen = await question('Save as', 'A new study beside this one, with its comments.', [['ok', 'Save'], ['', 'Cancel']], state.overview.file.replace(/\.toml$/, '_2.toml'));
   if (!chosen) return;
   const name = chosen.text.trim();
   const write = async (anyway) => say(`${(await post('save', { of: of(), name, anyway })).file} written. This page still shows ${state.overview.file}.`);
@@ -99,7 +85,7 @@ const saveAs = async () => {
     await write(false);
   } catch (refused) {
     if (refused.status !== 409) return say(refused.message, 'bad');
-    const sure = await ask('Replace it?', `${refused.message}.`, [['yes', 'Replace'], ['', 'Cancel']]);
+    const sure = await question('Replace it?', `${refused.message}.`, [['yes', 'Replace'], ['', 'Cancel']]);
     if (sure) await write(true).catch((again) => say(again.message, 'bad'));
   }
 };
@@ -111,7 +97,7 @@ const watchFile = async () => {
   if (document.hidden || !state.overview || isTuning() || hasProposal()) return;
   const { digest, file } = state.overview;
   const now = await post('digest', null).catch(() => null);
-  if (now === null || now === digest || now === told || digest !== state.overview.digest) return;
+  if (now === null || now === state.overview.base || now === told || digest !== state.overview.digest) return;
   told = now;
   say(`${file} was changed by another program. This page still shows the earlier text.`, 'ask',
     action(isMoved() ? 'Read it again, keep my moves' : 'Read it again', () => readStudy().catch((refused) => say(refused.message, 'bad'))));
@@ -124,7 +110,7 @@ let timer = null;
 const keepDraft = () => {
   clearTimeout(timer);
   timer = setTimeout(() => {
-    if (!isMoved()) return dropDraft();
+    if (!isMoved() && !isEdited()) return dropDraft();
     const { points } = state.overview;
     const moves = points.flatMap(({ name }, p) => state.design[p].map((c, axis) => [name, axis, c, state.opened[p][axis]])).filter(([, , c, was]) => c !== was);
     try { localStorage.setItem(key(), JSON.stringify({ when: Date.now(), moves })); } catch { /* as above */ }
@@ -227,7 +213,7 @@ export const startFiles = () => {
   on('study', offerDraft);
   on('deed', keepDraft);
   on('design', () => {
-    const moved = isMoved();
+    const moved = isMoved() || isEdited();
     byId('save').classList.toggle('strong', moved);
     document.title = `${moved ? '• ' : ''}${state.overview.name} · hardpoint studio`;
   });

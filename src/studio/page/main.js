@@ -7,7 +7,10 @@ import { drawnPlaces, drawnValues, startCurves } from './curves.js';
 import { startTable } from './table.js';
 import { startNotes } from './notes.js';
 import { startTuning } from './tuning.js';
-import { readStudy, say, startFiles } from './files.js';
+import { say } from './dialog.js';
+import { readStudy, startFiles } from './files.js';
+import { startHistory } from './history.js';
+import { openTab, startLayout } from './layout.js';
 
 const root = document.documentElement;
 
@@ -32,7 +35,7 @@ const startSliders = () => {
     input.value = state.at[k];
     output.textContent = `${brief(state.at[k], 4)} ${unit}`;
   });
-  on('study', () => {
+  const build = () => {
     const { sliders: wanted, unit } = state.overview;
     sliders = wanted.map(({ key, name, unit: own, low, high }, k) => {
       const input = html('input', { id: key, type: 'range', min: low, max: high, step: 'any', on: { input: (event) => { state.at[k] = Number(input.value); emit('place', event); } } });
@@ -44,10 +47,12 @@ const startSliders = () => {
     byId('sliders').replaceChildren(...sliders.map(({ label }) => label));
     byId('rack-curves-label').hidden = sliders.at(-1).label.hidden;
     step.replaceChildren(...STEPS[unit].map((value) => html('option', { value, text: `${value} ${unit}` })));
-    [, state.step] = STEPS[unit];
+    if (!STEPS[unit].includes(state.step)) [, state.step] = STEPS[unit];
     step.value = state.step;
     show();
-  });
+  };
+  on('study', () => { state.step = null; build(); });
+  on('edited', build);
   const place = (event) => {
     show();
     ask(event);
@@ -124,6 +129,9 @@ const startClock = () => {
 
 const start = async () => {
   startTheme();
+  startLayout();
+  startHistory();
+  byId('skip').addEventListener('click', () => openTab('points'));
   startFiles();
   startSliders();
   startDeeds();

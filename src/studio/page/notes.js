@@ -1,7 +1,10 @@
 // What there is to know beside the curves: targets, constraints, limits, free directions, warnings.
 import { brief, byId, html } from './draw.js';
-import { of, begin, copy, emit, finish, on, snapped, state } from './design.js';
+import { of, begin, copy, emit, finish, isInGesture, on, snapped, state } from './design.js';
+import { openTab, tellTab } from './layout.js';
 import { post } from './server.js';
+import { constraintForms, targetForms } from './targets.js';
+import { select } from './views.js';
 
 let limits = null;
 let free = [];
@@ -23,11 +26,19 @@ const buildChips = () => {
   }));
   byId('figures').replaceChildren(...[...chips.values()].map(({ chip }) => chip));
 };
+// Opens the tab of a chip, and selects the point of the member that it is about.
 const lead = (place) => {
-  const found = byId(`panel-${place}`) ?? byId('notes');
-  found.tabIndex = -1;
-  found.focus({ preventScroll: true });
-  found.scrollIntoView({ block: 'center' });
+  openTab(place, true);
+  const broken = place === 'constraints' && state.answer?.misfit?.constraints.find((c) => c.is_violated);
+  if (broken) selectNamed(broken.name);
+};
+// Selects the first point whose name occurs in a text.
+const selectNamed = (text) => {
+  const { points } = state.overview;
+  const found = points.findIndex(({ name }) => text.includes(name));
+  if (found >= 0) return select(found);
+  const body = state.overview.scene.bodies.find(({ name }) => text.includes(name) || text.includes(name.replaceAll(' ', '_')));
+  if (body) select(body.lines[0][0]);
 };
 const tell = (key, value, note, bad) => {
   const found = chips.get(key);
@@ -63,19 +74,23 @@ const figures = () => {
 
 const targets = () => {
   const misfit = state.answer?.misfit;
-  if (!misfit) return [panel('Targets', html('p', { class: 'hint', text: 'The study has no [optimise] section; with targets in it, every point shows which way lowers the misfit.' }))];
+  if (!misfit) return [panel('Targets', html('p', { class: 'hint', text: 'The study has no targets. Press “+ target” on a chart to add one; then every point shows which way lowers the misfit.' }))];
   if (misfit.value === null) return [panel('Targets', html('p', { class: 'bad', text: `no misfit: ${misfit.reason}` }))];
   const body = misfit.targets.map((t, k) => html('tr', { class: state.arrows === k ? 'selected' : null },
     html('th', { scope: 'row' }, html('button', { class: 'name', text: words(t.column), title: 'Arrows for this target', on: { click: () => { state.arrows = state.arrows === k ? null : k; emit('options'); } } })),
     html('td', { class: `number ${t.rms > 1 ? 'bad' : ''}`, text: brief(t.rms, 3) }),
     html('td', { class: 'number', text: brief(t.worst, 3) }), html('td', { class: 'number', text: `${brief(t.worst_at, 4)} ${t.worst_at_unit}` })));
-  const found = [panel('Targets', table(['target, in tolerances', 'rms', 'worst', 'at'], body))];
-  if (misfit.constraints.length) {
-    const rows = misfit.constraints.map((c) => html('tr', { class: c.is_violated ? 'violated' : null }, html('th', { scope: 'row', text: c.is_violated ? `${c.name}, violated` : c.name }),
-      html('td', { class: `number ${c.is_violated ? 'bad' : ''}`, text: `${brief(c.room, 3)} ${c.unit}` })));
-    found.push(panel('Constraints', table(['constraint', 'margin'], rows)));
-  }
+  const found = [panel('Targets in tolerances', table(['target', 'rms', 'worst', 'at'], body))];
   return found;
+};
+
+const constraints = () => {
+  const margins = state.answer?.misfit?.constraints ?? [];
+  if (!margins.length) return [panel('Constraints', html('p', { class: 'hint', text: 'The study has no constraints.' }))];
+  const rows = margins.map((c) => html('tr', { class: c.is_violated ? 'violated' : null },
+    html('th', { scope: 'row' }, html('button', { class: 'name', text: c.is_violated ? `${c.name}, violated` : c.name, title: 'Show it in the views', on: { click: () => selectNamed(c.name) } })),
+    html('td', { class: `number ${c.is_violated ? 'bad' : ''}`, text: `${brief(c.room, 3)} ${c.unit}` })));
+  return [panel('Constraints', table(['constraint', 'margin'], rows))];
 };
 
 const freeDirections = () => {
@@ -119,13 +134,24 @@ const warnings = () => {
   return [panel('Warnings', html('ul', {}, ...lines.map(([kind, text]) => html('li', { class: kind, text }))))];
 };
 
+const fill = (name, ...children) => {
+  const pane = byId(`pane-${name}`);
+  // A slider or a field that is in use must stay.
+  if (pane.querySelector('input:active, input:focus')) return;
+  pane.replaceChildren(html('div', { class: 'columns' }, ...children));
+};
 const draw = () => {
   figures();
-  // A slider that is held must stay.
-  if (byId('notes').querySelector('input:active')) return;
-  byId('notes').replaceChildren(...targets(), ...freeDirections(), ...limitsPanel(), ...warnings());
+  const misfit = state.answer?.misfit;
+  tellTab('targets', misfit?.value === null || !misfit ? '' : `${misfit.targets.filter((t) => t.rms <= 1).length}/${misfit.targets.length}`);
+  tellTab('constraints', misfit?.constraints.some((c) => c.is_violated) ? '!' : '');
+  tellTab('warnings', state.answer?.remarks.length || state.fault ? '!' : '');
   const select = byId('arrows');
   select.value = state.arrows === null ? 'all' : String(state.arrows);
+  if (isInGesture()) return;
+  fill('targets', ...targets(), ...targetForms(), ...freeDirections());
+  fill('constraints', ...constraints(), ...constraintForms(), ...limitsPanel());
+  fill('warnings', ...warnings());
 };
 
 // What takes longer is asked when the hand rests.
@@ -145,7 +171,7 @@ const rest = () => {
 };
 
 export const startNotes = () => {
-  on('study', () => {
+  const renew = () => {
     buildChips();
     limits = null;
     free = [];
@@ -154,12 +180,14 @@ export const startNotes = () => {
     select.replaceChildren(option('all', 'misfit'), ...state.overview.targets.map((t, k) => option(String(k), words(t.column))), option('none', 'none'));
     select.disabled = !state.overview.tunes;
     rest();
-  });
+  };
+  on('study', renew);
+  on('edited', () => { state.arrows = null; renew(); });
   byId('arrows').addEventListener('change', (event) => {
     const { value } = event.target;
     state.arrows = value === 'all' ? null : value === 'none' ? 'none' : Number(value);
     emit('options');
   });
-  for (const event of ['answer', 'ghost', 'options']) on(event, draw);
+  for (const event of ['answer', 'ghost', 'options', 'deed']) on(event, draw);
   on('deed', rest);
 };

@@ -1,6 +1,6 @@
 // The coordinates: typed in, locked, each with its slope and what it does to the curves.
 import { AXES, brief, byId, html, set } from './draw.js';
-import { askInfluence, emit, gradient, isMoved, on, put, setCoordinate, state } from './design.js';
+import { askInfluence, emit, gradient, isMoved, on, put, setCoordinate, state, stepped } from './design.js';
 import { select } from './views.js';
 
 let rows = [];
@@ -56,7 +56,7 @@ const cell = (p, axis) => {
         if (!by) return;
         event.preventDefault();
         const step = state.step * (event.shiftKey ? 10 : 1);
-        setCoordinate(p, axis, Number((state.design[p][axis] + by * step).toPrecision(12)));
+        setCoordinate(p, axis, stepped(state.design[p][axis], by * step));
       },
     },
   });
@@ -120,7 +120,7 @@ const draw = () => {
 
 export const startTable = () => {
   on('study', () => { build(); draw(); });
-  for (const event of ['design', 'answer', 'options', 'selection']) on(event, draw);
+  for (const event of ['edited', 'design', 'answer', 'options', 'selection']) on(event, draw);
   // What a coordinate does changes as points move.
   on('deed', () => { if (asked) askInfluence(...asked); });
 };

@@ -1,19 +1,25 @@
 // Tune: progress, cancel, and the result as a proposal beside the present state.
 import { AXES, brief, byId, html, signed } from './draw.js';
-import { askProposal, copy, of, on, put, snapped, state } from './design.js';
+import { askMisfit, askProposal, copy, of, on, put, snapped, state } from './design.js';
+import { openTab, tellTab } from './layout.js';
 import { post } from './server.js';
 
 let job = null;
 let proposal = null;
+// Misfit of the proposal without rounding.
+let exact = null;
 
 const box = () => byId('proposal');
 const show = (...children) => {
   box().replaceChildren(...children);
   box().hidden = children.length === 0;
+  byId('no-proposal').hidden = children.length > 0;
 };
 const close = () => {
   proposal = null;
+  exact = null;
   show();
+  tellTab('proposal', '');
   askProposal(null);
 };
 // Steps that accepted coordinates are rounded to, by unit; the first is the usual one, 0 keeps all digits.
@@ -38,6 +44,7 @@ const tune = async () => {
   const bar = html('progress', { 'aria-label': 'starts that have begun', max: Math.max(1, state.overview.starts), value: 0 });
   const cancel = html('button', { text: 'Cancel', id: 'cancel', on: { click: () => { cancel.disabled = true; if (job !== null) post('cancel', { job }).catch(() => {}); } } });
   show(html('div', { class: 'heading' }, html('h2', { text: 'Tune' }), cancel), bar, message);
+  openTab('proposal');
   byId('tune').disabled = true;
   try {
     let now = await post('tune', { of: of(base), locked: state.locked });
@@ -61,8 +68,8 @@ const tune = async () => {
 };
 
 // The part of a proposal that is taken: what is ticked, by so much of the way.
-const taken = () => {
-  const { base, found, changes, share, step } = proposal;
+const taken = (step = proposal.step) => {
+  const { base, found, changes, share } = proposal;
   const design = copy(state.design);
   for (const { p, axis, box: tick } of changes) {
     const whole = found[p][axis];
@@ -79,6 +86,27 @@ const preview = () => {
     by.textContent = signed(value - proposal.base[p][axis]);
   }
   askProposal(design);
+  askExact();
+};
+
+// The misfit of what is taken without rounding: the difference is the cost of rounding.
+let asked = 0;
+const askExact = async () => {
+  const number = asked += 1;
+  exact = null;
+  if (!proposal?.step) return;
+  const found = await askMisfit(taken(0));
+  if (number !== asked || !proposal) return;
+  exact = found;
+  tellMisfit();
+};
+const tellMisfit = () => {
+  const value = state.proposed?.misfit?.value;
+  const words = byId('proposal-misfit');
+  if (!words) return;
+  const isKnown = value !== undefined && value !== null;
+  const cost = isKnown && exact !== null ? ` (rounding costs ${signed(value - exact, 2)})` : '';
+  words.textContent = isKnown ? `misfit with these coordinates: ${brief(value, 4)}${cost}` : '';
 };
 
 // Changes that no target asks for, flagged ones first.
@@ -97,7 +125,7 @@ const propose = (base, { design, headline, side_effects: effects, remarks, inter
   design.forEach((point, p) => point.forEach((c, axis) => { if (c !== base[p][axis]) changes.push({ p, axis }); }));
   const { points, unit } = state.overview;
   const [usual] = ROUNDINGS[unit];
-  proposal = { base, found: design, changes, share: 1, step: usual, exact: null };
+  proposal = { base, found: design, changes, share: 1, step: usual };
   const rows = changes.map((change) => {
     const { p, axis } = change;
     const label = `${points[p].name} ${AXES[axis]}`;
@@ -127,22 +155,21 @@ const propose = (base, { design, headline, side_effects: effects, remarks, inter
     ...remarks.map((text) => html('p', { class: 'hint', text })),
   );
   preview();
+  tellTab('proposal', '•');
 };
 
 export const startTuning = () => {
   byId('tune').addEventListener('click', tune);
-  on('study', () => {
+  const allow = () => {
     close();
     const { tunes } = state.overview;
     byId('tune').disabled = !tunes;
-    byId('tune').title = tunes ? 'Lower the misfit with the variables of the study' : 'The study has no [optimise] section';
-  });
+    byId('tune').title = tunes ? 'Lower the misfit with the variables of the study' : 'The study has no targets yet: add one on a chart';
+  };
+  on('study', allow);
+  on('edited', allow);
   on('deed', preview);
   on('chosen', preview);
   on('place', preview);
-  on('proposed', () => {
-    const value = state.proposed?.misfit?.value;
-    const words = byId('proposal-misfit');
-    if (words) words.textContent = value === undefined || value === null ? '' : `misfit with these coordinates: ${brief(value, 4)}`;
-  });
+  on('proposed', tellMisfit);
 };

@@ -1,8 +1,8 @@
 // Front, side, top and a view in space: the mechanism at the sliders' place, with points that can be dragged.
-import { AXES, along, brief, byId, cross, dot, html, minus, niceStep, norm, set, signed, svg, ticks } from './draw.js';
-import { ask, begin, emit, finish, gradient, grip, moveTo, on, snapped, state } from './design.js';
+import { along, AXES, brief, byId, cross, dot, html, minus, niceStep, norm, set, signed, svg, ticks } from './draw.js';
+import { directions, flat, inSpace, rim } from './space.js';
+import { ask, begin, emit, finish, gradient, grip, moveTo, on, snapped, state, stepped } from './design.js';
 
-const ROUND = 64;
 const HUES = 7;
 
 // Points nearer to each other than this, in pixels, lie on each other.
@@ -10,47 +10,6 @@ const STACKED = 9;
 
 const views = [];
 let others = false;
-
-// Directions of the car in the study's axes. A product of the signs below zero is a right-hand wheel.
-const directions = () => {
-  const [forward, outboard, up] = state.overview.scene.signs;
-  const left = forward * outboard * up > 0;
-  const carLeft = left ? outboard : -outboard;
-  return { left, forward: [forward, 0, 0], outboard: [0, outboard, 0], carLeft: [0, carLeft, 0], up: [0, 0, up] };
-};
-const negative = (v) => v.map((c) => -c);
-
-const flat = {
-  front: () => { const d = directions(); return { right: d.carLeft, up: d.up }; },
-  side: () => { const d = directions(); return { right: d.left ? negative(d.forward) : d.forward, up: d.up }; },
-  top: () => { const d = directions(); return { right: negative(d.carLeft), up: d.forward }; },
-};
-// The eye goes round the car: `turn` from the front towards outboard, `lift` above the ground.
-const inSpace = ({ turn, lift }) => {
-  const d = directions();
-  const level = along([0, 0, 0].map((_, k) => d.forward[k] * Math.cos(turn)), d.outboard, Math.sin(turn));
-  const eye = level.map((c, k) => c * Math.cos(lift) + d.up[k] * Math.sin(lift));
-  const behind = negative(eye);
-  // In a left-handed mirror image the picture is mirrored too, as the car is.
-  const right = cross(behind, d.up);
-  const length = norm(right);
-  const unit = right.map((c) => c / length);
-  return { right: unit, up: cross(unit, behind) };
-};
-
-// The wheel's rim: a circle about its centre, normal to the spin axis.
-const rim = (at, { wheel_centre: centre, wheel_radius: radius }) => {
-  if (!radius || !at) return [];
-  const { points, spin_axis: n } = at;
-  const reference = Math.abs(n[2]) < 0.9 ? [0, 0, 1] : [1, 0, 0];
-  const first = cross(n, reference);
-  const unit = first.map((c) => c / norm(first));
-  const second = cross(n, unit);
-  return Array.from({ length: ROUND }, (_, i) => {
-    const angle = (2 * Math.PI * i) / ROUND;
-    return along(along(points[centre], unit, radius * Math.cos(angle)), second, radius * Math.sin(angle));
-  });
-};
 
 const hueOf = (bodies) => {
   let number = 0;
@@ -75,7 +34,7 @@ class View {
     this.focus = [0, 0, 0];
     this.scale = 1;
     this.svg = svg('svg', { class: 'view', role: 'group', 'aria-label': `${title}, points can be dragged` });
-    this.layers = Object.fromEntries(['grid', 'ghost', 'proposal', 'other', 'bodies', 'marks', 'arrows', 'handles', 'words']
+    this.layers = Object.fromEntries(['grid', 'ghost', 'pins', 'proposal', 'other', 'bodies', 'marks', 'arrows', 'handles', 'words']
       .map((layer) => [layer, this.svg.appendChild(svg('g', { class: layer }))]));
     const zoom = html('button', { class: 'zoom', title: `${title} alone`, 'aria-label': `${title} alone`, text: '⤢', on: { click: () => this.enlarge() } });
     const fit = html('button', { class: 'zoom', title: 'Fit', 'aria-label': `Fit ${title}`, text: '⊡', on: { click: () => { this.fit(); this.draw(); } } });
@@ -154,6 +113,7 @@ class View {
     const lines = (layer, classes) => scene.bodies.map((body, k) => this.layers[layer].appendChild(svg('path', { class: `${body.kind} ${classes ?? hues[k]}` })));
     this.ghost = [...lines('ghost', 'plain'), this.layers.ghost.appendChild(svg('path', { class: 'rim' }))];
     this.proposal = lines('proposal', 'plain');
+    this.pins = Object.fromEntries(['A', 'B', 'C'].map((letter) => [letter, lines('pins', `plain pin-${letter}`)]));
     this.other = [...lines('other', 'plain'), this.layers.other.appendChild(svg('path', { class: 'rim' }))];
     this.ground = this.layers.bodies.appendChild(svg('path', { class: 'ground' }));
     this.wheel = this.layers.bodies.appendChild(svg('path', { class: 'rim' }));
@@ -205,6 +165,7 @@ class View {
     show(this.ghost, opened);
     round(this.ghost.at(-1), opened);
     show(this.proposal, placement(state.proposed?.frame));
+    for (const [letter, paths] of Object.entries(this.pins)) show(paths, placement(state.pins[letter]?.answer?.frame));
     const other = others && frame ? otherWheel(frame) : null;
     show(this.other, other);
     round(this.other.at(-1), other);
@@ -430,7 +391,7 @@ class View {
     const by = [0, 1, 2].map((k) => length * (way[0] * right[k] + way[1] * up[k] + way[2] * through[k]));
     const start = grip();
     begin('key');
-    moveTo(start, point, start[point].map((c, k) => (by[k] === 0 ? undefined : snapped(c + by[k], Math.min(state.step, length)))));
+    moveTo(start, point, start[point].map((c, k) => (by[k] === 0 ? undefined : stepped(c, by[k]))));
     finish();
   }
 
@@ -524,7 +485,7 @@ export const startViews = () => {
     }
     drawAll();
   });
-  for (const event of ['selection', 'options', 'proposed', 'unanswered']) on(event, drawAll);
+  for (const event of ['selection', 'options', 'proposed', 'pins', 'unanswered']) on(event, drawAll);
   byId('names').addEventListener('change', (event) => { named = event.target.checked; drawAll(); });
   byId('mirror').addEventListener('change', (event) => {
     others = event.target.checked;

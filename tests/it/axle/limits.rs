@@ -1,7 +1,7 @@
 //! How far axles go.
 
 use super::{axle, reference::read};
-use hardpoint::axle::{AxleSolver, Placement};
+use hardpoint::axle::{AxleSolver, Placement, TravelRanges};
 use hardpoint::model::Side;
 
 /// The rack goes as far as the first tie rod lets it: one of a strut from -113.3 to 164.5 mm, so both from -113.3 to
@@ -27,7 +27,10 @@ fn the_first_wheel_to_end_is_the_end() {
         })
     };
     let placed = at(0.9999).unwrap();
-    let end = limits.travels[1].upper.value();
+    let TravelRanges::OfWheels([_, right]) = &limits.travels else {
+        panic!("wheels that move by themselves");
+    };
+    let end = right.upper.value();
     assert!(
         (placed.travels[1] - end).abs() < 1e-3 * end,
         "{placed:?} {end}"

@@ -160,3 +160,117 @@ fn a_load_that_is_not_held_is_said() {
             .any(|row| &row[row.len() - 1] == "no_equilibrium")
     );
 }
+
+/// The study with text at its end, in a file of the directory.
+fn extended(directory: &Path, more: &str) -> String {
+    let text = std::fs::read_to_string(study("double_wishbone_compliance.toml")).unwrap();
+    let path = directory.join("study.toml");
+    std::fs::write(&path, text + more).unwrap();
+    path.display().to_string()
+}
+
+/// A figure in `kc.csv` without trail.
+fn figure(path: &Path, quantity: &str) -> f64 {
+    let figures = rows(path);
+    let is_wanted = |row: &&csv::StringRecord| &row[9] == quantity && &row[4] != "30.0";
+    figures.iter().find(is_wanted).unwrap()[10].parse().unwrap()
+}
+
+/// The file of sensitivities holds, for a hardpoint and a rate, what figures change by between two runs.
+#[test]
+fn sensitivities_are_changes_of_figures() {
+    let directory = tempfile::tempdir().unwrap();
+    let at = directory.path();
+    let path = extended(at, "[outputs]\nsensitivities = [\"tie_rod_inner\"]\n");
+    let ran = hardpoint(&["kc", &path, "--out", "kc"], at);
+    assert_eq!(
+        ran.status.code(),
+        Some(0),
+        "{}",
+        String::from_utf8_lossy(&ran.stderr)
+    );
+    let slopes = rows(&at.join("kc/sensitivities.csv"));
+    let quantity = "toe_by_lateral_force";
+    let inputs = [
+        (
+            "tie_rod_inner",
+            "z",
+            "suspension.hardpoints.tie_rod_inner",
+            "[-130.0, 385.0, N]",
+            235.0,
+            0.05,
+        ),
+        (
+            "bushing:lower_arm_rear",
+            "y",
+            "bushings.lower_arm_rear.stiffness",
+            "[700.0, N, 1800.0, 8.0e4, 2.5e5, 2.5e5]",
+            2500.0,
+            5.0,
+        ),
+    ];
+    for (parameter, axis, key, list, value, step) in inputs {
+        let row = slopes.iter().find(|row| {
+            &row[5] == quantity && &row[6] == parameter && &row[7] == axis && &row[3] == "0.0"
+        });
+        let slope: f64 = row.unwrap()[8].parse().unwrap();
+        let at_value = |value: f64, out: &str| {
+            let set = format!("{key}={}", list.replace('N', &format!("{value:?}")));
+            let ran = hardpoint(&["kc", &path, "--set", &set, "--out", out], at);
+            assert_eq!(
+                ran.status.code(),
+                Some(0),
+                "{}",
+                String::from_utf8_lossy(&ran.stderr)
+            );
+            figure(&at.join(out).join("kc.csv"), quantity)
+        };
+        let name = parameter.replace(':', "_");
+        let (low, high) = (
+            at_value(value - step, &format!("{name}_low")),
+            at_value(value + step, &format!("{name}_high")),
+        );
+        let expected = (high - low) / (2.0 * step);
+        assert!(slope != 0.0);
+        assert!(
+            (slope - expected).abs() < 1e-5 * slope.abs(),
+            "{parameter}: {slope} {expected}"
+        );
+    }
+}
+
+/// The tuned study has the figure that was asked for.
+#[test]
+fn a_rate_is_tuned_to_a_figure() {
+    let directory = tempfile::tempdir().unwrap();
+    let at = directory.path();
+    let more = r#"
+[optimise]
+good_enough = 0.0
+variables = [
+  { hardpoint = "tie_rod_inner", axis = "z", range = [-10.0, 10.0] },
+  { bushing = "lower_arm_rear", stiffness = "y", range = [0.3, 3.0], relative = true },
+]
+targets = [
+  { characteristic = "toe", at = 20.0, value = 0.05, tolerance = 0.02 },
+  { figure = "toe_by_lateral_force", value = 0.04, tolerance = 0.005 },
+]
+"#;
+    let path = extended(at, more);
+    let ran = hardpoint(&["optimise", &path, "--out", "tuned"], at);
+    let said = String::from_utf8_lossy(&ran.stdout).into_owned();
+    let complained = String::from_utf8_lossy(&ran.stderr).into_owned();
+    assert_eq!(ran.status.code(), Some(0), "{said}{complained}");
+    assert!(said.contains("bushing:lower_arm_rear"), "{said}");
+    let found = figure(&at.join("tuned/kc.csv"), "toe_by_lateral_force");
+    assert!((found - 0.04).abs() < 1e-9, "{found}");
+    let ran = hardpoint(&["kc", "tuned/optimised.toml", "--out", "kc"], at);
+    assert_eq!(
+        ran.status.code(),
+        Some(0),
+        "{}",
+        String::from_utf8_lossy(&ran.stderr)
+    );
+    let found = figure(&at.join("kc/kc.csv"), "toe_by_lateral_force");
+    assert!((found - 0.04).abs() < 1e-9, "{found}");
+}

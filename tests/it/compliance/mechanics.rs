@@ -67,6 +67,7 @@ fn the_compliance_of_the_wheel_centre_is_symmetric() {
     ] {
         let wheel = wheel(&case(name));
         let at = wheel.at(10.0, 0.0).unwrap();
+        let tangent = wheel.tangent(&at, HeldQuantity::WheelLoad).unwrap();
         let mut matrix = [[0.0; 6]; 6];
         for column in 0..6 {
             let mut load = WheelLoads::none(0.0);
@@ -76,7 +77,7 @@ fn the_compliance_of_the_wheel_centre_is_symmetric() {
                 &mut load.moment
             };
             *[&mut part.x, &mut part.y, &mut part.z][column % 3] = 1.0;
-            let [shift, turn] = wheel.twist_by(&at, &load, HeldQuantity::WheelLoad).unwrap();
+            let [shift, turn] = wheel.twist_along(&tangent, &load).unwrap();
             let twist = shift.to_array().into_iter().chain(turn.to_array());
             for (row, value) in twist.enumerate() {
                 matrix[row][column] = value;
@@ -189,7 +190,7 @@ fn links_on_uniform_bushings_are_stretching_links() {
         &Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/five_link_compliance.toml"),
         &[],
     );
-    let spring = elastic.unwrap().compliance.unwrap().parts.spring;
+    let spring = elastic.unwrap().compliance().unwrap().parts.spring.clone();
     let rate = 8000.0;
     // Torsion about the link's line at one end alone: the link follows that end, and has no torque.
     let with_torsion = |name: &str, torsion: f64| BushingPart {
@@ -359,4 +360,44 @@ fn a_loose_link_is_refused() {
         panic!("{fault:?}");
     };
     assert_eq!(part, "toe_link");
+}
+
+/// Constant forces of bushings come on top of those that hold the design position. With linear laws this is a free
+/// suspension whose constant forces are the sum of both.
+#[test]
+fn constant_forces_and_those_at_the_design_load_add() {
+    let case = case("double_wishbone");
+    let suspension = suspension(&case);
+    let clamped = compliance(&case, &suspension);
+    let wheel = ElasticWheel::new(&suspension, &clamped).unwrap();
+    let at_design = wheel.bushings(&wheel.at(0.0, 0.0).unwrap());
+    let offset = |k: usize, axis: usize| 100.0 * (k as f64 - 1.3) * (axis as f64 + 0.7);
+    let mut both = clamped.clone();
+    let mut free = clamped.clone();
+    free.relaxed = Relaxed::Free;
+    for k in 0..clamped.bushings.len() {
+        let held = (-at_design[k].force).to_array();
+        for axis in 0..3 {
+            both.bushings[k].preload[axis] = offset(k, axis);
+            free.bushings[k].preload[axis] = held[axis] + offset(k, axis);
+        }
+    }
+    let [both, free] = [both, free].map(|parts| ElasticWheel::new(&suspension, &parts).unwrap());
+    for travel in [-25.0, 0.0, 30.0] {
+        let [a, b] = [&both, &free].map(|w| w.figures(&w.at(travel, 0.0).unwrap()));
+        let plain = wheel.figures(&wheel.at(travel, 0.0).unwrap());
+        assert!(
+            (a.toe - plain.toe).abs() > 1e-6,
+            "the constant forces do something"
+        );
+        assert!(
+            (a.toe - b.toe).abs() < 1e-12,
+            "{travel}: {} {}",
+            a.toe,
+            b.toe
+        );
+        assert!((a.camber - b.camber).abs() < 1e-12, "{travel}");
+        assert!((a.contact - b.contact).norm() < 1e-9, "{travel}");
+        assert!((a.vertical - b.vertical).abs() < 1e-7, "{travel}");
+    }
 }

@@ -1,9 +1,11 @@
 //! Elasto-kinematics: against answers computed independently at 120 digits, and against what mechanics says.
 
 mod command;
+mod derivatives;
 mod mechanics;
 mod reference;
 mod study;
+mod tuning;
 
 use hardpoint::axle::{BumpStop, ForceCurve, Law, SpringLaw};
 use hardpoint::compliance::{

@@ -8,7 +8,7 @@ use hardpoint::number::Vector3;
 use serde_json::Value;
 use std::collections::BTreeMap;
 
-const CASES: [&str; 6] = [
+pub const CASES: [&str; 6] = [
     "double_wishbone",
     "double_wishbone_free",
     "macpherson",
@@ -18,7 +18,7 @@ const CASES: [&str; 6] = [
 ];
 
 /// The equilibrium of a state, and what is held in it.
-fn solved(wheel: &ElasticWheel, state: &Value, design_load: f64) -> Equilibrium {
+pub fn solved(wheel: &ElasticWheel, state: &Value, design_load: f64) -> Equilibrium {
     let load = &state["load"];
     let rack = load["rack"].as_f64().unwrap_or(0.0);
     let travel = load["travel"].as_f64();

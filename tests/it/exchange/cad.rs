@@ -174,6 +174,10 @@ fn drawings_join_hardpoints() {
                 "{line:?}"
             );
         }
+        // Letters of 6 mm in the file's unit.
+        for text in of("TEXT") {
+            assert!((text.number(40) - 6.0 / 25.4).abs() < 1e-15);
+        }
         let said = of("TEXT")
             .into_iter()
             .find(|e| e.layer == "UNIT_AND_FRAME")

@@ -51,6 +51,10 @@ pub(super) struct Entity {
 }
 
 impl Entity {
+    pub(super) fn number(&self, code: u32) -> f64 {
+        self.numbers[&code]
+    }
+
     pub(super) fn place(&self, first: u32) -> [f64; 3] {
         [0, 10, 20].map(|axis| self.numbers[&(first + axis)])
     }

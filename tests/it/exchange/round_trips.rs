@@ -11,6 +11,8 @@ use std::path::Path;
 pub(super) fn studies() -> Vec<Study> {
     let mut texts: Vec<String> = Topology::ALL
         .iter()
+        // Files of other programs are those of one wheel.
+        .filter(|t| !t.carries_both_wheels())
         .map(|t| t.template.to_owned())
         .collect();
     let samples = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies");

@@ -4,6 +4,7 @@ mod attacks;
 mod browser;
 mod client;
 mod saving;
+mod start;
 mod webdriver;
 
 use std::fs;
@@ -87,9 +88,20 @@ impl Served {
 
 /// On a port of its own, or tests would meet each other's.
 fn serve(study: &Path, port: u16) -> (Child, String) {
-    let mut process = Command::new(env!("CARGO_BIN_EXE_hardpoint"))
-        .arg("studio")
-        .arg(study)
+    let mut command = Command::new(env!("CARGO_BIN_EXE_hardpoint"));
+    command.arg("studio").arg(study);
+    started(command, port)
+}
+
+/// A server without a study, in a folder.
+fn serve_in(folder: &Path, port: u16) -> (Child, String) {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_hardpoint"));
+    command.arg("studio").current_dir(folder);
+    started(command, port)
+}
+
+fn started(mut command: Command, port: u16) -> (Child, String) {
+    let mut process = command
         .arg("--no-open")
         .args(["--port", &port.to_string()])
         .stdout(Stdio::piped())

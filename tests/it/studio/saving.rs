@@ -428,3 +428,77 @@ fn the_report_of_a_design_is_served() {
         assert_eq!(served.files(), ["study.toml"], "{name}");
     }
 }
+
+fn edited(served: &Served, digest: &Value, edits: Value) -> Value {
+    let answer = served.post("edit", &json!({"digest": digest, "edits": edits}));
+    answer.json()
+}
+
+/// Values changed in the page reach the file only with a save, and only in their own lines.
+#[test]
+fn changed_values_are_saved_with_their_comments() {
+    let served = Served::of(&sample("double_wishbone_front.toml"));
+    let before = served.text();
+    let overview = served.overview();
+    let band = json!({"characteristic": "camber", "between": [-2.0, 1.5], "tolerance": 0.1});
+    let new = edited(
+        &served,
+        &overview["digest"],
+        json!([
+            {"path": ["optimise", "targets", 0, "tolerance"], "value": 0.02},
+            {"path": ["optimise", "variables", 3, "range", 1], "value": 12.5},
+            {"path": ["optimise", "targets", 4], "value": band},
+        ]),
+    );
+    assert_eq!(new["base"], overview["digest"]);
+    assert_ne!(new["digest"], overview["digest"]);
+    assert_eq!(new["targets"].as_array().unwrap().len(), 5);
+    assert_eq!(new["variables"][3]["range"], json!([-30.0, 12.5]));
+    assert_eq!(served.text(), before, "nothing is written before a save");
+
+    // The same design has another misfit, because the tolerance of its first target is another.
+    let of = json!({"digest": new["digest"], "design": new["design"]});
+    let texts = served.post("texts", &of).json();
+    assert_eq!(texts[0], json!(before));
+    let saved = served.post("save", &json!({"of": of, "name": null, "anyway": false}));
+    assert_eq!(saved.status, 200, "{}", saved.text());
+    assert_eq!(texts[1], json!(served.text()));
+    let after = served.text();
+    let kept = |line: &&str| after.lines().any(|other| other == *line);
+    let gone: Vec<&str> = before.lines().filter(|line| !kept(line)).collect();
+    assert_eq!(gone.len(), 2, "{gone:#?}");
+    assert!(after.contains("# degrees per mm") && after.contains("# Offsets from the design."));
+    assert_eq!(served.overview()["digest"], saved.json()["digest"]);
+}
+
+/// A refused edit changes nothing. A file that another program has changed gets the edits on top of its new text.
+#[test]
+fn edits_are_refused_or_merged() {
+    let served = Served::of(&sample("double_wishbone_front.toml"));
+    let overview = served.overview();
+    for edits in [
+        json!([{"path": ["optimise", "targets", 0, "tolerance"], "value": -1.0}]),
+        json!([{"path": ["optimise", "targets", 9, "tolerance"], "value": 1.0}]),
+        json!([{"path": ["motion", "travel", "from"], "value": "low"}]),
+        json!([{"path": [], "value": 1.0}]),
+    ] {
+        let message = json!({"digest": overview["digest"], "edits": edits});
+        assert_eq!(served.post("edit", &message).status, 422, "{edits}");
+    }
+    let new = edited(
+        &served,
+        &overview["digest"],
+        json!([{"path": ["optimise", "targets", 3, "weight"], "value": 0.75}]),
+    );
+    let by_hand = format!("# by hand\n{}", served.text());
+    fs::write(&served.study, &by_hand).unwrap();
+    let of = json!({"digest": new["digest"], "design": new["design"]});
+    let message = |anyway: bool| json!({"of": of, "name": null, "anyway": anyway});
+    assert_eq!(served.post("save", &message(false)).status, 409);
+    assert_eq!(served.text(), by_hand);
+    assert_eq!(served.post("save", &message(true)).status, 200);
+    assert_eq!(
+        served.text(),
+        by_hand.replace("weight = 0.5 }", "weight = 0.75 }")
+    );
+}

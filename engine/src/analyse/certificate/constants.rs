@@ -1,8 +1,9 @@
 //! The constants of the theorem: second derivatives for every pair of variables, and the radii that follow from them.
 
 use super::quadratic::{PoseBend, Quadratic};
-use super::theorem::{Radii, radii};
+use super::theorem::{Radii, defect, image, radii};
 use super::{N, Square};
+use crate::derive::MotionPoint;
 use crate::mechanism::{Closure, Configuration, Driver, Pose, Unproven};
 use crate::model::{Drive, Mechanism, Suspension, Topology};
 use crate::number::{Interval, Matrix3, Real, Vector3};
@@ -241,4 +242,89 @@ fn an_inverse_that_is_off_narrows_the_radii() {
         proved(&jacobian, &bends, 0.0).err(),
         Some(Unproven::Singular)
     );
+}
+
+/// Twelve products and the subtraction of 1 are known to rounding: no better than twelve units of roundoff and no worse
+/// than a few times as much.
+#[test]
+fn an_exact_inverse_is_off_by_rounding() {
+    let intervals = IDENTITY.map(|row| row.map(Interval::point));
+    let off = defect(&IDENTITY, &intervals);
+    let unit = 0.5 * f64::EPSILON;
+    assert!(off >= 13.0 * unit && off <= 128.0 * unit, "{off}");
+    let vector: [Interval; N] = from_fn(|j| Interval::point(1.0 + j as f64));
+    let norm = image(&IDENTITY, &vector);
+    assert!(norm >= 12.0 * (1.0 + 12.0 * unit) && norm <= 12.0 * (1.0 + 2e-12));
+}
+
+/// Linear equations have one solution, however far one goes.
+#[test]
+fn linear_equations_have_one_solution() {
+    let found = proved(&IDENTITY, &[], 0.0).unwrap();
+    assert!(found.uniqueness > 1e300, "{}", found.uniqueness);
+}
+
+/// Along a line between two motion points the equations are a parabola with what is enclosed. Over a short turn of the arm
+/// the enclosure of the curvature is as sharp as the turn.
+#[test]
+fn equations_on_a_line_are_enclosed() {
+    for suspension in suspensions() {
+        for drive in [Drive::Travel, Drive::ArmAngle] {
+            if drive == Drive::ArmAngle && suspension.mechanism.arms.is_empty() {
+                continue;
+            }
+            let scale = suspension.size().log2().round().exp2();
+            let quadratic = Quadratic::new(&suspension.mechanism, &suspension.design, scale, drive);
+            let pose = Pose {
+                origin: suspension.design[suspension.mechanism.origin.0],
+                rotation: Matrix3::identity(1.0),
+            };
+            let point = |value: f64| MotionPoint {
+                drive,
+                value,
+                rack: 0.0,
+            };
+            let unit = if drive == Drive::Travel { scale } else { 1.0 };
+            let (start, end) = (0.8 * unit, (0.8 + 1.0 / 65536.0) * unit);
+            let at = |share: f64| {
+                let point = point(start + share * (end - start));
+                quadratic.displacement(&pose, &point)
+            };
+            let ([constant, slope, bend], _) =
+                quadratic.on_line([&at(0.0), &at(1.0)], [&point(start), &point(end)]);
+            let mut curved = 0;
+            for share in [0.25, 0.5, 1.0] {
+                let (exact, _) = quadratic.linearised(&at(share));
+                for i in 0..N {
+                    let line = constant[i] + slope[i].times(share);
+                    let sum = line + bend[i].times(share * share);
+                    assert!(sum.low <= exact[i].high && exact[i].low <= sum.high, "{i}");
+                    // Wider than it must be by no more than the turn, and by rounding.
+                    let needed = (exact[i] - line).times(1.0 / (share * share));
+                    let most = bend[i].magnitude();
+                    assert!(bend[i].width() <= 5e-4 * most + 1e-14, "{i}: {:?}", bend[i]);
+                    if most > 1e-13 && needed.width() < 1e-4 * most {
+                        assert!((most / needed.magnitude() - 1.0).abs() < 5e-4, "{i}");
+                        curved += 1;
+                    }
+                }
+            }
+            assert_eq!(curved > 0, drive == Drive::ArmAngle);
+        }
+    }
+}
+
+/// A knuckle point b is off by the origin's error and the rotation's: sqrt 3 e + 3 (e/scale) |b|.
+#[test]
+fn points_are_off_by_origin_and_rotation() {
+    let certificate = super::Certificate {
+        error: 1e-6,
+        uniqueness: 1.0,
+        scale: 0.5,
+    };
+    for distance in [0.0, 0.25, 3.0] {
+        let least = f64::sqrt(3.0) * 1e-6 + 3.0 * 1e-6 / 0.5 * distance;
+        let found = certificate.point_error(distance);
+        assert!(found >= least && found <= 1.0001 * least, "{found} {least}");
+    }
 }

@@ -288,3 +288,6 @@ fn within(errors: &[Option<f64>], allowed: &[f64]) -> Vec<bool> {
 fn is_continuous(increment: Increment) -> bool {
     !matches!(increment, Increment::Shims { .. })
 }
+
+#[cfg(test)]
+mod tests;

@@ -129,7 +129,7 @@ impl Problem<'_> {
 
     /// Amounts with whole shims about those of a state, the most promising first by the linear model (6); the nearest is
     /// among them.
-    fn neighbours(&self, real: &AdjustedSuspension, levels: &Levels) -> Vec<Vec<f64>> {
+    pub(super) fn neighbours(&self, real: &AdjustedSuspension, levels: &Levels) -> Vec<Vec<f64>> {
         let mut nearest = real.amounts.clone();
         let mut open = Vec::new();
         let by = self.reduced_effects(levels, real);

@@ -3,6 +3,7 @@
 //! With U the energy of springs and bar, F_i = U_zi/(n.C_i') is the load of a wheel along the normal of the
 //! ground; parts weigh nothing. The bar adds k_b (b_l - b_r)^2/2, b the angles of its levers.
 
+use super::rigid;
 use crate::axle::reading::WheelParts;
 use crate::axle::state::{AxleState, Motion};
 use crate::model::Side;
@@ -34,6 +35,9 @@ pub(crate) fn bar_torque<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) -
 
 /// Load of a wheel.
 pub(crate) fn wheel_load<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>, side: Side) -> T {
+    if state.carriers.is_rigid() {
+        return rigid::wheel_loads(state)[side as usize];
+    }
     let spring = spring_load(state, side);
     if state.setup.bar_rate.is_none() {
         return spring;

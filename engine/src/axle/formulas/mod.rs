@@ -1,5 +1,6 @@
 //! The formulas of the axle's catalogue, over any number.
 
 pub(super) mod loads;
+pub(super) mod rigid;
 pub(super) mod roll;
 pub(super) mod steering;

@@ -15,6 +15,7 @@
 //!
 //! Equal side forces make the same roll moment at the height track (j_l + j_r)/4, which stays finite.
 
+use super::rigid;
 use crate::axle::reading::WheelParts;
 use crate::axle::state::{AxleState, Motion, WheelState};
 use crate::mechanism::Ground;
@@ -87,6 +88,9 @@ pub(crate) fn roll_angle<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> 
 /// Height of the kinematic roll centre above the ground; on pads above the mean of both.
 #[inline(always)]
 pub(crate) fn roll_centre_height<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
+    if state.carriers.is_rigid() {
+        return rigid::roll_centre(state)[0];
+    }
     let [left, right] = jacking(state);
     let higher = state.mismatch().scaled(0.5);
     (state.track() * (left * right) + higher * (right - left)) / (left + right)
@@ -95,6 +99,9 @@ pub(crate) fn roll_centre_height<T: Real, W: WheelParts<T>>(state: &AxleState<T,
 /// The kinematic roll centre along the ground, from midway between the contact points.
 #[inline(always)]
 pub(crate) fn roll_centre_lateral<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
+    if state.carriers.is_rigid() {
+        return rigid::roll_centre(state)[1];
+    }
     let [left, right] = jacking(state);
     (state.track().scaled(0.5) * (left - right) + state.mismatch()) / (left + right)
 }
@@ -102,6 +109,10 @@ pub(crate) fn roll_centre_lateral<T: Real, W: WheelParts<T>>(state: &AxleState<T
 /// Height at which equal side forces roll the body.
 #[inline(always)]
 pub(crate) fn force_roll_centre_height<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
+    if state.carriers.is_rigid() {
+        let [left, right] = rigid::side_force_loads(state);
+        return (state.track() * (right - left)).scaled(0.5);
+    }
     let [left, right] = jacking(state);
     (state.track() * (left + right)).scaled(0.25)
 }
@@ -109,6 +120,10 @@ pub(crate) fn force_roll_centre_height<T: Real, W: WheelParts<T>>(state: &AxleSt
 /// Lift per side force to the left, shared equally.
 #[inline(always)]
 pub(crate) fn jacking_force_ratio<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
+    if state.carriers.is_rigid() {
+        let [left, right] = rigid::side_force_loads(state);
+        return left + right;
+    }
     let [left, right] = jacking(state);
     (right - left).scaled(0.5)
 }
@@ -145,11 +160,17 @@ pub(crate) const UPRIGHT: f64 = 1e-8;
 
 /// Whether they meet farther, or are upright.
 pub(crate) fn normals_are_parallel(state: &AxleState<f64>) -> bool {
-    let [left, right] = jacking(state);
-    let sum = (left + right).abs();
-    let meet = sum > UPRIGHT && (left - right).abs() < FARTHEST_MEETING * sum;
+    if state.carriers.is_rigid() {
+        return rigid::rolls_about_infinity(state);
+    }
     // NaN is parallel.
-    !meet
+    !meet_near(jacking(state))
+}
+
+/// Whether normals with these jacking coefficients meet near enough.
+fn meet_near([left, right]: [f64; 2]) -> bool {
+    let sum = (left + right).abs();
+    sum > UPRIGHT && (left - right).abs() < FARTHEST_MEETING * sum
 }
 
 /// Camber against the normal of the ground.
@@ -174,4 +195,29 @@ pub(crate) fn roll_camber_to_road<T: Real, W: WheelParts<T>>(
     side: Side,
 ) -> T {
     camber_to_road(&state.moving(Motion::Roll), side)[1]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Normals with coefficients a and b meet at (a - b)/(a + b) halves of the track beside the middle. They meet up to a
+    /// hundred tracks, and where they are not upright.
+    #[test]
+    fn normals_meet_within_a_hundred_tracks() {
+        for sign in [1.0, -1.0] {
+            let at = |place: f64, sum: f64| {
+                let difference = place * sum;
+                meet_near([0.5 * (sum + difference), 0.5 * (sum - difference)].map(|a| sign * a))
+            };
+            for place in [-199.0, -1.0, 0.0, 3.0, 199.0] {
+                assert!(at(place, 0.01) && at(place, 2e-8), "{place}");
+                assert!(!at(place, 5e-9), "{place}");
+            }
+            for place in [-201.0, 201.0] {
+                assert!(!at(place, 0.01), "{place}");
+            }
+        }
+        assert!(!meet_near([f64::NAN, 0.1]) && !meet_near([0.0, 0.0]));
+    }
 }

@@ -21,12 +21,14 @@
 //! ```
 
 mod arm_angle;
+mod axle_travel;
 mod link;
 mod revolute;
 mod strut_line;
 
 pub use arm_angle::raises_its_joint;
 pub(crate) use arm_angle::{ArmAngle, axis_ends};
+pub(crate) use axle_travel::TravelRow;
 use link::Link;
 use revolute::Pinned;
 use strut_line::StrutLine;
@@ -42,6 +44,7 @@ pub(crate) enum Row<T> {
     Link(Link<T>),
     StrutLine(StrutLine<T>),
     Pinned(Pinned<T>),
+    AxleTravel(TravelRow),
 }
 
 impl<T: Real> Row<T> {
@@ -61,6 +64,10 @@ impl<T: Real> Row<T> {
             Constraint::Revolute { first, second } => {
                 Row::Pinned(Pinned::all(first, second, design, design, origin)[number])
             }
+            Constraint::BallJoint { at } => Row::Pinned(Pinned::point(at, design, origin)[number]),
+            Constraint::AxleTravel { near, far, held } => {
+                Row::AxleTravel(TravelRow::new(near, far, held))
+            }
         }
     }
 
@@ -78,7 +85,9 @@ impl<T: Real> Row<T> {
             Constraint::Link { inner, outer } => {
                 Row::Link(Link::of_squared_length(inner, outer, length.squared()))
             }
-            Constraint::StrutLine { .. } => Row::of(constraint, number, knuckle, origin),
+            Constraint::StrutLine { .. }
+            | Constraint::BallJoint { .. }
+            | Constraint::AxleTravel { .. } => Row::of(constraint, number, knuckle, origin),
             Constraint::Revolute { first, second } => {
                 Row::Pinned(Pinned::all(first, second, body, knuckle, origin)[number])
             }
@@ -92,6 +101,7 @@ impl<T: Real> Row<T> {
             Row::Link(row) => row.residual(at),
             Row::StrutLine(row) => row.residual(at),
             Row::Pinned(row) => row.residual(at),
+            Row::AxleTravel(row) => row.residual(at),
         }
     }
 
@@ -102,6 +112,7 @@ impl<T: Real> Row<T> {
             Row::Link(row) => row.differential(at, weight, sink),
             Row::StrutLine(row) => row.differential(at, weight, sink),
             Row::Pinned(row) => row.differential(at, weight, sink),
+            Row::AxleTravel(row) => row.differential(at, weight, sink),
         }
     }
 
@@ -112,6 +123,7 @@ impl<T: Real> Row<T> {
             Row::Link(row) => row.wrench_rate(at, along),
             Row::StrutLine(row) => row.wrench_rate(at, along),
             Row::Pinned(row) => row.wrench_rate(at, along),
+            Row::AxleTravel(row) => row.wrench_rate(at, along),
         }
     }
 }

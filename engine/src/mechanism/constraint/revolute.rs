@@ -18,6 +18,8 @@
 //! f' = 0,   m' = (w x l) x n                                       (4)
 //! ```
 //!
+//! A ball joint at the body has the three equations of one point, with n along x, y and z.
+//!
 //! The place of p in the knuckle is a dimension of the knuckle. A built arm keeps its bushes where they were made,
 //! wherever the body's points are.
 
@@ -63,6 +65,15 @@ impl<T: Real> Pinned<T> {
             Pinned::new(second, across, at_second),
             Pinned::new(second, other, at_second),
         ]
+    }
+
+    /// The three equations of a ball joint. `knuckle` holds every point where the undisplaced knuckle carries it.
+    #[inline(always)]
+    pub(crate) fn point(point: PointId, knuckle: &[Vector3<T>], origin: PointId) -> [Self; 3] {
+        let lever = knuckle[point.0] - knuckle[origin.0];
+        Matrix3::identity(lever.x)
+            .columns
+            .map(|direction| Pinned::new(point, direction, lever))
     }
 
     #[inline(always)]

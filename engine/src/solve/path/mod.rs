@@ -290,6 +290,14 @@ impl<'m> Solver<'m> {
         }
     }
 
+    /// Checks that the drive can move the mechanism from its design position.
+    ///
+    /// # Errors
+    /// If the design position is singular.
+    pub fn check_start(&self, drive: Drive) -> Result<(), DesignFault> {
+        self.start(drive).map(drop)
+    }
+
     /// The design position, if the drive can move the mechanism from there.
     fn start(&self, drive: Drive) -> Result<Station, DesignFault> {
         let (pose, point) = self.design_place(drive);

@@ -54,7 +54,7 @@ impl Rejection {
     /// The number that stands for this reason in a lane; 0 stands for no rejection.
     #[inline(always)]
     fn code(self) -> f64 {
-        1.0 + self as u8 as f64
+        f64::from(self as u8 + 1)
     }
 
     fn of_code(code: f64) -> Option<Rejection> {

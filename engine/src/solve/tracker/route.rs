@@ -280,6 +280,16 @@ mod tests {
     }
 
     #[test]
+    fn steps_are_equal_and_as_few_as_can_be() {
+        assert_eq!(steps(0.0, 0.5, 1.0), Some(vec![0.5]));
+        assert_eq!(steps(0.0, 1.0, 1.0), Some(vec![1.0]));
+        assert_eq!(steps(1.0, 3.0, 0.6), Some(vec![1.5, 2.0, 2.5, 3.0]));
+        assert_eq!(steps(-1.0, -2.0, 0.5), Some(vec![-1.5, -2.0]));
+        assert_eq!(steps(0.0, 1e3, 1.0).map(|steps| steps.len()), Some(1000));
+        assert_eq!(steps(0.0, 1e3, 0.999), None);
+    }
+
+    #[test]
     fn every_station_is_visited_once_and_long_steps_are_broken_up() {
         let station_order = StationOrder::through(&[-2.0, 0.0, 1.0, 0.1]);
         let route = Route::through(&station_order, [0.25, 0.0], 0.5, 0.1);
@@ -297,7 +307,10 @@ mod tests {
             !Route::through(&order, [rack, 0.0], 0.5, 1.0).is_complete
         };
         assert!(incomplete(&[1.0, 1.0], 0.0));
-        // Out of all reach.
+        // A value takes up to a thousand steps; beyond it is out of all reach.
+        assert!(!incomplete(&[499.9, -499.9], 999.0));
+        assert!(incomplete(&[500.1], 0.0));
+        assert!(incomplete(&[1.0], 1000.1));
         assert!(incomplete(&[1e12], 0.0));
         assert!(incomplete(&[1.0], 1e12));
     }

@@ -137,6 +137,12 @@ impl Reader<'_> {
                 Some(choose(text, "side", &sides, problems)?)
             }
         };
+        if let Some((text, both, _)) = of_axle
+            && both.axle.is_rigid()
+        {
+            let message = "constraints of a solid axle hold in the design position: expected at = \"design\", and no motion";
+            return problems.refuse(text.span(), message);
+        }
         let Some((text, both, (name, motion))) = of_axle else {
             let site = site(&written.motion, &written.rack, self.context, problems)?;
             return Some(vec![(None, site)]);
@@ -303,6 +309,10 @@ impl Reader<'_> {
             Unit::Torque => (1.0, "N m".to_owned()),
             Unit::TorquePerAngle => (1.0, "N m/deg".to_owned()),
             Unit::Frequency => (0.01, "Hz".to_owned()),
+            Unit::AnglePerForce => (0.001, "deg/kN".to_owned()),
+            Unit::LengthPerForce => (0.01 * millimetre, format!("{symbol}/kN")),
+            Unit::AnglePerTorque => (0.001, "deg/(100 N m)".to_owned()),
+            Unit::Stiffness => (1.0, "N/mm".to_owned()),
         };
         let inside = |printed: f64| unit.from_printed(printed, length);
         let [lower, upper] = limits.map(|limit| limit.map(inside));

@@ -1,0 +1,240 @@
+//! Quantities of a rigid axle.
+//!
+//! The axle has two travels: the mean h, and the difference d, by which the left wheel centre rises as the right one falls.
+//! C_b,h and C_b,d are the velocities of the axle's point at contact point b. Normal forces f_b at both contact points
+//! balance forces that do the work q_h and q_d along both travels if
+//!
+//! ```text
+//! f_l n.C_l,h + f_r n.C_r,h = -q_h        f_l n.C_l,d + f_r n.C_r,d = -q_d                     (1)
+//! ```
+//!
+//! | forces | work |
+//! |---|---|
+//! | a unit side force to the left, half at each wheel | q = (e.C_l + e.C_r)/2 |
+//! | a unit force forward, half at each wheel | q = (i.D_l + i.D_r)/2, D = C if the axle takes the torque, W if shafts do |
+//! | springs and anti-roll bar of the energy U | q = -U |
+//!
+//! The roll centre is the centre of the axle's motion by d in front view, at the middle of both contact points. With v the
+//! velocity there and w the angular velocity, it is at
+//!
+//! ```text
+//! height v.e/(w.i)        to the left -v.n/(w.i)                                               (2)
+//! ```
+//!
+//! Each wheel is read in its own frame, the right one in the mirror image, where its own difference is -d. So n.C_r,d is
+//! minus what is read there, and e.C_r,d is what is read outboard.
+
+use super::loads::{bar_torque, spring_force};
+use super::roll::FARTHEST_MEETING;
+use crate::axle::reading::WheelParts;
+use crate::axle::state::AxleState;
+use crate::characteristics::NumberPart;
+use crate::model::Side;
+use crate::number::{Real, Scalar, Vector3};
+
+/// Work along the difference and along the mean travel.
+struct Work<T> {
+    difference: T,
+    mean: T,
+}
+
+/// Velocities of a point of each wheel, in its own frame, by its own difference and by the mean travel.
+type Velocities<T> = [[Vector3<T>; 2]; 2];
+
+#[inline(always)]
+fn contact_velocities<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> Velocities<T> {
+    state
+        .wheels()
+        .map(|wheel| [wheel.contact_by_difference(), wheel.contact_by_mean()])
+}
+
+/// The loads of both wheels that balance forces of this work: equation (1).
+#[inline(always)]
+fn balancing<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>, work: &Work<T>) -> [T; 2] {
+    let [left, right] = state.wheels();
+    let (left_d, right_d) = (left.rise_by_difference(), right.rise_by_difference());
+    let (left_h, right_h) = (left.rise_by_mean(), right.rise_by_mean());
+    let determinant = left_d * right_h + right_d * left_h;
+    [
+        -(work.difference * right_h + work.mean * right_d) / determinant,
+        -(work.mean * left_d - work.difference * left_h) / determinant,
+    ]
+}
+
+/// Loads of both wheels by a unit side force to the left, half at each wheel.
+#[inline(always)]
+pub(crate) fn side_force_loads<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> [T; 2] {
+    let [left, right] = state.wheels().map(|wheel| wheel.ground.outboard());
+    let [[left_d, left_h], [right_d, right_h]] = contact_velocities(state);
+    let work = Work {
+        difference: (left.dot(left_d) + right.dot(right_d)).scaled(0.5),
+        mean: (left.dot(left_h) - right.dot(right_h)).scaled(0.5),
+    };
+    balancing(state, &work)
+}
+
+/// Height of the roll centre, and its place to the left of the middle of both contact points: equation (2).
+#[inline(always)]
+pub(crate) fn roll_centre<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> [T; 2] {
+    let [left, right] = state.wheels();
+    let [[left_d, _], [right_d, _]] = contact_velocities(state);
+    let across = left.ground.outboard().dot(left_d) + right.ground.outboard().dot(right_d);
+    let up = left.ground.normal().dot(left_d) - right.ground.normal().dot(right_d);
+    let rolling = rolling(state);
+    let twice = rolling + rolling;
+    [across / twice, -(up / twice)]
+}
+
+/// Angular velocity of the axle about the vehicle's x, by the difference of travels.
+#[inline(always)]
+fn rolling<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
+    let [_, turn] = state.readings[0].twist(state.carriers.by_difference());
+    turn.x
+}
+
+/// Returns true if the roll centre is so far away that its place says nothing.
+pub(crate) fn rolls_about_infinity(state: &AxleState<f64>) -> bool {
+    let [height, lateral] = roll_centre(state);
+    let far = 0.5 * FARTHEST_MEETING * state.track();
+    // NaN is far.
+    !(height.abs() < far && lateral.abs() < far)
+}
+
+/// Loads of both wheels by springs and anti-roll bar.
+pub(crate) fn wheel_loads<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) -> [T; 2] {
+    let rates = |side: Side, part: NumberPart| {
+        let reading = &state.readings[side as usize];
+        let by_difference = reading.number(part, state.carriers.by_difference());
+        [
+            by_difference,
+            reading.number(part, state.carriers.by_mean()),
+        ]
+    };
+    let [left, right] = [Side::Left, Side::Right].map(|side| {
+        let force = spring_force(state, side);
+        rates(side, NumberPart::SpringLength).map(|rate| force * rate)
+    });
+    // The right wheel's own difference has the other sign.
+    let mut work = Work {
+        difference: left[0] - right[0],
+        mean: left[1] + right[1],
+    };
+    if state.setup.bar_rate.is_some() {
+        let torque = bar_torque(state);
+        let [left, right] = [Side::Left, Side::Right].map(|side| rates(side, NumberPart::BarAngle));
+        work.difference = work.difference - torque * (left[0] + right[0]);
+        work.mean = work.mean - torque * (left[1] - right[1]);
+    }
+    balancing(state, &work)
+}
+
+/// Loads of both wheels by a unit force forward, half at each wheel. `by_carrier` is 1 if the axle takes the torque, 0 if
+/// shafts from the body do.
+#[inline(always)]
+fn forward_force_loads<T: Real, W: WheelParts<T>>(
+    state: &AxleState<T, W>,
+    by_carrier: f64,
+) -> [T; 2] {
+    let [left, right] = state.wheels().map(|wheel| {
+        let lever = wheel.contact_lever().map(|c| c.scaled(by_carrier));
+        let forward = |powers: [usize; 2]| {
+            let [centre, turn] = wheel.reading.twist(powers);
+            (centre + turn.cross(lever)).x
+        };
+        let carriers = wheel.carriers;
+        [
+            forward(carriers.by_difference()),
+            forward(carriers.by_mean()),
+        ]
+    });
+    let work = Work {
+        difference: (left[0] - right[0]).scaled(0.5),
+        mean: (left[1] + right[1]).scaled(0.5),
+    };
+    balancing(state, &work)
+}
+
+/// 100 share (L/h) (f_l + f_r) for a unit force forward.
+#[inline(always)]
+fn supported<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>, share: f64, by_carrier: f64) -> T {
+    let c = &state.setup.constants;
+    let [left, right] = forward_force_loads(state, by_carrier);
+    (left + right).scaled(100.0 * share * c.wheelbase / c.cg_height)
+}
+
+#[inline(always)]
+fn driving<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
+    let c = &state.setup.constants;
+    supported(state, c.drive_share, c.drive_torque_by_carrier)
+}
+
+#[inline(always)]
+fn braking<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
+    let c = &state.setup.constants;
+    supported(state, c.brake_share, c.brake_torque_by_carrier)
+}
+
+/// Share of the load transfer of drive that the links of a rear axle carry.
+#[inline(always)]
+pub(crate) fn anti_squat<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
+    driving(state)
+}
+
+/// The same of a rear axle in braking, or of a driven front axle under drive.
+#[inline(always)]
+pub(crate) fn anti_lift<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
+    match state.setup.constants.is_front {
+        true => -driving(state),
+        false => braking(state),
+    }
+}
+
+/// The same of a front axle in braking.
+#[inline(always)]
+pub(crate) fn anti_dive<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
+    -braking(state)
+}
+
+/// Load that a unit drive force moves from the left to the right wheel.
+#[inline(always)]
+pub(crate) fn drive_load_transfer<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
+    let by_carrier = state.setup.constants.drive_torque_by_carrier;
+    let [left, right] = forward_force_loads(state, by_carrier);
+    (right - left).scaled(0.5)
+}
+
+/// Direction of the axle's line, seen from above.
+#[inline(always)]
+pub(crate) fn axle_steer<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
+    let line = state.readings[0].column(1, [0, 0]);
+    (-line.x).atan2(line.y)
+}
+
+/// Pitch of the axle from the design position.
+#[inline(always)]
+pub(crate) fn pinion_angle<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
+    let forward = state.readings[0].column(0, [0, 0]);
+    forward.z.atan2(forward.x)
+}
+
+/// Displacement of the middle of both wheel centres, in the left wheel's frame.
+#[inline(always)]
+fn displacement<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> Vector3<T> {
+    let [left, right] = state
+        .wheels()
+        .map(|wheel| wheel.reading.centre() - wheel.reading.design().centre);
+    let sum = Vector3::new(left.x + right.x, left.y - right.y, left.z + right.z);
+    sum.map(|c| c.scaled(0.5))
+}
+
+/// Displacement of the middle of both wheel centres to the left.
+#[inline(always)]
+pub(crate) fn axle_lateral<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
+    displacement(state).y
+}
+
+/// Displacement of the middle of both wheel centres forward.
+#[inline(always)]
+pub(crate) fn axle_longitudinal<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
+    displacement(state).x
+}

@@ -1,0 +1,162 @@
+//! How an equilibrium changes: with loads, travel and rack, and with the design.
+//!
+//! With G(x, p) the equations of balance, x the unknowns, p an input and y an output,
+//!
+//! ```text
+//! x_p = -G_x^-1 G_p,   y_p = y_x.x_p + y_p                                                        (1)
+//! ```
+//!
+//! One Newton step from a state in balance, in numbers that carry derivatives, is (1). The equations in the state it
+//! leads to then carry the derivatives of the tangent, so that rates along a load, and all figures of a test, have their
+//! derivatives by the design from the same formulas as their values. On a [`Tape`](crate::number::Tape) one pass
+//! backwards gives those of a figure by all inputs: the adjoint of the equations, of the preloads and of the rates.
+
+use super::loads::WheelLoads;
+use super::reading::WheelFigures;
+use super::solve::Solution;
+use super::system::{Equations, Hold, Limb, State, Step, Task};
+use super::wheel::{Change, ElasticWheel, Equilibrium, HeldQuantity};
+use crate::linear::square::{MOST, SquareLu};
+use crate::number::{Dual, Jet, Scalar, Vector3};
+
+/// The equations in an equilibrium and their factors, with one quantity held: what all derivatives by loads share.
+#[derive(Clone, Debug)]
+pub struct Tangent<T = f64> {
+    state: State<T>,
+    task: Task<T>,
+    equations: Equations<T>,
+    factors: SquareLu<T>,
+}
+
+impl<T: Scalar> ElasticWheel<T> {
+    /// An equilibrium of the same design in plain numbers, with the derivatives of these numbers. `task` gives the
+    /// loads, with the derivatives by them. `None` if the tangent is singular.
+    pub(super) fn carried(&self, at: &State<f64>, task: &Task<T>) -> Option<Equilibrium<T>> {
+        let system = &self.built.system;
+        let like = system.like();
+        let state = at.map(|c| like.lit(c));
+        let equations = system.equations(&state, task, None).ok()?;
+        let right = equations.residual.map(|c| -c);
+        let solution = equations.factors()?.solve(&right);
+        Some(Equilibrium {
+            solution: Solution {
+                state: system.stepped(&state, &equations.step(&solution, false)),
+                task: *task,
+                steps: 1,
+            },
+        })
+    }
+
+    /// The tangent in an equilibrium.
+    pub fn tangent(&self, at: &Equilibrium<T>, held: HeldQuantity) -> Option<Tangent<T>> {
+        let (state, task) = self.held_as(at, held);
+        let equations = self.built.system.equations(&state, &task, None).ok()?;
+        Some(Tangent {
+            factors: equations.factors()?,
+            state,
+            task,
+            equations,
+        })
+    }
+
+    /// Rate of all unknowns along a change of an input.
+    fn rate(&self, tangent: &Tangent<T>, change: &Change<T>) -> Option<Step<T>> {
+        let Tangent {
+            state,
+            task,
+            equations,
+            factors,
+        } = tangent;
+        let system = &self.built.system;
+        let mut right = [system.like(); MOST];
+        match change {
+            Change::Load(loads) => {
+                let by_load = system.wheel.wrench(&state.carrier, loads).to_array();
+                right[..6].copy_from_slice(&by_load);
+            }
+            Change::Travel => right[equations.size - 1] = system.like().one(),
+            Change::Rack => {
+                // The equations in numbers that carry the derivative by the rack: with the forces in balance, what is
+                // eliminated inside has the derivative of its rest alone.
+                let dual = self.built.system_over(Dual::<T, 1>::constant);
+                let mut moving = task.map(Dual::constant);
+                moving.rack.partials[0] = system.like().one();
+                let equations = dual.equations(&state.map(Dual::constant), &moving, None);
+                let equations = equations.ok()?;
+                let factors = SquareLu::of(equations.matrix, equations.size)?;
+                let solution = factors.solve(&equations.residual.map(|c| -c));
+                let step = equations.step(&solution, false);
+                return Some(step.map(|c| c.partials[0]));
+            }
+        }
+        Some(equations.step(&factors.solve(&right), true))
+    }
+
+    /// Derivatives of angles, positions and vertical force along a change of an input.
+    pub fn figures_along(
+        &self,
+        tangent: &Tangent<T>,
+        change: &Change<T>,
+    ) -> Option<WheelFigures<T>> {
+        let rate = self.rate(tangent, change)?;
+        let moving = self.moving(&tangent.state, &rate);
+        let geometry = self.geometry.map(Jet::constant);
+        Some(geometry.figures(&moving, self.constants).map(|c| c[1]))
+    }
+
+    /// The same with the tangent of an equilibrium.
+    pub fn figures_by(
+        &self,
+        at: &Equilibrium<T>,
+        change: &Change<T>,
+        held: HeldQuantity,
+    ) -> Option<WheelFigures<T>> {
+        self.figures_along(&self.tangent(at, held)?, change)
+    }
+
+    /// Shift of the wheel centre and turn of the carrier by a load.
+    pub fn twist_along(
+        &self,
+        tangent: &Tangent<T>,
+        loads: &WheelLoads<T>,
+    ) -> Option<[Vector3<T>; 2]> {
+        let rate = self.rate(tangent, &Change::Load(*loads))?;
+        let [x, y, z, a, b, c] = rate.carrier;
+        let turn = Vector3::new(a, b, c);
+        let lever = tangent.state.carrier.lever(self.built.system.wheel.centre);
+        Some([Vector3::new(x, y, z) + turn.cross(lever), turn])
+    }
+
+    /// The state along its rate, as far as wheels are read.
+    fn moving(&self, state: &State<T>, rate: &Step<T>) -> State<Jet<T, 2>> {
+        let mut moving = state.map(Jet::constant);
+        let [x, y, z, a, b, c] = rate.carrier.map(|c| Jet([c.zero(), c]));
+        let (shift, turn) = (Vector3::new(x, y, z), Vector3::new(a, b, c));
+        moving.carrier = moving.carrier.moved(shift, turn);
+        for (k, limb) in self.built.system.limbs.iter().enumerate() {
+            if let Limb::Mount(_) = limb {
+                moving.limbs[k].slide.0[1] = rate.limbs[k].inner[0];
+            }
+        }
+        moving.vertical.0[1] = rate.vertical;
+        moving
+    }
+
+    /// An equilibrium as one in which another quantity is held.
+    pub(super) fn held_as(&self, from: &Equilibrium<T>, held: HeldQuantity) -> (State<T>, Task<T>) {
+        let (mut state, mut task) = (from.solution.state, from.solution.task);
+        match (task.hold, held) {
+            (Hold::Height(_), HeldQuantity::WheelLoad) => {
+                task.loads.contact.z = task.loads.contact.z + state.vertical;
+                state.vertical = state.vertical.zero();
+                task.hold = Hold::Load;
+            }
+            (Hold::Load, HeldQuantity::WheelHeight) => {
+                let centre = self.built.system.wheel.centre;
+                task.hold = Hold::Height(state.carrier.displacement(centre).z);
+            }
+            _ => {}
+        }
+        (state, task)
+    }
+}

@@ -1,0 +1,174 @@
+//! The inputs of an elastic suspension, and the suspension on a tape that has some of them.
+
+use super::definition::{AxialStiffness, Compliance};
+use super::law::Shape;
+use super::system::Hold;
+use super::wheel::{ElasticFault, ElasticWheel, Equilibrium, HeldQuantity};
+use crate::axle::Law;
+use crate::model::{Axis, PointId, Suspension};
+use crate::number::{Tape, Tracked, Vector3};
+
+/// An input by which equilibria and figures have derivatives, in the kernel's frame of a left wheel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Parameter {
+    /// A coordinate of a hardpoint. Axes, lengths and forces at the design load follow.
+    Point(PointId, Axis),
+    /// The rate of a bushing along or about an axis, 0 to 5; of a curve, the factor of its forces.
+    Stiffness(usize, usize),
+    /// The cubic term of a bushing.
+    Cubic(usize, usize),
+    /// The constant force or torque of a bushing.
+    Preload(usize, usize),
+    /// A component of the direction of a bushing's x axis.
+    AxisX(usize, Axis),
+    /// A component of the direction that fixes a bushing's z axis.
+    AxisZ(usize, Axis),
+    /// The stiffness of a link: force per length or per strain, as it is given.
+    Link(usize),
+    /// The rate of a linear spring.
+    SpringRate,
+    /// The force of a linear spring in the design position.
+    SpringForce,
+    /// Wheel travel, where the height is held.
+    Travel,
+    /// Displacement of the rack along the kernel's +y.
+    Rack,
+    /// A component of the force at the contact point.
+    Contact(Axis),
+    /// The side force.
+    Side,
+    /// A component of the force at the wheel centre.
+    Centre(Axis),
+    /// A component of the moment.
+    Moment(Axis),
+}
+
+/// An elastic suspension over numbers on a tape.
+#[derive(Clone, Debug)]
+pub struct OnTape<'t> {
+    /// The suspension.
+    pub wheel: ElasticWheel<Tracked<'t>>,
+    /// Loads, travel and rack among the inputs, each an addition of 0.
+    added: Vec<(Parameter, Tracked<'t>)>,
+}
+
+/// Position of the parameter's number in a bushing's law.
+fn law_of<'c, 't>(
+    parts: &'c mut Compliance<Tracked<'t>>,
+    parameter: Parameter,
+) -> Option<&'c mut Tracked<'t>> {
+    match parameter {
+        Parameter::Stiffness(bushing, axis) => match &mut parts.bushings[bushing].shapes[axis] {
+            Shape::Cubic { rate, .. } => Some(rate),
+            Shape::Curve { scale, .. } => Some(scale),
+        },
+        Parameter::Cubic(bushing, axis) => match &mut parts.bushings[bushing].shapes[axis] {
+            Shape::Cubic { cubic, .. } => Some(cubic),
+            Shape::Curve { .. } => None,
+        },
+        Parameter::Preload(bushing, axis) => Some(&mut parts.bushings[bushing].preload[axis]),
+        Parameter::AxisX(bushing, axis) => {
+            let given = parts.bushings[bushing].x_axis.as_mut();
+            given.map(|direction| &mut direction[axis])
+        }
+        Parameter::AxisZ(bushing, axis) => {
+            let given = parts.bushings[bushing].z_axis.as_mut();
+            given.map(|direction| &mut direction[axis])
+        }
+        Parameter::Link(link) => match &mut parts.links[link].stiffness {
+            AxialStiffness::Rate(rate) => Some(rate),
+            AxialStiffness::PerStrain(force) => Some(force),
+        },
+        Parameter::SpringRate | Parameter::SpringForce => {
+            match &mut parts.spring.as_mut()?.spring {
+                Law::Linear { force, rate } => Some(match parameter {
+                    Parameter::SpringRate => rate,
+                    _ => force,
+                }),
+                Law::Curve(_) => None,
+            }
+        }
+        _ => None,
+    }
+}
+
+impl<'t> OnTape<'t> {
+    /// The suspension with these inputs, which get the first numbers of the tape in their order. An input that the
+    /// suspension does not have changes nothing.
+    pub fn new(
+        suspension: &Suspension,
+        design: &[Vector3<f64>],
+        compliance: &Compliance,
+        parameters: &[Parameter],
+        tape: &'t Tape,
+    ) -> Result<Self, ElasticFault> {
+        let constant = |point: &Vector3<f64>| point.map(Tracked::constant);
+        let mut design: Vec<Vector3<Tracked<'t>>> = design.iter().map(constant).collect();
+        let mut parts = compliance.map(Tracked::constant);
+        let mut added = Vec::new();
+        for parameter in parameters {
+            match *parameter {
+                Parameter::Point(point, axis) => {
+                    let coordinate = &mut design[point.0][axis];
+                    *coordinate = tape.input(coordinate.plain());
+                }
+                Parameter::Travel
+                | Parameter::Rack
+                | Parameter::Contact(_)
+                | Parameter::Side
+                | Parameter::Centre(_)
+                | Parameter::Moment(_) => added.push((*parameter, tape.input(0.0))),
+                _ => match law_of(&mut parts, *parameter) {
+                    Some(number) => *number = tape.input(number.plain()),
+                    None => _ = tape.input(0.0),
+                },
+            }
+        }
+        Ok(OnTape {
+            wheel: ElasticWheel::of(suspension, &design, &parts)?,
+            added,
+        })
+    }
+
+    /// An equilibrium of the suspension in plain numbers, with the derivatives by the inputs. What is held there stays:
+    /// the height, or all loads.
+    pub fn carried(&self, at: &Equilibrium) -> Option<Equilibrium<Tracked<'t>>> {
+        let mut task = at.solution.task.map(Tracked::constant);
+        for (parameter, added) in &self.added {
+            let loads = &mut task.loads;
+            let number = match *parameter {
+                Parameter::Rack => &mut task.rack,
+                Parameter::Contact(axis) => &mut loads.contact[axis],
+                Parameter::Side => &mut loads.side,
+                Parameter::Centre(axis) => &mut loads.centre[axis],
+                Parameter::Moment(axis) => &mut loads.moment[axis],
+                _ => match &mut task.hold {
+                    Hold::Height(travel) => travel,
+                    Hold::Load => continue,
+                },
+            };
+            *number = *number + *added;
+        }
+        self.wheel.carried(&at.solution.state, &task)
+    }
+
+    /// An equilibrium under loads beside those of a station, with the derivatives by the inputs. What is held is the
+    /// station's, whose height or wheel load may change with the inputs.
+    pub fn carried_about(
+        &self,
+        station: &Equilibrium<Tracked<'t>>,
+        at: &Equilibrium,
+        held: HeldQuantity,
+    ) -> Option<Equilibrium<Tracked<'t>>> {
+        let (_, base) = self.wheel.held_as(station, held);
+        let mut task = at.solution.task.map(Tracked::constant);
+        // The same numbers, with the station's derivatives.
+        if let Hold::Load = base.hold {
+            let change = task.loads.contact.z.plain() - base.loads.contact.z.plain();
+            task.loads.contact.z = base.loads.contact.z + Tracked::constant(change);
+        }
+        task.hold = base.hold;
+        task.rack = base.rack;
+        self.wheel.carried(&at.solution.state, &task)
+    }
+}

@@ -1,0 +1,225 @@
+//! Figures and wheel angles at a station with their derivatives by the design, for tuning and sensitivities.
+
+use super::figures::{Figure, Read, Sheet};
+use super::test::{KcTest, TestLoad};
+use super::{KcRun, end_loads};
+use crate::compliance::{
+    Change, ElasticWheel, Equilibrium, HeldQuantity, NoEquilibrium, OnTape, Parameter, Tangent,
+    WheelFigures, WheelLoads,
+};
+use crate::model::Axis;
+use crate::number::{Scalar, Tape, Tracked};
+
+/// A value that can be asked of a station.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum KcValue {
+    /// A figure of a test.
+    Figure {
+        /// The test.
+        test: KcTest,
+        /// Name of the figure.
+        quantity: &'static str,
+        /// True for the secant over the window, false for the derivative at the station.
+        is_secant: bool,
+    },
+    /// An angle of the wheel in the equilibrium.
+    Angle(WheelAngle),
+}
+
+/// An angle of the wheel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum WheelAngle {
+    /// Toe angle.
+    Toe,
+    /// Camber angle.
+    Camber,
+    /// Caster angle.
+    Caster,
+    /// Kingpin inclination.
+    KingpinInclination,
+}
+
+/// Reads figures of one state. Tangents are formed once for all tests.
+pub(super) struct Station<'s, T> {
+    pub(super) wheel: &'s ElasticWheel<T>,
+    pub(super) sheet: Sheet<'s>,
+    pub(super) at: Equilibrium<T>,
+    tangents: [Option<Option<Tangent<T>>>; 2],
+}
+
+impl<'s, T: Scalar> Station<'s, T> {
+    pub(super) fn new(wheel: &'s ElasticWheel<T>, sheet: Sheet<'s>, at: Equilibrium<T>) -> Self {
+        Station {
+            wheel,
+            sheet,
+            at,
+            tangents: [None, None],
+        }
+    }
+
+    /// The tangent with a quantity held.
+    pub(super) fn tangent(&mut self, held: HeldQuantity) -> Option<&Tangent<T>> {
+        let (wheel, at) = (self.wheel, &self.at);
+        let tangent = self.tangents[usize::from(held == HeldQuantity::WheelLoad)]
+            .get_or_insert_with(|| wheel.tangent(at, held));
+        tangent.as_ref()
+    }
+
+    fn by(&mut self, test: &KcTest) -> Option<WheelFigures<T>> {
+        let wheel = self.wheel;
+        let like = wheel.travel(&self.at);
+        let change = match test.change(&self.sheet.suspension.vehicle) {
+            Change::Load(loads) => Change::Load(loads.map(|c| like.lit(c))),
+            Change::Travel => Change::Travel,
+            Change::Rack => Change::Rack,
+        };
+        wheel.figures_along(self.tangent(test.held)?, &change)
+    }
+
+    /// What the figures of a test are read from, `by` in place of its derivatives if given.
+    fn read(&mut self, test: &KcTest, by: Option<WheelFigures<T>>) -> Read<T> {
+        let needs_rate = test.load == TestLoad::Heave && self.sheet.tyre_rate.is_some();
+        let has_spring = test.load == TestLoad::Steering && self.wheel.spring(&self.at).is_some();
+        Read {
+            by,
+            wheel_rate: needs_rate.then(|| self.wheel_rate()).flatten(),
+            rack_force: has_spring.then(|| self.wheel.rack_force(&self.at)),
+        }
+    }
+
+    /// The figures of a test at the station.
+    pub(super) fn figures(&mut self, test: &KcTest) -> Vec<Figure<T>> {
+        let by = self.by(test);
+        let read = self.read(test, by);
+        self.sheet.figures(test, &read)
+    }
+
+    /// The same figures as secants.
+    pub(super) fn secants(&mut self, test: &KcTest, by: Option<WheelFigures<T>>) -> Vec<Figure<T>> {
+        let read = self.read(test, by);
+        self.sheet.figures(test, &read)
+    }
+
+    /// Rate of the wheel at the contact point: wheel load by height of the contact point.
+    fn wheel_rate(&mut self) -> Option<T> {
+        let wheel = self.wheel;
+        let like = wheel.travel(&self.at);
+        let mut load = WheelLoads::none(like);
+        load.contact.z = like.one();
+        let tangent = self.tangent(HeldQuantity::WheelLoad)?;
+        let by = wheel.figures_along(tangent, &Change::Load(load))?;
+        Some(like.one() / by.contact.z)
+    }
+}
+
+/// A value at a station, with its derivatives by some inputs.
+#[derive(Clone, Copy, Debug)]
+pub struct KcGradient<'g> {
+    /// Number of the value among those that were asked for.
+    pub number: usize,
+    /// The value; `None` if there is none.
+    pub value: Option<f64>,
+    /// Its derivatives, in the order of the inputs.
+    pub by: &'g [f64],
+}
+
+impl KcRun<'_> {
+    /// Values at a station of travel and rack (along the study's +y) with their derivatives by inputs. `tape` is room
+    /// for the work.
+    pub fn gradients(
+        &self,
+        [travel, rack]: [f64; 2],
+        wanted: &[KcValue],
+        parameters: &[Parameter],
+        tape: &mut Tape,
+        mut receive: impl FnMut(KcGradient<'_>),
+    ) -> Result<(), NoEquilibrium> {
+        tape.clear();
+        let tape = &*tape;
+        let along = self.suspension.frame.sign(Axis::Y);
+        let at = self.wheel.at(travel, along * rack)?;
+        let lost = || NoEquilibrium {
+            share: 1.0,
+            is_unstable: true,
+            softest: None,
+        };
+        let varied = OnTape::new(
+            self.suspension,
+            &self.design,
+            &self.compliance,
+            parameters,
+            tape,
+        );
+        let varied = varied.map_err(|_| lost())?;
+        let here = varied.carried(&at).ok_or_else(lost)?;
+        let figures = varied.wheel.figures(&here);
+        let mut station = Station::new(&varied.wheel, self.sheet(&at), here);
+        let mut known: Vec<(KcTest, bool, Vec<Figure<Tracked<'_>>>)> = Vec::new();
+        let mut gradient = Vec::new();
+        for (number, value) in wanted.iter().enumerate() {
+            let found = match *value {
+                KcValue::Angle(angle) => match angle {
+                    WheelAngle::Toe => Some(figures.toe),
+                    WheelAngle::Camber => Some(figures.camber),
+                    WheelAngle::Caster => figures.steering.map(|[caster, _]| caster),
+                    WheelAngle::KingpinInclination => figures.steering.map(|[_, kpi]| kpi),
+                },
+                KcValue::Figure {
+                    test,
+                    quantity,
+                    is_secant,
+                } => {
+                    let same = |k: &(KcTest, bool, Vec<_>)| k.0 == test && k.1 == is_secant;
+                    if !known.iter().any(same) {
+                        let all = match is_secant {
+                            false => station.figures(&test),
+                            true => {
+                                let by = self.secant_on_tape(&at, &here, &varied, &test);
+                                station.secants(&test, by)
+                            }
+                        };
+                        known.push((test, is_secant, all));
+                    }
+                    let all = known.iter().find(|k| same(k)).map(|(.., all)| all);
+                    let figure = all.and_then(|all| all.iter().find(|f| f.quantity == quantity));
+                    figure.and_then(|figure| figure.value)
+                }
+            };
+            let found = found.filter(|value| value.plain().is_finite());
+            gradient.clear();
+            if let Some(value) = found {
+                tape.gradient(value, &mut gradient);
+            }
+            gradient.resize(gradient.len().max(parameters.len()), 0.0);
+            receive(KcGradient {
+                number,
+                value: found.map(Tracked::plain),
+                by: &gradient[..parameters.len()],
+            });
+        }
+        Ok(())
+    }
+
+    /// The secant over the window of a test, with the derivatives of its ends.
+    fn secant_on_tape<'t>(
+        &self,
+        at: &Equilibrium,
+        here: &Equilibrium<Tracked<'t>>,
+        varied: &OnTape<'t>,
+        test: &KcTest,
+    ) -> Option<WheelFigures<Tracked<'t>>> {
+        let (unit, _) = test.unit_load(&self.suspension.vehicle);
+        let mut ends = Vec::new();
+        for sign in [-1.0, 1.0] {
+            let loads = end_loads(&unit, sign * test.window);
+            let end = self.wheel.loaded_about(at, at, &loads, test.held).ok()?;
+            let end = varied.carried_about(here, &end, test.held)?;
+            let mut figures = varied.wheel.figures(&end);
+            figures.vertical = varied.wheel.wheel_load(&end);
+            ends.push(figures);
+        }
+        let [low, high] = ends.try_into().ok()?;
+        let inverse = 1.0 / (2.0 * test.window);
+        Some(super::quotient(&low, &high, Tracked::constant(inverse)))
+    }
+}

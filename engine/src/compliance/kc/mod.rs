@@ -1,0 +1,355 @@
+//! Tests of a kinematics and compliance rig on one wheel.
+//!
+//! At a station (travel, rack) the wheel stands in equilibrium without horizontal loads, its height held. About this
+//! state a test changes a load, or travel or rack, and figures are the derivatives by it. Windows give secants, levels
+//! the equilibria between their ends. All figures are those of a left wheel in ISO 8855 axes.
+
+mod figures;
+mod gradients;
+mod test;
+
+pub use gradients::{KcGradient, KcValue, WheelAngle};
+pub use test::{KcTest, TestLoad, TestPlace};
+
+use super::definition::Compliance;
+use super::loads::WheelLoads;
+use super::reading::WheelFigures;
+use super::wheel::{
+    BushingReading, ElasticFault, ElasticWheel, Equilibrium, HeldQuantity, NoEquilibrium,
+    SpringReading,
+};
+use crate::ask::Unit;
+use crate::model::{Axis, SteeringAxis, Suspension};
+use crate::number::{Scalar, Vector3};
+use figures::{Read, Sheet};
+use gradients::Station;
+
+/// A figure of a test.
+#[derive(Clone, Debug, PartialEq)]
+pub struct KcFigure {
+    /// Name.
+    pub quantity: &'static str,
+    /// Unit of value and secant.
+    pub unit: Unit,
+    /// Derivative at the station; `None` if it has no value.
+    pub value: Option<f64>,
+    /// Quotient of differences over the window.
+    pub secant: Option<f64>,
+}
+
+/// An equilibrium under a level of a test load.
+#[derive(Clone, Debug, PartialEq)]
+pub struct KcState {
+    /// Angles and positions.
+    pub figures: WheelFigures,
+    /// Vertical force at the contact point.
+    pub wheel_load: f64,
+    /// The spring.
+    pub spring: Option<SpringReading>,
+    /// The bushings, in the order of the definition.
+    pub bushings: Vec<BushingReading>,
+    /// Tensions of the links, in the order of the definition.
+    pub tensions: Vec<f64>,
+}
+
+/// A level of a test.
+#[derive(Clone, Debug, PartialEq)]
+pub struct KcLevel {
+    /// Number of the level, 0 without load.
+    pub level: i64,
+    /// The load.
+    pub load: f64,
+    /// The equilibrium, or why there is none.
+    pub state: Result<KcState, NoEquilibrium>,
+}
+
+/// Outcome of a test at a station.
+#[derive(Clone, Debug, PartialEq)]
+pub struct KcOutcome {
+    /// The test.
+    pub test: KcTest,
+    /// Where its load acts.
+    pub place: TestPlace,
+    /// Its figures.
+    pub figures: Vec<KcFigure>,
+    /// Its levels, from the lowest load to the highest; empty without levels.
+    pub levels: Vec<KcLevel>,
+}
+
+/// Outcome of a station.
+#[derive(Clone, Debug, PartialEq)]
+pub struct KcStation {
+    /// Wheel travel.
+    pub travel: f64,
+    /// Rack displacement along the study's +y.
+    pub rack: f64,
+    /// Tests, or why the station has no equilibrium.
+    pub outcomes: Result<Vec<KcOutcome>, NoEquilibrium>,
+    /// Tests that belong to a station without equilibrium.
+    pub tests: Vec<(KcTest, TestPlace)>,
+    /// Displacement and rotation of the wheel centre by forces and moments there, in the study's axes: rows x, y, z,
+    /// rotations, columns forces, moments. `None` if the wheel load cannot be held.
+    pub matrix: Option<[[f64; 6]; 6]>,
+}
+
+/// The tests of a study.
+#[derive(Clone, Debug)]
+pub struct KcRun<'a> {
+    suspension: &'a Suspension,
+    design: Vec<Vector3<f64>>,
+    compliance: Compliance,
+    wheel: ElasticWheel,
+    tyre_rate: Option<f64>,
+}
+
+impl<'a> KcRun<'a> {
+    /// Prepares the tests of a suspension.
+    pub fn new(
+        suspension: &'a Suspension,
+        compliance: &Compliance,
+        tyre_rate: Option<f64>,
+    ) -> Result<Self, ElasticFault> {
+        KcRun::of(suspension, &suspension.design, compliance, tyre_rate)
+    }
+
+    /// The same with its hardpoints at `design`.
+    pub fn of(
+        suspension: &'a Suspension,
+        design: &[Vector3<f64>],
+        compliance: &Compliance,
+        tyre_rate: Option<f64>,
+    ) -> Result<Self, ElasticFault> {
+        Ok(KcRun {
+            suspension,
+            wheel: ElasticWheel::of(suspension, design, compliance)?,
+            design: design.to_vec(),
+            compliance: compliance.clone(),
+            tyre_rate,
+        })
+    }
+
+    fn sheet(&self, at: &Equilibrium) -> Sheet<'_> {
+        Sheet {
+            suspension: self.suspension,
+            is_rigid: self.compliance.is_rigid(),
+            has_axis: self.wheel.figures(at).steering.is_some(),
+            tyre_rate: self.tyre_rate,
+        }
+    }
+
+    /// The elastic wheel.
+    pub fn wheel(&self) -> &ElasticWheel {
+        &self.wheel
+    }
+
+    /// The tests at every station that has any, in the order of the stations.
+    pub fn run(&self, travels: &[f64], racks: &[f64], tests: &[KcTest]) -> Vec<KcStation> {
+        let stations = travels
+            .iter()
+            .flat_map(|travel| racks.iter().map(move |rack| (*travel, *rack)));
+        let stations: Vec<(f64, f64)> = stations.collect();
+        let distance = |(travel, rack): &(f64, f64)| travel.abs() + rack.abs();
+        let nearest = stations
+            .iter()
+            .enumerate()
+            .min_by(|(_, a), (_, b)| distance(a).total_cmp(&distance(b)))
+            .map_or(0, |(k, _)| k);
+        let mut found = Vec::new();
+        for (k, (travel, rack)) in stations.into_iter().enumerate() {
+            let here = |test: &&KcTest| test.at_all_stations || k == nearest;
+            let here: Vec<KcTest> = tests.iter().filter(here).copied().collect();
+            if !here.is_empty() {
+                found.push(self.station(travel, rack, &here));
+            }
+        }
+        found
+    }
+
+    fn station(&self, travel: f64, rack: f64, tests: &[KcTest]) -> KcStation {
+        let along = self.suspension.frame.sign(Axis::Y);
+        let at = self.wheel.at(travel, along * rack);
+        let mut station = at
+            .as_ref()
+            .ok()
+            .map(|at| Station::new(&self.wheel, self.sheet(at), *at));
+        let vehicle = &self.suspension.vehicle;
+        KcStation {
+            travel,
+            rack,
+            tests: tests
+                .iter()
+                .map(|test| (*test, test.unit_load(vehicle).1))
+                .collect(),
+            matrix: station.as_mut().and_then(|station| self.matrix(station)),
+            outcomes: at.map(|_| {
+                let stations = station.iter_mut();
+                stations
+                    .flat_map(|station| tests.iter().map(|test| self.outcome(station, test)))
+                    .collect()
+            }),
+        }
+    }
+
+    fn outcome(&self, station: &mut Station<'_, f64>, test: &KcTest) -> KcOutcome {
+        let (load, place) = test.unit_load(&self.suspension.vehicle);
+        let levels = match test.load.is_motion() || test.levels == 0 {
+            true => Vec::new(),
+            false => self.levels(&station.at, test, &load),
+        };
+        let values = station.figures(test);
+        let secants = station.secants(test, secant(&levels));
+        let figures = values.into_iter().zip(secants);
+        let figures = figures.map(|(value, secant)| KcFigure {
+            quantity: value.quantity,
+            unit: value.unit,
+            value: value.value.filter(|value| value.is_finite()),
+            secant: secant
+                .value
+                .filter(|value| value.is_finite() && !levels.is_empty()),
+        });
+        KcOutcome {
+            test: *test,
+            place,
+            figures: figures.collect(),
+            levels,
+        }
+    }
+
+    /// Equilibria from the lowest load to the highest. Each starts from its neighbour nearer to no load.
+    fn levels(&self, at: &Equilibrium, test: &KcTest, load: &WheelLoads) -> Vec<KcLevel> {
+        let count = test.levels as i64;
+        let level_load = |level: i64| test.window * level as f64 / count as f64;
+        let mut sides = [Vec::new(), Vec::new()];
+        for (sign, side) in [-1, 1].into_iter().zip(&mut sides) {
+            let mut before = Ok(*at);
+            // Levels that are reached, with the share of the next one.
+            let mut reached = 0.0;
+            for step in 1..=count {
+                let level = sign * step;
+                let loads = end_loads(load, level_load(level));
+                before = match before {
+                    Ok(from) => {
+                        let next = self.wheel.loaded_about(at, &from, &loads, test.held);
+                        reached += next.as_ref().map_or_else(|why| why.share, |_| 1.0);
+                        next
+                    }
+                    failed => failed,
+                };
+                if let Err(why) = &mut before {
+                    why.share = reached / step as f64;
+                }
+                side.push(self.level(level, level_load(level), &before));
+            }
+        }
+        let [mut low, high] = sides;
+        low.reverse();
+        low.push(self.level(0, 0.0, &Ok(*at)));
+        low.extend(high);
+        low
+    }
+
+    fn level(&self, level: i64, load: f64, at: &Result<Equilibrium, NoEquilibrium>) -> KcLevel {
+        let state = at.as_ref().map_err(Clone::clone).map(|at| KcState {
+            figures: self.wheel.figures(at),
+            wheel_load: self.wheel.wheel_load(at),
+            spring: self.wheel.spring(at),
+            bushings: self.wheel.bushings(at),
+            tensions: self.wheel.tensions(at),
+        });
+        KcLevel { level, load, state }
+    }
+
+    /// The matrix of the wheel centre, in the study's axes.
+    fn matrix(&self, station: &mut Station<'_, f64>) -> Option<[[f64; 6]; 6]> {
+        let frame = self.suspension.frame;
+        let signs: [f64; 6] = std::array::from_fn(|k| {
+            let axis = Axis::ALL[k % 3];
+            if k < 3 {
+                frame.sign(axis)
+            } else {
+                frame.turn_sign(axis)
+            }
+        });
+        let tangent = station.tangent(HeldQuantity::WheelLoad)?;
+        let mut matrix = [[0.0; 6]; 6];
+        for column in 0..6 {
+            let mut unit = Vector3::new(0.0, 0.0, 0.0);
+            unit[Axis::ALL[column % 3]] = 1.0;
+            let mut load = WheelLoads::none(0.0);
+            if column < 3 {
+                load.centre = unit;
+            } else {
+                load.moment = unit;
+            }
+            let [shift, turn] = self.wheel.twist_along(tangent, &load)?;
+            let twist = shift.to_array().into_iter().chain(turn.to_array());
+            for (row, value) in twist.enumerate() {
+                let value = value * signs[row] * signs[column];
+                matrix[row][column] = value.is_finite().then_some(value)?;
+            }
+        }
+        Some(matrix)
+    }
+}
+
+/// The figures of a test of a study, with their units.
+pub fn quantities(
+    suspension: &Suspension,
+    compliance: &Compliance,
+    tyre_rate: Option<f64>,
+    test: &KcTest,
+) -> Vec<(&'static str, Unit)> {
+    let steering = suspension.mechanism.steering_axis;
+    let sheet = Sheet {
+        suspension,
+        is_rigid: compliance.is_rigid(),
+        has_axis: matches!(steering, Some(SteeringAxis::Through { .. })),
+        tyre_rate,
+    };
+    let read = Read {
+        by: None,
+        wheel_rate: None,
+        rack_force: compliance.spring.as_ref().map(|_| 0.0),
+    };
+    let figures = sheet.figures::<f64>(test, &read).into_iter();
+    figures
+        .map(|figure| (figure.quantity, figure.unit))
+        .collect()
+}
+
+/// A multiple of a unit load.
+fn end_loads(unit: &WheelLoads, factor: f64) -> WheelLoads {
+    let mut loads = WheelLoads::none(0.0).plus(unit, factor);
+    loads.trail = unit.trail;
+    loads
+}
+
+/// Quotients of differences between the ends of the window; `None` if an end has no equilibrium.
+fn secant(levels: &[KcLevel]) -> Option<WheelFigures> {
+    let (low, high) = (levels.first()?, levels.last()?);
+    let (a, b) = (low.state.as_ref().ok()?, high.state.as_ref().ok()?);
+    let with_load = |state: &KcState| WheelFigures {
+        vertical: state.wheel_load,
+        ..state.figures
+    };
+    let inverse = 1.0 / (high.load - low.load);
+    Some(quotient(&with_load(a), &with_load(b), inverse))
+}
+
+/// The difference of two states times a factor.
+fn quotient<T: Scalar>(a: &WheelFigures<T>, b: &WheelFigures<T>, factor: T) -> WheelFigures<T> {
+    let of = |a: T, b: T| (b - a) * factor;
+    let steering = match (a.steering, b.steering) {
+        (Some(a), Some(b)) => Some([0, 1].map(|k| of(a[k], b[k]))),
+        _ => None,
+    };
+    WheelFigures {
+        toe: of(a.toe, b.toe),
+        camber: of(a.camber, b.camber),
+        steering,
+        spin: of(a.spin, b.spin),
+        centre: (b.centre - a.centre) * factor,
+        contact: (b.contact - a.contact) * factor,
+        vertical: of(a.vertical, b.vertical),
+    }
+}

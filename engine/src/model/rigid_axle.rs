@@ -1,0 +1,112 @@
+//! A rigid axle: one body that carries both wheels.
+//!
+//! The mechanism of a rigid axle is that of one wheel, the near one, whose knuckle is the axle itself. It has the points of
+//! both halves. Two travels drive the axle. With z_n and z_f the heights of the near and of the far wheel centre over
+//! their design positions, they are
+//!
+//! ```text
+//! mean        (z_n + z_f)/2                                                        (1)
+//! difference  (z_n - z_f)/2                                                        (2)
+//! ```
+//!
+//! One of them is the drive. The other one takes the place of the rack's displacement, and one constraint holds it.
+//! Seen from the other wheel, (1) is the same and (2) has the other sign.
+
+use super::PointId;
+use crate::number::{Real, Vector3};
+
+/// One of the two travels of a rigid axle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum AxleTravel {
+    /// Equation (1): both wheels rise.
+    Mean,
+    /// Equation (2): the near wheel rises and the far one falls.
+    Difference,
+}
+
+impl AxleTravel {
+    /// The other travel.
+    pub fn other(self) -> AxleTravel {
+        match self {
+            AxleTravel::Mean => AxleTravel::Difference,
+            AxleTravel::Difference => AxleTravel::Mean,
+        }
+    }
+
+    /// Factor of the far wheel's height: 1 or -1.
+    #[inline(always)]
+    pub fn far_sign(self) -> f64 {
+        match self {
+            AxleTravel::Mean => 1.0,
+            AxleTravel::Difference => -1.0,
+        }
+    }
+}
+
+/// The far half of a rigid axle.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RigidAxle {
+    /// Points of the near half, each with its partner in the far half.
+    pub pairs: Vec<[PointId; 2]>,
+    /// Points that the axle has once, such as the ends of a Panhard rod.
+    pub singles: Vec<PointId>,
+    /// Centre of the far wheel.
+    pub far_centre: PointId,
+    /// The travel that a constraint holds. The other one drives.
+    pub held: AxleTravel,
+}
+
+/// The mirror image of a position in the vehicle's middle plane.
+#[inline(always)]
+pub fn mirrored<T: Real>(position: Vector3<T>) -> Vector3<T> {
+    Vector3::new(position.x, -position.y, position.z)
+}
+
+impl RigidAxle {
+    /// Returns true for a point of the far half.
+    pub fn is_far(&self, id: PointId) -> bool {
+        self.pairs.iter().any(|[_, far]| *far == id)
+    }
+
+    /// Moves the far half as the near half moves. `own` is a design that has both halves: where its far half is no mirror
+    /// image, the difference stays.
+    #[inline(always)]
+    pub fn complete<T: Real>(&self, own: &[Vector3<f64>], design: &mut [Vector3<T>]) {
+        for [near, far] in &self.pairs {
+            let apart = own[far.0] - mirrored(own[near.0]);
+            let apart = apart.map(|c| design[near.0].x.lit(c));
+            design[far.0] = mirrored(design[near.0]) + apart;
+        }
+    }
+
+    /// Writes the same axle seen from its other wheel, in the frame of that side, into `into`. Points that are neither in
+    /// a pair nor single belong to each wheel and stay.
+    #[inline(always)]
+    pub fn turn_over<T: Real>(&self, design: &[Vector3<T>], into: &mut [Vector3<T>]) {
+        into.copy_from_slice(design);
+        for [near, far] in &self.pairs {
+            into[near.0] = mirrored(design[far.0]);
+            into[far.0] = mirrored(design[near.0]);
+        }
+        for single in &self.singles {
+            into[single.0] = mirrored(design[single.0]);
+        }
+    }
+
+    /// Adds up the derivatives by all places of a point: those of the far half and those of the axle seen from the right
+    /// wheel are added to the derivatives by the left half.
+    pub fn gather(&self, [left, right]: [&mut [Vector3<f64>]; 2]) {
+        let zero = Vector3::new(0.0, 0.0, 0.0);
+        for [near, far] in &self.pairs {
+            let of_far = mirrored(left[far.0] + right[far.0]);
+            left[near.0] = left[near.0] + right[near.0] + of_far;
+            left[far.0] = zero;
+            right[far.0] = zero;
+            right[near.0] = zero;
+        }
+        for single in &self.singles {
+            left[single.0] = left[single.0] + mirrored(right[single.0]);
+            right[single.0] = zero;
+        }
+    }
+}

@@ -1,0 +1,121 @@
+//! Solid axle: one body carries both wheels, on four links or on three links and a Panhard rod.
+//!
+//! A study gives the left half, which is mirrored. Points of the Panhard rod, and of a single upper link, have their true y.
+
+use super::rigid_axle::{AxleTravel, RigidAxle};
+use super::rocker::{ANTI_ROLL_BAR, Carriers};
+use super::topology::{
+    Given, Group, SPINDLE, SPINDLE_INNER, SPRING, SPRING_UPPER, WHEEL_CENTRE, optional, required,
+};
+use super::{Body, Constraint, Mechanism, Point, PointId, Topology};
+
+const NO_LENGTH: &str = "the link would have no length";
+
+/// A Panhard rod, of which a study gives both ends or none.
+static PANHARD: Group = Group {
+    what: "the Panhard rod",
+    hardpoints: &[
+        optional("panhard_chassis", "Panhard rod at the body; true y"),
+        optional("panhard_axle", "Panhard rod at the axle; true y"),
+    ],
+    complete: &[&["panhard_chassis", "panhard_axle"]],
+    distinct: &[("panhard_chassis", "panhard_axle", NO_LENGTH)],
+};
+
+/// The solid axle.
+pub(super) static SOLID_AXLE: Topology = Topology {
+    name: "solid_axle",
+    summary: "Solid axle: one body with both wheels on four links, or on three links and a Panhard rod",
+    hardpoints: &[
+        required("lower_link_chassis", "lower link at the body"),
+        required("lower_link_axle", "lower link at the axle"),
+        required(
+            "upper_link_chassis",
+            "upper link at the body; true y if it is single",
+        ),
+        required(
+            "upper_link_axle",
+            "upper link at the axle; true y if it is single",
+        ),
+        WHEEL_CENTRE,
+        SPINDLE_INNER,
+        SPRING_UPPER,
+        optional(
+            "spring_lower",
+            "lower end of spring and damper, on the axle",
+        ),
+    ],
+    groups: &[&SPRING, &PANHARD, &ANTI_ROLL_BAR],
+    distinct: &[
+        ("lower_link_chassis", "lower_link_axle", NO_LENGTH),
+        ("upper_link_chassis", "upper_link_axle", NO_LENGTH),
+        SPINDLE,
+    ],
+    build,
+    template: include_str!("../../templates/solid_axle.toml"),
+};
+
+fn build(topology: &'static Topology, given: &[&'static str]) -> Mechanism {
+    let mut given = Given::of(
+        topology,
+        given,
+        Carriers::all(Body::Knuckle),
+        |name| match name {
+            _ if name.ends_with("_chassis") => Body::Chassis,
+            _ => Body::Knuckle,
+        },
+    );
+    let has_panhard = given.find("panhard_axle").is_some();
+    let is_single =
+        |name: &str| name.starts_with("panhard_") || has_panhard && name.starts_with("upper_link_");
+    let near: Vec<PointId> = (0..given.0.len()).map(PointId).collect();
+    let (singles, near): (Vec<_>, Vec<_>) = near
+        .into_iter()
+        .partition(|id| is_single(&given.0[id.0].name));
+    let mut pairs = Vec::with_capacity(near.len());
+    for id in near {
+        let Point { name, body } = &given.0[id.0];
+        let far = Point {
+            name: format!("right_{name}"),
+            // Each wheel moves its own lever of the anti-roll bar.
+            body: match body {
+                Body::Rocker(_) => Body::Chassis,
+                body => *body,
+            },
+        };
+        pairs.push([id, PointId(given.0.len())]);
+        given.0.push(far);
+    }
+    let id = |name: &str| given.id(name);
+    let link = |chassis: &str, axle: &str| Constraint::Link {
+        inner: id(chassis),
+        outer: id(axle),
+    };
+    let mut constraints = vec![
+        link("lower_link_chassis", "lower_link_axle"),
+        link("right_lower_link_chassis", "right_lower_link_axle"),
+        link("upper_link_chassis", "upper_link_axle"),
+    ];
+    constraints.push(match has_panhard {
+        true => link("panhard_chassis", "panhard_axle"),
+        false => link("right_upper_link_chassis", "right_upper_link_axle"),
+    });
+    let (near_centre, far_centre) = (id("wheel_centre"), id("right_wheel_centre"));
+    let held = AxleTravel::Mean;
+    constraints.push(Constraint::AxleTravel {
+        near: near_centre,
+        far: far_centre,
+        held,
+    });
+    let bodies = [("chassis", Body::Chassis), ("axle", Body::Knuckle)];
+    Mechanism {
+        constraints,
+        rigid_axle: Some(RigidAxle {
+            pairs,
+            singles,
+            far_centre,
+            held,
+        }),
+        ..given.mechanism(topology, &bodies)
+    }
+}

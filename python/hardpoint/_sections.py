@@ -1,0 +1,181 @@
+"""Vehicles from numbers: studies without TOML."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any, Literal, TypedDict
+
+from numpy.typing import ArrayLike
+
+from ._hardpoint import HardpointError
+from ._study import Study
+
+Side = Literal["left", "right"]
+Axis = Literal["x", "y", "z"]
+Numbers = float | ArrayLike
+"""A number or an array of numbers."""
+Member = str | Sequence[str]
+"""The name of a member such as "tie_rod", or its two ends."""
+
+
+class Variable(TypedDict, total=False):
+    """A variable of [optimise], as in `Variable(hardpoint="tie_rod_inner", axis="z", range=(-5.0, 5.0))`. It is a dict with
+    the keys of the study; docs/study.md explains each."""
+
+    hardpoint: str
+    hardpoints: Sequence[str]
+    rigid: Sequence[str]
+    factors: ArrayLike
+    axis: Axis
+    direction: ArrayLike
+    range: ArrayLike
+    shift: float
+    turn: float
+    cost: float
+
+
+class SweepVariable(TypedDict, total=False):
+    """A variable of [sweep]."""
+
+    hardpoint: str
+    hardpoints: Sequence[str]
+    factors: ArrayLike
+    axis: Axis
+    range: ArrayLike
+    steps: int
+    absolute: bool
+    name: str
+
+
+class Target(TypedDict, total=False):
+    """A target of [optimise], as in `Target(characteristic="toe", points=curve, tolerance=0.01)`."""
+
+    characteristic: str
+    point: str
+    axis: Axis
+    length: Member
+    load: str
+    points: ArrayLike
+    file: str
+    column: str
+    at: float
+    value: float
+    between: Any
+    at_least: Numbers
+    at_most: Numbers
+    over: str
+    side: Side
+    roll: Numbers
+    heave: Numbers
+    travel_left: Numbers
+    travel_right: Numbers
+    steering_wheel_angle: Numbers
+    rack: Numbers
+    motion: str
+    tolerance: float
+    weight: float
+    interpolation: Literal["monotone_cubic", "linear"]
+
+
+class Constraint(TypedDict, total=False):
+    """A constraint of [optimise], as in `Constraint(length="tie_rod", between=(345.0, 375.0))`."""
+
+    name: str
+    length: Member
+    point: str
+    members: Sequence[str]
+    articulation: str
+    plunge: Member
+    characteristic: str
+    load: str
+    coplanar: Sequence[str]
+    line: Sequence[str]
+    between: ArrayLike
+    at_least: float
+    at_most: float
+    kept: bool
+    inside: Mapping[str, Any]
+    outside: Mapping[str, Any]
+    clearance: float
+    radii: ArrayLike
+    motion: str
+    rack: Numbers
+    at: Literal["design"]
+
+
+class Scatter(TypedDict, total=False):
+    """Scattering parts of [tolerance], as in `Scatter(hardpoint="tie_rod_inner", sigma=0.5)`."""
+
+    hardpoint: str
+    hardpoints: Sequence[str]
+    length: Member
+    jig: Sequence[str]
+    side: Side
+    axis: Axis
+    sigma: float
+    limits: ArrayLike
+    shift: float
+    turn: float
+
+
+class Band(TypedDict, total=False):
+    """Limits of [tolerance] for the yield, as in `Band(characteristic="toe", at=0.0, between=(-0.1, 0.1))`."""
+
+    characteristic: str
+    at: float
+    over: str
+    side: Side
+    roll: Numbers
+    heave: Numbers
+    travel_left: Numbers
+    travel_right: Numbers
+    steering_wheel_angle: Numbers
+    rack: Numbers
+    between: ArrayLike
+    at_least: float
+    at_most: float
+
+
+class Adjustment(TypedDict, total=False):
+    """An adjustment of [setup], as in `Adjustment(length="tie_rod", per_turn=1.5)`."""
+
+    length: Member
+    shim: str
+    axis: Axis
+    per_turn: float
+    step: float
+
+
+def vehicle(
+    topology: str,
+    points: Mapping[str, ArrayLike],
+    motion: Mapping[str, Any],
+    outputs: Sequence[str] | Mapping[str, Any] | None = None,
+    *,
+    side: Side = "left",
+    length_unit: Literal["mm", "m", "in"] = "mm",
+    frame: Literal["iso8855", "sae_j670", "x_rear"] = "iso8855",
+    right: Literal["mirrored"] | Mapping[str, ArrayLike] | None = None,
+    name: str = "study.toml",
+    **sections: Any,
+) -> Study:
+    """A study from numbers, without TOML.
+
+    `points` are the hardpoints of the topology, `motion` is as `{"travel": numpy.linspace(-80, 80, 41)}`, `outputs` are
+    names of characteristics or the section [outputs]. `right` makes it an axle: "mirrored", or the points of the right
+    wheel that are no mirror image, with their true y. Other sections go by their names, as in `wheel={"radius": 300.0}`
+    or `optimise={"variables": [Variable(...)], "targets": [Target(...)]}`; what a study with a section needs and means
+    is in docs/study.md.
+
+    Raises `StudyError` where the study is wrong; `study.text` is the TOML of one that is right.
+    """
+    suspension: dict[str, Any] = {"topology": topology, "side": side, "length_unit": length_unit, "frame": frame}
+    more = sections.pop("suspension", {})
+    if not isinstance(more, Mapping):
+        raise HardpointError(f"suspension is {more!r}; expected a mapping, such as {{'bodies': {{...}}}}")
+    made: dict[str, Any] = {"suspension": {**suspension, **more, "hardpoints": points}, "motion": motion}
+    if outputs is not None:
+        made["outputs"] = outputs if isinstance(outputs, Mapping) else {"characteristics": list(outputs)}
+    if right is not None:
+        made["axle"] = {"right": "mirrored" if isinstance(right, str) else {"hardpoints": right}}
+    return Study.from_dict({**made, **sections}, name=name)

@@ -1,0 +1,204 @@
+//! The opening screen of a tuned design: the answer before the details.
+
+use super::escape::html;
+use super::table::table;
+use crate::SideEffect;
+use crate::curves::Placement;
+use crate::report::record::{DesignRecord, Record};
+use crate::report::{Scene, TuningSummary, side_effects_table};
+use std::fmt::Write;
+
+/// Side effects on the opening screen.
+const MOST_EFFECTS: usize = 6;
+
+/// The opening screen: verdict, moved points beside a picture, targets, side effects, bounds and margins.
+pub(super) fn opening(tuning: &TuningSummary, record: &Record) -> String {
+    let unmet: Vec<usize> = tuning.missed().iter().map(|(row, ..)| *row).collect();
+    let targets = table(&tuning.targets_table(), |row| {
+        unmet.contains(&row).then_some("unmet")
+    });
+    let unit = &record.length_unit;
+    let moved = tuning.moved_points(unit);
+    let together = match moved.rows().any(|row| row[0].text().contains('+')) {
+        true => {
+            "<p class=\"note\">Where points move together, the numbers are those of the first.</p>"
+        }
+        false => "",
+    };
+    let moved = moved.html();
+    let picture = pictures(record);
+    format!(
+        r#"<section id="answer" aria-labelledby="answer-title">
+  <h2 id="answer-title">Result</h2>
+  <p class="verdict">{verdict}</p>
+  <div class="answer">
+    <div><h3>Moved points [{unit}]</h3>{moved}{together}{bounds}</div>
+    {picture}
+  </div>
+  <div class="answer">
+    <div><h3>Targets in tolerances</h3>{targets}</div>
+    <div><h3>Side effects</h3>{effects}{margins}</div>
+  </div>
+</section>
+"#,
+        verdict = html(&verdict(tuning)),
+        bounds = bounds(tuning),
+        effects = effects(&tuning.side_effects),
+        margins = margins(tuning),
+    )
+}
+
+/// The outcome in short sentences.
+fn verdict(tuning: &TuningSummary) -> String {
+    let (all, missed) = (tuning.targets(), tuning.missed().len());
+    let flagged = tuning.side_effects.iter().filter(|e| e.flagged).count();
+    let violated = tuning.violated().len();
+    let mut words = match missed {
+        0 => format!("All {all} targets are within their tolerance."),
+        n => format!("{n} of {all} targets are outside their tolerance."),
+    };
+    match violated {
+        0 => {}
+        1 => words += " 1 constraint is violated.",
+        n => _ = write!(words, " {n} constraints are violated."),
+    }
+    match flagged {
+        0 => {}
+        1 => words += " 1 output that no target names changes by more than its tolerance.",
+        n => {
+            _ = write!(
+                words,
+                " {n} outputs that no target names change by more than their tolerance."
+            )
+        }
+    }
+    words
+}
+
+fn bounds(tuning: &TuningSummary) -> String {
+    let [active, all] = tuning.at_bounds();
+    match active {
+        0 => format!("<p class=\"note\">None of {all} variables is at a bound.</p>"),
+        n => {
+            format!("<p class=\"unmet\">{n} of {all} variables are at a bound of their range.</p>")
+        }
+    }
+}
+
+fn effects(effects: &[SideEffect]) -> String {
+    if effects.is_empty() {
+        return "<p class=\"note\">Every output of the study has a target.</p>".to_owned();
+    }
+    let mut shown: Vec<SideEffect> = effects.to_vec();
+    shown.sort_by_key(|effect| !effect.flagged);
+    let more = shown.len().saturating_sub(MOST_EFFECTS);
+    shown.truncate(MOST_EFFECTS);
+    let flagged = |row: usize| shown[row].flagged.then_some("unmet");
+    let rows = table(&side_effects_table(&shown), flagged);
+    match more {
+        0 => rows,
+        n => format!("{rows}<p class=\"note\">{n} further outputs are listed below.</p>"),
+    }
+}
+
+fn margins(tuning: &TuningSummary) -> String {
+    let violated = tuning.violated();
+    tuning.constraints_table().map_or_else(String::new, |of| {
+        let mark = |row| violated.contains(&row).then_some("unmet");
+        format!("<h3>Constraints and margins</h3>{}", table(&of, mark))
+    })
+}
+
+/// The drawing of a design that is nearest to its design position.
+fn nearest(design: &DesignRecord) -> Option<&Placement> {
+    let frames = design.frames.iter();
+    let solved = frames.filter_map(|f| Some((f.drive.abs() + f.rack.abs(), f.pose.as_ref().ok()?)));
+    let nearest = solved.min_by(|a, b| a.0.total_cmp(&b.0));
+    nearest.map(|(_, placement)| placement)
+}
+
+/// Both designs from the front and from the side: the first one dashed, the last one in colour.
+fn pictures(record: &Record) -> String {
+    let [Some(first), Some(last)] =
+        [record.designs.first(), record.designs.last()].map(|design| design.and_then(nearest))
+    else {
+        return String::new();
+    };
+    let views = [("Front", [1, 2]), ("Side", [0, 2])];
+    let figures = views.map(|(name, axes)| {
+        format!(
+            "<figure><figcaption>{name}</figcaption>{}</figure>",
+            picture(&record.scene, [first, last], axes)
+        )
+    });
+    format!(
+        r#"<div><h3>Before (dashed) and after</h3><div class="views">{}</div></div>"#,
+        figures.concat()
+    )
+}
+
+const WIDTH: f64 = 300.0;
+const HEIGHT: f64 = 220.0;
+const EDGE: f64 = 14.0;
+
+/// Two designs seen along an axis.
+fn picture(scene: &Scene, designs: [&Placement; 2], axes: [usize; 2]) -> String {
+    let flat = |p: &[f64; 3]| axes.map(|k| scene.signs[k] * p[k]);
+    let all = designs.iter().flat_map(|d| &d.points).map(flat);
+    let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+    let radius = scene.wheel_radius.unwrap_or(0.0);
+    let centre = flat(&designs[1].points[scene.wheel_centre]);
+    let wide = if axes[0] == 0 { radius } else { 0.0 };
+    let rim = [-1.0, 1.0].map(|by| [centre[0] + by * wide, centre[1] + by * radius]);
+    for p in all.chain(rim) {
+        for k in 0..2 {
+            low[k] = low[k].min(p[k]);
+            high[k] = high[k].max(p[k]);
+        }
+    }
+    let span = |k: usize| (high[k] - low[k]).max(1e-9);
+    let scale = ((WIDTH - 2.0 * EDGE) / span(0)).min((HEIGHT - 2.0 * EDGE) / span(1));
+    let at = |p: [f64; 2]| {
+        let x = WIDTH / 2.0 + scale * (p[0] - (low[0] + high[0]) / 2.0);
+        let y = HEIGHT / 2.0 - scale * (p[1] - (low[1] + high[1]) / 2.0);
+        format!("{x:.1} {y:.1}")
+    };
+    let mut shapes = String::new();
+    if wide > 0.0 {
+        let place = at(centre);
+        let (x, y) = place.split_once(' ').unwrap_or_default();
+        let r = scale * radius;
+        _ = write!(
+            shapes,
+            r#"<circle class="rim" cx="{x}" cy="{y}" r="{r:.1}"/>"#
+        );
+    } else if radius > 0.0 {
+        let [a, b] = rim.map(at);
+        _ = write!(shapes, r#"<path class="rim" d="M{a}L{b}"/>"#);
+    }
+    for (design, class) in designs.into_iter().zip(["before", "after"]) {
+        for line in scene.bodies.iter().flat_map(|body| &body.lines) {
+            let places: Vec<String> = line.iter().map(|i| at(flat(&design.points[*i]))).collect();
+            _ = write!(
+                shapes,
+                r#"<path class="{class}" d="M{}"/>"#,
+                places.join("L")
+            );
+        }
+    }
+    for (k, name) in scene.points.iter().enumerate() {
+        let [from, to] = designs.map(|design| design.points[k]);
+        if from != to {
+            let place = at(flat(&to));
+            let (x, y) = place.split_once(' ').unwrap_or_default();
+            _ = write!(
+                shapes,
+                r#"<circle class="moved" cx="{x}" cy="{y}" r="4"><title>{}</title></circle>"#,
+                html(name)
+            );
+        }
+    }
+    format!(
+        r#"<svg class="pose" viewBox="0 0 {WIDTH} {HEIGHT}" role="img" aria-label="Mechanism before and after">{shapes}</svg>"#
+    )
+}

@@ -1,0 +1,47 @@
+// The lines of the study that saving would change.
+import { html } from './draw.js';
+import { of } from './design.js';
+import { post } from './server.js';
+
+// Lines kept around a change.
+const AROUND = 2;
+
+// Longest common subsequence of two lists of lines, as pairs of kind and line.
+export const difference = (before, after) => {
+  const [n, m] = [before.length, after.length];
+  const longest = Array.from({ length: n + 1 }, () => new Uint32Array(m + 1));
+  for (let i = n - 1; i >= 0; i -= 1) {
+    for (let k = m - 1; k >= 0; k -= 1) {
+      longest[i][k] = before[i] === after[k] ? longest[i + 1][k + 1] + 1 : Math.max(longest[i + 1][k], longest[i][k + 1]);
+    }
+  }
+  const lines = [];
+  let [i, k] = [0, 0];
+  while (i < n || k < m) {
+    if (i < n && k < m && before[i] === after[k]) {
+      lines.push([' ', before[i]]);
+      i += 1;
+      k += 1;
+    } else if (i < n && (k === m || longest[i + 1][k] >= longest[i][k + 1])) {
+      lines.push(['-', before[i]]);
+      i += 1;
+    } else {
+      lines.push(['+', after[k]]);
+      k += 1;
+    }
+  }
+  return lines;
+};
+
+export const writtenDiff = async () => {
+  const [before, after] = await post('texts', of());
+  const lines = difference(before.split('\n'), after.split('\n'));
+  const isNear = (at) => lines.slice(Math.max(0, at - AROUND), at + AROUND + 1).some(([kind]) => kind !== ' ');
+  const shown = [];
+  lines.forEach(([kind, text], at) => {
+    if (isNear(at)) shown.push(html('div', { class: { '-': 'gone', '+': 'come' }[kind] ?? null, text: `${kind} ${text}` }));
+    else if (at === 0 || isNear(at - 1)) shown.push(html('div', { class: 'skip-lines', text: '  …' }));
+  });
+  const isSame = lines.every(([kind]) => kind === ' ');
+  return html('div', { class: 'diff', tabindex: 0, role: 'group', 'aria-label': 'Lines that change' }, ...(isSame ? [html('div', { text: 'No line changes.' })] : shown));
+};

@@ -1,0 +1,45 @@
+// A strip under a chart: the deviation of the curve from its target, in tolerances.
+import { set, svg } from './draw.js';
+
+const HALF = 11;
+const MOST = 2;
+
+// Deviation of a value from a wanted one or a band, in tolerances; 0 inside a band.
+const deviation = (value, low, high, tolerance) => {
+  if (low !== null && value < low) return (value - low) / tolerance;
+  if (high !== null && value > high) return (value - high) / tolerance;
+  return 0;
+};
+const within = (value) => Math.max(-MOST, Math.min(MOST, value));
+
+export class Deviation {
+  constructor(layer) {
+    this.layer = layer;
+  }
+
+  draw(targets, lines, { x, base, at }) {
+    this.layer.replaceChildren();
+    if (!targets.length) return;
+    const scale = HALF / MOST;
+    const ends = targets.flatMap(({ points }) => points.map(([place]) => x(place)));
+    const [left, right] = [Math.min(...ends) - 3, Math.max(...ends) + 3];
+    this.layer.append(svg('title', { text: `deviation in tolerances; the strip ends at ±${MOST}, the band shows ±1` }),
+      svg('rect', { x: left.toFixed(1), y: (base - scale).toFixed(1), width: (right - left).toFixed(1), height: (2 * scale).toFixed(1) }),
+      svg('path', { d: `M${left.toFixed(1)} ${base}H${right.toFixed(1)}`, 'stroke-opacity': 0.4 }));
+    for (const { points, tolerance, columns } of targets) {
+      for (const { found, pieces } of lines) {
+        if (!columns.includes(found.column)) continue;
+        const steps = points.flatMap(([place, low, high]) => {
+          const value = at(pieces, place);
+          return value === null ? [] : [[x(place), deviation(value, low, high, tolerance)]];
+        });
+        if (!steps.length) continue;
+        const isOver = steps.some(([, by]) => Math.abs(by) > 1);
+        const places = steps.map(([a, by]) => `${a.toFixed(1)} ${(base - scale * within(by)).toFixed(1)}`);
+        const line = svg('path', { class: isOver ? 'over' : null });
+        set(line, { d: places.length > 1 ? `M${places.join('L')}` : `M${(steps[0][0] - 3).toFixed(1)} ${(base - scale * within(steps[0][1])).toFixed(1)}h6` });
+        this.layer.append(line);
+      }
+    }
+  }
+}

@@ -1,0 +1,122 @@
+// Handles on targets: points of wanted curves and edges of bands, dragged or moved by arrow keys.
+import { brief, niceStep, set, svg } from './draw.js';
+import { state } from './design.js';
+import { setTarget, writtenTarget } from './targets.js';
+
+// Handles per target; longer curves are changed in the file.
+const MOST = 16;
+
+// The numbers of a written target that have a handle: where they stand, and where they are drawn.
+const numbersOf = (target, k, [first, last]) => {
+  const written = writtenTarget(k);
+  if (!written) return [];
+  const edge = first + 0.97 * (last - first);
+  const isNumber = Number.isFinite;
+  if (isNumber(written.value) && isNumber(written.at)) return [{ path: ['value'], place: written.at, value: written.value, name: 'wanted value' }];
+  if (Array.isArray(written.points) && written.points.length <= MOST) {
+    return written.points.map(([place, value], i) => ({ path: ['points', i, 1], place, value, name: `wanted value at ${brief(place)}` }));
+  }
+  const place = isNumber(written.at) ? written.at : edge;
+  const found = [];
+  if (Array.isArray(written.between) && written.between.every(isNumber)) {
+    found.push({ path: ['between', 0], place, value: written.between[0], name: 'lower limit', end: 1 }, { path: ['between', 1], place, value: written.between[1], name: 'upper limit', end: 2 });
+  }
+  if (isNumber(written.at_least)) found.push({ path: ['at_least'], place, value: written.at_least, name: 'lower limit', end: 1 });
+  if (isNumber(written.at_most)) found.push({ path: ['at_most'], place, value: written.at_most, name: 'upper limit', end: 2 });
+  return found;
+};
+
+export class EdgeHandles {
+  constructor(chart) {
+    this.chart = chart;
+    this.layer = chart.parts.edges;
+    this.shown = new Map();
+    this.held = null;
+  }
+
+  // Moves handles to their numbers; keeps the one that is held or has the focus.
+  draw(targets, { x, y }, xs) {
+    const seen = new Set();
+    for (const target of targets) {
+      const k = state.overview.targets.indexOf(target);
+      for (const number of numbersOf(target, k, xs)) {
+        const key = `${k} ${number.path.join(' ')}`;
+        seen.add(key);
+        const handle = this.shown.get(key) ?? this.build(key);
+        Object.assign(handle, number, { k, target });
+        const value = this.held === key ? handle.dragged : number.value;
+        const height = y(value);
+        handle.group.style.display = Number.isFinite(height) && height > 8 && height < this.chart.inner[1] + 22 ? '' : 'none';
+        set(handle.group, {
+          transform: `translate(${x(number.place).toFixed(1)} ${height.toFixed(1)})`, 'aria-valuenow': value,
+          'aria-label': `${target.column.replaceAll('_', ' ')}: ${number.name}`, 'aria-valuetext': brief(value),
+        });
+      }
+    }
+    for (const [key, { group }] of this.shown) {
+      if (seen.has(key)) continue;
+      group.remove();
+      this.shown.delete(key);
+    }
+  }
+
+  build(key) {
+    const handle = {};
+    handle.group = svg('g', {
+      class: 'edge', tabindex: 0, role: 'slider', 'aria-orientation': 'vertical',
+      on: { pointerdown: (event) => this.grab(event, key), keydown: (event) => this.key(event, handle) },
+    }, svg('circle', { class: 'hit', r: 11 }), svg('circle', { r: 4.5 }));
+    this.layer.append(handle.group);
+    this.shown.set(key, handle);
+    return handle;
+  }
+
+  step() {
+    const [low, high] = this.chart.ys;
+    return niceStep(high - low, 100);
+  }
+
+  // Shows the target with a value that is not set yet.
+  preview(handle, value) {
+    handle.dragged = value;
+    const { target, path, end } = handle;
+    if (path[0] === 'points') Object.assign(target.points.find(([place]) => place === handle.place) ?? [], end ? {} : { 1: value, 2: value });
+    else for (const point of target.points) for (const side of end ? [end] : [1, 2]) point[side] = value;
+    this.chart.draw();
+  }
+
+  grab(event, key) {
+    if (event.button !== 0) return;
+    event.preventDefault();
+    event.stopPropagation();
+    const handle = this.shown.get(key);
+    const [from, value, step] = [event.clientY, handle.value, this.step()];
+    const perPixel = (this.chart.ys[1] - this.chart.ys[0]) / this.chart.inner[1];
+    const before = handle.target.points.map((point) => [...point]);
+    this.held = key;
+    handle.dragged = value;
+    handle.group.focus({ preventScroll: true });
+    handle.group.setPointerCapture(event.pointerId);
+    const move = (now) => {
+      const wanted = value - perPixel * (now.clientY - from);
+      this.preview(handle, Number((Math.round(wanted / step) * step).toPrecision(12)));
+    };
+    const end = (now) => {
+      for (const name of ['pointermove', 'pointerup', 'pointercancel']) handle.group.removeEventListener(name, handlers[name]);
+      this.held = null;
+      handle.target.points.forEach((point, i) => Object.assign(point, before[i]));
+      if (now.type === 'pointerup' && handle.dragged !== value) setTarget(handle.k, handle.path, handle.dragged);
+      else this.chart.draw();
+    };
+    const handlers = { pointermove: move, pointerup: end, pointercancel: end };
+    for (const [name, handler] of Object.entries(handlers)) handle.group.addEventListener(name, handler);
+  }
+
+  key(event, handle) {
+    const by = { ArrowUp: 1, ArrowDown: -1 }[event.key];
+    if (!by || event.ctrlKey || event.metaKey) return;
+    event.preventDefault();
+    const value = Number((handle.value + by * this.step() * (event.shiftKey ? 10 : 1)).toPrecision(12));
+    setTarget(handle.k, handle.path, value);
+  }
+}

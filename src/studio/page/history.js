@@ -1,0 +1,45 @@
+// The history that undo goes through, and designs that are pinned beside the present one.
+import { brief, byId, html } from './draw.js';
+import { askPins, copy, history, on, put, state, travel } from './design.js';
+import { question } from './dialog.js';
+import { writtenDiff } from './changes.js';
+import { tellTab } from './layout.js';
+
+const LETTERS = ['A', 'B', 'C'];
+
+const pin = (letter) => {
+  state.pins[letter] = { design: copy(state.design), answer: state.answer };
+  draw();
+  askPins();
+};
+const unpin = (letter) => {
+  delete state.pins[letter];
+  draw();
+  askPins();
+};
+
+const pinRow = (letter) => {
+  const own = state.pins[letter];
+  const misfit = own?.answer?.misfit?.value;
+  const button = (text, handler) => html('button', { class: 'small', text, 'aria-label': `${text} ${letter}`, on: { click: handler } });
+  const words = own ? (misfit === undefined || misfit === null ? 'no misfit' : `misfit ${brief(misfit, 4)}`) : 'empty';
+  return html('tr', { class: `pin-${letter}`, 'data-pin': letter }, html('th', { scope: 'row' }, html('span', { class: 'letter', text: letter })), html('td', { text: words }),
+    html('td', {}, button('Pin', () => pin(letter)), ...(own ? [button('Go to', () => put(own.design, 'pin')), button('Remove', () => unpin(letter))] : [])));
+};
+
+const draw = () => {
+  if (!state.overview) return;
+  const { timeline, present } = history();
+  tellTab('history', timeline.length > 1 ? String(timeline.length - 1) : '');
+  const deeds = timeline.map(({ label }, k) => html('li', {}, html('button', { class: k > present ? 'later' : null, 'aria-current': k === present ? 'true' : null, text: label, on: { click: () => travel(k) } })));
+  const changes = html('button', { id: 'changes', text: 'Show lines that change', on: { click: async () => { await question('Changes', `${state.overview.file}: lines that saving would change.`, [['', 'Close']], await writtenDiff()); } } });
+  byId('pane-history').replaceChildren(html('div', { class: 'columns' },
+    html('div', { class: 'panel' }, html('h2', { text: 'History' }), html('ol', { class: 'deeds' }, ...deeds.reverse())),
+    html('div', { class: 'panel' }, html('h2', { text: 'Pinned designs' }), html('p', { class: 'hint', text: 'A pinned design stays in charts and views while you go on.' }), html('table', { id: 'pins' }, html('tbody', {}, ...LETTERS.map(pinRow))),
+      html('div', { class: 'add' }, changes))));
+};
+
+export const startHistory = () => {
+  for (const event of ['study', 'edited', 'deed', 'pins']) on(event, draw);
+  for (const event of ['chosen', 'place', 'edited']) on(event, () => { if (Object.keys(state.pins).length) askPins(); });
+};

@@ -1,0 +1,106 @@
+// The window: splitters between views, curves and drawer, and the tabs of the drawer.
+import { byId, html } from './draw.js';
+
+const STEP = 24;
+const STORED = 'hardpoint layout';
+const isStacked = () => matchMedia('(max-width: 56rem)').matches;
+
+const limits = {
+  split: () => [0.25 * innerWidth, 0.75 * innerWidth],
+  drawer: () => [38, 0.75 * innerHeight],
+};
+const sizes = {};
+const store = () => { try { localStorage.setItem(STORED, JSON.stringify(sizes)); } catch { /* no storage */ } };
+const within = (value, [low, high]) => Math.max(low, Math.min(high, value));
+const put = (name, value) => {
+  const ends = limits[name]();
+  sizes[name] = Math.round(within(value, ends));
+  document.documentElement.style.setProperty(`--${name}`, `${sizes[name]}px`);
+  const bar = byId(`${name}-bar`);
+  bar.setAttribute('aria-valuenow', String(sizes[name]));
+  bar.setAttribute('aria-valuemin', String(Math.round(ends[0])));
+  bar.setAttribute('aria-valuemax', String(Math.round(ends[1])));
+};
+const measured = { split: () => byId('stage').offsetWidth, drawer: () => byId('drawer').offsetHeight };
+
+// A splitter: dragged, moved by arrow keys, and put back by a double click or Home.
+const splitter = (name, along, sign, keys) => {
+  const bar = byId(`${name}-bar`);
+  bar.addEventListener('pointerdown', (event) => {
+    if (isStacked()) return;
+    event.preventDefault();
+    bar.focus();
+    bar.setPointerCapture(event.pointerId);
+    const [from, size] = [event[along], measured[name]()];
+    const move = (now) => put(name, size + sign * (now[along] - from));
+    const end = () => {
+      bar.removeEventListener('pointermove', move);
+      store();
+    };
+    bar.addEventListener('pointermove', move);
+    for (const what of ['pointerup', 'pointercancel']) bar.addEventListener(what, end, { once: true });
+  });
+  const home = () => {
+    delete sizes[name];
+    document.documentElement.style.removeProperty(`--${name}`);
+    store();
+  };
+  bar.addEventListener('dblclick', home);
+  bar.addEventListener('keydown', (event) => {
+    const by = keys[event.key];
+    if (event.key === 'Home') home();
+    else if (by) put(name, measured[name]() + by * STEP);
+    else return;
+    event.preventDefault();
+    store();
+  });
+};
+
+const tabs = () => [...byId('tabs').querySelectorAll('[role=tab]')];
+export const openTab = (name, focus = false) => {
+  for (const tab of tabs()) {
+    const isOpen = tab.dataset.tab === name;
+    tab.setAttribute('aria-selected', String(isOpen));
+    tab.tabIndex = isOpen ? 0 : -1;
+    byId(`pane-${tab.dataset.tab}`).hidden = !isOpen;
+    if (isOpen && focus) tab.focus();
+  }
+  byId('drawer').classList.add('open');
+  byId('fold').setAttribute('aria-expanded', 'true');
+  if (!isStacked() && measured.drawer() < 120) put('drawer', 260);
+};
+export const tellTab = (name, note) => { byId(`tab-${name}`).querySelector('small').textContent = note; };
+
+const fold = () => {
+  const isOpen = isStacked() ? byId('drawer').classList.toggle('open') : measured.drawer() < 60;
+  if (!isStacked()) put('drawer', isOpen ? 260 : 38);
+  byId('fold').setAttribute('aria-expanded', String(isOpen));
+  store();
+};
+
+export const startLayout = () => {
+  const names = { points: 'Points', targets: 'Targets', constraints: 'Constraints', proposal: 'Proposal', history: 'History', warnings: 'Warnings' };
+  byId('tabs').replaceChildren(...Object.entries(names).map(([name, text]) => html('button', {
+    role: 'tab', id: `tab-${name}`, 'data-tab': name, 'aria-controls': `pane-${name}`, on: { click: () => openTab(name) },
+  }, text, html('small'))));
+  byId('tabs').addEventListener('keydown', (event) => {
+    const by = { ArrowLeft: -1, ArrowRight: 1 }[event.key];
+    if (!by) return;
+    event.preventDefault();
+    const all = tabs();
+    const now = all.findIndex((tab) => tab.getAttribute('aria-selected') === 'true');
+    openTab(all[(now + by + all.length) % all.length].dataset.tab, true);
+  });
+  byId('fold').addEventListener('click', fold);
+  splitter('split', 'clientX', 1, { ArrowLeft: -1, ArrowRight: 1 });
+  splitter('drawer', 'clientY', -1, { ArrowUp: 1, ArrowDown: -1 });
+  try {
+    for (const [name, value] of Object.entries(JSON.parse(localStorage.getItem(STORED)) ?? {})) if (limits[name] && Number.isFinite(value)) put(name, value);
+  } catch { /* no storage */ }
+  addEventListener('resize', () => { for (const name of Object.keys(sizes)) put(name, sizes[name]); });
+  openTab('points');
+  if (isStacked()) {
+    byId('drawer').classList.remove('open');
+    byId('fold').setAttribute('aria-expanded', 'false');
+  }
+};

@@ -1,0 +1,169 @@
+// Targets, variables and constraints of the study, changed on the page. An edit is a value and a path; the server writes
+// it into the study's text and keeps the comments.
+import { AXES, brief, html } from './draw.js';
+import { state, takeOverview } from './design.js';
+import { question, say } from './dialog.js';
+import { post } from './server.js';
+
+const words = (text) => text.replaceAll('_', ' ');
+const optimise = () => state.overview.written.optimise;
+export const writtenTarget = (k) => optimise()?.targets?.[k];
+
+// Sends edits, and takes the study that they give.
+let busy = Promise.resolve();
+export const edit = (edits, label) => {
+  busy = busy.then(async () => {
+    try {
+      const overview = await post('edit', { digest: state.overview.digest, edits });
+      takeOverview(overview, label);
+    } catch (refused) {
+      say(`Not changed: ${refused.message}`, 'bad');
+    }
+  });
+  return busy;
+};
+const at = (...path) => ['optimise', ...path];
+const nameOf = (k) => words(state.overview.targets[k]?.column ?? `target ${k + 1}`);
+export const setTarget = (k, path, value) => edit([{ path: at('targets', k, ...path), value }], `Target ${nameOf(k)}: ${words(path[0])} ${brief(value)}`);
+
+const parsed = (text) => {
+  const value = Number(text.trim().replace('−', '-').replace(',', '.'));
+  return text.trim() === '' || !Number.isFinite(value) ? null : value;
+};
+// A field for one number of the study.
+const field = (label, value, change) => {
+  const input = html('input', { type: 'text', inputmode: 'decimal', value: String(value), 'aria-label': label, title: label, autocomplete: 'off' });
+  input.addEventListener('change', () => {
+    const number = parsed(input.value);
+    input.classList.toggle('wrong', number === null);
+    if (number === null || number === value) return;
+    input.blur();
+    change(number);
+  });
+  input.addEventListener('keydown', (event) => { if (event.key === 'Escape') { input.value = String(value); input.blur(); } });
+  return input;
+};
+const remover = (label, path, name) => html('button', { class: 'small', text: '✕', title: label, 'aria-label': label, on: { click: () => edit([{ path, value: null }], `Removed ${name}`) } });
+const headed = (title, head, rows, ...more) => html('div', { class: 'panel form' }, html('h2', { text: title }), html('div', { class: 'scroll' },
+  html('table', {}, html('thead', {}, html('tr', {}, ...head.map((text) => html('th', { text })))), html('tbody', {}, ...rows))), ...more);
+
+// Fields of the numbers by which a table of the study limits or wants a value.
+const LIMITS = { between: ['from', 'to'], at_least: 'at least', at_most: 'at most', clearance: 'clearance', value: 'value', at: 'at' };
+const limitFields = (entry, path, name) => Object.entries(LIMITS).flatMap(([key, label]) => {
+  const value = entry[key];
+  const one = (text, number, ...step) => html('label', { class: 'limit' }, `${text} `, field(`${name}: ${text}`, number, (to) => edit([{ path: [...path, key, ...step], value: to }], `${name}: ${text} ${brief(to)}`)), ' ');
+  if (Number.isFinite(value)) return [one(label, value)];
+  if (Array.isArray(value) && value.every(Number.isFinite)) return value.map((number, k) => one(label[k] ?? key, number, k));
+  return [];
+});
+
+const targetRow = (target, k) => {
+  const name = nameOf(k);
+  const number = (key, usual) => field(`${name}: ${key}`, target[key] ?? usual, (value) => setTarget(k, [key], value));
+  const wanted = limitFields(target, at('targets', k), name);
+  const curve = target.points ? `curve of ${target.points.length} points` : target.file ? `curve in ${target.file}` : '';
+  return html('tr', { 'data-target': k }, html('th', { scope: 'row', text: name }), html('td', {}, ...(wanted.length ? wanted : [curve])), html('td', {}, number('tolerance', '')), html('td', {}, number('weight', 1)),
+    html('td', {}, remover(`Remove target ${name}`, at('targets', k), `target ${name}`)));
+};
+
+// Where a variable moves a point in a study's words.
+const variableName = (variable) => {
+  const own = variable.hardpoint ?? variable.name ?? (variable.hardpoints ?? []).join(', ');
+  return words([own, variable.axis].filter(Boolean).join(' ')) || 'variable';
+};
+const variableRow = (variable, k) => {
+  const name = variableName(variable);
+  const ends = Array.isArray(variable.range) && variable.range.every(Number.isFinite) ? variable.range : null;
+  const end = (which, text) => (ends ? field(`${name}: ${text}`, ends[which], (value) => edit([{ path: at('variables', k, 'range', which), value }], `Range of ${name}: ${text} ${brief(value)}`)) : '');
+  return html('tr', { 'data-variable': k }, html('th', { scope: 'row', text: name }), html('td', {}, end(0, 'lowest')), html('td', {}, end(1, 'highest')),
+    html('td', {}, remover(`Remove variable ${name}`, at('variables', k), `variable ${name}`)));
+};
+const variableAdder = () => {
+  const { points, unit } = state.overview;
+  const choice = (label, names) => html('select', { 'aria-label': label }, ...names.map((text) => html('option', { value: text, text: words(text) })));
+  const point = choice('point of the new variable', points.map(({ name }) => name));
+  if (state.selected !== null) point.value = points[state.selected].name;
+  const axis = choice('axis of the new variable', AXES);
+  const range = html('input', { type: 'text', value: unit === 'mm' ? '10' : unit === 'm' ? '0.01' : '0.4', 'aria-label': 'range of the new variable, either way' });
+  const add = () => {
+    const by = parsed(range.value);
+    range.classList.toggle('wrong', by === null);
+    if (by === null) return;
+    edit([{ path: at('variables', optimise().variables.length), value: newVariable(point.value, axis.value, by) }], `Added variable ${words(point.value)} ${axis.value}`);
+  };
+  return html('div', { class: 'add' }, 'Let', point, axis, 'move ±', range, unit, html('button', { text: 'Add variable', on: { click: add } }));
+};
+const newVariable = (hardpoint, axis, by) => ({ hardpoint, axis, range: [-Math.abs(by), Math.abs(by)] });
+
+// Forms of the Targets tab.
+export const targetForms = () => {
+  if (!optimise()) return [];
+  const { targets = [], variables = [] } = optimise();
+  return [headed('Change targets', ['target', 'wanted', 'tolerance', 'weight', ''], targets.map(targetRow)),
+    headed('Variables', ['variable', 'lowest', 'highest', ''], variables.map(variableRow), variableAdder())];
+};
+// Keys that say of which part a constraint is.
+const SUBJECTS = ['length', 'members', 'articulation', 'point', 'characteristic', 'plunge', 'angle', 'load'];
+const constraintName = (constraint) => {
+  const kind = SUBJECTS.find((key) => constraint[key] !== undefined);
+  return kind ? words(`${kind} ${[].concat(constraint[kind]).join(', ')}`) : 'constraint';
+};
+// Forms of the Constraints tab.
+export const constraintForms = () => {
+  const rows = (optimise()?.constraints ?? []).map((constraint, k) => {
+    const name = constraintName(constraint);
+    return html('tr', {}, html('th', { scope: 'row', text: name }), html('td', {}, ...limitFields(constraint, at('constraints', k), name)), html('td', {}, remover(`Remove ${name}`, at('constraints', k), name)));
+  });
+  return rows.length ? [headed('Change constraints', ['constraint', 'limit', ''], rows)] : [];
+};
+
+// The keys by which a study names a column of the curves.
+const subjectOf = (column, others) => {
+  const [, side] = /^(left|right)_/.exec(column) ?? [];
+  const plain = side ? column.replace(/^(left|right)_/, '') : column;
+  const known = state.overview.characteristics.map(({ name }) => name).sort((a, b) => b.length - a.length);
+  const characteristic = known.find((name) => plain === name || plain.startsWith(`${name}_`));
+  if (!characteristic) return null;
+  const own = { characteristic };
+  if (side && others < 2) own.side = side;
+  if (state.overview.is_axle) own.over = state.overview.sliders[state.over].key;
+  return own;
+};
+const labelled = (text, input) => html('label', { class: 'direction' }, html('span', { text }), input);
+const number = (value) => html('input', { type: 'text', inputmode: 'decimal', value: String(value), autocomplete: 'off' });
+
+// Asks for the band or value of a new target of a chart, and adds it.
+export const askForTarget = async (series, answer) => {
+  const columns = series.map(({ column }) => answer.columns.find((c) => c.column === column));
+  const [{ column, title, unit }] = columns;
+  const subject = subjectOf(column, series.length);
+  if (!subject) return say(`${title} cannot have a target here.`, 'bad');
+  const values = columns.flatMap((c) => c.values).filter((v) => v !== null);
+  const [low, high] = values.length ? [Math.min(...values), Math.max(...values)].map((v) => Number(v.toPrecision(3))) : [0, 1];
+  const fields = { kind: html('select', {}, html('option', { value: 'band', text: 'stays between two limits' }), html('option', { value: 'value', text: 'has a value at one place' })),
+    low: number(low), high: number(high), tolerance: number(Number(Math.max((high - low) / 10, 1e-3).toPrecision(1))), place: number(Number(state.at[state.over].toPrecision(4))) };
+  const slider = state.overview.sliders[state.over];
+  const rows = [labelled('The quantity', fields.kind), labelled(`Lower limit [${unit}]`, fields.low), labelled(`Upper limit [${unit}]`, fields.high), labelled(`Place, ${slider.name} [${slider.unit}]`, fields.place), labelled(`Tolerance [${unit}]`, fields.tolerance)];
+  const arrange = () => {
+    const isBand = fields.kind.value === 'band';
+    rows[2].hidden = !isBand;
+    rows[3].hidden = isBand;
+    rows[1].querySelector('span').textContent = isBand ? `Lower limit [${unit}]` : `Value [${unit}]`;
+  };
+  fields.kind.addEventListener('change', arrange);
+  arrange();
+  const point = html('select', {}, ...state.overview.points.map(({ name }) => html('option', { value: name, text: words(name) })));
+  const first = !optimise();
+  if (first && state.selected !== null) point.value = state.overview.points[state.selected].name;
+  const answered = await question(`Add a target for ${title}`, first ? 'The study has no variables yet. Tune may move the point that you choose, in y and z.' : 'Limits and values can be dragged on the chart afterwards.', [['add', 'Add target'], ['', 'Cancel']], ...rows, ...(first ? [labelled('Point that may move', point)] : []));
+  if (!answered) return;
+  const [lowest, highest, tolerance, place] = ['low', 'high', 'tolerance', 'place'].map((key) => parsed(fields[key].value));
+  const isBand = fields.kind.value === 'band';
+  if (lowest === null || tolerance === null || (isBand ? highest : place) === null) return say('Not added: a field has no number.', 'bad');
+  const target = { ...subject, ...(isBand ? { between: [lowest, highest] } : { at: place, value: lowest }), tolerance };
+  await edit(first ? firstTarget(target, point.value) : [{ path: at('targets', optimise().targets?.length ?? 0), value: target }], `Added target ${title}`);
+};
+const firstTarget = (target, point) => {
+  const by = { mm: 10, m: 0.01, in: 0.4 }[state.overview.unit];
+  return [{ path: at('variables'), value: ['y', 'z'].map((axis) => newVariable(point, axis, by)) }, { path: at('targets'), value: [target] }];
+};

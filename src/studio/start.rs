@@ -1,0 +1,130 @@
+//! A new study, chosen in the page: a topology, and points of a sheet if there are any.
+
+use super::message::{Coordinates, StartRequest};
+use super::overview::coordinates;
+use super::study_file::check_name;
+use crate::exchange::{Axes, ImportOptions, Imported, import, read_points, unit_of};
+use crate::model::{Side, Topology};
+use crate::report::Scene;
+use crate::results::{temporary_of, undivided};
+use crate::study::Study;
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+/// A kind of suspension to start from, with its picture.
+#[derive(Serialize)]
+pub(super) struct Choice {
+    name: &'static str,
+    summary: &'static str,
+    /// Names of its hardpoints, and whether a study must give them.
+    hardpoints: Vec<(&'static str, bool)>,
+    scene: Scene,
+    design: Coordinates,
+}
+
+/// The kinds of suspension.
+pub(super) fn choices() -> Vec<Choice> {
+    let choice = |topology: &&'static Topology| {
+        let topology: &'static Topology = topology;
+        let study = Study::from_text(topology.name, topology.template, Path::new("")).ok()?;
+        let suspension = study.wheel();
+        Some(Choice {
+            name: topology.name,
+            summary: topology.summary,
+            hardpoints: topology
+                .hardpoints
+                .iter()
+                .map(|h| (h.name, h.required))
+                .collect(),
+            scene: Scene::of(suspension),
+            design: coordinates(suspension, &suspension.design),
+        })
+    };
+    Topology::ALL.iter().filter_map(choice).collect()
+}
+
+/// Writes a new study into a directory. An existing file is left alone.
+///
+/// # Errors
+/// The reason in words: the name, the points or the disk.
+pub(super) fn start(directory: &Path, request: &StartRequest) -> Result<PathBuf, String> {
+    check_name(&request.name)?;
+    let known = Topology::named(&request.topology);
+    let topology = known.ok_or_else(|| format!("there is no topology {:?}", request.topology))?;
+    let text = match request.points.trim() {
+        "" => {
+            let own = format!("{}_solve.toml", topology.name);
+            topology.template.replace(&own, &request.name)
+        }
+        points => imported(topology, points, request)?
+            .study(&request.name, "points pasted into the studio")
+            .map_err(|why| format!("the points do not form a valid suspension\n{why}"))?,
+    };
+    // No file is written that no command would read.
+    Study::from_text(&request.name, &text, directory).map_err(|errors| errors.render(false))?;
+    let path = directory.join(&request.name);
+    let failed = |e: std::io::Error| format!("{}: {e}", path.display());
+    let mut file = temporary_of(directory, "studio").map_err(failed)?;
+    file.write_all(text.as_bytes()).map_err(failed)?;
+    file.as_file().sync_all().map_err(failed)?;
+    let written = undivided(|| file.persist_noclobber(&path).map(drop).map_err(|e| e.error));
+    written.map_err(|e| match e.kind() {
+        std::io::ErrorKind::AlreadyExists => {
+            format!("there is a file {}: choose another name", request.name)
+        }
+        _ => failed(e),
+    })?;
+    Ok(path)
+}
+
+/// Points of a pasted sheet, read as `hardpoint import` reads a file.
+fn imported(
+    topology: &'static Topology,
+    points: &str,
+    request: &StartRequest,
+) -> Result<Imported, String> {
+    let said = |text: &Option<String>| text.clone().filter(|text| !text.is_empty());
+    let unit = said(&request.unit)
+        .map(|unit| unit_of(&unit).ok_or_else(|| format!("expected mm, m or in, found {unit:?}")));
+    let axes = said(&request.axes).map(|axes| Axes::parse(&axes));
+    let side = said(&request.side).map(|side| {
+        let mut all = Side::ALL.into_iter();
+        let found = all.find(|one| one.name() == side);
+        found.ok_or_else(|| format!("expected left or right, found {side:?}"))
+    });
+    let options = ImportOptions {
+        topology,
+        unit: unit.transpose()?,
+        frame: None,
+        axes: axes.transpose()?,
+        side: side.transpose()?,
+        axle: None,
+        half_track: request.half_track,
+        names: &BTreeMap::new(),
+        bodies: &BTreeMap::new(),
+    };
+    let named = |e: std::io::Error| format!("the points cannot be kept: {e}");
+    let mut file = tempfile::Builder::new()
+        .suffix(".csv")
+        .tempfile()
+        .map_err(named)?;
+    file.write_all(points.as_bytes()).map_err(named)?;
+    let table = read_points(file.path(), None, None).map_err(|refusal| in_form(&refusal))?;
+    import(&table, &options).map_err(|refusal| in_form(&refusal))
+}
+
+/// A refusal in the words of the form: its fields instead of flags.
+fn in_form(refusal: &crate::exchange::Refusal) -> String {
+    let words = refusal.to_string();
+    let fields = [
+        ("--half-track", "half track"),
+        ("--unit", "unit"),
+        ("--axes", "axes"),
+        ("--side", "wheel"),
+    ];
+    fields
+        .iter()
+        .fold(words, |words, (flag, field)| words.replace(flag, field))
+}

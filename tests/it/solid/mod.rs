@@ -1,0 +1,81 @@
+//! Solid axles: against independent answers, and against their own mirror images and limits.
+
+mod by_design;
+mod own;
+mod planted;
+mod reference;
+mod refused;
+
+use hardpoint::study::{AxleStudy, Study};
+use serde_json::Value;
+use std::fmt::Write as _;
+use std::path::Path;
+
+/// A study of a solid axle, with the points of the left half.
+pub fn text(points: &[(&str, [f64; 3])], single: bool, further: &str) -> String {
+    let mut text = String::from("[suspension]\ntopology = \"solid_axle\"\n");
+    if single {
+        text += "single = [\"upper_link\"]\n";
+    }
+    text += "[suspension.hardpoints]\n";
+    for (name, [x, y, z]) in points {
+        // Numbers of a study have a point.
+        let _ = writeln!(text, "{name} = [{x:?}, {y:?}, {z:?}]");
+    }
+    text + "[wheel]\nradius = 330.0\nstatic_camber = 0.0\nstatic_toe = 0.0\n[vehicle]\nwheelbase = 2700.0\n\
+            cg_height = 620.0\nposition = \"rear\"\nbrakes = \"outboard\"\nbrake_share_front = 0.6\n\
+            drive_torque = \"carrier\"\ndrive_share_front = 0.0\n"
+        + further
+}
+
+/// The axle of a study.
+pub fn axle(text: &str) -> AxleStudy {
+    let study = Study::from_text("solid.toml", text, Path::new(""));
+    let study = study.unwrap_or_else(|errors| panic!("{errors}\n{text}"));
+    study.axle().expect("a solid axle is an axle").clone()
+}
+
+/// The motion that tests of positions do not read.
+pub const STILL: &str = "[motion]\nheave = [0.0]\n";
+
+/// A case of `tests/data/reference/solid`.
+pub fn case(name: &str) -> Value {
+    let path = format!(
+        "{}/tests/data/reference/solid/{name}.json",
+        env!("CARGO_MANIFEST_DIR")
+    );
+    let text = std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{path}: {e}"));
+    serde_json::from_str(&text).expect("valid JSON")
+}
+
+/// Names of the points of a case, in the study and in the reference.
+pub fn points_of(case: &Value) -> Vec<(&'static str, &'static str)> {
+    let names = [
+        ("lower_link_chassis", "lower_left_chassis"),
+        ("lower_link_axle", "lower_left_axle"),
+        ("upper_link_chassis", "upper_left_chassis"),
+        ("upper_link_axle", "upper_left_axle"),
+        ("upper_link_chassis", "upper_chassis"),
+        ("upper_link_axle", "upper_axle"),
+        ("panhard_chassis", "panhard_chassis"),
+        ("panhard_axle", "panhard_axle"),
+        ("wheel_centre", "wheel_centre_left"),
+        ("spring_upper", "spring_upper_left"),
+        ("spring_lower", "spring_lower_left"),
+    ];
+    let given = names.into_iter();
+    given
+        .filter(|(_, name)| !case["points"][name].is_null())
+        .collect()
+}
+
+/// The study of a case.
+pub fn study_of(case: &Value, further: &str) -> String {
+    let at = |name: &str| [0, 1, 2].map(|i| case["points"][name][i].as_f64().unwrap());
+    let points: Vec<_> = points_of(case)
+        .into_iter()
+        .map(|(ours, theirs)| (ours, at(theirs)))
+        .collect();
+    let single = !case["points"]["upper_axle"].is_null();
+    text(&points, single, further)
+}

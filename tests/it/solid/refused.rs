@@ -1,0 +1,91 @@
+//! Studies of solid axles that are refused, with the reason.
+
+use super::{STILL, case, study_of, text};
+use hardpoint::study::Study;
+use std::path::Path;
+
+fn refusal(text: &str) -> String {
+    match Study::from_text("solid.toml", text, Path::new("")) {
+        Ok(_) => panic!("accepted:\n{text}"),
+        Err(errors) => errors.to_string(),
+    }
+}
+
+fn four_link() -> String {
+    study_of(&case("solid_four_link"), STILL)
+}
+
+fn panhard() -> String {
+    study_of(&case("solid_three_link_panhard"), STILL)
+}
+
+#[test]
+fn five_links_are_refused_by_name() {
+    let rod =
+        "panhard_chassis = [-140.0, 480.0, 360.0]\npanhard_axle = [-140.0, -470.0, 330.0]\n[wheel]";
+    let found = refusal(&four_link().replace("[wheel]", rod));
+    assert!(found.contains("five links"), "{found}");
+    assert!(found.contains("single = [\"upper_link\"]"), "{found}");
+}
+
+#[test]
+fn links_that_do_not_hold_the_axle_sideways_are_refused() {
+    let parallel = [
+        ("lower_link_chassis", [540.0, 500.0, 305.0]),
+        ("lower_link_axle", [0.0, 500.0, 255.0]),
+        ("upper_link_chassis", [340.0, 300.0, 445.0]),
+        ("upper_link_axle", [20.0, 300.0, 470.0]),
+        ("wheel_centre", [0.0, 750.0, 330.0]),
+    ];
+    let found = refusal(&text(&parallel, false, STILL));
+    assert!(found.contains("sideways"), "{found}");
+    let without_rod = panhard();
+    let lines = without_rod
+        .lines()
+        .filter(|line| !line.starts_with("panhard_"));
+    let found = refusal(&lines.collect::<Vec<_>>().join("\n"));
+    assert!(found.contains("three links"), "{found}");
+}
+
+#[test]
+fn motions_and_parts_of_other_axles_are_refused() {
+    for (motion, reason) in [
+        ("[motion]\ntravel = [0.0]\n", "two travels"),
+        ("[motion]\nheave = [0.0]\nrack = [5.0]\n", "no rack"),
+        (
+            "[motion]\nheave = [0.0]\n[outputs]\ncertify = true\ncharacteristics = [\"camber\"]\n",
+            "certify",
+        ),
+        (
+            "[motion]\nheave = [0.0]\n[outputs]\ncharacteristics = [\"ackermann\"]\n",
+            "solid axle",
+        ),
+        (
+            "[motion]\nheave = [0.0]\n[outputs]\ncharacteristics = [\"camber_gain\"]\n",
+            "solid axle",
+        ),
+        (
+            "[motion]\nheave = [0.0]\n[axle.right.hardpoints]\npanhard_axle = [-140.0, -470.0, 330.0]\n",
+            "once",
+        ),
+    ] {
+        let found = refusal(&panhard().replace(STILL, motion));
+        assert!(found.contains(reason), "{motion}: {found}");
+    }
+}
+
+/// Quantities of solid axles are refused for others.
+#[test]
+fn quantities_of_solid_axles_need_one() {
+    let text = include_str!("../../../studies/macpherson_axle.toml");
+    let study = Study::from_text("axle.toml", text, Path::new("")).unwrap();
+    assert!(
+        study
+            .axle()
+            .unwrap()
+            .axle
+            .quantities("pinion_angle")
+            .is_empty()
+    );
+    assert_eq!(study.axle().unwrap().axle.quantities("anti_dive").len(), 2);
+}

@@ -1,0 +1,105 @@
+//! A server without a study: the page chooses a topology, pastes points, and a new study is written.
+
+use super::{Served, columns, free_port, sample, serve_in, solved};
+use serde_json::{Value, json};
+use std::fs;
+
+fn empty() -> Served {
+    let folder = tempfile::tempdir().unwrap();
+    let study = folder.path().join("new.toml");
+    let (process, address) = serve_in(folder.path(), free_port());
+    Served {
+        folder,
+        study,
+        address,
+        process,
+    }
+}
+
+fn request(topology: &str, name: &str, points: &str) -> Value {
+    json!({"topology": topology, "name": name, "points": points, "unit": "", "axes": "", "side": "", "half_track": null})
+}
+
+#[test]
+fn every_topology_starts_from_its_picture() {
+    let served = empty();
+    assert!(served.get("").text().contains("New study"));
+    let choices = served.post("choices", &Value::Null).json();
+    let names: Vec<&str> = choices
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|c| c["name"].as_str().unwrap())
+        .collect();
+    assert!(
+        names.contains(&"double_wishbone") && names.len() >= 4,
+        "{names:?}"
+    );
+    for name in names {
+        let served = empty();
+        let started = served.post("start", &request(name, "new.toml", ""));
+        assert_eq!(started.status, 200, "{}", started.text());
+        assert!(!solved(&served.study).is_empty(), "{name}");
+        assert_eq!(served.overview()["file"], "new.toml");
+        assert!(!served.get("").text().contains("New study"));
+        // A server has one study.
+        assert_eq!(
+            served
+                .post("start", &request(name, "other.toml", ""))
+                .status,
+            409
+        );
+        assert_eq!(served.files(), ["new.toml"]);
+    }
+}
+
+/// Cells of a sheet, as a browser pastes them, give the curves of the study that has these points.
+#[test]
+fn pasted_points_become_a_study() {
+    let text = sample("double_wishbone_solve.toml");
+    let study: toml::Table = text.parse().unwrap();
+    let points = study["suspension"]["hardpoints"].as_table().unwrap();
+    let line = |(name, place): (&String, &toml::Value)| {
+        let place = place.as_array().unwrap().iter();
+        let numbers: Vec<String> = place.map(ToString::to_string).collect();
+        format!("{name}\t{}\n", numbers.join("\t"))
+    };
+    let pasted: String = points.iter().map(line).collect();
+    let served = empty();
+    let started = served.post("start", &request("double_wishbone", "new.toml", &pasted));
+    assert_eq!(started.status, 200, "{}", started.text());
+    let written: toml::Table = fs::read_to_string(&served.study).unwrap().parse().unwrap();
+    let own = written["suspension"]["hardpoints"].as_table().unwrap();
+    for (name, place) in points {
+        let numbers = |place: &toml::Value| {
+            let place = place.as_array().unwrap().iter();
+            place
+                .map(|c| c.as_float().unwrap().to_bits())
+                .collect::<Vec<_>>()
+        };
+        assert_eq!(numbers(&own[name]), numbers(place), "{name}");
+    }
+    assert!(columns(&solved(&served.study)).len() > 3);
+}
+
+#[test]
+fn a_start_that_is_refused_writes_nothing() {
+    let served = empty();
+    fs::write(served.folder.path().join("mine.toml"), "mine").unwrap();
+    for (topology, name, points) in [
+        ("double_wishbone", "../new.toml", ""),
+        ("double_wishbone", "new.txt", ""),
+        ("double_wishbone", "mine.toml", ""),
+        ("leaf_spring", "new.toml", ""),
+        ("double_wishbone", "new.toml", "lower_arm_front\t1\t2\t3"),
+        ("double_wishbone", "new.toml", "no points"),
+    ] {
+        let started = served.post("start", &request(topology, name, points));
+        assert_eq!(started.status, 422, "{name} {}", started.text());
+    }
+    assert_eq!(served.files(), ["mine.toml"]);
+    let mine = fs::read_to_string(served.folder.path().join("mine.toml"));
+    assert_eq!(mine.unwrap(), "mine");
+    // Without a study there is nothing to answer about.
+    assert_eq!(served.post("study", &Value::Null).status, 409);
+}

@@ -10,10 +10,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     // One start is enough to see how it works; the study has four.
     let study = Study::read(path.as_ref(), &["optimise.starts=1".to_owned()])?;
     let tuning = study.tune(Control::default())?;
-    let before = tuning
-        .before
-        .as_ref()
-        .ok_or("the design cannot be solved")?;
+    let before = tuning.before.as_ref().map_err(ToString::to_string)?;
     let best = tuning.best.as_ref().ok_or("no start can be solved")?;
     let (from, to) = (before.misfit, best.after.misfit);
     println!("misfit {from:.2} -> {to:.2} tolerances");

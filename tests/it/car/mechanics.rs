@@ -198,7 +198,7 @@ fn states_with_lifted_wheels_do_not_depend_on_the_start() {
 #[test]
 fn what_cannot_stand_is_said_so() {
     let mut car = car(&reference());
-    let mut at = |car: &Car, ay: f64, az: f64| {
+    let at = |car: &Car, ay: f64, az: f64| {
         let case = Case {
             ay,
             az,

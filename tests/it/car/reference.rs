@@ -67,12 +67,11 @@ fn scale(name: &str, value: f64) -> f64 {
                 "jacking",
                 "share",
                 "friction",
+                "frequency",
             ]
             .iter()
             .any(|part| name.contains(part))
         {
-            1.0
-        } else if name.contains("frequency") {
             1.0
         } else {
             300.0

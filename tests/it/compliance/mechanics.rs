@@ -375,11 +375,11 @@ fn constant_forces_and_those_at_the_design_load_add() {
     let mut both = clamped.clone();
     let mut free = clamped.clone();
     free.relaxed = Relaxed::Free;
-    for k in 0..clamped.bushings.len() {
-        let held = (-at_design[k].force).to_array();
-        for axis in 0..3 {
+    for (k, at_design) in at_design.iter().enumerate() {
+        let held = (-at_design.force).to_array();
+        for (axis, held) in held.into_iter().enumerate() {
             both.bushings[k].preload[axis] = offset(k, axis);
-            free.bushings[k].preload[axis] = held[axis] + offset(k, axis);
+            free.bushings[k].preload[axis] = held + offset(k, axis);
         }
     }
     let [both, free] = [both, free].map(|parts| ElasticWheel::new(&suspension, &parts).unwrap());

@@ -201,7 +201,7 @@ const AXLE_TARGETS: &str = r#"  { characteristic = "toe", over = "heave", points
 
 /// Targets of a solid axle: little roll steer, and anti-squat.
 const SOLID_AXLE_TARGETS: &str = r#"  { characteristic = "roll_steer", over = "roll", between = [-0.02, 0.02], tolerance = 0.005 },
-  { characteristic = "anti_squat", over = "heave", roll = 0.0, points = [[0.0, 100.0]], tolerance = 2.0 },
+  { characteristic = "anti_squat", over = "heave", roll = 0.0, at = 0.0, value = 100.0, tolerance = 2.0 },
 "#;
 
 /// A commented study of a topology that runs, with parts by their names.

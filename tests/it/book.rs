@@ -87,7 +87,11 @@ fn run(page: &str) {
         std::env::var("PATH").unwrap()
     );
     let mut commands = 0;
-    for part in parts(&text_of(page)) {
+    // Pictures are compared at the end: a page may show one before the command that makes it.
+    let (blocks, pictures): (Vec<Part>, Vec<Part>) = parts(&text_of(page))
+        .into_iter()
+        .partition(|part| matches!(part, Part::Block(..)));
+    for part in blocks.into_iter().chain(pictures) {
         match part {
             Part::Block(before, kind, block) => {
                 let named = |prefix: &str| {

@@ -485,10 +485,13 @@ pub(crate) struct LinearisedAxle<'s, const N: usize> {
 }
 
 impl<const N: usize> LinearisedAxle<'_, N> {
-    /// Both wheels as inputs on the tape, the left one first.
-    pub(crate) fn on_tape<'t>(&self, tape: &'t Tape) -> [Reading<Tracked<'t>>; 2] {
-        let on_tape = |lines: &Vec<Snapshot<N>>| Reading::on_tape(tape, lines, &self.parts);
-        self.snapshots.each_ref().map(on_tape)
+    /// Both wheels as inputs on the tape, each with the place of its first input. Series along several lines are combined on
+    /// the tape, so that the inputs of the right wheel do not follow at once.
+    pub(crate) fn on_tape<'t>(&self, tape: &'t Tape) -> [(Reading<Tracked<'t>>, usize); 2] {
+        self.snapshots.each_ref().map(|lines| {
+            let first = tape.len();
+            (Reading::on_tape(tape, lines, &self.parts), first)
+        })
     }
 
     /// Count of the inputs of each wheel.
@@ -1182,7 +1185,8 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         for (number, sought) in sought.iter().enumerate() {
             self.tape.clear();
             let tape = &self.tape;
-            let readings = linearised.on_tape(tape);
+            let [(left, of_left), (right, of_right)] = linearised.on_tape(tape);
+            let (readings, first) = ([left, right], [of_left, of_right]);
             let state = self.state(readings, placed).settled(slopes);
             let value = match sought {
                 Sought::Quantity(quantity) => quantity.evaluate(&state),
@@ -1190,7 +1194,8 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
                 Sought::Point(side, ..) => state.readings[*side as usize].travel(),
             };
             tape.gradient(value, &mut self.adjoints);
-            for (side, by) in Side::ALL.into_iter().zip(self.adjoints.chunks(inputs)) {
+            for side in Side::ALL {
+                let by = &self.adjoints[first[side as usize]..][..inputs];
                 let gradient = &mut self.gradients[side as usize];
                 gradient.fill(Vector3::new(0.0, 0.0, 0.0));
                 linearised.add_gradient(side, by, &mut self.buffer, gradient);

@@ -55,8 +55,11 @@ impl<'a> CarSolver<'a> {
         let linearised = [linearised(0)?, linearised(1)?];
         let tape = Tape::default();
         let tracked = parameters.map(|value| tape.input(value));
-        let first = [tape.len(), tape.len() + 2 * linearised[0].inputs()];
-        let wheels = linearised.each_ref().map(|axle| axle.on_tape(&tape));
+        let placed = linearised.each_ref().map(|axle| axle.on_tape(&tape));
+        let first = placed
+            .each_ref()
+            .map(|axle| axle.each_ref().map(|(_, first)| *first));
+        let wheels = placed.map(|axle| axle.map(|(wheel, _)| wheel));
         let ([a, b], [c, d]) = (&wheels[0], &wheels[1]);
         let base = Base {
             held,
@@ -86,7 +89,7 @@ impl<'a> CarSolver<'a> {
             for axle in [0, 1] {
                 let inputs = linearised[axle].inputs();
                 for side in Side::ALL {
-                    let from = first[axle] + inputs * side as usize;
+                    let from = first[axle][side as usize];
                     // A shorter list means that the value does not depend on the rest.
                     let to = (from + inputs).min(adjoints.len());
                     if from >= to {

@@ -383,7 +383,7 @@ fn every_template_of_chrono_with_a_topology_is_read() {
     for (template, nearest) in [
         ("SolidAxle", "an axle that joins both wheels"),
         ("DeDionAxle", "an axle that joins both wheels"),
-        ("ThreeLinkIRS", "five_link"),
+        ("ThreeLinkIRS", "trailing_arm_two_links"),
         ("GenericWheeledSuspension", "joints of any kind"),
         ("Hovercraft", "expected DoubleWishbone"),
     ] {

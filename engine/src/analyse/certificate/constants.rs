@@ -309,7 +309,8 @@ fn equations_on_a_line_are_enclosed() {
                     }
                 }
             }
-            assert_eq!(curved > 0, drive == Drive::ArmAngle);
+            let name = suspension.mechanism.topology.name;
+            assert_eq!(curved > 0, drive == Drive::ArmAngle, "{name}");
         }
     }
 }

@@ -129,10 +129,9 @@ fn every_topology_is_drawn() {
                 .all(|p| (p.as_u64().unwrap() as usize) < count)
         );
         assert!(joined.count() >= 4, "{name}");
-        assert!(
-            !record["influences"].as_array().unwrap().is_empty(),
-            "{name}"
-        );
+        // Of an axle the page has no influences.
+        let has_influences = !record["influences"].as_array().unwrap().is_empty();
+        assert_eq!(has_influences, stem != "solid_axle", "{name}");
     }
 }
 

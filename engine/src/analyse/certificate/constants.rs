@@ -285,7 +285,7 @@ fn equations_on_a_line_are_enclosed() {
                 rack: 0.0,
             };
             let unit = if drive == Drive::Travel { scale } else { 1.0 };
-            let (start, end) = (0.8 * unit, (0.8 + 1.0 / 65536.0) * unit);
+            let (start, end) = (0.8 * unit, (0.8 + 1.0 / 8192.0) * unit);
             let at = |share: f64| {
                 let point = point(start + share * (end - start));
                 quadratic.displacement(&pose, &point)

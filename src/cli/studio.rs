@@ -30,7 +30,11 @@ pub(super) fn run(arguments: &StudioArguments) -> Result<Exit, Stop> {
         Some(study) => Studio::open(study, arguments.port),
         None => Studio::choose(std::env::current_dir()?, arguments.port),
     };
-    let studio = studio.map_err(Stop::wrong_input)?;
+    let studio = studio.map_err(|why| {
+        // Errors of a study begin with their kind, as the printed line does.
+        let why = why.to_string();
+        Stop::wrong_input(why.strip_prefix("error: ").unwrap_or(&why))
+    })?;
     let address = studio.address();
     let mut out = std::io::stdout();
     writeln!(out, "{address}")?;

@@ -127,8 +127,13 @@ fn across(left: &Suspension, right: &Suspension) -> Option<String> {
         .points
         .iter()
         .zip(left.design.iter().zip(&right.design));
-    let across = points.filter(|(_, (left, right))| left.y > off && right.y < -off);
-    let names: Vec<&str> = across.map(|(point, _)| point.name.as_str()).collect();
+    // A single point of a rigid axle is the same for both wheels.
+    let rigid = left.mechanism.rigid_axle.as_ref();
+    let is_single = |number: usize| rigid.is_some_and(|r| r.singles.contains(&PointId(number)));
+    let across = points.enumerate().filter(|(number, (_, (left, right)))| {
+        left.y > off && right.y < -off && !is_single(*number)
+    });
+    let names: Vec<&str> = across.map(|(_, (point, _))| point.name.as_str()).collect();
     (!names.is_empty()).then(|| {
         format!(
             "doubtful: right wheel: {} at the left wheel's side: points of [axle.right.hardpoints] have their true y",

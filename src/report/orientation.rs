@@ -259,12 +259,11 @@ mod tests {
                     })
                     .collect();
                 let verdict = Directions::of(&moved).judge(|_| true);
-                // The points of a trailing arm with two links leave two ways open; the first is the right one.
-                let expected = match topology.name {
-                    "trailing_arm_two_links" => Verdict::Unclear(reading),
-                    _ => Verdict::Clear(reading),
-                };
-                assert_eq!(verdict, expected, "{}", topology.name);
+                // The points of a trailing arm with two links leave two ways open.
+                match topology.name {
+                    "trailing_arm_two_links" => assert!(matches!(verdict, Verdict::Unclear(_))),
+                    name => assert_eq!(verdict, Verdict::Clear(reading), "{name}"),
+                }
             }
         }
     }

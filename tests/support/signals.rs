@@ -158,6 +158,10 @@ impl Signals {
         let mut cases = Vec::new();
         for path in paths {
             let text = fs::read_to_string(&path).unwrap();
+            // Elastic wheels and cars take few commands.
+            if text.contains("[compliance]") || text.contains("\n[car]\n") {
+                continue;
+            }
             let name = path.file_name().unwrap().to_string_lossy().into_owned();
             cases.extend(cases_of(&name, &text));
         }

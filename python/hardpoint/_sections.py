@@ -25,6 +25,10 @@ class Variable(TypedDict, total=False):
     hardpoint: str
     hardpoints: Sequence[str]
     rigid: Sequence[str]
+    bushing: str
+    stiffness: Literal["x", "y", "z", "tx", "ty", "tz"]
+    link: str
+    relative: bool
     factors: ArrayLike
     axis: Axis
     direction: ArrayLike
@@ -55,6 +59,7 @@ class Target(TypedDict, total=False):
     axis: Axis
     length: Member
     load: str
+    figure: str
     points: ArrayLike
     file: str
     column: str
@@ -99,6 +104,7 @@ class Constraint(TypedDict, total=False):
     clearance: float
     radii: ArrayLike
     motion: str
+    side: Side
     rack: Numbers
     at: Literal["design"]
 

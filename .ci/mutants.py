@@ -96,7 +96,7 @@ def code_lines(text):
 
 
 def faults_of(line):
-    """Faults of a line: what is said of each, and the line with `{n}` for the number of its switch."""
+    """Yields each fault of a line: its description, and the changed line with `{n}` for the number of its switch."""
     if SKIPPED.search(line):
         return
     escaped = line.replace("{", "{{").replace("}", "}}")
@@ -124,7 +124,7 @@ def faults_of(line):
 
 
 def candidates(root, patterns):
-    """Every fault in the files of some patterns: file, line numbers with the lines in their place, and what is said."""
+    """Lists every fault in the files of some patterns: file, changed lines by number, number of the first, description."""
     found = []
     paths = sorted({path for pattern in patterns for path in root.glob(pattern)})
     # Files that only tests compile.

@@ -4,6 +4,7 @@ use crate::errors::failure;
 use crate::study::Study;
 use crate::threads::{interruptible, on_threads};
 use hardpoint::mechanism::DesignFault;
+use hardpoint::model::Suspension;
 use hardpoint::optimise::{
     Control, Infeasible, Iteration, Linearisation, TargetLayout, Tuning, assessed_at, evaluated,
     front, price_list, tune,
@@ -254,14 +255,7 @@ impl Residuals {
         py: Python<'py>,
         x: PyReadonlyArray1<'py, f64>,
     ) -> PyResult<Evaluated<'py>> {
-        let (own, optimise) = tuned(self.study.get())?;
-        let x = x.as_slice().map_err(|_| failure("x is not contiguous"))?;
-        let wheel = own.wheel();
-        let found = on_threads(py, Some(1), |_| {
-            evaluated(wheel, &optimise.variables, &self.layout, x)
-        })?;
-        let found = found.map_err(|fault| failure(fault.describe(&wheel.mechanism)))?;
-        in_arrays(py, found)
+        in_arrays(py, self.at(py, &x, evaluated)?)
     }
 
     /// Rows of the constraints and their derivatives at offsets: at most 0 where they are kept, 0 for equalities, 1 for a
@@ -271,14 +265,27 @@ impl Residuals {
         py: Python<'py>,
         x: PyReadonlyArray1<'py, f64>,
     ) -> PyResult<Evaluated<'py>> {
+        let found = self.at(py, &x, assessed_at)?;
+        in_arrays(py, found.map(|found| found.rows))
+    }
+}
+
+impl Residuals {
+    /// Evaluates the targets, or targets and constraints, at offsets. An error says why the study's own design cannot be
+    /// solved.
+    fn at<T: Send>(
+        &self,
+        py: Python<'_>,
+        x: &PyReadonlyArray1<'_, f64>,
+        evaluate: fn(&Suspension, &[Variable], &TargetLayout, &[f64]) -> Result<T, DesignFault>,
+    ) -> PyResult<T> {
         let (own, optimise) = tuned(self.study.get())?;
         let x = x.as_slice().map_err(|_| failure("x is not contiguous"))?;
         let wheel = own.wheel();
         let found = on_threads(py, Some(1), |_| {
-            assessed_at(wheel, &optimise.variables, &self.layout, x)
+            evaluate(wheel, &optimise.variables, &self.layout, x)
         })?;
-        let found = found.map_err(|fault| failure(fault.describe(&wheel.mechanism)))?;
-        in_arrays(py, found.map(|found| found.rows))
+        found.map_err(|fault| failure(fault.describe(&wheel.mechanism)))
     }
 }
 

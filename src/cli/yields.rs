@@ -19,7 +19,11 @@ pub(super) fn yields(
     optimise.scatter.as_ref()?;
     let tolerance = study.tolerance.as_ref().filter(|t| !t.bands.is_empty())?;
     let tuned = tuned?;
-    let plain = plain_optimum(study, optimise);
+    let plain = match expected {
+        // The search began there.
+        Some(expected) => Some(study.moved(&expected.plain)),
+        None => plain_optimum(study, optimise),
+    };
     let of = |study: &Study| builds(study, tolerance);
     let yields = YieldRecord::of(
         tolerance,

@@ -32,9 +32,17 @@ pub struct CarResults<'s> {
     pub states: Vec<CarState<'s>>,
 }
 
-/// Solves a case with its derivatives.
-fn state<'s>(solver: &mut CarSolver<'s>, case: &Case) -> CarState<'s> {
-    let solved = solver.solve(case).and_then(|found| {
+/// Solves a case with its derivatives, from a neighbouring state if there is one.
+fn state<'s>(
+    solver: &mut CarSolver<'s>,
+    case: &Case,
+    neighbour: Option<&Equilibrium>,
+) -> CarState<'s> {
+    let found = match neighbour {
+        Some(neighbour) => solver.solve_from(case, neighbour),
+        None => solver.solve(case),
+    };
+    let solved = found.and_then(|found| {
         let solved = Box::new(solver.solved(case, &found)?);
         let found = Box::new(found);
         Ok(CarState::Solved { found, solved })
@@ -67,7 +75,7 @@ impl<'s> CarResults<'s> {
         let cases = study.cases.iter().take(count);
         CarResults {
             study,
-            states: cases.map(|case| state(solver, case)).collect(),
+            states: cases.map(|case| state(solver, case, None)).collect(),
         }
     }
 
@@ -186,16 +194,7 @@ impl<'s> CarResults<'s> {
                 if *ax < 0.0 {
                     case.setting.longitudinal = Longitudinal::Brake;
                 }
-                let found = match &before {
-                    Some(before) => solver.solve_from(&case, before),
-                    None => solver.solve(&case),
-                };
-                let state = found.and_then(|found| {
-                    let solved = Box::new(solver.solved(&case, &found)?);
-                    let found = Box::new(found);
-                    Ok(CarState::Solved { found, solved })
-                });
-                let state = state.unwrap_or_else(CarState::Failed);
+                let state = state(solver, &case, before.as_ref());
                 let mut row = vec![
                     shortest(*ax),
                     shortest(*ay),

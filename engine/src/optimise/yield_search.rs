@@ -51,6 +51,8 @@ const AT_ONCE: usize = 1 << 12;
 /// The yield that a robust tuning expects.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ExpectedYield {
+    /// Offsets of the optimum without scatter, at which the search began.
+    pub plain: Vec<f64>,
     /// Builds that the surrogate was raised over.
     pub builds: usize,
     /// The surrogate at the kept design.
@@ -134,6 +136,7 @@ impl<'a> YieldSearch<'a> {
         let widths: Vec<f64> = sigmas.iter().map(|sigma| last * sigma).collect();
         Ok(Found {
             expected: ExpectedYield {
+                plain: plain.iter().copied().collect(),
                 builds: self.scatter.builds,
                 surrogate: self.surrogate(&x, &widths)?,
                 judged: [plain_share, share],

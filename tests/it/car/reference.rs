@@ -2,6 +2,7 @@
 
 use super::{car, case, number, reference};
 use hardpoint::car::{AxleParameter, BodyParameter, CarQuantity, CarSolver, Parameter};
+use serde_json::Value;
 use std::collections::HashMap;
 
 /// Names of the reference that are called differently here.
@@ -79,20 +80,23 @@ fn scale(name: &str, value: f64) -> f64 {
     value.abs().max(typical)
 }
 
+/// The texts of a list.
+fn texts(list: &Value) -> Vec<&str> {
+    let list = list.as_array().unwrap().iter();
+    list.map(|text| text.as_str().unwrap()).collect()
+}
+
+/// The results of a car by name.
+fn quantities() -> HashMap<String, CarQuantity> {
+    let all = CarQuantity::all().into_iter();
+    all.map(|quantity| (quantity.name(), quantity)).collect()
+}
+
 #[test]
 fn every_value_of_every_state_agrees() {
     let file = reference();
     let car = car(&file);
-    let names: Vec<&str> = file["names"]
-        .as_array()
-        .unwrap()
-        .iter()
-        .map(|n| n.as_str().unwrap())
-        .collect();
-    let ours: HashMap<String, CarQuantity> = CarQuantity::all()
-        .into_iter()
-        .map(|q| (q.name(), q))
-        .collect();
+    let (names, ours) = (texts(&file["names"]), quantities());
     let mut solver = CarSolver::new(&car).unwrap();
     let mut compared = 0;
     let mut worst: Vec<(f64, String)> = Vec::new();
@@ -107,12 +111,7 @@ fn every_value_of_every_state_agrees() {
             .filter(|k| found.lifted[*k])
             .map(|k| places[k])
             .collect();
-        let expected: Vec<&str> = state["lifted"]
-            .as_array()
-            .unwrap()
-            .iter()
-            .map(|n| n.as_str().unwrap())
-            .collect();
+        let expected = texts(&state["lifted"]);
         assert_eq!(lifted, expected, "{}", case.name);
         let solved = solver.solved(&case, &found).unwrap();
         for (name, value) in names.iter().zip(state["values"].as_array().unwrap()) {
@@ -184,16 +183,7 @@ fn derivative(
 fn every_derivative_agrees() {
     let file = reference();
     let car = car(&file);
-    let names: Vec<&str> = file["names"]
-        .as_array()
-        .unwrap()
-        .iter()
-        .map(|n| n.as_str().unwrap())
-        .collect();
-    let ours: HashMap<String, CarQuantity> = CarQuantity::all()
-        .into_iter()
-        .map(|q| (q.name(), q))
-        .collect();
+    let (names, ours) = (texts(&file["names"]), quantities());
     let mut solver = CarSolver::new(&car).unwrap();
     let mut worst: Vec<(f64, String)> = Vec::new();
     for state in file["states"].as_array().unwrap() {

@@ -196,11 +196,6 @@ impl Resolver<'_> {
             return None;
         };
         let axle = both.axle.clone();
-        if axle.is_rigid() {
-            let message =
-                format!("the {name} study is of a solid axle, which a car does not take yet");
-            return self.problems.refuse(place, message);
-        }
         let wanted = [AxlePosition::Front, AxlePosition::Rear][end];
         if axle
             .setup
@@ -213,7 +208,7 @@ impl Resolver<'_> {
         }
         let needed = [
             (Need::WheelRadius, "radius in [wheel]"),
-            (Need::SpringForce, "[spring]"),
+            (Need::Springs, "[spring], [heave_spring] or [heave_bar]"),
             (Need::UnsprungMass, "unsprung_mass in [vehicle]"),
         ];
         for (need, key) in needed {
@@ -757,6 +752,9 @@ impl Resolver<'_> {
                 let rates = [
                     ("spring", AxleParameter::SpringRate),
                     ("anti_roll_bar", AxleParameter::BarRate),
+                    ("heave_spring", AxleParameter::HeaveSpringRate),
+                    ("t_bar", AxleParameter::TBarRate),
+                    ("heave_bar", AxleParameter::HeaveBarRate),
                     ("tyre", AxleParameter::TyreRate),
                 ];
                 let parameter = choose(rate, "rate", &rates, self.problems)?;

@@ -231,7 +231,10 @@ impl ForceCurve {
             let h = b - a;
             let secant = right - left;
             let (m, n) = (self.slopes[i] * h, self.slopes[i + 1] * h);
-            (h, [left, m, 3.0 * secant - 2.0 * m - n, m + n - 2.0 * secant])
+            (
+                h,
+                [left, m, 3.0 * secant - 2.0 * m - n, m + n - 2.0 * secant],
+            )
         };
         let straight = |i: usize| {
             let along = x - x.lit(points[i][0]);

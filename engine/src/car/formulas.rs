@@ -310,7 +310,11 @@ pub(super) mod axle {
         state: &Balance<T>,
         axle: usize,
     ) -> T {
-        height_of_transfer(state, axle, [state.road.left * state.unknowns[0].lit(0.5); 2])
+        height_of_transfer(
+            state,
+            axle,
+            [state.road.left * state.unknowns[0].lit(0.5); 2],
+        )
     }
 
     pub(in super::super) fn roll_axis_height<T: Scalar>(state: &Balance<T>, axle: usize) -> T {

@@ -64,6 +64,7 @@ mod corner;
 mod equations;
 mod formulas;
 mod gradients;
+mod members;
 mod parameters;
 mod rates;
 mod road;
@@ -79,6 +80,7 @@ pub use catalogue::{
 };
 pub use equations::{Balance, UNKNOWNS, WheelState};
 pub use gradients::CarGradient;
+pub use members::{CarMember, WheelMembers};
 pub use parameters::{AxleParameter, BodyParameter, Parameter, Parameters};
 pub use rates::Solved;
 pub use solver::{CarSolver, Equilibrium};

@@ -9,7 +9,8 @@ use super::equations::{
 use super::parameters::{AxleParameter, Parameters};
 use super::{Car, Case, GRAVITY, LateralShares, LongitudinalShares, NoEquilibrium};
 use crate::axle::{
-    AxleQuantity, AxleSolver, Carriers, Placed, Placement, Quantity, Read, Reading, WheelParts, WheelQuantity,
+    AxleQuantity, AxleSolver, Carriers, Placed, Placement, Quantity, Read, Reading, WheelParts,
+    WheelQuantity,
 };
 use crate::linear::lu::Lu;
 use crate::mechanism::DesignFault;

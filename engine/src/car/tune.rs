@@ -92,9 +92,7 @@ impl Moves {
                         Law::Curve(_) => None,
                     },
                     AxleParameter::BarRate => setup.bar_rate,
-                    AxleParameter::HeaveSpringRate => {
-                        Some(setup.rocker_springs.heave_spring?.rate)
-                    }
+                    AxleParameter::HeaveSpringRate => Some(setup.rocker_springs.heave_spring?.rate),
                     AxleParameter::TBarRate => setup.rocker_springs.t_bar,
                     AxleParameter::HeaveBarRate => Some(setup.rocker_springs.heave_bar?.rate),
                     AxleParameter::TyreRate => Some(car.tyres?[axle].rate),

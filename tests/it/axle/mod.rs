@@ -16,6 +16,7 @@ mod own;
 mod points;
 mod reference;
 mod right;
+mod rocker_springs;
 mod side_by_side;
 mod springs;
 mod sweep;

@@ -1,6 +1,7 @@
 //! The whole car: against independent answers, and against what statics says.
 
 mod commands;
+mod free_bodies;
 mod mechanics;
 mod reference;
 

@@ -53,9 +53,7 @@ pub(crate) fn heave_spring_length<T: Scalar, W: WheelParts<T>>(state: &AxleState
 }
 
 /// Shortening of the heave spring by equal travels of both wheels on level pads.
-pub(crate) fn heave_spring_motion_ratio<T: Scalar, W: WheelParts<T>>(
-    state: &AxleState<T, W>,
-) -> T {
+pub(crate) fn heave_spring_motion_ratio<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     let pads = state.on_pads();
     -heave_spring_length(&pads.moving(Motion::Heave))[1]
 }

@@ -480,7 +480,15 @@ fn manual(root: Root) -> BTreeMap<(String, String), String> {
     let mut said = BTreeMap::new();
     for section in root.manual().split("\n## ").skip(1) {
         let (name, rows) = section.split_once('\n').unwrap_or((section, ""));
+        let (name, sibling) = name.split_once(" (and ").unwrap_or((name, ""));
         let name = name.split(" (").next().unwrap_or(name);
+        // `gg_map.ax (and ay)` is about both.
+        let sibling = sibling
+            .strip_suffix(')')
+            .map(|sibling| match name.rsplit_once('.') {
+                Some((table, _)) => format!("{table}.{sibling}"),
+                None => sibling.to_owned(),
+            });
         for row in rows.lines() {
             let cells: Vec<&str> = row
                 .split(" | ")
@@ -488,7 +496,9 @@ fn manual(root: Root) -> BTreeMap<(String, String), String> {
                 .collect();
             let key = row.strip_prefix("| `").and_then(|row| row.split_once('`'));
             if let (Some((key, _)), Some(what)) = (key, cells.last()) {
-                said.insert((name.to_owned(), key.to_owned()), (*what).to_owned());
+                for table in [Some(name), sibling.as_deref()].into_iter().flatten() {
+                    said.insert((table.to_owned(), key.to_owned()), (*what).to_owned());
+                }
             }
         }
     }

@@ -62,6 +62,7 @@ mod answers;
 mod case;
 mod catalogue;
 mod corner;
+mod drawn;
 mod equations;
 mod formulas;
 mod gradients;
@@ -80,6 +81,7 @@ pub use case::{
 pub use catalogue::{
     AxleEnd, AxleResult, CarInfo, CarNeed, CarQuantity, WheelPlace, WheelResult, WholeResult,
 };
+pub use drawn::CarDrawing;
 pub use equations::{Balance, UNKNOWNS, WheelState};
 pub use gradients::CarGradient;
 pub use limits::{Lift, RayLimits};

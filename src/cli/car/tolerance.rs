@@ -4,7 +4,7 @@ use super::super::ToleranceArguments;
 use super::super::exit::{Exit, Stop};
 use super::super::output::pool;
 use super::super::{interrupt, progress};
-use super::{FILES, keep, open};
+use super::{keep, open};
 use crate::assembly::NoSetUp;
 use crate::report::CarToleranceSummary;
 use crate::study::{CarStudy, CarTolerance};
@@ -29,7 +29,7 @@ pub(in crate::cli) fn tolerance(arguments: &ToleranceArguments) -> Result<Exit, 
     let fault = |fault| Stop::in_file(path, study.car.describe_fault(&fault));
     let nominal = problem.nominal().map_err(fault)?;
     let pool = pool(arguments.threads, tolerance.builds)?;
-    let output = open(arguments, &study, "tolerance", &FILES)?;
+    let output = open(arguments, &study, "tolerance")?;
     let expansion = problem.expansion();
     let expansion = expansion.map_err(|why| refused(&study, path, &why).after_its_input())?;
     let builds = pool.install(|| with_progress(&problem, tolerance, &nominal));

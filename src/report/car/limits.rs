@@ -36,7 +36,10 @@ impl CarLimits {
     fn reason(&self) -> String {
         match &self.found {
             Err(key) => format!("needs {key} in [car]"),
-            Ok(found) => found.why.as_ref().map_or_else(String::new, ToString::to_string),
+            Ok(found) => found
+                .why
+                .as_ref()
+                .map_or_else(String::new, ToString::to_string),
         }
     }
 }
@@ -46,9 +49,16 @@ pub fn car_limits(study: &CarStudy, solver: &mut CarSolver<'_>) -> Vec<CarLimits
     let rest = &study.cases[0];
     let directions = (0..8).map(|eighth| {
         let degrees = 45.0 * f64::from(eighth);
-        (String::new(), degrees, Case::along("direction", degrees, rest))
+        (
+            String::new(),
+            degrees,
+            Case::along("direction", degrees, rest),
+        )
     });
-    let cases = study.cases.iter().filter(|case| case.ax != 0.0 || case.ay != 0.0);
+    let cases = study
+        .cases
+        .iter()
+        .filter(|case| case.ax != 0.0 || case.ay != 0.0);
     let cases = cases.map(|case| {
         let degrees = case.ay.atan2(case.ax).to_degrees();
         (case.name.clone(), degrees, case.clone())
@@ -94,7 +104,9 @@ pub fn lift_limits_table(limits: &[CarLimits]) -> Table {
         let lift = found.and_then(|found| found.lift);
         let acceleration = |value: Option<f64>| Cell::by(value, |value| figure(value, "g"));
         let at = lift.map(|lift| lift.acceleration);
-        let end = found.filter(|found| found.why.is_some()).map(|found| found.end);
+        let end = found
+            .filter(|found| found.why.is_some())
+            .map(|found| found.end);
         table.push_row([
             Cell::from(limit.case.as_str()),
             Cell::shown(limit.degrees, brief(limit.degrees)),

@@ -1,8 +1,10 @@
 //! Scatter of a car: `tolerance.csv`, `contributors.csv`, `summary.json`, tables.
 
+use crate::report::files::csv_of_rows;
+use crate::report::optional;
 use crate::report::table::{Cell, Column, Table};
 use crate::report::text::counted;
-use crate::report::{csv_of_rows, optional, percent};
+use crate::report::tolerance_summary::percent;
 use crate::tolerance::{CarBuilds, CarExpansion, CarProblem, PERCENTILES};
 use serde::Serialize;
 
@@ -145,7 +147,9 @@ impl CarToleranceSummary {
     pub fn failure(&self) -> Option<String> {
         let (first, reason) = (self.first_failed?, self.reason.as_ref()?);
         let builds = counted(self.failed, "build");
-        Some(format!("{builds} not solved in every case, first build {first}: {reason}"))
+        Some(format!(
+            "{builds} not solved in every case, first build {first}: {reason}"
+        ))
     }
 
     /// The values that bands are about; without bands all that scatter.
@@ -210,7 +214,11 @@ impl CarToleranceSummary {
     /// Contributors by their largest share of the variance of a value: of those with bands, if there are any.
     pub fn ranking_table(&self) -> Table {
         let has_bands = !self.bands.is_empty();
-        let values = || self.values.iter().filter(|value| value.has_band || !has_bands);
+        let values = || {
+            self.values
+                .iter()
+                .filter(|value| value.has_band || !has_bands)
+        };
         let mut ranked: Vec<(f64, &str, &CarValue)> = Vec::new();
         for (number, name) in self.contributors.iter().enumerate() {
             let shares = values().filter_map(|value| Some((value.shares[number]?, value)));

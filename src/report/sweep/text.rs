@@ -37,7 +37,12 @@ impl SweepText {
     }
 
     /// Works on a block: its rows and curves as text, and its statistics.
-    pub fn finish(&self, record: &SweepRecord, worker: &mut SweptWorker<'_>, block: u64) -> Finished {
+    pub fn finish(
+        &self,
+        record: &SweepRecord,
+        worker: &mut SweptWorker<'_>,
+        block: u64,
+    ) -> Finished {
         let rows = worker.rows(block);
         let (mut statistics, first) = (SweepStatistics::of(record, rows), rows.first);
         let (mut designs, mut curves) = (self.empty(), Vec::new());

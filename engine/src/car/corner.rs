@@ -3,7 +3,7 @@
 use crate::axle::{Carriers, RockerMotion, WheelParts};
 use crate::characteristics::{NumberPart, VectorPart};
 use crate::model::AxleTravel;
-use crate::number::{Real, Vector3};
+use crate::number::{Each, Real, Vector3};
 
 /// Derivatives of a wheel by one travel of its axle, the body held.
 #[derive(Clone, Copy, Debug)]
@@ -130,7 +130,7 @@ impl<T: Real> Corner<T> {
                 polynomial(|[i, j]| table[i][j].y, a, b),
                 polynomial(|[i, j]| table[i][j].z, a, b),
             ];
-            [0, 1, 2].map(|k| Vector3::new(x[k], y[k], z[k]))
+            [0, 1, 2].each(|k| Vector3::new(x[k], y[k], z[k]))
         };
         let mirrored = |v: Vector3<T>| Vector3::new(v.x, v.y.scaled(sign), v.z);
         let zero = a.zero();
@@ -143,10 +143,10 @@ impl<T: Real> Corner<T> {
             }
         }
         // An axial vector: its mirror image turns the other way.
-        let turns = turns.map(|turn| mirrored(turn.scaled(0.5)).scaled(sign));
+        let turns = turns.each(|turn| mirrored(turn.scaled(0.5)).scaled(sign));
         let [centre, centre_first, centre_second] =
             vector(&|powers| wheel.read_vector(VectorPart::Centre, powers));
-        let centres = [centre_first, centre_second].map(mirrored);
+        let centres = [centre_first, centre_second].each(mirrored);
         let [spin, ..] = vector(&|powers| wheel.read_vector(VectorPart::SpinAxis, powers));
         let [spring, spring_first, spring_second] = number(NumberPart::SpringLength);
         let [bar, bar_first, bar_second] = number(NumberPart::BarAngle);

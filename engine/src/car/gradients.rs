@@ -16,6 +16,9 @@ pub struct CarGradient {
     /// For each axle the derivatives by the hardpoints of the left wheel, in the kernel's frame. The right wheel's hardpoints
     /// move with them as mirror images.
     pub hardpoints: [Vec<Vector3<f64>>; 2],
+    /// For each wheel the derivatives by its own hardpoints, in the kernel's frame of its side: front left, front right, rear
+    /// left, rear right.
+    pub wheels: [Vec<Vector3<f64>>; 4],
     /// Derivatives by all parameters.
     pub parameters: [f64; Parameter::COUNT],
 }
@@ -155,10 +158,12 @@ impl<'a> CarSolver<'a> {
                     parameters[Parameter::Axle(axle, AxleParameter::Rack).place()] = f64::NAN;
                 }
             }
-            let hardpoints = [0, 1].map(|axle| {
-                let mechanism = &self.car.axles[axle].left.mechanism;
-                let none = vec![Vector3::default(); mechanism.points.len()];
-                let mut sides = [none.clone(), none];
+            let none = |axle: usize| {
+                let points = self.car.axles[axle].left.mechanism.points.len();
+                vec![Vector3::default(); points]
+            };
+            let mut wheels = [0, 0, 1, 1].map(none);
+            for axle in [0, 1] {
                 let inputs = linearised[axle].inputs();
                 for side in Side::ALL {
                     let from = first[axle][side as usize];
@@ -169,21 +174,24 @@ impl<'a> CarSolver<'a> {
                     }
                     let mut by = vec![0.0; inputs];
                     by[..to - from].copy_from_slice(&adjoints[from..to]);
-                    let (buffer, into) = (&mut buffers[axle], &mut sides[side as usize]);
-                    linearised[axle].add_gradient(side, &by, buffer, into);
+                    let into = &mut wheels[2 * axle + side as usize];
+                    linearised[axle].add_gradient(side, &by, &mut buffers[axle], into);
                 }
-                let [mut left, mut right] = sides;
-                if let Some(rigid) = &mechanism.rigid_axle {
-                    rigid.gather([&mut left, &mut right]);
+                if let Some(rigid) = &self.car.axles[axle].left.mechanism.rigid_axle
+                    && let [left, right] = &mut wheels[2 * axle..2 * axle + 2]
+                {
+                    rigid.gather([left, right]);
                 }
-                for (sum, by) in left.iter_mut().zip(right) {
-                    *sum = *sum + by;
-                }
-                left
+            }
+            let hardpoints = [0, 1].map(|axle| {
+                let [left, right] = [&wheels[2 * axle], &wheels[2 * axle + 1]];
+                let both = left.iter().zip(right);
+                both.map(|(left, right)| *left + *right).collect()
             });
             CarGradient {
                 value: value.value(),
                 hardpoints,
+                wheels,
                 parameters,
             }
         };

@@ -2,7 +2,7 @@
 
 use super::{Car, Case};
 use crate::axle::{Preloaded, RockerSprings};
-use crate::number::{Real, Vector3};
+use crate::number::{Each, Real, Vector3};
 
 /// A parameter of one axle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -207,7 +207,7 @@ impl<T: Real> Parameters<T> {
     /// Place of an axle's origin.
     pub(super) fn offset(&self, axle: usize) -> Vector3<T> {
         use AxleParameter::{OffsetX, OffsetY, OffsetZ};
-        Vector3::from([OffsetX, OffsetY, OffsetZ].map(|parameter| self.axle(axle, parameter)))
+        Vector3::from([OffsetX, OffsetY, OffsetZ].each(|parameter| self.axle(axle, parameter)))
     }
 
     /// Laws of the springs between the rockers of an axle.
@@ -234,6 +234,6 @@ impl<T: Real> Parameters<T> {
     /// The centre of gravity that is given.
     pub(super) fn cg(&self) -> Vector3<T> {
         use BodyParameter::{CgX, CgY, CgZ};
-        Vector3::from([CgX, CgY, CgZ].map(|parameter| self.body(parameter)))
+        Vector3::from([CgX, CgY, CgZ].each(|parameter| self.body(parameter)))
     }
 }

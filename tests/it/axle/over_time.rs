@@ -1,5 +1,6 @@
 //! Motions of an axle over time: those of one wheel, and slopes of the curves by time.
 
+use super::commands;
 use hardpoint::axle::axle_curves;
 use hardpoint::curves::{Curves, curves};
 use hardpoint::plan::Plan;
@@ -222,4 +223,31 @@ fn what_time_does_not_go_with_is_refused() {
     );
     let message = named.expect_err("a named motion");
     assert!(message.contains("a named motion has no time"), "{message}");
+}
+
+/// In the design position a motion over time has values and no velocities.
+#[test]
+fn the_summary_has_no_velocity_in_the_design_position() {
+    let (path, out) = (
+        commands::study("macpherson_axle.toml"),
+        commands::folder("over_time"),
+    );
+    let motion = "motion={drive=\"roll\",time={polynomial=[0.0,6.0],from=-0.5,to=0.5,steps=3}}";
+    let asked = "outputs={characteristics=[\"camber\"],order=\"velocity\"}";
+    let [path, out] = [&path, &out].map(|p| p.to_str().unwrap());
+    commands::run(
+        &["solve", path, "--set", motion, "--set", asked, "--out", out],
+        0,
+    );
+    let summary = std::fs::read(format!("{out}/summary.json")).unwrap();
+    let summary: serde_json::Value = serde_json::from_slice(&summary).unwrap();
+    let at_design = |name: &str| {
+        let outputs = summary["outputs"].as_array().unwrap();
+        let found = outputs.iter().find(|o| o["output"] == name);
+        found.unwrap_or_else(|| panic!("{summary}"))["at_design"].clone()
+    };
+    let of_both =
+        ["left", "right"].map(|side| at_design(&format!("{side}_camber_deg")).as_f64().unwrap());
+    assert_eq!(of_both[0], of_both[1], "the design is symmetric");
+    assert!(at_design("left_camber_d1_deg_per_s").is_null());
 }

@@ -5,13 +5,13 @@
 //! | step | files |
 //! |---|---|
 //! | bytes to a format's own structure | `source`, `sheets`, `delimited`, `workbook`, `cell`, `decimals`, `header`, `yaml`, `map`, `adams` |
-//! | a format to a table of named rows, with the axes, units, wheels and axles that the file says | `points`, `map`, `chrono`, `assetto_in`, `hub_face`, `source`, into `table` |
+//! | a format to a table of named rows, with the axes, units, wheels and axles that the file says | `points`, `map`, `chrono`, `chrono_vehicle`, `assetto_in`, `assetto_axle`, `hub_face`, `source`, into `table` |
 //! | names to roles | `names`, `roles` |
 //! | choice of axle and wheel | `corner` |
 //! | unit and figures | `unit`, `figure_names`, `figures` |
 //! | axes and side, and the half track | `axes`, `place`, `optimum` |
 //! | completeness, bodies, what is left out | `complete`, `seats` |
-//! | a study that runs | `compose` |
+//! | a study that runs, or those of a car | `compose`, `car` |
 //!
 //! An export goes the other way: [`Outgoing`] is a study in the unit and the axes of a file (after `rounding`), from which
 //! `export` (tables), `curve_columns`, `subsystem`, `optimum_table`, `suspensions_ini`, `centre_lines` and `envelope` write.
@@ -21,11 +21,14 @@
 //! and signs, no more. A wheel at the origin is moved out by its half track.
 
 mod adams;
+mod assetto_axle;
 mod assetto_in;
 mod axes;
+mod car;
 mod cell;
 mod centre_lines;
 mod chrono;
+mod chrono_vehicle;
 mod complete;
 mod compose;
 mod corner;
@@ -60,6 +63,7 @@ mod workbook;
 mod yaml;
 
 pub use axes::{Axes, Way};
+pub use car::{CAR_FILES, ImportedCar, import_car};
 pub use centre_lines::drawing;
 pub use curve_columns::{Tool, curves_in, under_names_of, unit_of_column};
 pub use envelope::{Envelope, Span, Tyre};

@@ -357,6 +357,7 @@ mod tests {
             side: None,
             axle: None,
             half_track: None,
+            radius: None,
             names: &none,
             bodies: &none,
         };

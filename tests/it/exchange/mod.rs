@@ -43,6 +43,7 @@ fn imported(path: &Path, topology: &str, said: &Said) -> Result<Imported, String
         side: said.side,
         axle: said.axle,
         half_track: said.half_track,
+        radius: None,
         names: &said.names,
         bodies: &said.bodies,
     };

@@ -53,6 +53,9 @@ impl<T: Real> Dual<T, 3> {
 }
 
 impl<T: Real, const N: usize> Dual<T, N> {
+    /// Arithmetic is done in calls if true.
+    const IS_LONG: bool = N > 4 && !T::IN_REGISTERS;
+
     #[inline]
     fn plus(self, other: Self) -> Self {
         let mut partials = self.partials;
@@ -150,7 +153,7 @@ macro_rules! operator {
             #[inline(always)]
             fn $method(self, other: Self) -> Self {
                 let number = self;
-                perform!($operation(number, other) if T::IS_LARGE)
+                perform!($operation(number, other) if T::IS_LARGE || Self::IS_LONG)
             }
         }
     };

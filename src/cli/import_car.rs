@@ -84,17 +84,14 @@ fn write(directory: &Path, car: &ImportedCar, force: bool) -> Result<(), Stop> {
     std::fs::create_dir_all(directory).map_err(|error| {
         Stop::wrong_input(format!("cannot create {}: {error}", directory.display()))
     })?;
-    results::undivided(|| {
+    let written = results::undivided(|| -> std::io::Result<()> {
         for (path, text) in paths.iter().zip(&car.files) {
             results::put(path, text.as_bytes())?;
         }
         Ok(())
-    })
-    .map_err(|error| {
-        Stop::wrong_input(format!(
-            "cannot write into {}: {error}",
-            directory.display()
-        ))
+    });
+    written.map_err(|error| {
+        Stop::wrong_input(format!("cannot write into {}: {error}", directory.display()))
     })
 }
 

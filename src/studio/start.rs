@@ -102,6 +102,7 @@ fn imported(
         side: side.transpose()?,
         axle: None,
         half_track: request.half_track,
+        radius: None,
         names: &BTreeMap::new(),
         bodies: &BTreeMap::new(),
     };

@@ -55,6 +55,9 @@ pub(super) struct ImportArguments {
     /// Body that an end of a spring or rod sits on, as in drop_link_outer=rocker; may be given more than once
     #[arg(long, value_name = "HARDPOINT=BODY", value_parser = body)]
     body: Vec<(String, String)>,
+    /// Write the bushings of an Adams/Car subsystem, for `hardpoint kc`
+    #[arg(long, conflicts_with = "car")]
+    bushings: bool,
     /// Sheet of a workbook [default: the one with points]
     #[arg(long, value_name = "NAME")]
     sheet: Option<String>,
@@ -236,6 +239,7 @@ pub(super) fn run(arguments: &ImportArguments) -> Result<Exit, Stop> {
             axle: said.axle,
             half_track: said.half_track,
             radius: arguments.radius.first().copied(),
+            bushings: arguments.bushings,
             names: &names,
             bodies: &bodies,
         };

@@ -58,6 +58,7 @@ pub(super) fn run(
                 axle: Some(axle),
                 half_track: None,
                 radius: of_axle(&arguments.radius, end),
+                bushings: false,
                 names: &none,
                 bodies: &none,
             })
@@ -91,7 +92,10 @@ fn write(directory: &Path, car: &ImportedCar, force: bool) -> Result<(), Stop> {
         Ok(())
     });
     written.map_err(|error| {
-        Stop::wrong_input(format!("cannot write into {}: {error}", directory.display()))
+        Stop::wrong_input(format!(
+            "cannot write into {}: {error}",
+            directory.display()
+        ))
     })
 }
 

@@ -318,7 +318,8 @@ fn on_link(root: &Node, part: &str, topology: &str, upper: [f64; 3], lower: [f64
         return reason;
     }
     let shown = |point: [f64; 3]| {
-        let [x, y, z] = point;
+        // Rounded to 0, without the sign of a negative one.
+        let [x, y, z] = point.map(|number| (number * 1e4).round() / 1e4 + 0.0);
         format!("[{x:.4}, {y:.4}, {z:.4}]")
     };
     let top: [f64; 3] = std::array::from_fn(|k| outer[k] + spring[k]);

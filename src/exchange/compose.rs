@@ -1,5 +1,6 @@
 //! Text of the study of an imported wheel or axle; it runs.
 
+use super::bushings;
 use super::import::Imported;
 use super::seats::Seat;
 use crate::model::{AxlePosition, LengthUnit};
@@ -63,10 +64,14 @@ impl Imported {
     ///
     /// The faults of the suspension that the points make, in words.
     pub fn study(&self, name: &str, origin: &str) -> Result<String, String> {
-        match self.topology.carries_both_wheels() {
+        let text = match self.topology.carries_both_wheels() {
             true => self.running(name, origin, Part::Solid),
             false => self.running(name, origin, Part::Wheel),
-        }
+        }?;
+        let text = text + &bushings::sections(&self.bushings, self.unit);
+        let study = Study::from_text(name, &text, Path::new(""));
+        study.map_err(|errors| errors.render(false))?;
+        Ok(text)
     }
 
     /// The text of a study of both wheels. `right` is the right wheel of the same file.

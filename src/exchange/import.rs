@@ -2,6 +2,7 @@
 //! said; doubts are refused with the flag that settles them.
 
 use super::axes::Axes;
+use super::bushings::{self, Bushing};
 use super::complete;
 use super::corner::{self, Corner, Named, Picked};
 use super::figure_names::{FigureKind, figure};
@@ -34,6 +35,8 @@ pub struct ImportOptions<'a> {
     pub half_track: Option<f64>,
     /// The loaded radius, in the file's unit.
     pub radius: Option<f64>,
+    /// Whether bushings of the file are taken.
+    pub bushings: bool,
     /// Names in the file by hardpoint, where the table of usual names is not enough.
     pub names: &'a BTreeMap<String, String>,
     /// Bodies by hardpoint, where the file does not say on which body an end sits.
@@ -84,6 +87,8 @@ pub struct Imported {
     pub axle: Option<AxlePosition>,
     /// Figures for the study of a car.
     pub(super) figures: AxleFigures,
+    /// Bushings by hardpoint.
+    pub(super) bushings: Vec<Bushing>,
     /// Bodies of ends of springs and rods.
     pub(super) seats: Vec<Seat>,
     /// Notes on readings, guesses and assumptions.
@@ -170,11 +175,13 @@ pub fn import(table: &PointTable, options: &ImportOptions<'_>) -> Result<Importe
         track: figures.track,
         axle: corner.axle,
         figures: axle_figures(table, corner.axle),
+        bushings: Vec::new(),
         seats: Vec::new(),
         notes,
         left_out,
     };
     angles(&figures, &mut imported);
+    bushings::take(table, options, &mut imported);
     imported.seats = seats::of(&imported, options.bodies)?;
     imported.notes.extend(seats::notes(&imported.seats));
     Ok(imported)

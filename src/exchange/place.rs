@@ -358,6 +358,7 @@ mod tests {
             axle: None,
             half_track: None,
             radius: None,
+            bushings: false,
             names: &none,
             bodies: &none,
         };

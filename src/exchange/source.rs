@@ -5,8 +5,8 @@ use super::adams::{self, Symmetry};
 use super::axes::{Axes, Declared};
 use super::refusal::Refusal;
 use super::table::{Figure, Marks, NamedPoint, PointTable};
-use super::{assetto_in, chrono_vehicle, delimited, map, points, sheets, yaml};
-use crate::model::{AxlePosition, FrameConvention, Side};
+use super::{adams_bushings, assetto_in, chrono_vehicle, delimited, map, points, sheets, yaml};
+use crate::model::{AxlePosition, FrameConvention, LengthUnit, Side};
 use crate::study::read_bytes;
 use std::path::Path;
 
@@ -43,7 +43,7 @@ fn of_plain_file(path: &Path, bytes: &[u8]) -> Result<PointTable, String> {
     }
     let text = decoded(bytes)?;
     if adams::is_subsystem(&text) {
-        return of_subsystem(&text);
+        return of_subsystem(path, &text);
     }
     if assetto_in::is_ini(path, &text) {
         return assetto_in::points_of(path, &text);
@@ -95,11 +95,13 @@ pub(super) fn decoded(bytes: &[u8]) -> Result<String, String> {
     }
 }
 
-fn of_subsystem(text: &str) -> Result<PointTable, String> {
+fn of_subsystem(path: &Path, text: &str) -> Result<PointTable, String> {
     let subsystem = adams::read(text)?;
+    let unit = subsystem.length.unwrap_or(LengthUnit::Millimetre);
     let mut table = PointTable {
         unit: subsystem.length,
         declared: Declared::whole(Axes::of(FrameConvention::XRear)),
+        bushings: adams_bushings::of_subsystem(path, text, unit),
         ..PointTable::default()
     };
     if let Some(template) = &subsystem.template {

@@ -1,5 +1,6 @@
 //! Named rows of a file: the result of every format's reader, and the input of all later steps.
 
+use super::adams_bushings::AdamsBushing;
 use super::axes::Declared;
 use super::refusal::{Question, Refusal};
 use super::roles;
@@ -129,6 +130,8 @@ pub struct PointTable {
     pub(super) kinds: Vec<(Option<AxlePosition>, Kind)>,
     /// Figures of the car, if the file describes one.
     pub(super) car: Option<CarFigures>,
+    /// Bushings of an Adams/Car subsystem.
+    pub(super) bushings: Vec<AdamsBushing>,
     /// Notes for the user on the reading.
     pub(super) notes: Vec<String>,
     /// Parts that are not used, with the reason.

@@ -103,6 +103,7 @@ fn imported(
         axle: None,
         half_track: request.half_track,
         radius: None,
+        bushings: false,
         names: &BTreeMap::new(),
         bodies: &BTreeMap::new(),
     };

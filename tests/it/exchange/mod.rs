@@ -2,6 +2,7 @@
 
 mod axes;
 mod cad;
+mod cars;
 mod commands;
 mod export_commands;
 mod exports;
@@ -44,6 +45,7 @@ fn imported(path: &Path, topology: &str, said: &Said) -> Result<Imported, String
         axle: said.axle,
         half_track: said.half_track,
         radius: None,
+        bushings: false,
         names: &said.names,
         bodies: &said.bodies,
     };

@@ -7,10 +7,11 @@ use super::save::save;
 use super::terminal::note;
 use crate::exchange::{
     Envelope, Page, Span, Tool, Tyre, Value, Written, bytes_of, csv, curves_in, drawing,
-    into_subsystem, optimum_k_rows, point_rows, subsystem, suspensions_ini, under_names_of,
-    workbook,
+    into_subsystem, optimum_k_rows, point_rows, subsystem, suspensions_ini, suspensions_ini_of_car,
+    under_names_of, workbook,
 };
 use crate::model::{FrameConvention, LengthUnit};
+use crate::study::CarStudy;
 use clap::{Args, ValueEnum};
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -129,6 +130,9 @@ fn span(text: &str) -> Result<Span, String> {
 
 pub(super) fn run(arguments: &ExportArguments) -> Result<Exit, Stop> {
     check_call(arguments)?;
+    if CarStudy::is_at(&arguments.source) {
+        return of_car(arguments);
+    }
     let source = Source::read(arguments)?;
     let bytes = match arguments.to {
         Target::Csv if arguments.curves || arguments.names.is_some() => curves(&source, arguments)?,
@@ -146,6 +150,28 @@ pub(super) fn run(arguments: &ExportArguments) -> Result<Exit, Stop> {
     match &arguments.out {
         None => std::io::stdout().write_all(&bytes)?,
         Some(out) => save(out, &bytes, arguments.force, &inputs(&source, arguments))?,
+    }
+    Ok(Exit::Done)
+}
+
+/// Both axles of a car, for a format that holds a car.
+fn of_car(arguments: &ExportArguments) -> Result<Exit, Stop> {
+    let refused = |reason: String| Stop::in_file(&arguments.source, reason);
+    if arguments.to != Target::Assetto {
+        return Err(refused(
+            "a car goes to Assetto Corsa only (--to assetto); export the studies of its axles, which [car] names".to_owned(),
+        ));
+    }
+    if arguments.round.is_some() || arguments.design.is_some() {
+        return Err(Stop::wrong_input(
+            "--round and --design are for the studies of the axles",
+        ));
+    }
+    let study = CarStudy::read(&arguments.source, &arguments.set)?;
+    let bytes = say(suspensions_ini_of_car(&study).map_err(refused)?);
+    match &arguments.out {
+        None => std::io::stdout().write_all(&bytes)?,
+        Some(out) => save(out, &bytes, arguments.force, &study.inputs)?,
     }
     Ok(Exit::Done)
 }

@@ -47,7 +47,9 @@ pub use crate::curves::Influence;
 pub use accuracy::remarks;
 pub use axle_record::SolvedAxle;
 pub use bands::BandRecord;
-pub use benchmarks::{accuracy_picture, accuracy_table, effects_table, throughput_table};
+pub use benchmarks::{
+    accuracy_picture, accuracy_summary, accuracy_table, effects_table, throughput_table,
+};
 pub use car::{CarResults, CarState, car_with_axles, optimised_car};
 pub use choices::{FrontPoint, FrontRecord, PriceRecord, front_csv, front_remarks, front_table};
 pub use comparison::{

@@ -48,7 +48,7 @@ pub use car::{CarOptimise, CarStudy, GgMap, edited};
 pub use compliance::ComplianceStudy;
 pub use designs_file::DesignTable;
 pub use hardpoint_study_file::error::{StudyError, StudyErrors};
-pub(crate) use hardpoint_study_file::names::nearest;
+pub use hardpoint_study_file::names::nearest;
 pub use hardpoint_study_file::source::{
     LONGEST_TABLE, LONGEST_TEXT, read_bytes, read_regular_text, read_text,
 };

@@ -32,7 +32,6 @@ mod studio;
 mod sweep;
 mod terminal;
 mod tolerance;
-mod tune_elastic;
 mod yields;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};

@@ -2,6 +2,7 @@
 
 use super::build::Built;
 use super::definition::{Compliance, Relaxed};
+use super::fault::{ElasticFault, Motion, NoEquilibrium};
 use super::loads::WheelLoads;
 use super::preload::NoPreload;
 use super::reading::WheelGeometry;
@@ -37,52 +38,6 @@ pub enum Change<T = f64> {
     Travel,
     /// Displacement of the rack along the kernel's +y.
     Rack,
-}
-
-/// Reason why a suspension has no elastic model.
-#[derive(Clone, Debug, PartialEq)]
-pub enum ElasticFault {
-    /// Nothing holds a motion: the part, and the direction in which it is free.
-    Loose {
-        /// Name of the part.
-        part: String,
-        /// The motion.
-        motion: Motion,
-    },
-    /// The forces at the design load cannot be found: nothing holds a motion without torsion.
-    NoBalance {
-        /// Name of the part.
-        part: String,
-    },
-    /// The law of a bushing does not reach the force that it has at the design load.
-    OutOfReach {
-        /// Number of the bushing.
-        bushing: usize,
-        /// Axis, 0 to 2.
-        axis: usize,
-    },
-    /// The spring has no leverage on the wheel, or there is none.
-    NoLeverage,
-}
-
-/// A motion of a part.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Motion {
-    /// A turn about an axis of the vehicle.
-    Turn(Axis),
-    /// A shift along an axis of the vehicle.
-    Shift(Axis),
-}
-
-/// Reason why there is no equilibrium.
-#[derive(Clone, Debug, PartialEq)]
-pub struct NoEquilibrium {
-    /// Share of the way that was reached, 0 to 1.
-    pub share: f64,
-    /// True if an equilibrium was found at the end of the way, but not a stable one.
-    pub is_unstable: bool,
-    /// The part that gives way, and how.
-    pub softest: Option<(String, Motion)>,
 }
 
 /// An equilibrium.

@@ -9,8 +9,8 @@ use super::suspension::{above_zero, positive, three};
 use super::value::{Number, Text};
 use crate::axle::ForceCurve;
 use crate::compliance::{
-    AxialStiffness, BushingPart, Compliance, ElasticFault, ElasticWheel, HeldQuantity, KcTest,
-    LinkMember, LinkPart, Motion, Relaxed, Shape, TestLoad, bushing_points, link_members,
+    AxialStiffness, BushingPart, Compliance, ElasticWheel, HeldQuantity, KcTest, LinkMember,
+    LinkPart, Relaxed, Shape, TestLoad, bushing_points, link_members,
 };
 use crate::model::{Body, Constraint, PointId, Suspension};
 use crate::number::Vector3;
@@ -119,7 +119,7 @@ pub(super) fn compliance(
             tyre_rate: tyre_rate?,
         })),
         Err(fault) => {
-            let message = described(&fault, &parts, suspension);
+            let message = fault.describe(&parts, suspension);
             problems.refuse(section.span(), &message)
         }
     }
@@ -577,32 +577,4 @@ fn test(
         problems,
     )?;
     Some(test)
-}
-
-/// A fault of the elastic wheel in words.
-fn described(fault: &ElasticFault, parts: &Compliance, suspension: &Suspension) -> String {
-    let motion = |motion: &Motion| match motion {
-        Motion::Turn(axis) => format!("turns freely about a line near {}", axis.name()),
-        Motion::Shift(axis) => format!("moves freely along {}", axis.name()),
-    };
-    match fault {
-        ElasticFault::Loose { part, motion: how } => format!(
-            "{part} {}: expected stiffness about or along that direction in its bushings",
-            motion(how)
-        ),
-        ElasticFault::NoBalance { part } => format!(
-            "the forces at the design load cannot be found: without torsion nothing holds {part}"
-        ),
-        ElasticFault::OutOfReach { bushing, axis } => {
-            let point = parts.bushings[*bushing].point;
-            format!(
-                "the curve along {} of {} does not reach its force at the design load",
-                ["x", "y", "z"][*axis],
-                suspension.mechanism.name(point)
-            )
-        }
-        ElasticFault::NoLeverage => {
-            "the spring's force has no leverage on the wheel in the design position".to_owned()
-        }
-    }
 }

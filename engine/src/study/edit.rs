@@ -98,7 +98,7 @@ impl Study {
     }
 
     /// The text with the rates of elastic parts of another study, where they differ.
-    fn with_rates_of(&self, text: String, moved: &Study) -> String {
+    pub fn with_rates_of(&self, text: String, moved: &Study) -> String {
         let (Some(elastic), Some(new)) = (self.compliance(), moved.compliance()) else {
             return text;
         };

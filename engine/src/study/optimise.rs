@@ -1,7 +1,7 @@
 //! `[optimise]`: what may move, and how.
 
 use super::constraints::constraints;
-use super::elastic_targets;
+use super::elastic_targets::{self, RateKeys};
 use super::error::Problems;
 use super::file;
 use super::motion::within;
@@ -269,19 +269,24 @@ fn variable(
 ) -> Option<Variable> {
     let suspension = context.suspension;
     let written = variable.get_ref();
-    if written.bushing.is_some() || written.link.is_some() {
+    let named = RateKeys {
+        place: variable.span(),
+        bushing: &written.bushing,
+        link: &written.link,
+        stiffness: &written.stiffness,
+        relative: &written.relative,
+        others: &[
+            written.hardpoint.as_ref().map(Spanned::span),
+            written.hardpoints.as_ref().map(Spanned::span),
+            written.rigid.as_ref().map(Spanned::span),
+            written.axis.as_ref().map(Spanned::span),
+            written.direction.as_ref().map(Spanned::span),
+            written.factors.as_ref().map(Spanned::span),
+        ],
+    };
+    if named.is_given(problems)? {
         let cost = cost(written, problems);
-        return elastic_targets::rate(variable, context, cost, problems);
-    }
-    let of_rates = [
-        ("stiffness", written.stiffness.as_ref().map(Spanned::span)),
-        ("relative", written.relative.as_ref().map(Spanned::span)),
-    ];
-    for (key, span) in of_rates {
-        if let Some(span) = span {
-            let message = format!("{key} needs bushing or link: the part whose rate varies");
-            return problems.refuse(span, message);
-        }
+        return elastic_targets::rate(variable, &named, context, cost, problems);
     }
     let missing = |key: &str, problems: &mut Problems| {
         problems.add(variable.span(), format!("the key \"{key}\" is missing"));

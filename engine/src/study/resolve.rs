@@ -86,7 +86,11 @@ impl Study {
     /// The study with edits `path=value`, as `--set` makes them; `name` is the file name it goes by.
     pub fn with_overrides(&self, name: &str, overrides: &[String]) -> Result<Study, StudyErrors> {
         let text = overrides::apply(name, &self.text, overrides)?;
-        Study::from_text(name, &text, Path::new(""))
+        let parts = match self.compliance() {
+            Some(_) => Parts::Elastic,
+            None => Parts::Rigid,
+        };
+        resolve(Path::new(name), name.to_owned(), text, Path::new(""), parts)
     }
 
     /// Reads a study from its text. `name` is the file name it goes by, `directory` where the files it
@@ -213,7 +217,12 @@ fn resolve(
     solver::refuse_accuracy(&file, &mut problems);
     let outputs = match of_axle {
         true => Some(Outputs::of(Vec::new())),
-        false => outputs::outputs(&file, &suspension, &mut problems),
+        // What is wrong with the elastic parts is said already.
+        false if elastic.is_none() => None,
+        false => {
+            let elastic = elastic.as_ref().and_then(Option::as_ref);
+            outputs::outputs(&file, &suspension, elastic, &mut problems)
+        }
     };
     if let (Some(formulation), Some(outputs)) = (formulation, &outputs) {
         solver::check_outputs(&file, formulation, motion.as_ref(), outputs, &mut problems);

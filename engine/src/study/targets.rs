@@ -10,7 +10,8 @@ use super::resolve::{Context, each, some};
 use super::subject::{site, subject};
 use super::suspension::above_zero;
 use super::value::{LimitText, Number};
-use super::{Interpolation, Limit, Motion, Site, Subject, Target, Wanted};
+use super::{About, Interpolation, Limit, Motion, Site, Subject, Target, Wanted};
+use crate::compliance::KcValue;
 use std::ops::Range as Span;
 use toml::Spanned;
 
@@ -117,7 +118,9 @@ fn target(
             problems.refuse(at.span.clone(), "at needs value: the target value there")
         }
         // A figure is of the design height, if no travel is given.
-        (None, None, None, Some(value), false) if written.figure.is_some() => {
+        (None, None, None, Some(value), false)
+            if matches!(of.about, About::Elastic(KcValue::Figure { .. })) =>
+        {
             let value = of.from_printed(value.value);
             Some(Wanted::At { drive: 0.0, value })
         }

@@ -65,7 +65,9 @@ impl Source {
             return Err(Stop::in_file(path, message));
         }
         if study.compliance().is_some() && arguments.to != Target::Csv {
-            note("Elastic parts are not exported: the file has the hardpoints of the relaxed position.\n");
+            note(
+                "Elastic parts are not exported: the file has the hardpoints of the relaxed position.\n",
+            );
         }
         // Studies that `check` refuses are not exported.
         Checked::of(&motion_alone(study)).map_err(|why| Stop::in_file(path, why))?;

@@ -1,16 +1,28 @@
 //! `hardpoint kc`
 
-use super::RunArguments;
 use super::exit::{Exit, Stop};
 use super::output::Output;
 use super::terminal;
+use super::{KcArguments, Names};
 use crate::compliance::{Compliance, ElasticFault, KcRun, KcTest};
-use crate::report::{KcResults, counted};
+use crate::report::{KcResults, OtherProgram, counted};
 use crate::study::{ComplianceStudy, Drive, Study};
 use serde_json::json;
 use std::path::Path;
 
-pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
+pub(super) fn run(arguments: &KcArguments) -> Result<Exit, Stop> {
+    let other = match arguments.names {
+        None => None,
+        Some(Names::Adams) => Some(OtherProgram::Adams),
+        Some(Names::Altair) => Some(OtherProgram::Altair),
+        Some(Names::Spmm) => {
+            return Err(Stop::wrong_input(
+                "--names spmm is not available: no published definition of these sheets gives all signs, and sheets differ \
+                 in the sign of toe and side force. kc.csv has our signs (docs/compliance.md)",
+            ));
+        }
+    };
+    let arguments = &arguments.run;
     let path = &arguments.study.study;
     let study = Study::read_elastic(path, &arguments.study.set)?;
     if study.axle().is_some() {
@@ -29,7 +41,10 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     let fault = |fault: ElasticFault| {
         Stop::in_file(path, format!("the design position is singular: {fault:?}"))
     };
-    let results = results(&study, &elastic).map_err(fault)?;
+    let results = KcResults {
+        other,
+        ..results(&study, &elastic).map_err(fault)?
+    };
     let mut files = vec!["kc.csv"];
     output.main_csv("kc.csv", &results.kc_csv())?;
     files.extend(output.file_if_any("levels.csv", results.levels_csv())?);
@@ -92,6 +107,7 @@ pub(super) fn results<'s>(
             .map(|part| mechanism.name(part.point).to_owned())
             .collect(),
         links: elastic.link_names.clone(),
+        other: None,
         stations: run.run(&study.motion().values, &study.motion().rack, &elastic.tests),
     })
 }

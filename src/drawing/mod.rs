@@ -41,7 +41,10 @@ impl Record {
 
 /// Takes instantaneous centres out of drawings: they are of the rigid mechanism.
 fn leave_out_centres(frames: &mut [Frame]) {
-    for placed in frames.iter_mut().filter_map(|frame| frame.pose.as_mut().ok()) {
+    for placed in frames
+        .iter_mut()
+        .filter_map(|frame| frame.pose.as_mut().ok())
+    {
         placed.roll_centre = None;
         placed.front_view_centre = None;
         placed.side_view_centre = None;

@@ -292,7 +292,7 @@ pub struct Bushing {
     pub preload: Option<Spanned<Vec<Number>>>,
     /// Factors of the laws, six numbers if they are right.
     pub scale: Option<Spanned<Vec<Number>>>,
-    /// A file with the laws; refused with an explanation.
+    /// A bushing property file with the laws.
     pub file: Option<Text>,
 }
 

@@ -1,9 +1,9 @@
 //! The inputs of an elastic suspension, and the suspension on a tape that has some of them.
 
 use super::definition::{AxialStiffness, Compliance};
+use super::fault::ElasticFault;
 use super::law::Shape;
 use super::system::Hold;
-use super::fault::ElasticFault;
 use super::wheel::{ElasticWheel, Equilibrium, HeldQuantity};
 use crate::axle::Law;
 use crate::model::{Axis, PointId, Suspension};

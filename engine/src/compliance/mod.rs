@@ -46,6 +46,4 @@ pub use kc::{
 pub use law::Shape;
 pub use loads::WheelLoads;
 pub use reading::WheelFigures;
-pub use wheel::{
-    BushingReading, Change, ElasticWheel, Equilibrium, HeldQuantity, SpringReading,
-};
+pub use wheel::{BushingReading, Change, ElasticWheel, Equilibrium, HeldQuantity, SpringReading};

@@ -115,14 +115,16 @@ pub(super) fn elastic_curves(
             for (column, by) in gradients {
                 let factor = curves.columns[column].factor();
                 let slopes = inputs.iter().zip(by);
-                curves.sensitivities.extend(slopes.map(|((point, axis), by)| Sensitivity {
-                    station,
-                    column,
-                    side: None,
-                    point: *point,
-                    axis: *axis,
-                    value: by * factor * suspension.frame.sign(*axis),
-                }));
+                curves
+                    .sensitivities
+                    .extend(slopes.map(|((point, axis), by)| Sensitivity {
+                        station,
+                        column,
+                        side: None,
+                        point: *point,
+                        axis: *axis,
+                        value: by * factor * suspension.frame.sign(*axis),
+                    }));
             }
             curves.stations.push(Station {
                 at: place(plan, number, *travel, *rack),

@@ -43,7 +43,11 @@ impl ElasticQuantities {
             let is_figure = matches!(reads[value].value, KcValue::Figure { .. });
             !is_figure || station == stations.design() || further.contains(&[value, station])
         };
-        let at_station = |station| (0..reads.len()).filter(|value| is_read(*value, station)).collect();
+        let at_station = |station| {
+            (0..reads.len())
+                .filter(|value| is_read(*value, station))
+                .collect()
+        };
         let at_stations = (0..stations.count()).map(at_station).collect();
         ElasticQuantities {
             suspension: own.suspension.clone(),
@@ -106,8 +110,17 @@ impl SolvesOneByOne for ElasticOneByOne<'_> {
             }
             let (suspension, parts) = (&self.of.suspension, &self.elastic.parts);
             match KcRun::of(suspension, design, parts, self.elastic.tyre_rate) {
-                Ok(run) => read(self.of, self.stations, &run, number, &mut self.wanted, block),
-                Err(fault) => block.faults.push((number, fault.of_design(parts, suspension))),
+                Ok(run) => read(
+                    self.of,
+                    self.stations,
+                    &run,
+                    number,
+                    &mut self.wanted,
+                    block,
+                ),
+                Err(fault) => block
+                    .faults
+                    .push((number, fault.of_design(parts, suspension))),
             }
         }
     }

@@ -41,7 +41,9 @@ pub enum NoPose {
     #[error("both poses are proved, but not the uniqueness of the ground position")]
     Unproven,
     /// Elastic parts hold no equilibrium.
-    #[error("no equilibrium: the wheel holds {share:.6} of the way from the design position; `hardpoint kc` names the part that gives way")]
+    #[error(
+        "no equilibrium: the wheel holds {share:.6} of the way from the design position; `hardpoint kc` names the part that gives way"
+    )]
     NoEquilibrium {
         /// Share of the way that was reached.
         share: f64,

@@ -10,9 +10,7 @@ use crate::compliance::{Compliance, KcRun, KcValue, Parameter};
 use crate::evaluate::place_of;
 use crate::model::{Axis, PointId, Suspension};
 use crate::number::Tape;
-use crate::study::{
-    About, ComplianceStudy, Limited, Motion, Optimise, Site, Variable, WheelStudy,
-};
+use crate::study::{About, ComplianceStudy, Limited, Motion, Optimise, Site, Variable, WheelStudy};
 
 /// A limit on a value at a station.
 #[derive(Clone, Debug)]

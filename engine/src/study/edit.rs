@@ -1,5 +1,6 @@
 //! Studies written back: edits of the text, so that comments and layout stay.
 
+use super::compliance::BushingText;
 use super::targets::WrittenCurve;
 use super::{AxleStudy, ComplianceStudy, Designs, Study};
 use crate::compliance::{AxialStiffness, Shape};
@@ -304,6 +305,33 @@ pub(super) fn with_curves_inside(text: &str, curves: &[(usize, WrittenCurve)]) -
             target.remove("file");
             target.remove("column");
             target.insert("points", Item::Value(points.into()));
+        }
+    }
+    document.to_string()
+}
+
+/// The text with the laws of bushings written out in place of their files.
+pub(super) fn with_bushings_inside(text: String, bushings: &[BushingText]) -> String {
+    if bushings.is_empty() {
+        return text;
+    }
+    let Ok(mut document) = text.parse::<DocumentMut>() else {
+        return text;
+    };
+    for bushing in bushings {
+        let Some(table) = table(document.as_table_mut(), &["bushings", &bushing.name]) else {
+            continue;
+        };
+        table.remove("file");
+        if bushing.curves.len() < 6 {
+            let none = Array::from_iter([0.0; 6]);
+            table.insert("stiffness", Item::Value(none.into()));
+        }
+        for (key, points) in &bushing.curves {
+            let points = points
+                .iter()
+                .map(|point| Value::from(Array::from_iter(*point)));
+            table.insert(key, Item::Value(points.collect::<Array>().into()));
         }
     }
     document.to_string()

@@ -192,16 +192,35 @@ pub(super) fn subject(
 
 /// Refuses outputs that an equilibrium does not have.
 pub(super) fn refuse_in_outputs(section: &file::Outputs, problems: &mut Problems) -> Option<()> {
-    let is_on = |said: &Option<Spanned<bool>>| said.as_ref().filter(|s| *s.get_ref()).map(Spanned::span);
-    let order = section.order.as_ref().filter(|o| o.get_ref() == "acceleration");
+    let is_on =
+        |said: &Option<Spanned<bool>>| said.as_ref().filter(|s| *s.get_ref()).map(Spanned::span);
+    let order = section
+        .order
+        .as_ref()
+        .filter(|o| o.get_ref() == "acceleration");
     let points = section.points.first().map(Text::span);
     let loads = section.loads.as_ref().map(Spanned::span);
     let places = [
-        (points, "points are of the rigid mechanism; with [compliance] levels.csv of `hardpoint kc` has wheel centre and contact point"),
-        (is_on(&section.knuckle), "knuckle is of the rigid mechanism; with [compliance] it is not available"),
-        (is_on(&section.certify), "certify proves poses of the rigid mechanism; with [compliance] it is not available"),
-        (loads, "loads are carried by the rigid mechanism; with [compliance] levels.csv of `hardpoint kc` has the forces of all bushings and links"),
-        (order.map(Text::span), "with [compliance] expected order = \"position\" or \"velocity\""),
+        (
+            points,
+            "points are of the rigid mechanism; with [compliance] levels.csv of `hardpoint kc` has wheel centre and contact point",
+        ),
+        (
+            is_on(&section.knuckle),
+            "knuckle is of the rigid mechanism; with [compliance] it is not available",
+        ),
+        (
+            is_on(&section.certify),
+            "certify proves poses of the rigid mechanism; with [compliance] it is not available",
+        ),
+        (
+            loads,
+            "loads are carried by the rigid mechanism; with [compliance] levels.csv of `hardpoint kc` has the forces of all bushings and links",
+        ),
+        (
+            order.map(Text::span),
+            "with [compliance] expected order = \"position\" or \"velocity\"",
+        ),
     ];
     let mut found = places
         .into_iter()
@@ -296,7 +315,11 @@ pub(super) fn rate(
     let written = variable.get_ref();
     let (part, rate) = named.read(context, problems)?;
     let (design, is_relative) = (rate.design, rate.is_relative);
-    let kind = if written.link.is_some() { "link" } else { "bushing" };
+    let kind = if written.link.is_some() {
+        "link"
+    } else {
+        "bushing"
+    };
     let name = format!("{kind}:{part}");
     let Some(range) = &written.range else {
         return problems.refuse(variable.span(), "the key \"range\" is missing");
@@ -364,7 +387,11 @@ fn bushing_rate(
         let message = "this rate is 0 in the study, so there is nothing to vary";
         return problems.refuse(axis.span(), message);
     }
-    Some((name.get_ref().clone(), Parameter::Stiffness(number, k), design))
+    Some((
+        name.get_ref().clone(),
+        Parameter::Stiffness(number, k),
+        design,
+    ))
 }
 
 fn link_rate(name: &Text, elastic: &ComplianceStudy, problems: &mut Problems) -> Option<Found> {

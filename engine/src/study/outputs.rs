@@ -33,7 +33,10 @@ pub(super) fn outputs(
     let Some(section) = &file.outputs else {
         let steered = match elastic {
             // An equilibrium has the joints of the axis alone.
-            Some(_) => matches!(suspension.mechanism.steering_axis, Some(SteeringAxis::Through { .. })),
+            Some(_) => matches!(
+                suspension.mechanism.steering_axis,
+                Some(SteeringAxis::Through { .. })
+            ),
             None => suspension.mechanism.steering_axis.is_some(),
         };
         let possible = DEFAULT
@@ -44,15 +47,17 @@ pub(super) fn outputs(
     if elastic.is_some() {
         elastic_targets::refuse_in_outputs(section, problems)?;
     }
-    let named = distinct(&section.characteristics, problems, |text, problems| {
-        match elastic {
+    let named = distinct(
+        &section.characteristics,
+        problems,
+        |text, problems| match elastic {
             Some(elastic) => elastic_targets::quantity(text, elastic, suspension, problems),
             None => {
                 let found = characteristic(text, suspension, problems);
                 found.map(ElasticQuantity::Characteristic)
             }
-        }
-    });
+        },
+    );
     let points = points(section, suspension, problems);
     let order = order(section, problems);
     let sensitivities = sensitivities(section, suspension, problems);
@@ -63,7 +68,10 @@ pub(super) fn outputs(
         match named {
             ElasticQuantity::Characteristic(own) => {
                 if elastic.is_some() && order > Order::Position && own.info().reads_rates() {
-                    let message = format!("{} is a derivative by travel: with [compliance] expected order = \"position\"", text.get_ref());
+                    let message = format!(
+                        "{} is a derivative by travel: with [compliance] expected order = \"position\"",
+                        text.get_ref()
+                    );
                     return problems.refuse(text.span(), &message);
                 }
                 characteristics.push(own);

@@ -279,9 +279,15 @@ fn rate(
         let message = match law {
             Law::Normal { .. } => format!(
                 "at {LEAST_SIGMAS} standard deviations below nominal the rate is {least}: expected a smaller sigma{}",
-                if rate.is_relative { "" } else { ", or relative = true" }
+                if rate.is_relative {
+                    ""
+                } else {
+                    ", or relative = true"
+                }
             ),
-            Law::Uniform { .. } => format!("the lowest limit makes the rate {least}: expected a rate above 0"),
+            Law::Uniform { .. } => {
+                format!("the lowest limit makes the rate {least}: expected a rate above 0")
+            }
         };
         return problems.refuse(named.place.clone(), &message);
     }
@@ -422,8 +428,10 @@ fn band(spanned: &Spanned<file::Band>, context: &Context, problems: &mut Problem
             axle_targets::Where::from(written).refuse(true, problems);
             let name = &written.characteristic;
             let found = match context.elastic {
-                Some(elastic) => elastic_targets::quantity(name, elastic, context.suspension, problems)
-                    .map(|found| found.subject(length)),
+                Some(elastic) => {
+                    elastic_targets::quantity(name, elastic, context.suspension, problems)
+                        .map(|found| found.subject(length))
+                }
                 // What is wrong with the elastic parts is said already.
                 None if context.file.compliance.is_some() => None,
                 None => characteristic(name, context.suspension, problems)

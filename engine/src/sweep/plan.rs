@@ -7,8 +7,8 @@ use super::{BLOCKS_OF_PART, FORM, Samples, SweepRecord};
 use crate::ask::with_unit;
 use crate::axle::AxlePlan;
 use crate::characteristics::Quantity;
-use crate::curves::Column;
 use crate::compliance::{KcValue, Parameter};
+use crate::curves::Column;
 use crate::evaluate::{
     AxleStations, Block, ElasticQuantities, ElasticRead, Evaluator, NotInLanes, Request, Stations,
 };
@@ -17,8 +17,8 @@ use crate::model::Suspension;
 use crate::number::{Vector3, Width};
 use crate::plan::{Output, Plan};
 use crate::study::{
-    About, AxleSample, AxleStudy, ComplianceStudy, DesignTable, Designs, FileFormat, Optimise, Sample, Sampled, Sampling,
-    Study, StudyErrors, Sweep, Target, Vehicle, WheelStudy,
+    About, AxleSample, AxleStudy, ComplianceStudy, DesignTable, Designs, FileFormat, Optimise,
+    Sample, Sampled, Sampling, Study, StudyErrors, Sweep, Target, Vehicle, WheelStudy,
 };
 use std::borrow::Cow;
 use std::ops::{ControlFlow, Range};
@@ -130,7 +130,9 @@ impl<'s> SweepPlan<'s> {
                 wishes,
             });
         let figures = match &study.vehicle {
-            Vehicle::Wheel(own) => Plan::with_targets(own, study.optimise.as_ref()).figures.len(),
+            Vehicle::Wheel(own) => Plan::with_targets(own, study.optimise.as_ref())
+                .figures
+                .len(),
             Vehicle::Axle(_) => 0,
         };
         let mut plan = SweepPlan {
@@ -549,7 +551,9 @@ fn of_elastic<'s>(
         let quantity = reads.iter().position(|read| read.value == value);
         SweptWish {
             quantity: quantity.expect("the plan has the targets' quantities"),
-            station: stations.at(wanted.drive).expect("a station for each drive value"),
+            station: stations
+                .at(wanted.drive)
+                .expect("a station for each drive value"),
             wanted: *wanted,
         }
     };
@@ -558,9 +562,17 @@ fn of_elastic<'s>(
         .zip(wanted)
         .map(|(target, wanted)| wanted.iter().map(|w| wish(target, w)).collect())
         .collect();
-    let further: Vec<[usize; 2]> = wishes.iter().flatten().map(|w| [w.quantity, w.station]).collect();
+    let further: Vec<[usize; 2]> = wishes
+        .iter()
+        .flatten()
+        .map(|w| [w.quantity, w.station])
+        .collect();
     let quantities = ElasticQuantities::of(own, elastic, &stations, reads, &further, rates);
-    (Request::of_elastic(quantities, stations, columns), gains, wishes)
+    (
+        Request::of_elastic(quantities, stations, columns),
+        gains,
+        wishes,
+    )
 }
 
 /// Plans the sweep of an axle with the targets' wanted values.

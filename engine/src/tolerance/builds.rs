@@ -1,8 +1,8 @@
 //! Builds by number: drawn, put together, solved.
 
-use super::{Problem, elastic};
 use super::lanes::LaneBuilder;
 use super::workshop::Workshop;
+use super::{Problem, elastic};
 use crate::assembly::{Parts, Reject};
 use crate::evaluate::{BLOCK, Block, Evaluator, NotInLanes};
 use crate::mechanism::DesignFault;

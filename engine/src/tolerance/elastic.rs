@@ -22,7 +22,9 @@ use crate::threads::Interrupt;
 
 /// The rates that scatter, in the order of their sources.
 pub(super) fn rates(tolerance: &Tolerance) -> impl Iterator<Item = &Rate> {
-    tolerance.each_source().filter_map(|source| source.rate.as_ref())
+    tolerance
+        .each_source()
+        .filter_map(|source| source.rate.as_ref())
 }
 
 /// Appends the rates of a build, from the numbers drawn for it.
@@ -73,10 +75,19 @@ pub(super) fn problem<'a>(
             None if is_figure => vec![stations.design()],
             None => stations.of_motion().collect(),
         };
-        (places.into_iter().map(|station| [output, station]).collect(), band.between)
+        (
+            places
+                .into_iter()
+                .map(|station| [output, station])
+                .collect(),
+            band.between,
+        )
     };
     let bands: Vec<Banded> = tolerance.bands.iter().map(banded).collect();
-    let further: Vec<[usize; 2]> = bands.iter().flat_map(|(cells, _)| cells.iter().copied()).collect();
+    let further: Vec<[usize; 2]> = bands
+        .iter()
+        .flat_map(|(cells, _)| cells.iter().copied())
+        .collect();
     let wheel = WheelStudy {
         suspension: workshop.assembler.suspension().clone(),
         ..own.clone()
@@ -85,7 +96,13 @@ pub(super) fn problem<'a>(
         &wheel,
         elastic,
         &stations,
-        reads.iter().map(|value| ElasticRead { value: *value, slope: None }).collect(),
+        reads
+            .iter()
+            .map(|value| ElasticRead {
+                value: *value,
+                slope: None,
+            })
+            .collect(),
         &further,
         rates(tolerance).map(|rate| rate.parameter).collect(),
     );
@@ -134,24 +151,28 @@ pub(super) fn gradients(problem: &Problem, sources: &[&Source]) -> Result<Vec<f6
         let travel = stations.values()[stations.value_of(station)];
         let rack = stations.racks[stations.rack_of(station)] * suspension.frame.sign(Axis::Y);
         // A station without equilibrium has no derivatives.
-        let _: Result<(), _> = run.gradients([travel, rack], &wanted, &parameters, &mut tape, |found| {
-            if found.value.is_none() {
-                return;
-            }
-            let cell = problem.cell(numbers[found.number], station);
-            let (by_points, by_rates) = found.by.split_at(of_points);
-            let mut by_rates = by_rates.iter();
-            for (k, (source, moves)) in sources.iter().zip(&moves).enumerate() {
-                let along = |(way, by): (&Vector3<f64>, &[f64])| {
-                    way.x * by[0] + way.y * by[1] + way.z * by[2]
-                };
-                let mut slope: f64 = moves.iter().zip(by_points.chunks_exact(3)).map(along).sum();
-                if let Some(rate) = &source.rate {
-                    slope += by_rates.next().map_or(0.0, |by| by * rate.scattered(0.0)[1]);
+        let _: Result<(), _> =
+            run.gradients([travel, rack], &wanted, &parameters, &mut tape, |found| {
+                if found.value.is_none() {
+                    return;
                 }
-                gradient[cell * sources.len() + k] = slope;
-            }
-        });
+                let cell = problem.cell(numbers[found.number], station);
+                let (by_points, by_rates) = found.by.split_at(of_points);
+                let mut by_rates = by_rates.iter();
+                for (k, (source, moves)) in sources.iter().zip(&moves).enumerate() {
+                    let along = |(way, by): (&Vector3<f64>, &[f64])| {
+                        way.x * by[0] + way.y * by[1] + way.z * by[2]
+                    };
+                    let mut slope: f64 =
+                        moves.iter().zip(by_points.chunks_exact(3)).map(along).sum();
+                    if let Some(rate) = &source.rate {
+                        slope += by_rates
+                            .next()
+                            .map_or(0.0, |by| by * rate.scattered(0.0)[1]);
+                    }
+                    gradient[cell * sources.len() + k] = slope;
+                }
+            });
     }
     Ok(gradient)
 }

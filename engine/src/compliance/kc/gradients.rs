@@ -3,11 +3,11 @@
 use super::figures::{Figure, Read, Sheet};
 use super::test::{KcTest, TestLoad};
 use super::{KcRun, end_loads};
+use crate::characteristics::{Characteristic, Inputs};
 use crate::compliance::{
     Change, ElasticWheel, Equilibrium, HeldQuantity, NoEquilibrium, OnTape, Parameter, Tangent,
     WheelFigures, WheelLoads,
 };
-use crate::characteristics::{Characteristic, Inputs};
 use crate::model::Axis;
 use crate::number::{Jet, Scalar, Tape, Tracked};
 

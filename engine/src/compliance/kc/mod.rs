@@ -12,9 +12,9 @@ pub use gradients::{KcGradient, KcValue};
 pub use test::{KcTest, TestLoad, TestPlace};
 
 use super::definition::Compliance;
+use super::fault::{ElasticFault, NoEquilibrium};
 use super::loads::WheelLoads;
 use super::reading::WheelFigures;
-use super::fault::{ElasticFault, NoEquilibrium};
 use super::wheel::{BushingReading, ElasticWheel, Equilibrium, HeldQuantity, SpringReading};
 use crate::ask::Unit;
 use crate::model::{Axis, SteeringAxis, Suspension};

@@ -116,7 +116,8 @@ impl Reader<'_> {
             return problems.refuse(self.place.clone(), message);
         }
         // A figure is of the design height, if no motion is named.
-        let of_figure = |part: &Limited| matches!(part.of, Measure::Elastic(KcValue::Figure { .. }));
+        let of_figure =
+            |part: &Limited| matches!(part.of, Measure::Elastic(KcValue::Figure { .. }));
         let is_design = is_design || parts.iter().any(of_figure) && written.motion.is_none();
         let called = written.name.as_ref().map(|name| name.get_ref().clone());
         let name = called.unwrap_or(name);

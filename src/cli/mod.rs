@@ -298,6 +298,8 @@ enum BenchKind {
     Accuracy,
     /// Cost of each effect, alone and accumulated, relative to positions alone
     Effects,
+    /// Equilibria per second of a study with elastic parts, and a sheet of tests with derivatives
+    Equilibria,
 }
 
 /// Arguments of `hardpoint report`.

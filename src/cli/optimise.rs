@@ -12,6 +12,7 @@ use crate::report::{
     FrontRecord, PriceRecord, Record, TuningSummary, counted, history_csv, shown_side_effects,
     side_effects_table, unchanged_in_words, variable_plausibility,
 };
+use crate::rig::RigTests;
 use crate::side_effects::side_effects;
 use crate::solved::Solved;
 use crate::study::{CarStudy, Optimise, Study, StudyErrors};
@@ -240,12 +241,9 @@ pub(super) fn run(arguments: &OptimiseArguments) -> Result<Exit, Stop> {
 
 /// `kc.csv` of a tuned design with elastic parts; `None` for a rigid one.
 fn figures_of(tuned: &Study) -> Result<Option<Vec<u8>>, String> {
-    let Some(elastic) = tuned.compliance() else {
-        return Ok(None);
-    };
-    let found = super::kc::results(tuned, elastic);
-    let found = found.map_err(|fault| fault.describe(&elastic.parts, tuned.wheel()))?;
-    Ok(Some(found.kc_csv()))
+    let has_parts = tuned.compliance().is_some();
+    let tests = has_parts.then(|| RigTests::of(tuned, None)).transpose()?;
+    Ok(tests.map(|tests| tests.results.kc_csv()))
 }
 
 /// Writes the design that an interrupted tuning has reached, before anything is computed from it. Ends the process where

@@ -46,7 +46,9 @@ pub use crate::curves::Influence;
 pub use accuracy::remarks;
 pub use axle_record::SolvedAxle;
 pub use bands::BandRecord;
-pub use benchmarks::{accuracy_picture, accuracy_table, effects_table, throughput_table};
+pub use benchmarks::{
+    accuracy_picture, accuracy_table, effects_table, equilibria_table, throughput_table,
+};
 pub use car::{CarResults, CarState, car_with_axles, optimised_car};
 pub use choices::{FrontPoint, FrontRecord, PriceRecord, front_csv, front_remarks, front_table};
 pub use comparison::{

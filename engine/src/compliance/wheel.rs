@@ -201,6 +201,35 @@ impl<T: Scalar> ElasticWheel<T> {
 }
 
 impl ElasticWheel {
+    /// The largest force that is out of balance in a state, on the carrier or a part of the suspension. A moment counts by
+    /// its force at a lever of 300 mm. Infinite if the state has no equations.
+    pub fn out_of_balance(&self, at: &Equilibrium) -> f64 {
+        let Solution { state, task, .. } = &at.solution;
+        let Ok(equations) = self.built.system.equations(state, task, None) else {
+            return f64::INFINITY;
+        };
+        let lever = TURN_LEVER * self.bounds.millimetre;
+        let mut worst = 0.0;
+        // NaN is not in balance.
+        let mut note = |force: f64| worst = if force <= worst { worst } else { force };
+        for (k, force) in equations.residual[..6].iter().enumerate() {
+            let force = if k < 3 { *force } else { force / lever };
+            note(force.abs());
+        }
+        for (limb, forces) in self.built.system.limbs.iter().zip(&equations.inner) {
+            let shifts = match limb {
+                Limb::Floating(link) if link.inner.is_some() => 3,
+                Limb::Mount(_) => 1,
+                _ => 0,
+            };
+            for (k, force) in forces.iter().enumerate() {
+                let force = if k < shifts { *force } else { force / lever };
+                note(force.abs());
+            }
+        }
+        worst
+    }
+
     /// The equilibrium with the wheel centre at a height and without horizontal loads.
     pub fn at(&self, travel: f64, rack: f64) -> Result<Equilibrium, NoEquilibrium> {
         let (from, to) = (level_task(0.0, 0.0), level_task(travel, rack));

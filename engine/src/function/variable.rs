@@ -13,6 +13,9 @@ pub enum FunctionError {
         "DesignFunction does not support formulation = \"point_coordinates\" or drive = \"paper_theta\""
     )]
     Formulation,
+    /// The study has elastic parts, whose equilibria are no function of positions alone.
+    #[error("DesignFunction is of the rigid mechanism; the study has [compliance]")]
+    Elastic,
     /// The study asks for nothing that is a function of position.
     #[error("the study requests no characteristic and no point")]
     NoOutputs,

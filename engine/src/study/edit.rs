@@ -1,13 +1,14 @@
 //! Studies written back: edits of the text, so that comments and layout stay.
 
 use super::compliance::BushingText;
-use super::targets::WrittenCurve;
+use super::sheet_file::SheetTarget;
+use super::targets::FromFile;
 use super::{AxleStudy, ComplianceStudy, Designs, Study};
 use crate::compliance::{AxialStiffness, Shape};
 use crate::model::{Axis, Frame, Suspension};
 use crate::number::Vector3;
 use std::path::{Component, Path};
-use toml_edit::{Array, DocumentMut, Item, Table, TableLike, Value};
+use toml_edit::{Array, DocumentMut, InlineTable, Item, Table, TableLike, Value};
 
 impl Study {
     /// The study's text with the points of another design (kernel frame, by
@@ -292,22 +293,72 @@ fn replace(value: &mut Value, number: f64) {
 
 /// The text with target curves from files written out as points, so that it stands without them.
 /// `curves` are those read, by the place of their target.
-pub(super) fn with_curves_inside(text: &str, curves: &[(usize, WrittenCurve)]) -> String {
+pub(super) fn with_curves_inside(text: &str, files: &[(usize, FromFile)]) -> String {
     let Ok(mut document) = text.parse::<DocumentMut>() else {
         return text.to_owned();
     };
-    for (place, curve) in curves {
-        let points: Array = curve
-            .iter()
-            .map(|point| Value::from(Array::from_iter(*point)))
-            .collect();
-        if let Some(target) = target(document.as_table_mut(), *place) {
-            target.remove("file");
-            target.remove("column");
-            target.insert("points", Item::Value(points.into()));
+    // From the last on: the targets of a sheet move those behind.
+    for (place, file) in files.iter().rev() {
+        match file {
+            FromFile::Curve(curve) => {
+                let points: Array = curve
+                    .iter()
+                    .map(|point| Value::from(Array::from_iter(*point)))
+                    .collect();
+                if let Some(target) = target(document.as_table_mut(), *place) {
+                    target.remove("file");
+                    target.remove("column");
+                    target.insert("points", Item::Value(points.into()));
+                }
+            }
+            FromFile::Sheet(targets) => {
+                put_sheet_inside(document.as_table_mut(), *place, targets);
+            }
         }
     }
     document.to_string()
+}
+
+/// Puts the targets of a sheet in the place of the one that names it.
+fn put_sheet_inside(root: &mut dyn TableLike, place: usize, targets: &[SheetTarget]) {
+    let Some(list) = table(root, &["optimise"]).and_then(|own| own.get_mut("targets")) else {
+        return;
+    };
+    let pairs = |target: &SheetTarget| -> Vec<(&'static str, Value)> {
+        vec![
+            ("figure", target.figure.as_str().into()),
+            ("at", target.travel.into()),
+            ("rack", target.rack.into()),
+            ("value", target.value.into()),
+            ("tolerance", target.tolerance.into()),
+            ("weight", target.weight.into()),
+        ]
+    };
+    match list {
+        Item::Value(Value::Array(array)) => {
+            array.remove(place);
+            for (k, target) in targets.iter().enumerate() {
+                let row = InlineTable::from_iter(pairs(target));
+                array.insert(place + k, row);
+            }
+        }
+        Item::ArrayOfTables(tables) => {
+            let mut all: Vec<Table> = tables.iter().cloned().collect();
+            if place >= all.len() {
+                return;
+            }
+            let rows = targets.iter().map(|target| {
+                let mut row = Table::new();
+                for (key, value) in pairs(target) {
+                    row.insert(key, Item::Value(value));
+                }
+                row
+            });
+            all.splice(place..=place, rows);
+            *tables = all.into_iter().collect();
+        }
+        _ => {}
+    }
 }
 
 /// The text with the laws of bushings written out in place of their files.

@@ -30,6 +30,7 @@ mod right_wheel;
 mod samples;
 mod schema;
 mod setup;
+mod sheet_file;
 mod solid_axle;
 mod solver;
 mod subject;

@@ -10,7 +10,7 @@ use super::names::choose;
 use super::outputs::hardpoint;
 use super::resolve::{Context, each, some};
 use super::suspension::above_zero;
-use super::targets::{WrittenCurve, targets};
+use super::targets::{FromFile, targets};
 use super::value::{Text, Whole};
 use super::{
     Drive, FrontGoal, Motion, Move, Optimise, RobustAim, Scatter, Setup, Target, Tolerance, Turn,
@@ -19,13 +19,13 @@ use super::{
 use crate::model::{Axis, Suspension};
 use toml::Spanned;
 
-/// The optimisation, if nothing is wrong with it, and the target curves that came from files, by the
-/// place of their target.
+/// The optimisation, if nothing is wrong with it, and the targets that came from files, by the place of the target as
+/// written.
 pub(super) fn optimise(
     section: &file::Optimise,
     context: &Context,
     problems: &mut Problems,
-) -> Option<(Optimise, Vec<(usize, WrittenCurve)>)> {
+) -> Option<(Optimise, Vec<(usize, FromFile)>)> {
     if let Some(method) = &section.method {
         choose(method, "method", &[("levenberg_marquardt", ())], problems);
     }
@@ -62,12 +62,8 @@ pub(super) fn optimise(
     }
     let constraints = constraints(section, context, problems);
     let targets = targets(section, context, problems);
-    let (targets, curves): (Vec<_>, Vec<_>) = targets?.into_iter().unzip();
+    let (targets, files) = targets?;
     let front = front(section, &targets, context, problems);
-    let curves = curves.into_iter().enumerate();
-    let curves = curves
-        .filter_map(|(place, curve)| Some((place, curve?)))
-        .collect();
     let optimise = Optimise {
         starts: usize::try_from(starts?).ok()?,
         seed: u32::try_from(seed?).ok()?,
@@ -85,7 +81,7 @@ pub(super) fn optimise(
             .as_ref()
             .is_none_or(|said| *said.get_ref()),
     };
-    Some((optimise, curves))
+    Some((optimise, files))
 }
 
 /// The most builds of a robust tuning.

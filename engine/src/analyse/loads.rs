@@ -20,7 +20,7 @@ use crate::mechanism::constraint::Row;
 use crate::mechanism::pose::Sink;
 use crate::mechanism::{Closure, Configuration, Failure, Pose, WorkCounter, Wrench};
 use crate::model::{Arm, Axis, Body, Constraint, Mechanism, PointId, RockerId, Spring};
-use crate::number::{Jet, Scalar, Vector3};
+use crate::number::{Each, Jet, Scalar, Vector3};
 use crate::solve::{Conditioning, Solver};
 
 /// Point at which a load acts.
@@ -176,7 +176,7 @@ impl<'a, T: Balanced> Balance<'a, T> {
         let support = rows[5];
         work.note(|w| w.factorisations += 1);
         let rows = rows.map(Wrench::to_row);
-        let factors = Lu6::new(rows.map(|row| row.map(T::value)), size)?;
+        let factors = Lu6::new(rows.each(|row| row.map(T::value)), size)?;
         (!Conditioning::of(&factors, size).is_poor()).then_some(Balance {
             closure,
             at,
@@ -204,7 +204,7 @@ impl<'a, T: Balanced> Balance<'a, T> {
         let lever = load.point - self.at.pose.origin;
         wrench.wrench(force, lever.cross(force) + moment);
         self.work.note(|w| w.right_hand_sides += 1);
-        let against = wrench.to_row().map(|c| -c);
+        let against = wrench.to_row().each(|c| -c);
         let multipliers = T::multipliers(Factors(&self.factors), &self.rows, against);
         let nothing = Vector3::new(like.zero(), like.zero(), like.zero());
         let mut constraints = [Reaction::Force {

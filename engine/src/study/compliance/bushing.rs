@@ -10,7 +10,7 @@ use super::super::value::{Number, Text};
 use crate::axle::ForceCurve;
 use crate::compliance::{BushingPart, Shape, bushing_points};
 use crate::model::{Constraint, LengthUnit, PointId, Suspension};
-use crate::number::Vector3;
+use crate::number::{Each, Vector3};
 use hardpoint_study_file::bushing_file::{self, CurvePoint};
 use std::path::Path;
 use std::sync::Arc;
@@ -46,7 +46,7 @@ fn six(
             return problems.refuse(number.span.clone(), &message);
         }
     }
-    Some(numbers.each_ref().map(|number| number.value))
+    Some(numbers.each_ref().each(|number| number.value))
 }
 
 /// A bushing as written.

@@ -8,7 +8,6 @@ use hardpoint::optimise::{Control, Tuning, tune};
 use hardpoint::report::OtherProgram;
 use hardpoint::rig::RigTests;
 use hardpoint::study::Study;
-use std::path::Path;
 
 const NAME: &str = "double_wishbone_compliance.toml";
 /// Standard deviation of a measurement in parts of the value.

@@ -1,7 +1,7 @@
 //! Columns of the results: names that tell a number's meaning and unit.
 
-use crate::ask::with_unit;
-use crate::characteristics::Quantity;
+use crate::ask::{Info, with_unit};
+use crate::characteristics::{Characteristic, Quantity};
 use crate::model::{Axis, LengthUnit};
 use crate::plan::{Output, Plan};
 use crate::study::Drive;
@@ -38,6 +38,18 @@ impl Column {
             }
         }
         columns
+    }
+
+    /// The column of a characteristic.
+    pub(crate) fn of_characteristic(of: Characteristic, length: LengthUnit) -> Column {
+        let Info {
+            name,
+            unit,
+            positive,
+            ..
+        } = of.info();
+        let factor = unit.printed_factor(length);
+        Column::of_value((*name).to_owned(), unit.suffix(length), positive, factor)
     }
 
     /// The column of a value that no plan of one wheel has.

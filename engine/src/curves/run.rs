@@ -394,7 +394,7 @@ const TRAVEL: usize = 0;
 
 /// The numbers of the motion: travel, the drive's angle, rack and time. The travel follows where an angle drives, and so
 /// does the time's drive value.
-fn motion(plan: &Plan, length: &'static str) -> Vec<MotionColumn> {
+pub(super) fn motion(plan: &Plan, length: &'static str) -> Vec<MotionColumn> {
     let travel = MotionColumn {
         is_given: !plan.drive.is_angle(),
         ..MotionColumn::given(Drive::Travel.key(), length)
@@ -416,7 +416,7 @@ fn motion(plan: &Plan, length: &'static str) -> Vec<MotionColumn> {
 }
 
 /// The numbers of the motion at a station, in the order of [`motion`].
-fn place(plan: &Plan, number: usize, value: f64, rack: f64) -> Vec<Option<f64>> {
+pub(super) fn place(plan: &Plan, number: usize, value: f64, rack: f64) -> Vec<Option<f64>> {
     let printed = Some(plan.drive.printed(value));
     let mut at = match plan.drive.is_angle() {
         true => vec![None, printed],

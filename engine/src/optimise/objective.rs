@@ -200,7 +200,7 @@ impl<'a> Objective<'a> {
         self.move_to(x);
         let Some(mut robust) = self.robust.take() else {
             if !self.evaluate_in_lanes(into, rows.as_deref_mut())? {
-                self.evaluate_moved(Some((&mut *into, 0)), rows)?;
+                self.evaluate_moved(Some((&mut *into, 0)), rows.as_deref_mut())?;
             }
             let Some(beside) = &mut self.beside else {
                 return Ok(());
@@ -211,7 +211,7 @@ impl<'a> Objective<'a> {
                 design: &self.moved,
                 point_rates: &self.point_rates,
             };
-            return beside.evaluate(&moved, into);
+            return beside.evaluate(&moved, into, rows);
         };
         // Constraints are on the drawing.
         let found = match &mut rows {

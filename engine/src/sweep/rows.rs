@@ -60,6 +60,7 @@ impl Failing {
                 NoPose::Corner(failure) => reason(failure),
                 NoPose::Wheel { side, failure, .. } => side.about(&reason(failure)),
                 NoPose::RigidAxle { failure, .. } => reason(failure),
+                NoPose::NoEquilibrium { .. } => "no equilibrium".to_owned(),
                 failure => failure.to_string(),
             },
             stations: 0,

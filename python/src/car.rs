@@ -184,7 +184,8 @@ pub(crate) fn car_sweep<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let study = &car.study;
     let sweep = study.sweep.as_ref();
-    let sweep = sweep.ok_or_else(|| failure("the study has no [sweep], which gives the designs"))?;
+    let sweep =
+        sweep.ok_or_else(|| failure("the study has no [sweep], which gives the designs"))?;
     let plan = on_threads(py, Some(1), |_| CarSweepPlan::of(study, sweep))?;
     let plan = plan.map_err(|reason| match reason {
         CarNotBegun::Fault(fault) => car.fault(&fault),

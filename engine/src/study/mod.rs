@@ -45,7 +45,9 @@ pub use crate::analyse::LoadPoint;
 pub use crate::solve::Drive;
 pub use axle::AxleStudy;
 pub use axle_targets::AxleSite;
-pub use car::{CarOptimise, CarStudy, GgMap, edited};
+pub use car::{
+    CarBand, CarContributor, CarOptimise, CarStudy, CarSweep, CarTolerance, GgMap, edited,
+};
 pub use compliance::ComplianceStudy;
 pub use designs_file::DesignTable;
 pub use hardpoint_study_file::error::{StudyError, StudyErrors};

@@ -3,6 +3,7 @@
 //! Text, tables and charts are written here. The page's own small script adds the crosshair, the zoom and the view of the
 //! mechanism. The page loads nothing and its policy says so.
 
+mod car;
 mod charts;
 mod compare;
 mod escape;
@@ -16,6 +17,7 @@ mod sweep;
 mod table;
 mod tuning_charts;
 
+pub use car::car_page;
 pub use compare::comparison_page;
 pub use run::page;
 pub use sheet::{limits_page, set_up_page};

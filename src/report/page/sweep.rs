@@ -212,9 +212,14 @@ fn columns(run: &SweepRun) -> Vec<Column<'_>> {
         let unit = unit_of_variable(record, &v.column);
         let title = without_unit(&v.column, &unit).to_owned();
         let at_design = Some(v.at_design);
-        Column::of(&v.column, title, readable_unit(&unit), None, at_design, || {
-            shown(k)
-        })
+        Column::of(
+            &v.column,
+            title,
+            readable_unit(&unit),
+            None,
+            at_design,
+            || shown(k),
+        )
     });
     let outputs = record.outputs.iter().enumerate().map(|(k, o)| {
         let title = without_unit(&o.column, &o.unit).replace('_', " ");

@@ -4,7 +4,8 @@ use super::*;
 
 /// The page without the namespace of SVG, which is no address, and references within the page.
 pub fn own_text(page: &str) -> String {
-    page.replace("http://www.w3.org/2000/svg", "").replace("url(#", "")
+    page.replace("http://www.w3.org/2000/svg", "")
+        .replace("url(#", "")
 }
 
 /// The most bytes of a page.

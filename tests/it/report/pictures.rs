@@ -55,7 +55,13 @@ fn a_failed_station_breaks_the_line() {
         .count();
     let curves = picture.lines();
     let curves = curves.filter(|line| line.starts_with("<path class=\"line "));
-    let places = |line: &str| line.split_once(" d=\"").unwrap().1.matches(['M', 'L']).count();
+    let places = |line: &str| {
+        line.split_once(" d=\"")
+            .unwrap()
+            .1
+            .matches(['M', 'L'])
+            .count()
+    };
     let drawn: usize = curves.map(places).sum();
     assert_eq!(drawn, solved);
 }

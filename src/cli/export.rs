@@ -7,11 +7,10 @@ use super::save::save;
 use super::terminal::note;
 use crate::exchange::{
     Envelope, Page, Span, Tool, Tyre, Value, Written, bytes_of, csv, curves_in, drawing,
-    into_subsystem, optimum_k_rows, point_rows, subsystem, suspensions_ini, suspensions_ini_of_car,
-    under_names_of, workbook,
+    into_subsystem, optimum_k_rows, point_rows, subsystem, suspensions_ini, under_names_of,
+    workbook,
 };
 use crate::model::{FrameConvention, LengthUnit};
-use crate::study::CarStudy;
 use clap::{Args, ValueEnum};
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -39,10 +38,10 @@ pub(super) struct ExportArguments {
     pub(super) round_all: bool,
     /// With --to csv: the curves instead of the points
     #[arg(long)]
-    curves: bool,
+    pub(super) curves: bool,
     /// With --to csv: the curves under the names of another tool, as far as its definitions are the same
     #[arg(long, value_enum)]
-    names: Option<Names>,
+    pub(super) names: Option<Names>,
     /// With --to stl: wheel travel, as in --travel -30..30; /N behind it gives the number of values [default: 9]
     #[arg(long, value_name = "A..B", value_parser = span, allow_hyphen_values = true)]
     travel: Option<Span>,
@@ -63,10 +62,10 @@ pub(super) struct ExportArguments {
     pub(super) set: Vec<String>,
     /// File for the result [default: standard output; workbooks and solids need a file]
     #[arg(long, value_name = "FILE")]
-    out: Option<PathBuf>,
+    pub(super) out: Option<PathBuf>,
     /// Replace an existing file, but never an input
     #[arg(long)]
-    force: bool,
+    pub(super) force: bool,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -88,7 +87,7 @@ pub(super) enum Target {
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Names {
+pub(super) enum Names {
     /// Adams/Car
     Adams,
     /// Altair MotionView
@@ -130,8 +129,8 @@ fn span(text: &str) -> Result<Span, String> {
 
 pub(super) fn run(arguments: &ExportArguments) -> Result<Exit, Stop> {
     check_call(arguments)?;
-    if CarStudy::is_at(&arguments.source) {
-        return of_car(arguments);
+    if let Some(car) = super::car::file_of(&arguments.source) {
+        return super::car::export(arguments, &car);
     }
     let source = Source::read(arguments)?;
     let bytes = match arguments.to {
@@ -150,28 +149,6 @@ pub(super) fn run(arguments: &ExportArguments) -> Result<Exit, Stop> {
     match &arguments.out {
         None => std::io::stdout().write_all(&bytes)?,
         Some(out) => save(out, &bytes, arguments.force, &inputs(&source, arguments))?,
-    }
-    Ok(Exit::Done)
-}
-
-/// Both axles of a car, for a format that holds a car.
-fn of_car(arguments: &ExportArguments) -> Result<Exit, Stop> {
-    let refused = |reason: String| Stop::in_file(&arguments.source, reason);
-    if arguments.to != Target::Assetto {
-        return Err(refused(
-            "a car goes to Assetto Corsa only (--to assetto); export the studies of its axles, which [car] names".to_owned(),
-        ));
-    }
-    if arguments.round.is_some() || arguments.design.is_some() {
-        return Err(Stop::wrong_input(
-            "--round and --design are for the studies of the axles",
-        ));
-    }
-    let study = CarStudy::read(&arguments.source, &arguments.set)?;
-    let bytes = say(suspensions_ini_of_car(&study).map_err(refused)?);
-    match &arguments.out {
-        None => std::io::stdout().write_all(&bytes)?,
-        Some(out) => save(out, &bytes, arguments.force, &study.inputs)?,
     }
     Ok(Exit::Done)
 }
@@ -238,7 +215,7 @@ fn inputs(source: &Source, arguments: &ExportArguments) -> Vec<PathBuf> {
 }
 
 /// Prints the content that a file leaves out, and returns the file.
-fn say(written: Written) -> Vec<u8> {
+pub(super) fn say(written: Written) -> Vec<u8> {
     for line in written.notes {
         note(&format!("{line}\n"));
     }

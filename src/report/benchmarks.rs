@@ -4,7 +4,22 @@ use super::accuracy_plot;
 use super::table::{Cell, Table};
 use crate::bench::accuracy::{Accuracy, Family};
 use crate::bench::effects::Effects;
+use crate::bench::equilibria::Equilibria;
 use crate::bench::throughput::Throughput;
+
+/// Table of equilibria per second and of a sheet.
+pub fn equilibria_table(equilibria: &Equilibria) -> Table {
+    let mut table = Table::new(["job", "us_each", "spread_percent", "per_s"]);
+    for m in &equilibria.measurements {
+        table.push([
+            Cell::from(m.job),
+            Cell::rounded(m.timing.median / 1e3, 3),
+            Cell::rounded(100.0 * m.timing.spread(), 0),
+            Cell::rounded(1e9 / m.timing.median, 0),
+        ]);
+    }
+    table
+}
 
 /// Table of poses per second, with a row for each output and method.
 pub fn throughput_table(throughput: &Throughput) -> Table {

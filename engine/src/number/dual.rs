@@ -1,6 +1,6 @@
 //! First derivatives by a fixed number of inputs, all in one pass.
 
-use super::{Outlined, Real, Scalar, Vector3, outlined};
+use super::{Outlined, Real, Scalar, Vector3, called, outlined};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// A value with its partial derivatives by `N` inputs.
@@ -16,9 +16,13 @@ impl<T: Real, const N: usize> Dual<T, N> {
     /// A constant: it depends on none of the inputs.
     #[inline(always)]
     pub fn constant(value: T) -> Self {
-        Dual {
+        let fill = |value: T| Dual {
             value,
             partials: [value.zero(); N],
+        };
+        match Self::IS_LONG {
+            true => called(value, fill),
+            false => fill(value),
         }
     }
 
@@ -64,6 +68,18 @@ impl<T: Real, const N: usize> Dual<T, N> {
         }
         Dual {
             value: self.value + other.value,
+            partials,
+        }
+    }
+
+    #[inline(always)]
+    fn negated(self) -> Self {
+        let mut partials = self.partials;
+        for p in &mut partials {
+            *p = -*p;
+        }
+        Dual {
+            value: -self.value,
             partials,
         }
     }
@@ -168,14 +184,8 @@ impl<T: Real, const N: usize> Neg for Dual<T, N> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
-        let mut partials = self.partials;
-        for p in &mut partials {
-            *p = -*p;
-        }
-        Dual {
-            value: -self.value,
-            partials,
-        }
+        let number = self;
+        perform!(negated(number) if Self::IS_LONG)
     }
 }
 
@@ -215,13 +225,19 @@ impl<T: Real, const N: usize> Real for Dual<T, N> {
     }
     #[inline(always)]
     fn scaled(self, factor: f64) -> Self {
-        let mut partials = self.partials;
-        for p in &mut partials {
-            *p = p.scaled(factor);
-        }
-        Dual {
-            value: self.value.scaled(factor),
-            partials,
+        let scale = |(number, factor): (Self, f64)| {
+            let mut partials = number.partials;
+            for p in &mut partials {
+                *p = p.scaled(factor);
+            }
+            Dual {
+                value: number.value.scaled(factor),
+                partials,
+            }
+        };
+        match Self::IS_LONG {
+            true => called((self, factor), scale),
+            false => scale((self, factor)),
         }
     }
 }

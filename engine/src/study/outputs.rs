@@ -1,6 +1,7 @@
 //! `[outputs]`: what is asked for.
 
 use super::axle_forces;
+use super::elastic_targets::{self, ElasticQuantity};
 use super::error::Problems;
 use super::file::{self, File};
 use super::loads::loads;
@@ -8,11 +9,11 @@ use super::names::{choose, choose_or, nearest};
 use super::resolve::each;
 use super::subject::point;
 use super::value::{Selection, Text};
-use super::{Order, Outputs};
+use super::{ComplianceStudy, Order, Outputs};
 use crate::ask::Need;
 use crate::axle::Quantity;
 use crate::characteristics::Characteristic;
-use crate::model::{PointId, Suspension};
+use crate::model::{PointId, SteeringAxis, Suspension};
 
 /// What a study without `[outputs]` gets: the angles of the wheel and of the steering axis, if there is
 /// one.
@@ -27,31 +28,67 @@ const DEFAULT: [Characteristic; 4] = [
 pub(super) fn outputs(
     file: &File,
     suspension: &Suspension,
+    elastic: Option<&ComplianceStudy>,
     problems: &mut Problems,
 ) -> Option<Outputs> {
     let Some(section) = &file.outputs else {
-        let steered = suspension.mechanism.steering_axis.is_some();
+        let steered = match elastic {
+            // An equilibrium has the joints of the axis alone.
+            Some(_) => matches!(
+                suspension.mechanism.steering_axis,
+                Some(SteeringAxis::Through { .. })
+            ),
+            None => suspension.mechanism.steering_axis.is_some(),
+        };
         let possible = DEFAULT
             .into_iter()
             .filter(|c| steered || !c.info().reads_steering_axis());
         return Some(Outputs::of(possible.collect()));
     };
-    let characteristics = distinct(&section.characteristics, problems, |text, problems| {
-        characteristic(text, suspension, problems)
-    });
+    if elastic.is_some() {
+        elastic_targets::refuse_in_outputs(section, problems)?;
+    }
+    let named = distinct(
+        &section.characteristics,
+        problems,
+        |text, problems| match elastic {
+            Some(elastic) => elastic_targets::quantity(text, elastic, suspension, problems),
+            None => {
+                let found = characteristic(text, suspension, problems);
+                found.map(ElasticQuantity::Characteristic)
+            }
+        },
+    );
     let points = points(section, suspension, problems);
     let order = order(section, problems);
     let sensitivities = sensitivities(section, suspension, problems);
     let loads = loads(section, suspension, problems);
     let order = order?;
+    let (mut characteristics, mut figures) = (Vec::new(), Vec::new());
+    for (named, text) in named?.into_iter().zip(&section.characteristics) {
+        match named {
+            ElasticQuantity::Characteristic(own) => {
+                if elastic.is_some() && order > Order::Position && own.info().reads_rates() {
+                    let message = format!(
+                        "{} is a derivative by travel: with [compliance] expected order = \"position\"",
+                        text.get_ref()
+                    );
+                    return problems.refuse(text.span(), &message);
+                }
+                characteristics.push(own);
+            }
+            ElasticQuantity::Figure(figure) => figures.push(figure),
+        }
+    }
     Some(Outputs {
-        characteristics: characteristics?,
+        characteristics,
         points: points?,
         knuckle: knuckle(section, order, problems),
         order,
         sensitivities: sensitivities?,
         certify: certify(section),
         loads: loads?,
+        figures,
     })
 }
 

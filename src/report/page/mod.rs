@@ -3,6 +3,7 @@
 //! Text and tables are written here; plots are drawn by the page's own small script, which hands the
 //! data of the run to plotly.js. The page loads nothing and its policy says so.
 
+mod car;
 mod compare;
 mod escape;
 mod library;
@@ -14,6 +15,7 @@ mod sheet;
 mod sweep;
 mod table;
 
+pub use car::car_page;
 pub use compare::comparison_page;
 pub use run::page;
 pub use sheet::{limits_page, set_up_page};

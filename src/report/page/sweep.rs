@@ -124,6 +124,10 @@ fn not_drawn(run: &SweepRun) -> &'static str {
              those at the ends of the ranges; <code>hardpoint solve --report</code> draws those of any design's \
              study."
         }
+        None if run.record.is_of_car() => {
+            "Load cases have no curves; <code>hardpoint sweep --design N</code> prints the changes of design N, and \
+             <code>hardpoint solve --report</code> draws a car."
+        }
         None => {
             "Joined sweeps have no curves here; <code>hardpoint solve --report</code> draws those of \
              any design's study."
@@ -142,8 +146,12 @@ fn unmoved(outputs: &[OutputSummary]) -> Vec<usize> {
 
 fn about(record: &SweepRecord) -> String {
     let seed = record.seed.map(|seed| format!(", seed {seed}"));
+    let stations = match record.is_of_car() {
+        true => "load cases",
+        false => "stations",
+    };
     format!(
-        "{}, sweep by {}{}, {} stations · hardpoint {}",
+        "{}, sweep by {}{}, {} {stations} · hardpoint {}",
         record.topology.replace('_', " "),
         record.method.replace('_', " "),
         seed.unwrap_or_default(),
@@ -153,13 +161,15 @@ fn about(record: &SweepRecord) -> String {
 }
 
 fn columns(record: &SweepRecord) -> Vec<Column<'_>> {
-    let length = &record.length_unit;
-    let variables = record.variables.iter().map(|v| Column {
-        column: &v.column,
-        title: without_unit(&v.column, length).to_owned(),
-        unit: length.clone(),
-        kind: None,
-        at_design: Some(v.at_design),
+    let variables = record.variables.iter().map(|v| {
+        let unit = unit_of_variable(record, &v.column);
+        Column {
+            column: &v.column,
+            title: without_unit(&v.column, &unit).to_owned(),
+            unit: readable_unit(&unit),
+            kind: None,
+            at_design: Some(v.at_design),
+        }
     });
     let outputs = record.outputs.iter().map(|o| Column {
         column: &o.column,
@@ -172,6 +182,22 @@ fn columns(record: &SweepRecord) -> Vec<Column<'_>> {
         at_design: o.at_design,
     });
     variables.chain(outputs).collect()
+}
+
+/// Unit of a variable: a length, or for a car the one that its column ends with.
+fn unit_of_variable(record: &SweepRecord, column: &str) -> String {
+    let length = &record.length_unit;
+    if !record.is_of_car() {
+        return length.clone();
+    }
+    let known = [
+        format!("N_per_{length}"),
+        format!("N_{length}_per_rad"),
+        "kg".to_owned(),
+        length.clone(),
+    ];
+    let is_own = |unit: &String| without_unit(column, unit) != column;
+    known.into_iter().find(is_own).unwrap_or_default()
 }
 
 /// `camber_min_deg` -> `camber_min`
@@ -233,10 +259,13 @@ fn remarks(run: &SweepRun) -> String {
             0 => String::new(),
             more => format!("<p>And {more} more reasons, in <code>summary.json</code>.</p>"),
         };
+        let nearest = match run.record.is_of_car() {
+            true => "the number of the first case without equilibrium, from 0 for static",
+            false => "the drive value nearest to the design position at which one failed",
+        };
         remarks += &format!(
-            "<div class=\"failures\"><h2>Not solved everywhere</h2><p>Designs by reason, with the drive \
-             value nearest to the design position at which one failed. What could not be computed is \
-             missing from the plots.</p>{}{more}</div>",
+            "<div class=\"failures\"><h2>Not solved everywhere</h2><p>Designs by reason, with {nearest}. What \
+             could not be computed is missing from the plots.</p>{}{more}</div>",
             table.html()
         );
     }

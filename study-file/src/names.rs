@@ -3,11 +3,45 @@
 use crate::error::Problems;
 use crate::value::Text;
 
+/// Usual names that resemble none of ours, and ours.
+const SYNONYMS: [(&str, &str); 24] = [
+    ("kpi", "kingpin_inclination"),
+    ("sai", "kingpin_inclination"),
+    ("steering_axis_inclination", "kingpin_inclination"),
+    ("castor", "caster"),
+    ("trail", "caster_trail"),
+    ("mechanical_trail", "caster_trail"),
+    ("roll_center", "roll_centre_height"),
+    ("roll_centre", "roll_centre_height"),
+    ("rch", "roll_centre_height"),
+    ("fvsa", "front_view_swing_arm"),
+    ("svsa", "side_view_swing_arm"),
+    ("installation_ratio", "motion_ratio"),
+    ("ackerman", "ackermann"),
+    ("trailing_arm", "semi_trailing_arm"),
+    ("a_arm", "double_wishbone"),
+    ("sla", "double_wishbone"),
+    ("wishbone", "double_wishbone"),
+    ("strut", "macpherson"),
+    ("mcpherson", "macpherson"),
+    ("multilink", "five_link"),
+    ("multi_link", "five_link"),
+    ("5_link", "five_link"),
+    ("live_axle", "solid_axle"),
+    ("beam_axle", "solid_axle"),
+];
+
 /// The candidate that `name` probably meant.
 pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let plain = |s: &str| s.trim().to_lowercase().replace(['-', ' '], "_");
     let name = plain(name);
     let length = name.chars().count();
+    let candidates: Vec<&str> = candidates.into_iter().collect();
+    let synonym = SYNONYMS.iter().find(|(usual, _)| *usual == name);
+    let meant = synonym.and_then(|(_, own)| candidates.iter().find(|candidate| *candidate == own));
+    if let Some(meant) = meant {
+        return Some(meant);
+    }
     candidates
         .into_iter()
         .filter_map(|candidate| {
@@ -93,6 +127,9 @@ mod tests {
             ("camber-gain", Some("camber_gain")),
             ("wheel_center", Some("wheel_centre")),
             ("kingpin", Some("kingpin_inclination")),
+            ("KPI", Some("kingpin_inclination")),
+            // Only a name that is among the candidates is suggested.
+            ("trailing_arm", None),
             ("roll_centre_height", None),
             ("x", None),
         ] {

@@ -12,6 +12,7 @@ mod limits;
 mod loads;
 mod named_motions;
 mod one_state;
+mod over_time;
 mod own;
 mod points;
 mod reference;

@@ -19,7 +19,7 @@ from os import PathLike
 
 from . import _hardpoint
 from ._car import Car, CarTuning, Cases
-from ._commands import assemblies, compare, export, import_points, merge, report, schema, setup, template, tolerance
+from ._commands import assemblies, compare, export, import_points, kc, merge, report, schema, setup, template, tolerance
 from ._curves import Curves
 from ._frame import Column, Frame
 from ._function import Function, Residuals
@@ -66,6 +66,7 @@ __all__ = [
     "compare",
     "export",
     "import_points",
+    "kc",
     "limits",
     "load",
     "loads",

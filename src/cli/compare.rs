@@ -130,7 +130,7 @@ fn of_study(
     label: String,
     first: &mut Option<FirstMotion>,
 ) -> Result<(Compared, bool), Stop> {
-    let study = Study::read(path, &[])?;
+    let study = Study::read_elastic(path, &[])?;
     crate::compared::of_study(study, label, first).map_err(|why| Stop::in_file(path, why))
 }
 

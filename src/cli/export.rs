@@ -215,7 +215,7 @@ fn inputs(source: &Source, arguments: &ExportArguments) -> Vec<PathBuf> {
 }
 
 /// Prints the content that a file leaves out, and returns the file.
-fn say(written: Written) -> Vec<u8> {
+pub(super) fn say(written: Written) -> Vec<u8> {
     for line in written.notes {
         note(&format!("{line}\n"));
     }

@@ -40,7 +40,7 @@ pub(super) fn run(arguments: &SweepArguments) -> Result<Exit, Stop> {
     if CarStudy::is_at(path) {
         return super::car::sweep(arguments);
     }
-    let study = Study::read(path, &arguments.study.set)?;
+    let study = Study::read_elastic(path, &arguments.study.set)?;
     let Some(sweep) = &study.sweep else {
         let what = "the designs to solve";
         return Err(Stop::no_section(path, "sweep", what));
@@ -455,7 +455,7 @@ fn print_design(study: &Study, plan: &SweepPlan, number: u64) -> Result<Exit, St
             "there is no design {number}; the sweep has {designs}, numbered from 0"
         )));
     }
-    let text = study.with_points_of(&study.at_design(plan.design(number)));
+    let text = study.with_points_of(&plan.moved(number));
     std::io::stdout().write_all(text.as_bytes())?;
     Ok(Exit::Done)
 }

@@ -10,6 +10,7 @@ mod axle_record;
 mod bands;
 mod benchmarks;
 mod car;
+mod chart;
 mod choices;
 mod common_motion;
 mod comparison;
@@ -22,7 +23,6 @@ mod finished;
 mod fitted;
 mod given_columns;
 mod kc;
-mod kc_sensitivities;
 mod orientation;
 mod page;
 mod picture;
@@ -47,7 +47,10 @@ pub use crate::curves::Influence;
 pub use accuracy::remarks;
 pub use axle_record::SolvedAxle;
 pub use bands::BandRecord;
-pub use benchmarks::{accuracy_picture, accuracy_table, effects_table, throughput_table};
+pub use benchmarks::{
+    accuracy_picture, accuracy_summary, accuracy_table, effects_table, equilibria_table,
+    throughput_table,
+};
 pub use car::{
     CarCase, CarComparison, CarFact, CarLimits, CarMap, CarRecord, CarResults, CarState,
     CarStateRecord, CarTargetRecord, CarToleranceSummary, car_limits, car_with_axles,
@@ -64,7 +67,7 @@ pub use figure::{as_written, brief, figure, figures, resolution, with_decimals};
 pub use files::{curves_csv, history_csv, sensitivities_csv};
 pub use finished::{FinishedRun, NotARun};
 pub use fitted::FittedOffset;
-pub use kc::{KcResults, elastic_parts, no_equilibrium};
+pub use kc::{KcResults, OtherProgram, elastic_parts, no_equilibrium};
 pub(crate) use orientation::{Directions, Reading, Verdict};
 pub use page::{car_page, comparison_page, limits_page, page, set_up_page, sweep_page};
 pub use picture::{Picture, picture_names, pictures};

@@ -175,6 +175,8 @@ pub struct Outputs {
     pub characteristics: Option<Spanned<Vec<Text>>>,
     /// True if derivatives by parameters and hardpoints are written.
     pub sensitivities: Option<Spanned<bool>>,
+    /// True if forces in links, rods and joints are written.
+    pub member_loads: Option<Spanned<bool>>,
 }
 
 /// `[sweep]` of a car.
@@ -274,6 +276,10 @@ impl Scatter {
             hardpoints: own.hardpoints,
             length: own.length,
             jig: own.jig,
+            bushing: None,
+            stiffness: None,
+            link: None,
+            relative: None,
             side: own.side,
             axis: own.axis,
             sigma: own.sigma,

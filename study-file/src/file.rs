@@ -318,7 +318,7 @@ pub struct Bushing {
     pub preload: Option<Spanned<Vec<Number>>>,
     /// Factors of the laws, six numbers if they are right.
     pub scale: Option<Spanned<Vec<Number>>>,
-    /// A file with the laws; refused with an explanation.
+    /// A bushing property file with the laws.
     pub file: Option<Text>,
 }
 
@@ -470,8 +470,16 @@ pub struct SweepVariable {
     pub hardpoints: Option<Spanned<Vec<Text>>>,
     /// Displacement of each coordinate per unit of the variable.
     pub factors: Option<Spanned<Vec<Number>>>,
+    /// or name of a bushing,
+    pub bushing: Option<Text>,
+    /// with the axis of its stiffness, `x`, `y`, `z`, `tx`, `ty` or `tz`,
+    pub stiffness: Option<Text>,
+    /// or name of a link with axial stiffness.
+    pub link: Option<Text>,
+    /// True if the values of a rate are factors.
+    pub relative: Option<Spanned<bool>>,
     /// `x`, `y` or `z`.
-    pub axis: Text,
+    pub axis: Option<Text>,
     /// Lowest and highest value, two numbers if they are right.
     pub range: Spanned<Vec<Number>>,
     /// Number of values in a grid.
@@ -663,8 +671,16 @@ pub struct Scatter {
     pub hardpoints: Option<Spanned<Vec<Text>>>,
     /// or a member,
     pub length: Option<Spanned<MemberName>>,
-    /// or hardpoints that are moved together.
+    /// or hardpoints that are moved together,
     pub jig: Option<Spanned<Vec<Text>>>,
+    /// or a bushing,
+    pub bushing: Option<Text>,
+    /// with the axis of its stiffness, `x`, `y`, `z`, `tx`, `ty` or `tz`,
+    pub stiffness: Option<Text>,
+    /// or a link with axial stiffness.
+    pub link: Option<Text>,
+    /// True if the scatter of a rate is a part of the rate.
+    pub relative: Option<Spanned<bool>>,
     /// For an axle, the only wheel whose parts scatter.
     pub side: Option<Text>,
     /// The only coordinate that scatters.

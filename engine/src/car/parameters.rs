@@ -1,7 +1,8 @@
 //! Parameters of a car and a case, by which results are differentiated.
 
 use super::{Car, Case};
-use crate::axle::{Preloaded, RockerSprings};
+use crate::axle::{Axle, Preloaded, RockerSprings};
+use crate::model::Body;
 use crate::number::{Each, Real, Vector3};
 
 /// A parameter of one axle.
@@ -89,6 +90,25 @@ impl AxleParameter {
         AxleParameter::OffsetZ,
         AxleParameter::Rack,
     ];
+
+    /// Returns true if an axle has the parameter. Parts between the rockers and the rack are not in every axle.
+    pub fn is_of(self, axle: &Axle) -> bool {
+        let rockers = &axle.setup.rocker_springs;
+        match self {
+            AxleParameter::HeaveSpringRate | AxleParameter::HeaveSpringForce => {
+                rockers.heave_spring.is_some()
+            }
+            AxleParameter::TBarRate => rockers.t_bar.is_some(),
+            AxleParameter::HeaveBarRate | AxleParameter::HeaveBarTorque => {
+                rockers.heave_bar.is_some()
+            }
+            AxleParameter::Rack => {
+                let points = &axle.left.mechanism.points;
+                points.iter().any(|point| point.body == Body::Rack)
+            }
+            _ => true,
+        }
+    }
 }
 
 /// A parameter.

@@ -42,6 +42,8 @@ pub struct CarStudy {
     pub quantities: Vec<CarQuantity>,
     /// Whether derivatives by parameters and hardpoints are asked for.
     pub sensitivities: bool,
+    /// Whether forces in members are asked for.
+    pub member_loads: bool,
     /// States over ax and ay.
     pub gg_map: Option<GgMap>,
     /// Sweep.
@@ -205,6 +207,11 @@ impl CarStudy {
             car: found.car,
             cases: found.cases,
             quantities: found.quantities,
+            member_loads: file
+                .outputs
+                .member_loads
+                .as_ref()
+                .is_some_and(|loads| *loads.get_ref()),
             sensitivities: file
                 .outputs
                 .sensitivities

@@ -1,5 +1,6 @@
 //! `[sweep]`: which designs are to be looked at.
 
+use super::elastic_targets::RateKeys;
 use super::error::Problems;
 use super::file::{self, File};
 use super::motion::{evenly_spaced_at, within};
@@ -61,7 +62,10 @@ impl Sampled {
 impl SweepVariable {
     /// The name of its column.
     pub fn column(&self, length_unit: crate::model::LengthUnit) -> String {
-        format!("{}_{}", self.name, length_unit.symbol())
+        match &self.rate {
+            Some(rate) => format!("{}_{}", self.name, rate.value_unit(length_unit)),
+            None => format!("{}_{}", self.name, length_unit.symbol()),
+        }
     }
 
     /// Value number `level` in a grid.
@@ -72,6 +76,9 @@ impl SweepVariable {
 
     /// The variable's value in the study's own design.
     pub fn at_design(&self, suspension: &Suspension) -> f64 {
+        if let Some(rate) = &self.rate {
+            return rate.own_value();
+        }
         match (self.absolute, self.moves.as_slice()) {
             (true, [only]) => {
                 suspension.design[only.point.0][only.axis] * suspension.frame.sign(only.axis)
@@ -104,7 +111,7 @@ pub(super) fn sweep(
             Some(Designs::File(context.directory.join(path.get_ref())))
         }
         (None, Some(variables)) => {
-            sampled(section, variables, context.suspension, problems).map(Designs::Sampled)
+            sampled(section, variables, context, problems).map(Designs::Sampled)
         }
         (Some(path), Some(variables)) => {
             let message = "expected variables or designs (a file), found both";
@@ -172,7 +179,7 @@ pub(super) fn format(written: &Option<Text>, problems: &mut Problems) -> Option<
 fn sampled(
     section: &Spanned<file::Sweep>,
     variables: &Spanned<Vec<Spanned<file::SweepVariable>>>,
-    suspension: &Suspension,
+    context: &Context,
     problems: &mut Problems,
 ) -> Option<Sampled> {
     let written = section.get_ref();
@@ -185,8 +192,8 @@ fn sampled(
     };
     let rules = asked.rules(problems);
     let listed = some(variables, "variable", problems)?;
-    let resolved = each(listed, |v| variable(v, suspension, problems))?;
-    distinct(listed, &resolved, suspension, problems);
+    let resolved = each(listed, |v| variable(v, context, problems))?;
+    distinct(listed, &resolved, context.suspension, problems);
     let places: Vec<_> = listed.iter().map(Spanned::span).collect();
     asked.sampled(rules, resolved, &places, problems)
 }
@@ -291,16 +298,36 @@ fn grid_points(
 
 fn variable(
     place: &Spanned<file::SweepVariable>,
-    suspension: &Suspension,
+    context: &Context,
     problems: &mut Problems,
 ) -> Option<SweepVariable> {
-    let written = place.get_ref();
+    let (written, suspension) = (place.get_ref(), context.suspension);
+    let named = RateKeys {
+        place: place.span(),
+        bushing: &written.bushing,
+        link: &written.link,
+        stiffness: &written.stiffness,
+        relative: &written.relative,
+        others: &[
+            written.hardpoint.as_ref().map(Spanned::span),
+            written.hardpoints.as_ref().map(Spanned::span),
+            written.factors.as_ref().map(Spanned::span),
+            written.axis.as_ref().map(Spanned::span),
+            written.absolute.as_ref().map(Spanned::span),
+        ],
+    };
+    if named.is_given(problems)? {
+        return rate(written, &named, context, problems);
+    }
+    let Some(axis) = &written.axis else {
+        return problems.refuse(place.span(), "the key \"axis\" is missing");
+    };
     let moved = moves::Written {
         place: place.span(),
         hardpoint: &written.hardpoint,
         hardpoints: &written.hardpoints,
         factors: &written.factors,
-        axis: Some(&written.axis),
+        axis: Some(axis),
         direction: None,
     };
     let moves = moves::moves(&moved, suspension, problems);
@@ -327,9 +354,43 @@ fn variable(
     Some(SweepVariable {
         name,
         moves,
+        rate: None,
         absolute: absolute.is_some(),
         range: range?,
         steps: steps?,
+    })
+}
+
+/// A variable that is the rate of an elastic part.
+fn rate(
+    written: &file::SweepVariable,
+    named: &RateKeys<'_>,
+    context: &Context,
+    problems: &mut Problems,
+) -> Option<SweepVariable> {
+    let (part, rate) = named.read(context, problems)?;
+    let what = if rate.is_relative { "factors" } else { "rates" };
+    let range = moves::range(&written.range, what, problems)?;
+    if range[0] <= 0.0 {
+        let message = format!("expected {what} above 0, found {}", range[0]);
+        return problems.refuse(written.range.span(), message);
+    }
+    let steps = match &written.steps {
+        None => None,
+        Some(steps) => Some(self::steps(steps, Some(range), problems)?),
+    };
+    let name = match (&written.name, rate.axis_name()) {
+        (Some(name), _) => plain(name, problems)?,
+        (None, Some(axis)) => format!("{part}_stiffness_{axis}"),
+        (None, None) => format!("{part}_stiffness"),
+    };
+    Some(SweepVariable {
+        name,
+        moves: Vec::new(),
+        rate: Some(rate),
+        absolute: false,
+        range,
+        steps,
     })
 }
 

@@ -101,6 +101,7 @@ fn no_pose(failure: &NoPose) -> String {
         NoPose::Corner(failure) => reason(failure),
         NoPose::Wheel { side, failure, .. } => side.about(&reason(failure)),
         NoPose::RigidAxle { failure, .. } => reason(failure),
+        NoPose::NoEquilibrium { .. } => "no equilibrium".to_owned(),
         failure => failure.to_string(),
     }
 }

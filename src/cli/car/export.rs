@@ -1,10 +1,12 @@
 //! `hardpoint export` of a car: points of both axles, and the results of the cases.
 
 use super::super::exit::{Exit, Stop};
-use super::super::export::{ExportArguments, Target};
+use super::super::export::{ExportArguments, Target, say};
 use super::super::save::save;
 use super::{solver, source};
-use crate::exchange::{Outgoing, Page, Value, csv, page_of_csv, point_rows, workbook};
+use crate::exchange::{
+    Outgoing, Page, Value, csv, page_of_csv, point_rows, suspensions_ini_of_car, workbook,
+};
 use crate::number::Vector3;
 use crate::report::CarResults;
 use crate::study::{CarStudy, Study};
@@ -15,6 +17,10 @@ pub(in crate::cli) fn export(arguments: &ExportArguments, file: &Path) -> Result
     let study = source::read(file, &arguments.set)?;
     check_call(arguments, &study)?;
     let bytes = match arguments.to {
+        Target::Assetto => {
+            let text = suspensions_ini_of_car(&study);
+            say(text.map_err(|reason| Stop::in_file(file, reason))?)
+        }
         Target::Xlsx => {
             let mut pages = points(&study, arguments).to_vec();
             pages.push(cases(&study, file)?);
@@ -48,9 +54,9 @@ pub(in crate::cli) fn export(arguments: &ExportArguments, file: &Path) -> Result
 fn check_call(arguments: &ExportArguments, study: &CarStudy) -> Result<(), Stop> {
     let axles = study.inputs[1..].iter();
     let axles: Vec<String> = axles.map(|path| path.display().to_string()).collect();
-    if !matches!(arguments.to, Target::Csv | Target::Xlsx) {
+    if !matches!(arguments.to, Target::Csv | Target::Xlsx | Target::Assetto) {
         return Err(Stop::wrong_input(format!(
-            "a car can be exported to csv and xlsx; for other formats export its axles: {}",
+            "a car can be exported to csv, xlsx and assetto; for other formats export its axles: {}",
             axles.join(", ")
         )));
     }

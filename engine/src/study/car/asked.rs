@@ -314,7 +314,7 @@ impl Resolver<'_> {
             }
             _ => {
                 let message = "expected axle with hardpoint and axis, axle with rate, or car";
-                return self.problems.refuse(place, message);
+                self.problems.refuse(place, message)
             }
         }
     }
@@ -410,6 +410,7 @@ impl Resolver<'_> {
         let column = SweepVariable {
             name,
             moves: Vec::new(),
+            rate: None,
             absolute: false,
             range: variable.range,
             steps,
@@ -536,7 +537,7 @@ impl Resolver<'_> {
         let study = self.axles[axle].axle()?;
         let entry = Spanned::new(written.span(), own.of_axle());
         let found =
-            tolerance::contributors_of_axle(&entry, study, &study.axle.left, self.problems)?;
+            tolerance::contributors_of_axle(&entry, study, &study.axle.left, None, self.problems)?;
         let known = &mut into.axles[axle].scatter;
         for contributor in found {
             into.contributors.push(CarContributor::Part {

@@ -1,7 +1,7 @@
 //! `sensitivities.csv` of rig tests: derivatives of every figure by hardpoints, rates, preloads and the spring.
 
-use super::kc::{KcResults, csv, held};
-use super::shortest;
+use super::super::shortest;
+use super::{KcResults, csv, held};
 use crate::axle::Law;
 use crate::compliance::{AxialStiffness, Compliance, KcRun, KcValue, Parameter, Shape, TestLoad};
 use crate::model::{Axis, PointId};

@@ -50,7 +50,8 @@ pub use car::{
 };
 pub use compliance::ComplianceStudy;
 pub use designs_file::DesignTable;
-pub use hardpoint_study_file::error::{StudyError, StudyErrors};
+pub use hardpoint_study_file::bushing_file;
+pub use hardpoint_study_file::error::{Source as FileText, StudyError, StudyErrors};
 pub use hardpoint_study_file::names::nearest;
 pub use hardpoint_study_file::source::{
     LONGEST_TABLE, LONGEST_TEXT, read_bytes, read_regular_text, read_text,

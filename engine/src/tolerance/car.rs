@@ -15,6 +15,9 @@ use crate::study::{CarContributor, CarStudy, CarTolerance, Source};
 use crate::sweep::{in_order, uniform};
 use std::ops::ControlFlow;
 
+/// Variance of each source of a contributor, and the motion of both wheels' points by it.
+type Ways = Vec<(f64, [PointMoves; 2])>;
+
 /// Builds of a block.
 const BLOCK: u64 = 16;
 
@@ -71,7 +74,7 @@ impl CarExpansion {
         let sigma = self.sigma();
         let scatters = sigma > 0.0 && spread.count > 0;
         let apart = (spread.sigma - sigma).abs();
-        scatters.then(|| apart <= HOLDS * sigma + 4.0 * spread.sigma_error)
+        scatters.then_some(apart <= HOLDS * sigma + 4.0 * spread.sigma_error)
     }
 }
 
@@ -155,7 +158,7 @@ impl<'a> CarProblem<'a> {
     pub fn expansion(&self) -> Result<Vec<CarExpansion>, (usize, NoSetUp)> {
         let gradients = self.request.gradients(&self.study.car);
         let gradients = gradients.map_err(|(axle, _, fault)| (axle, NoSetUp::Fault(fault)))?;
-        let mut ways: [Vec<Vec<(f64, [PointMoves; 2])>>; 2] = Default::default();
+        let mut ways: [Vec<Ways>; 2] = Default::default();
         for (axle, problem) in self.axles.iter().enumerate() {
             for contributor in &problem.tolerance.scatter {
                 let sources: Vec<&Source> = contributor.sources.iter().collect();

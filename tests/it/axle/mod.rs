@@ -6,6 +6,7 @@ mod by_wheel;
 mod certificate;
 mod commands;
 mod different_sides;
+mod drawings;
 mod gradients;
 mod lanes;
 mod limits;

@@ -311,7 +311,7 @@ impl Resolver<'_> {
             }
             _ => {
                 let message = "expected axle with hardpoint and axis, axle with rate, or car";
-                return self.problems.refuse(place, message);
+                self.problems.refuse(place, message)
             }
         }
     }

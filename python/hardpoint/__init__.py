@@ -18,6 +18,7 @@ from collections.abc import Sequence
 from os import PathLike
 
 from . import _hardpoint
+from ._car import Car, CarTuning, Cases
 from ._commands import assemblies, compare, export, import_points, kc, merge, report, schema, setup, template, tolerance
 from ._curves import Curves
 from ._frame import Column, Frame
@@ -38,6 +39,9 @@ __all__ = [
     "STATUS",
     "Adjustment",
     "Band",
+    "Car",
+    "CarTuning",
+    "Cases",
     "Column",
     "Constraint",
     "Curves",

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 __all__ = [
     "STATUS",
+    "Car",
     "Function",
     "HardpointError",
     "Residuals",
@@ -16,6 +17,10 @@ __all__ = [
     "__version__",
     "assemblies",
     "build",
+    "car_derivatives",
+    "car_optimise",
+    "car_solve",
+    "car_sweep",
     "check",
     "command",
     "command_captured",
@@ -78,6 +83,21 @@ class Study:
     def with_overrides(self, overrides: list[str]) -> Study: ...
 
 @final
+class Car:
+    @staticmethod
+    def load(path: str | PathLike[str], overrides: list[str] = ...) -> Car: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def length_unit(self) -> str: ...
+    @property
+    def cases(self) -> list[str]: ...
+    @property
+    def results(self) -> list[str]: ...
+    @property
+    def variables(self) -> list[str]: ...
+
+@final
 class Function:
     def __new__(cls, study: Study, variables: list[str] | None = None) -> Function: ...
     @property
@@ -112,6 +132,12 @@ class Residuals:
 def topologies() -> list[str]: ...
 def template(topology: str, parts: list[str] = ...) -> str: ...
 def solve(study: Study, motion: str | None = None) -> dict[str, Any]: ...
+def car_solve(car: Car) -> dict[str, Any]: ...
+def car_derivatives(car: Car) -> NDArray[np.float64]: ...
+def car_sweep(
+    car: Car, threads: int | None = None, progress: Callable[[int, int], object] | None = None
+) -> dict[str, Any]: ...
+def car_optimise(car: Car, threads: int | None = None) -> dict[str, Any]: ...
 def limits(study: Study) -> dict[str, Any]: ...
 def limits_of_builds(
     study: Study, builds: int, threads: int | None = None, progress: Callable[[int, int], object] | None = None

@@ -2,6 +2,7 @@
 
 use super::exit::{Exit, Stop};
 use super::output::{Destination, Output, design_fault, inputs};
+use super::terminal::width;
 use super::{BenchArguments, BenchKind};
 use crate::bench::accuracy::{Accuracy, Subject};
 use crate::bench::effects::Effects;
@@ -10,7 +11,8 @@ use crate::bench::throughput::Throughput;
 use crate::bench::{Clock, Machine, Unmeasurable};
 use crate::model::Topology;
 use crate::report::{
-    accuracy_picture, accuracy_table, effects_table, equilibria_table, throughput_table,
+    accuracy_picture, accuracy_summary, accuracy_table, effects_table, equilibria_table,
+    throughput_table,
 };
 use crate::results::{Claim, study_digest};
 use crate::study::Study;
@@ -96,7 +98,8 @@ pub(super) fn run(arguments: &BenchArguments) -> Result<Exit, Stop> {
             let found = Accuracy::measure(wheel, &clock).map_err(stop)?;
             let caption = format!("{}, {}", study.name, machine.line());
             let svg = accuracy_picture(&found, &caption);
-            (accuracy_table(&found), Some(svg))
+            let brief = accuracy_summary(&found);
+            (accuracy_table(&found), Some((svg, brief)))
         }
         (BenchKind::Effects, Some(wheel)) => {
             let found = Effects::measure(wheel, &clock).map_err(stop)?;
@@ -114,7 +117,7 @@ pub(super) fn run(arguments: &BenchArguments) -> Result<Exit, Stop> {
         }
     };
     output.main_csv(csv_name, table.csv(None).as_bytes())?;
-    if let Some(svg) = picture {
+    if let Some((svg, _)) = &picture {
         output.file(svg_name, svg.as_bytes())?;
     }
     let circumstances = Circumstances {
@@ -126,7 +129,15 @@ pub(super) fn run(arguments: &BenchArguments) -> Result<Exit, Stop> {
     output.json(machine_name, &circumstances)?;
     output.finish()?;
     if output.directory().is_some() {
-        output.table(kind, &table)?;
+        match &picture {
+            // A hundred rows are for programs.
+            Some((_, brief)) => {
+                output.table_for_programs(kind, || table.clone());
+                output.text_only(&brief.text(width()))?;
+                output.text_only("\n")?;
+            }
+            None => output.table(kind, &table)?,
+        }
     }
     // On standard output the table is the main CSV already.
     output.print_files(&files)?;

@@ -60,8 +60,9 @@ impl Source {
             }
             return Ok(source);
         };
-        if study.wheel().mechanism.rigid_axle.is_some() && arguments.to != Target::Csv {
-            let message = "a solid axle can be exported to CSV only: its points, or its curves";
+        let takes_solid = [Target::Csv, Target::Xlsx, Target::Assetto].contains(&arguments.to);
+        if study.wheel().mechanism.rigid_axle.is_some() && !takes_solid {
+            let message = "a solid axle can be exported to CSV, to a workbook and to Assetto Corsa";
             return Err(Stop::in_file(path, message));
         }
         if study.compliance().is_some() && arguments.to != Target::Csv {

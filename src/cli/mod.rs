@@ -12,6 +12,7 @@ mod exit;
 mod export;
 mod export_source;
 mod import;
+mod import_car;
 mod interrupt;
 mod kc;
 mod limits;

@@ -11,13 +11,16 @@ use crate::mechanism::DesignFault;
 use crate::report::{BandCurve, ToleranceSummary};
 use crate::scatter;
 use crate::solved::Solved;
-use crate::study::{Study, Tolerance};
+use crate::study::{CarStudy, Study, Tolerance};
 use crate::tolerance::{Expansion, Forecast, MonteCarlo, Problem, monte_carlo};
 use std::io::Write;
 use std::ops::ControlFlow;
 use std::path::Path;
 
 pub(super) fn run(arguments: &ToleranceArguments) -> Result<Exit, Stop> {
+    if CarStudy::is_at(&arguments.run.study.study) {
+        return super::car::tolerance(arguments);
+    }
     let (build, arguments) = (arguments.build, &arguments.run);
     let path = &arguments.study.study;
     let study = Study::read_elastic(path, &arguments.study.set)?;

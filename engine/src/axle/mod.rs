@@ -27,7 +27,7 @@ mod state;
 mod taylor;
 
 pub use crate::mechanism::Ground;
-pub use axle_motion::{AxleMotion, WheelMotion};
+pub use axle_motion::{AxleMotion, AxleTime, WheelMotion};
 pub use catalogue::{AxleQuantity, Quantity, WheelQuantity};
 pub use certificate::{AxleCertifier, AxleProof};
 pub use column::{AxleColumn, Of};

@@ -269,6 +269,18 @@ impl CarQuantity {
         whole.chain(wheels).chain(axles).collect()
     }
 
+    /// Every name of [`CarQuantity::named`]: of single results, and of those of all wheels or both axles.
+    pub fn names() -> Vec<String> {
+        let all = CarQuantity::all().into_iter();
+        let mut names: Vec<String> = all.map(CarQuantity::name).collect();
+        names.extend(WheelResult::ALL.iter().map(|of| of.info().name.to_owned()));
+        let of_axles = AxleResult::ALL.iter();
+        names.extend(of_axles.map(|of| of.info().name.replace("_{}", "")));
+        names.sort_unstable();
+        names.dedup();
+        names
+    }
+
     /// The results that a name stands for: one, or those of all four wheels or both axles.
     pub fn named(name: &str) -> Vec<CarQuantity> {
         let matches = |quantity: &CarQuantity| {
@@ -402,6 +414,9 @@ impl CarQuantity {
         let CarQuantity::Whole(result) = self else {
             return None;
         };
+        if result == WholeResult::AeroBalance && case.speed == 0.0 {
+            return Some("at speed 0 the air has no force");
+        }
         let is_braked = case.setting.longitudinal == Longitudinal::Brake;
         match result {
             Distribution

@@ -16,6 +16,9 @@ pub struct CarGradient {
     /// For each axle the derivatives by the hardpoints of the left wheel, in the kernel's frame. The right wheel's hardpoints
     /// move with them as mirror images.
     pub hardpoints: [Vec<Vector3<f64>>; 2],
+    /// For each wheel the derivatives by its own hardpoints, in the kernel's frame of its side: front left, front right, rear
+    /// left, rear right.
+    pub wheels: [Vec<Vector3<f64>>; 4],
     /// Derivatives by all parameters.
     pub parameters: [f64; Parameter::COUNT],
 }
@@ -83,9 +86,11 @@ impl<'a> CarSolver<'a> {
             if adjoints.len() >= Parameter::COUNT {
                 parameters.copy_from_slice(&adjoints[..Parameter::COUNT]);
             }
-            let mut hardpoints = [0, 1].map(|axle| {
-                vec![Vector3::default(); self.car.axles[axle].left.mechanism.points.len()]
-            });
+            let none = |axle: usize| {
+                let points = self.car.axles[axle].left.mechanism.points.len();
+                vec![Vector3::default(); points]
+            };
+            let mut wheels = [0, 0, 1, 1].map(none);
             for axle in [0, 1] {
                 let inputs = linearised[axle].inputs();
                 for side in Side::ALL {
@@ -97,13 +102,19 @@ impl<'a> CarSolver<'a> {
                     }
                     let mut by = vec![0.0; inputs];
                     by[..to - from].copy_from_slice(&adjoints[from..to]);
-                    let (buffer, into) = (&mut buffers[axle], &mut hardpoints[axle]);
-                    linearised[axle].add_gradient(side, &by, buffer, into);
+                    let into = &mut wheels[2 * axle + side as usize];
+                    linearised[axle].add_gradient(side, &by, &mut buffers[axle], into);
                 }
             }
+            let hardpoints = [0, 1].map(|axle| {
+                let [left, right] = [&wheels[2 * axle], &wheels[2 * axle + 1]];
+                let both = left.iter().zip(right);
+                both.map(|(left, right)| *left + *right).collect()
+            });
             CarGradient {
                 value: value.value(),
                 hardpoints,
+                wheels,
                 parameters,
             }
         };

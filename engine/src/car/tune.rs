@@ -50,12 +50,20 @@ pub struct CarTarget {
     pub quantity: CarQuantity,
     /// Number of the case.
     pub case: usize,
-    /// Its wanted value, as printed.
-    pub value: f64,
+    /// Lowest and highest wanted value, as printed; the same for a value.
+    pub wanted: [f64; 2],
     /// Deviation that counts as one.
     pub tolerance: f64,
     /// Weight.
     pub weight: f64,
+}
+
+impl CarTarget {
+    /// Deviation of a printed value from the wanted one; 0 within a band.
+    pub fn deviation(&self, found: f64) -> f64 {
+        let [low, high] = self.wanted;
+        found - found.clamp(low, high)
+    }
 }
 
 impl Moves {
@@ -164,8 +172,34 @@ impl Moves {
         }
     }
 
+    /// Its name in columns, without the unit: `front_tie_rod_inner_dz`, `rear_anti_roll_bar_rate`, `car_cg_z`.
+    pub fn stem(&self, car: &Car) -> String {
+        match *self {
+            Moves::Hardpoint { axle, point, axis } => {
+                let name = car.axles[axle].left.mechanism.name(point);
+                format!("{}_{name}_d{}", ["front", "rear"][axle], axis.name())
+            }
+            _ => self.label(car).replace('.', "_"),
+        }
+    }
+
+    /// Its unit; empty for a share.
+    pub fn unit(&self, car: &Car) -> String {
+        let length = car.length_unit.symbol();
+        match self {
+            Moves::Hardpoint { .. } | Moves::Wheelbase => length.to_owned(),
+            Moves::Rate { parameter, .. } => match parameter {
+                AxleParameter::BarRate => format!("N_{length}_per_rad"),
+                _ => format!("N_per_{length}"),
+            },
+            Moves::Body(BodyParameter::Mass) => "kg".to_owned(),
+            Moves::Body(parameter) if Moves::axis(*parameter).is_some() => length.to_owned(),
+            Moves::Body(_) => String::new(),
+        }
+    }
+
     /// The derivative of a result by the variable.
-    fn slope(&self, car: &Car, gradient: &CarGradient) -> f64 {
+    pub fn slope(&self, car: &Car, gradient: &CarGradient) -> f64 {
         let by = |parameter: Parameter| gradient.parameters[parameter.place()];
         match *self {
             Moves::Hardpoint { axle, point, axis } => {
@@ -272,9 +306,15 @@ impl LeastSquares for Objective<'_> {
                 let target = &self.targets[row];
                 let printed = target.quantity.info().unit.printed_factor(car.length_unit);
                 let scale = target.weight.sqrt() / target.tolerance;
-                into.residuals[row] = scale * (printed * gradient.value - target.value);
+                let deviation = target.deviation(printed * gradient.value);
+                into.residuals[row] = scale * deviation;
+                // Inside a band nothing changes the deviation.
+                let is_inside = deviation == 0.0 && target.wanted[0] < target.wanted[1];
                 for (column, variable) in self.variables.iter().enumerate() {
-                    let slope = variable.moves.slope(&car, gradient);
+                    let slope = match is_inside {
+                        true => 0.0,
+                        false => variable.moves.slope(&car, gradient),
+                    };
                     into.jacobian[(row, column)] = scale * printed * slope;
                 }
             }

@@ -120,7 +120,7 @@ impl Column {
 }
 
 /// `wheel_centre_x` -> `wheel_centre_vx` or `wheel_centre_ax`.
-fn velocity_name(coordinate: &str, axis: Axis, order: usize) -> String {
+pub(crate) fn velocity_name(coordinate: &str, axis: Axis, order: usize) -> String {
     let point = coordinate.strip_suffix(axis.name()).unwrap_or(coordinate);
     let letter = if order == 1 { 'v' } else { 'a' };
     format!("{point}{letter}{}", axis.name())
@@ -128,7 +128,7 @@ fn velocity_name(coordinate: &str, axis: Axis, order: usize) -> String {
 
 /// `unit` divided by the `power`-th power of `by`: `deg`, `mm`, 2 -> `deg_per_mm2`, and
 /// `deg_per_mm`, `mm`, 1 -> `deg_per_mm2`.
-fn per(unit: &str, by: &str, power: usize) -> String {
+pub(crate) fn per(unit: &str, by: &str, power: usize) -> String {
     if power == 0 {
         return unit.to_owned();
     }

@@ -1,5 +1,6 @@
 //! Curves: every output of a plan at every station of the motion, of one wheel or of an axle.
 
+mod by_time;
 mod column;
 mod drive_law;
 mod elastic;
@@ -12,7 +13,9 @@ mod prover;
 mod run;
 pub mod thinned;
 
+pub(crate) use by_time::ByTime;
 pub use column::Column;
+pub(crate) use column::{per, velocity_name};
 pub use drive_law::DriveLaw;
 pub use frames::{Frame, OtherWheel, Placement, Turn, frames};
 pub use influence::{Influence, influences};

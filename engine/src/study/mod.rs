@@ -45,11 +45,14 @@ pub use crate::analyse::LoadPoint;
 pub use crate::solve::Drive;
 pub use axle::AxleStudy;
 pub use axle_targets::AxleSite;
-pub use car::{CarOptimise, CarStudy, GgMap, edited};
+pub use car::{
+    CarBand, CarContributor, CarOptimise, CarStudy, CarSweep, CarTolerance, GgMap, edited,
+};
 pub use compliance::ComplianceStudy;
 pub use designs_file::DesignTable;
-pub use hardpoint_study_file::error::{StudyError, StudyErrors};
-pub(crate) use hardpoint_study_file::names::nearest;
+pub use hardpoint_study_file::bushing_file;
+pub use hardpoint_study_file::error::{Source as FileText, StudyError, StudyErrors};
+pub use hardpoint_study_file::names::nearest;
 pub use hardpoint_study_file::source::{
     LONGEST_TABLE, LONGEST_TEXT, read_bytes, read_regular_text, read_text,
 };

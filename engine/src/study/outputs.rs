@@ -5,12 +5,13 @@ use super::elastic_targets::{self, ElasticQuantity};
 use super::error::Problems;
 use super::file::{self, File};
 use super::loads::loads;
-use super::names::{choose, choose_or};
+use super::names::{choose, choose_or, nearest};
 use super::resolve::each;
 use super::subject::point;
 use super::value::{Selection, Text};
 use super::{ComplianceStudy, Order, Outputs};
 use crate::ask::Need;
+use crate::axle::Quantity;
 use crate::characteristics::Characteristic;
 use crate::model::{PointId, SteeringAxis, Suspension};
 
@@ -190,6 +191,34 @@ pub(super) fn hardpoint(
     choose(text, "hardpoint", &hardpoints, problems)
 }
 
+/// Refuses a quantity that only an axle has, also if its name is misspelt, and returns true.
+fn refuses_axle_quantity(
+    text: &Text,
+    of_a_wheel: &[(&'static str, Characteristic)],
+    problems: &mut Problems,
+) -> bool {
+    let name = text.get_ref();
+    let is_of_a_wheel = |name: &str| of_a_wheel.iter().any(|(known, _)| *known == name);
+    if is_of_a_wheel(name) {
+        return false;
+    }
+    // A misspelt name that is nearer to one of a wheel means that.
+    let all = of_a_wheel.iter().map(|(known, _)| *known);
+    let meant = nearest(name, all.chain(Quantity::names()));
+    let Some(meant) = meant.filter(|meant| !is_of_a_wheel(meant)) else {
+        return false;
+    };
+    let message = match meant == name {
+        true => format!("{name} is a quantity of an axle, not of one wheel"),
+        false => format!("unknown characteristic {name:?}; did you mean {meant:?}?"),
+    };
+    let error = problems.add(text.span(), message);
+    error.help(format!(
+        "{meant} needs [axle] in the study: see docs/axle.md, or `hardpoint new TOPOLOGY --with axle`"
+    ));
+    true
+}
+
 /// The characteristic of this name, for which the study must give what it needs.
 pub(super) fn characteristic(
     text: &Text,
@@ -200,6 +229,9 @@ pub(super) fn characteristic(
         .iter()
         .map(|c| (c.info().name, *c))
         .collect();
+    if refuses_axle_quantity(text, &all, problems) {
+        return None;
+    }
     let characteristic = choose(text, "characteristic", &all, problems)?;
     let mechanism = &suspension.mechanism;
     let needs_axis = characteristic.info().needs.contains(&Need::SteeringAxis);

@@ -157,7 +157,7 @@ fn resolve(
     if let Some(place) = parse::car_section(&source.text) {
         let message = "[car] makes this the study of a car, which this command does not take";
         let mut error = StudyError::new(source.clone(), Some(place), message);
-        error.help("hardpoint check, solve and optimise take cars; the axles by themselves are studies for every command");
+        error.help("hardpoint check, solve, sweep, optimise, tolerance, limits, compare and export take cars; the axles by themselves are studies for every command");
         return Err(error.into());
     }
     let file = parse::parse(&source)?;

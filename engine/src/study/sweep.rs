@@ -11,6 +11,7 @@ use super::value::{Text, Whole};
 use super::{Designs, Drive, FileFormat, Formulation, Sampled, Sampling, Sweep, SweepVariable};
 use crate::model::{Axis, PointId, Suspension};
 use std::collections::HashMap;
+use std::ops::Range as Span;
 use toml::Spanned;
 
 /// The most designs of a sweep: years of work for the fastest machine.
@@ -40,6 +41,20 @@ impl Sampled {
         match self.method {
             Sampling::Saltelli => self.samples * (self.variables.len() as u64 + 2),
             _ => self.samples,
+        }
+    }
+}
+
+impl Sampled {
+    /// All that the designs depend on: points of a sequence do not depend on the number of samples.
+    pub(crate) fn meaning(&self) -> Sampled {
+        let samples = match self.method {
+            Sampling::Sobol | Sampling::Random | Sampling::Saltelli => 0,
+            Sampling::Grid | Sampling::LatinHypercube => self.samples,
+        };
+        Sampled {
+            samples,
+            ..self.clone()
         }
     }
 }
@@ -112,7 +127,7 @@ pub(super) fn sweep(
     Some(Sweep {
         designs: designs?,
         curves: written.curves.unwrap_or(false),
-        format: format(written, problems)?,
+        format: format(&written.format, problems)?,
     })
 }
 
@@ -145,8 +160,9 @@ fn check_solver(
     problems.add(place, message).help(help);
 }
 
-fn format(written: &file::Sweep, problems: &mut Problems) -> Option<FileFormat> {
-    let Some(text) = &written.format else {
+/// The file format of a sweep's results.
+pub(super) fn format(written: &Option<Text>, problems: &mut Problems) -> Option<FileFormat> {
+    let Some(text) = written else {
         return Some(FileFormat::Csv);
     };
     let formats = [("csv", FileFormat::Csv), ("parquet", FileFormat::Parquet)];
@@ -167,55 +183,100 @@ fn sampled(
     problems: &mut Problems,
 ) -> Option<Sampled> {
     let written = section.get_ref();
-    let grid = Sampling::Grid;
-    let method = choose_or(&written.method, grid, "method", &Sampling::ALL, problems);
-    let seed = match &written.seed {
-        None => Some(1),
-        Some(seed) => within(seed, 0..=i64::from(u32::MAX), problems),
+    let asked = Asked {
+        section: section.span(),
+        variables: variables.span(),
+        method: &written.method,
+        samples: &written.samples,
+        seed: &written.seed,
     };
+    let rules = asked.rules(problems);
     let listed = some(variables, "variable", problems)?;
     let resolved = each(listed, |v| variable(v, context, problems))?;
     distinct(listed, &resolved, context.suspension, problems);
-    let method = method?;
-    if method == Sampling::Saltelli && resolved.len() > MOST_EXCHANGED {
-        let message = format!(
-            "method = \"saltelli\" takes at most {MOST_EXCHANGED} variables, found {}",
-            resolved.len()
-        );
-        return problems.refuse(variables.span(), message);
+    let places: Vec<_> = listed.iter().map(Spanned::span).collect();
+    asked.sampled(rules, resolved, &places, problems)
+}
+
+/// The keys of a sweep that say how its variables are sampled.
+pub(super) struct Asked<'a> {
+    /// Place of the section.
+    pub section: Span<usize>,
+    /// Place of the variables.
+    pub variables: Span<usize>,
+    /// Name of the method.
+    pub method: &'a Option<Text>,
+    /// Number of samples.
+    pub samples: &'a Option<Whole>,
+    /// Seed.
+    pub seed: &'a Option<Whole>,
+}
+
+/// Method and seed, each if nothing is wrong with it.
+pub(super) type Rules = (Option<Sampling>, Option<i64>);
+
+impl Asked<'_> {
+    /// Method and seed. Both are read before the variables, so that mistakes of all are reported.
+    pub(super) fn rules(&self, problems: &mut Problems) -> Rules {
+        let grid = Sampling::Grid;
+        let method = choose_or(self.method, grid, "method", &Sampling::ALL, problems);
+        let seed = match self.seed {
+            None => Some(1),
+            Some(seed) => within(seed, 0..=i64::from(u32::MAX), problems),
+        };
+        (method, seed)
     }
-    let samples = match method {
-        Sampling::Grid => grid_points(variables, &resolved, problems)?,
-        _ => {
-            let Some(samples) = &written.samples else {
-                let message = format!("method = \"{}\" needs samples, a number", method.name());
-                return problems.refuse(section.span(), message);
-            };
-            // Samples times variables and two must not exceed it either.
-            let most = MOST_DESIGNS / (resolved.len() as u64 + 2);
-            within(samples, 1..=most as i64, problems)? as u64
+
+    /// The samples of variables, which are written at `places`.
+    pub(super) fn sampled(
+        &self,
+        (method, seed): Rules,
+        variables: Vec<SweepVariable>,
+        places: &[Span<usize>],
+        problems: &mut Problems,
+    ) -> Option<Sampled> {
+        let method = method?;
+        if method == Sampling::Saltelli && variables.len() > MOST_EXCHANGED {
+            let message = format!(
+                "method = \"saltelli\" takes at most {MOST_EXCHANGED} variables, found {}",
+                variables.len()
+            );
+            return problems.refuse(self.variables.clone(), message);
         }
-    };
-    Some(Sampled {
-        method,
-        samples,
-        seed: u32::try_from(seed?).ok()?,
-        variables: resolved,
-    })
+        let samples = match method {
+            Sampling::Grid => grid_points(&self.variables, places, &variables, problems)?,
+            _ => {
+                let Some(samples) = self.samples else {
+                    let message = format!("method = \"{}\" needs samples, a number", method.name());
+                    return problems.refuse(self.section.clone(), message);
+                };
+                // Samples times variables and two must not exceed it either.
+                let most = MOST_DESIGNS / (variables.len() as u64 + 2);
+                within(samples, 1..=most as i64, problems)? as u64
+            }
+        };
+        Some(Sampled {
+            method,
+            samples,
+            seed: u32::try_from(seed?).ok()?,
+            variables,
+        })
+    }
 }
 
 fn grid_points(
-    place: &Spanned<Vec<Spanned<file::SweepVariable>>>,
+    list: &Span<usize>,
+    places: &[Span<usize>],
     variables: &[SweepVariable],
     problems: &mut Problems,
 ) -> Option<u64> {
-    for (written, variable) in place.get_ref().iter().zip(variables) {
+    for (place, variable) in places.iter().zip(variables) {
         if variable.steps.is_none() {
             let message = format!(
                 "{} needs steps, the number of its values in the grid",
                 variable.name
             );
-            let error = problems.add(written.span(), message);
+            let error = problems.add(place.clone(), message);
             error.help("or method = \"sobol\" with samples");
             return None;
         }
@@ -230,7 +291,7 @@ fn grid_points(
             factors.join(" x "),
             MOST_DESIGNS = MOST_DESIGNS as f64,
         );
-        problems.add(place.span(), message);
+        problems.add(list.clone(), message);
     }
     points
 }
@@ -339,7 +400,12 @@ pub(super) fn column_stem(point: &str, axis: Axis, absolute: bool) -> String {
     format!("{point}_{kind}{}", axis.name())
 }
 
-fn steps(steps: &Whole, range: Option<[f64; 2]>, problems: &mut Problems) -> Option<u64> {
+/// The number of values in a grid.
+pub(super) fn steps(
+    steps: &Whole,
+    range: Option<[f64; 2]>,
+    problems: &mut Problems,
+) -> Option<u64> {
     let count = within(steps, 1..=MOST_DESIGNS as i64, problems)?;
     if let (1, Some([low, high])) = (count, range) {
         let message = format!("one step cannot reach from {low} to {high}");
@@ -351,7 +417,7 @@ fn steps(steps: &Whole, range: Option<[f64; 2]>, problems: &mut Problems) -> Opt
 }
 
 /// A name that can be part of a column's.
-fn plain(name: &Text, problems: &mut Problems) -> Option<String> {
+pub(super) fn plain(name: &Text, problems: &mut Problems) -> Option<String> {
     let text = name.get_ref();
     let allowed = |c: char| c.is_ascii_alphanumeric() || "_+-".contains(c);
     if text.is_empty() || !text.chars().all(allowed) {

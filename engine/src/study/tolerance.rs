@@ -59,9 +59,9 @@ pub(super) fn tolerance(
                 let message = "side needs [axle]; this study describes one wheel";
                 problems.add(side.span(), message);
             }
-            contributors(s, context, problems)
+            contributors(s, context.suspension, Some(context), problems)
         }
-        Some(axle) => contributors_of_axle(s, axle, context, problems),
+        Some(axle) => contributors_of_axle(s, axle, context.suspension, Some(context), problems),
     });
     let bands = section.bands.iter().flatten();
     let bands = each(bands, |b| band(b, context, problems));
@@ -94,10 +94,11 @@ fn whole(
 
 /// What scatters of both wheels by an entry of `scatter`: the parts of each by themselves, those of the right one as the mirror
 /// images of the left one's; what is made to one tolerance is one contributor.
-fn contributors_of_axle(
+pub(super) fn contributors_of_axle(
     written: &Spanned<file::Scatter>,
     study: &AxleStudy,
-    context: &Context,
+    suspension: &Suspension,
+    context: Option<&Context>,
     problems: &mut Problems,
 ) -> Option<Vec<Contributor>> {
     let sides = Side::ALL.map(|side| (side.name(), side));
@@ -106,7 +107,7 @@ fn contributors_of_axle(
         Some(text) => {
             let Some(side) = choose(text, "side", &sides, problems) else {
                 // What else is wrong is said all the same.
-                contributors(written, context, problems);
+                contributors(written, suspension, context, problems);
                 return None;
             };
             Some(side)
@@ -118,15 +119,11 @@ fn contributors_of_axle(
             continue;
         }
         // In the left wheel's axes: a mirror image scatters as its original does.
-        let suspension = Suspension {
-            frame: context.suspension.frame,
+        let of_side = Suspension {
+            frame: suspension.frame,
             ..study.axle.suspension(side).clone()
         };
-        let context = Context {
-            suspension: &suspension,
-            ..*context
-        };
-        let mut own = contributors(written, &context, problems)?;
+        let mut own = contributors(written, &of_side, context, problems)?;
         for contributor in &mut own {
             for source in &mut contributor.sources {
                 source.name = format!("{} {}", side.name(), source.name);
@@ -151,12 +148,12 @@ fn contributors_of_axle(
 /// What scatters by an entry of `scatter`: each hardpoint named is a contributor of its own, a jig is one.
 fn contributors(
     written: &Spanned<file::Scatter>,
-    context: &Context,
+    suspension: &Suspension,
+    context: Option<&Context>,
     problems: &mut Problems,
 ) -> Option<Vec<Contributor>> {
     let place = written.span();
     let written = written.get_ref();
-    let suspension = context.suspension;
     let named = RateKeys {
         place: place.clone(),
         bushing: &written.bushing,
@@ -172,6 +169,9 @@ fn contributors(
         ],
     };
     if named.is_given(problems)? {
+        let Some(context) = context else {
+            return problems.refuse(place, "the axles of a car have no elastic parts");
+        };
         return rate(written, &named, context, problems).map(|rate| vec![rate]);
     }
     let kinds = [
@@ -185,7 +185,7 @@ fn contributors(
         return problems.refuse(place, message);
     }
     if let Some(points) = &written.jig {
-        return jig(points, written, place.clone(), context, problems).map(|jig| vec![jig]);
+        return jig(points, written, place.clone(), suspension, problems).map(|jig| vec![jig]);
     }
     for (given, key) in [(&written.shift, "shift"), (&written.turn, "turn")] {
         if let Some(number) = given {
@@ -340,10 +340,9 @@ fn jig(
     names: &Spanned<Vec<Text>>,
     written: &file::Scatter,
     place: Span<usize>,
-    context: &Context,
+    suspension: &Suspension,
     problems: &mut Problems,
 ) -> Option<Contributor> {
-    let suspension = context.suspension;
     for (span, key) in [
         (written.sigma.as_ref().map(|n| n.span.clone()), "sigma"),
         (written.limits.as_ref().map(Spanned::span), "limits"),

@@ -1,9 +1,8 @@
 //! Results of a sweep for each design, and the workers that compute them.
 
-use super::in_order;
 use super::record::{Kind, MoveRecord, OutputColumn, TargetColumn, VariableRecord};
 use super::rows::{Failing, Rows};
-use super::{BLOCKS_OF_PART, FORM, Samples, SweepRecord};
+use super::{BLOCKS_OF_PART, FORM, Samples, SweepRecord, Swept};
 use crate::ask::with_unit;
 use crate::axle::AxlePlan;
 use crate::characteristics::Quantity;
@@ -18,7 +17,7 @@ use crate::number::{Vector3, Width};
 use crate::plan::{Output, Plan};
 use crate::study::{
     About, AxleSample, AxleStudy, ComplianceStudy, DesignTable, Designs, FileFormat, Optimise,
-    Sample, Sampled, Sampling, Study, StudyErrors, Sweep, Target, Vehicle, WheelStudy,
+    Sample, Study, StudyErrors, Sweep, Target, Vehicle, WheelStudy,
 };
 use std::borrow::Cow;
 use std::ops::{ControlFlow, Range};
@@ -174,24 +173,14 @@ impl<'s> SweepPlan<'s> {
         })
     }
 
-    /// Solves blocks of the sweep on the threads of the current rayon pool and passes their rows to `take`, in order, while it
-    /// runs. Ends early if `go_on` or `take` requests it; all earlier rows have then been passed on.
+    /// The same as [`Swept::run`].
     pub fn run(
         &self,
         blocks: Range<u64>,
         go_on: impl Fn() -> bool + Sync,
-        mut take: impl FnMut(&Rows) -> ControlFlow<()> + Send,
+        take: impl FnMut(&Rows) -> ControlFlow<()> + Send,
     ) {
-        // An early end is no error.
-        let _: Result<(), ()> = in_order(
-            blocks,
-            || self.worker().expect("the same design was accepted before"),
-            |worker, block| go_on().then(|| worker.rows(block).clone()),
-            |rows: Rows| match take(&rows) {
-                ControlFlow::Continue(()) => Ok(()),
-                ControlFlow::Break(()) => Err(()),
-            },
-        );
+        Swept::Suspension(self).run(blocks, go_on, take);
     }
 
     /// The stations at which each design is solved.
@@ -697,18 +686,9 @@ fn digest(study: &Study, sweep: &Sweep, samples: &Samples) -> String {
         study.optimise.as_ref().map(|o| &o.targets),
         (sweep.curves, sweep.format),
         match samples {
-            Samples::Sampled(sampled) => {
-                // Designs that are points of a sequence do not depend on the number of samples.
-                let samples = match sampled.method {
-                    Sampling::Sobol | Sampling::Random | Sampling::Saltelli => 0,
-                    Sampling::Grid | Sampling::LatinHypercube => sampled.samples,
-                };
-                let sampled = sampled.clone();
-                format!("{:?}", Sampled { samples, ..sampled })
-            }
+            Samples::Sampled(sampled) => format!("{:?}", sampled.meaning()),
             Samples::Table(table) => format!("{:?}", table.digest),
         },
     );
-    let digest = hmac_sha256::Hash::hash(meaning.as_bytes());
-    digest.iter().map(|byte| format!("{byte:02x}")).collect()
+    super::digest_of(&meaning)
 }

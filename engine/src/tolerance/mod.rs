@@ -17,6 +17,7 @@
 mod axle_expansion;
 mod axle_second;
 mod builds;
+mod car;
 mod draw;
 mod elastic;
 mod expansion;
@@ -26,6 +27,7 @@ mod order;
 mod workshop;
 mod yields;
 
+pub use car::{CarBuilds, CarExpansion, CarProblem};
 pub use draw::normal_quantile;
 pub use expansion::{Expansion, HOLDS, Remainder};
 pub use monte_carlo::{MonteCarlo, Rejected, Spread, monte_carlo, monte_carlo_in};

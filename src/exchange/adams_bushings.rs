@@ -19,7 +19,7 @@ use super::adams::{assignment, block, text_of};
 use super::source::bytes_of;
 use crate::model::LengthUnit;
 use crate::study::bushing_file::{self, CurvePoint};
-use crate::study::{FileText, StudyError};
+use crate::study::{FileText, StudyErrors};
 use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
 
@@ -186,7 +186,7 @@ fn property_file(path: &Path, named: &str) -> Result<PathBuf, String> {
 
 /// The six curves of a property file in newtons, rad and a unit of length, by rising deflection.
 fn curves_of(source: FileText, unit: LengthUnit) -> Result<[Points; 6], String> {
-    let shown = |error: StudyError| error.to_string().trim_end().to_owned();
+    let shown = |error: StudyErrors| error.to_string().trim_end().to_owned();
     let file = bushing_file::read(&Arc::new(source)).map_err(shown)?;
     let lengths = |metres: f64| unit.convert(metres, LengthUnit::Metre);
     let mut curves: [Points; 6] = Default::default();

@@ -420,6 +420,29 @@ impl CarQuantity {
         columns
     }
 
+    /// The results that sweeps and tolerances keep of a study that asks for none.
+    pub fn key_columns(car: &Car) -> Vec<CarQuantity> {
+        let load = |place| CarQuantity::Wheel(place, WheelResult::Load);
+        let mut columns = WheelPlace::ALL.map(load).to_vec();
+        let whole = [
+            WholeResult::Roll,
+            WholeResult::Pitch,
+            WholeResult::Distribution,
+            WholeResult::LocalDistribution,
+            WholeResult::RollGradient,
+            WholeResult::PitchGradient,
+            WholeResult::RollUndersteer,
+            WholeResult::AntiDive,
+            WholeResult::AntiSquat,
+            WholeResult::AeroBalance,
+            WholeResult::WeightFront,
+            WholeResult::CrossWeight,
+        ];
+        columns.extend(whole.map(CarQuantity::Whole));
+        columns.retain(|quantity| quantity.is_met_by(car));
+        columns
+    }
+
     /// Its entry.
     pub fn info(self) -> &'static CarInfo {
         match self {

@@ -225,6 +225,14 @@ impl CarStudy {
         problems.finish(study)
     }
 
+    /// The results that sweeps and tolerances keep of each design: those that the study asks for, else the key ones.
+    pub fn kept_quantities(&self) -> Vec<CarQuantity> {
+        match self.quantities == CarQuantity::default_columns(&self.car) {
+            true => CarQuantity::key_columns(&self.car),
+            false => self.quantities.clone(),
+        }
+    }
+
     /// The front study's axes, in which the car's points are written.
     pub fn frame(&self) -> Frame {
         self.axles[0].wheel().frame

@@ -87,7 +87,7 @@ struct Fitting {
     anti_roll_bar: [[f64; 3]; ANTI_ROLL_BAR.len()],
 }
 
-const FITTINGS: [Fitting; 6] = [
+const FITTINGS: [Fitting; 8] = [
     Fitting {
         topology: "trailing_arm_two_links",
         steers: "lower_link_inner",
@@ -105,6 +105,44 @@ const FITTINGS: [Fitting; 6] = [
             [100.0, 570.0, 380.0],
             [300.0, 50.0, 380.0],
             [300.0, 560.0, 380.0],
+        ],
+    },
+    Fitting {
+        topology: "integral_link",
+        steers: "toe_link_inner",
+        carrier: "lower arm",
+        pushrod: Some([
+            [10.0, 580.0, 235.0],
+            [10.0, 410.0, 500.0],
+            [30.0, 330.0, 430.0],
+            [-10.0, 330.0, 430.0],
+            [10.0, 260.0, 520.0],
+            [10.0, 60.0, 380.0],
+        ]),
+        anti_roll_bar: [
+            [40.0, 560.0, 235.0],
+            [40.0, 550.0, 360.0],
+            [-160.0, 50.0, 360.0],
+            [-160.0, 540.0, 360.0],
+        ],
+    },
+    Fitting {
+        topology: "h_arm",
+        steers: "lower_arm_front",
+        carrier: "lower arm",
+        pushrod: Some([
+            [0.0, 590.0, 220.0],
+            [0.0, 410.0, 490.0],
+            [20.0, 330.0, 420.0],
+            [-20.0, 330.0, 420.0],
+            [0.0, 260.0, 510.0],
+            [0.0, 60.0, 370.0],
+        ]),
+        anti_roll_bar: [
+            [40.0, 560.0, 230.0],
+            [40.0, 550.0, 350.0],
+            [-160.0, 50.0, 350.0],
+            [-160.0, 540.0, 350.0],
         ],
     },
     Fitting {

@@ -124,10 +124,9 @@ fn bodies(mechanism: &Mechanism) -> Vec<SceneBody> {
                 strut = Some((top, lower));
                 joints.push(lower);
             }
-            // The knuckle is the arm itself.
-            Constraint::Revolute { .. } => {}
-            Constraint::BallJoint { at } => joints.push(at),
-            Constraint::AxleTravel { .. } => {}
+            Constraint::BallJoint { at } | Constraint::ArmJoint { at, .. } => joints.push(at),
+            // With a hinge the knuckle is the arm itself.
+            Constraint::Revolute { .. } | Constraint::AxleTravel { .. } => {}
         }
     }
     if let Some(spring) = mechanism.spring

@@ -103,6 +103,21 @@ pub enum Reaction<T = f64> {
         /// Force in the rod; negative in compression.
         tension: T,
     },
+    /// A link between an arm and the knuckle, or a second joint of both. The arm holds against it at its own outer joint.
+    ArmEnd {
+        /// End of the link on the arm.
+        inner: PointId,
+        /// End of the link on the knuckle, or the joint.
+        outer: PointId,
+        /// Tension of the link; without meaning for a joint.
+        tension: T,
+        /// Force on the knuckle at the outer end.
+        force: Vector3<T>,
+        /// The arm's outer joint.
+        joint: PointId,
+        /// Force of the arm on the knuckle at its outer joint.
+        passed: Vector3<T>,
+    },
     /// A force on the knuckle at a point of the body: the side force of a strut at its mount, one of two
     /// components, or the force in a hinge at one of its points, one of three or two.
     Force {
@@ -258,6 +273,8 @@ impl<'a, T: Balanced> Balance<'a, T> {
                     let pull = (outer == point).then(|| (place(inner) - place(outer)).normalised());
                     pull.map(|pull| pull * tension)
                 }
+                Reaction::ArmEnd { joint, passed, .. } if joint == point => Some(passed),
+                Reaction::ArmEnd { outer, force, .. } => (outer == point).then_some(force),
                 Reaction::Force { point: at, force } => (at == point).then_some(force),
             });
         let none = self.at.rack.zero();
@@ -280,6 +297,12 @@ fn tension<T: Copy>(inner: PointId, outer: PointId, carried: &Reactions<T>) -> O
                 outer: to,
                 tension,
             } => ((from, to) == (inner, outer)).then_some(tension),
+            Reaction::ArmEnd {
+                inner: from,
+                outer: to,
+                tension,
+                ..
+            } => ((from, to) == (inner, outer)).then_some(tension),
             Reaction::Force { .. } => None,
         })
 }
@@ -301,6 +324,17 @@ impl<T: Scalar> Row<T> {
                 point: row.point,
                 force: row.direction * multiplier,
             },
+            Row::ArmEnd(row) => {
+                let [force, passed] = row.forces(at).map(|force| force * multiplier);
+                Reaction::ArmEnd {
+                    inner: row.inner,
+                    outer: row.outer,
+                    tension: -multiplier,
+                    force,
+                    joint: row.joint_of_arm(at),
+                    passed,
+                }
+            }
             // The far wheel's support; no part of the mechanism carries it.
             Row::AxleTravel(row) => Reaction::Force {
                 point: row.far(),
@@ -380,8 +414,8 @@ pub fn members(mechanism: &Mechanism, support: Support) -> Vec<Member> {
     };
     for constraint in &mechanism.constraints {
         match *constraint {
-            // The legs of an arm with a spring on it are bent, and no force along them is the whole.
-            Constraint::Link { outer, .. } if sprung_joint(mechanism) == Some(outer) => {}
+            // The legs of an arm with a spring or a link on it are bent, and no force along them is the whole.
+            Constraint::Link { outer, .. } if is_joint_of_bent_arm(mechanism, outer) => {}
             Constraint::Link { inner, outer } => {
                 members.push(Member {
                     name: mechanism.link_name(inner).to_owned(),
@@ -393,7 +427,9 @@ pub fn members(mechanism: &Mechanism, support: Support) -> Vec<Member> {
                 members.extend(force(mechanism.name(first), first));
                 members.extend(force(mechanism.name(second), second));
             }
-            Constraint::BallJoint { at } => members.extend(force(mechanism.name(at), at)),
+            Constraint::BallJoint { at } | Constraint::ArmJoint { at, .. } => {
+                members.extend(force(mechanism.name(at), at));
+            }
             Constraint::AxleTravel { .. } => {}
         }
     }
@@ -419,6 +455,15 @@ pub fn members(mechanism: &Mechanism, support: Support) -> Vec<Member> {
         what: Carried::Support(support),
     });
     members
+}
+
+/// Returns true for the outer joint of an arm that carries the spring, the rod of its rocker, or a link or a second joint
+/// to the knuckle.
+fn is_joint_of_bent_arm(mechanism: &Mechanism, joint: PointId) -> bool {
+    let arms = mechanism.constraints.iter();
+    let mut arms = arms.filter_map(|constraint| mechanism.arm_under(constraint));
+    sprung_joint(mechanism) == Some(joint)
+        || arms.any(|arm| mechanism.arms[arm.0].outer == joint)
 }
 
 /// The outer joint of the arm that carries the spring or the rod of its rocker; `None` if no arm carries them.

@@ -150,7 +150,9 @@ pub fn bushing_points(mechanism: &Mechanism) -> Vec<PointId> {
             }
             Constraint::StrutLine { top, .. } => points.push(top),
             Constraint::Revolute { first, second } => points.extend([first, second]),
-            Constraint::BallJoint { .. } | Constraint::AxleTravel { .. } => {}
+            Constraint::BallJoint { .. }
+            | Constraint::AxleTravel { .. }
+            | Constraint::ArmJoint { .. } => {}
         }
     }
     points.sort();

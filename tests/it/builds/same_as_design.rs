@@ -6,11 +6,13 @@ use hardpoint::curves::curves;
 use hardpoint::model::Suspension;
 use hardpoint::plan::Plan;
 
-const STUDIES: [&str; 4] = [
+const STUDIES: [&str; 6] = [
     "macpherson_solve",
     "double_wishbone_rocker",
     "five_link_solve",
     "semi_trailing_arm_solve",
+    "integral_link_solve",
+    "h_arm_solve",
 ];
 
 /// Parts as drawn go together as drawn.

@@ -162,6 +162,7 @@ fn cause_of(end: &RangeEnd) -> End {
     match end {
         RangeEnd::Fold(limit) => (end.value(), limit.cause.to_string()),
         RangeEnd::FullTurn => (f64::NAN, "turns right round".to_owned()),
+        RangeEnd::Toggle { rod, .. } => (end.value(), format!("the {rod} is at toggle")),
         RangeEnd::Unresolved(_) => {
             let cause = "the path could not be followed any further";
             (end.value(), cause.to_owned())

@@ -37,6 +37,8 @@ enum Part {
     Axle,
     /// Panhard rod and a single upper link of a solid axle
     Panhard,
+    /// Watt linkage and a single upper link of a solid axle
+    Watt,
 }
 
 /// Points of a part, with name and description.
@@ -66,6 +68,32 @@ const PANHARD: Points = &[
     ("upper_link_axle", "upper link at the axle"),
     ("panhard_chassis", "Panhard rod at the body; true y"),
     ("panhard_axle", "Panhard rod at the axle"),
+];
+
+const WATT: Points = &[
+    PANHARD[0],
+    PANHARD[1],
+    (
+        "watt_pivot",
+        "pivot of the Watt rocker, on the axle; true y",
+    ),
+    ("watt_axis", "a second point of its axis"),
+    ("watt_upper_chassis", "upper Watt link at the body; true y"),
+    ("watt_upper_rocker", "upper Watt link at the rocker"),
+    ("watt_lower_chassis", "lower Watt link at the body; true y"),
+    ("watt_lower_rocker", "lower Watt link at the rocker"),
+];
+
+/// Places of the points of [`WATT`].
+const WATT_PLACES: [[f64; 3]; WATT.len()] = [
+    PANHARD_PLACES[0],
+    PANHARD_PLACES[1],
+    [-150.0, 0.0, 340.0],
+    [-100.0, 0.0, 340.0],
+    [-150.0, 480.0, 400.0],
+    [-150.0, 0.0, 410.0],
+    [-150.0, -480.0, 280.0],
+    [-150.0, 0.0, 270.0],
 ];
 
 /// Places of the points of [`PANHARD`] in the template of a solid axle.
@@ -325,22 +353,30 @@ fn study(topology: &Topology, parts: &[Part]) -> Result<String, String> {
     if is_axle && is_solid {
         return Err(format!("{} is an axle without this part", topology.name));
     }
-    if parts.contains(&Part::Panhard) {
+    let lateral = [
+        (Part::Panhard, "Panhard rod", PANHARD, &PANHARD_PLACES[..]),
+        (Part::Watt, "Watt linkage", WATT, &WATT_PLACES[..]),
+    ];
+    let lateral: Vec<_> = lateral
+        .into_iter()
+        .filter(|(part, ..)| parts.contains(part))
+        .collect();
+    if lateral.len() > 1 {
+        return Err("a Panhard rod or a Watt linkage holds an axle sideways, not both".to_owned());
+    }
+    for (_, name, points, places) in lateral {
         if !is_solid {
-            return Err(format!("{} has no Panhard rod", topology.name));
+            return Err(format!("{} has no {name}", topology.name));
         }
-        let single = "# single = [\"upper_link\"]        # with a Panhard rod";
-        text = text.replace(
-            single,
-            "single = [\"upper_link\"]          # with a Panhard rod",
-        );
-        let output = "jacking_force_ratio";
-        text = with_points(&text, PANHARD, &PANHARD_PLACES, "axle", output);
+        let single = "# single = [\"upper_link\"]        # with a Panhard rod or a Watt linkage";
+        let with = format!("single = [\"upper_link\"]          # with a {name}");
+        text = text.replace(single, &with);
+        text = with_points(&text, points, places, "axle", "jacking_force_ratio");
     }
     if is_axle {
         text = with_axle(&text);
     }
-    let is_done = |part: &Part| matches!(part, Part::Axle | Part::Panhard);
+    let is_done = |part: &Part| matches!(part, Part::Axle | Part::Panhard | Part::Watt);
     if parts.iter().all(is_done) {
         return Ok(text);
     }

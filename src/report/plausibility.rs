@@ -277,12 +277,11 @@ impl<'a> PlausibilityRemarks<'a> {
             // Links of a solid axle may lead either way.
             return;
         }
-        let links = mechanism.constraints.iter().filter_map(|c| match *c {
-            Constraint::Link { inner, outer } => Some((inner, outer)),
-            _ => None,
-        });
-        let to_springs = |rod: Rod| rod != Rod::DropLink;
-        let rockers = mechanism.rockers.iter().filter(|r| to_springs(r.rod));
+        // The end of a link on an arm may be anywhere.
+        let to_body = |c: &&Constraint| mechanism.arm_under(c).is_none();
+        let links = mechanism.constraints.iter().filter(to_body);
+        let links = links.filter_map(Constraint::link);
+        let rockers = mechanism.rockers.iter().filter(|r| r.rod.is_of_spring());
         for (inner, outer) in links.chain(rockers.map(|r| (r.inner, r.outer))) {
             let rod = self.at(outer) - self.at(inner);
             if rod.y < -0.5 * rod.norm() {

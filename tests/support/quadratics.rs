@@ -49,11 +49,7 @@ struct OnArm<T> {
 }
 
 /// The way of an arm's axis, the way across it and the joint, and the normal of both.
-fn triad<T: Real>(
-    front: Vector3<T>,
-    rear: Vector3<T>,
-    joint: Vector3<T>,
-) -> [Vector3<T>; 3] {
+fn triad<T: Real>(front: Vector3<T>, rear: Vector3<T>, joint: Vector3<T>) -> [Vector3<T>; 3] {
     let along = (rear - front).normalised();
     let across = along.cross(joint - front).normalised();
     [along, across, along.cross(across)]
@@ -90,25 +86,30 @@ pub fn design_pose(mechanism: &Mechanism, design: &[Vector3<f64>]) -> Pose<f64> 
 impl<T: Real> Quadratics<T> {
     pub fn new(mechanism: &Mechanism, design: &[Vector3<T>]) -> Self {
         let origin = design[mechanism.origin.0];
-        let rods = mechanism.constraints.iter().flat_map(|constraint| match *constraint {
-            Constraint::Link { inner, outer } => {
-                let (c, o) = (design[inner.0], design[outer.0]);
-                let length = o - c;
-                let end = match mechanism.body(inner) {
-                    Body::Rack => End::Rack(c),
-                    Body::Arm(arm) => End::Arm(OnArm::new(mechanism, design, arm, inner)),
-                    _ => End::Body(c),
-                };
-                vec![Equation::Rod(end, o - origin, length.dot(length))]
-            }
-            Constraint::ArmJoint { arm, at } => {
-                let end = End::Arm(OnArm::new(mechanism, design, arm, at));
-                let lever = design[at.0] - origin;
-                // The line of both joints is nearly along x.
-                [1, 2].map(|axis| Equation::Joint(end, lever, axis)).to_vec()
-            }
-            _ => panic!("rods only"),
-        });
+        let rods = mechanism
+            .constraints
+            .iter()
+            .flat_map(|constraint| match *constraint {
+                Constraint::Link { inner, outer } => {
+                    let (c, o) = (design[inner.0], design[outer.0]);
+                    let length = o - c;
+                    let end = match mechanism.body(inner) {
+                        Body::Rack => End::Rack(c),
+                        Body::Arm(arm) => End::Arm(OnArm::new(mechanism, design, arm, inner)),
+                        _ => End::Body(c),
+                    };
+                    vec![Equation::Rod(end, o - origin, length.dot(length))]
+                }
+                Constraint::ArmJoint { arm, at } => {
+                    let end = End::Arm(OnArm::new(mechanism, design, arm, at));
+                    let lever = design[at.0] - origin;
+                    // The line of both joints is nearly along x.
+                    [1, 2]
+                        .map(|axis| Equation::Joint(end, lever, axis))
+                        .to_vec()
+                }
+                _ => panic!("rods only"),
+            });
         let centre = design[mechanism.wheel_centre.0];
         Quadratics {
             rods: rods.collect(),

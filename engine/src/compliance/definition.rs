@@ -175,7 +175,7 @@ pub fn link_members(mechanism: &Mechanism) -> Vec<(String, LinkMember)> {
             _ => None,
         })
     {
-        let name = mechanism.rocker(rocker).rod.to_string().replace(' ', "_");
+        let name = mechanism.rocker(rocker).rod.key().to_owned();
         members.push((name, LinkMember::RockerRod(rocker)));
     }
     members

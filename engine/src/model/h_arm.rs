@@ -18,10 +18,7 @@ pub(super) static H_ARM: Topology = Topology {
             "front pivot of the lower arm on the body",
         ),
         required("lower_arm_rear", "rear pivot of the lower arm on the body"),
-        required(
-            "lower_joint_front",
-            "front joint of lower arm and knuckle",
-        ),
+        required("lower_joint_front", "front joint of lower arm and knuckle"),
         required("lower_joint_rear", "rear joint of lower arm and knuckle"),
         required("upper_link_inner", "upper link at the body"),
         required("upper_link_outer", "upper link at the knuckle"),

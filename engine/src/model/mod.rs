@@ -293,7 +293,7 @@ impl Mechanism {
     /// The name of a link, from that of its end at the body.
     pub fn link_name(&self, inner: PointId) -> &str {
         let name = self.name(inner);
-        let of_body = ["_inner", "_chassis"];
+        let of_body = ["_inner", "_chassis", "_rocker"];
         let stripped = of_body.iter().find_map(|end| name.strip_suffix(end));
         stripped.unwrap_or(name)
     }

@@ -70,6 +70,22 @@ pub(super) fn compliance(
         error.help("without [axle] the study is of the left wheel alone");
         return None;
     }
+    let mechanism = &suspension.mechanism;
+    if mechanism
+        .constraints
+        .iter()
+        .any(|c| mechanism.arm_under(c).is_some())
+    {
+        let message = format!(
+            "{} has no elastic parts yet: its lower arm holds the wheel carrier at two points, which the elastic arm does not",
+            mechanism.topology.name
+        );
+        let error = problems.add(section.span(), message);
+        error.help(
+            "for results of the rigid mechanism, remove [compliance], [bushings] and [links]",
+        );
+        return None;
+    }
     if suspension.wheel_radius.is_none() {
         let message = "[compliance] needs radius in [wheel]: loads act at the contact point";
         return problems.refuse(section.span(), message);

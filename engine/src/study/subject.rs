@@ -33,7 +33,10 @@ pub(super) fn members(suspension: &Suspension) -> Vec<(String, [PointId; 2])> {
     let mechanism = &suspension.mechanism;
     let mut members: Vec<(String, [PointId; 2])> = Vec::new();
     for constraint in &mechanism.constraints {
-        if let Some((inner, outer)) = constraint.link().filter(|(inner, _)| !mechanism.is_far(*inner)) {
+        if let Some((inner, outer)) = constraint
+            .link()
+            .filter(|(inner, _)| !mechanism.is_far(*inner))
+        {
             members.push((mechanism.link_name(inner).to_owned(), [inner, outer]));
         }
         if let Constraint::StrutLine { top, lower, .. } = *constraint {
@@ -41,7 +44,7 @@ pub(super) fn members(suspension: &Suspension) -> Vec<(String, [PointId; 2])> {
         }
     }
     for rocker in &mechanism.rockers {
-        let name = rocker.rod.to_string().replace(' ', "_");
+        let name = rocker.rod.key().to_owned();
         members.push((name, [rocker.inner, rocker.outer]));
     }
     if let Some(spring) = mechanism.spring {

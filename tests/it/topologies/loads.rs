@@ -54,24 +54,27 @@ fn loads_are_balanced_and_the_spring_takes_its_share() {
                     Body::Arm(arm) => mechanism.arms[arm.0].outer,
                     _ => seat,
                 };
-                let forces = found.constraints.iter().flat_map(|reaction| match *reaction {
-                    Reaction::Rod {
-                        inner,
-                        outer,
-                        tension,
-                    } => {
-                        let pull = (place(inner) - place(outer)).normalised() * tension;
-                        vec![(place(outer), pull)]
-                    }
-                    Reaction::ArmEnd {
-                        outer,
-                        force,
-                        joint,
-                        passed,
-                        ..
-                    } => vec![(place(outer), force), (place(joint), passed)],
-                    Reaction::Force { point, force } => vec![(place(point), force)],
-                });
+                let forces = found
+                    .constraints
+                    .iter()
+                    .flat_map(|reaction| match *reaction {
+                        Reaction::Rod {
+                            inner,
+                            outer,
+                            tension,
+                        } => {
+                            let pull = (place(inner) - place(outer)).normalised() * tension;
+                            vec![(place(outer), pull)]
+                        }
+                        Reaction::ArmEnd {
+                            outer,
+                            force,
+                            joint,
+                            passed,
+                            ..
+                        } => vec![(place(outer), force), (place(joint), passed)],
+                        Reaction::Force { point, force } => vec![(place(point), force)],
+                    });
                 let all: Vec<_> = forces
                     .chain([
                         (place(support_at), found.support_force),

@@ -25,6 +25,7 @@ mod arm_end;
 mod axle_travel;
 mod link;
 mod revolute;
+mod rocker_end;
 mod strut_line;
 
 pub use arm_angle::raises_its_joint;
@@ -33,6 +34,7 @@ pub(crate) use arm_end::{ArmEnd, PartDimensions};
 pub(crate) use axle_travel::TravelRow;
 use link::Link;
 use revolute::Pinned;
+use rocker_end::RockerEnd;
 use strut_line::StrutLine;
 
 use super::pose::{Configuration, Sink, Twist, Wrench};
@@ -48,6 +50,7 @@ pub(crate) enum Row<T> {
     Pinned(Pinned<T>),
     AxleTravel(TravelRow),
     ArmEnd(ArmEnd<T>),
+    RockerEnd(RockerEnd<T>),
 }
 
 /// Calls a method of whichever equation a row is.
@@ -59,6 +62,7 @@ macro_rules! row {
             Row::Pinned($equation) => $call,
             Row::AxleTravel($equation) => $call,
             Row::ArmEnd($equation) => $call,
+            Row::RockerEnd($equation) => $call,
         }
     };
 }
@@ -74,12 +78,17 @@ impl<T: Real> Row<T> {
     ) -> Row<T> {
         let origin = mechanism.origin;
         match constraint {
-            Constraint::Link { inner, outer } => match mechanism.body(inner) {
-                Body::Arm(arm) => {
-                    Row::ArmEnd(ArmEnd::link(mechanism, arm, [inner, outer], design))
+            Constraint::Link { inner, outer } => {
+                match [inner, outer].map(|id| mechanism.body(id)) {
+                    [Body::Arm(arm), _] => {
+                        Row::ArmEnd(ArmEnd::link(mechanism, arm, [inner, outer], design))
+                    }
+                    [Body::Rocker(_), _] | [_, Body::Rocker(_)] => {
+                        Row::RockerEnd(RockerEnd::new(inner, outer, design))
+                    }
+                    _ => Row::Link(Link::new(inner, outer, design)),
                 }
-                _ => Row::Link(Link::new(inner, outer, design)),
-            },
+            }
             Constraint::StrutLine { top, lower, upper } => {
                 Row::StrutLine(StrutLine::both(top, lower, upper, design, origin)[number])
             }

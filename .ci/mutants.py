@@ -3,8 +3,8 @@
 
 `MUTANTS_COUNT` (20) faults are drawn with the seed `MUTANTS_SEED` (1), equally many from each folder of FOLDERS. All of
 them are compiled at once, each behind a switch: the variable HARDPOINT_FAULT names the one that is planted. So twenty
-faults cost one build. For each of them the tests of its folder run, at most LIMIT seconds; the first failure ends the
-run. A fault that does not compile is left out and counted.
+faults cost one build. For each of them the tests of its folder run, at most LIMIT seconds of processor time (so that
+a busy machine changes nothing); the first failure ends the run. A fault that does not compile is left out and counted.
 
 A constant whose doc comment says "It changes the path, not the result." is strategy: a damping, a share of a step, a
 bracket of a search. Small and moderate factors on it are equivalent by construction, since the end of the iteration
@@ -18,13 +18,16 @@ import json
 import os
 import random
 import re
+import resource
 import subprocess
 import sys
 import time
 from pathlib import Path
 
-# Time for the tests of one fault, in seconds.
-LIMIT = 120
+# Processor time for the tests of one fault, in seconds: two minutes on two cores. A fault that makes a test wait for ever
+# uses none, so ten minutes of the clock end a run, too.
+LIMIT = 240
+LONGEST_WAIT = 600
 ENGINE = "hardpoint-engine"
 # Folder: its files, the integration tests that see it, its crate, and the unit tests of that crate.
 FOLDERS = {
@@ -207,23 +210,34 @@ def broken(messages, changed):
     return found
 
 
+def processor_time():
+    """Seconds that all ended children have used."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
+
+
 def first_failure(binary, directory, filters, seconds, fault):
-    """Runs tests until one fails. Returns its name, None if all pass, or `out of time`; and the time left."""
-    end = time.monotonic() + seconds
+    """Runs tests until one fails. Returns its name, None if all pass, or `out of time`; and the processor time left."""
+    before = processor_time()
+    limit = max(round(seconds), 1)
     process = subprocess.Popen(
-        ["timeout", "--signal=KILL", f"{max(seconds, 1):.0f}", binary, *filters], cwd=directory,
+        ["timeout", "--signal=KILL", str(LONGEST_WAIT), binary, *filters], cwd=directory,
         env=dict(os.environ, HARDPOINT_FAULT=str(fault)), stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True,
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_CPU, (limit, limit)),
     )
     failed = None
+    start = time.monotonic()
     for line in process.stdout:
         if match := re.match(r"test (.*) \.\.\. FAILED", line):
             failed = match[1]
             process.terminate()
             break
     code = process.wait()
+    used = processor_time() - before
     if failed is None and code:
-        failed = "out of time" if time.monotonic() >= end - 1 else f"a crash, status {code}"
-    return failed, end - time.monotonic()
+        is_late = used >= limit - 1 or time.monotonic() - start >= LONGEST_WAIT - 1
+        failed = "out of time" if is_late else f"a crash, status {code}"
+    return failed, seconds - used
 
 
 def draw(root, count, seed):

@@ -8,9 +8,7 @@ use crate::axle::{Axle, AxleCurves, AxlePlan, BeyondCurve, ForcePart, Quantity, 
 use crate::characteristics::{Characteristic, Constants, WheelReading};
 use crate::derive::{DesignSeries, MotionPoint};
 use crate::mechanism::DesignFault;
-use crate::model::{
-    Axis, Body, Constraint, Drive, PointId, Rod, Seat, Side, SteeringAxis, Suspension,
-};
+use crate::model::{Axis, Body, Constraint, Drive, PointId, Seat, Side, SteeringAxis, Suspension};
 use crate::number::{Jet, Vector3};
 use crate::solve::Solver;
 use crate::study::{AxleStudy, Designs, Move, Study};

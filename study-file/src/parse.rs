@@ -1,5 +1,6 @@
 //! Parsing of a text into the file as written, with the parser's messages in plain words.
 
+use crate::car_file::CarFile;
 use crate::error::{Source, StudyError, StudyErrors};
 use crate::file::File;
 use crate::names::nearest;
@@ -14,6 +15,12 @@ pub fn parse(source: &Arc<Source>) -> Result<File, StudyErrors> {
     parse_as(source)
 }
 
+/// Reads the text of a study of a car. Here and not where it is needed, so that the many small functions behind it are
+/// compiled without optimisation.
+pub fn parse_car(source: &Arc<Source>) -> Result<CarFile, StudyErrors> {
+    parse_as(source)
+}
+
 /// Place of `[car]` in a text that is the study of a car.
 pub fn car_section(text: &str) -> Option<std::ops::Range<usize>> {
     let root = DeTable::parse(text).ok()?;
@@ -22,7 +29,7 @@ pub fn car_section(text: &str) -> Option<std::ops::Range<usize>> {
 }
 
 /// Reads the text of a study whose root is of this type.
-pub fn parse_as<T: DeserializeOwned>(source: &Arc<Source>) -> Result<T, StudyErrors> {
+fn parse_as<T: DeserializeOwned>(source: &Arc<Source>) -> Result<T, StudyErrors> {
     let text = &source.text;
     if text.trim_start_matches('\u{feff}').trim().is_empty() {
         return Err(StudyError::of_file(&source.name, "the file is empty").into());

@@ -25,7 +25,7 @@ use crate::mechanism::{Closure, Configuration, Failure, Pose, WorkCounter, Wrenc
 use crate::model::{
     Arm, Axis, Body, Constraint, Mechanism, PointId, RigidAxle, RockerId, Rod, Spring,
 };
-use crate::number::{Jet, Scalar, Vector3};
+use crate::number::{Each, Jet, Scalar, Vector3};
 use crate::solve::{Conditioning, Solver};
 
 /// Start of the names of members of the far half of a rigid axle.
@@ -207,7 +207,7 @@ impl<'a, T: Balanced> Balance<'a, T> {
         let support = support_row;
         work.note(|w| w.factorisations += 1);
         let rows = rows.map(Wrench::to_row);
-        let factors = Lu6::new(rows.map(|row| row.map(T::value)), size)?;
+        let factors = Lu6::new(rows.each(|row| row.map(T::value)), size)?;
         (!Conditioning::of(&factors, size).is_poor()).then_some(Balance {
             closure,
             at,
@@ -235,7 +235,7 @@ impl<'a, T: Balanced> Balance<'a, T> {
         let lever = load.point - self.at.pose.origin;
         wrench.wrench(force, lever.cross(force) + moment);
         self.work.note(|w| w.right_hand_sides += 1);
-        let against = wrench.to_row().map(|c| -c);
+        let against = wrench.to_row().each(|c| -c);
         let multipliers = T::multipliers(Factors(&self.factors), &self.rows, against);
         let nothing = Vector3::new(like.zero(), like.zero(), like.zero());
         let mut constraints = [Reaction::Force {
@@ -372,7 +372,7 @@ impl<T: Scalar> Row<T> {
                 force: row.direction * multiplier,
             },
             Row::ArmEnd(row) => {
-                let [force, passed] = row.forces(at).map(|force| force * multiplier);
+                let [force, passed] = row.forces(at).each(|force| force * multiplier);
                 Reaction::ArmEnd {
                     inner: row.inner,
                     outer: row.outer,

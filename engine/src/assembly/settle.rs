@@ -24,7 +24,7 @@ use super::parts::Parts;
 use super::settle_series::SettlingSeries;
 use crate::mechanism::constraint::PartDimensions;
 use crate::mechanism::{Closure, Pose, Turn};
-use crate::number::{Jet, Matrix3, Outlined, Real, SimdReal, Vector3};
+use crate::number::{Each, Jet, Matrix3, Outlined, Real, SimdReal, Vector3};
 
 /// The most corrections; what contracts by a half each time has long settled.
 const MOST_ROUNDS: usize = 40;
@@ -150,7 +150,7 @@ impl<B: SimdReal> Outlined for Placing<'_, B> {
         }
         for rocker in &assembler.suspension().mechanism.rockers {
             let [first, second, inner, outer] =
-                [rocker.first, rocker.second, rocker.inner, rocker.outer].map(|id| into[id.0]);
+                [rocker.first, rocker.second, rocker.inner, rocker.outer].each(|id| into[id.0]);
             let turn = Turn::of([first, second, inner, outer, outer]);
             accepted = accepted & least.less(turn.leverage_squared);
         }

@@ -4,7 +4,7 @@ use super::reading::{MOST_LINES, Parts, Reading, Snapshot, WheelPose, zipped};
 use super::taylor::Taylor;
 use crate::characteristics::{NumberPart, Slot, VectorPart};
 use crate::derive::{Linearised, Seeds};
-use crate::number::{Jet, Real, Tape, Tracked, Vector3};
+use crate::number::{Each, Jet, Real, Tape, Tracked, Vector3, array_of};
 use std::cell::Cell;
 
 /// The most coefficients of a number along a line.
@@ -31,7 +31,7 @@ impl<'t> Reading<Tracked<'t>> {
             let Some(place) = place else {
                 return Taylor::unknown(zero);
             };
-            let along = inputs.each_ref().map(|line| &line[place * N..][..N]);
+            let along = inputs.each_ref().each(|line| &line[place * N..][..N]);
             Taylor::through(&along[..lines.len()])
         };
         let fixed = |place: Option<usize>| match place {
@@ -65,7 +65,7 @@ pub(super) fn add_gradient<const N: usize>(
     let zero = Jet::constant(0.0);
     let seeds = parts.places.map(|place: Option<usize>| match place {
         None => zero,
-        Some(place) => Jet(std::array::from_fn(|k| by[place * N + N - 1 - k])),
+        Some(place) => Jet(array_of(|k| by[place * N + N - 1 - k])),
     });
     buffer.fill(Vector3::new(zero, zero, zero));
     linearised.gradient(buffer, |sink| push(linearised, parts, &seeds, sink));

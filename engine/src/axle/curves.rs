@@ -10,6 +10,7 @@ use crate::ask::NoValue;
 use crate::curves::{Column, Curves, Loads, Sensitivity, Station, Status};
 use crate::mechanism::{DesignFault, NoPose};
 use crate::model::{Axis, PointId, Side};
+use crate::number::Each;
 use crate::solve::{LEAST_DIGITS, rate_digits};
 use crate::study::Load;
 use crate::threads::on_large_stacks;
@@ -384,8 +385,8 @@ fn gradients<const N: usize>(
         let factor = columns[column].factor;
         for point in &plan.sensitivities {
             for axis in Axis::ALL {
-                let frames = Side::ALL.map(|s| axle.suspension(s).frame);
-                let by = [left, right].map(|g| g[point.0][axis] * factor);
+                let frames = Side::ALL.each(|s| axle.suspension(s).frame);
+                let by = [left, right].each(|g| g[point.0][axis] * factor);
                 let mut add = |side, value| {
                     found.push(Sensitivity {
                         station,

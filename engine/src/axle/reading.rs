@@ -9,7 +9,7 @@ use crate::characteristics::{
 use crate::derive::MotionPoint;
 use crate::mechanism::Configuration;
 use crate::model::Drive;
-use crate::number::{Jet, Matrix3, Real, Vector3, outlined};
+use crate::number::{Each, Jet, Matrix3, Real, Vector3, outlined};
 use std::cell::Cell;
 
 /// The most lines along which a wheel is read.
@@ -43,10 +43,10 @@ impl<T: Copy> WheelPose<T> {
     }
 
     /// The pose over another kind of number. `f` takes the numbers in a fixed order.
-    pub(super) fn map<U>(&self, f: impl Fn(T) -> U + Copy) -> WheelPose<U> {
+    pub(super) fn map<U: Copy>(&self, f: impl Fn(T) -> U + Copy) -> WheelPose<U> {
         WheelPose {
             wheel: self.wheel.map(f),
-            rotation: self.rotation.map(|column| column.map(f)),
+            rotation: self.rotation.each(|column| column.map(f)),
             design: self.design.map(f),
         }
     }
@@ -159,7 +159,7 @@ impl<T: Real> Reading<T> {
     ) -> Self {
         Reading {
             wheel: pose.wheel.map(moving),
-            rotation: pose.rotation.map(|column| column.map(moving)),
+            rotation: pose.rotation.each(|column| column.map(moving)),
             design: pose.design.map(fixed),
         }
     }

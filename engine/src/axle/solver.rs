@@ -17,7 +17,7 @@ use crate::ask::NoValue;
 use crate::derive::{DesignSeries, Linearised, MotionPoint};
 use crate::mechanism::{Configuration, DesignFault, Failure, Ground, NoPose, Pose, Unproven};
 use crate::model::{Axis, AxleTravel, Drive, Mechanism, PointId, RigidAxle, RockerId, Rod, Side};
-use crate::number::{Jet, Tape, Tracked, Vector3};
+use crate::number::{Each, Jet, Tape, Tracked, Vector3};
 use crate::solve::{Solver, StationOrder, Toggles};
 use std::ops::ControlFlow;
 
@@ -499,7 +499,7 @@ impl<const N: usize> LinearisedAxle<'_, N> {
     /// Both wheels as inputs on the tape, each with the place of its first input. Series along several lines are combined on
     /// the tape, so that the inputs of the right wheel do not follow at once.
     pub(crate) fn on_tape<'t>(&self, tape: &'t Tape) -> [(Reading<Tracked<'t>>, usize); 2] {
-        self.snapshots.each_ref().map(|lines| {
+        self.snapshots.each_ref().each(|lines| {
             let first = tape.len();
             (Reading::on_tape(tape, lines, &self.parts), first)
         })
@@ -780,7 +780,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
     pub(super) fn coordinates(&self, travels: [f64; 2], rack: f64) -> [(f64, f64); 2] {
         let [left, right] = travels;
         match self.rigid() {
-            None => [0, 1].map(|side| (travels[side], rack * self.corners[side].rack_sign)),
+            None => [0, 1].each(|side| (travels[side], rack * self.corners[side].rack_sign)),
             Some(rigid) => {
                 let (mean, difference) = (0.5 * (left + right), 0.5 * (left - right));
                 match rigid.held {
@@ -1117,13 +1117,13 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         rack: f64,
         on_plane: bool,
     ) -> Result<(Placed, Read<'a>), NoPose> {
-        let poses = wheels.map(|wheel| wheel.pose);
+        let poses = wheels.each(|wheel| wheel.pose);
         let (roll, hold) = match on_plane {
             false => (0.0, Hold::TravelsOnPads),
             true => (self.tilted(&poses)?, Hold::TravelsOnPlane),
         };
         let placed = Placed {
-            travels: wheels.map(|wheel| wheel.travel),
+            travels: wheels.each(|wheel| wheel.travel),
             roll,
             rack,
             hold,
@@ -1188,7 +1188,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         let coordinates = self.coordinates(placed.travels, placed.rack);
         let plain = self.read(placed)?.state;
         let slopes = {
-            let [left, right] = plain.wheels().map(|wheel| wheel.rise());
+            let [left, right] = plain.wheels().each(|wheel| wheel.rise());
             [left + right, plain.track()]
         };
         let linearised = linearise(&self.corners, (lines, parts), placed, coordinates)?;
@@ -1220,7 +1220,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
                 }
                 let zero = Vector3::new(0.0, 0.0, 0.0);
                 self.buffer.fill(zero.map(Jet::constant));
-                let along = Axis::ALL.map(|other| Jet::constant(f64::from(other == axis)));
+                let along = Axis::ALL.each(|other| Jet::constant(f64::from(other == axis)));
                 linearised.gradient(&mut self.buffer, |sink| sink.point(id, along.into()));
                 let own = self.gradients[side as usize].iter_mut();
                 for (total, by) in own.zip(&self.buffer) {

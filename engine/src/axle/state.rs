@@ -30,7 +30,7 @@ use super::setup::Setup;
 use super::{Axle, Quantity};
 use crate::mechanism::Ground;
 use crate::model::{AxleTravel, Side};
-use crate::number::{Jet, Real, Vector3, outlined};
+use crate::number::{Each, Jet, Real, Vector3, outlined};
 
 /// What is held, so that a displacement of the rack, a heave or a roll means one motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -326,7 +326,7 @@ impl<'a, T: Real, W: WheelParts<T>> AxleState<'a, T, W> {
         let [left, right] = self.wheels();
         match self.carriers {
             // The contact points of a rigid axle rise by each wheel's own share of the difference.
-            Carriers::Rigid(_) => [left, right].map(|wheel| wheel.rise_by_difference()),
+            Carriers::Rigid(_) => [left, right].each(|wheel| wheel.rise_by_difference()),
             Carriers::Independent => [left.rise(), right.rise()],
         }
     }

@@ -2,7 +2,7 @@
 
 use crate::axle::WheelParts;
 use crate::characteristics::{NumberPart, VectorPart};
-use crate::number::{Real, Vector3};
+use crate::number::{Each, Real, Vector3};
 
 /// A wheel at its travel, in the car's axes. Rates are by the wheel's own travel, the body held.
 #[derive(Clone, Copy, Debug)]
@@ -46,15 +46,15 @@ impl<T: Real> Corner<T> {
             [value, rate]
         };
         let vector = |of: &dyn Fn([usize; 2]) -> Vector3<U>| {
-            let coefficients = [0, 1, 2, 3].map(|k| of([k, 0]).map(lift));
+            let coefficients = [0, 1, 2, 3].each(|k| of([k, 0]).map(lift));
             let [x, y, z] = [
-                at(coefficients.map(|c| c.x)),
-                at(coefficients.map(|c| c.y)),
-                at(coefficients.map(|c| c.z)),
+                at(coefficients.each(|c| c.x)),
+                at(coefficients.each(|c| c.y)),
+                at(coefficients.each(|c| c.z)),
             ];
-            [0, 1].map(|k| Vector3::new(x[k], y[k], z[k]))
+            [0, 1].each(|k| Vector3::new(x[k], y[k], z[k]))
         };
-        let number = |part: NumberPart| at([0, 1, 2, 3].map(|k| lift(wheel.number(part, [k, 0]))));
+        let number = |part: NumberPart| at([0, 1, 2, 3].each(|k| lift(wheel.number(part, [k, 0]))));
         let mirrored = |v: Vector3<T>| Vector3::new(v.x, v.y.scaled(sign), v.z);
         let mut turn = Vector3::new(step.zero(), step.zero(), step.zero());
         for i in 0..3 {

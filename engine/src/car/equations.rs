@@ -6,7 +6,7 @@ use super::road::Road;
 use super::{
     Car, Case, GRAVITY, LateralShares, Longitudinal, LongitudinalShares, Masses, TyreAxes,
 };
-use crate::number::{Scalar, Vector3};
+use crate::number::{Each, Scalar, Vector3};
 
 /// Number of unknowns and equations.
 pub const UNKNOWNS: usize = 14;
@@ -160,7 +160,7 @@ impl<T: Scalar> Balance<T> {
         }
         let (mass, cg) = masses.sprung;
         act(cg, -(acceleration * mass));
-        let ride_heights = [0, 1].map(|axle| match held.car.ride_height_points[axle] {
+        let ride_heights = [0, 1].each(|axle| match held.car.ride_height_points[axle] {
             Some(point) => road.up.dot(road.up.lit(point)) - x[GROUND],
             None => like.lit(f64::NAN),
         });
@@ -187,7 +187,7 @@ impl<T: Scalar> Balance<T> {
         Balance {
             unknowns: x,
             road,
-            wheels: wheels.map(|wheel| wheel.expect("all four were formed")),
+            wheels: wheels.each(|wheel| wheel.expect("all four were formed")),
             sprung: masses.sprung,
             whole: masses.whole,
             design_contact: masses.design_contact,
@@ -299,7 +299,7 @@ fn wheel_balance<T: Scalar>(
     let wheel = WheelState {
         corner,
         load: forces.load,
-        parts: parts.map(|part| part / rise),
+        parts: parts.each(|part| part / rise),
         side_force: forces.side,
         longitudinal_force: forces.longitudinal,
         share: forces.share,
@@ -350,7 +350,7 @@ fn masses<T: Scalar>(
         whole = add(whole, wheel(number), corner.centre);
     }
     let level = Road::under(mass.zero(), mass.zero());
-    let design_contacts = [0, 1, 2, 3].map(|number| {
+    let design_contacts = [0, 1, 2, 3].each(|number| {
         let corner = &corners[number];
         let down = level.up - corner.design_spin * level.up.dot(corner.design_spin);
         let radius = parameters.axle(number / 2, AxleParameter::Radius);
@@ -379,7 +379,7 @@ fn static_loads<T: Scalar>(
     if !is_needed {
         return [like.zero(); 2];
     }
-    let [front, rear] = [0, 2].map(|left| {
+    let [front, rear] = [0, 2].each(|left| {
         (masses.design_contacts[left].x + masses.design_contacts[left + 1].x).scaled(0.5)
     });
     let (mut mass, mut moment) = (masses.sprung.0, masses.sprung.0 * masses.sprung.1.x);
@@ -391,7 +391,7 @@ fn static_loads<T: Scalar>(
         moment = moment + own * corner.design_centre.x;
     }
     let on_front = (moment - mass * rear) / (front - rear);
-    [on_front, mass - on_front].map(|carried| carried.scaled(0.5 * GRAVITY))
+    [on_front, mass - on_front].each(|carried| carried.scaled(0.5 * GRAVITY))
 }
 
 /// Torque of each axle's bar, by the left lever's angle minus the right one's.
@@ -400,9 +400,9 @@ fn bar_torques<T: Scalar>(
     parameters: &Parameters<T>,
     corners: &[Corner<T>; 4],
 ) -> [T; 2] {
-    [0, 1].map(|axle| match car.axles[axle].setup.bar_rate {
+    [0, 1].each(|axle| match car.axles[axle].setup.bar_rate {
         Some(_) => {
-            let [left, right] = [0, 1].map(|side| corners[2 * axle + side].bar[0]);
+            let [left, right] = [0, 1].each(|side| corners[2 * axle + side].bar[0]);
             parameters.axle(axle, AxleParameter::BarRate) * (left - right)
         }
         None => corners[0].centre.x.zero(),
@@ -429,7 +429,7 @@ fn shares<T: Scalar>(held: &Held<'_>, x: &[T; UNKNOWNS]) -> [[T; 2]; 4] {
             _ => 1.0 - of_left,
         })
     };
-    [0, 1, 2, 3].map(|number| {
+    [0, 1, 2, 3].each(|number| {
         let lateral = match setting.lateral_shares {
             LateralShares::ByLoad => share(number, true, 0.5),
             LateralShares::Equal => share(number, false, 0.5),

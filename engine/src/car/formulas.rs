@@ -6,7 +6,7 @@ use super::equations::{
     WheelState,
 };
 use super::rates::Solved;
-use crate::number::{Jet, Scalar, Vector3};
+use crate::number::{Each, Jet, Scalar, Vector3};
 use std::f64::consts::PI;
 
 /// Results of one wheel in a state.
@@ -161,7 +161,7 @@ pub(super) mod axle {
         axle: usize,
         of: impl Fn(&Balance<T>, WheelPlace) -> T,
     ) -> [T; 2] {
-        [0, 1].map(|side| of(state, WheelPlace(2 * axle + side)))
+        [0, 1].each(|side| of(state, WheelPlace(2 * axle + side)))
     }
 
     /// Half the right wheel's part less the left one's.
@@ -204,7 +204,7 @@ pub(super) mod axle {
     }
 
     pub(in super::super) fn track<T: Scalar>(state: &Balance<T>, axle: usize) -> T {
-        let [left, right] = [0, 1].map(|side| state.wheels[2 * axle + side].contact);
+        let [left, right] = [0, 1].each(|side| state.wheels[2 * axle + side].contact);
         state.road.left.dot(left - right)
     }
 

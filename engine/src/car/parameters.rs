@@ -1,7 +1,7 @@
 //! Parameters of a car and a case, by which results are differentiated.
 
 use super::{Car, Case};
-use crate::number::{Real, Vector3};
+use crate::number::{Each, Real, Vector3};
 
 /// A parameter of one axle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -174,12 +174,12 @@ impl<T: Real> Parameters<T> {
     /// Place of an axle's origin.
     pub(super) fn offset(&self, axle: usize) -> Vector3<T> {
         use AxleParameter::{OffsetX, OffsetY, OffsetZ};
-        Vector3::from([OffsetX, OffsetY, OffsetZ].map(|parameter| self.axle(axle, parameter)))
+        Vector3::from([OffsetX, OffsetY, OffsetZ].each(|parameter| self.axle(axle, parameter)))
     }
 
     /// The centre of gravity that is given.
     pub(super) fn cg(&self) -> Vector3<T> {
         use BodyParameter::{CgX, CgY, CgZ};
-        Vector3::from([CgX, CgY, CgZ].map(|parameter| self.body(parameter)))
+        Vector3::from([CgX, CgY, CgZ].each(|parameter| self.body(parameter)))
     }
 }

@@ -14,7 +14,7 @@ use crate::axle::{
 use crate::linear::lu::Lu;
 use crate::mechanism::DesignFault;
 use crate::model::Side;
-use crate::number::{Dual, Real, Scalar};
+use crate::number::{Dual, Each, Real, Scalar};
 
 /// Terms of the series of wheels: equations are made of first derivatives by travel, their tangents of second ones, and
 /// derivatives of tangents by the design of third ones.
@@ -78,7 +78,7 @@ impl<R> Base<'_, '_, R> {
     where
         R: WheelParts<U>,
     {
-        let corners = [0, 1, 2, 3].map(|number| {
+        let corners = [0, 1, 2, 3].each(|number| {
             let travel = x[TRAVELS + number];
             Corner::read(
                 self.readings[number],

@@ -4,7 +4,7 @@ use super::{Characteristic, Constants, Gradient, Inputs, Quantity, Slot, Slots};
 use crate::derive::{Linearised, Seeds};
 use crate::mechanism::Configuration;
 use crate::model::{Axis, PointId};
-use crate::number::{Jet, Real, Vector3};
+use crate::number::{Jet, Real, Vector3, array_of};
 
 /// A pose, made ready for reading. `N` coefficients of every series are known.
 pub struct WheelReading<const N: usize> {
@@ -117,13 +117,9 @@ impl<const N: usize> WheelReading<N> {
     ) {
         let (turn, at) = (self.inputs.turn, &linearised.at);
         for order in 0..=highest {
-            let shifted =
-                |h: Jet<f64, N>| Jet(std::array::from_fn(|i| if i == 0 { 0.0 } else { h[i - 1] }));
-            let by_rate = |g: Jet<f64, N>| {
-                Jet(std::array::from_fn(|i| {
-                    g[i] * (order as f64 + 1.0 - i as f64)
-                }))
-            };
+            let shifted = |h: Jet<f64, N>| Jet(array_of(|i| if i == 0 { 0.0 } else { h[i - 1] }));
+            let by_rate =
+                |g: Jet<f64, N>| Jet(array_of(|i| g[i] * (order as f64 + 1.0 - i as f64)));
             buffer.fill(Vector3::new(0.0, 0.0, 0.0).map(Jet::constant));
             linearised.gradient(buffer, |seeds: &mut Seeds<'_, '_, _>| {
                 let shifted = |h: Vector3<_>| h.map(shifted);

@@ -21,7 +21,7 @@ use crate::number::{Dual, Matrix3, Real, Scalar, Vector3};
 const SMALL_SINE_SQUARED: f64 = 1e-3;
 
 /// The three components of the cross products v x e_k, as columns.
-#[inline(always)]
+#[inline]
 pub(super) fn cross_matrix<T: Real>(v: Vector3<T>) -> Matrix3<T> {
     let zero = v.x.zero();
     Matrix3 {
@@ -36,7 +36,7 @@ pub(super) fn cross_matrix<T: Real>(v: Vector3<T>) -> Matrix3<T> {
 /// Arithmetic of matrices that are no rotations.
 impl<T: Real> Matrix3<T> {
     /// The null matrix, in the shape of `like`.
-    #[inline(always)]
+    #[inline]
     pub(super) fn null(like: T) -> Self {
         let zero = like.zero();
         Matrix3 {
@@ -44,7 +44,7 @@ impl<T: Real> Matrix3<T> {
         }
     }
 
-    #[inline(always)]
+    #[inline]
     pub(super) fn plus(&self, other: &Self) -> Self {
         let ([a, b, c], [d, e, f]) = (self.columns, other.columns);
         Matrix3 {
@@ -52,7 +52,7 @@ impl<T: Real> Matrix3<T> {
         }
     }
 
-    #[inline(always)]
+    #[inline]
     pub(super) fn times(&self, other: &Self) -> Self {
         let [a, b, c] = other.columns;
         Matrix3 {
@@ -60,7 +60,7 @@ impl<T: Real> Matrix3<T> {
         }
     }
 
-    #[inline(always)]
+    #[inline]
     pub(super) fn transposed(&self) -> Self {
         let [a, b, c] = self.columns;
         Matrix3 {
@@ -73,13 +73,13 @@ impl<T: Real> Matrix3<T> {
     }
 
     /// The matrix times the cross-product matrix of a vector: M v^.
-    #[inline(always)]
+    #[inline]
     pub(super) fn times_cross(&self, v: Vector3<T>) -> Self {
         self.times(&cross_matrix(v))
     }
 
     /// The cross-product matrix of a vector times the matrix: v^ M.
-    #[inline(always)]
+    #[inline]
     pub(super) fn crossed_by(&self, v: Vector3<T>) -> Self {
         let [a, b, c] = self.columns;
         Matrix3 {
@@ -87,7 +87,7 @@ impl<T: Real> Matrix3<T> {
         }
     }
 
-    #[inline(always)]
+    #[inline]
     pub(super) fn negated(&self) -> Self {
         let [a, b, c] = self.columns;
         Matrix3 {
@@ -96,7 +96,7 @@ impl<T: Real> Matrix3<T> {
     }
 
     /// Adds a b' times a factor.
-    #[inline(always)]
+    #[inline]
     pub(super) fn add_product(&mut self, a: Vector3<T>, b: Vector3<T>, factor: T) {
         let [x, y, z] = (b * factor).to_array();
         let columns = &mut self.columns;
@@ -106,7 +106,7 @@ impl<T: Real> Matrix3<T> {
     }
 
     /// Adds a multiple of the identity.
-    #[inline(always)]
+    #[inline]
     pub(super) fn add_identity(&mut self, factor: T) {
         let [x, y, z] = &mut self.columns;
         x.x = x.x + factor;
@@ -115,7 +115,7 @@ impl<T: Real> Matrix3<T> {
     }
 
     /// The entry of a row and a column.
-    #[inline(always)]
+    #[inline]
     pub(super) fn entry(&self, row: usize, column: usize) -> T {
         self.columns[column].to_array()[row]
     }
@@ -132,7 +132,7 @@ pub(super) struct Placed<T> {
 
 impl<T: Real> Placed<T> {
     /// The design position.
-    #[inline(always)]
+    #[inline]
     pub(super) fn design(like: T) -> Self {
         let turn = Matrix3::null(like);
         Placed {
@@ -142,19 +142,19 @@ impl<T: Real> Placed<T> {
     }
 
     /// Displacement of the point at this lever from the reference point in the design position. Equation (1).
-    #[inline(always)]
+    #[inline]
     pub(super) fn displacement(&self, lever: Vector3<T>) -> Vector3<T> {
         self.shift + self.turn.apply(lever)
     }
 
     /// Present vector from the reference point to the point at this lever.
-    #[inline(always)]
+    #[inline]
     pub(super) fn lever(&self, lever: Vector3<T>) -> Vector3<T> {
         lever + self.turn.apply(lever)
     }
 
     /// The body moved by a shift of its reference point and a small turn.
-    #[inline(always)]
+    #[inline]
     pub(super) fn moved(&self, shift: Vector3<T>, turn: Vector3<T>) -> Self {
         Placed {
             shift: self.shift + shift,
@@ -163,7 +163,7 @@ impl<T: Real> Placed<T> {
     }
 
     /// The rotation R.
-    #[inline(always)]
+    #[inline]
     pub(super) fn rotation(&self) -> Matrix3<T> {
         let mut rotation = self.turn;
         rotation.add_identity(rotation.columns[0].x.one());
@@ -171,7 +171,7 @@ impl<T: Real> Placed<T> {
     }
 
     /// The body over another kind of number.
-    #[inline(always)]
+    #[inline]
     pub(super) fn map<U>(&self, f: impl Fn(T) -> U + Copy) -> Placed<U> {
         Placed {
             shift: self.shift.map(f),
@@ -181,7 +181,7 @@ impl<T: Real> Placed<T> {
 }
 
 /// Equation (2).
-#[inline(always)]
+#[inline]
 fn turned<T: Real>(difference: &Matrix3<T>, turn: Vector3<T>) -> Matrix3<T> {
     let half = turn * turn.x.lit(0.5);
     let one = turn.x.one();
@@ -211,7 +211,7 @@ pub(super) struct Logarithm<T> {
 }
 
 impl<T: Scalar> Logarithm<T> {
-    #[inline(always)]
+    #[inline]
     pub(super) fn of(difference: &Matrix3<T>) -> Self {
         let [a, b, c] = difference.columns;
         let half = a.x.lit(0.5);
@@ -226,7 +226,7 @@ impl<T: Scalar> Logarithm<T> {
 }
 
 /// t/sin t, from the square of the sine and the cosine.
-#[inline(always)]
+#[inline]
 pub(super) fn angle_by_sine<T: Scalar>(squared: T, cosine: T) -> T {
     if squared.value() < SMALL_SINE_SQUARED && cosine.value() > 0.0 {
         // asin(s)/s

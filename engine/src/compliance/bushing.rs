@@ -69,7 +69,7 @@ pub(super) struct BushingForce<T> {
 }
 
 /// c of equation (4) and its derivative by t divided by t.
-#[inline(always)]
+#[inline]
 fn coefficient<T: Scalar>(rotation: &Logarithm<T>) -> (T, T) {
     let square = rotation.vector.norm_squared();
     let one = square.one();
@@ -93,7 +93,7 @@ fn coefficient<T: Scalar>(rotation: &Logarithm<T>) -> (T, T) {
 
 impl<T: Scalar> Bushing<T> {
     /// Deflection and force, from e in the axes of body i and R_i' R_j - I.
-    #[inline(always)]
+    #[inline]
     pub(super) fn state(&self, e: Vector3<T>, turn: &Matrix3<T>) -> BushingState<T> {
         let rotation = Logarithm::of(turn);
         let (c, _) = coefficient(&rotation);
@@ -110,7 +110,7 @@ impl<T: Scalar> Bushing<T> {
         }
     }
 
-    #[inline(always)]
+    #[inline]
     fn forces(&self, d: Vector3<T>) -> (Vector3<T>, Vector3<T>) {
         let [x, y, z] = [
             self.laws[0].at(d.x),
@@ -120,7 +120,7 @@ impl<T: Scalar> Bushing<T> {
         (Vector3::new(x.0, y.0, z.0), Vector3::new(x.1, y.1, z.1))
     }
 
-    #[inline(always)]
+    #[inline]
     fn torques(&self, phi: Vector3<T>) -> (Vector3<T>, Vector3<T>) {
         let [x, y, z] = [
             self.laws[3].at(phi.x),
@@ -131,7 +131,7 @@ impl<T: Scalar> Bushing<T> {
     }
 
     /// Forces and tangents. `e` in the axes of the vehicle; `body` has R_i, and is `None` for a body at rest.
-    #[inline(always)]
+    #[inline]
     pub(super) fn force(
         &self,
         e: Vector3<T>,

@@ -5,7 +5,7 @@ use super::bushing::{Bushing, BushingState};
 use super::limb::{
     Conditions, Eliminated, Evaluated, Followers, LimbState, Sum, eliminated, is_positive,
 };
-use crate::number::{Matrix3, Scalar, Vector3};
+use crate::number::{Matrix3, Scalar, Vector3, array_of};
 
 /// A link with a bushing at the carrier. Its reference point is its inner end.
 #[derive(Clone, Debug)]
@@ -60,7 +60,7 @@ impl<T: Scalar> Floating<T> {
         [inner, Some(self.outer.state(in_carrier, &turn))]
     }
 
-    #[inline(always)]
+    #[inline]
     pub(super) fn evaluate(
         &self,
         at: &Conditions<T>,
@@ -152,7 +152,7 @@ struct LinkBlocks<T> {
 
 impl<T: Scalar> LinkBlocks<T> {
     /// Eliminates the unknowns from number `first` on, `N` of them.
-    #[inline(always)]
+    #[inline]
     fn eliminate<const N: usize>(
         &self,
         first: usize,
@@ -163,18 +163,15 @@ impl<T: Scalar> LinkBlocks<T> {
         let entry = |blocks: &[[Matrix3<T>; 2]; 2], i: usize, j: usize| {
             blocks[i / 3][j / 3].entry(i % 3, j % 3)
         };
-        let own: [[T; N]; N] = std::array::from_fn(|i| {
-            std::array::from_fn(|j| entry(&self.own, first + i, first + j))
-        });
-        let by: [[T; 6]; N] =
-            std::array::from_fn(|i| std::array::from_fn(|j| entry(&self.by_carrier, first + i, j)));
+        let own: [[T; N]; N] = array_of(|i| array_of(|j| entry(&self.own, first + i, first + j)));
+        let by: [[T; 6]; N] = array_of(|i| array_of(|j| entry(&self.by_carrier, first + i, j)));
         let mut inner = [like.zero(); 7];
-        let force: [T; N] = std::array::from_fn(|i| {
+        let force: [T; N] = array_of(|i| {
             let k = first + i;
             self.forces[k / 3].to_array()[k % 3] - held[i]
         });
         inner[..N].copy_from_slice(&force);
-        let units = std::array::from_fn(|k| if first + k < 3 { 1.0 } else { self.length });
+        let units = array_of(|k| if first + k < 3 { 1.0 } else { self.length });
         let found = eliminated(own, force, &by, units)?;
         let Eliminated { rest, by, .. } = found;
         for i in 0..6 {

@@ -45,7 +45,7 @@ impl Shape {
 
 impl<T: Scalar> Shape<T> {
     /// Force and its slope at a deflection.
-    #[inline(always)]
+    #[inline]
     pub(super) fn at(&self, deflection: T) -> (T, T) {
         match self {
             Shape::Cubic { rate, cubic } => {
@@ -157,7 +157,7 @@ impl<T: Scalar> Law<T> {
     }
 
     /// Force and slope at a deflection from the design position. Equation (1).
-    #[inline(always)]
+    #[inline]
     pub(super) fn at(&self, deflection: T) -> (T, T) {
         match &self.shape {
             // In this form the force at the design load is exact.

@@ -21,7 +21,7 @@ use super::algebra::Placed;
 use super::bushing::{Bushing, BushingForce};
 use super::point::PointForce;
 use crate::linear::lu::Lu;
-use crate::number::{Matrix3, Scalar, Vector3};
+use crate::number::{Matrix3, Scalar, Vector3, array_of};
 
 /// Sum of forces and moments on the carrier about its reference point, and their tangent.
 #[derive(Clone, Copy, Debug)]
@@ -38,7 +38,7 @@ impl<T: Scalar> Sum<T> {
         }
     }
 
-    #[inline(always)]
+    #[inline]
     fn add_block(&mut self, row: usize, column: usize, block: &Matrix3<T>) {
         for (j, column_of) in block.columns.iter().enumerate() {
             for (i, entry) in column_of.to_array().into_iter().enumerate() {
@@ -48,7 +48,7 @@ impl<T: Scalar> Sum<T> {
         }
     }
 
-    #[inline(always)]
+    #[inline]
     pub(super) fn add_force(&mut self, force: Vector3<T>, moment: Vector3<T>) {
         let sum = [force.x, force.y, force.z, moment.x, moment.y, moment.z];
         for (total, part) in self.force.iter_mut().zip(sum) {
@@ -57,14 +57,14 @@ impl<T: Scalar> Sum<T> {
     }
 
     /// Adds a torque and its tangent by small turns.
-    #[inline(always)]
+    #[inline]
     pub(super) fn add_moment(&mut self, moment: Vector3<T>, by_turn: &Matrix3<T>) {
         self.add_force(moment.zero(), moment);
         self.add_block(3, 3, by_turn);
     }
 
     /// Equation (3).
-    #[inline(always)]
+    #[inline]
     pub(super) fn add_point(&mut self, lever: Vector3<T>, point: &PointForce<T>) {
         self.add_force(point.condensed, lever.cross(point.condensed));
         let [[shift, by_turn], [moment, twist]] = &point.tangents(lever);
@@ -72,7 +72,7 @@ impl<T: Scalar> Sum<T> {
     }
 
     /// Adds tangents of force and moment by the carrier's shift and turn.
-    #[inline(always)]
+    #[inline]
     pub(super) fn add_blocks(&mut self, blocks: [[&Matrix3<T>; 2]; 2]) {
         for (i, row) in blocks.into_iter().enumerate() {
             for (j, block) in row.into_iter().enumerate() {
@@ -94,7 +94,7 @@ pub(super) struct Conditions<T> {
 
 impl<T: Scalar> Conditions<T> {
     /// Displacement of a point of body or rack.
-    #[inline(always)]
+    #[inline]
     pub(super) fn ground(&self, on_rack: bool) -> Vector3<T> {
         let zero = self.rack.zero();
         let along = if on_rack { self.rack } else { zero };
@@ -102,7 +102,7 @@ impl<T: Scalar> Conditions<T> {
     }
 
     /// Forces and tangents of a bushing.
-    #[inline(always)]
+    #[inline]
     pub(super) fn force(
         &self,
         bushing: &Bushing<T>,
@@ -205,7 +205,7 @@ impl<T: Scalar> Followers<T> {
 
     /// The step of the inner unknowns after a step of the carrier. `is_rate`: the rate along a motion in balance,
     /// which has no rest.
-    #[inline(always)]
+    #[inline]
     pub(super) fn step(&self, carrier: &[T; 6], is_rate: bool) -> LimbStep<T> {
         let [x, y, z, a, b, c] = *carrier;
         let mut outer = [x, y, z, a, b, c];
@@ -259,7 +259,7 @@ pub(super) struct Eliminated<T, const N: usize, const C: usize> {
 
 /// Solves the inner equations. `units` are lengths by which pivots are divided twice. `None` if a direction has no
 /// stiffness.
-#[inline(always)]
+#[inline]
 pub(super) fn eliminated<T: Scalar, const N: usize, const C: usize>(
     own: [[T; N]; N],
     force: [T; N],
@@ -270,7 +270,7 @@ pub(super) fn eliminated<T: Scalar, const N: usize, const C: usize>(
     let rest = factors.solve(force);
     let mut followers = *by;
     for k in 0..C {
-        let column: [T; N] = std::array::from_fn(|i| by[i][k]);
+        let column: [T; N] = array_of(|i| by[i][k]);
         for (row, value) in followers.iter_mut().zip(factors.solve(column)) {
             row[k] = value;
         }
@@ -290,14 +290,13 @@ pub(super) fn eliminated<T: Scalar, const N: usize, const C: usize>(
 
 /// Returns true if the symmetric part of a matrix is positive definite: all pivots of LDL' are above this share of the
 /// largest.
-#[inline(always)]
+#[inline]
 pub(super) fn is_positive<T: Scalar, const N: usize>(
     matrix: &[[T; N]; N],
     least_share: f64,
 ) -> bool {
-    let mut a: [[f64; N]; N] = std::array::from_fn(|i| {
-        std::array::from_fn(|j| 0.5 * (matrix[i][j].value() + matrix[j][i].value()))
-    });
+    let mut a: [[f64; N]; N] =
+        array_of(|i| array_of(|j| 0.5 * (matrix[i][j].value() + matrix[j][i].value())));
     let mut largest = 0.0;
     for k in 0..N {
         if a[k][k].is_nan() || a[k][k] <= least_share * largest {

@@ -8,7 +8,7 @@ use super::algebra::Placed;
 use super::limb::Sum;
 use crate::characteristics::Wheel;
 use crate::mechanism::Ground;
-use crate::number::{Dual, Matrix3, Real, Scalar, Vector3};
+use crate::number::{Dual, Each, Matrix3, Real, Scalar, Vector3};
 
 /// Loads on the wheel, in the kernel's frame of a left wheel.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -101,7 +101,7 @@ impl<T: Scalar> LoadWrench<T> {
 }
 
 /// Force and moment of a load, with the spin axis and the wheel centre's lever as they are.
-#[inline(always)]
+#[inline]
 fn wrench<T: Real>(
     loads: &WheelLoads<T>,
     axis: Vector3<T>,
@@ -130,7 +130,7 @@ impl<T: Scalar> WheelPart<T> {
     }
 
     /// Takes a load off the sum, with its tangent.
-    #[inline(always)]
+    #[inline]
     pub(super) fn subtract(&self, carrier: &Placed<T>, loads: &WheelLoads<T>, sum: &mut Sum<T>) {
         let turn = Dual::inputs(carrier.shift.zero());
         let follows = |v: Vector3<T>| {
@@ -147,11 +147,11 @@ impl<T: Scalar> WheelPart<T> {
         );
         let force = found.force.map(|c| -c.value);
         let moment = found.moment.to_array();
-        let by_turn = |k: usize| Vector3::from(moment.map(|c| -c.partials[k]));
+        let by_turn = |k: usize| Vector3::from(moment.each(|c| -c.partials[k]));
         sum.add_force(force, force.zero());
         let tangent = Matrix3 {
             columns: [by_turn(0), by_turn(1), by_turn(2)],
         };
-        sum.add_moment(Vector3::from(moment.map(|c| -c.value)), &tangent);
+        sum.add_moment(Vector3::from(moment.each(|c| -c.value)), &tangent);
     }
 }

@@ -384,7 +384,7 @@ pub(super) enum Joint<T> {
 
 impl<T: Scalar> Joint<T> {
     /// Residual and its derivatives by the carrier. Adds the joint's force and its tangent.
-    #[inline(always)]
+    #[inline]
     pub(super) fn evaluate(&self, at: &Conditions<T>, force: T, sum: &mut Sum<T>) -> (T, [T; 6]) {
         match self {
             Joint::Rod(rod) => {

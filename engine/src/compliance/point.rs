@@ -48,7 +48,7 @@ impl<T: Scalar> PointForce<T> {
     }
 
     /// The force without the change of its moment with its lever, for the forces at the design load.
-    #[inline(always)]
+    #[inline]
     pub(super) fn leverless_if(mut self, balance_only: bool) -> Self {
         if balance_only {
             self.force = self.force.zero();
@@ -56,7 +56,7 @@ impl<T: Scalar> PointForce<T> {
         self
     }
 
-    #[inline(always)]
+    #[inline]
     pub(super) fn of(force: Vector3<T>, stiffness: Matrix3<T>) -> Self {
         PointForce {
             force,
@@ -67,7 +67,7 @@ impl<T: Scalar> PointForce<T> {
 
     /// Tangents of force and moment on a body by its shift and turn, with the point at this lever. Equation (3) of
     /// `limb.rs`.
-    #[inline(always)]
+    #[inline]
     pub(super) fn tangents(&self, lever: Vector3<T>) -> [[Matrix3<T>; 2]; 2] {
         let across = cross_matrix(lever);
         let moment = self.stiffness.crossed_by(lever);
@@ -79,7 +79,7 @@ impl<T: Scalar> PointForce<T> {
     }
 
     /// A pull along the unit vector from the fixed point. Equation (1).
-    #[inline(always)]
+    #[inline]
     pub(super) fn along(u: Vector3<T>, pull: T, rate: T, inverse_length: T) -> Self {
         let across = pull * inverse_length;
         let mut stiffness = Matrix3::null(pull);
@@ -99,7 +99,7 @@ pub(super) struct Stretched<T> {
 
 impl<T: Scalar> Stretched<T> {
     /// `designed` is the vector between the points in the design position, `displacement` its change.
-    #[inline(always)]
+    #[inline]
     pub(super) fn of(designed: Vector3<T>, displacement: Vector3<T>) -> Self {
         let now = designed + displacement;
         let (before, length) = (designed.norm(), now.norm());
@@ -168,7 +168,7 @@ pub(super) struct SeatState<T> {
 impl<T: Scalar> RockerSeat<T> {
     /// Points of the rocker as it turns by theta, tan(theta/2) = `half`: displacement, and first and second derivative
     /// by theta.
-    #[inline(always)]
+    #[inline]
     fn turned(&self, point: Vector3<T>, half: T) -> [Vector3<T>; 3] {
         let [first, second] = self.axis;
         let axis = (second - first).normalised();

@@ -5,7 +5,7 @@ use super::limb::{
     Conditions, Eliminated, Evaluated, Followers, LimbState, Sum, eliminated, is_positive,
 };
 use super::point::{PointForce, Seat};
-use crate::number::{Matrix3, Scalar, Vector3};
+use crate::number::{Each, Matrix3, Scalar, Vector3, array_of};
 
 /// An end of an arm or a link at body or rack.
 #[derive(Clone, Debug)]
@@ -65,7 +65,7 @@ impl<T: Scalar> Swinging<T> {
         at.carrier.displacement(self.joint) + state.placed.turn.apply(lever)
     }
 
-    #[inline(always)]
+    #[inline]
     pub(super) fn evaluate(
         &self,
         at: &Conditions<T>,
@@ -118,7 +118,7 @@ impl<T: Scalar> Swinging<T> {
             None => own.eliminate_turns(&mut followers)?,
             Some(end) => {
                 let miss = self.deflection(end, at, state);
-                let open = end.normals.map(|normal| normal.dot(miss));
+                let open = end.normals.each(|normal| normal.dot(miss));
                 inner[3..5].copy_from_slice(&open);
                 let pivot = Pivot {
                     lever: state.placed.lever(end.lever),
@@ -176,7 +176,7 @@ impl<T: Scalar> OwnSum<T> {
     }
 
     /// Adds a force at a point of the part. Equation (3) of `limb.rs`, with the joint's displacement as the shift.
-    #[inline(always)]
+    #[inline]
     fn add(&mut self, lever: Vector3<T>, point: &PointForce<T>) {
         let all = &mut self.at_joint;
         all.force = all.force + point.force;
@@ -190,7 +190,7 @@ impl<T: Scalar> OwnSum<T> {
     }
 
     /// Eliminates the three turns.
-    #[inline(always)]
+    #[inline]
     fn eliminate_turns(&mut self, followers: &mut Followers<T>) -> Option<Firmness> {
         let rows: [[T; 3]; 3] = entries(&self.by_turn);
         let by_joint: [[T; 3]; 3] = entries(&self.moment_by_joint);
@@ -276,7 +276,7 @@ impl<T: Scalar> OwnSum<T> {
 }
 
 /// The entries of a matrix, by rows.
-#[inline(always)]
+#[inline]
 fn entries<T: Scalar, const N: usize, const C: usize>(matrix: &Matrix3<T>) -> [[T; C]; N] {
-    std::array::from_fn(|i| std::array::from_fn(|j| matrix.entry(i, j)))
+    array_of(|i| array_of(|j| matrix.entry(i, j)))
 }

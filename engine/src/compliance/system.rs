@@ -20,7 +20,7 @@ use super::parts::{CarrierSeat, Joint, LegSeat, Mount, MountState, RodPart};
 use super::point::SeatState;
 use super::swinging::Swinging;
 use crate::linear::square::{MOST, SquareLu};
-use crate::number::{Scalar, Vector3};
+use crate::number::{Each, Scalar, Vector3, array_of};
 
 /// The most parts with inner unknowns: five links and a seat of a spring.
 pub(super) const MOST_LIMBS: usize = 6;
@@ -80,7 +80,7 @@ impl<T: Scalar> State<T> {
     pub(super) fn map<U: Copy>(&self, f: impl Fn(T) -> U + Copy) -> State<U> {
         State {
             carrier: self.carrier.map(f),
-            limbs: self.limbs.each_ref().map(|limb| limb.map(f)),
+            limbs: self.limbs.each_ref().each(|limb| limb.map(f)),
             joints: self.joints.map(f),
             vertical: f(self.vertical),
         }
@@ -200,7 +200,7 @@ impl<T: Scalar> Limb<T> {
     }
 
     /// The state after a step.
-    #[inline(always)]
+    #[inline]
     fn stepped(&self, state: &LimbState<T>, step: &LimbStep<T>) -> LimbState<T> {
         let [a, b, c, d, e, f] = step.inner;
         let (first, second) = (Vector3::new(a, b, c), Vector3::new(d, e, f));
@@ -244,9 +244,9 @@ impl<T: Scalar> Equations<T> {
     }
 
     /// All unknowns from those of equation (1). `is_rate`: rates along motions in balance.
-    #[inline(always)]
+    #[inline]
     pub(super) fn step(&self, solution: &[T; MOST], is_rate: bool) -> Step<T> {
-        let carrier: [T; 6] = std::array::from_fn(|i| solution[i]);
+        let carrier: [T; 6] = array_of(|i| solution[i]);
         let zero = carrier[0].zero();
         let mut joints = [zero; MOST_JOINTS];
         joints[..self.joints].copy_from_slice(&solution[6..6 + self.joints]);
@@ -255,7 +255,7 @@ impl<T: Scalar> Equations<T> {
             limbs: self
                 .followers
                 .each_ref()
-                .map(|limb| limb.step(&carrier, is_rate)),
+                .each(|limb| limb.step(&carrier, is_rate)),
             joints,
             vertical: if self.size > 6 + self.joints {
                 solution[6 + self.joints]
@@ -422,7 +422,7 @@ impl<T: Scalar> System<T> {
     }
 
     /// The state after a step.
-    #[inline(always)]
+    #[inline]
     pub(super) fn stepped(&self, state: &State<T>, step: &Step<T>) -> State<T> {
         let [x, y, z, a, b, c] = step.carrier;
         let mut next = *state;

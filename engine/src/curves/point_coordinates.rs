@@ -2,7 +2,7 @@
 
 use super::run::{Findings, Run};
 use crate::mechanism::{Configuration, DesignFault, Pose};
-use crate::number::Jet;
+use crate::number::{Jet, array_of};
 use crate::solve::{FormulationMotion, FormulationPose, FormulationVisit, point_coordinates};
 
 impl<const N: usize> Run<'_, N> {
@@ -42,7 +42,7 @@ impl<const N: usize> Run<'_, N> {
     }
 
     fn configuration(&self, pose: &Pose<Jet<f64, 3>>, rack: f64) -> Configuration<'_, Jet<f64, N>> {
-        let series = pose.map(|c| Jet(std::array::from_fn(|k| c.0.get(k).copied().unwrap_or(0.0))));
+        let series = pose.map(|c| Jet(array_of(|k| c.0.get(k).copied().unwrap_or(0.0))));
         let rack = Jet::constant(rack);
         self.design_series
             .at(&self.suspension.mechanism, series, rack)

@@ -9,7 +9,7 @@ use crate::characteristics::{Quantity, Slot, Slots, WheelReading};
 use crate::derive::{DesignSeries, Linearised, MotionPoint};
 use crate::mechanism::{Configuration, DesignFault, Failure, Pose, Work, WorkCounter};
 use crate::model::{Axis, RockerId, Rod, Suspension};
-use crate::number::{Jet, Vector3};
+use crate::number::{Each, Jet, Vector3};
 use crate::plan::{Output, Plan};
 use crate::solve::{LEAST_DIGITS, Rejection, Solver, Toggles, rate_digits};
 use crate::study::{Drive, Formulation};
@@ -370,7 +370,7 @@ impl<'a, const N: usize> Run<'a, N> {
             for column in columns {
                 for id in &plan.sensitivities {
                     for axis in Axis::ALL {
-                        let orders = found[id.0].map(|g| g[axis]);
+                        let orders = found[id.0].each(|g| g[axis]);
                         let value = in_time.apply(output.quantity.is_rate(), orders, column.order);
                         gradients.push(Sensitivity {
                             station: 0,

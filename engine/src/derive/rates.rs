@@ -10,7 +10,7 @@ use crate::mechanism::{Closure, Driver};
 use crate::mechanism::{Configuration, Pose};
 use crate::model::Mechanism;
 use crate::number::Jet;
-use crate::number::{Vector3, each};
+use crate::number::{Each, Vector3};
 
 /// The pose as a power series, from the pose itself and its factorised Jacobian. `driver` and `rack`
 /// carry the motion: for derivatives by the drive, its value plus e.
@@ -27,7 +27,7 @@ pub(crate) fn pose_series<const N: usize>(
     for k in 1..N {
         let at = Configuration::new(mechanism, design, series, rack);
         let residuals = closure.residuals(&at, driver);
-        let correction = lu.solve(each(&residuals, |r| -r[k]));
+        let correction = lu.solve(residuals.each(|r| -r[k]));
         let term = |value: f64| {
             let mut coefficients = [0.0; N];
             coefficients[k] = value;
@@ -45,8 +45,9 @@ pub(crate) fn pose_series<const N: usize>(
 /// Angular velocity of the knuckle along the series: w with R' R^T = (w x), that is half the sum of
 /// R e_i x R' e_i. Its highest coefficient is unknown and not to be used.
 pub(crate) fn angular_velocity<const N: usize>(pose: &Pose<Jet<f64, N>>) -> Vector3<Jet<f64, N>> {
-    let [a, b, c] = each(&pose.rotation.columns, |column| {
-        column.cross(column.map(Jet::differentiated))
-    });
+    let [a, b, c] = pose
+        .rotation
+        .columns
+        .each(|column| column.cross(column.map(Jet::differentiated)));
     (a + b + c) * Jet::constant(0.5)
 }

@@ -24,7 +24,7 @@ use crate::model::RockerId;
 use crate::model::{Mechanism, PointId, SpinAxis, SteeringAxis};
 use crate::number::Jet;
 use crate::number::Real;
-use crate::number::{Vector3, each};
+use crate::number::{Each, Vector3};
 
 /// Collects the derivatives of an output by the hardpoints.
 pub trait Gradient<T> {
@@ -160,7 +160,7 @@ impl<'a, const N: usize> Linearised<'a, N> {
             self.rows,
             &self.at,
             self.driver,
-            &each(&multipliers, |m| -m),
+            &multipliers.each(|m| -m),
             &mut HardpointGradient(gradient),
         );
     }

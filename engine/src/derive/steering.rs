@@ -25,7 +25,7 @@ use crate::mechanism::pose::Sink;
 use crate::mechanism::{Closure, Driver};
 use crate::mechanism::{Configuration, Twist, Wrench};
 use crate::model::{Mechanism, PointId};
-use crate::number::{Jet, Real, Vector3, each, outlined};
+use crate::number::{Each, Jet, Real, Vector3, outlined};
 
 /// A series in the drive with its first derivative along the steering motion.
 type Along<const N: usize> = Jet<Jet<f64, N>, 2>;
@@ -83,7 +83,7 @@ impl<const N: usize> Steered<N> {
             RowSet::ALL,
             &moved,
             driver.map(Jet::constant),
-            &each(multipliers, |l| Jet::constant(-l)),
+            &multipliers.each(|l| Jet::constant(-l)),
             &mut slope,
         );
         let Wrench { force, moment, .. } = slope.wrench;
@@ -118,8 +118,8 @@ pub(crate) fn twist_by_rack<const N: usize>(
     lu: &Lu6<f64>,
 ) -> Twist<Jet<f64, N>> {
     let wrenches = closure.wrenches(at, driver);
-    let by_rack = each(&wrenches, |wrench| -wrench.rack);
-    Twist::from_array(lu.solve_series(&each(&wrenches, Wrench::to_row), &by_rack))
+    let by_rack = wrenches.each(|wrench| -wrench.rack);
+    Twist::from_array(lu.solve_series(&wrenches.each(Wrench::to_row), &by_rack))
 }
 
 /// A point of a twist's screw axis, and its upward direction. `origin` is the origin of the twist.

@@ -1,8 +1,7 @@
 //! LU factorisation with partial pivoting. It serves the six closure equations, the same bordered by a tangent, the
 //! twelve equations of a certificate, and the paper's fifteen.
 
-use crate::number::{Jet, Scalar, each};
-use std::array::from_fn;
+use crate::number::{Each, Jet, Scalar, array_of};
 
 /// Six numbers: residuals, multipliers or a twist (shift, turn).
 pub(crate) type Vector6<T> = [T; 6];
@@ -34,7 +33,7 @@ impl<T: Scalar, const N: usize> Lu<T, N> {
     /// Factorises a matrix. `None` if a pivot is zero or NaN. The determinant is the matrix's times `unit`.
     #[inline]
     pub fn of(mut a: [[T; N]; N], unit: f64) -> Option<Self> {
-        let mut order: [usize; N] = from_fn(|i| i);
+        let mut order: [usize; N] = array_of(|i| i);
         let mut determinant = unit;
         for k in 0..N {
             let mut pivot = k;
@@ -73,13 +72,13 @@ impl<T: Scalar, const N: usize> Lu<T, N> {
 
     /// The pivots, in the order in which they were taken.
     pub fn pivots(&self) -> [T; N] {
-        from_fn(|k| self.factors[k][k])
+        array_of(|k| self.factors[k][k])
     }
 
     /// x with A x = b.
     #[inline]
     pub fn solve(&self, b: [T; N]) -> [T; N] {
-        let mut x = each(&self.order, |i| b[i]);
+        let mut x = self.order.each(|i| b[i]);
         for i in 1..N {
             for j in 0..i {
                 x[i] = x[i] - self.factors[i][j] * x[j];
@@ -149,7 +148,7 @@ fn coefficient_by_coefficient<T: Scalar, const N: usize, const M: usize>(
 ) -> [Jet<T, M>; N] {
     let mut x = *b;
     for k in 0..M {
-        let mut right = each(b, |series| series[k]);
+        let mut right = b.each(|series| series[k]);
         for i in 1..=k {
             for (row, sum) in right.iter_mut().enumerate() {
                 for (column, known) in x.iter().enumerate() {

@@ -1,6 +1,6 @@
 //! LU factorisation of a square matrix of up to [`MOST`] rows, without memory from the heap.
 
-use crate::number::Scalar;
+use crate::number::{Scalar, array_of};
 
 /// The most rows.
 pub(crate) const MOST: usize = 12;
@@ -17,7 +17,7 @@ impl<T: Scalar> SquareLu<T> {
     /// Factorises the first `size` rows and columns. `None` if a pivot is zero or NaN.
     #[inline]
     pub(crate) fn of(mut a: [[T; MOST]; MOST], size: usize) -> Option<Self> {
-        let mut order: [usize; MOST] = std::array::from_fn(|i| i);
+        let mut order: [usize; MOST] = array_of(|i| i);
         for k in 0..size {
             let mut pivot = k;
             for i in k + 1..size {

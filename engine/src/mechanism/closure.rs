@@ -8,7 +8,7 @@ use super::constraint::{ArmAngle, PartDimensions, Row, TravelRow};
 use super::pose::{Configuration, Pose, Sink, Twist, Wrench};
 use crate::linear::lu::{Lu6, Matrix6, Vector6};
 use crate::model::{Mechanism, PointId};
-use crate::number::{Matrix3, Outlined, Real, Vector3, each};
+use crate::number::{Each, Matrix3, Outlined, Real, Vector3};
 
 /// The sixth equation: the drive with its present value.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -168,7 +168,7 @@ impl<T: Real> Closure<T> {
     /// The Jacobian by the pose.
     #[inline]
     pub fn jacobian(&self, at: &Configuration<T>, driver: Driver<T>) -> Matrix6<T> {
-        each(&self.wrenches(at, driver), Wrench::to_row)
+        self.wrenches(at, driver).each(Wrench::to_row)
     }
 
     /// The Jacobian by the pose, row by row, with the derivatives by the displacement of the rack.

@@ -55,7 +55,7 @@ use super::rod_reach::RodReach;
 use crate::mechanism::DEGENERATE;
 use crate::model::{Body, PointId};
 use crate::model::{Rocker, RockerId, Rod};
-use crate::number::Scalar;
+use crate::number::{Each, Scalar};
 use crate::number::{Real, SimdReal, Vector3, outlined};
 
 /// Inputs for the turn of a rocker: two points of its axis, the rod's inner and outer end in the design position, and
@@ -576,10 +576,10 @@ impl<T: Scalar> Configuration<'_, T> {
     /// Tension in the rod of a rocker for a force of one at a point of the rocker: moments about the axis.
     pub(crate) fn rod_tension(&self, id: RockerId, at: Vector3<T>, force: Vector3<T>) -> T {
         let rocker = self.mechanism.rocker(id);
-        let ends = [rocker.first, rocker.second].map(|id| self.designed(id));
-        let [first, second] = ends.map(|end| self.out_of_base(rocker, end));
+        let ends = [rocker.first, rocker.second].each(|id| self.designed(id));
+        let [first, second] = ends.each(|end| self.out_of_base(rocker, end));
         let axis = second - first;
-        let [inner, outer] = [rocker.inner, rocker.outer].map(|id| self.point(id));
+        let [inner, outer] = [rocker.inner, rocker.outer].each(|id| self.point(id));
         let moment = |at: Vector3<T>, force: Vector3<T>| axis.dot((at - first).cross(force));
         -moment(at, force) / moment(inner, (outer - inner).normalised())
     }

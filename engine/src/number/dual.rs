@@ -1,6 +1,6 @@
 //! First derivatives by a fixed number of inputs, all in one pass.
 
-use super::{Outlined, Real, Scalar, Vector3, outlined};
+use super::{Outlined, Real, Scalar, Vector3, called, outlined};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// A value with its partial derivatives by `N` inputs.
@@ -16,9 +16,13 @@ impl<T: Real, const N: usize> Dual<T, N> {
     /// A constant: it depends on none of the inputs.
     #[inline(always)]
     pub fn constant(value: T) -> Self {
-        Dual {
+        let fill = |value: T| Dual {
             value,
             partials: [value.zero(); N],
+        };
+        match Self::IS_LONG {
+            true => called(value, fill),
+            false => fill(value),
         }
     }
 
@@ -53,6 +57,9 @@ impl<T: Real> Dual<T, 3> {
 }
 
 impl<T: Real, const N: usize> Dual<T, N> {
+    /// Arithmetic is done in calls if true.
+    const IS_LONG: bool = N > 4 && !T::IN_REGISTERS;
+
     #[inline]
     fn plus(self, other: Self) -> Self {
         let mut partials = self.partials;
@@ -61,6 +68,18 @@ impl<T: Real, const N: usize> Dual<T, N> {
         }
         Dual {
             value: self.value + other.value,
+            partials,
+        }
+    }
+
+    #[inline(always)]
+    fn negated(self) -> Self {
+        let mut partials = self.partials;
+        for p in &mut partials {
+            *p = -*p;
+        }
+        Dual {
+            value: -self.value,
             partials,
         }
     }
@@ -150,7 +169,7 @@ macro_rules! operator {
             #[inline(always)]
             fn $method(self, other: Self) -> Self {
                 let number = self;
-                perform!($operation(number, other) if T::IS_LARGE)
+                perform!($operation(number, other) if T::IS_LARGE || Self::IS_LONG)
             }
         }
     };
@@ -165,14 +184,8 @@ impl<T: Real, const N: usize> Neg for Dual<T, N> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
-        let mut partials = self.partials;
-        for p in &mut partials {
-            *p = -*p;
-        }
-        Dual {
-            value: -self.value,
-            partials,
-        }
+        let number = self;
+        perform!(negated(number) if Self::IS_LONG)
     }
 }
 
@@ -212,13 +225,19 @@ impl<T: Real, const N: usize> Real for Dual<T, N> {
     }
     #[inline(always)]
     fn scaled(self, factor: f64) -> Self {
-        let mut partials = self.partials;
-        for p in &mut partials {
-            *p = p.scaled(factor);
-        }
-        Dual {
-            value: self.value.scaled(factor),
-            partials,
+        let scale = |(number, factor): (Self, f64)| {
+            let mut partials = number.partials;
+            for p in &mut partials {
+                *p = p.scaled(factor);
+            }
+            Dual {
+                value: number.value.scaled(factor),
+                partials,
+            }
+        };
+        match Self::IS_LONG {
+            true => called((self, factor), scale),
+            false => scale((self, factor)),
         }
     }
 }

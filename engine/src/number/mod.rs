@@ -145,15 +145,32 @@ pub(crate) fn called<A, R>(operands: A, operation: impl Fn(A) -> R) -> R {
     operation(operands)
 }
 
-/// Maps an array like `array.map(f)`, but inlined. The standard library's version is not a small function. It remains a
-/// call unless it is compiled together with its caller.
-#[inline(always)]
-pub(crate) fn each<T: Copy, U: Copy, const N: usize>(array: &[T; N], f: impl Fn(T) -> U) -> [U; N] {
-    let mut mapped = [f(array[0]); N];
-    for k in 1..N {
-        mapped[k] = f(array[k]);
+/// Maps arrays of numbers by plain loops, inlined. The standard library's `map` and `from_fn` are six functions for each use;
+/// the compiler spent a twelfth of its time on them.
+pub(crate) trait Each<T, const N: usize> {
+    /// The array with `f` applied to each entry.
+    fn each<U: Copy>(&self, f: impl FnMut(T) -> U) -> [U; N];
+}
+
+impl<T: Copy, const N: usize> Each<T, N> for [T; N] {
+    #[inline(always)]
+    fn each<U: Copy>(&self, mut f: impl FnMut(T) -> U) -> [U; N] {
+        let mut mapped = [f(self[0]); N];
+        for k in 1..N {
+            mapped[k] = f(self[k]);
+        }
+        mapped
     }
-    mapped
+}
+
+/// The array of `entry(0)`, `entry(1)`, and so on.
+#[inline(always)]
+pub(crate) fn array_of<T: Copy, const N: usize>(mut entry: impl FnMut(usize) -> T) -> [T; N] {
+    let mut array = [entry(0); N];
+    for k in 1..N {
+        array[k] = entry(k);
+    }
+    array
 }
 
 /// A block in a function of its own by [`Real::outlined`], for a number of the type named first:

@@ -117,6 +117,7 @@ impl<'t> Tracked<'t> {
 
 impl Add for Tracked<'_> {
     type Output = Self;
+    #[inline(never)]
     fn add(self, other: Self) -> Self {
         self.of_two(other, self.value + other.value, [1.0, 1.0])
     }
@@ -124,6 +125,7 @@ impl Add for Tracked<'_> {
 
 impl Sub for Tracked<'_> {
     type Output = Self;
+    #[inline(never)]
     fn sub(self, other: Self) -> Self {
         self.of_two(other, self.value - other.value, [1.0, -1.0])
     }
@@ -131,6 +133,7 @@ impl Sub for Tracked<'_> {
 
 impl Mul for Tracked<'_> {
     type Output = Self;
+    #[inline(never)]
     fn mul(self, other: Self) -> Self {
         self.of_two(other, self.value * other.value, [other.value, self.value])
     }
@@ -138,6 +141,7 @@ impl Mul for Tracked<'_> {
 
 impl Div for Tracked<'_> {
     type Output = Self;
+    #[inline(never)]
     fn div(self, other: Self) -> Self {
         let quotient = self.value / other.value;
         let slopes = [1.0 / other.value, -quotient / other.value];
@@ -147,12 +151,16 @@ impl Div for Tracked<'_> {
 
 impl Neg for Tracked<'_> {
     type Output = Self;
+    #[inline(never)]
     fn neg(self) -> Self {
         self.of_one(-self.value, -1.0)
     }
 }
 
 impl Real for Tracked<'_> {
+    /// Notes cost more than a call.
+    const IS_NESTED: bool = true;
+
     fn lit(self, value: f64) -> Self {
         Tracked::constant(value)
     }

@@ -11,7 +11,7 @@ use crate::ask::NoValue;
 use crate::axle::{Axle, AxleSolver, Hold, Placement, Quantity};
 use crate::evaluate::place_of;
 use crate::mechanism::DesignFault;
-use crate::number::Vector3;
+use crate::number::{Each, Vector3};
 use crate::study::{Optimise, Variable};
 use nalgebra::DVector;
 
@@ -161,7 +161,7 @@ impl<const N: usize> RowsBeside for Rows<'_, N> {
             sides[1] = (right, right_rates);
         }
         solver
-            .prepare(sides.map(|(design, _)| design))
+            .prepare(sides.each(|(design, _)| design))
             .map_err(|fault| Infeasible::Refused(axle.describe_fault(fault)))?;
         let placements: Vec<Placement> = layout.stations.iter().map(|s| s.placement).collect();
         let placed = solver.place_all(&placements);

@@ -3,7 +3,7 @@
 use super::{Solver, StationOrder};
 use crate::mechanism::{Configuration, DesignFault, RodReach, is_effective};
 use crate::model::{Drive, Mechanism, RockerId, Rod};
-use crate::number::{Jet, Real, each};
+use crate::number::{Each, Jet, Real};
 use std::cell::{Cell, RefCell};
 use std::ops::ControlFlow;
 
@@ -216,7 +216,7 @@ impl Toggles {
         for rocker in &self.watched {
             let mut turned_by = mechanism.rockers_moving(mechanism.rocker(*rocker).outer);
             let is_carried = turned_by.any(|id| stuck & 1 << id.0 != 0);
-            let ends = each(&at.ends(mechanism.rocker(*rocker)), |end| end.map(&now));
+            let ends = at.ends(mechanism.rocker(*rocker)).each(|end| end.map(&now));
             if is_carried || !is_effective(ends) {
                 stuck |= 1 << rocker.0;
             }

@@ -101,7 +101,7 @@ impl CarStudy {
             false => overrides::apply(&shown, &text, &own)?,
         };
         let source = Arc::new(Source { name: shown, text });
-        let file: CarFile = parse::parse_as(&source)?;
+        let file = parse::parse_car(&source)?;
         let directory = path.parent().unwrap_or(Path::new(""));
         let written = [&file.car.get_ref().front, &file.car.get_ref().rear];
         let paths = written.map(|written| directory.join(written.get_ref()));

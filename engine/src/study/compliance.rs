@@ -13,7 +13,7 @@ use crate::compliance::{
     LinkMember, LinkPart, Motion, Relaxed, Shape, TestLoad, bushing_points, link_members,
 };
 use crate::model::{Body, Constraint, PointId, Suspension};
-use crate::number::Vector3;
+use crate::number::{Each, Vector3};
 use toml::Spanned;
 
 /// Sine of the angle between an x axis and the vertical below which the z axis must be given: 1 degree.
@@ -205,7 +205,7 @@ fn six(
             return problems.refuse(number.span.clone(), &message);
         }
     }
-    Some(numbers.each_ref().map(|number| number.value))
+    Some(numbers.each_ref().each(|number| number.value))
 }
 
 fn bushing(

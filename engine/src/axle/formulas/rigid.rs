@@ -30,7 +30,7 @@ use crate::axle::reading::WheelParts;
 use crate::axle::state::AxleState;
 use crate::characteristics::NumberPart;
 use crate::model::Side;
-use crate::number::{Real, Scalar, Vector3};
+use crate::number::{Each, Real, Scalar, Vector3};
 
 /// Work along the difference and along the mean travel.
 struct Work<T> {
@@ -45,7 +45,7 @@ type Velocities<T> = [[Vector3<T>; 2]; 2];
 fn contact_velocities<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> Velocities<T> {
     state
         .wheels()
-        .map(|wheel| [wheel.contact_by_difference(), wheel.contact_by_mean()])
+        .each(|wheel| [wheel.contact_by_difference(), wheel.contact_by_mean()])
 }
 
 /// The loads of both wheels that balance forces of this work: equation (1).
@@ -64,7 +64,7 @@ fn balancing<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>, work: &Work<T>)
 /// Loads of both wheels by a unit side force to the left, half at each wheel.
 #[inline(always)]
 pub(crate) fn side_force_loads<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> [T; 2] {
-    let [left, right] = state.wheels().map(|wheel| wheel.ground.outboard());
+    let [left, right] = state.wheels().each(|wheel| wheel.ground.outboard());
     let [[left_d, left_h], [right_d, right_h]] = contact_velocities(state);
     let work = Work {
         difference: (left.dot(left_d) + right.dot(right_d)).scaled(0.5),
@@ -110,9 +110,9 @@ pub(crate) fn wheel_loads<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) 
             reading.number(part, state.carriers.by_mean()),
         ]
     };
-    let [left, right] = [Side::Left, Side::Right].map(|side| {
+    let [left, right] = [Side::Left, Side::Right].each(|side| {
         let force = spring_force(state, side);
-        rates(side, NumberPart::SpringLength).map(|rate| force * rate)
+        rates(side, NumberPart::SpringLength).each(|rate| force * rate)
     });
     // The right wheel's own difference has the other sign.
     let mut work = Work {
@@ -121,7 +121,8 @@ pub(crate) fn wheel_loads<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) 
     };
     if state.setup.bar_rate.is_some() {
         let torque = bar_torque(state);
-        let [left, right] = [Side::Left, Side::Right].map(|side| rates(side, NumberPart::BarAngle));
+        let [left, right] =
+            [Side::Left, Side::Right].each(|side| rates(side, NumberPart::BarAngle));
         work.difference = work.difference - torque * (left[0] + right[0]);
         work.mean = work.mean - torque * (left[1] - right[1]);
     }
@@ -135,7 +136,7 @@ fn forward_force_loads<T: Real, W: WheelParts<T>>(
     state: &AxleState<T, W>,
     by_carrier: f64,
 ) -> [T; 2] {
-    let [left, right] = state.wheels().map(|wheel| {
+    let [left, right] = state.wheels().each(|wheel| {
         let lever = wheel.contact_lever().map(|c| c.scaled(by_carrier));
         let forward = |powers: [usize; 2]| {
             let [centre, turn] = wheel.reading.twist(powers);
@@ -222,7 +223,7 @@ pub(crate) fn pinion_angle<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>)
 fn displacement<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> Vector3<T> {
     let [left, right] = state
         .wheels()
-        .map(|wheel| wheel.reading.centre() - wheel.reading.design().centre);
+        .each(|wheel| wheel.reading.centre() - wheel.reading.design().centre);
     let sum = Vector3::new(left.x + right.x, left.y - right.y, left.z + right.z);
     sum.map(|c| c.scaled(0.5))
 }

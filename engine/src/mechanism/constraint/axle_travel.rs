@@ -20,7 +20,7 @@
 use crate::mechanism::pose::Sink;
 use crate::mechanism::{Configuration, Twist, Wrench};
 use crate::model::{AxleTravel, PointId};
-use crate::number::{Real, Vector3};
+use crate::number::{Each, Real, Vector3};
 
 /// A travel of a rigid axle, as a function of the pose.
 #[derive(Clone, Copy, Debug)]
@@ -48,7 +48,7 @@ impl TravelRow {
     pub(crate) fn value<T: Real>(&self, at: &Configuration<T>) -> T {
         let [near, far] = self
             .centres
-            .map(|(id, factor)| (at.carried(id).z - at.designed(id).z).scaled(factor));
+            .each(|(id, factor)| (at.carried(id).z - at.designed(id).z).scaled(factor));
         near + far
     }
 
@@ -72,7 +72,7 @@ impl TravelRow {
     ) -> Vector3<T> {
         let [near, far] = self
             .centres
-            .map(|(id, factor)| at.designed_lever(id).map(|c| c.scaled(factor)));
+            .each(|(id, factor)| at.designed_lever(id).map(|c| c.scaled(factor)));
         let velocity = along.turn.cross(at.pose.rotation.apply(near + far));
         Vector3::new(velocity.y, -velocity.x, velocity.x.zero())
     }

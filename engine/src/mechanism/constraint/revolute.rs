@@ -27,7 +27,7 @@ use super::normals;
 use crate::mechanism::pose::Sink;
 use crate::mechanism::{Configuration, Twist, Wrench};
 use crate::model::PointId;
-use crate::number::Real;
+use crate::number::{Each, Real};
 use crate::number::{Matrix3, Vector3};
 
 /// One of a hinge's five equations.
@@ -73,7 +73,7 @@ impl<T: Real> Pinned<T> {
         let lever = knuckle[point.0] - knuckle[origin.0];
         Matrix3::identity(lever.x)
             .columns
-            .map(|direction| Pinned::new(point, direction, lever))
+            .each(|direction| Pinned::new(point, direction, lever))
     }
 
     #[inline(always)]

@@ -33,7 +33,7 @@
 use crate::mechanism::pose::Sink;
 use crate::mechanism::{Configuration, Twist, Wrench};
 use crate::model::{Body, PointId, Rocker};
-use crate::number::{Real, Vector3};
+use crate::number::{Each, Real, Vector3};
 
 /// The equation of the link.
 #[derive(Clone, Copy, Debug)]
@@ -153,7 +153,7 @@ impl<T: Real> RockerEnd<T> {
         let direction = other.minus(foot);
         let axis = direction.times(direction.now.x.one() / direction.now.norm());
         let off = moving(outer);
-        let [end, place] = [inner, x].map(|id| at.point(id));
+        let [end, place] = [inner, x].each(|id| at.point(id));
         let s = end - off.now;
         let base = velocity(end, is_carrying);
         let tangent = axis.now.cross(end - foot.now);

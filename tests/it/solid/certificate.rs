@@ -44,16 +44,16 @@ fn the_answers_at_ninety_digits_lie_within_the_proof() {
                 left.max(right) < 1e-9 && proof.travel_error < 1e-9,
                 "{proof:?}"
             );
-            assert!(proof.uniqueness > 1e-3, "{proof:?}");
+            assert!(proof.uniqueness > 1e-6, "{proof:?}");
             proved += 1;
         }
     }
     assert!(proved > 4, "{proved}");
 }
 
-/// The proof of one placement does not hold for another.
+/// A position that is a little off is proved with a bound that covers what it is off, or not at all.
 #[test]
-fn positions_of_another_placement_are_not_proved() {
+fn positions_that_are_off_have_bounds_that_say_so() {
     for name in CASES {
         let study = axle(&study_of(&case(name), STILL));
         let mut solver = AxleSolver::<2>::new(&study.axle, &[], false).unwrap();
@@ -65,9 +65,17 @@ fn positions_of_another_placement_are_not_proved() {
         };
         let placed = solver.place(&at(10.0, 0.03)).unwrap();
         assert!(certifier.prove(&at(10.0, 0.03), &placed).is_ok(), "{name}");
-        for other in [at(10.0, 0.030_000_1), at(10.000_001, 0.03)] {
-            assert!(certifier.prove(&other, &placed).is_err(), "{name} {other}");
+        // Half the difference of travels changes by half the track, about 750 mm, for every radian.
+        for (other, least) in [(at(10.0, 0.030_000_1), 7e-5), (at(10.000_01, 0.03), 0.9e-5)] {
+            let Ok(proof) = certifier.prove(&other, &placed) else {
+                continue;
+            };
+            let [left, right] = proof.position_errors;
+            let bound = proof.travel_error.max(left).max(right);
+            assert!(bound > least, "{name} {other}: {proof:?}");
         }
+        // Far off nothing is proved.
+        assert!(certifier.prove(&at(10.0, 0.2), &placed).is_err(), "{name}");
     }
 }
 
@@ -77,7 +85,7 @@ fn curves_are_proved() {
     for motion in [
         "[motion]\nroll = [-3.0, 0.0, 2.0]\nheave = [-20.0, 15.0]\n",
         "[motion]\nheave = [-30.0, 0.0, 30.0]\n",
-        "[motion]\ntravel_left = [-20.0, 10.1]\ntravel_right = [0.3, 15.7]\non_plane = true\n",
+        "[motion]\ntravel_left = [-20.0, 10.1]\ntravel_right = [0.3, 15.7]\nground = \"plane\"\n",
     ] {
         let further = format!("{motion}[outputs]\ncertify = true\ncharacteristics = [\"toe\"]\n");
         let study = axle(&study_of(&case("solid_four_link"), &further));

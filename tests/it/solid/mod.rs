@@ -6,6 +6,7 @@ mod lanes;
 mod loads;
 mod own;
 mod planted;
+mod rates;
 mod reference;
 mod refused;
 mod watt;

@@ -89,14 +89,14 @@ pub(super) fn solve(mut m: Vec<Vec<f64>>) -> Vec<f64> {
 }
 
 /// The axle: rods from the body to the axle, and both wheel centres, in the design position.
-struct Axle {
+pub(super) struct Axle {
     rods: Vec<[Point; 2]>,
     centres: [Point; 2],
 }
 
 impl Axle {
     /// Both wheel centres at these travels, from the design in small steps.
-    fn at(&self, travels: [f64; 2]) -> [Point; 2] {
+    pub(super) fn at(&self, travels: [f64; 2]) -> [Point; 2] {
         let (mut at, mut q) = ([0.0; 3], [1.0, 0.0, 0.0, 0.0]);
         const STEPS: u32 = 20;
         for step in 1..=STEPS {
@@ -166,7 +166,7 @@ pub(super) fn random(random: &mut Random, single: bool) -> Vec<(&'static str, Po
     points
 }
 
-fn own(points: &[(&str, Point)], single: bool) -> Axle {
+pub(super) fn own(points: &[(&str, Point)], single: bool) -> Axle {
     let at = |name: &str| points.iter().find(|(n, _)| *n == name).unwrap().1;
     let rod = |name: &str| [at(&format!("{name}_chassis")), at(&format!("{name}_axle"))];
     let mut rods = vec![rod("lower_link"), rod("lower_link").map(mirror)];

@@ -100,8 +100,30 @@ impl Linkage {
         ]
     }
 
-    /// Both wheel centres at these travels, and the turn of the rocker; `None` if a step of the way is no small one.
-    fn solved(&self, travels: [f64; 2]) -> Option<([Point; 2], f64)> {
+    /// Sine of the angle between the upper link and the plane of its lever and the rocker's axis.
+    fn leverage(&self, x: &[f64; 8]) -> f64 {
+        let (shift, q, angle) = ([x[0], x[1], x[2]], [x[3], x[4], x[5], x[6]], x[7]);
+        let on_axle = |p: Point| plus(turned(q, p), shift);
+        let axis = ["watt_pivot", "watt_axis"].map(|name| self.at(name));
+        let own = about(axis, angle, self.at("watt_upper_rocker"));
+        let [first, second, own, other] = match self.base {
+            Base::Axle => {
+                let [first, second] = axis.map(on_axle);
+                [first, second, on_axle(own), self.at("watt_upper_chassis")]
+            }
+            Base::Body => {
+                let [first, second] = axis;
+                [first, second, own, on_axle(self.at("watt_upper_axle"))]
+            }
+        };
+        let plane = cross(minus(second, first), minus(own, first));
+        let rod = minus(own, other);
+        let length = |v: Point| dot(v, v).sqrt();
+        dot(plane, rod).abs() / (length(plane) * length(rod))
+    }
+
+    /// Both wheel centres at these travels, and the unknowns; `None` if a step of the way is no small one.
+    fn solved(&self, travels: [f64; 2]) -> Option<([Point; 2], [f64; 8])> {
         let mut x = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0];
         const STEPS: u32 = 20;
         for step in 1..=STEPS {
@@ -137,7 +159,7 @@ impl Linkage {
         let centre = self.at("wheel_centre");
         let q = [x[3], x[4], x[5], x[6]];
         let place = |p: Point| plus(turned(q, p), [x[0], x[1], x[2]]);
-        Some(([place(centre), place(mirror(centre))], x[7]))
+        Some(([place(centre), place(mirror(centre))], x))
     }
 }
 
@@ -316,12 +338,19 @@ fn toggles_of_the_upper_link_are_named() {
                 continue;
             };
             assert_eq!(rod, Rod::WattLink);
-            // Short of the end the rocker has a position, and near it the link is almost in line with its lever.
-            let Some((_, angle)) = linkage.solved([0.9999 * value; 2]) else {
+            // The leverage falls with the root of the way that is left.
+            let leverage = |share: f64| {
+                let (_, x) = linkage.solved([share * value; 2])?;
+                Some(linkage.leverage(&x))
+            };
+            let (Some(halfway), Some(near)) = (leverage(0.5), leverage(0.9999)) else {
                 continue;
             };
             named += 1;
-            assert!(angle.abs() > 0.5, "{number} {base:?}: {value} {angle}");
+            assert!(
+                near < 0.05 * halfway,
+                "{number} {base:?}: {value} {halfway} {near}"
+            );
         }
     }
     println!("{named} toggles");

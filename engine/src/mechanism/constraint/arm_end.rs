@@ -46,7 +46,7 @@ use super::normals;
 use crate::mechanism::pose::Sink;
 use crate::mechanism::{Configuration, Twist, Wrench};
 use crate::model::{Arm, ArmId, Constraint, Mechanism, PointId};
-use crate::number::{Real, Vector3};
+use crate::number::{Real, Vector3, outlined};
 
 /// The equation of a link or of a joint.
 #[derive(Clone, Copy, Debug)]
@@ -217,9 +217,18 @@ impl<T: Real> ArmEnd<T> {
         at.mechanism.arms[self.arm.0].outer
     }
 
-    /// P of (1).
+    /// P of (1). In a function of its own: it is rare.
     #[inline(always)]
     fn on_arm(&self, at: &Configuration<T>) -> Vector3<T> {
+        outlined!(
+            [T: Real] at.rack; row: &'p ArmEnd<T> = self, at: &'p Configuration<'p, T> = at => Vector3<T> {
+                row.on_arm_here(at)
+            }
+        )
+    }
+
+    #[inline(always)]
+    fn on_arm_here(&self, at: &Configuration<T>) -> Vector3<T> {
         let arm = at.mechanism.arms[self.arm.0];
         let front = at.designed(arm.front);
         let axis = (at.designed(arm.rear) - front).normalised();
@@ -289,6 +298,15 @@ impl<T: Real> ArmEnd<T> {
     /// Equation (6).
     #[inline(always)]
     pub(crate) fn wrench_rate(&self, at: &Configuration<T>, along: &Twist<T>) -> Wrench<T> {
+        outlined!(
+            [T: Real] at.rack;
+            row: &'p ArmEnd<T> = self, at: &'p Configuration<'p, T> = at, along: &'p Twist<T> = along
+                => Wrench<T> { row.wrench_rate_here(at, along) }
+        )
+    }
+
+    #[inline(always)]
+    fn wrench_rate_here(&self, at: &Configuration<T>, along: &Twist<T>) -> Wrench<T> {
         let arm = at.mechanism.arms[self.arm.0];
         let [axis, _] = frame(arm, at.design);
         let lever = |id| at.pose.rotation.apply(at.designed_lever(id));

@@ -33,7 +33,7 @@
 use crate::mechanism::pose::Sink;
 use crate::mechanism::{Configuration, Twist, Wrench};
 use crate::model::{Body, PointId, Rocker};
-use crate::number::{Each, Real, Vector3};
+use crate::number::{Each, Real, Vector3, outlined};
 
 /// The equation of the link.
 #[derive(Clone, Copy, Debug)]
@@ -117,9 +117,18 @@ impl<T: Real> RockerEnd<T> {
         sink.hardpoint(self.inner, designed);
     }
 
-    /// Rates (4) of the row.
+    /// Rates (4) of the row. In a function of its own: it is rare, and large.
     #[inline(always)]
     pub(crate) fn wrench_rate(&self, at: &Configuration<T>, along: &Twist<T>) -> Wrench<T> {
+        outlined!(
+            [T: Real] at.rack;
+            row: &'p RockerEnd<T> = self, at: &'p Configuration<'p, T> = at, along: &'p Twist<T> = along
+                => Wrench<T> { row.wrench_rate_here(at, along) }
+        )
+    }
+
+    #[inline(always)]
+    fn wrench_rate_here(&self, at: &Configuration<T>, along: &Twist<T>) -> Wrench<T> {
         let ends = [self.inner, self.outer];
         let on_rocker = |id: PointId| match at.mechanism.body(id) {
             Body::Rocker(rocker) => Some(at.mechanism.rocker(rocker)),

@@ -33,7 +33,7 @@ ENGINE = "hardpoint-engine"
 FOLDERS = {
     "tracker": (["engine/src/solve/tracker/*.rs", "engine/src/solve/closed_form/mod.rs"], ["lanes::"], ENGINE, ["solve::"]),
     "certificates": (["engine/src/analyse/certificate/*.rs"], ["certificate::"], ENGINE, ["analyse::"]),
-    "tuning": (["engine/src/optimise/*.rs", "engine/src/optimise/constrained/*.rs"], ["tuning::"], ENGINE, ["optimise::"]),
+    "tuning": (["engine/src/optimise/*.rs", "engine/src/optimise/constrained/**/*.rs"], ["tuning::"], ENGINE, ["optimise::"]),
     "standard errors": (
         [f"engine/src/optimise/{name}.rs" for name in
          ["standard_errors", "covariance", "student", "profile_interval", "simulated_fits", "profile"]],
@@ -43,7 +43,7 @@ FOLDERS = {
     "set-up": (["engine/src/assembly/set_up/*.rs"], ["builds::set_up"], ENGINE, ["assembly::"]),
     "axle": (
         [f"engine/src/axle/{name}.rs" for name in ["formulas/*", "state", "spring", "frames", "axle_motion", "certificate"]],
-        ["axle::"], ENGINE, ["axle::"],
+        ["axle::", "solid::"], ENGINE, ["axle::"],
     ),
 }
 # Operators with what takes their place. Spaces on both sides keep generics and references out.

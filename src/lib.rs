@@ -117,6 +117,8 @@ pub mod report;
 #[doc(hidden)]
 pub mod results;
 #[doc(hidden)]
+pub mod rig;
+#[doc(hidden)]
 pub mod scatter;
 #[doc(hidden)]
 pub mod set_up;

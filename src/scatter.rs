@@ -28,7 +28,10 @@ pub fn curves_alone(study: &Study) -> Study {
     match &mut plain.vehicle {
         Vehicle::Wheel(own) => {
             own.formulation = Formulation::KnucklePose;
-            own.outputs = Outputs::of(std::mem::take(&mut own.outputs.characteristics));
+            own.outputs = Outputs {
+                figures: std::mem::take(&mut own.outputs.figures),
+                ..Outputs::of(std::mem::take(&mut own.outputs.characteristics))
+            };
         }
         Vehicle::Axle(both) => both.plan = both.plan.quantities_alone(),
     }

@@ -2,14 +2,14 @@
 
 use crate::ask::NoValue;
 use crate::axle::{AxleCurves, AxlePlan, Placed, axle_curves};
-use crate::curves::{Curves, curves};
+use crate::curves::{Curves, wheel_curves};
 use crate::mechanism::NoPose;
 use crate::plan::Plan;
 use crate::report::{
     FailureRange, Record, SolveSummary, Summary, both_wheels_plausibility, curves_csv,
     plausibility, rack_doubt, remarks, sensitivities_csv,
 };
-use crate::study::{AxleStudy, Study, Vehicle};
+use crate::study::{AxleStudy, Study, Vehicle, WheelStudy};
 
 /// The curves of a study. An error is a wheel that cannot be solved in its design position, in words.
 pub struct Solved<'s> {
@@ -32,7 +32,7 @@ impl<'s> Solved<'s> {
     /// Curves of the outputs of a study.
     pub fn of(study: &'s Study) -> Result<Self, String> {
         match &study.vehicle {
-            Vehicle::Wheel(own) => Solved::of_wheel(study, Plan::of(own)),
+            Vehicle::Wheel(own) => Solved::of_wheel(study, own, Plan::of(own)),
             Vehicle::Axle(both) => Solved::of_axle(study, both, both.plan.clone()),
         }
     }
@@ -42,7 +42,7 @@ impl<'s> Solved<'s> {
         let targets = study.optimise.as_ref().map(|o| &o.targets[..]);
         match &study.vehicle {
             Vehicle::Wheel(own) => {
-                Solved::of_wheel(study, Plan::with_targets(own, study.optimise.as_ref()))
+                Solved::of_wheel(study, own, Plan::with_targets(own, study.optimise.as_ref()))
             }
             Vehicle::Axle(both) => {
                 Solved::of_axle(study, both, both.plan_with(targets.unwrap_or(&[])))
@@ -50,9 +50,9 @@ impl<'s> Solved<'s> {
         }
     }
 
-    fn of_wheel(study: &'s Study, plan: Plan) -> Result<Self, String> {
-        let wheel = study.wheel();
-        let curves = curves(wheel, &plan).map_err(|f| f.describe(&wheel.mechanism))?;
+    fn of_wheel(study: &'s Study, own: &WheelStudy, plan: Plan) -> Result<Self, String> {
+        let curves = wheel_curves(own, &plan);
+        let curves = curves.map_err(|f| f.describe(&own.suspension.mechanism))?;
         Ok(Solved {
             study,
             curves,
@@ -166,8 +166,8 @@ impl<'s> Solved<'s> {
         let study = designs[0].2.study;
         match &last.plan {
             Planned::Corner(plan) => {
-                let wheels = designs.iter().map(|(label, file, solved)| {
-                    (*label, *file, solved.study.wheel(), &solved.curves)
+                let wheels = designs.iter().filter_map(|(label, file, solved)| {
+                    Some((*label, *file, solved.study.one_wheel()?, &solved.curves))
                 });
                 let record = Record::of(command, study, plan, &wheels.collect::<Vec<_>>());
                 record.map_err(|f| f.describe(&study.wheel().mechanism))

@@ -10,6 +10,7 @@ pub mod accuracy;
 mod axle;
 mod double_double;
 pub mod effects;
+pub mod equilibria;
 mod machine;
 mod single;
 pub mod throughput;
@@ -45,6 +46,12 @@ pub enum Unmeasurable {
     /// A wheel of the axle cannot be solved.
     #[error("{0}")]
     Axle(String),
+    /// The study has no elastic parts.
+    #[error("equilibria need a study with [compliance]")]
+    Rigid,
+    /// The design position has no equilibrium.
+    #[error("the wheel has no equilibrium at its design height")]
+    NoEquilibrium,
     /// This number of threads cannot be started.
     #[error("{0} threads cannot be started")]
     Threads(usize),

@@ -170,6 +170,9 @@ fn of_corner(own: &WheelStudy) -> Result<(Request<'static>, Vec<[f64; 2]>), Func
     if own.formulation != Formulation::KnucklePose || !is_own_drive {
         return Err(FunctionError::Formulation);
     }
+    if own.compliance.is_some() {
+        return Err(FunctionError::Elastic);
+    }
     let suspension = &own.suspension;
     let mut plan = Plan::of(own);
     let is_output = |o: &Output| !matches!(o.quantity, Quantity::AngularVelocity(_));

@@ -10,7 +10,7 @@ pub use effects::Effect;
 use crate::characteristics::{Characteristic, Constants, Quantity, Slots};
 use crate::model::{Axis, PointId};
 use crate::solve::StationOrder;
-use crate::study::{Drive, Formulation, Load, Optimise, Order, TimeLaw, WheelStudy};
+use crate::study::{Drive, ElasticFigure, Formulation, Load, Optimise, Order, TimeLaw, WheelStudy};
 
 /// One quantity with the derivatives asked for.
 #[derive(Clone, Debug, PartialEq)]
@@ -58,12 +58,14 @@ pub struct Plan {
     pub loads: Vec<Load>,
     /// Figures that formulas read.
     pub constants: Constants,
+    /// Figures of tests on elastic parts, after the outputs.
+    pub figures: Vec<ElasticFigure>,
 }
 
 impl Plan {
     /// The plan of a wheel's curves.
     pub fn of(own: &WheelStudy) -> Plan {
-        Plan::with(own, &own.outputs.characteristics)
+        Plan::with(own, &own.outputs.characteristics, &own.outputs.figures)
     }
 
     /// The plan of the curves before and after an optimisation: those of the study, and the targets'.
@@ -75,10 +77,21 @@ impl Plan {
                 characteristics.push(characteristic);
             }
         }
-        Plan::with(own, &characteristics)
+        let mut figures = own.outputs.figures.clone();
+        let targets = optimise.iter().flat_map(|o| &o.targets);
+        for figure in targets.filter_map(|target| target.of.as_figure()) {
+            if !figures.contains(&figure) {
+                figures.push(figure);
+            }
+        }
+        Plan::with(own, &characteristics, &figures)
     }
 
-    fn with(own: &WheelStudy, characteristics: &[Characteristic]) -> Plan {
+    fn with(
+        own: &WheelStudy,
+        characteristics: &[Characteristic],
+        figures: &[ElasticFigure],
+    ) -> Plan {
         let WheelStudy {
             suspension,
             motion,
@@ -141,6 +154,7 @@ impl Plan {
             certify: asked.certify,
             loads: asked.loads.clone(),
             constants: Constants::of(suspension),
+            figures: figures.to_vec(),
         }
     }
 

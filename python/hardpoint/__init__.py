@@ -18,7 +18,8 @@ from collections.abc import Sequence
 from os import PathLike
 
 from . import _hardpoint
-from ._commands import assemblies, compare, export, import_points, merge, report, schema, setup, template, tolerance
+from ._car import Car, CarTuning, Cases
+from ._commands import assemblies, compare, export, import_points, kc, merge, report, schema, setup, template, tolerance
 from ._curves import Curves
 from ._frame import Column, Frame
 from ._function import Function, Residuals
@@ -38,6 +39,9 @@ __all__ = [
     "STATUS",
     "Adjustment",
     "Band",
+    "Car",
+    "CarTuning",
+    "Cases",
     "Column",
     "Constraint",
     "Curves",
@@ -62,6 +66,7 @@ __all__ = [
     "compare",
     "export",
     "import_points",
+    "kc",
     "limits",
     "load",
     "loads",

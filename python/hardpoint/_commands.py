@@ -52,6 +52,18 @@ def _file(folder: Path, source: Source) -> Path:
             return Path(source)
 
 
+def kc(study: Study | Place, *, names: str | None = None) -> Results:
+    """Tests of a kinematics and compliance rig on one wheel, with the elastic parts of [compliance] or without any.
+
+    Tables: "kc" has a row for each station, test and figure, with its value, secant and unit; "levels" the equilibria under
+    each level of a load, with the forces of bushings and links; "compliance_matrix" displacement and rotation of the wheel
+    centre by forces and moments there; "sensitivities" exact derivatives of the figures, if [outputs] asks for them.
+    `names` ("adams", "altair") adds names and values by the definitions of these programs. `summary["design_load_N"]` is the
+    wheel load of the design position; `summary["without_equilibrium"]` lists loads that the wheel does not hold."""
+    study = study_of(study)
+    return Results(_hardpoint.kc(study._study, names), study)
+
+
 def setup(study: Study | Place) -> Results:
     """Solves for the adjustments that give the static values that [setup] wants.
 

@@ -43,6 +43,10 @@ class SweepVariable(TypedDict, total=False):
 
     hardpoint: str
     hardpoints: Sequence[str]
+    bushing: str
+    stiffness: Literal["x", "y", "z", "tx", "ty", "tz"]
+    link: str
+    relative: bool
     factors: ArrayLike
     axis: Axis
     range: ArrayLike
@@ -116,6 +120,10 @@ class Scatter(TypedDict, total=False):
     hardpoints: Sequence[str]
     length: Member
     jig: Sequence[str]
+    bushing: str
+    stiffness: Literal["x", "y", "z", "tx", "ty", "tz"]
+    link: str
+    relative: bool
     side: Side
     axis: Axis
     sigma: float

@@ -62,7 +62,7 @@ def _lines(section: Mapping[str, Any], path: str = "") -> Iterator[str]:
         yield from _lines(inner, whole)
 
 
-def _written(overrides: Overrides | None) -> list[str]:
+def written(overrides: Overrides | None) -> list[str]:
     """Overrides as the program writes them: `motion.rack=5.0`."""
     return [f"{path}={_toml(v)}" for path, v in (overrides or {}).items()]
 
@@ -81,7 +81,7 @@ def _positions(values: ArrayLike, name: str) -> Floats:
 
 def load(path: str | PathLike[str], overrides: Overrides | None = None) -> Study:
     """The study in a file; `overrides` such as {"motion.rack": 5.0} as the program's `--set`."""
-    return Study(_hardpoint.Study.load(path, _written(overrides)))
+    return Study(_hardpoint.Study.load(path, written(overrides)))
 
 
 def loads(
@@ -175,7 +175,7 @@ class Study:
         whole `design` (P, 3). Positions alone are replaced without reading the text again."""
         study = self._study
         if values:
-            study = study.with_overrides(_written(values))
+            study = study.with_overrides(written(values))
         if design is None and points is None:
             return Study(study)
         place = study.design if design is None else _positions(design, "design")

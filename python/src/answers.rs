@@ -6,10 +6,11 @@ use crate::threads::{interruptible, on_threads};
 use hardpoint::assembled;
 use hardpoint::compared;
 use hardpoint::report::{
-    Comparison, FinishedRun, Picture, ToleranceSummary, comparison_page, page,
+    Comparison, FinishedRun, OtherProgram, Picture, ToleranceSummary, comparison_page, page,
     pictures as drawn_pictures, rejected, sweep_page,
 };
 use hardpoint::results::RunDirectory;
+use hardpoint::rig::RigTests;
 use hardpoint::scatter;
 use hardpoint::set_up::{Refusal, set_up};
 use hardpoint::solved::Solved;
@@ -50,10 +51,46 @@ impl Answer {
     }
 }
 
+/// Refuses a study with elastic parts where they would be left out.
+pub(crate) fn rigid<'s>(own: &'s hardpoint::Study, what: &str) -> PyResult<&'s hardpoint::Study> {
+    match own.compliance() {
+        None => Ok(own),
+        Some(_) => Err(failure(format!(
+            "{what} is of the rigid mechanism, and the study has [compliance]: its elastic parts would be left out"
+        ))),
+    }
+}
+
+/// The tests of a rig: tables by name of the file, and a summary.
+#[pyfunction]
+#[pyo3(signature = (study, names=None))]
+pub(crate) fn kc<'py>(
+    py: Python<'py>,
+    study: &Study,
+    names: Option<&str>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let other = match names {
+        None => None,
+        Some("adams") => Some(OtherProgram::Adams),
+        Some("altair") => Some(OtherProgram::Altair),
+        Some(names) => {
+            return Err(failure(format!(
+                "names is {names:?}; expected \"adams\" or \"altair\""
+            )));
+        }
+    };
+    let own = study.whole();
+    let answer = on_threads(py, Some(1), |_| -> Result<Answer, String> {
+        let tests = RigTests::of(own, other)?;
+        Ok(Answer::of(tests.tables(), &tests.summary()))
+    })?;
+    answer.map_err(failure)?.into_dict(py)
+}
+
 /// The adjustments that give the static values of `[setup]`.
 #[pyfunction]
 pub(crate) fn setup<'py>(py: Python<'py>, study: &Study) -> PyResult<Bound<'py, PyDict>> {
-    let own = study.whole();
+    let own = rigid(study.whole(), "setup")?;
     let setup = own.setup.as_ref().ok_or_else(|| {
         failure("the study has no [setup] section, which gives adjustments and wanted values")
     })?;
@@ -152,21 +189,16 @@ pub(crate) fn build(py: Python<'_>, study: &Study, number: u64) -> PyResult<Stud
     let tolerance = tolerance_of(own)?;
     let text = on_threads(py, Some(1), |_| -> Result<String, String> {
         let problem = Problem::of(own, tolerance).map_err(|why| scatter::refusal(own, why))?;
-        let built = problem.built_wheels(number);
-        let built = built.map_err(|(side, reject)| {
+        problem.built_text(number).map_err(|(side, reject)| {
             format!(
                 "build {number} cannot be assembled: {}",
                 rejected(side, &reject)
             )
-        })?;
-        Ok(match &built[..] {
-            [left, right] => own.with_built_axle([left, right]),
-            built => own.with_built(&built[0]),
         })
     })?;
     let text = text.map_err(failure)?;
     let file = study.file_name();
-    Study::of(py.detach(|| hardpoint::Study::from_text(&file, &text, "".as_ref())))
+    Study::of(py.detach(|| hardpoint::Study::elastic_from_text(&file, &text, "".as_ref())))
 }
 
 /// The study of one design of `[sweep]`, by its number from 0.
@@ -182,9 +214,9 @@ pub(crate) fn swept_design(py: Python<'_>, study: &Study, number: u64) -> PyResu
             "there is no design {number}; the sweep has {designs}, numbered from 0"
         )));
     }
-    let text = own.with_points_of(&own.at_design(plan.design(number)));
+    let text = own.with_points_of(&plan.moved(number));
     let file = study.file_name();
-    Study::of(py.detach(|| hardpoint::Study::from_text(&file, &text, "".as_ref())))
+    Study::of(py.detach(|| hardpoint::Study::elastic_from_text(&file, &text, "".as_ref())))
 }
 
 /// All assemblies of the design's lengths: a CSV, and places where the search could not decide.
@@ -195,7 +227,7 @@ pub(crate) fn assemblies<'py>(
     travel: f64,
     rack: f64,
 ) -> PyResult<(Bound<'py, PyBytes>, Vec<String>)> {
-    let own = &study.study;
+    let own = rigid(&study.study, "assemblies")?;
     for (name, value) in [("travel", travel), ("rack", rack)] {
         if !value.is_finite() {
             return Err(failure(format!(

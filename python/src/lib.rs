@@ -10,6 +10,7 @@
 )]
 
 mod answers;
+mod car;
 mod curves;
 mod errors;
 mod function;
@@ -35,11 +36,16 @@ fn _hardpoint(module: &Bound<'_, PyModule>) -> PyResult<()> {
         python.get_type::<errors::HardpointError>(),
     )?;
     module.add_class::<study::Study>()?;
+    module.add_class::<car::Car>()?;
     module.add_class::<function::Function>()?;
     module.add_class::<tuning::Residuals>()?;
     module.add_function(wrap_pyfunction!(study::topologies, module)?)?;
     module.add_function(wrap_pyfunction!(study::template, module)?)?;
     module.add_function(wrap_pyfunction!(curves::solve, module)?)?;
+    module.add_function(wrap_pyfunction!(car::car_solve, module)?)?;
+    module.add_function(wrap_pyfunction!(car::car_derivatives, module)?)?;
+    module.add_function(wrap_pyfunction!(car::car_sweep, module)?)?;
+    module.add_function(wrap_pyfunction!(car::car_optimise, module)?)?;
     module.add_function(wrap_pyfunction!(limits::limits, module)?)?;
     module.add_function(wrap_pyfunction!(limits::limits_of_builds, module)?)?;
     module.add_function(wrap_pyfunction!(study::drawing, module)?)?;
@@ -52,6 +58,7 @@ fn _hardpoint(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(answers::report, module)?)?;
     module.add_function(wrap_pyfunction!(tuning::optimise, module)?)?;
     module.add_function(wrap_pyfunction!(sweep::sweep, module)?)?;
+    module.add_function(wrap_pyfunction!(answers::kc, module)?)?;
     module.add_function(wrap_pyfunction!(answers::setup, module)?)?;
     module.add_function(wrap_pyfunction!(answers::tolerance, module)?)?;
     module.add_function(wrap_pyfunction!(answers::build, module)?)?;

@@ -1,6 +1,6 @@
 //! Limits of a design, and the nearest limits of builds.
 
-use crate::answers::tolerance_of;
+use crate::answers::{rigid, tolerance_of};
 use crate::errors::failure;
 use crate::study::Study;
 use crate::threads::{interruptible, on_threads};
@@ -28,7 +28,7 @@ type NearestRanges<'py> = Bound<'py, PyDict>;
 /// Limits of travel, rack and arm, or of both travels, rack and roll: (lower, upper) with their causes.
 #[pyfunction]
 pub(crate) fn limits<'py>(py: Python<'py>, study: &Study) -> PyResult<Bound<'py, PyDict>> {
-    let own = &study.study;
+    let own = rigid(&study.study, "limits")?;
     let found = on_threads(py, Some(1), |_| match &own.vehicle {
         Vehicle::Wheel(own) => of_wheel(&own.suspension),
         Vehicle::Axle(both) => of_axle(&both.axle),
@@ -54,7 +54,7 @@ pub(crate) fn limits_of_builds<'py>(
     if builds == 0 {
         return Err(failure("builds is 0; expected at least 1"));
     }
-    let own = study.whole();
+    let own = rigid(study.whole(), "limits")?;
     let tolerance = tolerance_of(own)?;
     let done = AtomicU64::new(0);
     let work = |flag: &AtomicBool| -> Result<Nearest, String> {

@@ -3,7 +3,7 @@
 use hardpoint::DesignStatus;
 
 /// Words by code. Codes are part of the interface: new ones are appended.
-pub(crate) const WORDS: [&str; 10] = [
+pub(crate) const WORDS: [&str; 12] = [
     "ok",
     "ill_conditioned",
     "unsupported",
@@ -14,6 +14,8 @@ pub(crate) const WORDS: [&str; 10] = [
     "degenerate",
     "not_finite",
     "incomplete",
+    "no_equilibrium",
+    "unstable",
 ];
 
 /// The code of a word of a `status` column; 255 for a word that has none.

@@ -29,7 +29,7 @@ impl Study {
     #[staticmethod]
     #[pyo3(signature = (path, overrides=Vec::new()))]
     fn load(py: Python<'_>, path: PathBuf, overrides: Vec<String>) -> PyResult<Self> {
-        Study::of(py.detach(|| hardpoint::study::Study::read(&path, &overrides)))
+        Study::of(py.detach(|| hardpoint::study::Study::read_elastic(&path, &overrides)))
     }
 
     /// From its text; `directory` is where the files it names are.
@@ -37,7 +37,7 @@ impl Study {
     #[pyo3(signature = (text, name="study.toml", directory=None))]
     fn loads(py: Python<'_>, text: &str, name: &str, directory: Option<PathBuf>) -> PyResult<Self> {
         let directory = directory.unwrap_or_default();
-        Study::of(py.detach(|| hardpoint::study::Study::from_text(name, text, &directory)))
+        Study::of(py.detach(|| hardpoint::study::Study::elastic_from_text(name, text, &directory)))
     }
 
     /// The text, target curves from files written out.

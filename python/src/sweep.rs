@@ -7,7 +7,7 @@ use crate::study::Study;
 use crate::threads::{interruptible, on_threads};
 use hardpoint::Rows;
 use hardpoint::study::{DesignTable, Designs, FileFormat, StudyErrors, Sweep};
-use hardpoint::sweep::{NotBegun, SweepPlan, SweepRecord};
+use hardpoint::sweep::{NotBegun, SweepPlan, SweepRecord, Swept};
 use numpy::{IntoPyArray, PyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -124,7 +124,17 @@ pub(crate) fn sweep<'py>(
     };
     let plan = on_threads(py, Some(1), |_| SweepPlan::of(own, sweep))?;
     let plan = plan.map_err(|e| not_begun(study, e))?;
-    let record = &plan.record;
+    collect(py, Swept::Suspension(&plan), threads, progress)
+}
+
+/// The rows of a sweep: columns, number of variables, status and reasons.
+pub(crate) fn collect<'py>(
+    py: Python<'py>,
+    swept: Swept<'_>,
+    threads: Option<usize>,
+    progress: Option<Bound<'py, PyAny>>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let record = swept.record();
     let mut table = Table::of(record)?;
     let done = AtomicU64::new(0);
     let listen = |_: Python<'_>, _: &AtomicBool| match &progress {
@@ -136,7 +146,7 @@ pub(crate) fn sweep<'py>(
     };
     let work = |flag: &AtomicBool| {
         let go_on = || !flag.load(Ordering::Relaxed);
-        plan.run(0..record.blocks(), go_on, |rows| {
+        swept.run(0..record.blocks(), go_on, |rows| {
             table.append(rows, record.variables.len());
             done.fetch_add(rows.designs() as u64, Ordering::Relaxed);
             ControlFlow::Continue(())

@@ -143,7 +143,7 @@ pub(crate) fn optimise<'py>(
             result.set_item("x", best.offsets.clone().into_pyarray(py))?;
             let text = own.with_points_of(&own.moved(&best.offsets));
             let file = study.file_name();
-            let read = hardpoint::study::Study::from_text(&file, &text, Path::new(""));
+            let read = hardpoint::study::Study::elastic_from_text(&file, &text, Path::new(""));
             match read {
                 Ok(read) => result.set_item("study", Bound::new(py, Study::of(Ok(read))?)?)?,
                 Err(errors) => {

@@ -2,13 +2,18 @@
 
 use super::exit::{Exit, Stop};
 use super::output::{Destination, Output, design_fault, inputs};
+use super::terminal::width;
 use super::{BenchArguments, BenchKind};
 use crate::bench::accuracy::{Accuracy, Subject};
 use crate::bench::effects::Effects;
+use crate::bench::equilibria::Equilibria;
 use crate::bench::throughput::Throughput;
 use crate::bench::{Clock, Machine, Unmeasurable};
 use crate::model::Topology;
-use crate::report::{accuracy_picture, accuracy_table, effects_table, throughput_table};
+use crate::report::{
+    accuracy_picture, accuracy_summary, accuracy_table, effects_table, equilibria_table,
+    throughput_table,
+};
 use crate::results::{Claim, study_digest};
 use crate::study::Study;
 use serde::Serialize;
@@ -28,6 +33,9 @@ pub(super) fn run(arguments: &BenchArguments) -> Result<Exit, Stop> {
     let template = Path::new("macpherson.toml");
     let path = arguments.study.as_deref().unwrap_or(template);
     let study = match &arguments.study {
+        Some(path) if arguments.kind == BenchKind::Equilibria => {
+            Study::read_elastic(path, &arguments.set)?
+        }
         Some(path) => Study::read(path, &arguments.set)?,
         None => {
             let strut = Topology::named("macpherson").expect("it is in the catalogue");
@@ -44,7 +52,15 @@ pub(super) fn run(arguments: &BenchArguments) -> Result<Exit, Stop> {
     };
     // Before anything is written.
     if let Some(wheel) = wheel {
-        Subject::of(wheel).map_err(stop)?;
+        match arguments.kind {
+            BenchKind::Equilibria if wheel.compliance.is_none() => {
+                return Err(stop(Unmeasurable::Rigid));
+            }
+            BenchKind::Equilibria => {}
+            _ => {
+                Subject::of(wheel).map_err(stop)?;
+            }
+        }
     }
     let name = format!("bench_{}", study.name);
     let (out, format) = (arguments.out.as_deref(), arguments.format);
@@ -53,6 +69,7 @@ pub(super) fn run(arguments: &BenchArguments) -> Result<Exit, Stop> {
         BenchKind::Throughput => "throughput",
         BenchKind::Accuracy => "accuracy",
         BenchKind::Effects => "effects",
+        BenchKind::Equilibria => "equilibria",
     };
     let names = [".csv", ".svg", "_machine.json"].map(|end| format!("{kind}{end}"));
     let [csv_name, svg_name, machine_name] = names.each_ref().map(String::as_str);
@@ -81,11 +98,16 @@ pub(super) fn run(arguments: &BenchArguments) -> Result<Exit, Stop> {
             let found = Accuracy::measure(wheel, &clock).map_err(stop)?;
             let caption = format!("{}, {}", study.name, machine.line());
             let svg = accuracy_picture(&found, &caption);
-            (accuracy_table(&found), Some(svg))
+            let brief = accuracy_summary(&found);
+            (accuracy_table(&found), Some((svg, brief)))
         }
         (BenchKind::Effects, Some(wheel)) => {
             let found = Effects::measure(wheel, &clock).map_err(stop)?;
             (effects_table(&found), None)
+        }
+        (BenchKind::Equilibria, Some(wheel)) => {
+            let found = Equilibria::measure(wheel, &clock).map_err(stop)?;
+            (equilibria_table(&found), None)
         }
         // The others are refused for axles.
         _ => {
@@ -95,7 +117,7 @@ pub(super) fn run(arguments: &BenchArguments) -> Result<Exit, Stop> {
         }
     };
     output.main_csv(csv_name, table.csv(None).as_bytes())?;
-    if let Some(svg) = picture {
+    if let Some((svg, _)) = &picture {
         output.file(svg_name, svg.as_bytes())?;
     }
     let circumstances = Circumstances {
@@ -107,7 +129,15 @@ pub(super) fn run(arguments: &BenchArguments) -> Result<Exit, Stop> {
     output.json(machine_name, &circumstances)?;
     output.finish()?;
     if output.directory().is_some() {
-        output.table(kind, &table)?;
+        match &picture {
+            // A hundred rows are for programs.
+            Some((_, brief)) => {
+                output.table_for_programs(kind, || table.clone());
+                output.text_only(&brief.text(width()))?;
+                output.text_only("\n")?;
+            }
+            None => output.table(kind, &table)?,
+        }
     }
     // On standard output the table is the main CSV already.
     output.print_files(&files)?;
@@ -122,6 +152,7 @@ fn refuse_for_axle(kind: BenchKind, path: &Path) -> Result<(), Stop> {
             "accuracy compares formulations, starts and precisions of one wheel's equations, and each wheel of an axle \
              is solved by the same equations"
         }
+        BenchKind::Equilibria => "equilibria are of one wheel with elastic parts",
         BenchKind::Effects => {
             "effects times what each output adds to the position of one wheel, in an order for one wheel"
         }

@@ -1,4 +1,18 @@
-//! `hardpoint check`, `solve` and `optimise` for the study of a car.
+//! Commands for the study of a car.
+
+mod compare;
+mod export;
+mod limits;
+mod source;
+mod sweep;
+mod tolerance;
+
+pub(super) use compare::{are_cars, compare};
+pub(super) use export::export;
+pub(super) use limits::limits;
+pub(super) use source::file_of;
+pub(super) use sweep::sweep;
+pub(super) use tolerance::tolerance;
 
 use super::exit::{Exit, Stop};
 use super::interrupt;
@@ -8,30 +22,38 @@ use super::terminal;
 use super::{RunArguments, StudyArguments};
 use crate::car::CarSolver;
 use crate::optimise::Control;
-use crate::report::{CarResults, CarState, counted, optimised_car};
+use crate::report::{CarRecord, CarResults, CarState, car_page, counted, optimised_car};
 use crate::results::{Claim, digest_of_texts};
 use crate::study::CarStudy;
 use serde_json::json;
 use std::path::Path;
 
-/// The files of a solve and of a tuning.
-const FILES: [&str; 9] = [
+/// The files of the commands on cars.
+const FILES: [&str; 15] = [
+    "report.json",
+    "report.html",
     "cases.csv",
+    "cases_before.csv",
     "gg.csv",
     "sensitivities.csv",
+    "tolerance.csv",
+    "contributors.csv",
     "summary.json",
     "study.toml",
     "front.toml",
     "rear.toml",
     "optimised.toml",
-    "cases_before.csv",
+    "optimised_front.toml",
+    "optimised_rear.toml",
 ];
 
 fn solver<'a>(study: &'a CarStudy, path: &Path) -> Result<CarSolver<'a>, Stop> {
-    CarSolver::new(&study.car).map_err(|(axle, side, fault)| {
-        let text = study.car.axles[axle].describe_fault((side, fault));
-        Stop::in_file(path, format!("{} axle: {text}", ["front", "rear"][axle]))
-    })
+    let fault = |fault| Stop::in_file(path, study.car.describe_fault(&fault));
+    let made = match study.sensitivities {
+        true => CarSolver::with_racks(&study.car),
+        false => CarSolver::new(&study.car),
+    };
+    made.map_err(fault)
 }
 
 /// `hardpoint check` of a car: the static position.
@@ -108,15 +130,20 @@ fn remarks(study: &CarStudy, results: &CarResults<'_>) -> Vec<String> {
 }
 
 fn open(arguments: &RunArguments, study: &CarStudy, command: &str) -> Result<Output, Stop> {
-    if arguments.report || arguments.plots.is_some() {
-        return Err(Stop::wrong_input(format!(
-            "`hardpoint {command}` of a car writes tables, without --report and --plots"
-        )));
+    if arguments.plots.is_some() {
+        return Err(Stop::wrong_input(
+            "--plots makes pictures of curves; the page of a car (--report) has its pictures",
+        ));
+    }
+    if arguments.report
+        && (command == "tolerance" || arguments.out.as_deref() == Some(Path::new("-")))
+    {
+        return Err(Stop::wrong_input(
+            "--report is the page of a solve or a tuning in a directory, not of `tolerance` or of --out -",
+        ));
     }
     let (out, format) = (arguments.out.as_deref(), arguments.study.format);
     let destination = Destination::of(out, &study.name, arguments.force, format)?;
-    let mut files = FILES.to_vec();
-    files.extend(["optimised_front.toml", "optimised_rear.toml"]);
     let texts = [&study.text, &study.axles[0].text, &study.axles[1].text];
     Output::at(
         &destination,
@@ -124,21 +151,61 @@ fn open(arguments: &RunArguments, study: &CarStudy, command: &str) -> Result<Out
             command,
             study: &study.name,
             digest: digest_of_texts(&texts.map(String::as_str)),
-            files: &files,
+            files: &FILES,
             inputs: &study.inputs,
             ..Claim::default()
         },
     )
 }
 
-/// Writes the studies of a run beside its results.
-fn keep(output: &Output, study: &CarStudy) -> Result<(), Stop> {
-    let text = crate::report::car_with_axles(&study.text, "front.toml", "rear.toml");
-    output.file("study.toml", text.as_bytes())?;
-    for (name, axle) in ["front.toml", "rear.toml"].iter().zip(&study.axles) {
-        output.file(name, axle.text.as_bytes())?;
+/// Copies of the three studies that are kept with results, by the name of the file.
+fn kept(study: &CarStudy) -> Vec<(&'static str, String)> {
+    let [front, rear] = &study.axles;
+    vec![
+        (
+            "study.toml",
+            crate::report::car_with_axles(&study.text, "front.toml", "rear.toml"),
+        ),
+        ("front.toml", front.text.clone()),
+        ("rear.toml", rear.text.clone()),
+    ]
+}
+
+/// Writes the studies of a run beside its results, if there is a directory. Returns the names of the files.
+fn keep(output: &Output, study: &CarStudy) -> Result<Vec<&'static str>, Stop> {
+    let mut names = Vec::new();
+    if output.directory().is_some() {
+        for (name, text) in kept(study) {
+            output.file(name, text.as_bytes())?;
+            names.push(name);
+        }
     }
-    Ok(())
+    Ok(names)
+}
+
+/// Writes the data of the page, and the page if it is asked for. Returns the names of the files.
+fn page(
+    output: &Output,
+    record: CarRecord,
+    files: &[&str],
+    with_page: bool,
+) -> Result<Vec<&'static str>, Stop> {
+    if output.directory().is_none() {
+        return Ok(Vec::new());
+    }
+    let mut record = record;
+    record.files = files.iter().map(|name| (*name).to_owned()).collect();
+    output.record("report.json", &record)?;
+    let mut names = vec!["report.json"];
+    match with_page {
+        true => {
+            output.file("report.html", car_page(&record).as_bytes())?;
+            names.push("report.html");
+        }
+        // A page of an earlier run would speak of others.
+        false => output.without("report.html")?,
+    }
+    Ok(names)
 }
 
 /// `hardpoint solve` of a car.
@@ -150,8 +217,10 @@ pub(super) fn solve(arguments: &RunArguments) -> Result<Exit, Stop> {
     let results = CarResults::solve(&study, &mut solver, study.cases.len());
     let mut files = vec!["cases.csv"];
     output.main_csv("cases.csv", &results.cases_csv())?;
-    let (map, map_failures) = results.gg_csv(&mut solver);
-    files.extend(output.file_if_any("gg.csv", map)?);
+    let map = results.gg(&mut solver);
+    let map_failures = map.as_ref().map_or(0, |map| map.failures);
+    let (gg_csv, map) = map.map(|map| (map.csv, map.map)).unzip();
+    files.extend(output.file_if_any("gg.csv", gg_csv)?);
     let sensitivities = results.sensitivities_csv(&mut solver);
     files.extend(output.file_if_any("sensitivities.csv", sensitivities)?);
     let failures = results.failures();
@@ -166,10 +235,9 @@ pub(super) fn solve(arguments: &RunArguments) -> Result<Exit, Stop> {
     });
     output.json("summary.json", &summary)?;
     files.push("summary.json");
-    if output.directory().is_some() {
-        keep(&output, &study)?;
-        files.extend(["study.toml", "front.toml", "rear.toml"]);
-    }
+    files.extend(keep(&output, &study)?);
+    let record = results.record("solve", &mut solver, map, &warnings);
+    files.extend(page(&output, record, &files, arguments.report)?);
     output.finish()?;
     output.say(&format!("{}\n\n", headline(&study)))?;
     output.table("cases", &results.summary_table())?;
@@ -244,10 +312,10 @@ pub(super) fn optimise(arguments: &RunArguments) -> Result<Exit, Stop> {
     });
     output.json("summary.json", &summary)?;
     files.extend(["cases.csv", "cases_before.csv", "summary.json"]);
-    if output.directory().is_some() {
-        keep(&output, &study)?;
-        files.extend(["study.toml", "front.toml", "rear.toml"]);
-    }
+    files.extend(keep(&output, &study)?);
+    let mut record = after.record("optimise", &mut after_solver, None, &after.warnings());
+    record.targets = after.target_records(wanted, &before);
+    files.extend(page(&output, record, &files, arguments.report)?);
     output.finish()?;
     output.say(&format!(
         "{}\nmisfit {met:.3e} (root mean square, in tolerances); {}\n\n",

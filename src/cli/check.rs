@@ -54,7 +54,7 @@ pub(super) fn run(arguments: &StudyArguments) -> Result<Exit, Stop> {
     Ok(Exit::of(checked.is_complete()))
 }
 
-/// Prints the requests of a study of one wheel with their cost, and the values in the design position.
+/// Prints the values of a study of one wheel in the design position, then its requests with their cost.
 fn say_wheel(out: &mut Printer, study: &Study, own: &WheelStudy, path: &Path) -> Result<(), Stop> {
     let plan = Plan::of(own);
     let fault = |fault: DesignFault| design_fault(study, path, &fault);
@@ -65,30 +65,32 @@ fn say_wheel(out: &mut Printer, study: &Study, own: &WheelStudy, path: &Path) ->
         ..plan.clone()
     };
     let design = curves(study.wheel(), &design_plan).map_err(fault)?;
-    out.say(&format!("{}\n\n", motion(study, &plan)))?;
     for line in rods(study.wheel()) {
         out.say(&format!("{line}\n\n"))?;
     }
-    out.table("effects", plan_table(study, &plan))?;
-    out.say(
-        "\nCosts are relative to solving the position alone (estimates; `hardpoint bench effects` measures them).\n",
-    )?;
     let derivatives = match plan.outputs.iter().any(|o| o.highest > 0) {
         true => format!(", derivatives by {}", drive_name(&plan)),
         false => String::new(),
     };
-    out.say(&format!("\nDesign position{derivatives}:\n\n"))?;
-    out.table("design", SolveSummary::design_table(&design))
+    out.say(&format!("Design position{derivatives}:\n\n"))?;
+    out.table("design", SolveSummary::design_table(&design))?;
+    out.say(&format!("\n{}\n\n", motion(study, &plan)))?;
+    out.table("effects", plan_table(study, &plan))?;
+    out.say(
+        "\nCosts are relative to solving the position alone (estimates; `hardpoint bench effects` measures them).\n",
+    )
 }
 
 /// Prints the requests of a study of an axle, and the ranges of its outputs.
 fn say_axle(out: &mut Printer, study: &Study, summary: &Summary) -> Result<(), Stop> {
     out.say(&format!("{}\n\n", summary.headline()))?;
-    for line in asked(study) {
-        out.say(&format!("{line}\n\n"))?;
+    if let Some([ranges, ..]) = summary.tables() {
+        out.table("outputs", ranges)?;
     }
-    let ranges = summary.tables().map(|[ranges, ..]| ranges);
-    ranges.map_or(Ok(()), |ranges| out.table("outputs", ranges))
+    for line in asked(study) {
+        out.say(&format!("\n{line}\n"))?;
+    }
+    Ok(())
 }
 
 /// The study's drive in the design position, whatever the motion is.

@@ -17,19 +17,22 @@ use std::path::{Path, PathBuf};
 pub(super) struct CompareArguments {
     /// Studies and directories of runs, in any mixture; the others are compared with the first
     #[arg(required = true, num_args = 2.., value_name = "STUDY_OR_RUN")]
-    sources: Vec<PathBuf>,
+    pub(super) sources: Vec<PathBuf>,
     /// Directory for comparison.csv and report.html, or - for the CSV on standard output
     #[arg(long, value_name = "DIR", default_value = "out/compare")]
-    out: PathBuf,
+    pub(super) out: PathBuf,
     /// Replace files of other commands
     #[arg(long)]
-    force: bool,
+    pub(super) force: bool,
     /// Format of printed tables
     #[arg(long, value_enum, default_value_t = TableFormat::Text)]
     format: TableFormat,
 }
 
 pub(super) fn run(arguments: &CompareArguments) -> Result<Exit, Stop> {
+    if super::car::are_cars(arguments)? {
+        return super::car::compare(arguments);
+    }
     let labels = labels(&arguments.sources);
     let mut designs: Vec<Compared> = Vec::new();
     // Studies are solved over the motion of the first one.
@@ -72,14 +75,7 @@ pub(super) fn run(arguments: &CompareArguments) -> Result<Exit, Stop> {
     if format != Format::Text || !moved.is_empty() {
         tables.push("moved", moved);
     }
-    let text = tables.render(format, width());
-    match (format, arguments.out == Path::new("-")) {
-        (Format::Text, true) => note(&text),
-        (Format::Text, false) if is_quiet() => (),
-        (Format::Text, false) => print(&text)?,
-        (_, true) => eprint(&text),
-        (_, false) => std::io::stdout().write_all(text.as_bytes())?,
-    }
+    print_tables(arguments, &tables)?;
     if arguments.out != Path::new("-") {
         note(&format!(
             "\n{}: comparison.csv, report.html\n",
@@ -92,8 +88,22 @@ pub(super) fn run(arguments: &CompareArguments) -> Result<Exit, Stop> {
     Ok(Exit::of(is_complete))
 }
 
+/// Prints the tables: to standard error where the CSV goes to standard output.
+pub(super) fn print_tables(arguments: &CompareArguments, tables: &Tables) -> Result<(), Stop> {
+    let format: Format = arguments.format.into();
+    let text = tables.render(format, width());
+    match (format, arguments.out == Path::new("-")) {
+        (Format::Text, true) => note(&text),
+        (Format::Text, false) if is_quiet() => (),
+        (Format::Text, false) => print(&text)?,
+        (_, true) => eprint(&text),
+        (_, false) => std::io::stdout().write_all(text.as_bytes())?,
+    }
+    Ok(())
+}
+
 /// Unique names of files, without their common parts.
-fn labels(sources: &[PathBuf]) -> Vec<String> {
+pub(super) fn labels(sources: &[PathBuf]) -> Vec<String> {
     let mut labels: Vec<String> = Vec::new();
     for path in sources {
         let name = match path.is_dir() {
@@ -120,7 +130,7 @@ fn of_study(
     label: String,
     first: &mut Option<FirstMotion>,
 ) -> Result<(Compared, bool), Stop> {
-    let study = Study::read(path, &[])?;
+    let study = Study::read_elastic(path, &[])?;
     crate::compared::of_study(study, label, first).map_err(|why| Stop::in_file(path, why))
 }
 
@@ -148,5 +158,6 @@ fn of_run(path: &Path, label: String) -> Result<Compared, Stop> {
         curves: table,
         unit,
         points: None,
+        mechanism: None,
     })
 }

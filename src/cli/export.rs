@@ -38,10 +38,10 @@ pub(super) struct ExportArguments {
     pub(super) round_all: bool,
     /// With --to csv: the curves instead of the points
     #[arg(long)]
-    curves: bool,
+    pub(super) curves: bool,
     /// With --to csv: the curves under the names of another tool, as far as its definitions are the same
     #[arg(long, value_enum)]
-    names: Option<Names>,
+    pub(super) names: Option<Names>,
     /// With --to stl: wheel travel, as in --travel -30..30; /N behind it gives the number of values [default: 9]
     #[arg(long, value_name = "A..B", value_parser = span, allow_hyphen_values = true)]
     travel: Option<Span>,
@@ -62,10 +62,10 @@ pub(super) struct ExportArguments {
     pub(super) set: Vec<String>,
     /// File for the result [default: standard output; workbooks and solids need a file]
     #[arg(long, value_name = "FILE")]
-    out: Option<PathBuf>,
+    pub(super) out: Option<PathBuf>,
     /// Replace an existing file, but never an input
     #[arg(long)]
-    force: bool,
+    pub(super) force: bool,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -87,7 +87,7 @@ pub(super) enum Target {
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Names {
+pub(super) enum Names {
     /// Adams/Car
     Adams,
     /// Altair MotionView
@@ -129,6 +129,9 @@ fn span(text: &str) -> Result<Span, String> {
 
 pub(super) fn run(arguments: &ExportArguments) -> Result<Exit, Stop> {
     check_call(arguments)?;
+    if let Some(car) = super::car::file_of(&arguments.source) {
+        return super::car::export(arguments, &car);
+    }
     let source = Source::read(arguments)?;
     let bytes = match arguments.to {
         Target::Csv if arguments.curves || arguments.names.is_some() => curves(&source, arguments)?,
@@ -212,7 +215,7 @@ fn inputs(source: &Source, arguments: &ExportArguments) -> Vec<PathBuf> {
 }
 
 /// Prints the content that a file leaves out, and returns the file.
-fn say(written: Written) -> Vec<u8> {
+pub(super) fn say(written: Written) -> Vec<u8> {
     for line in written.notes {
         note(&format!("{line}\n"));
     }

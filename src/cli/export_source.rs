@@ -51,7 +51,7 @@ impl Source {
         if path.is_dir() {
             source.read_run(arguments)?;
         } else {
-            source.study = Some(Study::read(path, &arguments.set)?);
+            source.study = Some(Study::read_elastic(path, &arguments.set)?);
         }
         let Some(study) = &source.study else {
             let needs_points = arguments.round.is_some() || arguments.design.is_some();
@@ -60,17 +60,22 @@ impl Source {
             }
             return Ok(source);
         };
-        if study.wheel().mechanism.rigid_axle.is_some() && arguments.to != Target::Csv {
-            let message = "a solid axle can be exported to CSV only: its points, or its curves";
+        let takes_solid = [Target::Csv, Target::Xlsx, Target::Assetto].contains(&arguments.to);
+        if study.wheel().mechanism.rigid_axle.is_some() && !takes_solid {
+            let message = "a solid axle can be exported to CSV, to a workbook and to Assetto Corsa";
             return Err(Stop::in_file(path, message));
+        }
+        if study.compliance().is_some() && arguments.to != Target::Csv {
+            note(
+                "Elastic parts are not exported: the file has the hardpoints of the relaxed position.\n",
+            );
         }
         // Studies that `check` refuses are not exported.
         Checked::of(&motion_alone(study)).map_err(|why| Stop::in_file(path, why))?;
         source.inputs.extend(study.inputs.iter().cloned());
         let before = source.design_of_file(arguments)?;
         if let Some(number) = arguments.design {
-            let design = of_sweep(study, number, path)?;
-            source.study = Some(study.at_design(design));
+            source.study = Some(of_sweep(study, number, path)?);
         }
         if let Some(step) = arguments.round {
             source.round(step, arguments.round_all, &before)?;
@@ -113,7 +118,7 @@ impl Source {
             false => self.path.clone(),
         };
         match file.is_file() {
-            true => Ok(Study::read(&file, &[])?.wheel().design.clone()),
+            true => Ok(Study::read_elastic(&file, &[])?.wheel().design.clone()),
             // Runs of earlier versions, and standard input.
             false => Ok(study.wheel().design.clone()),
         }
@@ -276,8 +281,8 @@ impl Source {
     }
 }
 
-/// A design of a study's sweep.
-fn of_sweep(study: &Study, number: u64, path: &Path) -> Result<Vec<Vector3<f64>>, Stop> {
+/// A study at a design of its sweep.
+fn of_sweep(study: &Study, number: u64, path: &Path) -> Result<Study, Stop> {
     let refused = |reason: &str| Stop::in_file(path, reason);
     let sweep = study.sweep.as_ref();
     let sweep = sweep.ok_or_else(|| refused("--design is of a sweep, and there is no [sweep]"))?;
@@ -289,7 +294,7 @@ fn of_sweep(study: &Study, number: u64, path: &Path) -> Result<Vec<Vector3<f64>>
             plan.record.designs
         )));
     }
-    Ok(plan.design(number))
+    Ok(plan.moved(number))
 }
 
 /// Prints the cost of rounding: the misfit of the targets, and the largest change of every curve.

@@ -1,6 +1,7 @@
 //! `hardpoint import`
 
 use super::exit::{Exit, Stop};
+use super::import_car;
 use super::save::save;
 use super::terminal::{eprint, note};
 use crate::exchange::{
@@ -17,19 +18,22 @@ use std::path::{Path, PathBuf};
 #[derive(Args)]
 pub(super) struct ImportArguments {
     /// Points: a table (.csv, .xlsx), a map (.json, .yaml), an Adams/Car subsystem (.sub) or suspensions.ini
-    file: PathBuf,
-    /// Kind of suspension, such as double_wishbone
-    #[arg(long, value_parser = topology)]
-    topology: &'static Topology,
+    pub(super) file: PathBuf,
+    /// Kind of suspension, such as double_wishbone; of a car FRONT,REAR or one for both [default: from the file]
+    #[arg(long, value_parser = topology, value_delimiter = ',', value_name = "TOPOLOGY")]
+    pub(super) topology: Vec<&'static Topology>,
+    /// Both axles of the file: three studies in the directory of --out
+    #[arg(long, requires = "out", conflicts_with_all = ["side", "axle", "corner", "map", "body", "half_track"])]
+    car: bool,
     /// Names in the file by hardpoint, as TOML: lower_arm_front = "LCA 1"
     #[arg(long, value_name = "NAMES.toml")]
     map: Option<PathBuf>,
     /// Unit of length, mm, m or in [default: the file's, or the unit that gives the size of a car's suspension]
     #[arg(long, value_parser = unit)]
-    unit: Option<LengthUnit>,
+    pub(super) unit: Option<LengthUnit>,
     /// Axes: iso8855, sae_j670 or x_rear [default: from the file or its points]
     #[arg(long, value_parser = frame, conflicts_with = "axes")]
-    frame: Option<FrameConvention>,
+    pub(super) frame: Option<FrameConvention>,
     /// Directions of the file's x, y and z, each forward, rearward, left, right, up or down: left,forward,up
     #[arg(long, value_name = "X,Y,Z", value_parser = Axes::parse)]
     axes: Option<Axes>,
@@ -45,26 +49,30 @@ pub(super) struct ImportArguments {
     /// Distance of the wheel centre from the centre plane, for a file with its origin at the wheel
     #[arg(long, value_name = "LENGTH", value_parser = length)]
     half_track: Option<f64>,
+    /// Loaded radius of the wheels, in the file's unit; of a car FRONT,REAR or one for both
+    #[arg(long, value_name = "LENGTH", value_parser = length, value_delimiter = ',')]
+    pub(super) radius: Vec<f64>,
     /// Body that an end of a spring or rod sits on, as in drop_link_outer=rocker; may be given more than once
     #[arg(long, value_name = "HARDPOINT=BODY", value_parser = body)]
     body: Vec<(String, String)>,
+    /// Write the bushings of an Adams/Car subsystem, for `hardpoint kc`
+    #[arg(long, conflicts_with = "car")]
+    bushings: bool,
     /// Sheet of a workbook [default: the one with points]
     #[arg(long, value_name = "NAME")]
     sheet: Option<String>,
-    /// File for the study [default: standard output]
+    /// File for the study [default: standard output]; directory for those of a car
     #[arg(long, value_name = "STUDY")]
-    out: Option<PathBuf>,
+    pub(super) out: Option<PathBuf>,
     /// Replace an existing file, but never an input
     #[arg(long)]
-    force: bool,
+    pub(super) force: bool,
 }
 
 /// A topology by its name.
 pub(super) fn topology(name: &str) -> Result<&'static Topology, String> {
-    let wheel = Topology::named(name).filter(|topology| !topology.carries_both_wheels());
-    wheel.ok_or_else(|| {
-        let wheels = Topology::ALL.iter().filter(|t| !t.carries_both_wheels());
-        let names: Vec<&str> = wheels.map(|t| t.name).collect();
+    Topology::named(name).ok_or_else(|| {
+        let names: Vec<&str> = Topology::ALL.iter().map(|t| t.name).collect();
         format!("expected one of {}", names.join(", "))
     })
 }
@@ -118,9 +126,9 @@ fn body(text: &str) -> Result<(String, String), String> {
 
 /// The answers that a file's open questions take.
 #[derive(Clone, Default)]
-struct Said {
+pub(super) struct Said {
     sheet: Option<String>,
-    axes: Option<Axes>,
+    pub(super) axes: Option<Axes>,
     side: Option<Side>,
     axle: Option<AxlePosition>,
     half_track: Option<f64>,
@@ -156,7 +164,7 @@ impl Said {
 const MOST_QUESTIONS: usize = 5;
 
 /// Asks the questions of a file.
-struct Questions<'a> {
+pub(super) struct Questions<'a> {
     file: &'a Path,
     can_ask: bool,
     asked: usize,
@@ -164,7 +172,7 @@ struct Questions<'a> {
 
 impl Questions<'_> {
     /// Returns what `read` makes of the answers. A question is asked at a terminal, else it is the reason of a refusal.
-    fn settle<T>(
+    pub(super) fn settle<T>(
         &mut self,
         said: &mut Said,
         mut read: impl FnMut(&Said) -> Result<T, Refusal>,
@@ -206,15 +214,32 @@ pub(super) fn run(arguments: &ImportArguments) -> Result<Exit, Stop> {
     let table = questions.settle(&mut said, |said| {
         read_points(&arguments.file, said.sheet.as_deref(), said.axle)
     })?;
+    if arguments.car {
+        return import_car::run(arguments, &table, &mut questions, &mut said);
+    }
+    let only_one = |count: usize, flag: &str| match count {
+        0 | 1 => Ok(()),
+        _ => Err(Stop::wrong_input(format!(
+            "{flag}: one value for one axle; two are for --car"
+        ))),
+    };
+    only_one(arguments.topology.len(), "--topology")?;
+    only_one(arguments.radius.len(), "--radius")?;
     let imported = questions.settle(&mut said, |said| {
+        let topology = match arguments.topology.first() {
+            Some(topology) => *topology,
+            None => table.topology(said.axle)?,
+        };
         let options = ImportOptions {
-            topology: arguments.topology,
+            topology,
             unit: arguments.unit,
             frame: arguments.frame,
             axes: said.axes,
             side: said.side,
             axle: said.axle,
             half_track: said.half_track,
+            radius: arguments.radius.first().copied(),
+            bushings: arguments.bushings,
             names: &names,
             bodies: &bodies,
         };
@@ -240,9 +265,12 @@ pub(super) fn run(arguments: &ImportArguments) -> Result<Exit, Stop> {
     let shown = arguments.file.display();
     let (count, kind) = (imported.hardpoints.len(), imported.topology.name);
     let summary = summary(&imported, Some(arguments.out.as_deref()));
+    let part = match imported.topology.carries_both_wheels() {
+        true => "left half".to_owned(),
+        false => format!("{} wheel", imported.side.name()),
+    };
     note(&format!(
-        "{shown}: {count} hardpoints of {kind}, {} wheel, {}, {}\n{summary}",
-        imported.side.name(),
+        "{shown}: {count} hardpoints of {kind}, {part}, {}, {}\n{summary}",
         imported.unit.symbol(),
         imported.frame.name()
     ));
@@ -291,6 +319,34 @@ fn ask(
 /// Summary of an import: roles of the points, readings and assumptions, parts left out, and the command that shows
 /// the result.
 fn summary(imported: &Imported, out: Option<Option<&Path>>) -> String {
+    let mut text = roles(imported);
+    for (title, lines) in [
+        ("Read and assumed", &imported.notes),
+        ("Left out", &imported.left_out),
+    ] {
+        text += &listed(title, lines);
+    }
+    match out {
+        Some(Some(out)) => text += &format!("See it: hardpoint studio {}\n", out.display()),
+        Some(None) => {
+            text += "See it: write it with --out STUDY.toml, then hardpoint studio STUDY.toml\n"
+        }
+        None => (),
+    }
+    text
+}
+
+/// Lines below a title; nothing without lines.
+pub(super) fn listed(title: &str, lines: &[String]) -> String {
+    if lines.is_empty() {
+        return String::new();
+    }
+    let lines: String = lines.iter().map(|line| format!("  {line}\n")).collect();
+    format!("{title}:\n{lines}")
+}
+
+/// Hardpoints with their names and places in the file.
+pub(super) fn roles(imported: &Imported) -> String {
     let longest = imported.hardpoints.iter().map(|h| h.name.len()).max();
     let longest = longest.unwrap_or(0);
     let mut text = String::new();
@@ -300,24 +356,6 @@ fn summary(imported: &Imported, out: Option<Option<&Path>>) -> String {
             "  {name:longest$}  {:?}, {}\n",
             hardpoint.called, hardpoint.place
         );
-    }
-    for (title, lines) in [
-        ("Read and assumed", &imported.notes),
-        ("Left out", &imported.left_out),
-    ] {
-        if !lines.is_empty() {
-            text += &format!("{title}:\n");
-            for line in lines {
-                text += &format!("  {line}\n");
-            }
-        }
-    }
-    match out {
-        Some(Some(out)) => text += &format!("See it: hardpoint studio {}\n", out.display()),
-        Some(None) => {
-            text += "See it: write it with --out STUDY.toml, then hardpoint studio STUDY.toml\n"
-        }
-        None => (),
     }
     text
 }

@@ -16,11 +16,14 @@ use crate::plan::Plan;
 use crate::report::{Cell, Column, FailureRange, Table, as_written, brief, limits_page};
 use crate::solve::Solver;
 use crate::solved::Solved;
-use crate::study::{AxleStudy, Drive, Study, Vehicle, WheelStudy};
+use crate::study::{AxleStudy, CarStudy, Drive, Study, Vehicle, WheelStudy};
 use std::ops::ControlFlow;
 use std::path::Path;
 
 pub(super) fn run(arguments: &LimitsArguments) -> Result<Exit, Stop> {
+    if CarStudy::is_at(&arguments.study.study) {
+        return super::car::limits(arguments);
+    }
     let (builds, page) = (arguments.builds, arguments.report.as_deref());
     let page = page.map(|path| Page {
         path,

@@ -30,7 +30,7 @@ pub(super) fn run(arguments: &MergeArguments) -> Result<Exit, Stop> {
     let record = &parts.record;
     // Study of the parts, if they keep one.
     let mut kept = parts.directories().map(|part| part.join(STUDY_COPY));
-    let kept = kept.find_map(|path| Study::read(&path, &[]).ok());
+    let kept = kept.find_map(|path| Study::read_elastic(&path, &[]).ok());
     let files = SweepDirectory::files(record);
     let mut files: Vec<&str> = files.iter().map(String::as_str).collect();
     files.extend(kept.is_some().then_some(STUDY_COPY));

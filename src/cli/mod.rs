@@ -12,6 +12,7 @@ mod exit;
 mod export;
 mod export_source;
 mod import;
+mod import_car;
 mod interrupt;
 mod kc;
 mod limits;
@@ -32,7 +33,6 @@ mod studio;
 mod sweep;
 mod terminal;
 mod tolerance;
-mod tune_elastic;
 mod yields;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -66,7 +66,7 @@ enum Command {
     /// Compute curves over the motion
     Solve(RunArguments),
     /// Tests of a kinematics and compliance rig: toe, camber and displacements by travel, rack and loads
-    Kc(RunArguments),
+    Kc(KcArguments),
     /// Solve a batch of designs
     Sweep(SweepArguments),
     /// Join the parts of a sweep into one file
@@ -138,6 +138,27 @@ struct RunArguments {
     /// Write the curves as pictures (SVG and PNG) into a directory
     #[arg(long, value_name = "DIR")]
     plots: Option<PathBuf>,
+}
+
+/// Arguments of `hardpoint kc`.
+#[derive(Args)]
+struct KcArguments {
+    #[command(flatten)]
+    run: RunArguments,
+    /// Add names and values by the definitions of another program to kc.csv
+    #[arg(long, value_enum, value_name = "PROGRAM")]
+    names: Option<Names>,
+}
+
+/// Programs whose names `kc` knows.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Names {
+    /// Adams Car
+    Adams,
+    /// Altair MotionView
+    Altair,
+    /// Rigs of the SPMM kind
+    Spmm,
 }
 
 /// Arguments of `hardpoint tolerance`.
@@ -278,6 +299,8 @@ enum BenchKind {
     Accuracy,
     /// Cost of each effect, alone and accumulated, relative to positions alone
     Effects,
+    /// Equilibria per second of a study with elastic parts, and a sheet of tests with derivatives
+    Equilibria,
 }
 
 /// Arguments of `hardpoint report`.

@@ -3,6 +3,7 @@
 use super::exit::{Exit, Stop};
 use crate::car::{CarTemplate, TEMPLATES};
 use crate::model::Topology;
+use crate::study::nearest;
 use clap::{Args, ValueEnum};
 use std::fmt::Write as _;
 use std::io::Write;
@@ -10,8 +11,9 @@ use std::path::{Path, PathBuf};
 
 /// Arguments of `hardpoint new`.
 #[derive(Args)]
+#[command(after_help = topologies())]
 pub(super) struct NewArguments {
-    /// Kind of suspension, such as macpherson; or car, formula_student_car: three files
+    /// Kind of suspension, such as macpherson; or a car: see the list below
     topology: String,
     /// Directory for the three files of a car
     #[arg(long, value_name = "DIR")]
@@ -308,6 +310,20 @@ fn write_car((name, files): &CarTemplate, arguments: &NewArguments) -> Result<Ex
     Ok(Exit::Done)
 }
 
+/// All topologies and cars, a line each.
+fn topologies() -> String {
+    let topologies = Topology::ALL.iter().map(|t| (t.name, t.summary));
+    let cars = TEMPLATES.iter().map(|(car, _)| match *car {
+        "car" => ("car", "Road car: a car and two axles, in three files"),
+        other => (other, "Formula Student car, in three files"),
+    });
+    let lines = topologies.chain(cars);
+    let lines: Vec<String> = lines
+        .map(|(name, summary)| format!("  {name:22} {summary}"))
+        .collect();
+    format!("Topologies:\n{}", lines.join("\n"))
+}
+
 pub(super) fn run(arguments: &NewArguments) -> Result<Exit, Stop> {
     let name = &arguments.topology;
     if let Some(car) = TEMPLATES.iter().find(|(car, _)| car == name) {
@@ -318,23 +334,12 @@ pub(super) fn run(arguments: &NewArguments) -> Result<Exit, Stop> {
         return Err(Stop::wrong_input(message));
     }
     let Some(topology) = Topology::named(name) else {
-        let known = Topology::ALL.iter();
-        let known: Vec<String> = known
-            .map(|t| format!("  {:22} {}", t.name, t.summary))
-            .chain([
-                format!(
-                    "  {:22} Road car: a car and two axles, in three files",
-                    "car"
-                ),
-                format!(
-                    "  {:22} Formula Student car, in three files",
-                    "formula_student_car"
-                ),
-            ])
-            .collect();
+        let cars = TEMPLATES.iter().map(|(car, _)| *car);
+        let meant = nearest(name, Topology::ALL.iter().map(|t| t.name).chain(cars));
+        let meant = meant.map_or_else(String::new, |near| format!("; did you mean {near}?"));
         return Err(Stop::wrong_input(format!(
-            "there is no topology \"{name}\"; expected one of\n{}",
-            known.join("\n")
+            "there is no topology \"{name}\"{meant}\n{}",
+            topologies()
         )));
     };
     let text = study(topology, &arguments.with).map_err(Stop::wrong_input)?;

@@ -12,6 +12,7 @@ use crate::report::{
     FrontRecord, PriceRecord, Record, TuningSummary, counted, history_csv, shown_side_effects,
     side_effects_table, unchanged_in_words, variable_plausibility,
 };
+use crate::rig::RigTests;
 use crate::side_effects::side_effects;
 use crate::solved::Solved;
 use crate::study::{CarStudy, Optimise, Study, StudyErrors};
@@ -30,7 +31,7 @@ pub(super) fn say_outcome(
     output.table_for_programs("misfit", || summary.misfit_table());
     if summary.has_design() {
         output.table("targets", &summary.targets_table())?;
-        output.text_only("\n  rms and worst in tolerances\n")?;
+        output.text_only("\n  off: largest deviation from the wanted values, in their unit\n")?;
         for (_, column, by) in summary.missed() {
             output.say(&format!("  missed: {column}, by up to {by}\n"))?;
         }
@@ -118,9 +119,6 @@ pub(super) fn run(arguments: &OptimiseArguments) -> Result<Exit, Stop> {
         let what = "variables and targets";
         return Err(Stop::no_section(path, "optimise", what));
     };
-    if let Some(elastic) = study.compliance() {
-        return super::tune_elastic::run(arguments, *prices, &study, elastic, optimise);
-    }
     let pool = pool(arguments.threads, optimise.starts as u64)?;
     // Solved first: a design that is wrong must be known before anything is written.
     let fault = |why| Stop::in_file(path, why);
@@ -171,10 +169,11 @@ pub(super) fn run(arguments: &OptimiseArguments) -> Result<Exit, Stop> {
     if let (Some(tuned), Some(after)) = (&tuned, &after) {
         designs.push(("after", "curves.csv", after));
         output.main_csv("curves.csv", &after.csv())?;
+        files.extend(output.file_if_any("kc.csv", figures_of(tuned).map_err(fault)?)?);
         let tuned = study.with_points_of(tuned);
         output.file("optimised.toml", tuned.as_bytes())?;
         let directory = path.parent().unwrap_or(Path::new(""));
-        refused = Study::from_text("optimised.toml", &tuned, directory).err();
+        refused = Study::elastic_from_text("optimised.toml", &tuned, directory).err();
         files = [&["curves.csv", "optimised.toml"], &files[..]].concat();
     } else {
         output.without("curves.csv")?;
@@ -238,6 +237,13 @@ pub(super) fn run(arguments: &OptimiseArguments) -> Result<Exit, Stop> {
         true => Exit::Interrupted,
         false => Exit::of(is_whole),
     })
+}
+
+/// `kc.csv` of a tuned design with elastic parts; `None` for a rigid one.
+fn figures_of(tuned: &Study) -> Result<Option<Vec<u8>>, String> {
+    let has_parts = tuned.compliance().is_some();
+    let tests = has_parts.then(|| RigTests::of(tuned, None)).transpose()?;
+    Ok(tests.map(|tests| tests.results.kc_csv()))
 }
 
 /// Writes the design that an interrupted tuning has reached, before anything is computed from it. Ends the process where

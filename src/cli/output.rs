@@ -398,7 +398,9 @@ impl Output {
 pub(super) fn kept_study(directory: &Path, overrides: &[String]) -> Result<Option<Study>, Stop> {
     let kept = ["optimised.toml", STUDY_COPY].map(|name| directory.join(name));
     let kept = kept.iter().find(|file| file.is_file());
-    Ok(kept.map(|file| Study::read(file, overrides)).transpose()?)
+    Ok(kept
+        .map(|file| Study::read_elastic(file, overrides))
+        .transpose()?)
 }
 
 /// All the files a run reads.

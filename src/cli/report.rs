@@ -4,7 +4,7 @@ use super::exit::{Exit, Stop};
 use super::output::Destination;
 use super::{ReportArguments, RunArguments};
 use crate::report::{
-    FinishedRun, Record, Run, SweepRun, page, picture_names, pictures, sweep_page,
+    FinishedRun, Record, Run, SweepRun, car_page, page, picture_names, pictures, sweep_page,
 };
 use crate::results::{Claim, Manifest, Refusal, RunDirectory};
 use crate::study::Study;
@@ -13,6 +13,12 @@ use std::path::{Path, PathBuf};
 
 pub(super) fn run(arguments: &ReportArguments) -> Result<Exit, Stop> {
     let run = FinishedRun::read(&arguments.run).map_err(Stop::wrong_input)?;
+    if arguments.plots.is_some() && matches!(run, FinishedRun::Car(_)) {
+        return Err(Stop::wrong_input(format!(
+            "--plots makes pictures of curves, {} is a run of a car; its page has the pictures",
+            arguments.run.display()
+        )));
+    }
     if arguments.plots.is_some() && matches!(run, FinishedRun::Sweep(_)) {
         return Err(Stop::wrong_input(format!(
             "--plots makes pictures of curves, {} is a sweep; each plot of its page has a button that \
@@ -28,6 +34,7 @@ pub(super) fn run(arguments: &ReportArguments) -> Result<Exit, Stop> {
     let html = match &run {
         FinishedRun::Curves(run) => page(run),
         FinishedRun::Sweep(sweep) => sweep_page(sweep),
+        FinishedRun::Car(car) => car_page(car),
     };
     write_page(&html, &directory)?;
     let mut out = std::io::stdout().lock();

@@ -14,7 +14,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     if CarStudy::is_at(path) {
         return super::car::solve(arguments);
     }
-    let study = Study::read(path, &arguments.study.set)?;
+    let study = Study::read_elastic(path, &arguments.study.set)?;
     let fault = |why| Stop::in_file(path, why);
     let solved = Solved::of(&study).map_err(fault)?;
     // Everything that may be refused is known before anything is written.

@@ -11,19 +11,36 @@ use crate::report::{
     counted, rows_header, write_part,
 };
 use crate::results::{Claim, Sharing, WriteError};
-use crate::study::{FileFormat, Order, Study, Vehicle};
-use crate::sweep::{NotBegun, SweepPlan, SweepRecord, SweepStatistics, in_order};
+use crate::study::{CarStudy, FileFormat, Order, Study, Vehicle};
+use crate::sweep::{NotBegun, SweepPlan, SweepRecord, SweepStatistics, Swept, in_order};
 use std::io::{ErrorKind, Write};
 use std::ops::Range;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 /// Interval between two looks at a part that another process is computing.
 const WAIT: Duration = Duration::from_millis(200);
 
+/// A sweep that is ready to run.
+pub(super) struct Ready<'s> {
+    /// The sweep.
+    pub swept: Swept<'s>,
+    /// Text of its results.
+    pub text: SweepText,
+    /// Files that were read.
+    pub inputs: Vec<PathBuf>,
+    /// Copies of the studies, by the name of the file, that are kept with the results.
+    pub kept: &'s dyn Fn(&Path) -> Vec<(&'static str, String)>,
+    /// Writes what the page shows of single designs, at the end.
+    pub draw: &'s dyn Fn(&Output, &SweepStatistics) -> Result<(), Stop>,
+}
+
 pub(super) fn run(arguments: &SweepArguments) -> Result<Exit, Stop> {
     let path = &arguments.study.study;
-    let study = Study::read(path, &arguments.study.set)?;
+    if CarStudy::is_at(path) {
+        return super::car::sweep(arguments);
+    }
+    let study = Study::read_elastic(path, &arguments.study.set)?;
     let Some(sweep) = &study.sweep else {
         let what = "the designs to solve";
         return Err(Stop::no_section(path, "sweep", what));
@@ -31,38 +48,68 @@ pub(super) fn run(arguments: &SweepArguments) -> Result<Exit, Stop> {
     let plan = SweepPlan::of(&study, sweep).map_err(|reason| match reason {
         NotBegun::Designs(errors) => errors.into(),
         NotBegun::Fault(fault) => design_fault(&study, path, &fault),
-        NotBegun::TwoColumns(name) => Stop::in_file(
-            path,
-            format!(
-                "two columns of the results would have the name {name}; give a variable another name"
-            ),
-        ),
+        NotBegun::TwoColumns(name) => two_columns(path, &name),
     })?;
     if let Some(number) = arguments.design {
         return print_design(&study, &plan, number);
     }
+    let to_stdout = is_to_stdout(arguments, sweep.format)?;
+    let left_out = left_out(&study);
+    let before = || {
+        if !left_out.is_empty() {
+            terminal::note(&format!(
+                "A sweep ignores {} of [outputs]: it keeps values, and slopes in the design position. Use \
+                 `hardpoint solve` for them (`--design N` prints the study of a design).\n",
+                left_out.join(", ")
+            ));
+        }
+        if let Some(why) = super::check::one_by_one(&plan) {
+            terminal::note(&format!("{why}\n"));
+        }
+    };
+    let ready = Ready {
+        swept: Swept::Suspension(&plan),
+        text: SweepText::of(&plan, &study, !to_stdout),
+        inputs: inputs(&study, path),
+        kept: &|directory| vec![(STUDY_COPY, study.text_in(directory))],
+        draw: &|output, statistics| draw(output, &study, &plan, statistics, path),
+    };
+    carry_out(arguments, &ready, before)
+}
+
+/// Refuses two columns of one name.
+pub(super) fn two_columns(path: &Path, name: &str) -> Stop {
+    Stop::in_file(
+        path,
+        format!(
+            "two columns of the results would have the name {name}; give a variable another name"
+        ),
+    )
+}
+
+/// Whether the designs go to standard output. Refuses options that need a directory then.
+pub(super) fn is_to_stdout(arguments: &SweepArguments, format: FileFormat) -> Result<bool, Stop> {
     let to_stdout = arguments.out.as_deref() == Some(Path::new("-"));
     if to_stdout {
-        needs_no_directory(arguments, sweep.format)?;
+        needs_no_directory(arguments, format)?;
     }
-    let record = &plan.record;
+    Ok(to_stdout)
+}
+
+/// Runs a sweep. `note` prints remarks once its directory is claimed.
+pub(super) fn carry_out(
+    arguments: &SweepArguments,
+    ready: &Ready<'_>,
+    note: impl FnOnce(),
+) -> Result<Exit, Stop> {
+    let (swept, text) = (ready.swept, &ready.text);
+    let record = swept.record();
     let pool = pool(arguments.threads, record.blocks())?;
-    let output = open(arguments, &study, record)?;
-    let left_out = left_out(&study);
-    if !left_out.is_empty() {
-        terminal::note(&format!(
-            "A sweep ignores {} of [outputs]: it keeps values, and slopes in the design position. Use \
-             `hardpoint solve` for them (`--design N` prints the study of a design).\n",
-            left_out.join(", ")
-        ));
-    }
-    if let Some(why) = super::check::one_by_one(&plan) {
-        terminal::note(&format!("{why}\n"));
-    }
-    let text = SweepText::of(&plan, &study, !to_stdout);
+    let output = open(arguments, ready)?;
+    note();
     let Some(claimed) = output.directory() else {
         let statistics = pool
-            .install(|| to_standard_output(&plan, &text))
+            .install(|| to_standard_output(swept, text))
             .map_err(unwritten)?;
         return finish(&output, record, &statistics, false);
     };
@@ -84,7 +131,7 @@ pub(super) fn run(arguments: &SweepArguments) -> Result<Exit, Stop> {
         }
     }
     let own_are_whole = pool
-        .install(|| sweep_parts(&plan, &text, &directory, parts.clone()))
+        .install(|| sweep_parts(swept, text, &directory, parts.clone()))
         .map_err(unwritten)?;
     let done = directory.done().map_err(not_this)?;
     let interrupted = !own_are_whole && interrupt::is_raised();
@@ -102,9 +149,9 @@ pub(super) fn run(arguments: &SweepArguments) -> Result<Exit, Stop> {
         finish(&output, record, &done.statistics, false)?;
         return Ok(Exit::Interrupted);
     }
-    draw(&output, &study, &plan, &done.statistics, path)?;
+    (ready.draw)(&output, &done.statistics)?;
     let exit = finish(&output, record, &done.statistics, arguments.report)?;
-    // Of a shard it is asked whether its parts are whole: engines take anything but 0 for a failure.
+    // A shard is asked whether its parts are whole: engines take anything but 0 for a failure.
     Ok(match arguments.shard.is_some() && own_are_whole {
         true => Exit::Done,
         false => exit,
@@ -138,24 +185,28 @@ fn needs_no_directory(arguments: &SweepArguments, format: FileFormat) -> Result<
 }
 
 /// Claims the directory of a sweep.
-fn open(arguments: &SweepArguments, study: &Study, record: &SweepRecord) -> Result<Output, Stop> {
+fn open(arguments: &SweepArguments, ready: &Ready<'_>) -> Result<Output, Stop> {
+    let record = ready.swept.record();
     let (out, format) = (arguments.out.as_deref(), arguments.study.format);
-    let destination = Destination::of(out, &study.name, arguments.force, format)?;
-    let inputs = inputs(study, &arguments.study.study);
-    let keeps_study = destination.keeps_study(&inputs);
+    let destination = Destination::of(out, &record.study, arguments.force, format)?;
+    let keeps_study = destination.keeps_study(&ready.inputs);
+    let kept = match keeps_study {
+        true => (ready.kept)(destination.path()),
+        false => Vec::new(),
+    };
     let mut files = SweepDirectory::files(record);
     files.extend(arguments.report.then(|| "report.html".to_owned()));
     let mut files: Vec<&str> = files.iter().map(String::as_str).collect();
-    files.extend(keeps_study.then_some(STUDY_COPY));
+    files.extend(kept.iter().map(|(name, _)| *name));
     let there = SweepDirectory::read(destination.path()).ok();
     let smaller = there.filter(|there| arguments.resume && record.continues(&there.record));
     let claim = Claim {
         command: "sweep",
-        study: &study.name,
+        study: &record.study,
         digest: record.run_digest(),
         former: smaller.map(|smaller| smaller.record.run_digest()),
         files: &files,
-        inputs: &inputs,
+        inputs: &ready.inputs,
         resume: arguments.resume || arguments.shard.is_some(),
         sharing: match arguments.shard {
             None => Sharing::Alone,
@@ -164,8 +215,8 @@ fn open(arguments: &SweepArguments, study: &Study, record: &SweepRecord) -> Resu
         ..Claim::default()
     };
     let output = Output::at(&destination, claim)?;
-    if keeps_study {
-        output.keep_study(study)?;
+    for (name, text) in kept {
+        output.file(name, text.as_bytes())?;
     }
     Ok(output)
 }
@@ -220,12 +271,12 @@ fn left_out(study: &Study) -> Vec<&'static str> {
 /// Computes parts until all are complete or Ctrl-C stops it. Returns whether all are complete. It waits for a part of
 /// another process, and computes the part itself if that process dies.
 fn sweep_parts(
-    plan: &SweepPlan<'_>,
+    swept: Swept<'_>,
     text: &SweepText,
     directory: &SweepDirectory,
     parts: Range<u64>,
 ) -> Result<bool, WriteError> {
-    let record = &plan.record;
+    let record = swept.record();
     let designs = |parts: &[u64]| -> u64 { parts.iter().map(|p| record.designs_of_part(*p)).sum() };
     let all: Vec<u64> = parts.collect();
     let mut left: Vec<u64> = all
@@ -242,7 +293,7 @@ fn sweep_parts(
         let before = left.len();
         let mut busy = Vec::new();
         for part in left {
-            match write_part(plan, text, directory, part, go_on, |designs| {
+            match write_part(swept, text, directory, part, go_on, |designs| {
                 line.inc(designs)
             }) {
                 Ok(PartOutcome::Whole) => {}
@@ -267,11 +318,8 @@ fn sweep_parts(
 }
 
 /// Writes the rows of all designs to standard output. It adds up statistics in the same way as for parts.
-fn to_standard_output(
-    plan: &SweepPlan<'_>,
-    text: &SweepText,
-) -> Result<SweepStatistics, WriteError> {
-    let record = &plan.record;
+fn to_standard_output(swept: Swept<'_>, text: &SweepText) -> Result<SweepStatistics, WriteError> {
+    let record = swept.record();
     let line = progress::line(record.designs, "designs");
     let mut out = TableFile::standard_output(&rows_header(record))?;
     let mut all = SweepStatistics::empty(record);
@@ -279,7 +327,7 @@ fn to_standard_output(
         let mut statistics = SweepStatistics::empty(record);
         in_order(
             record.blocks_of(part),
-            || plan.worker().expect("the same design was accepted before"),
+            || swept.worker(),
             |worker, block| (!interrupt::is_raised()).then(|| text.finish(record, worker, block)),
             |finished| {
                 out.append(&finished.designs)?;
@@ -407,7 +455,7 @@ fn print_design(study: &Study, plan: &SweepPlan, number: u64) -> Result<Exit, St
             "there is no design {number}; the sweep has {designs}, numbered from 0"
         )));
     }
-    let text = study.with_points_of(&study.at_design(plan.design(number)));
+    let text = study.with_points_of(&plan.moved(number));
     std::io::stdout().write_all(text.as_bytes())?;
     Ok(Exit::Done)
 }

@@ -11,16 +11,19 @@ use crate::mechanism::DesignFault;
 use crate::report::{BandCurve, ToleranceSummary};
 use crate::scatter;
 use crate::solved::Solved;
-use crate::study::{Study, Tolerance};
+use crate::study::{CarStudy, Study, Tolerance};
 use crate::tolerance::{Expansion, Forecast, MonteCarlo, Problem, monte_carlo};
 use std::io::Write;
 use std::ops::ControlFlow;
 use std::path::Path;
 
 pub(super) fn run(arguments: &ToleranceArguments) -> Result<Exit, Stop> {
+    if CarStudy::is_at(&arguments.run.study.study) {
+        return super::car::tolerance(arguments);
+    }
     let (build, arguments) = (arguments.build, &arguments.run);
     let path = &arguments.study.study;
-    let study = Study::read(path, &arguments.study.set)?;
+    let study = Study::read_elastic(path, &arguments.study.set)?;
     let tolerance = tolerance_of(&study, path)?;
     if let Some(number) = build {
         return print_build(&problem(&study, tolerance, path)?, number);
@@ -139,19 +142,15 @@ fn not_aligned(study: &Study, path: &Path, reason: NoSetUp) -> Stop {
 /// Prints a build as a study.
 fn print_build(problem: &Problem, number: u64) -> Result<Exit, Stop> {
     let (study, seed) = (problem.study, problem.tolerance.seed);
-    match problem.built_wheels(number) {
+    match problem.built_text(number) {
         Ok(built) => {
             let aligned = match problem.tolerance.aligned {
                 true => "aligned",
                 false => "as assembled",
             };
             let text = format!(
-                "# Build {number} of {} (seed {seed}, {aligned}): the design of its parts at rest.\n{}",
+                "# Build {number} of {} (seed {seed}, {aligned}): the design of its parts at rest.\n{built}",
                 study.name,
-                match &built[..] {
-                    [left, right] => study.with_built_axle([left, right]),
-                    built => study.with_built(&built[0]),
-                }
             );
             std::io::stdout().write_all(text.as_bytes())?;
             Ok(Exit::Done)

@@ -1,9 +1,8 @@
 //! Some designs of a sweep with their curves and their mechanism.
 
 use super::{Solved, drawn};
-use crate::curves::curves;
+use crate::curves::wheel_curves;
 use crate::mechanism::DesignFault;
-use crate::model::Suspension;
 use crate::plan::Plan;
 use crate::report::{CurveTable, DrawnDesigns, Record, SweepSummary, curves_csv};
 use crate::study::{Study, WheelStudy};
@@ -34,15 +33,13 @@ impl DrawnDesigns {
             ..Plan::with_targets(own, study.optimise.as_ref())
         };
         let asked = asked.thinned(MOST_STATIONS, MOST_RACKS);
-        let given = &own.suspension;
         let mut solved = Vec::new();
         for number in numbers {
-            let suspension = Suspension {
-                design: number.map_or_else(|| given.design.clone(), |n| plan.design(n)),
-                ..given.clone()
-            };
-            match curves(&suspension, &asked) {
-                Ok(curves) => solved.push((number, suspension, curves)),
+            let moved = number.map(|n| plan.moved(n));
+            let moved = moved.as_ref().and_then(Study::one_wheel);
+            let wheel = moved.unwrap_or(own).clone();
+            match wheel_curves(&wheel, &asked) {
+                Ok(curves) => solved.push((number, wheel, curves)),
                 Err(fault) if number.is_none() => return Err(fault),
                 Err(_) => {}
             }
@@ -57,7 +54,7 @@ impl DrawnDesigns {
         let designs: Vec<Solved<'_>> = solved
             .iter()
             .zip(&named)
-            .map(|((_, suspension, curves), (label, file))| (&**label, &**file, suspension, curves))
+            .map(|((_, wheel, curves), (label, file))| (&**label, &**file, wheel, curves))
             .collect();
         let table = |(_, _, curves): &(_, _, crate::curves::Curves)| {
             let csv = curves_csv(curves);

@@ -109,7 +109,7 @@ pub(super) fn bytes_of(text: &str) -> Vec<u8> {
 }
 
 /// The name of the block a line begins, in capitals.
-fn block(line: &str) -> Option<String> {
+pub(super) fn block(line: &str) -> Option<String> {
     let name = line.trim().strip_prefix('[')?.split(']').next()?;
     Some(name.trim().to_ascii_uppercase())
 }
@@ -187,8 +187,18 @@ pub(super) fn read(text: &str) -> Result<Subsystem, String> {
     Ok(subsystem)
 }
 
+/// A unit of length by its name.
+pub(super) fn length_unit(name: &str) -> Option<LengthUnit> {
+    match name.to_ascii_lowercase().as_str() {
+        "mm" | "millimeter" => Some(LengthUnit::Millimetre),
+        "m" | "meter" => Some(LengthUnit::Metre),
+        "in" | "inch" => Some(LengthUnit::Inch),
+        _ => None,
+    }
+}
+
 /// `KEY = 'value'`
-fn assignment(line: &str) -> Option<(String, String)> {
+pub(super) fn assignment(line: &str) -> Option<(String, String)> {
     let (key, value) = line.split_once('=')?;
     let value = value.trim().trim_matches('\'').trim();
     Some((key.trim().to_ascii_uppercase(), value.to_owned()))
@@ -200,16 +210,10 @@ fn units(line: &str, subsystem: &mut Subsystem) -> Result<(), String> {
     };
     match key.as_str() {
         "LENGTH" => {
-            subsystem.length = Some(match value.to_ascii_lowercase().as_str() {
-                "mm" | "millimeter" => LengthUnit::Millimetre,
-                "m" | "meter" => LengthUnit::Metre,
-                "in" | "inch" => LengthUnit::Inch,
-                _ => {
-                    return Err(format!(
-                        "the unit of length is {value:?}; expected 'mm', 'meter' or 'inch'"
-                    ));
-                }
-            });
+            let unit = length_unit(&value).ok_or_else(|| {
+                format!("the unit of length is {value:?}; expected 'mm', 'meter' or 'inch'")
+            })?;
+            subsystem.length = Some(unit);
         }
         "ANGLE" => {
             subsystem.degrees = match value.to_ascii_lowercase().as_str() {

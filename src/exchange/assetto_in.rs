@@ -15,14 +15,20 @@
 //! |---|---|
 //! | `DWB` | `double_wishbone` |
 //! | `STRUT` | `macpherson` |
-//! | `AXLE`, `ML` | refused by name |
+//! | `AXLE` | `solid_axle`, see `assetto_axle` |
+//! | `ML` | refused by name |
 //!
 //! `STATIC_CAMBER` is in degrees, negative with the top inward. `TOE_OUT` is a length by which the steering rod
 //! moves, no angle. Springs have rates at the wheel and no points.
+//!
+//! `BASEY` is the height of the wheel centre above the centre of gravity of the car, and `CG_LOCATION` the share of the weight
+//! on the front axle. Beside the file, `car.ini` has the mass.
 
+use super::assetto_axle::{self, End, Link};
 use super::axes::{Axes, Declared};
 use super::decimals::LARGEST;
-use super::table::{Figure, Kind, Marks, NamedPoint, PointTable};
+use super::source::{bytes_of, decoded};
+use super::table::{AxleFigures, CarFigures, Figure, Kind, Marks, Mass, NamedPoint, PointTable};
 use crate::model::{AxlePosition, FrameConvention, LengthUnit};
 use std::path::Path;
 
@@ -42,6 +48,9 @@ pub(super) const POINTS: &[(&str, &str)] = &[
 
 /// Keys that another simulation needs and a study of kinematics does not.
 const RATES: &[&str] = &["SPRING_RATE", "DAMP_BUMP", "ROD_LENGTH", "TOE_OUT"];
+
+/// The most links of a live axle that are read.
+const MOST_LINKS: usize = 16;
 
 /// Whether a file is of this kind: by its name, or by sections that JSON has not.
 pub(super) fn is_ini(path: &Path, text: &str) -> bool {
@@ -73,11 +82,8 @@ struct Entry<'a> {
     line: usize,
 }
 
-/// Reads the file.
-///
-/// # Errors
-/// It has no axles, or a number is none.
-pub(super) fn points_of(text: &str) -> Result<PointTable, String> {
+/// The assignments of a file.
+fn assignments(text: &str) -> File<'_> {
     let mut entries: Vec<Entry> = Vec::new();
     let mut within = "";
     for (line, number) in text.lines().zip(1..) {
@@ -92,7 +98,15 @@ pub(super) fn points_of(text: &str) -> Result<PointTable, String> {
             });
         }
     }
-    let file = File(entries);
+    File(entries)
+}
+
+/// Reads the file.
+///
+/// # Errors
+/// It has no axles, or a number is none.
+pub(super) fn points_of(path: &Path, text: &str) -> Result<PointTable, String> {
+    let file = assignments(text);
     let axles = [("FRONT", AxlePosition::Front), ("REAR", AxlePosition::Rear)];
     let mut table = PointTable {
         unit: Some(LengthUnit::Metre),
@@ -114,6 +128,7 @@ pub(super) fn points_of(text: &str) -> Result<PointTable, String> {
     table.notes.push(
         "a suspensions.ini of Assetto Corsa: metres, iso8855; x from the front axle, z from the wheel centre".to_owned(),
     );
+    table.car = Some(file.car(path, &mut table.notes)?);
     Ok(table)
 }
 
@@ -133,21 +148,134 @@ impl File<'_> {
         number(entry.value, entry.line).map(Some)
     }
 
+    /// Adds the links of `[AXLE]`, with their hardpoints if they can be told apart.
+    fn live_axle(&self, axle: AxlePosition, table: &mut PointTable) -> Result<Kind, String> {
+        let count = self.number("AXLE", "LINK_COUNT")?;
+        let mut links = Vec::new();
+        for number in 0..MOST_LINKS {
+            let ends = ["CAR", "AXLE"].map(|end| self.entry("AXLE", &format!("J{number}_{end}")));
+            let [Some(car), Some(axle)] = ends else {
+                break;
+            };
+            let end = |entry: &Entry| {
+                triple(entry).map(|place| End {
+                    place,
+                    line: entry.line,
+                })
+            };
+            links.push(Link {
+                number,
+                ends: [end(car)?, end(axle)?],
+            });
+        }
+        if let Some(count) = count
+            && count != links.len() as f64
+        {
+            return Err(format!(
+                "[AXLE] LINK_COUNT is {count}, and the section has both ends of {} links",
+                links.len()
+            ));
+        }
+        let ahead = self.ahead(axle)?;
+        let marks = Marks {
+            side: None,
+            axle: Some(axle),
+        };
+        let mut add = |link: &Link, part: Option<&str>| {
+            for (end, (key, body)) in link.ends.iter().zip([("CAR", "chassis"), ("AXLE", "axle")]) {
+                let [lateral, up, forward] = end.place;
+                let name = format!("AXLE J{}_{key}", link.number);
+                table.points.push(NamedPoint {
+                    read_as: part.map_or(name.clone(), |part| format!("{part}_{body}")),
+                    name,
+                    marks,
+                    mirrored: false,
+                    position: Ok([ahead + forward, lateral, up]),
+                    body: None,
+                    place: format!("line {}", end.line),
+                });
+            }
+        };
+        match assetto_axle::meanings(&links) {
+            Ok((meanings, note)) => {
+                for meaning in meanings {
+                    add(&meaning.link, Some(meaning.part));
+                }
+                table.notes.extend(note);
+                Ok(Kind::Topology("solid_axle"))
+            }
+            Err(reason) => {
+                for link in &links {
+                    add(link, None);
+                }
+                Ok(Kind::Unclear("solid_axle", reason))
+            }
+        }
+    }
+
+    /// Place of an axle along the car.
+    fn ahead(&self, axle: AxlePosition) -> Result<f64, String> {
+        Ok(match axle {
+            AxlePosition::Front => 0.0,
+            AxlePosition::Rear => -self.number("BASIC", "WHEELBASE")?.unwrap_or(0.0),
+        })
+    }
+
+    /// Figures of the car.
+    fn car(&self, path: &Path, notes: &mut Vec<String>) -> Result<CarFigures, String> {
+        let below = ["FRONT", "REAR"].map(|name| self.number(name, "BASEY"));
+        let [front, rear] = below;
+        let (front, rear) = (front?, rear?);
+        let wheelbase = self.number("BASIC", "WHEELBASE")?;
+        // Both wheel centres are known from the centre of gravity.
+        let rear_offset = match (front, rear, wheelbase) {
+            (Some(front), Some(rear), Some(_)) => Some([0.0, 0.0, rear - front]),
+            _ => None,
+        };
+        let share = self.number("BASIC", "CG_LOCATION")?;
+        let mass = total_mass(path, notes)?;
+        let mass = match (mass, front, share, wheelbase) {
+            (Some(mass), Some(front), Some(share), Some(wheelbase)) => Some(Mass {
+                is_sprung: false,
+                mass,
+                cg: [(share - 1.0) * wheelbase, 0.0, -front],
+            }),
+            _ => None,
+        };
+        let mut axles = [AxleFigures::default(); 2];
+        for (own, name) in axles.iter_mut().zip(["FRONT", "REAR"]) {
+            let is_live = self
+                .entry(name, "TYPE")
+                .is_some_and(|entry| entry.value == "AXLE");
+            let hub = self.number(name, "HUB_MASS")?.filter(|_| !is_live);
+            own.unsprung_mass = hub.map(|hub| 2.0 * hub);
+        }
+        Ok(CarFigures {
+            rear_offset,
+            mass,
+            axles,
+        })
+    }
+
     fn axle(&self, name: &str, axle: AxlePosition, table: &mut PointTable) -> Result<(), String> {
         let kind = self.entry(name, "TYPE").map_or("", |entry| entry.value);
         let kind = match kind.to_ascii_uppercase().as_str() {
             "DWB" => Kind::Topology("double_wishbone"),
             "STRUT" => Kind::Topology("macpherson"),
-            "AXLE" => Kind::Other(format!(
-                "[{name}] TYPE=AXLE is a live axle that joins both wheels; a study has wheels that move on their own"
-            )),
+            "AXLE" => self.live_axle(axle, table)?,
             "ML" => Kind::Other(format!(
                 "[{name}] TYPE=ML is a multilink of five rods in any order, which is not read yet; give its points as a \
                  table of a five_link"
             )),
-            other => Kind::Other(format!("[{name}] TYPE is {other:?}; expected DWB or STRUT")),
+            other => Kind::Other(format!(
+                "[{name}] TYPE is {other:?}; expected DWB, STRUT or AXLE"
+            )),
         };
-        let is_ours = matches!(kind, Kind::Topology(_));
+        let is_ours = !matches!(kind, Kind::Other(_));
+        let is_live = matches!(
+            kind,
+            Kind::Topology("solid_axle") | Kind::Unclear("solid_axle", _)
+        );
         table.kinds.push((Some(axle), kind));
         if !is_ours {
             return Ok(());
@@ -157,10 +285,7 @@ impl File<'_> {
         let offset = if version >= 2.0 { offset } else { 0.0 };
         let track = self.number(name, "TRACK")?;
         let wheelbase = self.number("BASIC", "WHEELBASE")?;
-        let ahead = match axle {
-            AxlePosition::Front => 0.0,
-            AxlePosition::Rear => -wheelbase.unwrap_or(0.0),
-        };
+        let ahead = self.ahead(axle)?;
         // Without a track the wheel stays in the centre plane, which is asked about later.
         let half_track = track.unwrap_or(0.0) / 2.0;
         let marks = Marks {
@@ -176,21 +301,13 @@ impl File<'_> {
             body: None,
             place: format!("line {line}"),
         };
-        for (key, hardpoint) in POINTS {
+        // A live axle may have points of another type, which the game does not use.
+        let points = if is_live { &[] } else { POINTS };
+        for (key, hardpoint) in points {
             let Some(entry) = self.entry(name, key) else {
                 continue;
             };
-            let parts: Result<Vec<f64>, String> = entry
-                .value
-                .split(',')
-                .map(|part| number(part.trim(), entry.line))
-                .collect();
-            let [lateral, up, forward] = parts?[..] else {
-                return Err(format!(
-                    "line {}: {key} is {:?}; expected lateral, up, forward",
-                    entry.line, entry.value
-                ));
-            };
+            let [lateral, up, forward] = triple(entry)?;
             let position = [ahead + forward, half_track - lateral + offset, up];
             table
                 .points
@@ -231,6 +348,37 @@ impl File<'_> {
         }
         Ok(())
     }
+}
+
+/// The mass in `car.ini` beside the file, if it is there.
+fn total_mass(path: &Path, notes: &mut Vec<String>) -> Result<Option<f64>, String> {
+    let beside = path.with_file_name("car.ini");
+    if !beside.is_file() {
+        return Ok(None);
+    }
+    let text = decoded(&bytes_of(&beside)?).map_err(|reason| format!("car.ini: {reason}"))?;
+    let mass = assignments(&text)
+        .number("BASIC", "TOTALMASS")
+        .map_err(|reason| format!("car.ini: {reason}"))?;
+    if mass.is_some() {
+        notes.push("mass: TOTALMASS of car.ini beside the file".to_owned());
+    }
+    Ok(mass.filter(|mass| *mass > 0.0))
+}
+
+/// Lateral, up, forward.
+fn triple(entry: &Entry<'_>) -> Result<[f64; 3], String> {
+    let parts: Result<Vec<f64>, String> = entry
+        .value
+        .split(',')
+        .map(|part| number(part.trim(), entry.line))
+        .collect();
+    parts?.try_into().map_err(|_| {
+        format!(
+            "line {}: {} is {:?}; expected lateral, up, forward",
+            entry.line, entry.key, entry.value
+        )
+    })
 }
 
 fn number(text: &str, line: usize) -> Result<f64, String> {

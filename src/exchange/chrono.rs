@@ -7,6 +7,9 @@
 //! | `MacPhersonStrut` | `macpherson` |
 //! | `MultiLink` | `five_link`: the upper arm is two links that share their outer joint, the trailing link the lower front one, the lateral the lower rear one |
 //! | `SemiTrailingArm` | `semi_trailing_arm` |
+//! | `ThreeLinkIRS` | `trailing_arm_two_links` |
+//! | `SolidAxle` | `solid_axle` on four links |
+//! | `SolidThreeLinkAxle`, `SolidBellcrankThreeLinkAxle` | `solid_axle`: the triangular link is two upper links that share their joint at the axle |
 //!
 //! Spring and damper are two elements there (`Spring`, `Shock`), and one in a study: the spring's ends are taken, or
 //! the damper's where there is no spring. A MacPherson strut runs along the spring. `Camber Angle (deg)` is positive
@@ -103,8 +106,52 @@ const PIVOTS: [Sources; 2] = [
     ),
 ];
 
+const TRAILING_ARM: [Sources; 5] = [
+    ("arm_pivot", &[("Trailing Arm", "Location Chassis")]),
+    ("upper_link_inner", &[("Upper Link", "Location Chassis")]),
+    ("upper_link_outer", &[("Upper Link", "Location Arm")]),
+    ("lower_link_inner", &[("Lower Link", "Location Chassis")]),
+    ("lower_link_outer", &[("Lower Link", "Location Arm")]),
+];
+const SOLID_LOWER: [Sources; 2] = [
+    (
+        "lower_link_chassis",
+        &[
+            ("Lower Link", "Location Chassis"),
+            ("Longitudinal Link", "Location Chassis"),
+        ],
+    ),
+    (
+        "lower_link_axle",
+        &[
+            ("Lower Link", "Location Axle"),
+            ("Longitudinal Link", "Location Axle"),
+        ],
+    ),
+];
+const SOLID_UPPER: [Sources; 2] = [
+    (
+        "upper_link_chassis",
+        &[
+            ("Upper Link", "Location Chassis"),
+            ("Triangular Link", "Location Chassis"),
+        ],
+    ),
+    (
+        "upper_link_axle",
+        &[
+            ("Upper Link", "Location Axle"),
+            ("Triangular Link", "Location Axle"),
+        ],
+    ),
+];
+
+/// Parts that steer a solid axle of Project Chrono.
+const STEERING_OF_AXLES: [&str; 5] = ["Tierod", "Draglink", "Bell Crank", "Bellcrank", "Knuckle"];
+
 /// Keys of the lower end of spring and damper, and the body it sits on in studies.
-const LOWER_ENDS: [(&str, &str); 3] = [
+const LOWER_ENDS: [(&str, &str); 4] = [
+    ("Location Axle", "axle"),
     ("Location Arm", "arm"),
     ("Location Upright", "knuckle"),
     ("Location Link", "link"),
@@ -129,6 +176,8 @@ pub(super) fn points_of(root: &Node) -> Result<Option<PointTable>, String> {
         "MacPhersonStrut" => "macpherson",
         "MultiLink" => "five_link",
         "SemiTrailingArm" => "semi_trailing_arm",
+        "ThreeLinkIRS" => "trailing_arm_two_links",
+        "SolidAxle" | "SolidThreeLinkAxle" | "SolidBellcrankThreeLinkAxle" => "solid_axle",
         other => return Err(refusal(other)),
     };
     let note =
@@ -140,6 +189,8 @@ pub(super) fn points_of(root: &Node) -> Result<Option<PointTable>, String> {
         "double_wishbone" => sources.extend(LOWER_ARM.into_iter().chain(UPPER_ARM).chain(TIE_ROD)),
         "macpherson" => sources.extend(LOWER_ARM.into_iter().chain(TIE_ROD)),
         "five_link" => sources.extend(LINKS),
+        "trailing_arm_two_links" => sources.extend(TRAILING_ARM),
+        "solid_axle" => sources.extend(SOLID_LOWER.into_iter().chain(SOLID_UPPER)),
         _ => sources.extend(PIVOTS),
     }
     for (hardpoint, places) in sources {
@@ -150,6 +201,19 @@ pub(super) fn points_of(root: &Node) -> Result<Option<PointTable>, String> {
             table.points.push(point(hardpoint, *keys, position, None));
         }
     }
+    if topology == "solid_axle" {
+        let steering = STEERING_OF_AXLES.iter();
+        let steering: Vec<&str> = steering
+            .filter(|part| entry(root, part).is_some())
+            .copied()
+            .collect();
+        if !steering.is_empty() {
+            table.left_out.push(format!(
+                "{}: a solid axle of a study does not steer",
+                steering.join(", ")
+            ));
+        }
+    }
     spring(root, topology, &mut table);
     angles(root, &mut table);
     Ok(Some(table))
@@ -158,27 +222,25 @@ pub(super) fn points_of(root: &Node) -> Result<Option<PointTable>, String> {
 /// Templates without a topology here, with the nearest one.
 fn refusal(template: &str) -> String {
     let nearest = match template {
-        "SolidAxle"
-        | "LeafspringAxle"
+        "LeafspringAxle"
         | "ToeBarLeafspringAxle"
         | "DeDionAxle"
         | "ToeBarDeDionAxle"
-        | "PanhardAxle"
+        | "RigidPanhardAxle"
+        | "ToeBarRigidPanhardAxle"
         | "HendricksonPRIMAXX"
         | "SAELeafspringAxle"
         | "SAEToeBarLeafspringAxle" => {
-            "an axle that joins both wheels, which cannot be imported yet; a solid_axle on four links, or on three and a Panhard \
-             rod, can be written by hand"
+            "an axle that joins both wheels, held by other parts than links; what comes nearest is a solid_axle on four links, \
+             or on three links and a Panhard rod"
         }
         "RigidSuspension" | "RigidPinnedAxle" => "it has no links that a study could hold",
         "GenericWheeledSuspension" => {
             "it lists bodies and joints of any kind; write the joints as hardpoints of a topology into a table"
         }
-        "ThreeLinkIRS" => {
-            "a trailing arm with two lateral links; write its points as those of a trailing_arm_two_links into a table"
-        }
         _ => {
-            "expected DoubleWishbone, DoubleWishboneReduced, MacPhersonStrut, MultiLink or SemiTrailingArm"
+            "expected DoubleWishbone, DoubleWishboneReduced, MacPhersonStrut, MultiLink, SemiTrailingArm, ThreeLinkIRS, SolidAxle or \
+             SolidThreeLinkAxle"
         }
     };
     format!("its suspension is a {template} of Project Chrono, which no topology is: {nearest}")
@@ -215,7 +277,8 @@ fn spring(root: &Node, topology: &str, table: &mut PointTable) {
     let body = match (topology, on) {
         ("double_wishbone", "arm") => "lower_arm",
         ("double_wishbone", "knuckle") | ("five_link", "knuckle") => "knuckle",
-        ("semi_trailing_arm", _) => "arm",
+        ("semi_trailing_arm" | "trailing_arm_two_links", _) => "arm",
+        ("solid_axle", "axle") => "axle",
         _ => {
             table
                 .left_out
@@ -255,7 +318,8 @@ fn on_link(root: &Node, part: &str, topology: &str, upper: [f64; 3], lower: [f64
         return reason;
     }
     let shown = |point: [f64; 3]| {
-        let [x, y, z] = point;
+        // Rounded to 0, without the sign of a negative one.
+        let [x, y, z] = point.map(|number| (number * 1e4).round() / 1e4 + 0.0);
         format!("[{x:.4}, {y:.4}, {z:.4}]")
     };
     let top: [f64; 3] = std::array::from_fn(|k| outer[k] + spring[k]);
@@ -306,7 +370,7 @@ fn point(
 }
 
 /// The value under a key, in any capitals.
-fn entry<'n>(node: &'n Node, key: &str) -> Option<&'n Node> {
+pub(super) fn entry<'n>(node: &'n Node, key: &str) -> Option<&'n Node> {
     let Node::Table(entries) = node else {
         return None;
     };
@@ -316,14 +380,14 @@ fn entry<'n>(node: &'n Node, key: &str) -> Option<&'n Node> {
     found.map(|(_, node)| node)
 }
 
-fn text<'n>(node: &'n Node, key: &str) -> Option<&'n str> {
+pub(super) fn text<'n>(node: &'n Node, key: &str) -> Option<&'n str> {
     match entry(node, key)? {
         Node::Text(text) => Some(text),
         _ => None,
     }
 }
 
-fn location(root: &Node, (part, key): (&str, &str)) -> Option<[f64; 3]> {
+pub(super) fn location(root: &Node, (part, key): (&str, &str)) -> Option<[f64; 3]> {
     position(entry(entry(root, part)?, key)?)
 }
 

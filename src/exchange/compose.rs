@@ -1,44 +1,143 @@
-//! Text of the study of an imported wheel; it runs.
+//! Text of the study of an imported wheel or axle; it runs.
 
+use super::bushings;
 use super::import::Imported;
 use super::seats::Seat;
-use crate::characteristics::Characteristic;
 use crate::model::{AxlePosition, LengthUnit};
 use crate::solved::Solved;
 use crate::study::Study;
 use std::fmt::Write;
 use std::path::Path;
 
-/// Characteristics of the study, as far as its points suffice.
-const OUTPUTS: [Characteristic; 8] = [
-    Characteristic::Camber,
-    Characteristic::Toe,
-    Characteristic::KingpinInclination,
-    Characteristic::Caster,
-    Characteristic::ScrubRadius,
-    Characteristic::CasterTrail,
-    Characteristic::HalfTrackChange,
-    Characteristic::MotionRatio,
+/// Characteristics of the study of a wheel, as far as its points suffice.
+const OUTPUTS: [&str; 8] = [
+    "camber",
+    "toe",
+    "kingpin_inclination",
+    "caster",
+    "scrub_radius",
+    "caster_trail",
+    "half_track_change",
+    "motion_ratio",
 ];
+
+/// Characteristics of the study of an axle.
+const AXLE_OUTPUTS: [&str; 7] = [
+    "camber_to_road",
+    "toe",
+    "roll_centre_height",
+    "force_roll_centre_height",
+    "roll_camber",
+    "roll_steer",
+    "motion_ratio",
+];
+
+/// Characteristics of the study of a solid axle.
+const SOLID_OUTPUTS: [&str; 6] = [
+    "axle_steer",
+    "axle_lateral",
+    "pinion_angle",
+    "roll_steer",
+    "roll_centre_height",
+    "force_roll_centre_height",
+];
+
+/// Part of the car that a study describes.
+#[derive(Clone, Copy)]
+enum Part<'a> {
+    /// One wheel.
+    Wheel,
+    /// Both wheels: the left one, and the lines of `[axle.right]` if the right one is not its mirror image.
+    Axle(&'a str),
+    /// A solid axle.
+    Solid,
+}
 
 /// Travels that are tried, in millimetres, the largest first.
 const TRAVELS: [f64; 6] = [80.0, 60.0, 40.0, 30.0, 20.0, 10.0];
 
 impl Imported {
-    /// The text of a study of the wheel. `name` is what the study goes by in messages, `origin` the file
-    /// the points are from.
+    /// The text of a study of the wheel, or of the axle if it is a solid one. `name` is what the study goes by in messages,
+    /// `origin` the file the points are from.
     ///
     /// # Errors
     ///
     /// The faults of the suspension that the points make, in words.
     pub fn study(&self, name: &str, origin: &str) -> Result<String, String> {
+        let text = match self.topology.carries_both_wheels() {
+            true => self.running(name, origin, Part::Solid),
+            false => self.running(name, origin, Part::Wheel),
+        }?;
+        let text = text + &bushings::sections(&self.bushings, self.unit);
+        let study = Study::from_text(name, &text, Path::new(""));
+        study.map_err(|errors| errors.render(false))?;
+        Ok(text)
+    }
+
+    /// The text of a study of both wheels. `right` is the right wheel of the same file.
+    pub(super) fn axle_study(
+        &self,
+        right: Option<&Imported>,
+        name: &str,
+        origin: &str,
+    ) -> Result<String, String> {
+        if self.topology.carries_both_wheels() {
+            return self.running(name, origin, Part::Solid);
+        }
+        let differences = right.map_or(String::new(), |right| self.differences(right));
+        self.running(name, origin, Part::Axle(&differences))
+    }
+
+    /// The lines of a right wheel that is not the mirror image.
+    fn differences(&self, right: &Imported) -> String {
+        let mut text = String::new();
+        let own = |name: &str| self.hardpoints.iter().find(|h| h.name == name);
+        let moved: Vec<_> = right
+            .hardpoints
+            .iter()
+            .filter(|other| {
+                own(other.name).is_none_or(|own| {
+                    let [x, y, z] = own.position;
+                    other.position != [x, 0.0 - y, z]
+                })
+            })
+            .collect();
+        if !moved.is_empty() {
+            text += "\n[axle.right.hardpoints]         # with their true y\n";
+            for point in moved {
+                let [x, y, z] = point.position;
+                let from = one_line(&format!("{:?}, {}", point.called, point.place));
+                let _ = writeln!(text, "{} = [{x:?}, {y:?}, {z:?}]   # {from}", point.name);
+            }
+        }
+        let angles = [
+            ("static_camber", self.static_camber, right.static_camber),
+            ("static_toe", self.static_toe, right.static_toe),
+        ];
+        if angles.iter().any(|(_, left, right)| left != right) {
+            text += "\n[axle.right.wheel]\n";
+            for (key, _, angle) in angles {
+                let _ = writeln!(text, "{key} = {:?}", angle.unwrap_or(0.0));
+            }
+        }
+        text
+    }
+
+    /// The study with the largest range of motion in which it runs.
+    fn running(&self, name: &str, origin: &str, part: Part<'_>) -> Result<String, String> {
         let read = |text: &str| Study::from_text(name, text, Path::new(""));
-        let with = |travel: f64, outputs: &[Characteristic]| self.text(origin, travel, outputs);
+        let with = |travel: f64, outputs: &[&str]| self.text(origin, part, travel, outputs);
         // Report a fault of the points once, not for each output.
         read(&with(TRAVELS[0], &[])).map_err(|errors| errors.render(false))?;
-        let available: Vec<Characteristic> = OUTPUTS
-            .into_iter()
-            .filter(|output| read(&with(TRAVELS[0], &[*output])).is_ok())
+        let wanted: &[&str] = match part {
+            Part::Wheel => &OUTPUTS,
+            Part::Axle(_) => &AXLE_OUTPUTS,
+            Part::Solid => &SOLID_OUTPUTS,
+        };
+        let available: Vec<&str> = wanted
+            .iter()
+            .filter(|output| read(&with(TRAVELS[0], &[output])).is_ok())
+            .copied()
             .collect();
         let runs = |travel: f64| {
             let text = with(travel, &available);
@@ -58,17 +157,20 @@ impl Imported {
         ))
     }
 
-    fn text(&self, origin: &str, travel_mm: f64, outputs: &[Characteristic]) -> String {
+    fn text(&self, origin: &str, part: Part<'_>, travel_mm: f64, outputs: &[&str]) -> String {
         let unit = self.unit.symbol();
         let mut text = format!("# {}, from {}\n\n", self.topology.summary, one_line(origin));
         text += "[suspension]\n";
-        for (key, value) in [
-            ("topology", self.topology.name),
-            ("side", self.side.name()),
-            ("length_unit", unit),
-            ("frame", self.frame.name()),
-        ] {
+        let side = match part {
+            Part::Wheel => Some(("side", self.side.name())),
+            Part::Axle(_) | Part::Solid => None,
+        };
+        let keys = [("topology", self.topology.name)].into_iter().chain(side);
+        for (key, value) in keys.chain([("length_unit", unit), ("frame", self.frame.name())]) {
             let _ = writeln!(text, "{key} = \"{value}\"");
+        }
+        if self.hardpoints.iter().any(|h| h.name == "panhard_axle") {
+            text += "single = [\"upper_link\"]         # one upper link, with its true y\n";
         }
         text += "\n[suspension.hardpoints]          # design position\n";
         let lengths = self.hardpoints.iter().map(|h| h.name.len());
@@ -90,18 +192,39 @@ impl Imported {
                 let _ = writeln!(text, "{name} = \"{body}\"");
             }
         }
-        text += "\n[wheel]\n";
-        match self.wheel_radius {
+        if let Part::Axle(differences) = part {
+            text += match differences.is_empty() {
+                true => "\n[axle]\nright = \"mirrored\"\n",
+                false => differences,
+            };
+        }
+        self.wheel(&mut text);
+        if !matches!(part, Part::Wheel) {
+            self.spring(&mut text);
+        }
+        self.vehicle(&mut text, part);
+        self.motion(&mut text, part, travel_mm);
+        if !outputs.is_empty() {
+            let names = outputs.iter().map(|name| format!("\"{name}\""));
+            let names = names.collect::<Vec<_>>().join(", ");
+            let _ = writeln!(text, "\n[outputs]\ncharacteristics = [{names}]");
+        }
+        text
+    }
+
+    fn wheel(&self, text: &mut String) {
+        *text += "\n[wheel]\n";
+        let _ = match self.wheel_radius {
             Some(radius) => writeln!(
                 text,
                 "radius = {radius:?}                   # loaded radius"
             ),
             None => writeln!(
                 text,
-                "# radius = ...                 # loaded radius, {unit}"
+                "# radius = ...                 # loaded radius, {}",
+                self.unit.symbol()
             ),
-        }
-        .expect("a text takes everything");
+        };
         for (key, angle) in [
             ("static_camber", self.static_camber),
             ("static_toe", self.static_toe),
@@ -110,27 +233,37 @@ impl Imported {
                 let _ = writeln!(text, "{key} = {angle:?}");
             }
         }
-        self.vehicle(&mut text);
-        let travel = self.travel(travel_mm);
-        let _ = writeln!(
-            text,
-            "\n[motion]\ntravel = {{ from = -{travel:?}, to = {travel:?}, steps = 41 }}   # wheel centre up = positive"
-        );
-        if !outputs.is_empty() {
-            let names = outputs.iter().map(|c| format!("\"{}\"", c.info().name));
-            let names = names.collect::<Vec<_>>().join(", ");
-            let _ = writeln!(text, "\n[outputs]\ncharacteristics = [{names}]");
+    }
+
+    /// The spring's rate and force, if the file has them.
+    fn spring(&self, text: &mut String) {
+        let has_spring = self
+            .hardpoints
+            .iter()
+            .any(|h| ["spring_lower", "strut_lower"].contains(&h.name));
+        if let Some(spring) = self.figures.spring.filter(|_| has_spring) {
+            let unit = self.unit.symbol();
+            let _ = writeln!(
+                text,
+                "\n[spring]\nrate = {:?}                  # N/{unit} along the spring\nforce = {:?}                 # N in \
+                 the design position",
+                spring.rate, spring.force
+            );
         }
-        text
     }
 
     /// The car's figures, where the file has any.
-    fn vehicle(&self, text: &mut String) {
-        if self.wheelbase.or(self.track).is_none() {
+    fn vehicle(&self, text: &mut String, part: Part<'_>) {
+        let unsprung = self.figures.unsprung_mass;
+        let unsprung = unsprung.filter(|_| !matches!(part, Part::Wheel));
+        let is_axle = !matches!(part, Part::Wheel) && self.axle.is_some();
+        if self.wheelbase.or(self.track).or(unsprung).is_none() && !is_axle {
             return;
         }
         *text += "\n[vehicle]\n";
-        for (key, length) in [("wheelbase", self.wheelbase), ("track", self.track)] {
+        // The track of an axle follows from its points.
+        let track = self.track.filter(|_| matches!(part, Part::Wheel));
+        for (key, length) in [("wheelbase", self.wheelbase), ("track", track)] {
             if let Some(length) = length {
                 let _ = writeln!(text, "{key} = {length:?}");
             }
@@ -141,6 +274,35 @@ impl Imported {
             None => "",
         };
         *text += position;
+        if let Some(mass) = unsprung {
+            let _ = writeln!(text, "unsprung_mass = {mass:?}           # kg, both wheels");
+        }
+    }
+
+    fn motion(&self, text: &mut String, part: Part<'_>, travel_mm: f64) {
+        let travel = self.travel(travel_mm);
+        let _ = match part {
+            Part::Wheel => writeln!(
+                text,
+                "\n[motion]\ntravel = {{ from = -{travel:?}, to = {travel:?}, steps = 41 }}   # wheel centre up = positive"
+            ),
+            // Roll is about a plane ground, which is where the radius says.
+            Part::Axle(_) | Part::Solid if self.wheel_radius.is_none() => writeln!(
+                text,
+                "\n[motion]                         # roll needs radius in [wheel]\n\
+                 heave = {{ from = -{travel:?}, to = {travel:?}, steps = 41 }}   # travel of both wheels"
+            ),
+            Part::Axle(_) | Part::Solid => {
+                // A degree of roll for each 20 mm: a wheel then moves less than the travel.
+                let (roll, heave) = (travel_mm / 20.0, self.travel(travel_mm / 2.0));
+                writeln!(
+                    text,
+                    "\n[motion]                         # every combination is solved, on a plane ground\n\
+                     roll = {{ from = -{roll:?}, to = {roll:?}, steps = 9 }}   # degrees; positive: right wheel in jounce\n\
+                     heave = [-{heave:?}, 0.0, {heave:?}]   # mean travel of both wheels"
+                )
+            }
+        };
     }
 
     /// A round travel in the file's unit, of about this number of millimetres.
@@ -154,7 +316,7 @@ impl Imported {
 }
 
 /// A text for a comment.
-fn one_line(text: &str) -> String {
+pub(super) fn one_line(text: &str) -> String {
     text.chars()
         .map(|c| if c.is_control() { ' ' } else { c })
         .collect()

@@ -111,7 +111,8 @@ fn axle(
                 }
                 _ => {
                     return Err(Question::of(
-                        "the file has points of the front and of the rear axle, and a study describes one"
+                        "the file has points of the front and of the rear axle, and a study describes one (--car --out DIR \
+                         makes a car of both)"
                             .to_owned(),
                         "--axle",
                         &["front", "rear"],
@@ -133,7 +134,12 @@ fn kind(
     let of_axle = |(of, _): &&(Option<AxlePosition>, Kind)| of.is_none() || *of == axle;
     match table.kinds.iter().find(of_axle).map(|(_, kind)| kind) {
         Some(Kind::Other(reason)) => Err(Refusal::Wrong(reason.clone())),
-        Some(Kind::Topology(name)) if *name != options.topology.name => {
+        Some(Kind::Unclear(name, reason))
+            if *name == options.topology.name && options.names.is_empty() =>
+        {
+            Err(Refusal::Wrong(reason.clone()))
+        }
+        Some(Kind::Topology(name) | Kind::Unclear(name, _)) if *name != options.topology.name => {
             Err(Refusal::Wrong(format!(
                 "the file says that the suspension{} is a {name}: give --topology {name}",
                 axle.map_or(String::new(), |axle| format!(

@@ -110,6 +110,9 @@ pub(super) fn read(
     if let Some(half_track) = options.half_track {
         found.half_track = Some(half_track);
     }
+    if let Some(radius) = options.radius {
+        found.radius = Some(radius);
+    }
     Ok(found)
 }
 

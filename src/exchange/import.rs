@@ -2,6 +2,7 @@
 //! said; doubts are refused with the flag that settles them.
 
 use super::axes::Axes;
+use super::bushings::{self, Bushing};
 use super::complete;
 use super::corner::{self, Corner, Named, Picked};
 use super::figure_names::{FigureKind, figure};
@@ -10,7 +11,7 @@ use super::place::{self, Placed};
 use super::refusal::Refusal;
 use super::roles::{self, Letters, Role};
 use super::seats::{self, Seat};
-use super::table::{Marks, NamedPoint, PointTable};
+use super::table::{AxleFigures, Marks, NamedPoint, PointTable};
 use super::{optimum, unit};
 use crate::model::{AxlePosition, FrameConvention, LengthUnit, Side, Topology};
 use std::collections::BTreeMap;
@@ -32,6 +33,10 @@ pub struct ImportOptions<'a> {
     pub axle: Option<AxlePosition>,
     /// The distance of the wheel centre from the centre plane, in the file's unit.
     pub half_track: Option<f64>,
+    /// The loaded radius, in the file's unit.
+    pub radius: Option<f64>,
+    /// Whether bushings of the file are taken.
+    pub bushings: bool,
     /// Names in the file by hardpoint, where the table of usual names is not enough.
     pub names: &'a BTreeMap<String, String>,
     /// Bodies by hardpoint, where the file does not say on which body an end sits.
@@ -80,6 +85,10 @@ pub struct Imported {
     pub track: Option<f64>,
     /// The axle.
     pub axle: Option<AxlePosition>,
+    /// Figures for the study of a car.
+    pub(super) figures: AxleFigures,
+    /// Bushings by hardpoint.
+    pub(super) bushings: Vec<Bushing>,
     /// Bodies of ends of springs and rods.
     pub(super) seats: Vec<Seat>,
     /// Notes on readings, guesses and assumptions.
@@ -103,7 +112,23 @@ pub fn import(table: &PointTable, options: &ImportOptions<'_>) -> Result<Importe
         })
         .collect();
     let is_optimum = roles::is_optimum(&table.points);
-    let corner = corner::choose(table, &named, options, &mut notes)?;
+    let mut corner = corner::choose(table, &named, options, &mut notes)?;
+    if options.topology.carries_both_wheels() {
+        if options.side == Some(Side::Right) {
+            let reason =
+                "--side right: a solid axle has both wheels, and its study gives the left half";
+            return Err(Refusal::Wrong(reason.to_owned()));
+        }
+        corner.side = Some(Side::Left);
+        let right = right_half(&named, corner);
+        if !right.is_empty() {
+            left_out.push(format!(
+                "points of the right half ({}): the study has the mirror image of the left one; write those that differ under \
+                 [axle.right.hardpoints]",
+                right.join(", ")
+            ));
+        }
+    }
     let mut picked = Vec::new();
     for known in options.topology.all_hardpoints() {
         picked.extend(corner::pick(known.name, &named, corner)?);
@@ -120,7 +145,9 @@ pub fn import(table: &PointTable, options: &ImportOptions<'_>) -> Result<Importe
     let wanted = corner.side;
     let mut placed = place::place(table, options, wanted, &picked, &mut notes)?;
     let contact = contact_radius(table, corner, placed, &picked);
-    place::mirror(&mut placed, wanted, &mut picked, &mut notes);
+    if !options.topology.carries_both_wheels() {
+        place::mirror(&mut placed, wanted, &mut picked, &mut notes);
+    }
     if is_optimum {
         optimum::rod(options.topology, placed.axes, &mut picked, &mut notes);
     }
@@ -155,14 +182,35 @@ pub fn import(table: &PointTable, options: &ImportOptions<'_>) -> Result<Importe
         wheelbase: figures.wheelbase,
         track: figures.track,
         axle: corner.axle,
+        figures: axle_figures(table, corner.axle),
+        bushings: Vec::new(),
         seats: Vec::new(),
         notes,
         left_out,
     };
     angles(&figures, &mut imported);
+    bushings::take(table, options, &mut imported);
     imported.seats = seats::of(&imported, options.bodies)?;
     imported.notes.extend(seats::notes(&imported.seats));
     Ok(imported)
+}
+
+/// Hardpoints of a solid axle that the file also gives for the right half.
+fn right_half(named: &[Named<'_>], corner: Corner) -> Vec<&'static str> {
+    let right = named.iter().filter(|n| {
+        let marks = n.point.marks.or(n.role.marks);
+        marks.side == Some(Side::Right) && (corner.axle.is_none() || marks.axle == corner.axle)
+    });
+    right.map(|n| n.role.hardpoint).collect()
+}
+
+/// Figures of an axle for the study of a car.
+fn axle_figures(table: &PointTable, axle: Option<AxlePosition>) -> AxleFigures {
+    match (&table.car, axle) {
+        (Some(car), Some(AxlePosition::Front)) => car.axles[0],
+        (Some(car), Some(AxlePosition::Rear)) => car.axles[1],
+        _ => AxleFigures::default(),
+    }
 }
 
 /// The hardpoint that each point of the file means.

@@ -23,6 +23,7 @@ const MOST_POINTS: usize = 50_000;
 pub(super) enum Node {
     Number(f64),
     Text(String),
+    Truth(bool),
     List(Vec<Node>),
     Table(Vec<(String, Node)>),
     Other,
@@ -38,8 +39,8 @@ impl<'de> Deserialize<'de> for Node {
                 f.write_str("a value")
             }
 
-            fn visit_bool<E>(self, _: bool) -> Result<Node, E> {
-                Ok(Node::Other)
+            fn visit_bool<E>(self, truth: bool) -> Result<Node, E> {
+                Ok(Node::Truth(truth))
             }
 
             fn visit_unit<E>(self) -> Result<Node, E> {
@@ -230,7 +231,7 @@ impl Reader {
                     keys.pop();
                 }
             }
-            Node::Other => (),
+            Node::Truth(_) | Node::Other => (),
         }
         Ok(())
     }

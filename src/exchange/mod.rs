@@ -4,14 +4,14 @@
 //!
 //! | step | files |
 //! |---|---|
-//! | bytes to a format's own structure | `source`, `sheets`, `delimited`, `workbook`, `cell`, `decimals`, `header`, `yaml`, `map`, `adams` |
-//! | a format to a table of named rows, with the axes, units, wheels and axles that the file says | `points`, `map`, `chrono`, `assetto_in`, `hub_face`, `source`, into `table` |
+//! | bytes to a format's own structure | `source`, `sheets`, `delimited`, `workbook`, `cell`, `decimals`, `header`, `yaml`, `map`, `adams`, `adams_bushings` |
+//! | a format to a table of named rows, with the axes, units, wheels and axles that the file says | `points`, `map`, `chrono`, `chrono_vehicle`, `assetto_in`, `assetto_axle`, `hub_face`, `source`, into `table` |
 //! | names to roles | `names`, `roles` |
 //! | choice of axle and wheel | `corner` |
 //! | unit and figures | `unit`, `figure_names`, `figures` |
 //! | axes and side, and the half track | `axes`, `place`, `optimum` |
-//! | completeness, bodies, what is left out | `complete`, `seats` |
-//! | a study that runs | `compose` |
+//! | completeness, bodies, bushings, parts that are left out | `complete`, `seats`, `bushings` |
+//! | a study that runs, or those of a car | `compose`, `car` |
 //!
 //! An export goes the other way: [`Outgoing`] is a study in the unit and the axes of a file (after `rounding`), from which
 //! `export` (tables), `curve_columns`, `subsystem`, `optimum_table`, `suspensions_ini`, `centre_lines` and `envelope` write.
@@ -21,11 +21,16 @@
 //! and signs, no more. A wheel at the origin is moved out by its half track.
 
 mod adams;
+mod adams_bushings;
+mod assetto_axle;
 mod assetto_in;
 mod axes;
+mod bushings;
+mod car;
 mod cell;
 mod centre_lines;
 mod chrono;
+mod chrono_vehicle;
 mod complete;
 mod compose;
 mod corner;
@@ -60,6 +65,7 @@ mod workbook;
 mod yaml;
 
 pub use axes::{Axes, Way};
+pub use car::{CAR_FILES, ImportedCar, import_car};
 pub use centre_lines::drawing;
 pub use curve_columns::{Tool, curves_in, under_names_of, unit_of_column};
 pub use envelope::{Envelope, Span, Tyre};
@@ -72,6 +78,6 @@ pub use refusal::{Question, Refusal, for_shell};
 pub use rounding::{Grid, Loss, Rounded, moved_coordinates, rounded, tuned_coordinates};
 pub use source::{bytes_of, read as read_points};
 pub use subsystem::{Written, into_subsystem, subsystem};
-pub use suspensions_ini::suspensions_ini;
+pub use suspensions_ini::{suspensions_ini, suspensions_ini_of_car};
 pub use table::PointTable;
 pub use workbook::{Page, Value, workbook};

@@ -357,6 +357,8 @@ mod tests {
             side: None,
             axle: None,
             half_track: None,
+            radius: None,
+            bushings: false,
             names: &none,
             bodies: &none,
         };

@@ -94,6 +94,14 @@ fn optimum(words: &[String]) -> Option<(&'static str, Marks)> {
     found.map(|(_, hardpoint)| (*hardpoint, marks))
 }
 
+/// Wheel and axle that a name says in any topology.
+pub(super) fn marks(name: &str, letters: Letters) -> Marks {
+    let read = Topology::ALL
+        .iter()
+        .find_map(|topology| read(name, topology, letters));
+    read.map_or(Marks::default(), |role| role.marks)
+}
+
 /// Reads a name.
 pub(super) fn read(name: &str, topology: &Topology, letters: Letters) -> Option<Role> {
     let words = cut(name);

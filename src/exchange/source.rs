@@ -1,12 +1,12 @@
 //! A file of points, whatever its format: a table of text, a workbook, a map in JSON or YAML, a subsystem of
-//! Adams/Car or a `suspensions.ini` of Assetto Corsa.
+//! Adams/Car, a vehicle of Project Chrono or a `suspensions.ini` of Assetto Corsa.
 
 use super::adams::{self, Symmetry};
 use super::axes::{Axes, Declared};
 use super::refusal::Refusal;
 use super::table::{Figure, Marks, NamedPoint, PointTable};
-use super::{assetto_in, delimited, map, points, sheets, yaml};
-use crate::model::{AxlePosition, FrameConvention, Side};
+use super::{adams_bushings, assetto_in, chrono_vehicle, delimited, map, points, sheets, yaml};
+use crate::model::{AxlePosition, FrameConvention, LengthUnit, Side};
 use crate::study::read_bytes;
 use std::path::Path;
 
@@ -43,16 +43,20 @@ fn of_plain_file(path: &Path, bytes: &[u8]) -> Result<PointTable, String> {
     }
     let text = decoded(bytes)?;
     if adams::is_subsystem(&text) {
-        return of_subsystem(&text);
+        return of_subsystem(path, &text);
     }
     if assetto_in::is_ini(path, &text) {
-        return assetto_in::points_of(&text);
+        return assetto_in::points_of(path, &text);
     }
     if yaml::is_named(path) {
         return map::points_of(&yaml::read(&text)?)?.ok_or_else(|| NO_POINTS.to_owned());
     }
     if map::is_json(&text) {
-        return map::points_of(&map::of_json(&text)?)?.ok_or_else(|| NO_POINTS.to_owned());
+        let root = map::of_json(&text)?;
+        if let Some(table) = chrono_vehicle::read(path, &root)? {
+            return Ok(table);
+        }
+        return map::points_of(&root)?.ok_or_else(|| NO_POINTS.to_owned());
     }
     let table = points::read(&delimited::read(&text)?)?;
     table.ok_or_else(|| NO_POINTS.to_owned())
@@ -67,7 +71,7 @@ pub fn bytes_of(path: &Path) -> Result<Vec<u8>, String> {
 }
 
 /// Text in UTF-8, in UTF-16 with its mark as spreadsheets write it, or else a byte for each character.
-fn decoded(bytes: &[u8]) -> Result<String, String> {
+pub(super) fn decoded(bytes: &[u8]) -> Result<String, String> {
     let wide = |big: bool| {
         let units = bytes[2..].chunks_exact(2).map(|pair| match big {
             true => u16::from_be_bytes([pair[0], pair[1]]),
@@ -91,11 +95,13 @@ fn decoded(bytes: &[u8]) -> Result<String, String> {
     }
 }
 
-fn of_subsystem(text: &str) -> Result<PointTable, String> {
+fn of_subsystem(path: &Path, text: &str) -> Result<PointTable, String> {
     let subsystem = adams::read(text)?;
+    let unit = subsystem.length.unwrap_or(LengthUnit::Millimetre);
     let mut table = PointTable {
         unit: subsystem.length,
         declared: Declared::whole(Axes::of(FrameConvention::XRear)),
+        bushings: adams_bushings::of_subsystem(path, text, unit),
         ..PointTable::default()
     };
     if let Some(template) = &subsystem.template {

@@ -1,16 +1,21 @@
-//! `suspensions.ini` of Assetto Corsa: one axle of it.
+//! `suspensions.ini` of Assetto Corsa: one axle, or both of a car.
 //!
 //! Lengths are in metres. Pick-up points are relative to the wheel centre: x inboard, y up, z forward, the same for both
 //! wheels. `TRACK` is twice the distance of the wheel centre from the middle of the car; `BASEY` is the height of the wheel
 //! centre above the centre of gravity. `STATIC_CAMBER` is in degrees, positive with the top outward; it turns the wheel,
 //! not the pick-up points. `TOE_OUT` is a shift of the steering rod's body end in metres, no angle.
+//!
+//! A solid axle is `TYPE=AXLE`. Its links are in a section `[AXLE]`, relative to the middle of both wheel centres: x to the
+//! left, y up, z forward. The game knows one such section, which is of the rear axle.
 
 use super::assetto_in::POINTS;
 use super::outgoing::Outgoing;
 use super::subsystem::Written;
-use crate::model::{AxlePosition, LengthUnit, PointId, Side};
+use crate::car::Masses;
+use crate::model::{AxlePosition, Constraint, LengthUnit, PointId, Side};
 use crate::number::Vector3;
 use crate::report::shortest;
+use crate::study::CarStudy;
 use std::fmt::Write;
 
 /// The file of a study.
@@ -19,33 +24,9 @@ use std::fmt::Write;
 ///
 /// The topology has no place there, or the wheels of the axle differ.
 pub fn suspensions_ini(outgoing: &Outgoing<'_>) -> Result<Written, String> {
-    let kind = kind(outgoing)?;
-    let mechanism = &outgoing.study.wheel().mechanism;
-    let keys = POINTS
-        .iter()
-        .filter(|(_, name)| mechanism.topology.hardpoint(name).is_some());
-    let mut ini = Ini {
-        outgoing,
-        side: outgoing.study.wheel().frame.meaning().1,
-        file: HEAD.to_owned(),
-        notes: Vec::new(),
-    };
+    let mut ini = Ini::new(outgoing);
     ini.basic();
-    ini.section(kind);
-    for (key, name) in keys.clone() {
-        let id = mechanism.point(name).expect("the topology requires it");
-        ini.line(key, &ini.relative(id));
-    }
-    ini.angles();
-    let known = |name: &str| name == "wheel_centre" || keys.clone().any(|(_, own)| *own == name);
-    let points = mechanism.points.iter().filter(|point| !known(&point.name));
-    let absent: Vec<&str> = points.map(|point| point.name.as_str()).collect();
-    if !absent.is_empty() {
-        let absent = absent.join(", ");
-        ini.notes.push(format!(
-            "left out, because the file cannot hold it: {absent}"
-        ));
-    }
+    ini.axle(None)?;
     ini.notes.push(
         "the place of the axle in the car is left out: points are relative to the wheel centre"
             .to_owned(),
@@ -53,6 +34,63 @@ pub fn suspensions_ini(outgoing: &Outgoing<'_>) -> Result<Written, String> {
     Ok(Written {
         bytes: ini.file.into_bytes(),
         notes: ini.notes,
+    })
+}
+
+/// The file of a car: both axles, with wheelbase, weight distribution and masses of the wheels.
+///
+/// # Errors
+///
+/// The topology of an axle has no place there, or its wheels differ.
+pub fn suspensions_ini_of_car(study: &CarStudy) -> Result<Written, String> {
+    let [front, rear] = study
+        .axles
+        .each_ref()
+        .map(|axle| Outgoing::of(axle, None, None));
+    let car = &study.car;
+    let metres = |length: f64| LengthUnit::Metre.convert(length, car.length_unit);
+    let [front_centre, rear_centre] = [&front, &rear].map(|axle| Ini::new(axle).centre());
+    let rear_centre = rear_centre + car.rear_offset;
+    let wheelbase = front_centre.x - rear_centre.x;
+    let mut ini = Ini::new(&front);
+    ini.line("WHEELBASE", &shortest(metres(wheelbase)));
+    // Sprung and whole mass have other centres of gravity.
+    let has_whole = car.masses == Masses::Whole;
+    match has_whole {
+        true => {
+            let share = (car.cg.x - rear_centre.x) / wheelbase;
+            ini.line("CG_LOCATION", &shortest(share));
+        }
+        false => {
+            ini.blank(
+                "CG_LOCATION",
+                "share of the weight on the front axle; the study has the sprung mass",
+            );
+            ini.notes.push(
+                "CG_LOCATION and BASEY are to be filled in: the study has the sprung mass alone"
+                    .to_owned(),
+            );
+        }
+    }
+    let (mut file, mut notes) = (ini.file, ini.notes);
+    for (outgoing, centre) in [(&front, front_centre), (&rear, rear_centre)] {
+        let mut ini = Ini::new(outgoing);
+        ini.file = file;
+        let below = has_whole.then(|| metres(centre.z - car.cg.z));
+        ini.axle(Some(below))?;
+        file = ini.file;
+        for note in ini.notes {
+            if !notes.contains(&note) {
+                notes.push(note);
+            }
+        }
+    }
+    if has_whole {
+        notes.push(format!("car.ini: TOTALMASS={}", shortest(car.mass)));
+    }
+    Ok(Written {
+        bytes: file.into_bytes(),
+        notes,
     })
 }
 
@@ -70,9 +108,11 @@ fn kind(outgoing: &Outgoing<'_>) -> Result<&'static str, String> {
     let kind = match mechanism.topology.name {
         "double_wishbone" => "DWB",
         "macpherson" => "STRUT",
+        "solid_axle" => "AXLE",
         other => {
             return Err(format!(
-                "suspensions.ini has no type for a {other}; --to assetto takes double_wishbone (DWB) and macpherson (STRUT)"
+                "suspensions.ini has no type for a {other}; --to assetto takes double_wishbone (DWB), macpherson (STRUT) and \
+                 solid_axle (AXLE)"
             ));
         }
     };
@@ -83,7 +123,7 @@ fn kind(outgoing: &Outgoing<'_>) -> Result<&'static str, String> {
                 .to_owned(),
         );
     }
-    if outgoing.different_wheels().len() > 1 {
+    if kind != "AXLE" && outgoing.different_wheels().len() > 1 {
         return Err(
             "axle.right: suspensions.ini has one wheel for both sides, and this axle's differ"
                 .to_owned(),
@@ -100,7 +140,90 @@ struct Ini<'a> {
     notes: Vec<String>,
 }
 
-impl Ini<'_> {
+impl<'a> Ini<'a> {
+    fn new(outgoing: &'a Outgoing<'a>) -> Self {
+        Ini {
+            outgoing,
+            side: outgoing.study.wheel().frame.meaning().1,
+            file: HEAD.to_owned(),
+            notes: Vec::new(),
+        }
+    }
+
+    /// The section of an axle. `below` is the height of the wheel centre above the centre of gravity of a car, in metres.
+    fn axle(&mut self, below: Option<Option<f64>>) -> Result<(), String> {
+        let kind = kind(self.outgoing)?;
+        self.section(kind, below);
+        let mechanism = &self.outgoing.study.wheel().mechanism;
+        let keys = POINTS
+            .iter()
+            .filter(|(_, name)| mechanism.topology.hardpoint(name).is_some());
+        for (key, name) in keys.clone() {
+            let id = mechanism.point(name).expect("the topology requires it");
+            self.line(key, &self.relative(id));
+        }
+        self.angles();
+        let links = match kind {
+            "AXLE" => self.links(),
+            _ => Vec::new(),
+        };
+        let known = |name: &str| {
+            name == "wheel_centre"
+                || keys.clone().any(|(_, own)| *own == name)
+                || links.iter().any(|id| mechanism.name(*id) == name)
+        };
+        let points = mechanism.points.iter().filter(|point| !known(&point.name));
+        let absent: Vec<&str> = points
+            .map(|point| point.name.as_str())
+            .filter(|name| !name.starts_with("right_"))
+            .collect();
+        if !absent.is_empty() {
+            let absent = absent.join(", ");
+            self.notes.push(format!(
+                "left out, because the file cannot hold it: {absent}"
+            ));
+        }
+        Ok(())
+    }
+
+    /// The section `[AXLE]`. Returns the ends of its links.
+    fn links(&mut self) -> Vec<PointId> {
+        let mechanism = &self.outgoing.study.wheel().mechanism;
+        let ends: Vec<[PointId; 2]> = mechanism
+            .constraints
+            .iter()
+            .filter_map(|row| match row {
+                Constraint::Link { inner, outer } => Some([*inner, *outer]),
+                _ => None,
+            })
+            .collect();
+        let place = |id: PointId| self.outgoing.place(self.side, id);
+        let far = mechanism.rigid_axle.as_ref().map(|axle| axle.far_centre);
+        let far = far.map_or(self.centre(), place);
+        let middle = (self.centre() + far) * 0.5;
+        let relative = |id: PointId| {
+            let from = place(id) - middle;
+            let metres = |length: f64| LengthUnit::Metre.convert(length, self.outgoing.unit) + 0.0;
+            [from.y, from.z, from.x]
+                .map(|length| shortest(metres(length)))
+                .join(", ")
+        };
+        let mut text = format!("\n[AXLE]\nLINK_COUNT={}\n", ends.len());
+        for (number, [car, axle]) in ends.iter().enumerate() {
+            let _ = write!(
+                text,
+                "J{number}_CAR={}\nJ{number}_AXLE={}\n",
+                relative(*car),
+                relative(*axle)
+            );
+        }
+        self.file += &text;
+        self.notes.push(
+            "[AXLE] has the links; TORQUE_REACTION, ATTACH_REL_POS and leaf springs are to be added".to_owned(),
+        );
+        ends.into_iter().flatten().collect()
+    }
+
     fn line(&mut self, key: &str, value: &str) {
         let _ = writeln!(self.file, "{key}={value}");
     }
@@ -139,7 +262,7 @@ impl Ini<'_> {
         self.blank("CG_LOCATION", what);
     }
 
-    fn section(&mut self, kind: &str) {
+    fn section(&mut self, kind: &str, below: Option<Option<f64>>) {
         let suspension = self.outgoing.study.wheel();
         let vehicle = &suspension.vehicle;
         let name = match vehicle.position {
@@ -154,8 +277,13 @@ impl Ini<'_> {
         let _ = write!(self.file, "\n[{name}]\nTYPE={kind}\n");
         let half = LengthUnit::Metre.convert(self.centre().y, self.outgoing.unit);
         self.line("TRACK", &shortest(2.0 * half));
-        match (suspension.wheel_radius, vehicle.cg_height) {
-            (Some(radius), Some(cg)) => {
+        match (below, suspension.wheel_radius, vehicle.cg_height) {
+            (Some(Some(below)), ..) => self.line("BASEY", &shortest(below)),
+            (Some(None), ..) => self.blank(
+                "BASEY",
+                "height of the wheel centre above the centre of gravity",
+            ),
+            (None, Some(radius), Some(cg)) => {
                 // The contact point lies radius x cos(camber) below the wheel centre.
                 let cosine = (1.0 - self.outgoing.spin_axis(self.side).z.powi(2)).sqrt();
                 self.line("BASEY", &shortest(self.metres(radius * cosine - cg)));
@@ -167,7 +295,14 @@ impl Ini<'_> {
                     .push(format!("BASEY is to be filled in: it {needs}"));
             }
         }
+        if let Some(mass) = self.unsprung_mass().filter(|_| kind != "AXLE") {
+            self.line("HUB_MASS", &shortest(mass / 2.0));
+        }
         self.line("RIM_OFFSET", "0");
+    }
+
+    fn unsprung_mass(&self) -> Option<f64> {
+        self.outgoing.study.axle()?.axle.setup.unsprung_mass
     }
 
     fn angles(&mut self) {

@@ -85,7 +85,7 @@ fn key_of(node: Node, line: usize) -> Result<String, String> {
     match node {
         Node::Text(text) => Ok(text),
         Node::Number(number) => Ok(number.to_string()),
-        Node::Other => Ok(String::new()),
+        Node::Truth(_) | Node::Other => Ok(String::new()),
         Node::List(_) | Node::Table(_) => Err(format!(
             "line {line}: a list or a map as a key, which no name of a point is"
         )),

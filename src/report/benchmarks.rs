@@ -2,9 +2,24 @@
 
 use super::accuracy_plot;
 use super::table::{Cell, Table};
-use crate::bench::accuracy::Accuracy;
+use crate::bench::accuracy::{Accuracy, Family};
 use crate::bench::effects::Effects;
+use crate::bench::equilibria::Equilibria;
 use crate::bench::throughput::Throughput;
+
+/// Table of equilibria per second and of a sheet.
+pub fn equilibria_table(equilibria: &Equilibria) -> Table {
+    let mut table = Table::new(["job", "us_each", "spread_percent", "per_s"]);
+    for m in &equilibria.measurements {
+        table.push([
+            Cell::from(m.job),
+            Cell::rounded(m.timing.median / 1e3, 3),
+            Cell::rounded(100.0 * m.timing.spread(), 0),
+            Cell::rounded(1e9 / m.timing.median, 0),
+        ]);
+    }
+    table
+}
 
 /// Table of poses per second, with a row for each output and method.
 pub fn throughput_table(throughput: &Throughput) -> Table {
@@ -63,6 +78,51 @@ pub fn effects_table(effects: &Effects) -> Table {
             Cell::rounded(m.added.median / position, 2),
             per_pose(m.work.factorisations),
             per_pose(m.work.right_hand_sides),
+        ]);
+    }
+    table
+}
+
+/// Ten lines of the cost of accuracy: the fastest way to each number of digits, and to each kind of derivative.
+pub fn accuracy_summary(accuracy: &Accuracy) -> Table {
+    let mut table = Table::new([
+        "measured",
+        "error up to",
+        "fastest",
+        "setting",
+        "ns per pose",
+        "error",
+    ]);
+    let asked = [
+        ("pose", Family::Pose, 1e-3),
+        ("pose", Family::Pose, 1e-6),
+        ("pose", Family::Pose, 1e-9),
+        ("pose", Family::Pose, 1e-12),
+        ("pose, by its start", Family::Start, 1e-9),
+        ("curve", Family::Curve, 1e-3),
+        ("curve", Family::Curve, 1e-6),
+        ("derivatives by hardpoints", Family::Derivative, 1e-5),
+        ("derivatives by hardpoints", Family::Derivative, 1e-10),
+        ("derivatives, by direction", Family::Sensitivity, 1e-10),
+    ];
+    for (measured, family, bound) in asked {
+        let within = accuracy
+            .measurements
+            .iter()
+            .filter(|m| m.family == family && m.error <= bound);
+        let fastest = within.min_by(|a, b| a.time.median.total_cmp(&b.time.median));
+        let bound = format!("{bound:.0e} {}", family.unit());
+        let Some(m) = fastest else {
+            table.push([measured, bound.as_str(), "none", "", "", ""]);
+            continue;
+        };
+        table.push([
+            Cell::from(measured),
+            bound.into(),
+            m.method.as_str().into(),
+            m.setting.as_str().into(),
+            Cell::rounded(m.time.median, 1),
+            Cell::by(m.error, |error| format!("{error:.0e}")),
         ]);
     }
     table

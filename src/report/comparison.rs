@@ -4,7 +4,7 @@ use super::common_motion::CommonMotion;
 use super::curve_table::CurveTable;
 use super::files::csv_of_rows;
 use super::optional;
-use super::record::readable_unit;
+use super::record::{Record, readable_unit};
 use super::table::{Cell, Table};
 use crate::model::{Axis, LengthUnit, Side};
 use serde::Serialize;
@@ -50,6 +50,8 @@ pub struct Compared {
     pub unit: LengthUnit,
     /// Its hardpoints, in `unit`.
     pub points: Option<ComparedPoints>,
+    /// Its mechanism along the motion, if it is a study.
+    pub mechanism: Option<Box<Record>>,
 }
 
 /// Several designs laid over each other.
@@ -74,6 +76,9 @@ pub struct Comparison {
     unit: LengthUnit,
     #[serde(skip)]
     moved: Vec<Moved>,
+    /// Mechanisms of all designs in one drawing, if they have the same points, axes and motion.
+    #[serde(skip)]
+    pub(super) mechanisms: Option<Record>,
 }
 
 /// A column of the motion.
@@ -188,6 +193,7 @@ impl Comparison {
             partial,
             unit: first.unit,
             moved: moved(designs),
+            mechanisms: mechanisms(designs),
         })
     }
 
@@ -199,6 +205,75 @@ impl Comparison {
             moving.push(0);
         }
         moving
+    }
+
+    /// Columns of the motion that move, at least one.
+    pub(super) fn moving_columns(&self) -> Vec<String> {
+        let moves = |k: &usize| {
+            let mut all = self.own_stations.iter();
+            all.any(|stations| stations.iter().any(|at| at[*k] != stations[0][*k]))
+        };
+        let mut moving: Vec<usize> = (0..self.motion.len()).filter(moves).collect();
+        // The common stations decide which comes first.
+        moving.sort_by_key(|k| !self.motion[*k].moves);
+        if moving.is_empty() {
+            moving.push(0);
+        }
+        moving
+            .into_iter()
+            .map(|k| self.motion[k].column.clone())
+            .collect()
+    }
+
+    /// Title, column and unit of every output.
+    pub(super) fn compared_columns(&self) -> impl Iterator<Item = (&str, &str, &str)> {
+        let outputs = self.own_outputs.iter();
+        outputs.map(|o| (o.title.as_str(), o.column.as_str(), o.unit.as_str()))
+    }
+
+    /// Tables of all designs at their own stations, then of their differences from the first one at the common stations.
+    pub(super) fn tables(&self) -> Vec<CurveTable> {
+        let motion = |stations: &[Vec<f64>]| -> (Vec<String>, Vec<Vec<Option<f64>>>) {
+            let column = |k: usize| {
+                stations
+                    .iter()
+                    .map(move |at| Some(at[k]).filter(|v| v.is_finite()))
+            };
+            let names = self.motion.iter().map(|m| m.column.clone());
+            (
+                names.collect(),
+                (0..self.motion.len())
+                    .map(|k| column(k).collect())
+                    .collect(),
+            )
+        };
+        let table = |(mut header, mut columns): (Vec<String>, Vec<_>),
+                     outputs: Vec<(String, _)>| {
+            for (name, values) in outputs {
+                header.push(name);
+                columns.push(values);
+            }
+            CurveTable {
+                header,
+                columns,
+                status: Vec::new(),
+            }
+        };
+        let own = (0..self.labels.len()).map(|design| {
+            let outputs = self.own_outputs.iter();
+            let outputs =
+                outputs.filter_map(|o| Some((o.column.clone(), o.values[design].clone()?)));
+            table(motion(&self.own_stations[design]), outputs.collect())
+        });
+        let differences = (0..self.labels.len()).map(|design| {
+            let outputs = self.outputs.iter().map(|o| {
+                let pairs = o.values[design].iter().zip(&o.values[0]);
+                let values = pairs.map(|(value, first)| Some((*value)? - (*first)?));
+                (o.column.clone(), values.collect::<Vec<_>>())
+            });
+            table(motion(&self.stations), outputs.collect())
+        });
+        own.chain(differences).collect()
     }
 
     /// Table with a row for each output and design: values and difference from the first design.
@@ -416,6 +491,36 @@ fn moved_of(designs: &[Compared], wheel: usize, side: Option<Side>) -> Vec<Moved
     moved
 }
 
+/// One record with the drawings of all designs; `None` unless all have the same points, unit, axes and motion.
+fn mechanisms(designs: &[Compared]) -> Option<Record> {
+    let records: Option<Vec<&Record>> = designs.iter().map(|d| d.mechanism.as_deref()).collect();
+    let records = records?;
+    let (first, others) = records.split_first()?;
+    let places = |record: &Record| -> Vec<[f64; 2]> {
+        let frames = record.designs.iter().flat_map(|d| &d.frames);
+        frames.map(|frame| [frame.drive, frame.rack]).collect()
+    };
+    let is_like_first = |record: &&&Record| {
+        record.scene.points == first.scene.points
+            && record.scene.signs == first.scene.signs
+            && record.length_unit == first.length_unit
+            && record.drive == first.drive
+            && places(record) == places(first)
+    };
+    if others.iter().filter(is_like_first).count() < others.len() {
+        return None;
+    }
+    let designs = records
+        .iter()
+        .flat_map(|record| record.designs.iter().cloned());
+    Some(Record {
+        designs: designs.collect(),
+        influences: Vec::new(),
+        front: None,
+        ..(*first).clone()
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -426,6 +531,7 @@ mod tests {
             topology: None,
             curves: CurveTable::read(csv.as_bytes()).unwrap(),
             unit,
+            mechanism: None,
             points: Some(ComparedPoints::OneWheel(NamedPoints {
                 points: vec![("strut_top".to_owned(), [0.0, 254.0 / 25.4, 1.0])],
                 signs: [1.0; 3],

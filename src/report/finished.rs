@@ -1,5 +1,6 @@
 //! Reads back the results of a directory, whichever command wrote them.
 
+use super::car::{CAR_FORM, CarRecord};
 use super::run::Run;
 use super::sweep::SweepRun;
 use serde::de::DeserializeOwned;
@@ -13,6 +14,8 @@ pub enum FinishedRun {
     Curves(Box<Run>),
     /// Many designs.
     Sweep(Box<SweepRun>),
+    /// Load cases of a car.
+    Car(Box<CarRecord>),
 }
 
 /// Reason why a directory does not hold the expected run.
@@ -60,10 +63,35 @@ pub(super) fn in_form<T: DeserializeOwned>(
 impl FinishedRun {
     /// Reads the directory of a solve, an optimisation or a sweep. If several wrote there, it reads the last run.
     pub fn read(directory: &Path) -> Result<Self, NotARun> {
-        match is_sweep(directory) {
-            true => Ok(FinishedRun::Sweep(Box::new(SweepRun::read(directory)?))),
-            false => Ok(FinishedRun::Curves(Box::new(Run::read(directory)?))),
+        if is_sweep(directory) {
+            return Ok(FinishedRun::Sweep(Box::new(SweepRun::read(directory)?)));
         }
+        match CarRecord::read(directory)? {
+            Some(car) => Ok(FinishedRun::Car(Box::new(car))),
+            None => Ok(FinishedRun::Curves(Box::new(Run::read(directory)?))),
+        }
+    }
+}
+
+impl CarRecord {
+    /// Reads the record of a car's run back; `None` if the directory has none.
+    pub(super) fn read(directory: &Path) -> Result<Option<Self>, NotARun> {
+        #[derive(serde::Deserialize)]
+        struct Kind {
+            kind: Option<String>,
+        }
+        let path = directory.join("report.json");
+        let Ok(text) = std::fs::read(&path) else {
+            return Ok(None);
+        };
+        let kind = serde_json::from_slice::<Kind>(&text).ok();
+        if kind.and_then(|kind| kind.kind).as_deref() != Some("car") {
+            return Ok(None);
+        }
+        let record = in_form(&text, CAR_FORM, ["hardpoint solve", "solve"]);
+        record
+            .map(Some)
+            .map_err(|reason| NotARun::at(&path, reason))
     }
 }
 

@@ -10,6 +10,7 @@ mod axle_record;
 mod bands;
 mod benchmarks;
 mod car;
+mod chart;
 mod choices;
 mod common_motion;
 mod comparison;
@@ -22,7 +23,6 @@ mod finished;
 mod fitted;
 mod given_columns;
 mod kc;
-mod kc_sensitivities;
 mod orientation;
 mod page;
 mod picture;
@@ -47,8 +47,15 @@ pub use crate::curves::Influence;
 pub use accuracy::remarks;
 pub use axle_record::SolvedAxle;
 pub use bands::BandRecord;
-pub use benchmarks::{accuracy_picture, accuracy_table, effects_table, throughput_table};
-pub use car::{CarResults, CarState, car_with_axles, optimised_car};
+pub use benchmarks::{
+    accuracy_picture, accuracy_summary, accuracy_table, effects_table, equilibria_table,
+    throughput_table,
+};
+pub use car::{
+    CarCase, CarComparison, CarFact, CarLimits, CarMap, CarRecord, CarResults, CarState,
+    CarStateRecord, CarTargetRecord, CarToleranceSummary, car_limits, car_with_axles,
+    lift_limits_table, optimised_car, settings_of_car,
+};
 pub use choices::{FrontPoint, FrontRecord, PriceRecord, front_csv, front_remarks, front_table};
 pub use comparison::{
     Compared, ComparedOutput, ComparedPoints, Comparison, NamedPoints, StationColumn,
@@ -60,9 +67,9 @@ pub use figure::{as_written, brief, figure, figures, resolution, with_decimals};
 pub use files::{curves_csv, history_csv, sensitivities_csv};
 pub use finished::{FinishedRun, NotARun};
 pub use fitted::FittedOffset;
-pub use kc::{KcResults, elastic_parts, no_equilibrium};
+pub use kc::{KcResults, OtherProgram, elastic_parts, no_equilibrium};
 pub(crate) use orientation::{Directions, Reading, Verdict};
-pub use page::{comparison_page, limits_page, page, set_up_page, sweep_page};
+pub use page::{car_page, comparison_page, limits_page, page, set_up_page, sweep_page};
 pub use picture::{Picture, picture_names, pictures};
 pub use places::{Clearance, Places, Rim, Shape};
 pub use plausibility::{

@@ -2,10 +2,14 @@
 //! so, if seldom, so that doubts are only reported.
 
 use super::figure::{brief, with_decimals};
+use super::station_label::place_in_words;
 use super::{Directions, Reading, shortest};
 use crate::ask::Need;
-use crate::axle::{Axle, AxleCurves, AxlePlan, BeyondCurve, ForcePart, Quantity, axle_curves};
+use crate::axle::{
+    Axle, AxleCurves, AxlePlan, BeyondCurve, ForcePart, Quantity, WheelQuantity, axle_curves,
+};
 use crate::characteristics::{Characteristic, Constants, WheelReading};
+use crate::curves::Column;
 use crate::derive::{DesignSeries, MotionPoint};
 use crate::mechanism::DesignFault;
 use crate::model::{Axis, Body, Constraint, Drive, PointId, Seat, Side, SteeringAxis, Suspension};
@@ -85,19 +89,43 @@ pub fn axle_plausibility(
              wheel centres a rack moves to the right in a left turn"
         ));
     }
-    let least = plan.least_wheel_load(&found.curves);
-    if let Some(load) = least.filter(|load| *load < 0.0) {
-        remarks.push(format!(
-            "warning: a wheel load falls to {} N: there the wheel would lift off the ground",
-            shortest(load.round())
-        ));
-    }
-    let reads_springs = |quantity: &Quantity| quantity.info().needs.contains(&Need::SpringForce);
+    remarks.extend(lifted(plan, found));
+    let reads_springs = |quantity: &Quantity| {
+        let needs = quantity.info().needs;
+        needs.contains(&Need::SpringForce) || needs.contains(&Need::Springs)
+    };
     if plan.quantities.iter().any(reads_springs) {
         let beyond = axle.beyond_force_curves(found);
         remarks.extend(beyond.iter().map(|beyond| beyond_curve(axle, beyond)));
     }
     remarks
+}
+
+/// A warning of the station with the least wheel load, if it is below 0.
+fn lifted(plan: &AxlePlan, found: &AxleCurves) -> Option<String> {
+    let curves = &found.curves;
+    let loads = plan
+        .quantities
+        .iter()
+        .filter_map(|quantity| match quantity {
+            Quantity::Wheel(side, WheelQuantity::WheelLoad) => Some((*side, quantity.name())),
+            _ => None,
+        });
+    let values = loads.flat_map(|(side, name)| {
+        let is_load = |column: &Column| column.by.is_none() && column.output == name;
+        let column = curves.columns.iter().position(is_load);
+        let stations = curves.stations.iter().enumerate();
+        stations.filter_map(move |(k, station)| Some((station.value(column?)?, side, k)))
+    });
+    let (load, side, station) = values.min_by(|(a, ..), (b, ..)| a.total_cmp(b))?;
+    let side = side.name();
+    (load < 0.0).then(|| {
+        format!(
+            "warning: the load of the {side} wheel falls to {} N at {}: there it would lift off the ground",
+            shortest(load.round()),
+            place_in_words(curves, station)
+        )
+    })
 }
 
 /// A doubt about a spring or bump stop that is beyond an end of its force curve.

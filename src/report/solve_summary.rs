@@ -83,14 +83,21 @@ impl SolveSummary {
             }),
             _ => None,
         });
-        let at_design = match design {
-            Some(design) => design.stations.first(),
-            None => curves.stations.iter().find(|s| is_design(curves, s)),
+        // In the design position there are no derivatives by time, so columns are found by their names.
+        let at_design = |column: usize| match design {
+            Some(design) => {
+                let name = &curves.columns[column].name;
+                let found = design.columns.iter().position(|c| c.name == *name)?;
+                design.stations.first()?.value(found)
+            }
+            None => {
+                let station = curves.stations.iter().find(|s| is_design(curves, s));
+                station?.value(column)
+            }
         };
         let outputs = curves.columns.iter().enumerate().map(|(k, column)| {
             let values = curves.stations.iter().filter_map(move |s| s.value(k));
-            let at_design = at_design.and_then(|s| s.value(k));
-            Range::of([&column.name, &column.unit], at_design, values)
+            Range::of([&column.name, &column.unit], at_design(k), values)
         });
         SolveSummary {
             command: "solve".to_owned(),

@@ -346,7 +346,7 @@ impl Table {
         let header = self.header();
         let rows: Vec<Vec<&Cell>> = self.rows().collect();
         let layout: Vec<Layout> = (0..header.len())
-            .map(|k| Layout::of(header[k], rows.iter().map(|row| row[k]), k == 0))
+            .map(|k| Layout::of(header[k], rows.iter().map(|row| row[k]), k == 0, width))
             .collect();
         let natural: Vec<usize> = layout.iter().map(|l| l.natural).collect();
         let mut widths = natural.clone();
@@ -392,7 +392,7 @@ struct Layout {
     /// Whether some cell has several words.
     prose: bool,
     natural: usize,
-    /// Numbers are not broken.
+    /// Numbers are not broken, nor names up to half of the line's width.
     least: usize,
 }
 
@@ -400,20 +400,32 @@ struct Layout {
 const LEAST: usize = 14;
 
 impl Layout {
-    fn of<'a>(header: &str, cells: impl Iterator<Item = &'a Cell> + Clone, first: bool) -> Self {
+    fn of<'a>(
+        header: &str,
+        cells: impl Iterator<Item = &'a Cell> + Clone,
+        first: bool,
+        width: usize,
+    ) -> Self {
         let shown = cells.clone().map(|cell| cell.text().chars().count());
         let longest = shown.max().unwrap_or(0);
         let natural = longest.max(header.chars().count());
         let prose = cells.clone().any(|cell| cell.text().contains(' '));
         let mut cells = cells.filter(|cell| !cell.text().is_empty());
         let numbers = cells.all(Cell::is_number);
+        let whole = |name: &str| match name.contains(' ') {
+            true => widest(name),
+            false => name.chars().count(),
+        };
+        let fits = |length: usize| 2 * length + 4 <= width;
         Layout {
             to_the_right: numbers && !first,
             prose,
             natural,
-            least: match numbers {
-                true => longest.max(widest(header)).min(natural),
-                false => natural.min(LEAST),
+            least: match (numbers, prose) {
+                (true, _) if fits(whole(header)) => longest.max(whole(header)).min(natural),
+                (true, _) => longest.max(widest(header)).min(natural),
+                (false, false) if fits(natural) => natural,
+                (false, _) => natural.min(LEAST),
             },
         }
     }
@@ -581,6 +593,38 @@ mod tests {
             text.lines().all(|line| line.chars().count() <= 40),
             "{text}"
         );
+    }
+
+    /// Names are whole at the width of a pipe, however many columns there are.
+    #[test]
+    fn names_are_not_broken() {
+        let columns = [
+            "camber_gain_deg_per_mm",
+            "roll_centre_height_mm",
+            "half_track_change_mm",
+        ];
+        let sides = ["left", "right"];
+        let all = columns
+            .iter()
+            .flat_map(|c| sides.map(|side| format!("{c}_{side}")));
+        let all: Vec<String> = all.collect();
+        let header = ["hardpoint".to_owned()].into_iter().chain(all.clone());
+        let mut table = Table::with_columns(header.map(Column::from));
+        for name in ["upper_front_link_outer", "lower_rear_link_inner"] {
+            let numbers = (0..6).map(|k| Cell::from(0.123456 * f64::from(k)));
+            table.push_row([Cell::from(name)].into_iter().chain(numbers));
+        }
+        let text = table.text(100);
+        let longest = text.lines().map(|line| line.chars().count()).max();
+        assert!(longest <= Some(100), "{text}");
+        for name in all
+            .iter()
+            .map(String::as_str)
+            .chain(["upper_front_link_outer"])
+        {
+            assert!(text.contains(name), "{name}:\n{text}");
+        }
+        assert!(text.contains("\n\n"), "{text}");
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! The results of scatter, in tables and files.
 
 use super::bands::{BandRecord, in_words, limits_of};
+use super::figure::with_decimals;
 use super::files::csv_of_rows;
 use super::given_columns::GivenColumns;
 use super::table::{Cell, Column, Table};
@@ -300,21 +301,31 @@ impl ToleranceSummary {
                     Some(true) => "",
                     _ => words,
                 };
+                // Digits of sampled numbers end where those of sigma are chance.
+                let digits = value
+                    .sigma_error
+                    .filter(|error| *error > 0.0 && words != "does not scatter");
+                let decimals =
+                    digits.map(|error| (-error.log10()).ceil().clamp(0.0, 12.0) as usize);
+                let figure = |v: Option<f64>| Cell::from(v.map(|v| Cell::figure(v, &value.unit)));
+                let sampled = |v: Option<f64>| match decimals {
+                    Some(decimals) => Cell::by(v, |v| with_decimals(v, decimals)),
+                    None => figure(v),
+                };
                 let numbers = [
-                    value.drawn,
-                    value.mean,
-                    value.sigma,
-                    value.sigma_linear,
-                    value.percentiles[2],
-                    value.percentiles[4],
+                    figure(value.drawn),
+                    sampled(value.mean),
+                    sampled(value.sigma),
+                    sampled(value.sigma_linear),
+                    sampled(value.percentiles[2]),
+                    sampled(value.percentiles[4]),
                 ];
                 let holds = Cell::in_words(value.linear_holds, words);
                 let head = [Cell::from(output)].into_iter();
                 let places = value.travel.into_iter();
                 let places = places.chain(value.rack.filter(|_| rack_moves));
                 let places = places.chain(value.place.iter().copied()).map(Cell::from);
-                let figure = |v: Option<f64>| Cell::from(v.map(|v| Cell::figure(v, &value.unit)));
-                let cells = head.chain(places).chain(numbers.map(figure));
+                let cells = head.chain(places).chain(numbers);
                 table.push_row(cells.chain([holds, because.into()]));
             }
         }

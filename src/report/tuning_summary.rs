@@ -14,7 +14,7 @@ use crate::model::Axis;
 use crate::optimise::{
     ActiveBound, ConstraintOutcome, Fit, Fulfilment, Infeasible, Price, Termination, Tuning,
 };
-use crate::study::{Optimise, Study};
+use crate::study::{Limit, Optimise, Study, Target, Wanted};
 use serde::{Deserialize, Serialize};
 
 /// `summary.json` of an optimisation.
@@ -113,6 +113,9 @@ struct VariableSummary {
 struct TargetSummary {
     output: String,
     tolerance: f64,
+    /// Least and largest wanted value, in the unit of the tolerance; open where a band has no limit.
+    #[serde(default)]
+    wanted: [Option<f64>; 2],
     weight: f64,
     before: Option<DeviationSummary>,
     after: Option<DeviationSummary>,
@@ -187,6 +190,9 @@ struct AddedStations {
 struct DeviationSummary {
     rms: f64,
     worst: f64,
+    /// The same in the unit of the target, with the sign of its values.
+    #[serde(default)]
+    worst_in_unit: Option<f64>,
     /// Travel in the study's unit, or arm angle in degrees; for an axle the number that the target is over.
     worst_at: f64,
     /// Unit of `worst_at`.
@@ -302,6 +308,7 @@ impl TuningSummary {
                 DeviationSummary {
                     rms: d.rms,
                     worst: d.worst,
+                    worst_in_unit: Some(d.worst * target.tolerance * target.of.factor() + 0.0),
                     worst_at: target.printed_at(drive, d.worst_at),
                     worst_at_unit: target.unit_at(drive, suspension.length_unit).to_owned(),
                     worst_rack: suspension.frame.sign(Axis::Y) * d.worst_rack + 0.0,
@@ -310,6 +317,7 @@ impl TuningSummary {
             TargetSummary {
                 output: name(target),
                 tolerance: target.tolerance * target.of.factor().abs(),
+                wanted: wanted(target),
                 weight: target.weight,
                 before: tuning.before.as_ref().ok().map(deviation),
                 after: best.map(|b| deviation(&b.after)),
@@ -534,34 +542,53 @@ impl TuningSummary {
         table
     }
 
-    /// How well each target was and is met, in tolerances.
+    /// How well each target was and is met: for readers the largest deviation in the unit of the target, beside its tolerance;
+    /// for programs all deviations in tolerances.
     pub fn targets_table(&self) -> Table {
-        let readers = [
-            "target",
-            "tolerance",
-            "rms before",
-            "rms after",
-            "worst after",
-            "at",
+        let columns = [
+            Column::from("target"),
+            Column::for_readers("wanted"),
+            "tolerance".into(),
+            Column::for_readers("off before"),
+            Column::for_readers("off after"),
+            Column::for_programs("rms before"),
+            Column::for_programs("rms after"),
+            Column::for_programs("worst after"),
+            "at".into(),
         ];
-        let programs = ["worst before", "worst before at", "weight", "at unit"];
+        let programs = [
+            "worst before",
+            "worst before at",
+            "weight",
+            "at unit",
+            "wanted from",
+            "wanted to",
+        ];
         let programs = programs.map(Column::for_programs);
-        let mut table = Table::with_columns(readers.map(Column::from).into_iter().chain(programs));
-        let cell = |value: Option<f64>| Cell::by(value, hundredths);
+        let mut table = Table::with_columns(columns.into_iter().chain(programs));
         for t in &self.targets {
             let (before, after) = (t.before.as_ref(), t.after.as_ref());
             let unit = after.map_or("", |d| d.worst_at_unit.as_str());
+            let off = |d: Option<&DeviationSummary>| {
+                let worst = d.map(|d| d.worst_in_unit.unwrap_or(d.worst * t.tolerance));
+                Cell::by(worst, |worst| to_hundredth_of(worst, t.tolerance))
+            };
             table.push([
                 Cell::from(t.output.as_str()),
+                t.wanted_in_words().into(),
                 t.tolerance.into(),
-                cell(before.map(|d| d.rms)),
-                cell(after.map(|d| d.rms)),
-                cell(after.map(|d| d.worst)),
+                off(before),
+                off(after),
+                before.map(|d| d.rms).into(),
+                after.map(|d| d.rms).into(),
+                after.map(|d| d.worst).into(),
                 Cell::by(after.map(|d| d.worst_at), |at| with_unit(at, unit)),
                 before.map(|d| d.worst).into(),
                 before.map(|d| d.worst_at).into(),
                 t.weight.into(),
                 unit.into(),
+                t.wanted[0].into(),
+                t.wanted[1].into(),
             ]);
         }
         table
@@ -869,6 +896,49 @@ fn with_unit(value: f64, unit: &str) -> String {
         "" => as_written(value),
         unit => format!("{} {unit}", as_written(value)),
     }
+}
+
+/// Least and largest wanted value, as printed.
+fn wanted(target: &Target) -> [Option<f64>; 2] {
+    let factor = target.of.factor();
+    let range = |points: &[[f64; 2]]| {
+        let values = || points.iter().map(|[_, value]| value * factor);
+        [values().reduce(f64::min), values().reduce(f64::max)]
+    };
+    let limit = |limit: &Option<Limit>| match limit {
+        Some(Limit::Value(value)) => range(&[[0.0, *value]]),
+        Some(Limit::Curve { points, .. }) => range(points),
+        None => [None, None],
+    };
+    match &target.wanted {
+        Wanted::Curve { points, .. } | Wanted::Points(points) => range(points),
+        Wanted::At { value, .. } => range(&[[0.0, *value]]),
+        Wanted::Band { lower, upper, .. } => {
+            let (lower, upper) = match factor < 0.0 {
+                true => (upper, lower),
+                false => (lower, upper),
+            };
+            [limit(lower)[0], limit(upper)[1]]
+        }
+    }
+}
+
+impl TargetSummary {
+    fn wanted_in_words(&self) -> String {
+        match self.wanted {
+            [None, None] => String::new(),
+            [Some(lower), None] => format!("from {}", brief(lower)),
+            [None, Some(upper)] => format!("up to {}", brief(upper)),
+            [Some(one), Some(other)] if one == other => brief(one),
+            [Some(lower), Some(upper)] => format!("{} .. {}", brief(lower), brief(upper)),
+        }
+    }
+}
+
+/// A deviation in the unit of its target, to a hundredth of the tolerance.
+fn to_hundredth_of(deviation: f64, tolerance: f64) -> String {
+    let decimals = (2.0 - tolerance.log10().floor()).clamp(0.0, 12.0) as usize;
+    with_decimals(deviation, decimals)
 }
 
 /// A misfit for reading: two decimals, or its order of magnitude.

@@ -102,6 +102,8 @@ fn imported(
         side: side.transpose()?,
         axle: None,
         half_track: request.half_track,
+        radius: None,
+        bushings: false,
         names: &BTreeMap::new(),
         bodies: &BTreeMap::new(),
     };

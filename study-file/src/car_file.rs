@@ -1,7 +1,7 @@
 //! The study of a car as written: its sections and keys. Unknown ones are refused.
 
-use crate::file::Coordinates;
-use crate::value::{Number, Text, Whole};
+use crate::file::{self, Coordinates};
+use crate::value::{MemberName, Number, Text, Whole};
 use serde::Deserialize;
 use toml::Spanned;
 
@@ -19,8 +19,12 @@ pub struct CarFile {
     /// `[outputs]`
     #[serde(default)]
     pub outputs: Outputs,
+    /// `[sweep]`
+    pub sweep: Option<Spanned<Sweep>>,
     /// `[optimise]`
     pub optimise: Option<Optimise>,
+    /// `[tolerance]`
+    pub tolerance: Option<Spanned<Tolerance>>,
 }
 
 /// `[car]`
@@ -171,6 +175,135 @@ pub struct Outputs {
     pub characteristics: Option<Spanned<Vec<Text>>>,
     /// True if derivatives by parameters and hardpoints are written.
     pub sensitivities: Option<Spanned<bool>>,
+    /// True if forces in links, rods and joints are written.
+    pub member_loads: Option<Spanned<bool>>,
+}
+
+/// `[sweep]` of a car.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Sweep {
+    /// Method of sampling.
+    pub method: Option<Text>,
+    /// Number of samples.
+    pub samples: Option<Whole>,
+    /// Seed of the samples.
+    pub seed: Option<Whole>,
+    /// Variables of the sweep.
+    pub variables: Spanned<Vec<Spanned<SweepVariable>>>,
+    /// `csv` or `parquet`.
+    pub format: Option<Text>,
+}
+
+/// An element of `variables` of `[sweep]`.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SweepVariable {
+    /// `front` or `rear`.
+    pub axle: Option<Text>,
+    /// Name of the axle's hardpoint,
+    pub hardpoint: Option<Text>,
+    /// and `x`, `y` or `z`;
+    pub axis: Option<Text>,
+    /// or `spring`, `anti_roll_bar` or `tyre`;
+    pub rate: Option<Text>,
+    /// or a figure of the car.
+    pub car: Option<Text>,
+    /// Lowest and highest offset of a hardpoint, else lowest and highest value.
+    pub range: Option<Spanned<Vec<Number>>>,
+    /// Largest change, as a part of the study's value.
+    pub relative: Option<Number>,
+    /// Number of values in a grid.
+    pub steps: Option<Whole>,
+    /// Name of the variable's column.
+    pub name: Option<Text>,
+}
+
+/// `[tolerance]` of a car.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Tolerance {
+    /// Number of builds.
+    pub builds: Option<Whole>,
+    /// Seed of the random numbers.
+    pub seed: Option<Whole>,
+    /// What scatters.
+    pub scatter: Spanned<Vec<Spanned<Scatter>>>,
+    /// Limits for the yield.
+    pub bands: Option<Vec<Spanned<Band>>>,
+}
+
+/// An element of `scatter`.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Scatter {
+    /// `front` or `rear`.
+    pub axle: Option<Text>,
+    /// A hardpoint of the axle,
+    pub hardpoint: Option<Text>,
+    /// or several, each on its own,
+    pub hardpoints: Option<Spanned<Vec<Text>>>,
+    /// or a member,
+    pub length: Option<Spanned<MemberName>>,
+    /// or hardpoints that are moved together,
+    pub jig: Option<Spanned<Vec<Text>>>,
+    /// or a rate of the axle,
+    pub rate: Option<Text>,
+    /// or a figure of the car.
+    pub car: Option<Text>,
+    /// The only wheel whose parts scatter.
+    pub side: Option<Text>,
+    /// The only coordinate that scatters.
+    pub axis: Option<Text>,
+    /// Standard deviation of a normal scatter.
+    pub sigma: Option<Number>,
+    /// Standard deviation of a rate or a figure as a part of its value.
+    pub relative: Option<Number>,
+    /// Ends of a uniform scatter.
+    pub limits: Option<Spanned<Vec<Number>>>,
+    /// Standard deviation of each component of a jig's shift.
+    pub shift: Option<Number>,
+    /// Standard deviation of each component of a jig's turn, degrees.
+    pub turn: Option<Number>,
+}
+
+impl Scatter {
+    /// The entry as the study of the axle would have it.
+    pub fn of_axle(&self) -> file::Scatter {
+        let own = self.clone();
+        file::Scatter {
+            hardpoint: own.hardpoint,
+            hardpoints: own.hardpoints,
+            length: own.length,
+            jig: own.jig,
+            bushing: None,
+            stiffness: None,
+            link: None,
+            relative: None,
+            side: own.side,
+            axis: own.axis,
+            sigma: own.sigma,
+            limits: own.limits,
+            shift: own.shift,
+            turn: own.turn,
+        }
+    }
+}
+
+/// An element of `bands`.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Band {
+    /// Name of the result.
+    pub characteristic: Text,
+    /// Name of the case.
+    pub case: Text,
+    /// Lowest and highest value,
+    pub between: Option<Spanned<Vec<Number>>>,
+    /// or the lowest alone,
+    pub at_least: Option<Number>,
+    /// or the highest alone.
+    pub at_most: Option<Number>,
 }
 
 /// `[optimise]` of a car.
@@ -213,8 +346,14 @@ pub struct Target {
     pub characteristic: Text,
     /// Name of the case.
     pub case: Text,
-    /// Its value.
-    pub value: Number,
+    /// Its value,
+    pub value: Option<Number>,
+    /// or lowest and highest value,
+    pub between: Option<Spanned<Vec<Number>>>,
+    /// or the lowest alone,
+    pub at_least: Option<Number>,
+    /// or the highest alone.
+    pub at_most: Option<Number>,
     /// Deviation that counts as one.
     pub tolerance: Number,
     /// Weight.

@@ -38,6 +38,12 @@ pub struct File {
     pub rebound_stop: Option<Spanned<BumpStop>>,
     /// `[anti_roll_bar]`
     pub anti_roll_bar: Option<Spanned<Rate>>,
+    /// `[heave_spring]`
+    pub heave_spring: Option<Spanned<HeaveSpring>>,
+    /// `[t_bar]`
+    pub t_bar: Option<Spanned<Rate>>,
+    /// `[heave_bar]`
+    pub heave_bar: Option<Spanned<HeaveBar>>,
     /// `[tyre]`
     pub tyre: Option<Spanned<Tyre>>,
     /// `[compliance]`
@@ -221,7 +227,27 @@ pub struct Tyre {
     pub load: Option<Number>,
 }
 
-/// `[anti_roll_bar]`
+/// `[heave_spring]`
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct HeaveSpring {
+    /// Force per length.
+    pub rate: Number,
+    /// Force in the design position.
+    pub force: Number,
+}
+
+/// `[heave_bar]`
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct HeaveBar {
+    /// Torque per angle.
+    pub rate: Number,
+    /// Torque in the design position.
+    pub torque: Number,
+}
+
+/// `[anti_roll_bar]` and `[t_bar]`
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Rate {
@@ -292,7 +318,7 @@ pub struct Bushing {
     pub preload: Option<Spanned<Vec<Number>>>,
     /// Factors of the laws, six numbers if they are right.
     pub scale: Option<Spanned<Vec<Number>>>,
-    /// A file with the laws; refused with an explanation.
+    /// A bushing property file with the laws.
     pub file: Option<Text>,
 }
 
@@ -444,8 +470,16 @@ pub struct SweepVariable {
     pub hardpoints: Option<Spanned<Vec<Text>>>,
     /// Displacement of each coordinate per unit of the variable.
     pub factors: Option<Spanned<Vec<Number>>>,
+    /// or name of a bushing,
+    pub bushing: Option<Text>,
+    /// with the axis of its stiffness, `x`, `y`, `z`, `tx`, `ty` or `tz`,
+    pub stiffness: Option<Text>,
+    /// or name of a link with axial stiffness.
+    pub link: Option<Text>,
+    /// True if the values of a rate are factors.
+    pub relative: Option<Spanned<bool>>,
     /// `x`, `y` or `z`.
-    pub axis: Text,
+    pub axis: Option<Text>,
     /// Lowest and highest value, two numbers if they are right.
     pub range: Spanned<Vec<Number>>,
     /// Number of values in a grid.
@@ -637,8 +671,16 @@ pub struct Scatter {
     pub hardpoints: Option<Spanned<Vec<Text>>>,
     /// or a member,
     pub length: Option<Spanned<MemberName>>,
-    /// or hardpoints that are moved together.
+    /// or hardpoints that are moved together,
     pub jig: Option<Spanned<Vec<Text>>>,
+    /// or a bushing,
+    pub bushing: Option<Text>,
+    /// with the axis of its stiffness, `x`, `y`, `z`, `tx`, `ty` or `tz`,
+    pub stiffness: Option<Text>,
+    /// or a link with axial stiffness.
+    pub link: Option<Text>,
+    /// True if the scatter of a rate is a part of the rate.
+    pub relative: Option<Spanned<bool>>,
     /// For an axle, the only wheel whose parts scatter.
     pub side: Option<Text>,
     /// The only coordinate that scatters.

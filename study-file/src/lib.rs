@@ -6,6 +6,7 @@
 //!
 //! | module | what |
 //! |---|---|
+//! | [`bushing_file`] | property files of bushings |
 //! | [`mod@file`], [`value`] | the sections and keys, and what may stand there |
 //! | [`parse`] | from text to the file, the parser's messages in plain words |
 //! | [`overrides`] | `--set path=value` |
@@ -18,6 +19,7 @@
 #![cfg_attr(not(test), warn(clippy::print_stdout, clippy::print_stderr))]
 #![warn(clippy::allow_attributes_without_reason, unreachable_pub)]
 
+pub mod bushing_file;
 pub mod car_file;
 pub mod error;
 pub mod file;

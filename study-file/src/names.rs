@@ -3,13 +3,51 @@
 use crate::error::Problems;
 use crate::value::Text;
 
+/// Usual names that resemble none of ours, and ours.
+const SYNONYMS: [(&str, &str); 24] = [
+    ("kpi", "kingpin_inclination"),
+    ("sai", "kingpin_inclination"),
+    ("steering_axis_inclination", "kingpin_inclination"),
+    ("castor", "caster"),
+    ("trail", "caster_trail"),
+    ("mechanical_trail", "caster_trail"),
+    ("roll_center", "roll_centre_height"),
+    ("roll_centre", "roll_centre_height"),
+    ("rch", "roll_centre_height"),
+    ("fvsa", "front_view_swing_arm"),
+    ("svsa", "side_view_swing_arm"),
+    ("installation_ratio", "motion_ratio"),
+    ("ackerman", "ackermann"),
+    ("trailing_arm", "semi_trailing_arm"),
+    ("a_arm", "double_wishbone"),
+    ("sla", "double_wishbone"),
+    ("wishbone", "double_wishbone"),
+    ("strut", "macpherson"),
+    ("mcpherson", "macpherson"),
+    ("multilink", "five_link"),
+    ("multi_link", "five_link"),
+    ("5_link", "five_link"),
+    ("live_axle", "solid_axle"),
+    ("beam_axle", "solid_axle"),
+];
+
 /// The candidate that `name` probably meant.
 pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    let candidates: Vec<&str> = candidates.into_iter().collect();
+    nearest_of(name, &candidates)
+}
+
+fn nearest_of<'a>(name: &str, candidates: &[&'a str]) -> Option<&'a str> {
     let plain = |s: &str| s.trim().to_lowercase().replace(['-', ' '], "_");
     let name = plain(name);
     let length = name.chars().count();
+    let synonym = SYNONYMS.iter().find(|(usual, _)| *usual == name);
+    let meant = synonym.and_then(|(_, own)| candidates.iter().find(|candidate| *candidate == own));
+    if let Some(meant) = meant {
+        return Some(meant);
+    }
+    let candidates = candidates.iter().copied();
     candidates
-        .into_iter()
         .filter_map(|candidate| {
             let target = plain(candidate);
             let distance = strsim::damerau_levenshtein(&name, &target);
@@ -39,24 +77,28 @@ pub fn choose<T: Clone>(
     options: &[(&str, T)],
     problems: &mut Problems,
 ) -> Option<T> {
+    let names: Vec<&str> = options.iter().map(|(name, _)| *name).collect();
+    let chosen = place_of(text, what, &names, problems)?;
+    Some(options[chosen].1.clone())
+}
+
+/// Place of this name among the options, or an error that lists them. It does not depend on the options' type, so it is
+/// compiled once.
+fn place_of(text: &Text, what: &str, names: &[&str], problems: &mut Problems) -> Option<usize> {
     let name = text.get_ref();
-    if let Some((_, found)) = options.iter().find(|(option, _)| option == name) {
-        return Some(found.clone());
+    if let Some(found) = names.iter().position(|option| option == name) {
+        return Some(found);
     }
-    let names = || options.iter().map(|(option, _)| *option);
-    let few = options.len() <= 6;
+    let few = names.len() <= 6;
     let mut message = format!("unknown {what} {name:?}");
-    if few && !options.is_empty() {
-        message += &format!("; expected {}", alternatives(names()));
+    if few && !names.is_empty() {
+        message += &format!("; expected {}", alternatives(names.iter().copied()));
     }
     let error = problems.add(text.span(), message);
-    if let Some(near) = nearest(name, names()) {
+    if let Some(near) = nearest_of(name, names) {
         error.help(format!("did you mean \"{near}\"?"));
     } else if !few {
-        error.help(format!(
-            "there are {}",
-            names().collect::<Vec<_>>().join(", ")
-        ));
+        error.help(format!("there are {}", names.join(", ")));
     }
     None
 }
@@ -93,6 +135,9 @@ mod tests {
             ("camber-gain", Some("camber_gain")),
             ("wheel_center", Some("wheel_centre")),
             ("kingpin", Some("kingpin_inclination")),
+            ("KPI", Some("kingpin_inclination")),
+            // Only a name that is among the candidates is suggested.
+            ("trailing_arm", None),
             ("roll_centre_height", None),
             ("x", None),
         ] {

@@ -6,9 +6,12 @@
 //! shows where it is withheld. So the schema knows the keys the reader knows, and there is no second list
 //! of them. The descriptions of keys come from `keys.md`, which the manual (`docs/study.md`) contains.
 //!
+//! A study of one wheel or an axle and the study of a car are two kinds of file ([`Root`]). The schema offers both.
+//!
 //! Paths say where in a study something is: `motion.travel`, `optimise.targets[]` for each element,
 //! `suspension.hardpoints{}` for each value of a table whose keys are names.
 
+use crate::car_file::CarFile;
 use crate::file::File;
 use serde::Deserialize;
 use serde::de::value::StrDeserializer;
@@ -354,8 +357,44 @@ impl<'de> Deserializer<'de> for Source<'_> {
     }
 }
 
+/// Kind of study, by its sections.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Root {
+    /// One wheel or an axle: `[suspension]` and `[motion]`.
+    Suspension,
+    /// A car: `[car]`.
+    Car,
+}
+
+impl Root {
+    /// Every kind.
+    pub const ALL: [Root; 2] = [Root::Suspension, Root::Car];
+
+    fn is_read(self, source: Source<'_>) -> bool {
+        match self {
+            Root::Suspension => File::deserialize(source).is_ok(),
+            Root::Car => CarFile::deserialize(source).is_ok(),
+        }
+    }
+
+    fn title(self) -> &'static str {
+        match self {
+            Root::Suspension => "A study of one wheel or an axle",
+            Root::Car => "A study of a car",
+        }
+    }
+
+    /// Tables of keys with their descriptions.
+    fn manual(self) -> &'static str {
+        match self {
+            Root::Suspension => include_str!("../keys.md"),
+            Root::Car => include_str!("../car_keys.md"),
+        }
+    }
+}
+
 /// Everything the reader asks for, by place, and the keys it needs.
-fn places() -> (BTreeMap<String, Place>, BTreeSet<String>) {
+fn places(root: Root) -> (BTreeMap<String, Place>, BTreeSet<String>) {
     let notes = RefCell::new(Notes::default());
     let read = || {
         notes.borrow_mut().refused = None;
@@ -363,7 +402,7 @@ fn places() -> (BTreeMap<String, Place>, BTreeSet<String>) {
             notes: &notes,
             path: String::new(),
         };
-        File::deserialize(source).is_ok()
+        root.is_read(source)
     };
     // Offers that are refused are followed by the next one, until a reading comes through.
     let settle = || {
@@ -437,11 +476,19 @@ fn places() -> (BTreeMap<String, Place>, BTreeSet<String>) {
 }
 
 /// Description of each key, by section and name.
-fn manual() -> BTreeMap<(String, String), String> {
+fn manual(root: Root) -> BTreeMap<(String, String), String> {
     let mut said = BTreeMap::new();
-    for section in include_str!("../keys.md").split("\n## ").skip(1) {
+    for section in root.manual().split("\n## ").skip(1) {
         let (name, rows) = section.split_once('\n').unwrap_or((section, ""));
+        let (name, sibling) = name.split_once(" (and ").unwrap_or((name, ""));
         let name = name.split(" (").next().unwrap_or(name);
+        // `gg_map.ax (and ay)` is about both.
+        let sibling = sibling
+            .strip_suffix(')')
+            .map(|sibling| match name.rsplit_once('.') {
+                Some((table, _)) => format!("{table}.{sibling}"),
+                None => sibling.to_owned(),
+            });
         for row in rows.lines() {
             let cells: Vec<&str> = row
                 .split(" | ")
@@ -449,42 +496,46 @@ fn manual() -> BTreeMap<(String, String), String> {
                 .collect();
             let key = row.strip_prefix("| `").and_then(|row| row.split_once('`'));
             if let (Some((key, _)), Some(what)) = (key, cells.last()) {
-                said.insert((name.to_owned(), key.to_owned()), (*what).to_owned());
+                for table in [Some(name), sibling.as_deref()].into_iter().flatten() {
+                    said.insert((table.to_owned(), key.to_owned()), (*what).to_owned());
+                }
             }
         }
     }
     said
 }
 
-/// The JSON schema (draft 4) of a study: its keys, which of them are needed, and of what type their values
+/// The JSON schema (draft 4) of studies: their keys, which of them are needed, and of what type their values
 /// are. In later drafts 8.0 is an integer, which it is not in TOML. Names that a text may be, or the keys of a table,
-/// as far as there is a list of them, are asked for by the place.
-pub fn schema(names: fn(&str) -> Option<Vec<&'static str>>) -> Value {
-    let (places, needed) = places();
-    let book = Book {
-        places,
-        needed,
-        manual: manual(),
-        names,
-    };
-    let mut schema = Map::new();
-    schema.insert(
-        "$schema".to_owned(),
-        json!("http://json-schema.org/draft-04/schema#"),
-    );
-    schema.insert("title".to_owned(), json!("A study of hardpoint"));
-    if let Value::Object(root) = book.of("") {
-        schema.extend(root);
-    }
-    Value::Object(schema)
+/// as far as there is a list of them, are asked for by the kind of study and the place.
+pub fn schema(names: fn(Root, &str) -> Option<Vec<String>>) -> Value {
+    let kinds = Root::ALL.map(|root| {
+        let (places, needed) = places(root);
+        let book = Book {
+            root,
+            places,
+            needed,
+            manual: manual(root),
+            names,
+        };
+        let mut study = book.of("");
+        study["title"] = json!(root.title());
+        study
+    });
+    json!({
+        "$schema": "http://json-schema.org/draft-04/schema#",
+        "title": "A study of hardpoint",
+        "anyOf": kinds,
+    })
 }
 
 /// Everything known, while it is written down.
 struct Book {
+    root: Root,
     places: BTreeMap<String, Place>,
     needed: BTreeSet<String>,
     manual: BTreeMap<(String, String), String>,
-    names: fn(&str) -> Option<Vec<&'static str>>,
+    names: fn(Root, &str) -> Option<Vec<String>>,
 }
 
 impl Book {
@@ -496,16 +547,16 @@ impl Book {
             Kind::Number => json!({ "type": "number" }),
             Kind::Whole => json!({ "type": "integer" }),
             Kind::Truth => json!({ "type": "boolean" }),
-            Kind::Text => match (self.names)(path) {
+            Kind::Text => match (self.names)(self.root, path) {
                 Some(names) => json!({ "type": "string", "enum": names }),
                 None => json!({ "type": "string" }),
             },
             Kind::List => json!({ "type": "array", "items": self.of(&format!("{path}[]")) }),
             Kind::Names => {
                 let value = self.of(&format!("{path}{{}}"));
-                match (self.names)(path) {
+                match (self.names)(self.root, path) {
                     Some(names) => {
-                        let named = names.iter().map(|name| ((*name).to_owned(), value.clone()));
+                        let named = names.into_iter().map(|name| (name, value.clone()));
                         let properties: Map<String, Value> = named.collect();
                         json!({ "type": "object", "properties": properties, "additionalProperties": false })
                     }
@@ -555,7 +606,20 @@ mod tests {
 
     #[test]
     fn keys_types_and_needs_are_those_of_the_reader() {
-        let schema = schema(|_| None);
+        let schema = schema(|_, _| None);
+        let car = &schema["anyOf"][1];
+        assert_eq!(car["required"], json!(["car"]));
+        assert_eq!(
+            car["properties"]["car"]["required"],
+            json!(["front", "rear"])
+        );
+        let case = &car["properties"]["cases"]["items"];
+        assert_eq!(case["required"], json!(["name"]));
+        assert_eq!(
+            case["properties"]["ay"]["description"],
+            "acceleration to the left (a left turn), g"
+        );
+        let schema = &schema["anyOf"][0];
         let at = |pointer: &str| {
             schema
                 .pointer(pointer)

@@ -43,15 +43,19 @@ fn sample_studies_are_the_templates() {
 /// The manual contains the tables of keys that the schema reads.
 #[test]
 fn the_manual_contains_the_tables_of_keys() {
-    let source = "study-file/keys.md";
-    let keys = fs::read_to_string(root().join(source)).unwrap();
-    let (_, tables) = keys.split_once("\n\n").unwrap();
-    let copy = root().join("docs/study.md");
-    let manual = fs::read_to_string(&copy).unwrap();
-    let marker = format!("<!-- {source} -->\n\n");
-    let (introduction, _) = manual.split_once(&marker).unwrap();
-    let renewed = format!("{introduction}{marker}{tables}");
-    assert_copied(&copy, &renewed, source);
+    for (source, page) in [
+        ("study-file/keys.md", "docs/study.md"),
+        ("study-file/car_keys.md", "docs/car.md"),
+    ] {
+        let keys = fs::read_to_string(root().join(source)).unwrap();
+        let (_, tables) = keys.split_once("\n\n").unwrap();
+        let copy = root().join(page);
+        let manual = fs::read_to_string(&copy).unwrap();
+        let marker = format!("<!-- {source} -->\n\n");
+        let (introduction, _) = manual.split_once(&marker).unwrap();
+        let renewed = format!("{introduction}{marker}{tables}");
+        assert_copied(&copy, &renewed, source);
+    }
 }
 
 /// Rust files below a folder.

@@ -177,6 +177,7 @@ impl Trial {
                 order: Order::Velocity,
                 sensitivities: vec![point("strut_top")],
                 certify: true,
+                figures: Vec::new(),
                 loads: Vec::new(),
             },
             compliance: None,

@@ -2,7 +2,7 @@
 //!
 //! The reader tells which keys it knows where it meets one that it does not.
 
-use hardpoint::study::Study;
+use hardpoint::study::{CarStudy, Study};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
@@ -48,6 +48,13 @@ const TABLES: &[(&str, &str, &str)] = &[
         "[anti_roll_bar]",
         "[anti_roll_bar]\nbogus = 1",
     ),
+    (
+        "heave_spring",
+        "[heave_spring]",
+        "[heave_spring]\nbogus = 1",
+    ),
+    ("t_bar", "[t_bar]", "[t_bar]\nbogus = 1"),
+    ("heave_bar", "[heave_bar]", "[heave_bar]\nbogus = 1"),
     ("tyre", "[tyre]", "[tyre]\nbogus = 1"),
     ("compliance", "[compliance]", "[compliance]\nbogus = 1"),
     ("compliance.tests", "tests = []", "tests = [{ bogus = 1 }]"),
@@ -156,6 +163,14 @@ gap = 1.0
 force_curve = []
 [anti_roll_bar]
 rate = 1.0
+[heave_spring]
+rate = 1.0
+force = 1.0
+[t_bar]
+rate = 1.0
+[heave_bar]
+rate = 1.0
+torque = 1.0
 [tyre]
 rate = 1.0
 [compliance]
@@ -177,7 +192,20 @@ scatter = []
 /// The keys that the reader knows where `text` has the key `bogus`.
 fn known_keys(text: &str) -> BTreeSet<String> {
     let refused = Study::from_text("keys.toml", text, Path::new("")).unwrap_err();
-    let said = refused.render(false);
+    keys_in(&refused.render(false), text)
+}
+
+/// The keys that the reader of cars knows where `text` has the key `bogus`.
+fn known_keys_of_car(text: &str) -> BTreeSet<String> {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("car.toml");
+    std::fs::write(&path, text).unwrap();
+    let refused = CarStudy::read(&path, &[]).unwrap_err();
+    keys_in(&refused.render(false), text)
+}
+
+/// The keys that a message lists.
+fn keys_in(said: &str, text: &str) -> BTreeSet<String> {
     let (_, known) = said
         .split_once("unknown key \"bogus\"; known here: ")
         .unwrap_or_else(|| panic!("{said}\n{text}"));
@@ -186,8 +214,9 @@ fn known_keys(text: &str) -> BTreeSet<String> {
 }
 
 /// The keys in the first column of each section of the manual.
-fn documented_keys() -> BTreeMap<String, BTreeSet<String>> {
-    let manual = std::fs::read_to_string(Path::new(ROOT).join("docs/study.md")).unwrap();
+fn documented_keys(page: &str) -> BTreeMap<String, BTreeSet<String>> {
+    let manual = std::fs::read_to_string(Path::new(ROOT).join(page)).unwrap();
+    let (_, manual) = manual.split_once("keys.md -->\n").unwrap();
     let mut sections = BTreeMap::new();
     for section in manual.split("\n## ").skip(1) {
         let (name, rows) = section.split_once('\n').unwrap();
@@ -202,7 +231,7 @@ fn documented_keys() -> BTreeMap<String, BTreeSet<String>> {
 
 #[test]
 fn the_manual_lists_the_keys_that_the_reader_knows() {
-    let documented = documented_keys();
+    let documented = documented_keys("docs/study.md");
     let mut read = BTreeMap::new();
     for (table, what, by) in TABLES {
         assert!(STUDY.contains(what), "{table}");
@@ -217,6 +246,51 @@ fn the_manual_lists_the_keys_that_the_reader_knows() {
     let tables: BTreeSet<String> = TABLES
         .iter()
         .map(|(table, ..)| table.split('.').next().unwrap_or_default().to_owned())
+        .collect();
+    assert_eq!(sections, tables);
+}
+
+/// Each table of the study of a car: its name in the manual, and the text of a study in which the table has the key
+/// `bogus`.
+const TABLES_OF_CAR: &[(&str, &str)] = &[
+    ("car", "[car]\nbogus = 1"),
+    ("car.aero", "[car]\naero = { bogus = 1 }"),
+    (
+        "car.aero.front (and rear)",
+        "[car]\naero = { rear = { bogus = 1 } }",
+    ),
+    ("car.aero.drag", "[car]\naero = { drag = { bogus = 1 } }"),
+    ("cases", "[[cases]]\nbogus = 1"),
+    ("gg_map", "[gg_map]\nbogus = 1"),
+    ("gg_map.ax (and ay)", "[gg_map]\nay = { bogus = 1 }"),
+    ("outputs", "[outputs]\nbogus = 1"),
+    ("sweep", "[sweep]\nbogus = 1"),
+    ("sweep.variables", "[sweep]\nvariables = [{ bogus = 1 }]"),
+    ("optimise", "[optimise]\nbogus = 1"),
+    (
+        "optimise.variables",
+        "[optimise]\nvariables = [{ bogus = 1 }]",
+    ),
+    ("optimise.targets", "[optimise]\ntargets = [{ bogus = 1 }]"),
+    ("tolerance", "[tolerance]\nbogus = 1"),
+    (
+        "tolerance.scatter",
+        "[tolerance]\nscatter = [{ bogus = 1 }]",
+    ),
+    ("tolerance.bands", "[tolerance]\nbands = [{ bogus = 1 }]"),
+];
+
+#[test]
+fn the_manual_lists_the_keys_of_cars() {
+    let read: BTreeMap<String, BTreeSet<String>> = TABLES_OF_CAR
+        .iter()
+        .map(|(table, text)| ((*table).to_owned(), known_keys_of_car(text)))
+        .collect();
+    assert_eq!(documented_keys("docs/car.md"), read);
+    let sections = known_keys_of_car("bogus = 1");
+    let tables: BTreeSet<String> = TABLES_OF_CAR
+        .iter()
+        .map(|(table, _)| table.split('.').next().unwrap_or_default().to_owned())
         .collect();
     assert_eq!(sections, tables);
 }

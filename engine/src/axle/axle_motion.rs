@@ -2,6 +2,7 @@
 
 use super::solver::Placement;
 use super::{Axle, Coordinate};
+use crate::study::TimeLaw;
 
 /// The motion of an axle. Lengths are in the study's unit, angles in radians; the rack is positive towards the left
 /// wheel's outside.
@@ -15,6 +16,17 @@ pub struct AxleMotion {
     pub shows_rack: bool,
     /// Angles of the steering wheel that make these displacements, if the study gives angles.
     pub steering_wheel: Option<Vec<f64>>,
+    /// The law that moves one coordinate over time, if the study gives one. Results are then by time.
+    pub time: Option<AxleTime>,
+}
+
+/// A coordinate that is a function of time. Its values in the motion are those at the times of the law.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AxleTime {
+    /// The coordinate. The steering wheel moves the rack, and the law is that of the rack.
+    pub coordinate: Coordinate,
+    /// Its law, in the motion's units.
+    pub law: TimeLaw,
 }
 
 /// Motion of the wheels of an axle.
@@ -144,7 +156,21 @@ impl AxleMotion {
             racks: zero(),
             shows_rack: self.shows_rack,
             steering_wheel: None,
+            time: None,
         }
+    }
+
+    /// The number of the time at a station of this number; 0 without a law.
+    pub(super) fn time_at(&self, station: usize) -> usize {
+        let Some(time) = &self.time else { return 0 };
+        // How many neighbouring stations share the value of this coordinate.
+        let repeated = match (time.coordinate, &self.wheels) {
+            (Coordinate::Rack | Coordinate::SteeringWheel, _) => self.stations() / self.racks.len(),
+            (Coordinate::Heave, WheelMotion::Roll { roll, .. }) => roll.len(),
+            (Coordinate::TravelLeft, WheelMotion::Travels { right, .. }) => right.len(),
+            _ => 1,
+        };
+        station / repeated % time.law.times.len()
     }
 
     /// The angle of the steering wheel at a station of this number.
@@ -165,26 +191,36 @@ impl AxleMotion {
             return lacks("radius in [wheel]", "a plane ground");
         }
         if matches!(self.wheels, WheelMotion::Roll { at_load: true, .. })
-            && other.setup.springs.is_none()
+            && !other.setup.is_sprung()
         {
             return lacks("[spring]", "roll at a load");
         }
         let ratio = other.left.length_unit.per_metre() / own.left.length_unit.per_metre();
         for coordinate in Coordinate::ALL {
-            let is_length = !matches!(coordinate, Coordinate::Roll | Coordinate::SteeringWheel);
             for value in motion
                 .along(coordinate)
-                .filter(|_| is_length)
+                .filter(|_| coordinate.is_length())
                 .into_iter()
                 .flatten()
             {
                 *value *= ratio;
             }
         }
+        let scale = |time: &mut AxleTime, factor: f64| {
+            time.law.polynomial.iter_mut().for_each(|c| *c *= factor);
+        };
+        if let Some(time) = motion.time.as_mut().filter(|t| t.coordinate.is_length()) {
+            scale(time, ratio);
+        }
         if let Some(angles) = &self.steering_wheel {
             let Some(c_factor) = other.setup.c_factor else {
                 return lacks("c_factor in [steering]", "steering_wheel_angle");
             };
+            if let (Some(time), Some(own)) = (motion.time.as_mut(), own.setup.c_factor)
+                && time.coordinate == Coordinate::SteeringWheel
+            {
+                scale(time, c_factor / own);
+            }
             let turn = std::f64::consts::TAU;
             motion.racks = angles.iter().map(|angle| c_factor * angle / turn).collect();
         }

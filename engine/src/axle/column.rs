@@ -5,7 +5,7 @@ use super::state::{AxleState, Motion};
 use super::taylor::Taylor;
 use super::{Axle, AxlePlan, Quantity, Read, WheelMotion};
 use crate::ask::{NoValue, with_unit};
-use crate::curves::{Column, Loads};
+use crate::curves::{ByTime, Column, Loads, per, velocity_name};
 use crate::model::{Axis, LengthUnit, PointId, Side};
 use crate::number::Jet;
 
@@ -18,6 +18,8 @@ pub struct AxleColumn {
     pub of: Of,
     /// The motion along which it is a derivative; `None` for a value.
     pub by: Option<Motion>,
+    /// Whether it is the derivative by time of a motion along `by`.
+    pub is_by_time: bool,
     /// Order of the derivative; 0 for a value.
     pub order: usize,
     /// Unit alone; empty for a plain number.
@@ -66,11 +68,29 @@ impl AxleColumn {
         }
     }
 
-    /// The column's number in a position, in radians, length units and newtons, or why there is none. `None` for a
+    /// The column's number in a position, in radians, length units, newtons and seconds, or why there is none. `None` for a
     /// force, which cannot be read off the position alone.
-    pub fn evaluate(&self, read: &Read) -> Option<Result<f64, NoValue>> {
+    pub(super) fn evaluate(&self, read: &Read, time: ByTime) -> Option<Result<f64, NoValue>> {
+        if !self.is_by_time {
+            return self.along(read, self.order);
+        }
+        let mut along = [f64::NAN; 3];
+        for (order, along) in along.iter_mut().enumerate().skip(1) {
+            if order > self.order {
+                break;
+            }
+            match self.along(read, order)? {
+                Ok(value) => *along = value,
+                Err(reason) => return Some(Err(reason)),
+            }
+        }
+        Some(Ok(time.apply(false, along, self.order)))
+    }
+
+    /// The value, or its derivative of this order along the motion.
+    pub(crate) fn along(&self, read: &Read, order: usize) -> Option<Result<f64, NoValue>> {
         match &self.of {
-            Of::Quantity(quantity) => Some(self.quantity_in(*quantity, read)),
+            Of::Quantity(quantity) => Some(self.quantity_in(*quantity, read, order)),
             Of::Point {
                 side, on_rocker, ..
             } if *on_rocker && read.toggles[*side as usize].is_some() => Some(Err(NoValue::Toggle)),
@@ -80,17 +100,17 @@ impl AxleColumn {
                 let place = &read.points[*side as usize][*number][*axis];
                 Some(Ok(match self.by {
                     None => place.coefficient([0, 0]),
-                    Some(motion) => self.of_point(place, motion, *side, &read.state),
+                    Some(motion) => of_point(place, motion, *side, &read.state, order),
                 }))
             }
-            Of::Turn(side, axis) => Some(Ok(self.of_turn(*axis, self.by?, *side, &read.state))),
+            Of::Turn(side, axis) => Some(Ok(of_turn(*axis, self.by?, *side, &read.state, order))),
             Of::Force { .. } => None,
         }
     }
 
-    fn quantity_in(&self, quantity: Quantity, read: &Read) -> Result<f64, NoValue> {
+    fn quantity_in(&self, quantity: Quantity, read: &Read, order: usize) -> Result<f64, NoValue> {
         let value = read.value(quantity)?;
-        Ok(match (self.by, self.order) {
+        Ok(match (self.by, order) {
             (None, _) => value,
             (Some(motion), 1) => quantity.evaluate(&read.state.moving(motion))[1],
             (Some(motion), _) => {
@@ -100,41 +120,58 @@ impl AxleColumn {
         })
     }
 
-    /// The derivative of a coordinate, which is a function of the wheel's own travel and rack.
-    fn of_point(
+    /// The derivative of this value along a motion. `rack_sign` is the sign of the rack's axis in the study.
+    fn by_motion(
         &self,
-        place: &Taylor<f64>,
-        motion: Motion,
-        side: Side,
-        state: &AxleState<'_, f64>,
-    ) -> f64 {
-        let by = |powers: [usize; 2]| {
-            let [travel, rack] = powers;
-            let factorials = [1.0, 1.0, 2.0];
-            place.coefficient(powers) * factorials[travel] * factorials[rack]
+        order: usize,
+        (motion, by, per, by_factor): &ByMotion,
+        rack_sign: f64,
+    ) -> AxleColumn {
+        let (stem, per) = match (order, &self.of) {
+            // An angular velocity is a first derivative already.
+            (1, _) => (format!("{}_by_{by}", self.output()), per.clone()),
+            (_, Of::Turn(side, axis)) => {
+                let stem = format!("{}_knuckle_alpha_{}", side.name(), axis.name());
+                (format!("{stem}_by_{by}"), format!("{per}2"))
+            }
+            _ => (format!("{}_by_{by}_d2", self.output()), format!("{per}2")),
         };
-        let [by_travel, by_rack] = [by([1, 0]), by([0, 1])];
-        if self.order == 1 {
-            return state.along(motion, side, [by_travel, by_rack]);
+        let unit = match self.unit.is_empty() {
+            true => per,
+            false => format!("{}_{per}", self.unit),
+        };
+        let sign = match motion {
+            Motion::Rack => rack_sign,
+            _ => 1.0,
+        };
+        AxleColumn {
+            name: with_unit(stem, &unit),
+            by: Some(*motion),
+            is_by_time: false,
+            order,
+            factor: self.factor * (by_factor * sign).powi(order as i32),
+            unit,
+            of: self.of.clone(),
         }
-        let further = |powers| state.along(motion, side, powers);
-        let by_travel = Jet([by_travel, further([by([2, 0]), by([1, 1])])]);
-        let by_rack = Jet([by_rack, further([by([1, 1]), by([0, 2])])]);
-        let moving = state.moving(motion);
-        moving.along(motion, side, [by_travel, by_rack])[1]
     }
 
-    /// A component of an angular velocity, or its derivative.
-    fn of_turn(&self, axis: Axis, motion: Motion, side: Side, state: &AxleState<'_, f64>) -> f64 {
-        if self.order == 1 {
-            let wheel = &state.readings[side as usize];
-            let by = [wheel.by_travel(), wheel.by_rack()].map(|[_, turn]| turn[axis]);
-            return state.along(motion, side, by);
+    /// The derivative of this value by the time of a law along a motion.
+    fn by_time(&self, order: usize, (motion, ..): &ByMotion) -> AxleColumn {
+        let unit = per(&self.unit, "s", order);
+        let stem = match &self.of {
+            Of::Turn(..) if order == 1 => self.output(),
+            Of::Turn(side, axis) => format!("{}_knuckle_alpha_{}", side.name(), axis.name()),
+            Of::Point { axis, .. } => velocity_name(&self.output(), *axis, order),
+            Of::Quantity(_) | Of::Force { .. } => format!("{}_d{order}", self.output()),
+        };
+        AxleColumn {
+            name: with_unit(stem, &unit),
+            by: Some(*motion),
+            is_by_time: true,
+            order,
+            unit,
+            ..self.clone()
         }
-        let moving = state.moving(motion);
-        let wheel = &moving.readings[side as usize];
-        let by = [wheel.by_travel(), wheel.by_rack()].map(|[_, turn]| turn[axis]);
-        moving.along(motion, side, by)[1]
     }
 
     /// Name of what the column contains, without motion and unit.
@@ -157,6 +194,49 @@ impl AxleColumn {
     }
 }
 
+/// The derivative of a coordinate, which is a function of the wheel's own travel and rack.
+fn of_point(
+    place: &Taylor<f64>,
+    motion: Motion,
+    side: Side,
+    state: &AxleState<'_, f64>,
+    order: usize,
+) -> f64 {
+    let by = |powers: [usize; 2]| {
+        let [travel, rack] = powers;
+        let factorials = [1.0, 1.0, 2.0];
+        place.coefficient(powers) * factorials[travel] * factorials[rack]
+    };
+    let [by_travel, by_rack] = [by([1, 0]), by([0, 1])];
+    if order == 1 {
+        return state.along(motion, side, [by_travel, by_rack]);
+    }
+    let further = |powers| state.along(motion, side, powers);
+    let by_travel = Jet([by_travel, further([by([2, 0]), by([1, 1])])]);
+    let by_rack = Jet([by_rack, further([by([1, 1]), by([0, 2])])]);
+    let moving = state.moving(motion);
+    moving.along(motion, side, [by_travel, by_rack])[1]
+}
+
+/// A component of an angular velocity, or its derivative.
+fn of_turn(
+    axis: Axis,
+    motion: Motion,
+    side: Side,
+    state: &AxleState<'_, f64>,
+    order: usize,
+) -> f64 {
+    if order == 1 {
+        let wheel = &state.readings[side as usize];
+        let by = [wheel.by_travel(), wheel.by_rack()].map(|[_, turn]| turn[axis]);
+        return state.along(motion, side, by);
+    }
+    let moving = state.moving(motion);
+    let wheel = &moving.readings[side as usize];
+    let by = [wheel.by_travel(), wheel.by_rack()].map(|[_, turn]| turn[axis]);
+    moving.along(motion, side, by)[1]
+}
+
 impl From<&AxleColumn> for Column {
     fn from(column: &AxleColumn) -> Self {
         Column {
@@ -165,7 +245,7 @@ impl From<&AxleColumn> for Column {
             unit: column.unit.clone(),
             positive: column.positive(),
             order: column.order,
-            by: column.by.map(Motion::name),
+            by: column.by.filter(|_| !column.is_by_time).map(Motion::name),
             of: None,
             factor: column.factor,
         }
@@ -189,6 +269,9 @@ impl AxlePlan {
         }
         let per_length = || format!("per_{}", length.symbol());
         let by_length = |motion, name| (motion, name, per_length(), 1.0);
+        if let Some(time) = &self.course.time {
+            return vec![(time.coordinate.motion(), "time", "per_s".to_owned(), 1.0)];
+        }
         let roll = (
             Motion::Roll,
             "roll",
@@ -220,6 +303,7 @@ impl AxlePlan {
                 name: String::new(),
                 of,
                 by: None,
+                is_by_time: false,
                 order: 0,
                 unit,
                 factor,
@@ -228,32 +312,9 @@ impl AxlePlan {
             column
         };
         let derivatives = |value: &AxleColumn| -> Vec<AxleColumn> {
-            let by = |(order, (motion, by, per, by_factor)): (usize, &ByMotion)| {
-                let (stem, per) = match (order, &value.of) {
-                    // An angular velocity is a first derivative already.
-                    (1, _) => (format!("{}_by_{by}", value.output()), per.clone()),
-                    (_, Of::Turn(side, axis)) => {
-                        let stem = format!("{}_knuckle_alpha_{}", side.name(), axis.name());
-                        (format!("{stem}_by_{by}"), format!("{per}2"))
-                    }
-                    _ => (format!("{}_by_{by}_d2", value.output()), format!("{per}2")),
-                };
-                let unit = match value.unit.is_empty() {
-                    true => per,
-                    false => format!("{}_{per}", value.unit),
-                };
-                let sign = match motion {
-                    Motion::Rack => rack_sign,
-                    _ => 1.0,
-                };
-                AxleColumn {
-                    name: with_unit(stem, &unit),
-                    by: Some(*motion),
-                    order,
-                    factor: value.factor * (by_factor * sign).powi(order as i32),
-                    unit,
-                    of: value.of.clone(),
-                }
+            let by = |(order, by)| match self.course.time {
+                Some(_) => value.by_time(order, by),
+                None => value.by_motion(order, by, rack_sign),
             };
             let orders = 1..=self.derivatives;
             let all = orders.flat_map(|order| motions.iter().map(move |motion| (order, motion)));
@@ -300,6 +361,7 @@ impl AxlePlan {
                     positive: force.positive.unwrap_or_default(),
                 },
                 by: None,
+                is_by_time: false,
                 order: 0,
                 unit: force.unit,
                 factor: 1.0,

@@ -1,5 +1,6 @@
 //! The numbers that give the position of an axle, and how a study writes them.
 
+use super::state::Motion;
 use super::{Axle, AxleMotion, Placement, WheelMotion};
 use crate::model::{Axis, LengthUnit};
 
@@ -51,6 +52,22 @@ impl Coordinate {
             | Coordinate::TravelLeft
             | Coordinate::TravelRight
             | Coordinate::Rack => length.symbol(),
+        }
+    }
+
+    /// Returns true if it is a length as the study writes it.
+    pub fn is_length(self) -> bool {
+        !matches!(self, Coordinate::Roll | Coordinate::SteeringWheel)
+    }
+
+    /// The motion along which this coordinate alone changes.
+    pub fn motion(self) -> Motion {
+        match self {
+            Coordinate::Roll => Motion::Roll,
+            Coordinate::Heave => Motion::Heave,
+            Coordinate::TravelLeft => Motion::TravelLeft,
+            Coordinate::TravelRight => Motion::TravelRight,
+            Coordinate::Rack | Coordinate::SteeringWheel => Motion::Rack,
         }
     }
 

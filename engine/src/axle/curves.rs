@@ -2,12 +2,9 @@
 
 use super::places::{bounds, motion, place, proof};
 use super::solver::{AxleSolver, Placed, Placement, Read, Sought, WheelRead, both};
-use super::{
-    Axle, AxleCertifier, AxleColumn, AxleMotion, AxleQuantity, Of, Quantity, WheelMotion,
-    WheelQuantity,
-};
+use super::{Axle, AxleCertifier, AxleColumn, AxleMotion, AxleQuantity, Of, Quantity, WheelMotion};
 use crate::ask::NoValue;
-use crate::curves::{Column, Curves, Loads, Sensitivity, Station, Status};
+use crate::curves::{ByTime, Column, Curves, Loads, Sensitivity, Station, Status};
 use crate::mechanism::{DesignFault, NoPose};
 use crate::model::{Axis, PointId, Side};
 use crate::number::Each;
@@ -169,7 +166,9 @@ fn run<const N: usize>(axle: &Axle, plan: &AxlePlan) -> Result<AxleCurves, (Side
         };
         let station = read.and_then(|(placed, read)| {
             let forces = forces(&loads, &solver, &placed, &read);
-            let mut station = values(&columns, &read, forces);
+            let law = plan.course.time.as_ref().map(|time| &time.law);
+            let time = ByTime::at(law, plan.course.time_at(number));
+            let mut station = values(&columns, &read, time, forces);
             station.at = place(&plan.course, axle, (number, placement), Some(&placed));
             if !plan.sensitivities.is_empty() {
                 let more = gradients(axle, plan, &mut solver, &columns, &placed, number)?;
@@ -305,7 +304,12 @@ impl WheelCurves {
 }
 
 /// The values of a station, which is still without its place.
-fn values(columns: &[AxleColumn], read: &Read, forces: Vec<Result<f64, NoValue>>) -> Station {
+fn values(
+    columns: &[AxleColumn],
+    read: &Read,
+    time: ByTime,
+    forces: Vec<Result<f64, NoValue>>,
+) -> Station {
     let value = |value: Result<f64, NoValue>, column: &AxleColumn| {
         let printed = value? * column.factor;
         printed
@@ -315,7 +319,7 @@ fn values(columns: &[AxleColumn], read: &Read, forces: Vec<Result<f64, NoValue>>
     };
     let quantities = columns
         .iter()
-        .filter_map(|c| Some(value(c.evaluate(read)?, c)));
+        .filter_map(|c| Some(value(c.evaluate(read, time)?, c)));
     let values: Vec<_> = quantities.chain(forces).collect();
     let differentiates = columns
         .iter()
@@ -409,19 +413,4 @@ fn gradients<const N: usize>(
         }
     })?;
     Ok(found)
-}
-
-impl AxlePlan {
-    /// The least wheel load of either wheel, if wheel loads are requested.
-    pub fn least_wheel_load(&self, curves: &Curves) -> Option<f64> {
-        let loads = self.quantities.iter();
-        let loads = loads.filter(|q| matches!(q, Quantity::Wheel(_, WheelQuantity::WheelLoad)));
-        let columns = loads.filter_map(|load| {
-            let name = load.name();
-            let is_load = |column: &Column| column.by.is_none() && column.output == name;
-            curves.columns.iter().position(is_load)
-        });
-        let all = columns.flat_map(|k| curves.stations.iter().filter_map(move |s| s.value(k)));
-        all.min_by(f64::total_cmp)
-    }
 }

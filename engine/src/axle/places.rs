@@ -6,7 +6,7 @@ use super::{Axle, AxleMotion, AxlePlan, WheelMotion};
 use crate::curves::{MotionColumn, Proof};
 use crate::model::Axis;
 
-/// The numbers of a motion: roll, heave, both travels, rack and steering wheel. Travels follow in roll, and the roll angle
+/// The numbers of a motion: roll, heave, both travels, rack, steering wheel and time. Travels follow in roll, and the roll angle
 /// follows from given travels.
 pub(super) fn motion(course: &AxleMotion, axle: &Axle) -> Vec<MotionColumn> {
     let length = axle.left.length_unit.symbol();
@@ -37,6 +37,7 @@ pub(super) fn motion(course: &AxleMotion, axle: &Axle) -> Vec<MotionColumn> {
         ..given("rack", length)
     });
     columns.extend(steers.then(|| given("steering_wheel_angle", "deg")));
+    columns.extend(course.time.is_some().then(|| follows("time", "s")));
     columns
 }
 
@@ -62,6 +63,8 @@ pub(super) fn place(
     at.push(Some(placement.rack() * axle.left.frame.sign(Axis::Y) + 0.0));
     let angle = course.steering_wheel_at(number);
     at.extend(angle.map(|angle| Some(degrees(angle))));
+    let time = course.time.as_ref();
+    at.extend(time.map(|time| Some(time.law.times[course.time_at(number)])));
     at
 }
 

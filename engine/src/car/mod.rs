@@ -58,12 +58,16 @@
 //! The equations are written once over any number. One Newton step over numbers that carry gradients adds the gradient of
 //! the unknowns, and a further step over series does so for derivatives along a direction.
 
+mod answers;
 mod case;
 mod catalogue;
 mod corner;
+mod drawn;
 mod equations;
 mod formulas;
 mod gradients;
+mod limits;
+mod members;
 mod parameters;
 mod rates;
 mod road;
@@ -71,14 +75,18 @@ mod solver;
 mod templates;
 mod tune;
 
+pub use answers::{CarFault, CarRequest, CaseResult, FailedCases};
 pub use case::{
     Case, LateralShares, Longitudinal, LongitudinalShares, NoEquilibrium, Setting, TyreAxes,
 };
 pub use catalogue::{
     AxleEnd, AxleResult, CarInfo, CarNeed, CarQuantity, WheelPlace, WheelResult, WholeResult,
 };
+pub use drawn::CarDrawing;
 pub use equations::{Balance, UNKNOWNS, WheelState};
 pub use gradients::CarGradient;
+pub use limits::{Lift, RayLimits};
+pub use members::{CarMember, WheelMembers};
 pub use parameters::{AxleParameter, BodyParameter, Parameter, Parameters};
 pub use rates::Solved;
 pub use solver::{CarSolver, Equilibrium};
@@ -170,6 +178,13 @@ impl Car {
             Longitudinal::Drive => vehicle.drive_torque,
         };
         path != Some(TorquePath::Shafts)
+    }
+
+    /// Describes a design position that cannot be solved.
+    pub fn describe_fault(&self, (axle, side, fault): &CarFault) -> String {
+        let end = ["front", "rear"][*axle];
+        let reason = self.axles[*axle].describe_fault((*side, fault.clone()));
+        format!("{end} axle: {reason}")
     }
 
     /// Length units per metre.

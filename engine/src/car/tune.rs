@@ -50,12 +50,20 @@ pub struct CarTarget {
     pub quantity: CarQuantity,
     /// Number of the case.
     pub case: usize,
-    /// Its wanted value, as printed.
-    pub value: f64,
+    /// Lowest and highest wanted value, as printed; the same for a value.
+    pub wanted: [f64; 2],
     /// Deviation that counts as one.
     pub tolerance: f64,
     /// Weight.
     pub weight: f64,
+}
+
+impl CarTarget {
+    /// Deviation of a printed value from the wanted one; 0 within a band.
+    pub fn deviation(&self, found: f64) -> f64 {
+        let [low, high] = self.wanted;
+        found - found.clamp(low, high)
+    }
 }
 
 impl Moves {
@@ -92,6 +100,9 @@ impl Moves {
                         Law::Curve(_) => None,
                     },
                     AxleParameter::BarRate => setup.bar_rate,
+                    AxleParameter::HeaveSpringRate => Some(setup.rocker_springs.heave_spring?.rate),
+                    AxleParameter::TBarRate => setup.rocker_springs.t_bar,
+                    AxleParameter::HeaveBarRate => Some(setup.rocker_springs.heave_bar?.rate),
                     AxleParameter::TyreRate => Some(car.tyres?[axle].rate),
                     _ => None,
                 }
@@ -128,11 +139,14 @@ impl Moves {
         match *self {
             Moves::Hardpoint { axle, point, axis } => {
                 let axle = &mut car.axles[axle];
-                let step = sign * value;
-                axle.left.design[point.0][axis] += step;
-                if let Some(right) = &mut axle.right {
-                    right.design[point.0][axis] += step;
+                let mut left = axle.left.design.clone();
+                left[point.0][axis] += sign * value;
+                axle.complete(&mut left);
+                let right = axle.right_design(&left).map(|points| points.collect());
+                if let (Some(wheel), Some(design)) = (&mut axle.right, right) {
+                    wheel.design = design;
                 }
+                axle.left.design = left;
             }
             Moves::Rate { axle, parameter } => {
                 let setup = &mut car.axles[axle].setup;
@@ -145,6 +159,17 @@ impl Moves {
                         }
                     }
                     AxleParameter::BarRate => setup.bar_rate = Some(value),
+                    AxleParameter::TBarRate => setup.rocker_springs.t_bar = Some(value),
+                    AxleParameter::HeaveSpringRate => {
+                        if let Some(law) = &mut setup.rocker_springs.heave_spring {
+                            law.rate = value;
+                        }
+                    }
+                    AxleParameter::HeaveBarRate => {
+                        if let Some(law) = &mut setup.rocker_springs.heave_bar {
+                            law.rate = value;
+                        }
+                    }
                     _ => {
                         if let Some(tyres) = &mut car.tyres {
                             tyres[axle].rate = value;
@@ -164,8 +189,34 @@ impl Moves {
         }
     }
 
+    /// Its name in columns, without the unit: `front_tie_rod_inner_dz`, `rear_anti_roll_bar_rate`, `car_cg_z`.
+    pub fn stem(&self, car: &Car) -> String {
+        match *self {
+            Moves::Hardpoint { axle, point, axis } => {
+                let name = car.axles[axle].left.mechanism.name(point);
+                format!("{}_{name}_d{}", ["front", "rear"][axle], axis.name())
+            }
+            _ => self.label(car).replace('.', "_"),
+        }
+    }
+
+    /// Its unit; empty for a share.
+    pub fn unit(&self, car: &Car) -> String {
+        let length = car.length_unit.symbol();
+        match self {
+            Moves::Hardpoint { .. } | Moves::Wheelbase => length.to_owned(),
+            Moves::Rate { parameter, .. } => match parameter {
+                AxleParameter::BarRate => format!("N_{length}_per_rad"),
+                _ => format!("N_per_{length}"),
+            },
+            Moves::Body(BodyParameter::Mass) => "kg".to_owned(),
+            Moves::Body(parameter) if Moves::axis(*parameter).is_some() => length.to_owned(),
+            Moves::Body(_) => String::new(),
+        }
+    }
+
     /// The derivative of a result by the variable.
-    fn slope(&self, car: &Car, gradient: &CarGradient) -> f64 {
+    pub fn slope(&self, car: &Car, gradient: &CarGradient) -> f64 {
         let by = |parameter: Parameter| gradient.parameters[parameter.place()];
         match *self {
             Moves::Hardpoint { axle, point, axis } => {
@@ -198,12 +249,18 @@ pub fn rate_key(parameter: AxleParameter) -> &'static str {
         AxleParameter::SpringRate => "spring.rate",
         AxleParameter::SpringForce => "spring.force",
         AxleParameter::BarRate => "anti_roll_bar.rate",
+        AxleParameter::HeaveSpringRate => "heave_spring.rate",
+        AxleParameter::HeaveSpringForce => "heave_spring.force",
+        AxleParameter::TBarRate => "t_bar.rate",
+        AxleParameter::HeaveBarRate => "heave_bar.rate",
+        AxleParameter::HeaveBarTorque => "heave_bar.torque",
         AxleParameter::TyreRate => "tyre.rate",
         AxleParameter::Radius => "wheel.radius",
         AxleParameter::UnsprungMass => "vehicle.unsprung_mass",
         AxleParameter::OffsetX => "offset_x",
         AxleParameter::OffsetY => "offset_y",
         AxleParameter::OffsetZ => "offset_z",
+        AxleParameter::Rack => "rack",
     }
 }
 
@@ -220,6 +277,7 @@ pub fn body_key(parameter: BodyParameter) -> &'static str {
         BodyParameter::Ay => "ay",
         BodyParameter::Az => "az",
         BodyParameter::Speed => "speed",
+        BodyParameter::Warp => "warp",
     }
 }
 
@@ -272,9 +330,15 @@ impl LeastSquares for Objective<'_> {
                 let target = &self.targets[row];
                 let printed = target.quantity.info().unit.printed_factor(car.length_unit);
                 let scale = target.weight.sqrt() / target.tolerance;
-                into.residuals[row] = scale * (printed * gradient.value - target.value);
+                let deviation = target.deviation(printed * gradient.value);
+                into.residuals[row] = scale * deviation;
+                // Inside a band nothing changes the deviation.
+                let is_inside = deviation == 0.0 && target.wanted[0] < target.wanted[1];
                 for (column, variable) in self.variables.iter().enumerate() {
-                    let slope = variable.moves.slope(&car, gradient);
+                    let slope = match is_inside {
+                        true => 0.0,
+                        false => variable.moves.slope(&car, gradient),
+                    };
                     into.jacobian[(row, column)] = scale * printed * slope;
                 }
             }

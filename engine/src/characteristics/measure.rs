@@ -11,6 +11,7 @@
 //! that cut one another: their distance is 0 there and grows again beyond; and a member's end on the edge of a rim.
 
 use super::{CarriedForce, Quantity, Slot};
+use crate::compliance::KcValue;
 use crate::derive::Seeds;
 use crate::mechanism::Configuration;
 use crate::model::{Mechanism, PointId, RockerId};
@@ -23,6 +24,8 @@ pub enum Measure {
     Quantity(Quantity),
     /// A force in a link, a joint or the spring under a load.
     Carried(CarriedForce),
+    /// A value of a wheel with elastic parts. It is read off equilibria, so a pose has none.
+    Elastic(KcValue),
     /// The distance of two points.
     Length([PointId; 2]),
     /// The signed distance of a point from a plane, positive on the side its unit normal points to.
@@ -203,7 +206,7 @@ impl Measure {
         };
         use Input::{Designed, Now, StudDesigned, StudNow};
         match *self {
-            Measure::Quantity(_) | Measure::Carried(_) => list(&[]),
+            Measure::Quantity(_) | Measure::Carried(_) | Measure::Elastic(_) => list(&[]),
             Measure::Length([a, b]) => list(&[Now(a), Now(b)]),
             Measure::Height { point, .. }
             | Measure::DistanceFrom(point, _)
@@ -290,7 +293,9 @@ impl Measure {
     /// Evaluates the formula on the vectors that `inputs` names.
     pub(crate) fn formula<T: Scalar>(&self, v: &Vectors<T>) -> T {
         match self {
-            Measure::Quantity(_) | Measure::Carried(_) => v[0].x.lit(f64::NAN),
+            Measure::Quantity(_) | Measure::Carried(_) | Measure::Elastic(_) => {
+                v[0].x.lit(f64::NAN)
+            }
             Measure::Length(_) => (v[0] - v[1]).norm(),
             Measure::Height { over, normal, .. } => {
                 let p = v[0];

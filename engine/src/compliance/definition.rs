@@ -85,6 +85,12 @@ impl Compliance {
         }
     }
 
+    /// Returns true if the design position is an equilibrium.
+    pub fn rests_in_design(&self) -> bool {
+        let mut offsets = self.bushings.iter().flat_map(|part| part.preload);
+        self.relaxed == Relaxed::AtDesignLoad && offsets.all(|offset| offset == 0.0)
+    }
+
     /// Returns true if no part is elastic.
     pub fn is_rigid(&self) -> bool {
         self.bushings.is_empty() && self.links.is_empty()

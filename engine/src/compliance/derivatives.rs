@@ -22,8 +22,8 @@ use crate::number::{Dual, Jet, Scalar, Vector3};
 /// The equations in an equilibrium and their factors, with one quantity held: what all derivatives by loads share.
 #[derive(Clone, Debug)]
 pub struct Tangent<T = f64> {
-    state: State<T>,
-    task: Task<T>,
+    pub(super) state: State<T>,
+    pub(super) task: Task<T>,
     equations: Equations<T>,
     factors: SquareLu<T>,
 }
@@ -60,7 +60,7 @@ impl<T: Scalar> ElasticWheel<T> {
     }
 
     /// Rate of all unknowns along a change of an input.
-    fn rate(&self, tangent: &Tangent<T>, change: &Change<T>) -> Option<Step<T>> {
+    pub(super) fn rate(&self, tangent: &Tangent<T>, change: &Change<T>) -> Option<Step<T>> {
         let Tangent {
             state,
             task,
@@ -98,10 +98,19 @@ impl<T: Scalar> ElasticWheel<T> {
         tangent: &Tangent<T>,
         change: &Change<T>,
     ) -> Option<WheelFigures<T>> {
-        let rate = self.rate(tangent, change)?;
-        let moving = self.moving(&tangent.state, &rate);
+        let moving = self.moving_by(tangent, change)?;
         let geometry = self.geometry.map(Jet::constant);
         Some(geometry.figures(&moving, self.constants).map(|c| c[1]))
+    }
+
+    /// The state along a change of an input, as far as wheels are read.
+    pub(super) fn moving_by(
+        &self,
+        tangent: &Tangent<T>,
+        change: &Change<T>,
+    ) -> Option<State<Jet<T, 2>>> {
+        let rate = self.rate(tangent, change)?;
+        Some(self.moving(&tangent.state, &rate))
     }
 
     /// The same with the tangent of an equilibrium.

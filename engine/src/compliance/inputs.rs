@@ -1,9 +1,10 @@
 //! The inputs of an elastic suspension, and the suspension on a tape that has some of them.
 
 use super::definition::{AxialStiffness, Compliance};
+use super::fault::ElasticFault;
 use super::law::Shape;
 use super::system::Hold;
-use super::wheel::{ElasticFault, ElasticWheel, Equilibrium, HeldQuantity};
+use super::wheel::{ElasticWheel, Equilibrium, HeldQuantity};
 use crate::axle::Law;
 use crate::model::{Axis, PointId, Suspension};
 use crate::number::{Tape, Tracked, Vector3};
@@ -41,6 +42,24 @@ pub enum Parameter {
     Centre(Axis),
     /// A component of the moment.
     Moment(Axis),
+}
+
+impl Compliance {
+    /// Sets the rate of a bushing or a link; of a curve, the factor of its forces. Other parameters have none.
+    pub fn set_rate(&mut self, parameter: Parameter, value: f64) {
+        let number = match parameter {
+            Parameter::Stiffness(bushing, axis) => match &mut self.bushings[bushing].shapes[axis] {
+                Shape::Cubic { rate, .. } => rate,
+                Shape::Curve { scale, .. } => scale,
+            },
+            Parameter::Link(link) => match &mut self.links[link].stiffness {
+                AxialStiffness::Rate(rate) => rate,
+                AxialStiffness::PerStrain(force) => force,
+            },
+            _ => return,
+        };
+        *number = value;
+    }
 }
 
 /// An elastic suspension over numbers on a tape.

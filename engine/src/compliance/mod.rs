@@ -10,8 +10,10 @@
 mod algebra;
 mod build;
 mod bushing;
+mod characteristics;
 mod definition;
 mod derivatives;
+mod fault;
 mod floating;
 mod inputs;
 mod kc;
@@ -29,20 +31,19 @@ mod swinging;
 mod system;
 mod wheel;
 
+pub use characteristics::not_of_equilibrium;
 pub use definition::{
     AxialStiffness, BushingPart, Compliance, LinkMember, LinkPart, Relaxed, bushing_points,
     link_members,
 };
 pub use derivatives::Tangent;
+pub use fault::{ElasticFault, Motion, NoEquilibrium};
 pub use inputs::{OnTape, Parameter};
 pub use kc::{
     KcFigure, KcGradient, KcLevel, KcOutcome, KcRun, KcState, KcStation, KcTest, KcValue, TestLoad,
-    TestPlace, WheelAngle, quantities,
+    TestPlace, quantities,
 };
 pub use law::Shape;
 pub use loads::WheelLoads;
 pub use reading::WheelFigures;
-pub use wheel::{
-    BushingReading, Change, ElasticFault, ElasticWheel, Equilibrium, HeldQuantity, Motion,
-    NoEquilibrium, SpringReading,
-};
+pub use wheel::{BushingReading, Change, ElasticWheel, Equilibrium, HeldQuantity, SpringReading};

@@ -117,17 +117,15 @@ impl<T: Scalar> WheelGeometry<T> {
         }
     }
 
-    /// The wheel in a state.
-    pub(super) fn figures(&self, state: &State<T>, constants: Constants) -> WheelFigures<T> {
+    /// Inputs of the catalogue's formulas in a state. Rates, spring, rocker and bar are unknown.
+    pub(super) fn inputs(&self, state: &State<T>, constants: Constants) -> Inputs<T> {
         let carrier = &state.carrier;
-        let like = carrier.shift.x;
-        let nothing = like.lit(f64::NAN);
-        let mut now = Wheel::of_parts(|_| carrier.shift.lit(NOTHING), |_| nothing);
-        let axis = carrier.lever(self.wheel.spin_axis);
+        let nothing = carrier.shift.x.lit(f64::NAN);
+        let unknown = Wheel::of_parts(|_| carrier.shift.lit(NOTHING), |_| nothing);
+        let mut now = unknown;
         let at = |lever: Vector3<T>| self.origin + lever + carrier.displacement(lever);
-        now.spin_axis = axis;
+        now.spin_axis = carrier.lever(self.wheel.spin_axis);
         now.centre = at(self.wheel.centre);
-        let axis_of = |lower: Vector3<T>, upper: Vector3<T>| (lower, upper - lower);
         let steering = match self.steering {
             SteeringJoints::None => None,
             SteeringJoints::Joints([lower, upper]) => {
@@ -138,36 +136,47 @@ impl<T: Scalar> WheelGeometry<T> {
                     None => self.origin + top,
                     Some((limb, along)) => at(top) + carrier.lever(along) * state.limbs[limb].slide,
                 };
-                Some(axis_of(at(lower), upper))
+                let lower = at(lower);
+                Some((lower, upper - lower))
             }
         };
         if let Some((point, direction)) = steering {
             (now.steering_point, now.steering_direction) = (point, direction);
         }
-        let inputs = Inputs {
+        let mut design = DesignWheel::filled(nothing);
+        design.spin_axis = self.wheel.spin_axis;
+        design.centre = self.origin + self.wheel.centre;
+        Inputs {
             now,
-            rate: now,
+            rate: unknown,
             turn: carrier.shift.lit(NOTHING),
-            design: DesignWheel::filled(nothing),
+            design,
             constants,
-        };
+        }
+    }
+
+    /// The wheel in a state.
+    pub(super) fn figures(&self, state: &State<T>, constants: Constants) -> WheelFigures<T> {
+        let inputs = self.inputs(state, constants);
+        let (axis, centre) = (inputs.now.spin_axis, inputs.now.centre);
+        let has_axis = !matches!(self.steering, SteeringJoints::None);
         let of = |characteristic: Characteristic| characteristic.evaluate(&inputs);
-        let lever = Ground::level(like).contact_lever(axis, self.wheel.radius);
+        let lever = Ground::level(axis.x).contact_lever(axis, self.wheel.radius);
         let (heading, _) = Wheel::<T>::heading_and_outboard_of(axis);
         let (designed, _) = Wheel::<T>::heading_and_outboard_of(self.wheel.spin_axis);
-        let nose = carrier.lever(designed);
+        let nose = state.carrier.lever(designed);
         WheelFigures {
             toe: of(Characteristic::Toe),
             camber: of(Characteristic::Camber),
-            steering: steering.map(|_| {
+            steering: has_axis.then(|| {
                 [
                     of(Characteristic::Caster),
                     of(Characteristic::KingpinInclination),
                 ]
             }),
             spin: nose.dot(heading.cross(axis)).atan2(nose.dot(heading)),
-            centre: now.centre,
-            contact: now.centre + lever,
+            centre,
+            contact: centre + lever,
             vertical: state.vertical,
         }
     }

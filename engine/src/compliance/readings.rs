@@ -140,6 +140,17 @@ impl<T: Scalar> Built<T> {
     }
 }
 
+impl<T: Scalar> System<T> {
+    /// Length of the spring; `None` without one.
+    pub(super) fn spring_length(&self, state: &State<T>, rack: T) -> Option<T> {
+        let at = self.conditions(state, rack);
+        match self.seat(&at, state) {
+            Some(seat) => Some(seat.spring_length),
+            None => Some(self.mount(&at, state)?.spring_length),
+        }
+    }
+}
+
 impl<T: Scalar> ElasticWheel<T> {
     /// Angles and positions of the wheel.
     pub fn figures(&self, at: &Equilibrium<T>) -> WheelFigures<T> {

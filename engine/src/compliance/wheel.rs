@@ -2,6 +2,7 @@
 
 use super::build::Built;
 use super::definition::{Compliance, Relaxed};
+use super::fault::{ElasticFault, Motion, NoEquilibrium};
 use super::loads::WheelLoads;
 use super::preload::NoPreload;
 use super::reading::WheelGeometry;
@@ -37,52 +38,6 @@ pub enum Change<T = f64> {
     Travel,
     /// Displacement of the rack along the kernel's +y.
     Rack,
-}
-
-/// Reason why a suspension has no elastic model.
-#[derive(Clone, Debug, PartialEq)]
-pub enum ElasticFault {
-    /// Nothing holds a motion: the part, and the direction in which it is free.
-    Loose {
-        /// Name of the part.
-        part: String,
-        /// The motion.
-        motion: Motion,
-    },
-    /// The forces at the design load cannot be found: nothing holds a motion without torsion.
-    NoBalance {
-        /// Name of the part.
-        part: String,
-    },
-    /// The law of a bushing does not reach the force that it has at the design load.
-    OutOfReach {
-        /// Number of the bushing.
-        bushing: usize,
-        /// Axis, 0 to 2.
-        axis: usize,
-    },
-    /// The spring has no leverage on the wheel, or there is none.
-    NoLeverage,
-}
-
-/// A motion of a part.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Motion {
-    /// A turn about an axis of the vehicle.
-    Turn(Axis),
-    /// A shift along an axis of the vehicle.
-    Shift(Axis),
-}
-
-/// Reason why there is no equilibrium.
-#[derive(Clone, Debug, PartialEq)]
-pub struct NoEquilibrium {
-    /// Share of the way that was reached, 0 to 1.
-    pub share: f64,
-    /// True if an equilibrium was found at the end of the way, but not a stable one.
-    pub is_unstable: bool,
-    /// The part that gives way, and how.
-    pub softest: Option<(String, Motion)>,
 }
 
 /// An equilibrium.
@@ -246,6 +201,35 @@ impl<T: Scalar> ElasticWheel<T> {
 }
 
 impl ElasticWheel {
+    /// The largest force that is out of balance in a state, on the carrier or a part of the suspension. A moment counts by
+    /// its force at a lever of 300 mm. Infinite if the state has no equations.
+    pub fn out_of_balance(&self, at: &Equilibrium) -> f64 {
+        let Solution { state, task, .. } = &at.solution;
+        let Ok(equations) = self.built.system.equations(state, task, None) else {
+            return f64::INFINITY;
+        };
+        let lever = TURN_LEVER * self.bounds.millimetre;
+        let mut worst = 0.0;
+        // NaN is not in balance.
+        let mut note = |force: f64| worst = if force <= worst { worst } else { force };
+        for (k, force) in equations.residual[..6].iter().enumerate() {
+            let force = if k < 3 { *force } else { force / lever };
+            note(force.abs());
+        }
+        for (limb, forces) in self.built.system.limbs.iter().zip(&equations.inner) {
+            let shifts = match limb {
+                Limb::Floating(link) if link.inner.is_some() => 3,
+                Limb::Mount(_) => 1,
+                _ => 0,
+            };
+            for (k, force) in forces.iter().enumerate() {
+                let force = if k < shifts { *force } else { force / lever };
+                note(force.abs());
+            }
+        }
+        worst
+    }
+
     /// The equilibrium with the wheel centre at a height and without horizontal loads.
     pub fn at(&self, travel: f64, rack: f64) -> Result<Equilibrium, NoEquilibrium> {
         let (from, to) = (level_task(0.0, 0.0), level_task(travel, rack));

@@ -1,7 +1,7 @@
 //! Columns of the results: names that tell a number's meaning and unit.
 
-use crate::ask::with_unit;
-use crate::characteristics::Quantity;
+use crate::ask::{Info, with_unit};
+use crate::characteristics::{Characteristic, Quantity};
 use crate::model::{Axis, LengthUnit};
 use crate::plan::{Output, Plan};
 use crate::study::Drive;
@@ -38,6 +38,18 @@ impl Column {
             }
         }
         columns
+    }
+
+    /// The column of a characteristic.
+    pub(crate) fn of_characteristic(of: Characteristic, length: LengthUnit) -> Column {
+        let Info {
+            name,
+            unit,
+            positive,
+            ..
+        } = of.info();
+        let factor = unit.printed_factor(length);
+        Column::of_value((*name).to_owned(), unit.suffix(length), positive, factor)
     }
 
     /// The column of a value that no plan of one wheel has.
@@ -108,7 +120,7 @@ impl Column {
 }
 
 /// `wheel_centre_x` -> `wheel_centre_vx` or `wheel_centre_ax`.
-fn velocity_name(coordinate: &str, axis: Axis, order: usize) -> String {
+pub(crate) fn velocity_name(coordinate: &str, axis: Axis, order: usize) -> String {
     let point = coordinate.strip_suffix(axis.name()).unwrap_or(coordinate);
     let letter = if order == 1 { 'v' } else { 'a' };
     format!("{point}{letter}{}", axis.name())
@@ -116,7 +128,7 @@ fn velocity_name(coordinate: &str, axis: Axis, order: usize) -> String {
 
 /// `unit` divided by the `power`-th power of `by`: `deg`, `mm`, 2 -> `deg_per_mm2`, and
 /// `deg_per_mm`, `mm`, 1 -> `deg_per_mm2`.
-fn per(unit: &str, by: &str, power: usize) -> String {
+pub(crate) fn per(unit: &str, by: &str, power: usize) -> String {
     if power == 0 {
         return unit.to_owned();
     }

@@ -1,10 +1,11 @@
 //! Influence of each coordinate on each curve.
 
-use super::curves;
+use super::wheel_curves;
 use crate::characteristics::Quantity;
 use crate::mechanism::DesignFault;
-use crate::model::{PointId, Suspension};
+use crate::model::PointId;
 use crate::plan::{Output, Plan};
+use crate::study::WheelStudy;
 use serde::{Deserialize, Serialize};
 
 /// Influence of a hardpoint coordinate on an output over the motion.
@@ -25,7 +26,8 @@ pub struct Influence {
 
 /// Influence of every coordinate on every characteristic of a plan, with the rack at its first position. Stations without a
 /// pose are ignored. Coordinates without influence are left out.
-pub fn influences(suspension: &Suspension, plan: &Plan) -> Result<Vec<Influence>, DesignFault> {
+pub fn influences(own: &WheelStudy, plan: &Plan) -> Result<Vec<Influence>, DesignFault> {
+    let suspension = &own.suspension;
     let outputs: Vec<Output> = plan
         .outputs
         .iter()
@@ -35,13 +37,13 @@ pub fn influences(suspension: &Suspension, plan: &Plan) -> Result<Vec<Influence>
             ..o.clone()
         })
         .collect();
-    if outputs.is_empty() {
+    if outputs.is_empty() && plan.figures.is_empty() {
         return Ok(Vec::new());
     }
     let rate_order = outputs.iter().map(|o| o.quantity.rate_order()).max();
     let points = 0..suspension.mechanism.points.len();
-    let found = curves(
-        suspension,
+    let found = wheel_curves(
+        own,
         &Plan {
             racks: plan.racks[..1].to_vec(),
             time: None,

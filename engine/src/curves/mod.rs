@@ -1,7 +1,9 @@
 //! Curves: every output of a plan at every station of the motion, of one wheel or of an axle.
 
+mod by_time;
 mod column;
 mod drive_law;
+mod elastic;
 mod frames;
 mod influence;
 mod loads;
@@ -11,7 +13,9 @@ mod prover;
 mod run;
 pub mod thinned;
 
+pub(crate) use by_time::ByTime;
 pub use column::Column;
+pub(crate) use column::{per, velocity_name};
 pub use drive_law::DriveLaw;
 pub use frames::{Frame, OtherWheel, Placement, Turn, frames};
 pub use influence::{Influence, influences};
@@ -21,9 +25,20 @@ pub(crate) use prover::Prover;
 pub use run::curves;
 
 use crate::ask::{NoValue, with_unit};
-use crate::mechanism::{Failure, FormulationFailure, NoPose, Work};
+use crate::mechanism::{DesignFault, Failure, FormulationFailure, NoPose, Work};
 use crate::model::{Axis, PointId, Rod, Side};
+use crate::plan::Plan;
 use crate::solve::Rejection;
+use crate::study::WheelStudy;
+
+/// Curves of one wheel under a plan: of its equilibria if parts are elastic, else of its poses. Errors if its design
+/// position cannot be solved.
+pub fn wheel_curves(own: &WheelStudy, plan: &Plan) -> Result<Curves, DesignFault> {
+    match &own.compliance {
+        Some(elastic) => elastic::elastic_curves(&own.suspension, elastic, plan),
+        None => curves(&own.suspension, plan),
+    }
+}
 
 /// Status of a station: solved or not, and the quality of its values.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,6 +65,8 @@ impl Status {
             Status::IllConditioned => "ill_conditioned",
             Status::Unsupported => "unsupported",
             Status::Toggle(_) => "toggle",
+            Status::Failed(NoPose::NoEquilibrium { .. }) => "no_equilibrium",
+            Status::Failed(NoPose::Unstable) => "unstable",
             Status::Failed(reason) => match reason.of_wheel() {
                 None if reason.is_unproven() => "uncertified",
                 None => "unreachable",

@@ -3,7 +3,7 @@
 use super::drive_law::DriveLaw;
 use super::loads::Loads;
 use super::prover::Prover;
-use super::{Column, Curves, MotionColumn, Proof, Sensitivity, Station, Status};
+use super::{ByTime, Column, Curves, MotionColumn, Proof, Sensitivity, Station, Status};
 use crate::ask::NoValue;
 use crate::characteristics::{Quantity, Slot, Slots, WheelReading};
 use crate::derive::{DesignSeries, Linearised, MotionPoint};
@@ -287,7 +287,7 @@ impl<'a, const N: usize> Run<'a, N> {
         drive: f64,
     ) -> Findings {
         let plan = self.plan;
-        let in_time = ByTime::at(plan, number);
+        let in_time = ByTime::at(plan.time.as_ref(), number);
         let toggle = self.toggles.note(solver, at, drive);
         let view = WheelReading::reading(at, plan.constants, plan.reads);
         let mut values = Vec::with_capacity(self.columns.len());
@@ -344,7 +344,7 @@ impl<'a, const N: usize> Run<'a, N> {
     /// The sensitivities of every column.
     fn gradients(&self, linearised: &Linearised<'_, N>, number: usize) -> Vec<Sensitivity> {
         let plan = self.plan;
-        let in_time = ByTime::at(plan, number);
+        let in_time = ByTime::at(plan.time.as_ref(), number);
         let view = WheelReading::reading(&linearised.at, plan.constants, plan.reads);
         let zero = Vector3::new(0.0, 0.0, 0.0).map(Jet::constant);
         let mut buffer = vec![zero; self.suspension.design.len()];
@@ -394,7 +394,7 @@ const TRAVEL: usize = 0;
 
 /// The numbers of the motion: travel, the drive's angle, rack and time. The travel follows where an angle drives, and so
 /// does the time's drive value.
-fn motion(plan: &Plan, length: &'static str) -> Vec<MotionColumn> {
+pub(super) fn motion(plan: &Plan, length: &'static str) -> Vec<MotionColumn> {
     let travel = MotionColumn {
         is_given: !plan.drive.is_angle(),
         ..MotionColumn::given(Drive::Travel.key(), length)
@@ -416,7 +416,7 @@ fn motion(plan: &Plan, length: &'static str) -> Vec<MotionColumn> {
 }
 
 /// The numbers of the motion at a station, in the order of [`motion`].
-fn place(plan: &Plan, number: usize, value: f64, rack: f64) -> Vec<Option<f64>> {
+pub(super) fn place(plan: &Plan, number: usize, value: f64, rack: f64) -> Vec<Option<f64>> {
     let printed = Some(plan.drive.printed(value));
     let mut at = match plan.drive.is_angle() {
         true => vec![None, printed],
@@ -425,40 +425,4 @@ fn place(plan: &Plan, number: usize, value: f64, rack: f64) -> Vec<Option<f64>> 
     at.push(Some(rack));
     at.extend(plan.time.as_ref().map(|law| Some(law.times[number])));
     at
-}
-
-/// First and second derivative of the drive by time, where results are by time.
-struct ByTime(Option<[f64; 2]>);
-
-impl ByTime {
-    fn at(plan: &Plan, number: usize) -> Self {
-        ByTime(plan.time.as_ref().map(|law| {
-            let series = law
-                .polynomial
-                .iter()
-                .rev()
-                .fold(Jet::<f64, 3>::constant(0.0), |sum, c| {
-                    sum * Jet::variable(law.times[number]) + Jet::constant(*c)
-                });
-            [series.derivative(1), series.derivative(2)]
-        }))
-    }
-
-    /// The derivative of this order by the drive, or by time: with y', y'' by the drive q(t),
-    /// dy/dt = y' q' and d2y/dt2 = y'' q'^2 + y' q''. A quantity that is a rate itself (an angular
-    /// velocity) is by the drive too: w q' and w' q'^2 + w q''.
-    fn apply(&self, is_rate: bool, by_drive: [f64; 3], order: usize) -> f64 {
-        let Some([velocity, acceleration]) = self.0 else {
-            return by_drive[order];
-        };
-        let [y, first, second] = match is_rate {
-            true => [f64::NAN, by_drive[0], by_drive[1]],
-            false => by_drive,
-        };
-        match order + is_rate as usize {
-            0 => y,
-            1 => first * velocity,
-            _ => second * velocity * velocity + first * acceleration,
-        }
-    }
 }

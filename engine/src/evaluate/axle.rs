@@ -7,7 +7,7 @@ use super::axle_lanes::AxleLanes;
 use super::evaluator::{Evaluator, FindsSlopes, Pairs, SolvesOneByOne};
 use super::stations::place_of;
 use super::{Block, Stations};
-use crate::axle::{Axle, AxleColumn, AxlePlan, AxleSolver, Placement, Quantity, Read};
+use crate::axle::{Axle, AxleColumn, AxleMotion, AxlePlan, AxleSolver, Placement, Quantity, Read};
 use crate::curves::Column;
 use crate::mechanism::DesignFault;
 use crate::model::Side;
@@ -46,8 +46,16 @@ impl<'s> AxleStations<'s> {
             place_of(&mut placements, placement);
         }
         let value = |placement: &Placement| over.written(placement.along(over), &axle);
+        // Gains are by what moves, also where the curves are by time.
+        let by_motion = AxlePlan {
+            course: AxleMotion {
+                time: None,
+                ..plan.course.clone()
+            },
+            ..plan.clone()
+        };
         AxleStations {
-            gains: plan
+            gains: by_motion
                 .columns(&axle)
                 .into_iter()
                 .filter(|c| c.order == 1 && c.quantity().is_some())
@@ -144,7 +152,9 @@ impl<const N: usize> FindsSlopes for OneByOne<'_, N> {
         for number in 0..designs[0].len() / points {
             let read = self.read_design(pair(designs, number, points));
             for (k, column) in self.stations.gains.iter().enumerate() {
-                let gain = read.as_ref().and_then(|read| column.evaluate(read)?.ok());
+                let gain = read
+                    .as_ref()
+                    .and_then(|read| column.along(read, column.order)?.ok());
                 block.put_slope(number, k, gain.unwrap_or(f64::NAN));
             }
         }

@@ -36,6 +36,8 @@ pub(super) trait SolvesInLanes: Send {
 pub(super) trait SolvesOneByOne: Send {
     /// Evaluates the designs of these numbers.
     fn evaluate(&mut self, designs: Pairs<'_>, numbers: &[usize], block: &mut Block);
+    /// Takes the varied rates of all designs of the next block, design after design.
+    fn take_rates(&mut self, _rates: &[f64]) {}
 }
 
 /// Finds the slopes that take one derivative more than the values do.
@@ -152,6 +154,11 @@ impl<'a> Evaluator<'a> {
         self.evaluate_pairs([designs, &rights], block);
         self.rights = rights;
         self.fallback.len()
+    }
+
+    /// Sets the varied rates of elastic parts for the next designs, design after design.
+    pub(crate) fn set_rates(&mut self, rates: &[f64]) {
+        self.one_by_one.take_rates(rates);
     }
 
     /// Evaluates designs given as the points of left and of right wheels, each in the frame of its side; without right

@@ -9,6 +9,7 @@ mod axle;
 mod axle_gradients;
 mod axle_lanes;
 mod block;
+mod elastic;
 mod evaluator;
 mod gradient_evaluator;
 mod gradients_one_by_one;
@@ -21,6 +22,7 @@ mod stations;
 
 pub(crate) use axle::AxleStations;
 pub use block::{BLOCK, Block, FailedStation};
+pub(crate) use elastic::{ElasticQuantities, ElasticRead};
 pub use evaluator::{Evaluator, Pairs};
 pub use gradient_evaluator::{Evaluated, GradientEvaluator};
 pub use lane_gradients::{AngleTarget, Deviations, Gradients, Jacobians};

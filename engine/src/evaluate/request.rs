@@ -1,5 +1,6 @@
 //! Requests: what is evaluated of each design.
 
+use super::elastic::ElasticQuantities;
 use super::gradient_evaluator::GradientEvaluator;
 use super::rate_slopes::RateSlopes;
 use super::{AxleStations, Block, Evaluator, Stations};
@@ -23,6 +24,7 @@ pub(crate) struct Request<'s> {
 enum Requested<'s> {
     Corner(Box<CornerQuantities<'s>>),
     Axle(Box<AxleStations<'s>>),
+    Elastic(Box<ElasticQuantities>),
 }
 
 /// Quantities of the wheel of a corner.
@@ -51,6 +53,19 @@ impl<'s> Request<'s> {
                 quantities,
                 has_slope,
             })),
+        }
+    }
+
+    /// Quantities of a wheel with elastic parts, each with its column.
+    pub(crate) fn of_elastic(
+        quantities: ElasticQuantities,
+        stations: Stations,
+        columns: Vec<Column>,
+    ) -> Self {
+        Request {
+            columns,
+            stations,
+            of: Requested::Elastic(Box::new(quantities)),
         }
     }
 
@@ -84,18 +99,26 @@ impl<'s> Request<'s> {
         &self.stations
     }
 
+    /// The numbers of the values that are read at a station of a wheel with elastic parts; empty for others.
+    pub(crate) fn read_at(&self, station: usize) -> &[usize] {
+        match &self.of {
+            Requested::Elastic(quantities) => quantities.read_at(station),
+            Requested::Corner(_) | Requested::Axle(_) => &[],
+        }
+    }
+
     /// The quantities of a corner; empty for an axle.
     pub(crate) fn of_wheel(&self) -> &[Quantity] {
         match &self.of {
             Requested::Corner(corner) => &corner.quantities,
-            Requested::Axle(_) => &[],
+            Requested::Axle(_) | Requested::Elastic(_) => &[],
         }
     }
 
     /// Positions and quantities of an axle; `None` for a corner.
     pub(crate) fn axle(&self) -> Option<&AxleStations<'s>> {
         match &self.of {
-            Requested::Corner(_) => None,
+            Requested::Corner(_) | Requested::Elastic(_) => None,
             Requested::Axle(stations) => Some(stations),
         }
     }
@@ -104,7 +127,7 @@ impl<'s> Request<'s> {
     pub(crate) fn block(&self) -> Block {
         let (values, stations) = (self.columns.len(), self.stations.count());
         match &self.of {
-            Requested::Corner(_) => Block::new(values, stations),
+            Requested::Corner(_) | Requested::Elastic(_) => Block::new(values, stations),
             Requested::Axle(axle) => Block::with_gains(values, stations, axle.gains.len()),
         }
     }
@@ -126,6 +149,7 @@ impl<'s> Request<'s> {
                 Ok(evaluator)
             }
             Requested::Axle(stations) => stations.evaluator(width),
+            Requested::Elastic(quantities) => quantities.evaluator(&self.stations),
         }
     }
 
@@ -144,6 +168,8 @@ impl<'s> Request<'s> {
                     .map_err(|fault| (Side::Left, fault))
             }
             Requested::Axle(stations) => GradientEvaluator::of_axle(stations),
+            // Gradients of equilibria are formed with those by rates, on a tape.
+            Requested::Elastic(_) => Err((Side::Left, DesignFault::Singular)),
         }
     }
 }

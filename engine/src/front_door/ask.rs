@@ -151,8 +151,14 @@ impl Study {
         let variables = variables.iter().map(|variable| SweepVariable {
             name: variable.label(),
             moves: variable.moves.clone(),
+            rate: variable.rate,
             absolute: false,
-            range: variable.range,
+            // The range of a rate as a variable is in logarithms or changes; here it is in factors or rates.
+            range: match &variable.rate {
+                Some(rate) if rate.is_relative => variable.range.map(f64::exp),
+                Some(rate) => variable.range.map(|change| rate.design + change),
+                None => variable.range,
+            },
             steps,
         });
         self.sweep = Some(Sweep {

@@ -2,7 +2,7 @@
 
 use super::Error;
 use crate::axle::axle_curves;
-use crate::curves::{Curves, curves};
+use crate::curves::{Curves, wheel_curves};
 use crate::optimise::{Control, Tuning, tune};
 use crate::plan::Plan;
 use crate::study::{Designs, MOST_DESIGNS, MOST_EXCHANGED, Sampled, Sampling, Study, Vehicle};
@@ -48,7 +48,7 @@ impl Study {
             Vehicle::Axle(both) => axle_curves(&both.axle, &both.plan)
                 .map(|found| found.curves)
                 .map_err(|fault| Error::Design(both.axle.describe_fault(fault))),
-            Vehicle::Wheel(own) => curves(&own.suspension, &Plan::of(own))
+            Vehicle::Wheel(own) => wheel_curves(own, &Plan::of(own))
                 .map_err(|fault| Error::design(&own.suspension, &fault)),
         }
     }

@@ -13,6 +13,9 @@ pub enum FunctionError {
         "DesignFunction does not support formulation = \"point_coordinates\" or drive = \"paper_theta\""
     )]
     Formulation,
+    /// The study has elastic parts, whose equilibria are no function of positions alone.
+    #[error("DesignFunction is of the rigid mechanism; the study has [compliance]")]
+    Elastic,
     /// The study asks for nothing that is a function of position.
     #[error("the study requests no characteristic and no point")]
     NoOutputs,
@@ -128,11 +131,13 @@ impl DesignVariable {
         self.moved.range
     }
 
-    /// The variable as a column of a table of designs. `None` for a turn, which cannot be one.
+    /// The variable as a column of a table of designs. `None` for a turn or a rate, which cannot be one.
     pub fn swept_as(&self) -> Option<SweepVariable> {
-        self.moved.turn.is_none().then(|| SweepVariable {
+        let is_of_points = self.moved.turn.is_none() && self.moved.rate.is_none();
+        is_of_points.then(|| SweepVariable {
             name: self.name.clone(),
             moves: self.moved.moves.clone(),
+            rate: None,
             absolute: self.absolute,
             range: self.moved.range,
             steps: None,

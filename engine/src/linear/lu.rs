@@ -218,6 +218,7 @@ fn add<const N: usize>(row: &mut [f64; N], factor: f64, other: &[f64; N]) {
 mod tests {
     use super::*;
     use crate::number::Real;
+    use std::array::from_fn;
 
     const A: Matrix6<f64> = [
         [0.0, 2.0, 1.0, -1.0, 0.5, 3.0],

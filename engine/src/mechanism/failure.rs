@@ -238,6 +238,8 @@ pub enum DesignFault {
     NoFormulation(&'static str),
     /// The constraints are dependent and do not hold the knuckle, or the drive cannot move it.
     Singular,
+    /// The elastic parts have no equilibrium to begin with, for this reason.
+    Elastic(String),
 }
 
 impl DesignFault {
@@ -290,6 +292,7 @@ impl DesignFault {
             DesignFault::Singular => {
                 "the design position is singular: the drive cannot move the wheel from it".to_owned()
             }
+            DesignFault::Elastic(reason) => reason.clone(),
         }
     }
 }

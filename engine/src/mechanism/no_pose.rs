@@ -40,6 +40,17 @@ pub enum NoPose {
     /// A proof was requested: both poses are proved, but not that the ground under them is the only one there.
     #[error("both poses are proved, but not the uniqueness of the ground position")]
     Unproven,
+    /// Elastic parts hold no equilibrium.
+    #[error(
+        "no equilibrium: the wheel holds {share:.6} of the way from the design position; `hardpoint kc` names the part that gives way"
+    )]
+    NoEquilibrium {
+        /// Share of the way that was reached.
+        share: f64,
+    },
+    /// Elastic parts have an equilibrium that a small push ends.
+    #[error("the equilibrium is not stable: a small push ends it")]
+    Unstable,
 }
 
 impl NoPose {
@@ -99,7 +110,11 @@ impl NoPose {
             NoPose::Corner(failure)
             | NoPose::Wheel { failure, .. }
             | NoPose::RigidAxle { failure, .. } => Some(failure),
-            NoPose::NoGround | NoPose::NoLoad | NoPose::Unproven => None,
+            NoPose::NoGround
+            | NoPose::NoLoad
+            | NoPose::Unproven
+            | NoPose::NoEquilibrium { .. }
+            | NoPose::Unstable => None,
         }
     }
 

@@ -20,12 +20,14 @@ static PANHARD: Group = Group {
         optional("panhard_axle", "Panhard rod at the axle; true y"),
     ],
     complete: &[&["panhard_chassis", "panhard_axle"]],
+    beside: &[],
     distinct: &[("panhard_chassis", "panhard_axle", NO_LENGTH)],
 };
 
 /// The Watt linkage: a rocker on the axle with two links to the body, or a rocker on the body with two links to the axle.
 static WATT: Group = Group {
     what: "the Watt linkage",
+    beside: &[],
     hardpoints: &[
         optional("watt_pivot", "pivot of the Watt rocker; true y"),
         optional("watt_axis", "a second point of the rocker's axis; true y"),

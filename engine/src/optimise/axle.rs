@@ -103,8 +103,13 @@ pub(super) struct Moved<'m> {
 
 /// Residuals and their derivatives.
 pub(super) trait RowsBeside: Send {
-    /// Writes the rows of all its targets.
-    fn evaluate(&mut self, moved: &Moved<'_>, into: &mut Linearisation) -> Result<(), Infeasible>;
+    /// Writes the rows of all its targets, and those of its constraints into `rows`, if given.
+    fn evaluate(
+        &mut self,
+        moved: &Moved<'_>,
+        into: &mut Linearisation,
+        rows: Option<&mut Linearisation>,
+    ) -> Result<(), Infeasible>;
 }
 
 /// The rows of a layout.
@@ -141,7 +146,12 @@ struct Rows<'a, const N: usize> {
 }
 
 impl<const N: usize> RowsBeside for Rows<'_, N> {
-    fn evaluate(&mut self, moved: &Moved<'_>, into: &mut Linearisation) -> Result<(), Infeasible> {
+    fn evaluate(
+        &mut self,
+        moved: &Moved<'_>,
+        into: &mut Linearisation,
+        _rows: Option<&mut Linearisation>,
+    ) -> Result<(), Infeasible> {
         let Rows {
             layout,
             solver,

@@ -12,7 +12,7 @@
 
 use super::Infeasible;
 use super::moves::PointRate;
-use super::objective::refused;
+use super::station_reader::refused;
 use crate::assembly::{Alignment, Assembler, Parts, Rest};
 use crate::mechanism::DesignFault;
 use crate::model::{Mechanism, PointId, Suspension};

@@ -4,13 +4,25 @@
 //! tape of its station; its slope along a variable is the sum over what the variable moves.
 
 use super::axle::{Moved, RowsBeside};
-use super::layout::TargetSample;
+use super::layout::{Check, TargetSample};
 use super::{Infeasible, Linearisation};
-use crate::compliance::{AxialStiffness, Compliance, KcRun, KcValue, Parameter, Shape};
+use crate::compliance::{Compliance, KcRun, KcValue, Parameter};
 use crate::evaluate::place_of;
 use crate::model::{Axis, PointId, Suspension};
 use crate::number::Tape;
-use crate::study::{About, ComplianceStudy, Optimise, Variable, WheelStudy};
+use crate::study::{About, ComplianceStudy, Limited, Motion, Optimise, Site, Variable, WheelStudy};
+
+/// A limit on a value at a station.
+#[derive(Clone, Debug)]
+struct LimitedValue {
+    /// The part of a constraint.
+    part: usize,
+    /// Number among the station's values.
+    of: usize,
+    limited: Limited,
+    /// Its rows.
+    check: Check,
+}
 
 /// A station, and what is wanted there.
 #[derive(Clone, Debug)]
@@ -21,6 +33,7 @@ struct ElasticStation {
     values: Vec<KcValue>,
     /// Their `of` is a number among `values`.
     samples: Vec<TargetSample>,
+    limits: Vec<LimitedValue>,
 }
 
 /// The targets of a wheel with elastic parts, laid out.
@@ -49,20 +62,10 @@ impl ElasticLayout {
             let About::Elastic(value) = target.of.about else {
                 continue;
             };
-            let motion = target.site.motion.as_ref().map(|(_, motion)| motion);
-            let motion = motion.unwrap_or(&wheel.motion);
-            let home = [if motion.rack_moves {
-                0.0
-            } else {
-                motion.rack[0]
-            }];
-            let racks: &[f64] = match target.site.racks.as_slice() {
-                [] => &home,
-                racks => racks,
-            };
+            let (motion, racks) = place(&target.site, &wheel.motion);
             for rack in racks {
                 for sample in target.wanted.samples(&target.stations_in(motion)) {
-                    let station = layout.station(sample.drive, *rack);
+                    let station = layout.station(sample.drive, rack);
                     let of = place_of(&mut station.values, value);
                     station.samples.push(TargetSample {
                         row: *rows,
@@ -88,10 +91,68 @@ impl ElasticLayout {
                 rack,
                 values: Vec::new(),
                 samples: Vec::new(),
+                limits: Vec::new(),
             });
             self.stations.len() - 1
         });
         &mut self.stations[place]
+    }
+
+    /// Limits a value at the stations of a site; without one in the design position.
+    pub(super) fn limit(
+        &mut self,
+        part: usize,
+        value: KcValue,
+        limited: &Limited,
+        site: Option<&Site>,
+        motion: &Motion,
+    ) {
+        let at: Vec<[f64; 2]> = match site {
+            None => vec![[0.0, 0.0]],
+            Some(site) => {
+                let (motion, racks) = place(site, motion);
+                let racks = racks.iter();
+                racks
+                    .flat_map(|rack| motion.values.iter().map(|travel| [*travel, *rack]))
+                    .collect()
+            }
+        };
+        for [travel, rack] in at {
+            let station = self.station(travel, rack);
+            let of = place_of(&mut station.values, value);
+            station.limits.push(LimitedValue {
+                part,
+                of,
+                limited: limited.clone(),
+                check: Check {
+                    part,
+                    lower: None,
+                    upper: None,
+                    equal: None,
+                },
+            });
+        }
+    }
+
+    /// Station and part of each limited value.
+    pub(super) fn limited(&self) -> impl Iterator<Item = (usize, usize)> {
+        let stations = self.stations.iter().enumerate();
+        stations.flat_map(|(k, station)| station.limits.iter().map(move |own| (k, own.part)))
+    }
+
+    /// Gives limited values their rows, from part and station.
+    pub(super) fn number_rows(&mut self, mut rows: impl FnMut(usize, usize) -> Check) {
+        for (k, station) in self.stations.iter_mut().enumerate() {
+            for own in &mut station.limits {
+                own.check = rows(own.part, k);
+            }
+        }
+    }
+
+    /// The travel of a station, if the part is limited at several stations.
+    pub(super) fn place_of(&self, part: usize, station: usize) -> Option<f64> {
+        let count = self.limited().filter(|(_, own)| *own == part).count();
+        (count > 1).then(|| self.stations[station].travel)
     }
 
     /// Weighs the rows: the residual of each target per deviation in tolerances.
@@ -113,19 +174,15 @@ impl ElasticLayout {
     }
 }
 
-/// Sets a rate.
-pub(super) fn set_rate(parts: &mut Compliance, parameter: Parameter, value: f64) {
-    match parameter {
-        Parameter::Stiffness(bushing, axis) => match &mut parts.bushings[bushing].shapes[axis] {
-            Shape::Cubic { rate, .. } => *rate = value,
-            Shape::Curve { scale, .. } => *scale = value,
-        },
-        Parameter::Link(link) => match &mut parts.links[link].stiffness {
-            AxialStiffness::Rate(rate) => *rate = value,
-            AxialStiffness::PerStrain(force) => *force = value,
-        },
-        _ => {}
-    }
+/// The motion of a site, and its rack displacements along the study's +y.
+fn place<'m>(site: &'m Site, own: &'m Motion) -> (&'m Motion, Vec<f64>) {
+    let motion = site.motion.as_ref().map_or(own, |(_, motion)| motion);
+    let racks = match (site.racks.as_slice(), motion.rack_moves) {
+        ([], true) => vec![0.0],
+        ([], false) => vec![motion.rack[0]],
+        (racks, _) => racks.to_vec(),
+    };
+    (motion, racks)
 }
 
 /// The rows of a layout.
@@ -191,7 +248,12 @@ fn along_variables(
 }
 
 impl RowsBeside for Rows<'_> {
-    fn evaluate(&mut self, moved: &Moved<'_>, into: &mut Linearisation) -> Result<(), Infeasible> {
+    fn evaluate(
+        &mut self,
+        moved: &Moved<'_>,
+        into: &mut Linearisation,
+        mut rows: Option<&mut Linearisation>,
+    ) -> Result<(), Infeasible> {
         let Rows {
             layout,
             parameters,
@@ -201,7 +263,7 @@ impl RowsBeside for Rows<'_> {
         } = self;
         for (variable, x) in moved.variables.iter().zip(moved.x.iter()) {
             if let Some(rate) = &variable.rate {
-                set_rate(parts, rate.parameter, rate.at(*x)[0]);
+                parts.set_rate(rate.parameter, rate.at(*x)[0]);
             }
         }
         let tyre_rate = layout.elastic.tyre_rate;
@@ -222,6 +284,11 @@ impl RowsBeside for Rows<'_> {
                 for sample in station.samples.iter().filter(own) {
                     if sample.write_residual(sample.row, value, into) {
                         into.write_slopes(sample.row, slopes, sample.scale);
+                    }
+                }
+                if let Some(rows) = &mut rows {
+                    for own in station.limits.iter().filter(|own| own.of == found.number) {
+                        own.check.write(&own.limited, value, slopes, rows);
                     }
                 }
             });

@@ -106,7 +106,7 @@ pub struct RowLabel {
     pub part: usize,
     /// Whether it is the upper limit.
     pub is_upper: bool,
-    /// Number of the leg: a motion at one rack displacement.
+    /// Number of the leg: a motion at one rack displacement. The number after the last leg stands for elastic parts.
     pub leg: usize,
     /// Number of the station. If the part has an extreme between it and its neighbours, the row is about that instead.
     pub station: usize,
@@ -250,7 +250,7 @@ impl TargetLayout {
                 }
             }
         }
-        let beside = match vehicle {
+        let mut beside = match vehicle {
             Vehicle::Axle(both) => Some(Beside::Axle(Box::new(AxleLayout::of(
                 &both.axle, optimise, &mut rows, &mut own,
             )))),
@@ -263,6 +263,12 @@ impl TargetLayout {
         for (place, part) in parts.iter().enumerate() {
             let default = Site::default();
             let site = optimise.constraints[part.constraint].site.as_ref();
+            if let (Some(Beside::Elastic(elastic)), Measure::Elastic(value)) =
+                (&mut beside, &part.limited.of)
+            {
+                elastic.limit(place, *value, &part.limited, site, own_motion);
+                continue;
+            }
             let (motion, legs) = legs_of(site.unwrap_or(&default), own_motion, frame, &mut drafts);
             if part.is_at_design {
                 // The design position has the rack straight ahead.
@@ -335,6 +341,14 @@ impl TargetLayout {
                 labels.push(label(part, true, leg, station));
             }
         }
+        let of_elastic = drafts.len();
+        if let Some(Beside::Elastic(elastic)) = &beside {
+            for (station, part) in elastic.limited() {
+                if is_equality(&parts[part]) {
+                    labels.push(label(part, true, of_elastic, station));
+                }
+            }
+        }
         let equalities = labels.len();
         let mut legs: Vec<Leg> = Vec::new();
         for (number, draft) in drafts.into_iter().enumerate() {
@@ -389,6 +403,24 @@ impl TargetLayout {
                 extremes,
             });
         }
+        if let Some(Beside::Elastic(elastic)) = &mut beside {
+            elastic.number_rows(|part, station| {
+                let equal = label(part, true, of_elastic, station);
+                let equal = labels[..equalities].iter().position(|l| *l == equal);
+                let mut row = |limit: Option<f64>, is_upper: bool| {
+                    limit.filter(|_| equal.is_none())?;
+                    labels.push(label(part, is_upper, of_elastic, station));
+                    Some(labels.len() - 1)
+                };
+                let limited = &parts[part].limited;
+                Check {
+                    part,
+                    lower: row(limited.lower, false),
+                    upper: row(limited.upper, true),
+                    equal,
+                }
+            });
+        }
         let all = || measures.iter().chain(parts.iter().map(|p| &p.limited.of));
         TargetLayout {
             rate_order: all().map(Measure::rate_order).max().unwrap_or(0),
@@ -408,6 +440,18 @@ impl TargetLayout {
     /// Highest order of the derivatives by the drive that a target or a constraint reads.
     pub fn rate_order(&self) -> usize {
         self.rate_order
+    }
+
+    /// The drive value of a constraint's row, if the constraint is checked at several.
+    pub(super) fn place_of(&self, label: &RowLabel) -> Option<f64> {
+        let Some(leg) = self.legs.get(label.leg) else {
+            let Some(Beside::Elastic(elastic)) = &self.beside else {
+                return None;
+            };
+            return elastic.place_of(label.part, label.station);
+        };
+        let values = leg.order.values();
+        (values.len() > 1).then(|| values[label.station])
     }
 
     /// Number of residuals, build after build.

@@ -46,6 +46,7 @@ mod qr;
 mod simulated_fits;
 mod standard_errors;
 mod starts;
+mod station_reader;
 mod stationarity;
 mod student;
 #[cfg(test)]

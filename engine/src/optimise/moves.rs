@@ -5,7 +5,6 @@
 //! tan(a/2)/a. The factor tan(a/2)/a is a power series in w.w. It is summed to double precision up to the largest turn
 //! that a study may ask for.
 
-use super::elastic::set_rate;
 use crate::model::{Axis, Frame, Suspension};
 use crate::number::{Dual, Matrix3, Real, Vector3};
 use crate::study::{Study, Variable};
@@ -116,7 +115,7 @@ impl Study {
         if let Some(elastic) = elastic {
             for (variable, offset) in optimise.variables.iter().zip(offsets) {
                 if let Some(rate) = &variable.rate {
-                    set_rate(&mut elastic.parts, rate.parameter, rate.at(*offset)[0]);
+                    elastic.parts.set_rate(rate.parameter, rate.at(*offset)[0]);
                 }
             }
         }

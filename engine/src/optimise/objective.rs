@@ -15,7 +15,7 @@
 
 use super::axle::{Moved, RowsBeside, axle_rows};
 use super::builds::{Builds, follower};
-use super::carried::{self, AlongVariables};
+use super::carried::AlongVariables;
 use super::constrained::{Assessment, Constrained, Shape};
 use super::elastic::elastic_rows;
 use super::extremes::{self, SEARCHES, Search};
@@ -23,16 +23,17 @@ use super::lane_builds::LaneBuilds;
 use super::lane_rows::{Checked, LaneRows};
 use super::layout::{Beside, Extremes, Leg, TargetLayout};
 use super::moves::{PointRate, moved_design, point_rates};
+use super::station_reader::{
+    PartValues, ReadStations, Reader, Reading, Visit, read, read_poses, reader, refused,
+};
 use super::{Infeasible, LeastSquares, Linearisation};
-use crate::characteristics::{Constants, Measure, WheelReading};
-use crate::derive::{DesignSeries, Linearised, MotionPoint};
-use crate::mechanism::{DesignFault, Failure, Pose};
-use crate::model::{Drive, Frame, Mechanism, PointId, Suspension};
-use crate::number::{Jet, Vector3, Width};
+use crate::characteristics::{Constants, WheelReading};
+use crate::mechanism::DesignFault;
+use crate::model::{Frame, PointId, Suspension};
+use crate::number::{Vector3, Width};
 use crate::solve::{Solver, StationOrder, Toggles};
 use crate::study::{Scatter, Variable};
 use nalgebra::DVector;
-use std::ops::ControlFlow;
 
 /// The problem, with its workspace.
 pub struct Objective<'a> {
@@ -67,266 +68,6 @@ struct Robust<'a> {
     /// Room for a build.
     built: Vec<Vector3<f64>>,
     follower: Option<(PointId, PointId)>,
-}
-
-/// Values of the parts of a leg, by part and station.
-type PartValues = Vec<Vec<f64>>;
-
-/// What is read at the stations of a leg, and with what.
-struct Visit<'v, 'a> {
-    leg: &'v Leg,
-    layout: &'v TargetLayout,
-    constants: Constants,
-    point_rates: &'v [PointRate],
-    toggles: &'v Toggles,
-    moving: Option<&'v AlongVariables>,
-    solver: &'v mut Solver<'a>,
-    values: &'v mut PartValues,
-    /// Destination of the residuals, with the row to begin at, and destination of the constraints' rows in `rows`.
-    into: Option<(&'v mut Linearisation, usize)>,
-    rows: Option<&'v mut Linearisation>,
-}
-
-/// A [`Reader`] without its number of coefficients in the type.
-trait ReadStations: Send {
-    /// Makes ready to read poses of this design.
-    fn prepare(&mut self, mechanism: &Mechanism, design: &[Vector3<f64>]);
-    /// Visits the stations of a leg.
-    fn visit(&mut self, visit: Visit<'_, '_>) -> Result<(), Infeasible>;
-}
-
-/// A reader of points' sensitivities, for what a layout reads.
-fn reader(
-    suspension: &Suspension,
-    layout: &TargetLayout,
-    points: &[PointId],
-    variables: usize,
-) -> Box<dyn ReadStations> {
-    match layout.rate_order() {
-        0 => Box::new(Reader::<1>::new(suspension, layout, points, variables)),
-        _ => Box::new(Reader::<2>::new(suspension, layout, points, variables)),
-    }
-}
-
-/// Reads values and gradients off poses. `N` coefficients of every series are known.
-struct Reader<const N: usize> {
-    series: DesignSeries<N>,
-    slopes: Slopes<N>,
-}
-
-impl<const N: usize> Reader<N> {
-    fn new(
-        suspension: &Suspension,
-        layout: &TargetLayout,
-        points: &[PointId],
-        variables: usize,
-    ) -> Self {
-        let design = &suspension.design;
-        Reader {
-            series: DesignSeries::new(&suspension.mechanism, design)
-                .with_steering_axis(layout.reads.contain_steering_axis())
-                .with_sensitivities_to(&suspension.mechanism, points),
-            slopes: Slopes {
-                buffer: vec![Vector3::new(0.0, 0.0, 0.0).map(Jet::constant); design.len()],
-                gradient: vec![Vector3::new(0.0, 0.0, 0.0); design.len()],
-                by_variable: vec![0.0; variables],
-            },
-        }
-    }
-}
-
-impl<const N: usize> ReadStations for Reader<N> {
-    fn prepare(&mut self, mechanism: &Mechanism, design: &[Vector3<f64>]) {
-        self.series.prepare(mechanism, design);
-    }
-
-    fn visit(&mut self, visit: Visit<'_, '_>) -> Result<(), Infeasible> {
-        let Visit {
-            leg,
-            layout,
-            constants,
-            point_rates,
-            toggles,
-            moving,
-            solver,
-            values,
-            mut into,
-            mut rows,
-        } = visit;
-        for values in values.iter_mut() {
-            values.clear();
-            values.resize(leg.order.values().len(), f64::NAN);
-        }
-        let mut failed = None;
-        read_poses(solver, leg, &leg.order, |solver, station, place, pose| {
-            let motion = place.along_drive::<N>();
-            let linearised = solver.linearised(&self.series, pose, &motion)?;
-            if let Some(rod) = toggles.note(Some(solver), &linearised.at, place.value) {
-                return Err(Failure::Toggle(rod));
-            }
-            let view = WheelReading::reading(&linearised.at, constants, layout.reads);
-            let reading = |measure| Reading {
-                measure,
-                view: &view,
-                linearised: &linearised,
-                solver,
-                motion: place,
-                point_rates,
-                moving,
-            };
-            let slopes = &mut self.slopes;
-            if let Some((into, first)) = &mut into {
-                for sample in &leg.targets[station] {
-                    let (measure, row) = (&layout.measures[sample.of], *first + sample.row);
-                    let found = read(measure, &view, &linearised, solver.size())[0];
-                    failed = failed.take().or_else(|| uncarried(measure, found, place));
-                    if sample.write_residual(row, found, into) {
-                        slopes.form(&reading(measure));
-                        into.write_slopes(row, &slopes.by_variable, sample.scale);
-                    }
-                }
-            }
-            let Some(rows) = &mut rows else {
-                return Ok(());
-            };
-            for check in &leg.checks[station] {
-                let part = &layout.parts[check.part].limited;
-                let found = read(&part.of, &view, &linearised, solver.size())[0];
-                failed = failed.take().or_else(|| uncarried(&part.of, found, place));
-                values[check.part][station] = found;
-                slopes.form(&reading(&part.of));
-                check.write(part, found, &slopes.by_variable, rows);
-            }
-            Ok(())
-        })?;
-        failed.map_or(Ok(()), Err)
-    }
-}
-
-/// The derivatives of a measure by the variables.
-struct Slopes<const N: usize> {
-    buffer: Vec<Vector3<Jet<f64, N>>>,
-    gradient: Vec<Vector3<f64>>,
-    by_variable: Vec<f64>,
-}
-
-/// A measure in a pose, and how the design moves.
-struct Reading<'r, 'a, const N: usize> {
-    measure: &'r Measure,
-    view: &'r WheelReading<N>,
-    linearised: &'r Linearised<'a, N>,
-    solver: &'r Solver<'a>,
-    motion: &'r MotionPoint<f64>,
-    point_rates: &'r [PointRate],
-    /// Needed if the measure is a force.
-    moving: Option<&'r AlongVariables>,
-}
-
-impl<const N: usize> Slopes<N> {
-    fn form(&mut self, of: &Reading<'_, '_, N>) {
-        let (view, linearised) = (of.view, of.linearised);
-        let (buffer, gradient) = (&mut self.buffer, &mut self.gradient);
-        match of.measure {
-            Measure::Carried(force) => {
-                let moving = of.moving.iter();
-                let found = moving.flat_map(|m| m.slopes(force, of.solver, linearised, of.motion));
-                for (slope, found) in self.by_variable.iter_mut().zip(found) {
-                    *slope = found;
-                }
-                return;
-            }
-            Measure::Quantity(quantity) => {
-                view.gradients(
-                    linearised,
-                    *quantity,
-                    0,
-                    buffer,
-                    &mut |_, PointId(p), found| {
-                        gradient[p] = found;
-                    },
-                );
-            }
-            measure => {
-                buffer.fill(Vector3::new(0.0, 0.0, 0.0).map(Jet::constant));
-                linearised.gradient(buffer, |seeds| measure.seed(&linearised.at, seeds));
-                for (gradient, series) in gradient.iter_mut().zip(buffer) {
-                    *gradient = series.map(|c| c[0]);
-                }
-            }
-        }
-        self.by_variable.fill(0.0);
-        for rate in of.point_rates {
-            self.by_variable[rate.column] += self.gradient[rate.point].dot(rate.by);
-        }
-    }
-}
-
-/// The value of a measure along the motion; NaN of a force where nothing can carry the load.
-fn read<const N: usize>(
-    measure: &Measure,
-    view: &WheelReading<N>,
-    linearised: &Linearised<'_, N>,
-    size: f64,
-) -> Jet<f64, N> {
-    match measure {
-        Measure::Quantity(quantity) => view.value(&linearised.at, *quantity),
-        Measure::Carried(force) => carried::value(force, view, linearised, size),
-        _ => measure.value(&linearised.at),
-    }
-}
-
-/// A drive value in words.
-fn place_in_words(drive: Drive, value: f64) -> String {
-    match drive {
-        Drive::Travel => format!("travel {value}"),
-        Drive::ArmAngle => format!("arm angle {} deg", value.to_degrees()),
-    }
-}
-
-/// Converts the fault of a design that cannot be solved to the reason for having no residuals.
-pub(super) fn refused(mechanism: &Mechanism) -> impl Fn(DesignFault) -> Infeasible {
-    |fault| Infeasible::Refused(fault.describe(mechanism))
-}
-
-/// Reads the poses of a leg at some drive values, one after the other, until one cannot be.
-fn read_poses<'a>(
-    solver: &mut Solver<'a>,
-    leg: &Leg,
-    order: &StationOrder,
-    mut read: impl FnMut(&Solver<'a>, usize, &MotionPoint<f64>, &Pose<f64>) -> Result<(), Failure>,
-) -> Result<(), Infeasible> {
-    let mechanism = solver.mechanism();
-    let mut failed = None;
-    let visited = solver.for_each_pose(leg.drive, order, leg.rack, |solver, number, pose| {
-        let place = MotionPoint {
-            drive: leg.drive,
-            value: order.values()[number],
-            rack: leg.rack,
-        };
-        match pose.and_then(|pose| read(solver, number, &place, pose)) {
-            Ok(()) => ControlFlow::Continue(()),
-            Err(failure) => {
-                let place = place_in_words(place.drive, place.value);
-                let why = format!("the mechanism does not reach {place}: {failure}");
-                failed = Some(Infeasible::Refused(why));
-                ControlFlow::Break(())
-            }
-        }
-    });
-    visited.map_err(refused(mechanism))?;
-    failed.map_or(Ok(()), Err)
-}
-
-/// The error for a force that was `found` to be NaN: nothing can carry its load there. `None` for all other measures
-/// and values.
-fn uncarried(measure: &Measure, found: f64, place: &MotionPoint<f64>) -> Option<Infeasible> {
-    let is_uncarried = matches!(measure, Measure::Carried(_)) && found.is_nan();
-    is_uncarried.then(|| {
-        let place = place_in_words(place.drive, place.value);
-        Infeasible::Refused(format!(
-            "at {place} no part has the leverage to carry the load"
-        ))
-    })
 }
 
 impl<'a> Objective<'a> {
@@ -459,7 +200,7 @@ impl<'a> Objective<'a> {
         self.move_to(x);
         let Some(mut robust) = self.robust.take() else {
             if !self.evaluate_in_lanes(into, rows.as_deref_mut())? {
-                self.evaluate_moved(Some((&mut *into, 0)), rows)?;
+                self.evaluate_moved(Some((&mut *into, 0)), rows.as_deref_mut())?;
             }
             let Some(beside) = &mut self.beside else {
                 return Ok(());
@@ -470,7 +211,7 @@ impl<'a> Objective<'a> {
                 design: &self.moved,
                 point_rates: &self.point_rates,
             };
-            return beside.evaluate(&moved, into);
+            return beside.evaluate(&moved, into, rows);
         };
         // Constraints are on the drawing.
         let found = match &mut rows {

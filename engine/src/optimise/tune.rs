@@ -379,9 +379,7 @@ impl<'a> Tuner<'a> {
                 let left = self.layout.room(row, value);
                 if left < room {
                     room = left;
-                    let leg = &self.layout.legs[label.leg];
-                    let values = leg.order.values();
-                    at = (values.len() > 1).then(|| values[label.station]);
+                    at = self.layout.place_of(label);
                 }
                 visible = self.layout.visible(row);
                 // A limit with margin costs nothing.

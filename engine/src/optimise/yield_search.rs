@@ -24,7 +24,7 @@
 //! optimum without scatter is one of them, so that the yield does not fall below its yield but by the chance of the sample.
 
 use super::constrained::{Assessment, Constrained, Shape, constrained_fit};
-use super::objective::refused;
+use super::station_reader::refused;
 use super::tune::{Asked, Tuner, Tuning};
 use super::{
     Bounds, ConstrainedFit, Control, Infeasible, LeastSquares, Linearisation, Objective, Options,

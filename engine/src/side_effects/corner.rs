@@ -4,11 +4,14 @@ use super::observed::{Grid, Observed, Series, Station};
 use super::{PlaceCoordinate, customary};
 use crate::ask::Unit;
 use crate::characteristics::{Characteristic, Measure, Quantity};
-use crate::curves::curves;
+use crate::compliance::not_of_equilibrium;
+use crate::curves::wheel_curves;
 use crate::mechanism::DesignFault;
 use crate::model::LengthUnit;
 use crate::plan::Plan;
-use crate::study::{Constraint, Motion, Optimise, Order, Outputs, Site, Study, WheelStudy};
+use crate::study::{
+    Constraint, ElasticFigure, Motion, Optimise, Order, Outputs, Site, Study, Target, WheelStudy,
+};
 
 /// Characteristics that are compared besides the study's outputs.
 const COMPARED: [Characteristic; 6] = [
@@ -32,13 +35,15 @@ pub(super) fn observe(
         ..own.clone()
     };
     let plan = Plan::of(&asked);
-    let found = curves(&asked.suspension, &plan)?;
+    let found = wheel_curves(&asked, &plan)?;
     let length = asked.suspension.length_unit;
     let (stations, grid) = stations(motion, length);
     let optimise = study.optimise.as_ref();
     let mut series = Vec::new();
     for (number, column) in found.columns.iter().enumerate() {
         let quantity = plan.outputs.get(number).map(|output| output.quantity);
+        let further = number.checked_sub(plan.outputs.len());
+        let figure = further.and_then(|place| plan.figures.get(place));
         let is_moved = |quantity| match quantity {
             Quantity::Coordinate(point, _) => {
                 let variables = optimise.iter().flat_map(|o| &o.variables);
@@ -53,15 +58,19 @@ pub(super) fn observe(
         let unit = match quantity {
             Some(Quantity::Characteristic(c)) => c.info().unit,
             Some(Quantity::Coordinate(..)) => Unit::Length,
-            // Angular velocities are not asked for; other columns are forces under a load.
-            Some(Quantity::AngularVelocity(_)) | None => Unit::Force,
+            // Angular velocities are not asked for; other columns are figures of tests, or forces under a load.
+            Some(Quantity::AngularVelocity(_)) | None => figure.map_or(Unit::Force, |f| f.unit),
         };
         let at = Looked {
             motion,
             name,
             grid: &grid,
         };
-        let wanted = quantity.zip(optimise).map(|(q, o)| at.wanted(q, o));
+        let wanted = optimise.map(|optimise| match (quantity, figure) {
+            (Some(quantity), _) => at.wanted(quantity, optimise),
+            (None, Some(figure)) => at.wanted_figure(figure, optimise),
+            (None, None) => Vec::new(),
+        });
         series.push(Series {
             unit: column.unit.clone(),
             wanted: wanted.unwrap_or_default(),
@@ -80,7 +89,8 @@ pub(super) fn observe(
 fn outputs(own: &WheelStudy) -> Outputs {
     let mut characteristics = own.outputs.characteristics.clone();
     for more in Characteristic::available(&own.suspension) {
-        if COMPARED.contains(&more) && !characteristics.contains(&more) {
+        let is_there = own.compliance.is_none() || not_of_equilibrium(more).is_none();
+        if COMPARED.contains(&more) && is_there && !characteristics.contains(&more) {
             characteristics.push(more);
         }
     }
@@ -142,19 +152,36 @@ impl Looked<'_> {
             (Measure::Quantity(other), quantity) => *other == quantity,
             _ => false,
         };
-        let mut places = Vec::new();
         let targets = optimise.targets.iter();
-        for target in targets.filter(|t| t.of.of_wheel().is_some_and(is_about)) {
-            let samples = target.wanted.samples(&target.stations_in(self.motion));
-            let drives: Vec<f64> = samples.iter().map(|sample| sample.drive).collect();
-            places.extend(self.at(&target.site, &drives));
-        }
+        let of_targets = targets.filter(|target| {
+            let characteristic = target.of.as_characteristic();
+            let own = characteristic.map(|c| Measure::Quantity(Quantity::Characteristic(c)));
+            target.of.of_wheel().or(own.as_ref()).is_some_and(is_about)
+        });
+        let mut places = self.of_targets(of_targets);
         let limits = |c: &&Constraint| c.parts.iter().any(|part| is_about(&part.of));
         for constraint in optimise.constraints.iter().filter(limits) {
             match &constraint.site {
                 Some(site) => places.extend(self.at(site, &self.motion.values)),
                 None => places.extend(self.at(&Site::default(), &[0.0])),
             }
+        }
+        places
+    }
+
+    /// Stations at which a target is about a figure of a test.
+    fn wanted_figure(&self, figure: &ElasticFigure, optimise: &Optimise) -> Vec<usize> {
+        let targets = optimise.targets.iter();
+        self.of_targets(targets.filter(|t| t.of.as_figure().as_ref() == Some(figure)))
+    }
+
+    /// Stations of some targets.
+    fn of_targets<'t>(&self, targets: impl Iterator<Item = &'t Target>) -> Vec<usize> {
+        let mut places = Vec::new();
+        for target in targets {
+            let samples = target.wanted.samples(&target.stations_in(self.motion));
+            let drives: Vec<f64> = samples.iter().map(|sample| sample.drive).collect();
+            places.extend(self.at(&target.site, &drives));
         }
         places
     }

@@ -1,19 +1,20 @@
 //! `[axle]` and what goes with it: both wheels, steering, springs, the motions of an axle.
 
-use super::MOST_STATIONS;
 use super::error::Problems;
 use super::file::{self, File};
 use super::loads::loads_of_axle;
-use super::motion::values;
-use super::names::choose;
+use super::motion::{time_law, values};
+use super::names::{choose, choose_or};
 use super::outputs::{self, distinct};
 use super::right_wheel::{self, right_wheel};
+use super::rocker_springs;
 use super::solid_axle;
 use super::suspension::{above_zero, positive};
 use super::value::{Number, Text, Values};
+use super::{MOST_STATIONS, TimeLaw};
 use crate::axle::{
-    Axle, AxleMotion, AxlePlan, BumpStop, Coordinate, ForceCurve, Law, Quantity, Setup, SpringLaw,
-    WheelMotion,
+    Axle, AxleMotion, AxlePlan, AxleTime, BumpStop, Coordinate, ForceCurve, Law, Motion, Quantity,
+    Setup, SpringLaw, WheelMotion,
 };
 use crate::characteristics::Constants;
 use crate::model::{Axis, Side, Suspension};
@@ -83,6 +84,12 @@ pub(super) fn refuse_without_axle(file: &File, problems: &mut Problems) {
             "[anti_roll_bar]",
             file.anti_roll_bar.as_ref().map(Spanned::span),
         ),
+        (
+            "[heave_spring]",
+            file.heave_spring.as_ref().map(Spanned::span),
+        ),
+        ("[t_bar]", file.t_bar.as_ref().map(Spanned::span)),
+        ("[heave_bar]", file.heave_bar.as_ref().map(Spanned::span)),
     ];
     // One elastic wheel has a spring, too.
     let springs = [
@@ -137,6 +144,11 @@ pub(super) fn axle(
     for (name, section) in &file.motions {
         if moves_axle(section.get_ref()) {
             sound &= refuse_wheel_keys(section.get_ref(), problems);
+            if let Some(time) = &section.get_ref().time {
+                problems.add(time.span(), "a named motion has no time");
+                sound = false;
+                continue;
+            }
             match self::course(file, section, &axle, problems) {
                 Some(motion) => motions.push((name.get_ref().clone(), motion)),
                 None => sound = false,
@@ -187,12 +199,12 @@ fn refuse_wheel_keys(motion: &file::Motion, problems: &mut Problems) -> bool {
     add(values(&motion.arm_angle), &format!("arm_angle {one_wheel}"));
     add(values(&motion.theta), &format!("theta {one_wheel}"));
     add(
-        motion.drive.as_ref().map(Text::span),
-        &format!("drive {one_wheel}"),
-    );
-    add(
-        motion.time.as_ref().map(Spanned::span),
-        "time is not available for axles",
+        motion
+            .drive
+            .as_ref()
+            .filter(|_| motion.time.is_none())
+            .map(Text::span),
+        "the drive of an axle says what moves over time; expected time, or no drive",
     );
     let sound = refused.is_empty();
     for (span, message) in refused {
@@ -213,6 +225,7 @@ fn setup(file: &File, left: &Suspension, problems: &mut Problems) -> Option<Setu
         Some(c_factor) => Some(Some(c_factor.value * left.frame.sign(Axis::Y))),
     };
     let springs = springs(file, left, problems);
+    let rocker_springs = rocker_springs::rocker_springs(file, left, problems);
     let bar = file.anti_roll_bar.as_ref().map(|bar| &bar.get_ref().rate);
     let tyre = file.tyre.as_ref().map(Spanned::get_ref);
     let [mut bar_rate, tyre_rate] = [bar, tyre.map(|tyre| &tyre.rate)].map(|rate| match rate {
@@ -233,6 +246,7 @@ fn setup(file: &File, left: &Suspension, problems: &mut Problems) -> Option<Setu
         position: left.vehicle.position,
         c_factor: c_factor?,
         springs: springs?,
+        rocker_springs: rocker_springs?,
         bar_rate: bar_rate?,
         tyre_rate: tyre_rate?,
         tyre_load: tyre_load?,
@@ -404,7 +418,7 @@ fn at_load(
     let certifies = file.outputs.as_ref().and_then(|o| o.certify.as_ref());
     let message = if section.roll.is_none() {
         "hold applies to roll, and this motion has no roll"
-    } else if at_load && axle.setup.springs.is_none() {
+    } else if at_load && !axle.setup.is_sprung() {
         "hold = \"load\" needs [spring] for the wheel loads"
     } else if at_load && certifies.is_some_and(|c| *c.get_ref()) {
         "certify does not work with hold = \"load\"; expected hold = \"mean_travel\", or no certify"
@@ -414,6 +428,42 @@ fn at_load(
         return Some(at_load);
     };
     problems.refuse(text.span(), message)
+}
+
+/// The law of the coordinate that moves over time, and its values as the study would write them; `Some(None)` without one.
+fn over_time(
+    section: &file::Motion,
+    axle: &Axle,
+    problems: &mut Problems,
+) -> Option<Option<(AxleTime, Vec<f64>)>> {
+    let Some(time) = &section.time else {
+        return Some(None);
+    };
+    let names = Coordinate::ALL.map(|coordinate| (coordinate.key(), coordinate));
+    let coordinate = choose_or(&section.drive, Coordinate::Heave, "drive", &names, problems)?;
+    let key = coordinate.key();
+    let given = Coordinate::ALL.into_iter().zip(coordinates!(section));
+    for (_, given) in given.filter(|(other, _)| *other == coordinate) {
+        if let Some(given) = given {
+            let message = format!("time already gives the drive; expected {key} or time");
+            let error = problems.add(given.span(), message);
+            error.related(time.span(), "given here");
+            return None;
+        }
+    }
+    let polynomial = time.get_ref().polynomial.span();
+    let written = time_law(time.get_ref(), |c| c, problems)?;
+    let values: Vec<f64> = written.times.iter().map(|t| written.value(*t)).collect();
+    if values.iter().any(|v| v.abs() > Number::MOST) {
+        let message = "the polynomial grows beyond 1e12 between these times";
+        return problems.refuse(polynomial, message);
+    }
+    let in_course = |c: &f64| coordinate.in_course(*c, axle);
+    let law = TimeLaw {
+        polynomial: written.polynomial.iter().map(in_course).collect(),
+        ..written
+    };
+    Some(Some((AxleTime { coordinate, law }, values)))
 }
 
 /// The stations of a motion.
@@ -437,14 +487,16 @@ fn course(
         )),
     };
     let at_load = at_load(file, section, axle, problems);
-    let mut read = |given: &Option<Spanned<Values>>| match given {
-        None => Some(None),
-        Some(given) => values(given, problems).map(Some),
-    };
-    let (heave, roll) = (read(&section.heave)?, read(&section.roll)?);
-    let (left, right) = (read(&section.travel_left)?, read(&section.travel_right)?);
-    let racks = read(&section.rack)?;
-    let wheel_angles = read(&section.steering_wheel_angle)?;
+    let time = over_time(section, axle, problems)?;
+    let coordinates = Coordinate::ALL.into_iter().zip(coordinates!(section));
+    let mut read = coordinates.map(|(coordinate, given)| match (&time, given) {
+        (Some((time, values)), _) if time.coordinate == coordinate => Some(Some(values.clone())),
+        (_, None) => Some(None),
+        (_, Some(given)) => values(given, problems).map(Some),
+    });
+    let mut next = || read.next().flatten();
+    let (roll, heave, left, right) = (next()?, next()?, next()?, next()?);
+    let (racks, wheel_angles) = (next()?, next()?);
     let in_course = |coordinate: Coordinate, written: &[f64]| -> Vec<f64> {
         let values = written.iter();
         values.map(|v| coordinate.in_course(*v, axle)).collect()
@@ -514,8 +566,13 @@ fn course(
     let course = AxleMotion {
         wheels,
         racks,
-        shows_rack: section.rack.is_some() || section.steering_wheel_angle.is_some(),
+        shows_rack: section.rack.is_some()
+            || section.steering_wheel_angle.is_some()
+            || time
+                .as_ref()
+                .is_some_and(|(time, _)| time.coordinate.motion() == Motion::Rack),
         steering_wheel,
+        time: time.map(|(time, _)| time),
     };
     if course.stations() > MOST_STATIONS {
         let message = format!(

@@ -1,16 +1,20 @@
 //! Studies of a car: `[car]` with two studies of axles, load cases, and what is asked of them.
 
+mod asked;
+
 use super::error::Problems;
 use super::names::{choose, choose_or};
 use super::suspension::{above_zero, positive, three};
-use super::{Study, StudyError, StudyErrors, overrides, parse, source};
+use super::{
+    FileFormat, Law, Sampled, Study, StudyError, StudyErrors, Tolerance, overrides, parse, source,
+};
 use crate::ask::Need;
 use crate::axle::Axle;
 use crate::car::{
-    Air, AirForce, AxleParameter, BodyParameter, Car, CarQuantity, CarTarget, CarVariable, Case,
-    LateralShares, Longitudinal, LongitudinalShares, Masses, Moves, Tyre, TyreAxes,
+    Air, AirForce, Car, CarQuantity, CarTarget, CarVariable, Case, LateralShares, Longitudinal,
+    LongitudinalShares, Masses, Moves, Tyre, TyreAxes,
 };
-use crate::model::{Axis, AxlePosition, Frame, PointId, Side};
+use crate::model::{Axis, AxlePosition, Frame, Side};
 use crate::number::Vector3;
 use hardpoint_study_file::car_file::{self, CarFile};
 use hardpoint_study_file::error::Source;
@@ -38,10 +42,16 @@ pub struct CarStudy {
     pub quantities: Vec<CarQuantity>,
     /// Whether derivatives by parameters and hardpoints are asked for.
     pub sensitivities: bool,
+    /// Whether forces in members are asked for.
+    pub member_loads: bool,
     /// States over ax and ay.
     pub gg_map: Option<GgMap>,
+    /// Sweep.
+    pub sweep: Option<CarSweep>,
     /// Tuning.
     pub optimise: Option<CarOptimise>,
+    /// Scatter of parts, rates and masses.
+    pub tolerance: Option<CarTolerance>,
 }
 
 /// States over ax and ay.
@@ -64,6 +74,77 @@ pub struct CarOptimise {
     pub variables: Vec<CarVariable>,
     /// Targets.
     pub targets: Vec<CarTarget>,
+}
+
+/// Sweep of a car.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CarSweep {
+    /// Sampling of the variables' values.
+    pub sampled: Sampled,
+    /// Part of the car that each variable moves.
+    pub variables: Vec<CarVariable>,
+    /// File format of the results.
+    pub format: FileFormat,
+}
+
+/// Scatter of a car's parts, rates and masses.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CarTolerance {
+    /// Number of builds.
+    pub builds: u64,
+    /// Seed, as the study gives it.
+    pub seed: u32,
+    /// Seed of the figures' random numbers.
+    pub figure_seed: u32,
+    /// Parts of the front and of the rear axle that scatter.
+    pub axles: [Tolerance; 2],
+    /// Everything that scatters, in the order of the study.
+    pub contributors: Vec<CarContributor>,
+    /// Limits for the yield.
+    pub bands: Vec<CarBand>,
+}
+
+/// Something of a car that scatters.
+#[derive(Clone, Debug, PartialEq)]
+pub enum CarContributor {
+    /// Parts of an axle.
+    Part {
+        /// Name.
+        name: String,
+        /// The axle, 0 the front one.
+        axle: usize,
+        /// Number in the scatter of the axle.
+        number: usize,
+    },
+    /// A rate or a figure of the car.
+    Figure {
+        /// Name.
+        name: String,
+        /// The rate or figure.
+        moves: Moves,
+        /// Distribution of its deviation.
+        law: Law,
+    },
+}
+
+impl CarContributor {
+    /// Its name.
+    pub fn name(&self) -> &str {
+        match self {
+            CarContributor::Part { name, .. } | CarContributor::Figure { name, .. } => name,
+        }
+    }
+}
+
+/// Limits of a result in a case, as printed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CarBand {
+    /// The result.
+    pub quantity: CarQuantity,
+    /// Number of the case.
+    pub case: usize,
+    /// Lower and upper limit.
+    pub between: [f64; 2],
 }
 
 /// Names that are no names of cases.
@@ -118,23 +199,38 @@ impl CarStudy {
             .file_stem()
             .map(|stem| stem.to_string_lossy().into_owned());
         let [front, rear] = paths;
-        let study = found.map(|(car, cases, quantities, gg_map, optimise)| CarStudy {
+        let study = found.map(|found| CarStudy {
             name: stem.unwrap_or_default(),
             text: source.text.clone(),
             inputs: vec![path.to_owned(), front, rear],
             axles: axles.clone(),
-            car,
-            cases,
-            quantities,
+            car: found.car,
+            cases: found.cases,
+            quantities: found.quantities,
+            member_loads: file
+                .outputs
+                .member_loads
+                .as_ref()
+                .is_some_and(|loads| *loads.get_ref()),
             sensitivities: file
                 .outputs
                 .sensitivities
                 .as_ref()
                 .is_some_and(|s| *s.get_ref()),
-            gg_map,
-            optimise,
+            gg_map: found.gg_map,
+            sweep: found.sweep,
+            optimise: found.optimise,
+            tolerance: found.tolerance,
         });
         problems.finish(study)
+    }
+
+    /// The results that sweeps and tolerances keep of each design: those that the study asks for, else the key ones.
+    pub fn kept_quantities(&self) -> Vec<CarQuantity> {
+        match self.quantities == CarQuantity::default_columns(&self.car) {
+            true => CarQuantity::key_columns(&self.car),
+            false => self.quantities.clone(),
+        }
     }
 
     /// The front study's axes, in which the car's points are written.
@@ -143,13 +239,16 @@ impl CarStudy {
     }
 }
 
-type Resolved = (
-    Car,
-    Vec<Case>,
-    Vec<CarQuantity>,
-    Option<GgMap>,
-    Option<CarOptimise>,
-);
+/// The sections of a study, resolved.
+struct Resolved {
+    car: Car,
+    cases: Vec<Case>,
+    quantities: Vec<CarQuantity>,
+    gg_map: Option<GgMap>,
+    sweep: Option<CarSweep>,
+    optimise: Option<CarOptimise>,
+    tolerance: Option<CarTolerance>,
+}
 
 struct Resolver<'a> {
     file: &'a CarFile,
@@ -164,8 +263,18 @@ impl Resolver<'_> {
         let quantities = self.quantities(&car);
         let gg_map = self.gg_map(&car);
         let cases = cases?;
+        let sweep = self.sweep(&car);
         let optimise = self.optimise(&car, &cases);
-        Some((car, cases, quantities?, gg_map?, optimise?))
+        let tolerance = self.tolerance(&car, &cases);
+        Some(Resolved {
+            cases,
+            quantities: quantities?,
+            gg_map: gg_map?,
+            sweep: sweep?,
+            optimise: optimise?,
+            tolerance: tolerance?,
+            car,
+        })
     }
 
     fn frame(&self) -> Frame {
@@ -196,11 +305,6 @@ impl Resolver<'_> {
             return None;
         };
         let axle = both.axle.clone();
-        if axle.is_rigid() {
-            let message =
-                format!("the {name} study is of a solid axle, which a car does not take yet");
-            return self.problems.refuse(place, message);
-        }
         let wanted = [AxlePosition::Front, AxlePosition::Rear][end];
         if axle
             .setup
@@ -213,7 +317,7 @@ impl Resolver<'_> {
         }
         let needed = [
             (Need::WheelRadius, "radius in [wheel]"),
-            (Need::SpringForce, "[spring]"),
+            (Need::Springs, "[spring], [heave_spring] or [heave_bar]"),
             (Need::UnsprungMass, "unsprung_mass in [vehicle]"),
         ];
         for (need, key) in needed {
@@ -555,44 +659,6 @@ impl Resolver<'_> {
         }
     }
 
-    fn quantities(&mut self, car: &Car) -> Option<Vec<CarQuantity>> {
-        let Some(list) = &self.file.outputs.characteristics else {
-            return Some(CarQuantity::default_columns(car));
-        };
-        let mut found = Vec::new();
-        let mut sound = true;
-        for text in list.get_ref() {
-            match self.named(car, text) {
-                Some(quantities) => found.extend(quantities),
-                None => sound = false,
-            }
-        }
-        sound.then_some(found)
-    }
-
-    fn named(&mut self, car: &Car, text: &Text) -> Option<Vec<CarQuantity>> {
-        let found = CarQuantity::named(text.get_ref());
-        if found.is_empty() {
-            let names: Vec<String> = CarQuantity::all()
-                .into_iter()
-                .map(CarQuantity::name)
-                .collect();
-            let pairs: Vec<(&str, ())> = names.iter().map(|name| (name.as_str(), ())).collect();
-            choose(text, "result of a car", &pairs, self.problems)?;
-        }
-        let met: Vec<CarQuantity> = found.iter().copied().filter(|q| q.is_met_by(car)).collect();
-        if met.is_empty() {
-            let needs: Vec<String> = found
-                .iter()
-                .flat_map(|q| q.info().needs)
-                .map(|need| need.key().to_owned())
-                .collect();
-            let message = format!("{} needs {}", text.get_ref(), needs.join(" and "));
-            return self.problems.refuse(text.span(), message);
-        }
-        Some(met)
-    }
-
     fn gg_map(&mut self, car: &Car) -> Option<Option<GgMap>> {
         let file = self.file;
         let Some(section) = &file.gg_map else {
@@ -646,175 +712,6 @@ impl Resolver<'_> {
             self.share_is_given(car, Longitudinal::Drive, place)?;
         }
         Some(Some(GgMap { ax, ay, case }))
-    }
-
-    fn optimise(&mut self, car: &Car, cases: &[Case]) -> Option<Option<CarOptimise>> {
-        let file = self.file;
-        let Some(section) = &file.optimise else {
-            return Some(None);
-        };
-        let mut variables = Vec::new();
-        let mut targets = Vec::new();
-        let mut sound = true;
-        for written in section.variables.get_ref() {
-            match self.variable(car, written) {
-                Some(variable) => variables.push(variable),
-                None => sound = false,
-            }
-        }
-        for written in section.targets.get_ref() {
-            match self.target(car, cases, written.get_ref()) {
-                Some(found) => targets.extend(found),
-                None => sound = false,
-            }
-        }
-        for (list, span) in [
-            (variables.is_empty(), section.variables.span()),
-            (targets.is_empty(), section.targets.span()),
-        ] {
-            if list && sound {
-                self.problems.add(span, "expected at least one element");
-                sound = false;
-            }
-        }
-        let max_iterations = match &section.max_iterations {
-            Some(most) if *most.get_ref() < 1 => {
-                return self
-                    .problems
-                    .refuse(most.span(), "expected at least 1 iteration");
-            }
-            Some(most) => *most.get_ref() as u64,
-            None => 200,
-        };
-        sound.then_some(Some(CarOptimise {
-            max_iterations,
-            variables,
-            targets,
-        }))
-    }
-
-    fn target(
-        &mut self,
-        car: &Car,
-        cases: &[Case],
-        written: &car_file::Target,
-    ) -> Option<Vec<CarTarget>> {
-        let quantities = self.named(car, &written.characteristic)?;
-        let names: Vec<(&str, usize)> = cases
-            .iter()
-            .enumerate()
-            .map(|(k, case)| (case.name.as_str(), k))
-            .collect();
-        let case = choose(&written.case, "case", &names, self.problems)?;
-        for quantity in &quantities {
-            if let Some(why) = quantity.undefined_in(&cases[case]) {
-                let message = format!("{} has no value in this case: {why}", quantity.name());
-                return self.problems.refuse(written.case.span(), message);
-            }
-        }
-        let tolerance = above_zero(&written.tolerance, self.problems)?;
-        let weight = positive(&written.weight, self.problems)?.unwrap_or(1.0);
-        let target = |quantity: CarQuantity| CarTarget {
-            quantity,
-            case,
-            value: written.value.value,
-            tolerance,
-            weight,
-        };
-        Some(quantities.into_iter().map(target).collect())
-    }
-
-    fn variable(
-        &mut self,
-        car: &Car,
-        written: &toml::Spanned<car_file::Variable>,
-    ) -> Option<CarVariable> {
-        let place = written.span();
-        let own = written.get_ref();
-        let ends = [("front", 0), ("rear", 1)];
-        let axle = match &own.axle {
-            Some(text) => Some(choose(text, "axle", &ends, self.problems)?),
-            None => None,
-        };
-        let moves = match (axle, &own.hardpoint, &own.rate, &own.car) {
-            (Some(axle), Some(hardpoint), None, None) => {
-                let mechanism = &car.axles[axle].left.mechanism;
-                let points: Vec<(&str, PointId)> = (0..mechanism.points.len())
-                    .map(|k| (mechanism.name(PointId(k)), PointId(k)))
-                    .collect();
-                let point = choose(hardpoint, "hardpoint", &points, self.problems)?;
-                let axes = [("x", Axis::X), ("y", Axis::Y), ("z", Axis::Z)];
-                let Some(axis) = &own.axis else {
-                    return self.problems.refuse(
-                        hardpoint.span(),
-                        "a hardpoint needs axis = \"x\", \"y\" or \"z\"",
-                    );
-                };
-                let axis = choose(axis, "axis", &axes, self.problems)?;
-                Moves::Hardpoint { axle, point, axis }
-            }
-            (Some(axle), None, Some(rate), None) => {
-                let rates = [
-                    ("spring", AxleParameter::SpringRate),
-                    ("anti_roll_bar", AxleParameter::BarRate),
-                    ("tyre", AxleParameter::TyreRate),
-                ];
-                let parameter = choose(rate, "rate", &rates, self.problems)?;
-                Moves::Rate { axle, parameter }
-            }
-            (None, None, None, Some(figure)) => {
-                let figures = [
-                    ("mass", Moves::Body(BodyParameter::Mass)),
-                    ("cg_x", Moves::Body(BodyParameter::CgX)),
-                    ("cg_y", Moves::Body(BodyParameter::CgY)),
-                    ("cg_z", Moves::Body(BodyParameter::CgZ)),
-                    (
-                        "brake_share_front",
-                        Moves::Body(BodyParameter::BrakeShareFront),
-                    ),
-                    (
-                        "drive_share_front",
-                        Moves::Body(BodyParameter::DriveShareFront),
-                    ),
-                    ("wheelbase", Moves::Wheelbase),
-                ];
-                choose(figure, "figure of the car", &figures, self.problems)?
-            }
-            _ => {
-                let message = "expected axle with hardpoint and axis, axle with rate, or car";
-                return self.problems.refuse(place, message);
-            }
-        };
-        let Some(now) = moves.value(car) else {
-            let message = "the study gives no such figure: there is nothing to vary";
-            return self.problems.refuse(place, message);
-        };
-        let range = match (&own.range, &own.relative) {
-            (Some(list), None) => {
-                let numbers: Vec<f64> = list.get_ref().iter().map(|n| n.value).collect();
-                match numbers.as_slice() {
-                    [low, high] if low < high => [*low, *high],
-                    _ => {
-                        let message = "expected two rising numbers [lowest, highest]";
-                        return self.problems.refuse(list.span(), message);
-                    }
-                }
-            }
-            (None, Some(part)) => {
-                let part = above_zero(part, self.problems)?;
-                let change = part * now.abs();
-                [now - change, now + change]
-            }
-            _ => {
-                let message = "expected range or relative, and only one of them";
-                return self.problems.refuse(place, message);
-            }
-        };
-        if !(range[0]..=range[1]).contains(&now) {
-            let message = format!("the range leaves out the study's value {now}");
-            return self.problems.refuse(place, message);
-        }
-        Some(CarVariable { moves, range })
     }
 }
 

@@ -122,7 +122,7 @@ fn curve(source: &Arc<Source>, wanted: &WantedColumns<'_>) -> Result<Vec<[f64; 2
 }
 
 /// The character that separates columns: the first of tab, semicolon and comma that the first line has.
-fn delimiter(text: &str) -> u8 {
+pub(super) fn delimiter(text: &str) -> u8 {
     let header = text.trim_start().lines().next().unwrap_or("");
     let found = ['\t', ';'].into_iter().find(|c| header.contains(*c));
     found.map_or(b',', |c| c as u8)

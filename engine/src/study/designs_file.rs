@@ -203,6 +203,7 @@ fn variable(column: &str, suspension: &Suspension) -> Result<SweepVariable, Stri
                             axis,
                             factor: 1.0,
                         }],
+                        rate: None,
                         absolute,
                         range: [f64::INFINITY, f64::NEG_INFINITY],
                         steps: None,

@@ -1,12 +1,14 @@
 //! Studies written back: edits of the text, so that comments and layout stay.
 
-use super::targets::WrittenCurve;
+use super::compliance::BushingText;
+use super::sheet_file::SheetTarget;
+use super::targets::FromFile;
 use super::{AxleStudy, ComplianceStudy, Designs, Study};
 use crate::compliance::{AxialStiffness, Shape};
 use crate::model::{Axis, Frame, Suspension};
 use crate::number::Vector3;
 use std::path::{Component, Path};
-use toml_edit::{Array, DocumentMut, Item, Table, TableLike, Value};
+use toml_edit::{Array, DocumentMut, InlineTable, Item, Table, TableLike, Value};
 
 impl Study {
     /// The study's text with the points of another design (kernel frame, by
@@ -98,7 +100,7 @@ impl Study {
     }
 
     /// The text with the rates of elastic parts of another study, where they differ.
-    fn with_rates_of(&self, text: String, moved: &Study) -> String {
+    pub fn with_rates_of(&self, text: String, moved: &Study) -> String {
         let (Some(elastic), Some(new)) = (self.compliance(), moved.compliance()) else {
             return text;
         };
@@ -291,19 +293,96 @@ fn replace(value: &mut Value, number: f64) {
 
 /// The text with target curves from files written out as points, so that it stands without them.
 /// `curves` are those read, by the place of their target.
-pub(super) fn with_curves_inside(text: &str, curves: &[(usize, WrittenCurve)]) -> String {
+pub(super) fn with_curves_inside(text: &str, files: &[(usize, FromFile)]) -> String {
     let Ok(mut document) = text.parse::<DocumentMut>() else {
         return text.to_owned();
     };
-    for (place, curve) in curves {
-        let points: Array = curve
-            .iter()
-            .map(|point| Value::from(Array::from_iter(*point)))
-            .collect();
-        if let Some(target) = target(document.as_table_mut(), *place) {
-            target.remove("file");
-            target.remove("column");
-            target.insert("points", Item::Value(points.into()));
+    // From the last on: the targets of a sheet move those behind.
+    for (place, file) in files.iter().rev() {
+        match file {
+            FromFile::Curve(curve) => {
+                let points: Array = curve
+                    .iter()
+                    .map(|point| Value::from(Array::from_iter(*point)))
+                    .collect();
+                if let Some(target) = target(document.as_table_mut(), *place) {
+                    target.remove("file");
+                    target.remove("column");
+                    target.insert("points", Item::Value(points.into()));
+                }
+            }
+            FromFile::Sheet(targets) => {
+                put_sheet_inside(document.as_table_mut(), *place, targets);
+            }
+        }
+    }
+    document.to_string()
+}
+
+/// Puts the targets of a sheet in the place of the one that names it.
+fn put_sheet_inside(root: &mut dyn TableLike, place: usize, targets: &[SheetTarget]) {
+    let Some(list) = table(root, &["optimise"]).and_then(|own| own.get_mut("targets")) else {
+        return;
+    };
+    let pairs = |target: &SheetTarget| -> Vec<(&'static str, Value)> {
+        vec![
+            ("figure", target.figure.as_str().into()),
+            ("at", target.travel.into()),
+            ("rack", target.rack.into()),
+            ("value", target.value.into()),
+            ("tolerance", target.tolerance.into()),
+            ("weight", target.weight.into()),
+        ]
+    };
+    match list {
+        Item::Value(Value::Array(array)) => {
+            array.remove(place);
+            for (k, target) in targets.iter().enumerate() {
+                let row = InlineTable::from_iter(pairs(target));
+                array.insert(place + k, row);
+            }
+        }
+        Item::ArrayOfTables(tables) => {
+            let mut all: Vec<Table> = tables.iter().cloned().collect();
+            if place >= all.len() {
+                return;
+            }
+            let rows = targets.iter().map(|target| {
+                let mut row = Table::new();
+                for (key, value) in pairs(target) {
+                    row.insert(key, Item::Value(value));
+                }
+                row
+            });
+            all.splice(place..=place, rows);
+            *tables = all.into_iter().collect();
+        }
+        _ => {}
+    }
+}
+
+/// The text with the laws of bushings written out in place of their files.
+pub(super) fn with_bushings_inside(text: String, bushings: &[BushingText]) -> String {
+    if bushings.is_empty() {
+        return text;
+    }
+    let Ok(mut document) = text.parse::<DocumentMut>() else {
+        return text;
+    };
+    for bushing in bushings {
+        let Some(table) = table(document.as_table_mut(), &["bushings", &bushing.name]) else {
+            continue;
+        };
+        table.remove("file");
+        if bushing.curves.len() < 6 {
+            let none = Array::from_iter([0.0; 6]);
+            table.insert("stiffness", Item::Value(none.into()));
+        }
+        for (key, points) in &bushing.curves {
+            let points = points
+                .iter()
+                .map(|point| Value::from(Array::from_iter(*point)));
+            table.insert(key, Item::Value(points.collect::<Array>().into()));
         }
     }
     document.to_string()

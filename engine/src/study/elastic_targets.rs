@@ -1,34 +1,31 @@
-//! Targets and variables of a study with elastic parts: figures of tests, angles of the wheel in equilibrium, rates.
+//! Quantities and variables of a study with elastic parts: figures of tests, characteristics in equilibrium, rates.
 
 use super::compliance::ComplianceStudy;
 use super::error::Problems;
 use super::names::choose;
 use super::resolve::Context;
 use super::value::Text;
-use super::{About, RATE_AXES, Rate, Subject, Variable, file, moves};
-use crate::ask::{Unit, with_unit};
+use super::{About, ElasticFigure, RATE_AXES, Rate, Subject, Variable, file, moves};
 use crate::characteristics::Characteristic;
 use crate::compliance::{
-    AxialStiffness, HeldQuantity, KcTest, KcValue, Parameter, Shape, WheelAngle, quantities,
+    AxialStiffness, HeldQuantity, KcTest, KcValue, Parameter, Shape, not_of_equilibrium, quantities,
 };
-use crate::model::Suspension;
+use crate::model::{LengthUnit, SteeringAxis, Suspension};
+use std::ops::Range as Span;
 use toml::Spanned;
 
-/// The figures that targets may name, with their units. A suffix tells tests of one load apart where a study has several.
-fn figures(elastic: &ComplianceStudy, suspension: &Suspension) -> Vec<(String, KcValue, Unit)> {
-    let mut found: Vec<(String, KcTest, KcValue, Unit)> = Vec::new();
+/// The figures of a study's tests. A suffix tells tests of one load apart where a study has several.
+pub(super) fn figures(elastic: &ComplianceStudy, suspension: &Suspension) -> Vec<ElasticFigure> {
+    let mut found: Vec<(KcTest, ElasticFigure)> = Vec::new();
     for test in &elastic.tests {
-        let alike: Vec<&KcTest> = elastic
-            .tests
-            .iter()
-            .filter(|other| other.load == test.load)
-            .collect();
         let mut suffix = String::new();
         if test.trail != 0.0 {
             suffix += &format!("_trail_{}", test.trail);
         }
-        let same_trail = |other: &&&KcTest| other.trail == test.trail && other.held != test.held;
-        if alike.iter().any(|other| same_trail(&other)) {
+        let other_hold = |other: &KcTest| {
+            (other.load, other.trail) == (test.load, test.trail) && other.held != test.held
+        };
+        if elastic.tests.iter().any(other_hold) {
             suffix += match test.held {
                 HeldQuantity::WheelHeight => "_wheel_height",
                 HeldQuantity::WheelLoad => "_wheel_load",
@@ -41,134 +38,289 @@ fn figures(elastic: &ComplianceStudy, suspension: &Suspension) -> Vec<(String, K
                     continue;
                 }
                 let secant = if is_secant { "_secant" } else { "" };
-                let value = KcValue::Figure {
-                    test: *test,
-                    quantity,
-                    is_secant,
+                let figure = ElasticFigure {
+                    name: format!("{quantity}{suffix}{secant}"),
+                    value: KcValue::Figure {
+                        test: *test,
+                        quantity,
+                        is_secant,
+                    },
+                    unit,
                 };
-                let name = format!("{quantity}{suffix}{secant}");
-                found.push((name, *test, value, unit));
+                found.push((*test, figure));
             }
         }
     }
-    let names: Vec<String> = found.iter().map(|(name, ..)| name.clone()).collect();
+    let names: Vec<String> = found.iter().map(|(_, own)| own.name.clone()).collect();
     let is_shared = |name: &String| names.iter().filter(|other| *other == name).count() > 1;
-    found
-        .into_iter()
-        .map(|(name, test, value, unit)| match is_shared(&name) {
-            true => (format!("{name}_{}", test.load.name()), value, unit),
-            false => (name, value, unit),
-        })
-        .collect()
+    let named = |(test, figure): (KcTest, ElasticFigure)| match is_shared(&figure.name) {
+        true => ElasticFigure {
+            name: format!("{}_{}", figure.name, test.load.name()),
+            ..figure
+        },
+        false => figure,
+    };
+    found.into_iter().map(named).collect()
 }
 
-/// What a target of a study with elastic parts is about: a figure, or an angle of the wheel in equilibrium.
+/// A quantity that a wheel with elastic parts has.
+#[derive(Clone, Debug)]
+pub(super) enum ElasticQuantity {
+    /// A characteristic of the wheel in equilibrium.
+    Characteristic(Characteristic),
+    /// A figure of a test.
+    Figure(ElasticFigure),
+}
+
+impl ElasticQuantity {
+    /// The value that is read.
+    pub(super) fn value(&self) -> KcValue {
+        match self {
+            ElasticQuantity::Characteristic(of) => KcValue::Wheel(*of),
+            ElasticQuantity::Figure(figure) => figure.value,
+        }
+    }
+
+    /// The quantity as what a target or a band is about.
+    pub(super) fn subject(&self, length: LengthUnit) -> Subject {
+        match self {
+            ElasticQuantity::Characteristic(of) => Subject {
+                about: About::Elastic(self.value()),
+                ..Subject::characteristic(*of, length)
+            },
+            ElasticQuantity::Figure(figure) => Subject {
+                about: About::Elastic(figure.value),
+                column: figure.column(length),
+                unit: figure.unit,
+                length,
+                sign: 1.0,
+            },
+        }
+    }
+}
+
+/// The quantity of this name: a figure of a test, or a characteristic of the wheel in equilibrium.
+pub(super) fn quantity(
+    name: &Text,
+    elastic: &ComplianceStudy,
+    suspension: &Suspension,
+    problems: &mut Problems,
+) -> Option<ElasticQuantity> {
+    let figures = figures(elastic, suspension);
+    let mut options: Vec<(&str, Option<usize>)> = Vec::new();
+    options.extend(
+        figures
+            .iter()
+            .enumerate()
+            .map(|(k, figure)| (figure.name.as_str(), Some(k))),
+    );
+    let characteristics = Characteristic::ALL.iter();
+    options.extend(characteristics.map(|c| (c.info().name, None)));
+    if let Some(number) = choose(name, "characteristic or figure", &options, problems)? {
+        return Some(ElasticQuantity::Figure(figures[number].clone()));
+    }
+    let known = super::outputs::characteristic(name, suspension, problems)?;
+    if let Some([reason, instead]) = not_of_equilibrium(known) {
+        let message = format!("{} {reason}", name.get_ref());
+        problems.add(name.span(), message).help(instead);
+        return None;
+    }
+    let joints = matches!(
+        suspension.mechanism.steering_axis,
+        Some(SteeringAxis::Through { .. })
+    );
+    if known.info().reads_steering_axis() && !joints {
+        let message = format!(
+            "{} needs joints of a steering axis, which {} does not have; ask spin_by_lateral_force or spin_by_braking",
+            name.get_ref(),
+            suspension.mechanism.topology.name
+        );
+        return problems.refuse(name.span(), &message);
+    }
+    Some(ElasticQuantity::Characteristic(known))
+}
+
+/// The quantity that a target or constraint of a study with elastic parts is about.
+pub(super) fn named(
+    figure: Option<&Text>,
+    characteristic: Option<&Text>,
+    others: &[Option<Span<usize>>],
+    place: Span<usize>,
+    context: &Context,
+    elastic: &ComplianceStudy,
+    problems: &mut Problems,
+) -> Option<ElasticQuantity> {
+    if let Some(other) = others.iter().flatten().next() {
+        let message = "with [compliance] expected a figure of a test, or a characteristic; this is of the rigid mechanism";
+        return problems.refuse(other.clone(), message);
+    }
+    let name = match (figure, characteristic) {
+        (Some(name), None) | (None, Some(name)) => name,
+        (Some(_), Some(name)) => {
+            let message = "expected one of figure and characteristic, found both";
+            return problems.refuse(name.span(), message);
+        }
+        (None, None) => return problems.refuse(place, "expected figure or characteristic"),
+    };
+    quantity(name, elastic, context.suspension, problems)
+}
+
+/// The subject of a target of a study with elastic parts.
 pub(super) fn subject(
     target: &Spanned<file::Target>,
     elastic: &ComplianceStudy,
     context: &Context,
     problems: &mut Problems,
 ) -> Option<Subject> {
-    let (written, place) = (target.get_ref(), target.span());
-    let length = context.suspension.length_unit;
+    let written = target.get_ref();
     let others = [
         written.point.as_ref().map(Spanned::span),
         written.length.as_ref().map(Spanned::span),
         written.load.as_ref().map(Spanned::span),
     ];
-    if let Some(other) = others.into_iter().flatten().next() {
-        let message = "with [compliance] a target is a figure of a test, or a characteristic";
-        return problems.refuse(other, message);
+    let found = named(
+        written.figure.as_ref(),
+        written.characteristic.as_ref(),
+        &others,
+        target.span(),
+        context,
+        elastic,
+        problems,
+    )?;
+    Some(found.subject(context.suspension.length_unit))
+}
+
+/// Refuses outputs that an equilibrium does not have.
+pub(super) fn refuse_in_outputs(section: &file::Outputs, problems: &mut Problems) -> Option<()> {
+    let is_on =
+        |said: &Option<Spanned<bool>>| said.as_ref().filter(|s| *s.get_ref()).map(Spanned::span);
+    let order = section
+        .order
+        .as_ref()
+        .filter(|o| o.get_ref() == "acceleration");
+    let points = section.points.first().map(Text::span);
+    let loads = section.loads.as_ref().map(Spanned::span);
+    let places = [
+        (
+            points,
+            "points are of the rigid mechanism; with [compliance] levels.csv of `hardpoint kc` has wheel centre and contact point",
+        ),
+        (
+            is_on(&section.knuckle),
+            "knuckle is of the rigid mechanism; with [compliance] it is not available",
+        ),
+        (
+            is_on(&section.certify),
+            "certify proves poses of the rigid mechanism; with [compliance] it is not available",
+        ),
+        (
+            loads,
+            "loads are carried by the rigid mechanism; with [compliance] levels.csv of `hardpoint kc` has the forces of all bushings and links",
+        ),
+        (
+            order.map(Text::span),
+            "with [compliance] expected order = \"position\" or \"velocity\"",
+        ),
+    ];
+    let mut found = places
+        .into_iter()
+        .filter_map(|(span, message)| Some((span?, message)));
+    match found.next() {
+        None => Some(()),
+        Some((span, message)) => problems.refuse(span, message),
     }
-    match (&written.figure, &written.characteristic) {
-        (Some(name), None) => {
-            let all = figures(elastic, context.suspension);
-            let options: Vec<_> = all
-                .iter()
-                .map(|(name, value, unit)| (name.as_str(), (*value, *unit)))
-                .collect();
-            let (value, unit) = choose(name, "figure", &options, problems)?;
-            Some(Subject {
-                about: About::Elastic(value),
-                column: with_unit(name.get_ref().clone(), &unit.suffix(length)),
-                unit,
-                length,
-                sign: 1.0,
-            })
+}
+
+/// The keys that name a rate of an elastic part, in a variable or a scatter.
+pub(super) struct RateKeys<'a> {
+    /// Place of all of them in the file.
+    pub place: Span<usize>,
+    /// Name of a bushing,
+    pub bushing: &'a Option<Text>,
+    /// or of a link.
+    pub link: &'a Option<Text>,
+    /// Axis of a bushing's stiffness.
+    pub stiffness: &'a Option<Text>,
+    /// True for factors of the rate.
+    pub relative: &'a Option<Spanned<bool>>,
+    /// Places of keys that a rate does not take.
+    pub others: &'a [Option<Span<usize>>],
+}
+
+impl RateKeys<'_> {
+    /// Returns true if a rate is named. Refuses keys of a rate without one.
+    pub(super) fn is_given(&self, problems: &mut Problems) -> Option<bool> {
+        if self.bushing.is_some() || self.link.is_some() {
+            return Some(true);
         }
-        (None, Some(name)) => {
-            let angles = [
-                (Characteristic::Toe, WheelAngle::Toe),
-                (Characteristic::Camber, WheelAngle::Camber),
-                (Characteristic::Caster, WheelAngle::Caster),
-                (
-                    Characteristic::KingpinInclination,
-                    WheelAngle::KingpinInclination,
-                ),
-            ];
-            let known = super::outputs::characteristic(name, context.suspension, problems)?;
-            let Some((_, angle)) = angles.into_iter().find(|(own, _)| *own == known) else {
-                let error = problems.add(
-                    name.span(),
-                    format!("{} is of the rigid mechanism", name.get_ref()),
-                );
-                error.help(
-                    "with [compliance] a target is about toe, camber, caster, kingpin_inclination, or a figure of a test",
-                );
+        let keys = [
+            ("stiffness", self.stiffness.as_ref().map(Spanned::span)),
+            ("relative", self.relative.as_ref().map(Spanned::span)),
+        ];
+        for (key, span) in keys {
+            if let Some(span) = span {
+                let message = format!("{key} needs bushing or link: the part whose rate varies");
+                return problems.refuse(span, &message);
+            }
+        }
+        Some(false)
+    }
+
+    /// Name of the part and its rate.
+    pub(super) fn read(
+        &self,
+        context: &Context,
+        problems: &mut Problems,
+    ) -> Option<(String, Rate)> {
+        let Some(elastic) = context.elastic else {
+            // What is wrong with the elastic parts is said already.
+            if context.file.compliance.is_some() {
                 return None;
-            };
-            Some(Subject {
-                about: About::Elastic(KcValue::Angle(angle)),
-                ..Subject::characteristic(known, length)
-            })
+            }
+            let message = "a rate needs [compliance] with elastic parts";
+            return problems.refuse(self.place.clone(), message);
+        };
+        if let Some(other) = self.others.iter().flatten().next() {
+            return problems.refuse(other.clone(), "this is of hardpoints, not of a rate");
         }
-        (Some(_), Some(name)) => {
-            let message = "expected one of figure and characteristic, found both";
-            problems.refuse(name.span(), message)
-        }
-        (None, None) => problems.refuse(place, "expected figure or characteristic"),
+        let is_relative = self.relative.as_ref().is_some_and(|said| *said.get_ref());
+        let (name, parameter, design) = match (self.bushing, self.link) {
+            (Some(name), None) => {
+                let axis = self.stiffness.as_ref();
+                bushing_rate(name, axis, is_relative, elastic, context, problems)?
+            }
+            (None, Some(name)) => link_rate(name, elastic, problems)?,
+            _ => {
+                let message = "expected one of bushing and link";
+                return problems.refuse(self.place.clone(), message);
+            }
+        };
+        let rate = Rate {
+            parameter,
+            design,
+            is_relative,
+        };
+        Some((name, rate))
     }
 }
 
 /// A variable that is the rate of a bushing or a link.
 pub(super) fn rate(
     variable: &Spanned<file::Variable>,
+    named: &RateKeys<'_>,
     context: &Context,
     cost: Option<f64>,
     problems: &mut Problems,
 ) -> Option<Variable> {
     let written = variable.get_ref();
-    let Some(elastic) = context.elastic else {
-        // What is wrong with the elastic parts is said already.
-        if context.file.compliance.is_some() {
-            return None;
-        }
-        let message = "a rate as a variable needs [compliance] with elastic parts";
-        return problems.refuse(variable.span(), message);
+    let (part, rate) = named.read(context, problems)?;
+    let (design, is_relative) = (rate.design, rate.is_relative);
+    let kind = if written.link.is_some() {
+        "link"
+    } else {
+        "bushing"
     };
-    let others = [
-        written.hardpoint.as_ref().map(Spanned::span),
-        written.hardpoints.as_ref().map(Spanned::span),
-        written.rigid.as_ref().map(Spanned::span),
-        written.axis.as_ref().map(Spanned::span),
-        written.direction.as_ref().map(Spanned::span),
-        written.factors.as_ref().map(Spanned::span),
-    ];
-    if let Some(other) = others.into_iter().flatten().next() {
-        return problems.refuse(other, "this is of hardpoints, not of a rate");
-    }
-    let is_relative = written
-        .relative
-        .as_ref()
-        .is_some_and(|said| *said.get_ref());
-    let (name, parameter, design) = match (&written.bushing, &written.link) {
-        (Some(name), None) => bushing_rate(name, written, is_relative, elastic, context, problems)?,
-        (None, Some(name)) => link_rate(name, elastic, problems)?,
-        _ => {
-            let message = "expected one of bushing and link";
-            return problems.refuse(variable.span(), message);
-        }
-    };
+    let name = format!("{kind}:{part}");
     let Some(range) = &written.range else {
         return problems.refuse(variable.span(), "the key \"range\" is missing");
     };
@@ -191,11 +343,7 @@ pub(super) fn rate(
         name,
         moves: Vec::new(),
         turn: None,
-        rate: Some(Rate {
-            parameter,
-            design,
-            is_relative,
-        }),
+        rate: Some(rate),
         range,
         cost: cost?,
     })
@@ -205,7 +353,7 @@ type Found = (String, Parameter, f64);
 
 fn bushing_rate(
     name: &Text,
-    written: &file::Variable,
+    axis: Option<&Text>,
     is_relative: bool,
     elastic: &ComplianceStudy,
     context: &Context,
@@ -217,7 +365,7 @@ fn bushing_rate(
         .map(|(number, part)| (mechanism.name(part.point), number))
         .collect();
     let number = choose(name, "bushing", &options, problems)?;
-    let Some(axis) = &written.stiffness else {
+    let Some(axis) = axis else {
         let message = "expected stiffness: \"x\", \"y\", \"z\", \"tx\", \"ty\" or \"tz\"";
         return problems.refuse(name.span(), message);
     };
@@ -239,8 +387,11 @@ fn bushing_rate(
         let message = "this rate is 0 in the study, so there is nothing to vary";
         return problems.refuse(axis.span(), message);
     }
-    let name = format!("bushing:{}", name.get_ref());
-    Some((name, Parameter::Stiffness(number, k), design))
+    Some((
+        name.get_ref().clone(),
+        Parameter::Stiffness(number, k),
+        design,
+    ))
 }
 
 fn link_rate(name: &Text, elastic: &ComplianceStudy, problems: &mut Problems) -> Option<Found> {
@@ -251,26 +402,14 @@ fn link_rate(name: &Text, elastic: &ComplianceStudy, problems: &mut Problems) ->
         AxialStiffness::Rate(rate) => rate,
         AxialStiffness::PerStrain(force) => force,
     };
-    let name = format!("link:{}", name.get_ref());
-    Some((name, Parameter::Link(number), design))
+    Some((name.get_ref().clone(), Parameter::Link(number), design))
 }
 
-/// Refuses what tuning does not know of elastic parts.
+/// Refuses keys of a tuning that elastic parts do not have.
 pub(super) fn refuse_in_optimise(section: &file::Optimise, problems: &mut Problems) -> Option<()> {
-    let places = [
-        (
-            "constraints",
-            section.constraints.first().map(Spanned::span),
-        ),
-        ("scatter", section.scatter.as_ref().map(|n| n.span())),
-        ("front", section.front.as_ref().map(Spanned::span)),
-    ];
-    let mut found = places
-        .into_iter()
-        .filter_map(|(key, span)| Some((key, span?)));
-    let Some((key, span)) = found.next() else {
-        return Some(());
-    };
-    let message = format!("{key} is not available yet with [compliance]");
-    problems.refuse(span, message)
+    if let Some(scatter) = &section.scatter {
+        let message = "scatter is of the rigid mechanism; with [compliance] it is not available";
+        return problems.refuse(scatter.span(), message);
+    }
+    Some(())
 }

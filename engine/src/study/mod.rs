@@ -27,9 +27,11 @@ mod outputs;
 mod place;
 mod resolve;
 mod right_wheel;
+mod rocker_springs;
 mod samples;
 mod schema;
 mod setup;
+mod sheet_file;
 mod solid_axle;
 mod solver;
 mod subject;
@@ -44,11 +46,14 @@ pub use crate::analyse::LoadPoint;
 pub use crate::solve::Drive;
 pub use axle::AxleStudy;
 pub use axle_targets::AxleSite;
-pub use car::{CarOptimise, CarStudy, GgMap, edited};
+pub use car::{
+    CarBand, CarContributor, CarOptimise, CarStudy, CarSweep, CarTolerance, GgMap, edited,
+};
 pub use compliance::ComplianceStudy;
 pub use designs_file::DesignTable;
-pub use hardpoint_study_file::error::{StudyError, StudyErrors};
-pub(crate) use hardpoint_study_file::names::nearest;
+pub use hardpoint_study_file::bushing_file;
+pub use hardpoint_study_file::error::{Source as FileText, StudyError, StudyErrors};
+pub use hardpoint_study_file::names::nearest;
 pub use hardpoint_study_file::source::{
     LONGEST_TABLE, LONGEST_TEXT, read_bytes, read_regular_text, read_text,
 };
@@ -61,7 +66,7 @@ pub(crate) use sweep::MOST_EXCHANGED;
 pub use value_edit::{PathStep, ValueEdit, edited_text};
 pub use vehicle::{Vehicle, WheelStudy};
 
-use crate::ask::Unit;
+use crate::ask::{Unit, with_unit};
 use crate::assembly::BuildParameter;
 use crate::characteristics::{Characteristic, Measure, Quantity};
 use crate::compliance::{KcValue, Parameter};
@@ -164,6 +169,26 @@ pub struct Outputs {
     pub certify: bool,
     /// Loads for which the forces in links and joints are reported.
     pub loads: Vec<Load>,
+    /// Figures of tests on elastic parts, in the order asked.
+    pub figures: Vec<ElasticFigure>,
+}
+
+/// A figure of a test on elastic parts, as studies name it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ElasticFigure {
+    /// Its name, without the unit.
+    pub name: String,
+    /// The value.
+    pub value: KcValue,
+    /// Kind of number.
+    pub unit: Unit,
+}
+
+impl ElasticFigure {
+    /// The name of its column.
+    pub fn column(&self, length: LengthUnit) -> String {
+        with_unit(self.name.clone(), &self.unit.suffix(length))
+    }
 }
 
 impl Outputs {
@@ -177,6 +202,7 @@ impl Outputs {
             sensitivities: Vec::new(),
             certify: false,
             loads: Vec::new(),
+            figures: Vec::new(),
         }
     }
 }
@@ -274,6 +300,8 @@ pub struct SweepVariable {
     pub name: String,
     /// What it moves.
     pub moves: Vec<Move>,
+    /// The rate of an elastic part that it sets instead. Its values are rates, or factors of the rate.
+    pub rate: Option<Rate>,
     /// Whether its values are coordinates rather than offsets from the design.
     pub absolute: bool,
     /// Lowest and highest value, in the study's axes.
@@ -498,6 +526,40 @@ impl Rate {
         }
     }
 
+    /// The rate at a value of a sweep or a scatter, which is a rate or a factor.
+    pub fn of_value(&self, value: f64) -> f64 {
+        match self.is_relative {
+            true => self.design * value,
+            false => value,
+        }
+    }
+
+    /// The rate with a change, which is a part of the rate if it is relative; and its derivative by the change.
+    pub fn scattered(&self, change: f64) -> [f64; 2] {
+        match self.is_relative {
+            true => [self.design * (1.0 + change), self.design],
+            false => [self.design + change, 1.0],
+        }
+    }
+
+    /// Unit of the values of [`Rate::of_value`]: `factor`, or that of the rate.
+    pub fn value_unit(&self, length: LengthUnit) -> String {
+        let u = length.symbol();
+        match (self.is_relative, self.parameter) {
+            (true, _) => "factor".to_owned(),
+            (false, Parameter::Stiffness(_, 3..)) => format!("N_{u}_per_rad"),
+            (false, _) => format!("N_per_{u}"),
+        }
+    }
+
+    /// The value of [`Rate::of_value`] that gives the study's own rate.
+    pub fn own_value(&self) -> f64 {
+        match self.is_relative {
+            true => 1.0,
+            false => self.design,
+        }
+    }
+
     /// Name of the axis, of a bushing.
     pub fn axis_name(&self) -> Option<&'static str> {
         match self.parameter {
@@ -575,10 +637,25 @@ impl Subject {
 
     /// The characteristic of one wheel, if it is one.
     pub fn as_characteristic(&self) -> Option<Characteristic> {
-        match self.of_wheel()? {
-            Measure::Quantity(Quantity::Characteristic(c)) => Some(*c),
+        match &self.about {
+            About::Wheel(Measure::Quantity(Quantity::Characteristic(c)))
+            | About::Elastic(KcValue::Wheel(c)) => Some(*c),
             _ => None,
         }
+    }
+
+    /// The figure of a test on elastic parts, if it is one.
+    pub fn as_figure(&self) -> Option<ElasticFigure> {
+        let About::Elastic(value @ KcValue::Figure { .. }) = self.about else {
+            return None;
+        };
+        let unit = self.unit.suffix(self.length);
+        let name = self.column.strip_suffix(&format!("_{unit}"));
+        Some(ElasticFigure {
+            name: name.unwrap_or(&self.column).to_owned(),
+            value,
+            unit: self.unit,
+        })
     }
 }
 
@@ -657,7 +734,9 @@ impl Target {
 
     /// Whether it is about a characteristic in the study's own motion: what sweeps compare.
     pub fn is_in_motion(&self) -> bool {
-        self.site == Site::default() && self.of.as_characteristic().is_some()
+        let of = &self.of;
+        let is_curve = of.as_characteristic().is_some() || of.as_figure().is_some();
+        self.site == Site::default() && is_curve
     }
 
     /// Whether it wants a value or a curve of a characteristic in the study's own motion, so that a picture can show it
@@ -843,6 +922,8 @@ pub struct Source {
     pub name: String,
     /// Dimensions it changes, each by how much per unit, in the kernel's frame.
     pub changes: Vec<(BuildParameter, f64)>,
+    /// The rate of an elastic part that it changes instead.
+    pub rate: Option<Rate>,
     /// How it scatters.
     pub law: Law,
     /// For an axle: the wheel whose dimensions these are, in the kernel's frame of its side.

@@ -229,7 +229,7 @@ impl TimeLaw {
     }
 }
 
-fn time_law(
+pub(super) fn time_law(
     time: &file::Time,
     resolved: impl Fn(f64) -> f64,
     problems: &mut Problems,

@@ -1,7 +1,7 @@
 //! `[optimise]`: what may move, and how.
 
 use super::constraints::constraints;
-use super::elastic_targets;
+use super::elastic_targets::{self, RateKeys};
 use super::error::Problems;
 use super::file;
 use super::motion::within;
@@ -10,7 +10,7 @@ use super::names::choose;
 use super::outputs::hardpoint;
 use super::resolve::{Context, each, some};
 use super::suspension::above_zero;
-use super::targets::{WrittenCurve, targets};
+use super::targets::{FromFile, targets};
 use super::value::{Text, Whole};
 use super::{
     Drive, FrontGoal, Motion, Move, Optimise, RobustAim, Scatter, Setup, Target, Tolerance, Turn,
@@ -19,13 +19,13 @@ use super::{
 use crate::model::{Axis, Suspension};
 use toml::Spanned;
 
-/// The optimisation, if nothing is wrong with it, and the target curves that came from files, by the
-/// place of their target.
+/// The optimisation, if nothing is wrong with it, and the targets that came from files, by the place of the target as
+/// written.
 pub(super) fn optimise(
     section: &file::Optimise,
     context: &Context,
     problems: &mut Problems,
-) -> Option<(Optimise, Vec<(usize, WrittenCurve)>)> {
+) -> Option<(Optimise, Vec<(usize, FromFile)>)> {
     if let Some(method) = &section.method {
         choose(method, "method", &[("levenberg_marquardt", ())], problems);
     }
@@ -62,12 +62,8 @@ pub(super) fn optimise(
     }
     let constraints = constraints(section, context, problems);
     let targets = targets(section, context, problems);
-    let (targets, curves): (Vec<_>, Vec<_>) = targets?.into_iter().unzip();
+    let (targets, files) = targets?;
     let front = front(section, &targets, context, problems);
-    let curves = curves.into_iter().enumerate();
-    let curves = curves
-        .filter_map(|(place, curve)| Some((place, curve?)))
-        .collect();
     let optimise = Optimise {
         starts: usize::try_from(starts?).ok()?,
         seed: u32::try_from(seed?).ok()?,
@@ -85,7 +81,7 @@ pub(super) fn optimise(
             .as_ref()
             .is_none_or(|said| *said.get_ref()),
     };
-    Some((optimise, curves))
+    Some((optimise, files))
 }
 
 /// The most builds of a robust tuning.
@@ -269,19 +265,24 @@ fn variable(
 ) -> Option<Variable> {
     let suspension = context.suspension;
     let written = variable.get_ref();
-    if written.bushing.is_some() || written.link.is_some() {
+    let named = RateKeys {
+        place: variable.span(),
+        bushing: &written.bushing,
+        link: &written.link,
+        stiffness: &written.stiffness,
+        relative: &written.relative,
+        others: &[
+            written.hardpoint.as_ref().map(Spanned::span),
+            written.hardpoints.as_ref().map(Spanned::span),
+            written.rigid.as_ref().map(Spanned::span),
+            written.axis.as_ref().map(Spanned::span),
+            written.direction.as_ref().map(Spanned::span),
+            written.factors.as_ref().map(Spanned::span),
+        ],
+    };
+    if named.is_given(problems)? {
         let cost = cost(written, problems);
-        return elastic_targets::rate(variable, context, cost, problems);
-    }
-    let of_rates = [
-        ("stiffness", written.stiffness.as_ref().map(Spanned::span)),
-        ("relative", written.relative.as_ref().map(Spanned::span)),
-    ];
-    for (key, span) in of_rates {
-        if let Some(span) = span {
-            let message = format!("{key} needs bushing or link: the part whose rate varies");
-            return problems.refuse(span, message);
-        }
+        return elastic_targets::rate(variable, &named, context, cost, problems);
     }
     let missing = |key: &str, problems: &mut Problems| {
         problems.add(variable.span(), format!("the key \"{key}\" is missing"));

@@ -1,17 +1,19 @@
 //! `[outputs]`: what is asked for.
 
 use super::axle_forces;
+use super::elastic_targets::{self, ElasticQuantity};
 use super::error::Problems;
 use super::file::{self, File};
 use super::loads::loads;
-use super::names::{choose, choose_or};
+use super::names::{choose, choose_or, nearest};
 use super::resolve::each;
 use super::subject::point;
 use super::value::{Selection, Text};
-use super::{Order, Outputs};
+use super::{ComplianceStudy, Order, Outputs};
 use crate::ask::Need;
+use crate::axle::Quantity;
 use crate::characteristics::Characteristic;
-use crate::model::{PointId, Suspension};
+use crate::model::{PointId, SteeringAxis, Suspension};
 
 /// What a study without `[outputs]` gets: the angles of the wheel and of the steering axis, if there is
 /// one.
@@ -26,31 +28,67 @@ const DEFAULT: [Characteristic; 4] = [
 pub(super) fn outputs(
     file: &File,
     suspension: &Suspension,
+    elastic: Option<&ComplianceStudy>,
     problems: &mut Problems,
 ) -> Option<Outputs> {
     let Some(section) = &file.outputs else {
-        let steered = suspension.mechanism.steering_axis.is_some();
+        let steered = match elastic {
+            // An equilibrium has the joints of the axis alone.
+            Some(_) => matches!(
+                suspension.mechanism.steering_axis,
+                Some(SteeringAxis::Through { .. })
+            ),
+            None => suspension.mechanism.steering_axis.is_some(),
+        };
         let possible = DEFAULT
             .into_iter()
             .filter(|c| steered || !c.info().reads_steering_axis());
         return Some(Outputs::of(possible.collect()));
     };
-    let characteristics = distinct(&section.characteristics, problems, |text, problems| {
-        characteristic(text, suspension, problems)
-    });
+    if elastic.is_some() {
+        elastic_targets::refuse_in_outputs(section, problems)?;
+    }
+    let named = distinct(
+        &section.characteristics,
+        problems,
+        |text, problems| match elastic {
+            Some(elastic) => elastic_targets::quantity(text, elastic, suspension, problems),
+            None => {
+                let found = characteristic(text, suspension, problems);
+                found.map(ElasticQuantity::Characteristic)
+            }
+        },
+    );
     let points = points(section, suspension, problems);
     let order = order(section, problems);
     let sensitivities = sensitivities(section, suspension, problems);
     let loads = loads(section, suspension, problems);
     let order = order?;
+    let (mut characteristics, mut figures) = (Vec::new(), Vec::new());
+    for (named, text) in named?.into_iter().zip(&section.characteristics) {
+        match named {
+            ElasticQuantity::Characteristic(own) => {
+                if elastic.is_some() && order > Order::Position && own.info().reads_rates() {
+                    let message = format!(
+                        "{} is a derivative by travel: with [compliance] expected order = \"position\"",
+                        text.get_ref()
+                    );
+                    return problems.refuse(text.span(), &message);
+                }
+                characteristics.push(own);
+            }
+            ElasticQuantity::Figure(figure) => figures.push(figure),
+        }
+    }
     Some(Outputs {
-        characteristics: characteristics?,
+        characteristics,
         points: points?,
         knuckle: knuckle(section, order, problems),
         order,
         sensitivities: sensitivities?,
         certify: certify(section),
         loads: loads?,
+        figures,
     })
 }
 
@@ -153,6 +191,34 @@ pub(super) fn hardpoint(
     choose(text, "hardpoint", &hardpoints, problems)
 }
 
+/// Refuses a quantity that only an axle has, also if its name is misspelt, and returns true.
+fn refuses_axle_quantity(
+    text: &Text,
+    of_a_wheel: &[(&'static str, Characteristic)],
+    problems: &mut Problems,
+) -> bool {
+    let name = text.get_ref();
+    let is_of_a_wheel = |name: &str| of_a_wheel.iter().any(|(known, _)| *known == name);
+    if is_of_a_wheel(name) {
+        return false;
+    }
+    // A misspelt name that is nearer to one of a wheel means that.
+    let all = of_a_wheel.iter().map(|(known, _)| *known);
+    let meant = nearest(name, all.chain(Quantity::names()));
+    let Some(meant) = meant.filter(|meant| !is_of_a_wheel(meant)) else {
+        return false;
+    };
+    let message = match meant == name {
+        true => format!("{name} is a quantity of an axle, not of one wheel"),
+        false => format!("unknown characteristic {name:?}; did you mean {meant:?}?"),
+    };
+    let error = problems.add(text.span(), message);
+    error.help(format!(
+        "{meant} needs [axle] in the study: see docs/axle.md, or `hardpoint new TOPOLOGY --with axle`"
+    ));
+    true
+}
+
 /// The characteristic of this name, for which the study must give what it needs.
 pub(super) fn characteristic(
     text: &Text,
@@ -163,6 +229,9 @@ pub(super) fn characteristic(
         .iter()
         .map(|c| (c.info().name, *c))
         .collect();
+    if refuses_axle_quantity(text, &all, problems) {
+        return None;
+    }
     let characteristic = choose(text, "characteristic", &all, problems)?;
     let mechanism = &suspension.mechanism;
     let needs_axis = characteristic.info().needs.contains(&Need::SteeringAxis);

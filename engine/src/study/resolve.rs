@@ -1,5 +1,6 @@
 //! Resolves the file as written to a study.
 
+use super::compliance::BushingText;
 use super::error::{Problems, Source, StudyError, StudyErrors};
 use super::{
     AxleStudy, ComplianceStudy, Drive, Load, Motion, Optimise, Outputs, Study, Vehicle, WheelStudy,
@@ -86,7 +87,11 @@ impl Study {
     /// The study with edits `path=value`, as `--set` makes them; `name` is the file name it goes by.
     pub fn with_overrides(&self, name: &str, overrides: &[String]) -> Result<Study, StudyErrors> {
         let text = overrides::apply(name, &self.text, overrides)?;
-        Study::from_text(name, &text, Path::new(""))
+        let parts = match self.compliance() {
+            Some(_) => Parts::Elastic,
+            None => Parts::Rigid,
+        };
+        resolve(Path::new(name), name.to_owned(), text, Path::new(""), parts)
     }
 
     /// Reads a study from its text. `name` is the file name it goes by, `directory` where the files it
@@ -152,7 +157,7 @@ fn resolve(
     if let Some(place) = parse::car_section(&source.text) {
         let message = "[car] makes this the study of a car, which this command does not take";
         let mut error = StudyError::new(source.clone(), Some(place), message);
-        error.help("hardpoint check, solve and optimise take cars; the axles by themselves are studies for every command");
+        error.help("hardpoint check, solve, sweep, optimise, tolerance, limits, compare and export take cars; the axles by themselves are studies for every command");
         return Err(error.into());
     }
     let file = parse::parse(&source)?;
@@ -191,7 +196,8 @@ fn resolve(
         }
     };
     let knows_elastic = parts == Parts::Elastic;
-    let elastic = compliance::compliance(&file, &suspension, knows_elastic, &mut problems);
+    let elastic =
+        compliance::compliance(&file, &suspension, knows_elastic, directory, &mut problems);
     if let Some(motion) = &motion {
         motion::check_drive(&file.motion, motion, &suspension, &mut problems);
     }
@@ -213,7 +219,12 @@ fn resolve(
     solver::refuse_accuracy(&file, &mut problems);
     let outputs = match of_axle {
         true => Some(Outputs::of(Vec::new())),
-        false => outputs::outputs(&file, &suspension, &mut problems),
+        // What is wrong with the elastic parts is said already.
+        false if elastic.is_none() => None,
+        false => {
+            let elastic = elastic.as_ref().and_then(Option::as_ref);
+            outputs::outputs(&file, &suspension, elastic, &mut problems)
+        }
     };
     if let (Some(formulation), Some(outputs)) = (formulation, &outputs) {
         solver::check_outputs(&file, formulation, motion.as_ref(), outputs, &mut problems);
@@ -283,6 +294,16 @@ fn resolve(
             optimise::scatter(section, tolerance, adjusted, &context, &mut problems)
         }
     };
+    let parts = elastic.iter().flatten().flat_map(|own| &own.parts.bushings);
+    let bushings_of_files: Vec<BushingText> = parts
+        .filter_map(|part| {
+            let name = suspension.mechanism.name(part.point);
+            let mut written = file.bushings.iter();
+            let (_, own) = written.find(|(known, _)| known.get_ref() == name)?;
+            own.get_ref().file.as_ref()?;
+            Some(BushingText::of(name, part))
+        })
+        .collect();
     let study = || {
         let (optimise, curves) = optimise?;
         let scatter = scatter?;
@@ -292,7 +313,10 @@ fn resolve(
                 .unwrap_or_default()
                 .to_string_lossy()
                 .into_owned(),
-            text: edit::with_curves_inside(&source.text, &curves),
+            text: edit::with_bushings_inside(
+                edit::with_curves_inside(&source.text, &curves),
+                &bushings_of_files,
+            ),
             inputs: named_files(&file)
                 .map(|name| directory.join(name))
                 .collect(),
@@ -327,5 +351,10 @@ fn named_files(file: &file::File) -> impl Iterator<Item = &str> {
         .sweep
         .iter()
         .filter_map(|s| s.get_ref().designs.as_ref());
-    curves.chain(designs).map(|name| name.get_ref().as_str())
+    let bushings = file.bushings.values();
+    let bushings = bushings.filter_map(|bushing| bushing.get_ref().file.as_ref());
+    curves
+        .chain(designs)
+        .chain(bushings)
+        .map(|name| name.get_ref().as_str())
 }

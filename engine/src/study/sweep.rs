@@ -1,5 +1,6 @@
 //! `[sweep]`: which designs are to be looked at.
 
+use super::elastic_targets::RateKeys;
 use super::error::Problems;
 use super::file::{self, File};
 use super::motion::{evenly_spaced_at, within};
@@ -10,6 +11,7 @@ use super::value::{Text, Whole};
 use super::{Designs, Drive, FileFormat, Formulation, Sampled, Sampling, Sweep, SweepVariable};
 use crate::model::{Axis, PointId, Suspension};
 use std::collections::HashMap;
+use std::ops::Range as Span;
 use toml::Spanned;
 
 /// The most designs of a sweep: years of work for the fastest machine.
@@ -43,10 +45,27 @@ impl Sampled {
     }
 }
 
+impl Sampled {
+    /// All that the designs depend on: points of a sequence do not depend on the number of samples.
+    pub(crate) fn meaning(&self) -> Sampled {
+        let samples = match self.method {
+            Sampling::Sobol | Sampling::Random | Sampling::Saltelli => 0,
+            Sampling::Grid | Sampling::LatinHypercube => self.samples,
+        };
+        Sampled {
+            samples,
+            ..self.clone()
+        }
+    }
+}
+
 impl SweepVariable {
     /// The name of its column.
     pub fn column(&self, length_unit: crate::model::LengthUnit) -> String {
-        format!("{}_{}", self.name, length_unit.symbol())
+        match &self.rate {
+            Some(rate) => format!("{}_{}", self.name, rate.value_unit(length_unit)),
+            None => format!("{}_{}", self.name, length_unit.symbol()),
+        }
     }
 
     /// Value number `level` in a grid.
@@ -57,6 +76,9 @@ impl SweepVariable {
 
     /// The variable's value in the study's own design.
     pub fn at_design(&self, suspension: &Suspension) -> f64 {
+        if let Some(rate) = &self.rate {
+            return rate.own_value();
+        }
         match (self.absolute, self.moves.as_slice()) {
             (true, [only]) => {
                 suspension.design[only.point.0][only.axis] * suspension.frame.sign(only.axis)
@@ -89,7 +111,7 @@ pub(super) fn sweep(
             Some(Designs::File(context.directory.join(path.get_ref())))
         }
         (None, Some(variables)) => {
-            sampled(section, variables, context.suspension, problems).map(Designs::Sampled)
+            sampled(section, variables, context, problems).map(Designs::Sampled)
         }
         (Some(path), Some(variables)) => {
             let message = "expected variables or designs (a file), found both";
@@ -105,7 +127,7 @@ pub(super) fn sweep(
     Some(Sweep {
         designs: designs?,
         curves: written.curves.unwrap_or(false),
-        format: format(written, problems)?,
+        format: format(&written.format, problems)?,
     })
 }
 
@@ -138,8 +160,9 @@ fn check_solver(
     problems.add(place, message).help(help);
 }
 
-fn format(written: &file::Sweep, problems: &mut Problems) -> Option<FileFormat> {
-    let Some(text) = &written.format else {
+/// The file format of a sweep's results.
+pub(super) fn format(written: &Option<Text>, problems: &mut Problems) -> Option<FileFormat> {
+    let Some(text) = written else {
         return Some(FileFormat::Csv);
     };
     let formats = [("csv", FileFormat::Csv), ("parquet", FileFormat::Parquet)];
@@ -156,59 +179,104 @@ fn format(written: &file::Sweep, problems: &mut Problems) -> Option<FileFormat> 
 fn sampled(
     section: &Spanned<file::Sweep>,
     variables: &Spanned<Vec<Spanned<file::SweepVariable>>>,
-    suspension: &Suspension,
+    context: &Context,
     problems: &mut Problems,
 ) -> Option<Sampled> {
     let written = section.get_ref();
-    let grid = Sampling::Grid;
-    let method = choose_or(&written.method, grid, "method", &Sampling::ALL, problems);
-    let seed = match &written.seed {
-        None => Some(1),
-        Some(seed) => within(seed, 0..=i64::from(u32::MAX), problems),
+    let asked = Asked {
+        section: section.span(),
+        variables: variables.span(),
+        method: &written.method,
+        samples: &written.samples,
+        seed: &written.seed,
     };
+    let rules = asked.rules(problems);
     let listed = some(variables, "variable", problems)?;
-    let resolved = each(listed, |v| variable(v, suspension, problems))?;
-    distinct(listed, &resolved, suspension, problems);
-    let method = method?;
-    if method == Sampling::Saltelli && resolved.len() > MOST_EXCHANGED {
-        let message = format!(
-            "method = \"saltelli\" takes at most {MOST_EXCHANGED} variables, found {}",
-            resolved.len()
-        );
-        return problems.refuse(variables.span(), message);
+    let resolved = each(listed, |v| variable(v, context, problems))?;
+    distinct(listed, &resolved, context.suspension, problems);
+    let places: Vec<_> = listed.iter().map(Spanned::span).collect();
+    asked.sampled(rules, resolved, &places, problems)
+}
+
+/// The keys of a sweep that say how its variables are sampled.
+pub(super) struct Asked<'a> {
+    /// Place of the section.
+    pub section: Span<usize>,
+    /// Place of the variables.
+    pub variables: Span<usize>,
+    /// Name of the method.
+    pub method: &'a Option<Text>,
+    /// Number of samples.
+    pub samples: &'a Option<Whole>,
+    /// Seed.
+    pub seed: &'a Option<Whole>,
+}
+
+/// Method and seed, each if nothing is wrong with it.
+pub(super) type Rules = (Option<Sampling>, Option<i64>);
+
+impl Asked<'_> {
+    /// Method and seed. Both are read before the variables, so that mistakes of all are reported.
+    pub(super) fn rules(&self, problems: &mut Problems) -> Rules {
+        let grid = Sampling::Grid;
+        let method = choose_or(self.method, grid, "method", &Sampling::ALL, problems);
+        let seed = match self.seed {
+            None => Some(1),
+            Some(seed) => within(seed, 0..=i64::from(u32::MAX), problems),
+        };
+        (method, seed)
     }
-    let samples = match method {
-        Sampling::Grid => grid_points(variables, &resolved, problems)?,
-        _ => {
-            let Some(samples) = &written.samples else {
-                let message = format!("method = \"{}\" needs samples, a number", method.name());
-                return problems.refuse(section.span(), message);
-            };
-            // Samples times variables and two must not exceed it either.
-            let most = MOST_DESIGNS / (resolved.len() as u64 + 2);
-            within(samples, 1..=most as i64, problems)? as u64
+
+    /// The samples of variables, which are written at `places`.
+    pub(super) fn sampled(
+        &self,
+        (method, seed): Rules,
+        variables: Vec<SweepVariable>,
+        places: &[Span<usize>],
+        problems: &mut Problems,
+    ) -> Option<Sampled> {
+        let method = method?;
+        if method == Sampling::Saltelli && variables.len() > MOST_EXCHANGED {
+            let message = format!(
+                "method = \"saltelli\" takes at most {MOST_EXCHANGED} variables, found {}",
+                variables.len()
+            );
+            return problems.refuse(self.variables.clone(), message);
         }
-    };
-    Some(Sampled {
-        method,
-        samples,
-        seed: u32::try_from(seed?).ok()?,
-        variables: resolved,
-    })
+        let samples = match method {
+            Sampling::Grid => grid_points(&self.variables, places, &variables, problems)?,
+            _ => {
+                let Some(samples) = self.samples else {
+                    let message = format!("method = \"{}\" needs samples, a number", method.name());
+                    return problems.refuse(self.section.clone(), message);
+                };
+                // Samples times variables and two must not exceed it either.
+                let most = MOST_DESIGNS / (variables.len() as u64 + 2);
+                within(samples, 1..=most as i64, problems)? as u64
+            }
+        };
+        Some(Sampled {
+            method,
+            samples,
+            seed: u32::try_from(seed?).ok()?,
+            variables,
+        })
+    }
 }
 
 fn grid_points(
-    place: &Spanned<Vec<Spanned<file::SweepVariable>>>,
+    list: &Span<usize>,
+    places: &[Span<usize>],
     variables: &[SweepVariable],
     problems: &mut Problems,
 ) -> Option<u64> {
-    for (written, variable) in place.get_ref().iter().zip(variables) {
+    for (place, variable) in places.iter().zip(variables) {
         if variable.steps.is_none() {
             let message = format!(
                 "{} needs steps, the number of its values in the grid",
                 variable.name
             );
-            let error = problems.add(written.span(), message);
+            let error = problems.add(place.clone(), message);
             error.help("or method = \"sobol\" with samples");
             return None;
         }
@@ -223,23 +291,43 @@ fn grid_points(
             factors.join(" x "),
             MOST_DESIGNS = MOST_DESIGNS as f64,
         );
-        problems.add(place.span(), message);
+        problems.add(list.clone(), message);
     }
     points
 }
 
 fn variable(
     place: &Spanned<file::SweepVariable>,
-    suspension: &Suspension,
+    context: &Context,
     problems: &mut Problems,
 ) -> Option<SweepVariable> {
-    let written = place.get_ref();
+    let (written, suspension) = (place.get_ref(), context.suspension);
+    let named = RateKeys {
+        place: place.span(),
+        bushing: &written.bushing,
+        link: &written.link,
+        stiffness: &written.stiffness,
+        relative: &written.relative,
+        others: &[
+            written.hardpoint.as_ref().map(Spanned::span),
+            written.hardpoints.as_ref().map(Spanned::span),
+            written.factors.as_ref().map(Spanned::span),
+            written.axis.as_ref().map(Spanned::span),
+            written.absolute.as_ref().map(Spanned::span),
+        ],
+    };
+    if named.is_given(problems)? {
+        return rate(written, &named, context, problems);
+    }
+    let Some(axis) = &written.axis else {
+        return problems.refuse(place.span(), "the key \"axis\" is missing");
+    };
     let moved = moves::Written {
         place: place.span(),
         hardpoint: &written.hardpoint,
         hardpoints: &written.hardpoints,
         factors: &written.factors,
-        axis: Some(&written.axis),
+        axis: Some(axis),
         direction: None,
     };
     let moves = moves::moves(&moved, suspension, problems);
@@ -266,9 +354,43 @@ fn variable(
     Some(SweepVariable {
         name,
         moves,
+        rate: None,
         absolute: absolute.is_some(),
         range: range?,
         steps: steps?,
+    })
+}
+
+/// A variable that is the rate of an elastic part.
+fn rate(
+    written: &file::SweepVariable,
+    named: &RateKeys<'_>,
+    context: &Context,
+    problems: &mut Problems,
+) -> Option<SweepVariable> {
+    let (part, rate) = named.read(context, problems)?;
+    let what = if rate.is_relative { "factors" } else { "rates" };
+    let range = moves::range(&written.range, what, problems)?;
+    if range[0] <= 0.0 {
+        let message = format!("expected {what} above 0, found {}", range[0]);
+        return problems.refuse(written.range.span(), message);
+    }
+    let steps = match &written.steps {
+        None => None,
+        Some(steps) => Some(self::steps(steps, Some(range), problems)?),
+    };
+    let name = match (&written.name, rate.axis_name()) {
+        (Some(name), _) => plain(name, problems)?,
+        (None, Some(axis)) => format!("{part}_stiffness_{axis}"),
+        (None, None) => format!("{part}_stiffness"),
+    };
+    Some(SweepVariable {
+        name,
+        moves: Vec::new(),
+        rate: Some(rate),
+        absolute: false,
+        range,
+        steps,
     })
 }
 
@@ -278,7 +400,12 @@ pub(super) fn column_stem(point: &str, axis: Axis, absolute: bool) -> String {
     format!("{point}_{kind}{}", axis.name())
 }
 
-fn steps(steps: &Whole, range: Option<[f64; 2]>, problems: &mut Problems) -> Option<u64> {
+/// The number of values in a grid.
+pub(super) fn steps(
+    steps: &Whole,
+    range: Option<[f64; 2]>,
+    problems: &mut Problems,
+) -> Option<u64> {
     let count = within(steps, 1..=MOST_DESIGNS as i64, problems)?;
     if let (1, Some([low, high])) = (count, range) {
         let message = format!("one step cannot reach from {low} to {high}");
@@ -290,7 +417,7 @@ fn steps(steps: &Whole, range: Option<[f64; 2]>, problems: &mut Problems) -> Opt
 }
 
 /// A name that can be part of a column's.
-fn plain(name: &Text, problems: &mut Problems) -> Option<String> {
+pub(super) fn plain(name: &Text, problems: &mut Problems) -> Option<String> {
     let text = name.get_ref();
     let allowed = |c: char| c.is_ascii_alphanumeric() || "_+-".contains(c);
     if text.is_empty() || !text.chars().all(allowed) {

@@ -7,25 +7,56 @@ use super::error::Problems;
 use super::file::{self, Target as Written};
 use super::names::choose;
 use super::resolve::{Context, each, some};
+use super::sheet_file::{self, SheetTarget};
 use super::subject::{site, subject};
 use super::suspension::above_zero;
 use super::value::{LimitText, Number};
-use super::{Interpolation, Limit, Motion, Site, Subject, Target, Wanted};
+use super::{About, Interpolation, Limit, Motion, Site, Subject, Target, Wanted};
+use crate::compliance::KcValue;
 use std::ops::Range as Span;
 use toml::Spanned;
 
 /// A curve as written: drive value and wanted value, in the file's units.
 pub(super) type WrittenCurve = Vec<[f64; 2]>;
 
-/// The targets, if nothing is wrong with them, each with its curve if that came from a file.
+/// Contents of a file that a target names, to be written out in its place.
+#[derive(Clone, Debug)]
+pub(super) enum FromFile {
+    /// A curve.
+    Curve(WrittenCurve),
+    /// Targets of a measured sheet.
+    Sheet(Vec<SheetTarget>),
+}
+
+/// Targets, and what of them came from files, by the place of the target as written.
+type ReadTargets = (Vec<Target>, Vec<(usize, FromFile)>);
+
+/// The targets, if nothing is wrong with them, and what came from files, by the place of the target as written.
 pub(super) fn targets(
     section: &file::Optimise,
     context: &Context,
     problems: &mut Problems,
-) -> Option<Vec<(Target, Option<WrittenCurve>)>> {
+) -> Option<ReadTargets> {
     let written = some(&section.targets, "target", problems)?;
     let is_fit = section.fit.as_ref().is_some_and(|fit| *fit.get_ref());
-    each(written, |t| target(t, is_fit, context, problems))
+    let read = each(written, |t| {
+        match sheet_file::targets(t, context, problems) {
+            Some(sheet) => {
+                let (targets, texts) = sheet?.into_iter().unzip();
+                Some((targets, Some(FromFile::Sheet(texts))))
+            }
+            None => {
+                let (target, curve) = target(t, is_fit, context, problems)?;
+                Some((vec![target], curve.map(FromFile::Curve)))
+            }
+        }
+    })?;
+    let (mut targets, mut files) = (Vec::new(), Vec::new());
+    for (place, (own, file)) in read.into_iter().enumerate() {
+        targets.extend(own);
+        files.extend(file.map(|file| (place, file)));
+    }
+    Some((targets, files))
 }
 
 fn target(
@@ -117,7 +148,9 @@ fn target(
             problems.refuse(at.span.clone(), "at needs value: the target value there")
         }
         // A figure is of the design height, if no travel is given.
-        (None, None, None, Some(value), false) if written.figure.is_some() => {
+        (None, None, None, Some(value), false)
+            if matches!(of.about, About::Elastic(KcValue::Figure { .. })) =>
+        {
             let value = of.from_printed(value.value);
             Some(Wanted::At { drive: 0.0, value })
         }

@@ -1,6 +1,7 @@
 //! `[tolerance]`: how parts scatter, and the bands that builds are to keep to.
 
 use super::axle_targets;
+use super::elastic_targets::{self, RateKeys};
 use super::error::Problems;
 use super::file;
 use super::members::{axis, member};
@@ -17,6 +18,8 @@ use crate::number::Vector3;
 use std::ops::Range as Span;
 use toml::Spanned;
 
+/// A rate must be above 0 at so many standard deviations below its nominal value. Builds beyond are rejected.
+const LEAST_SIGMAS: f64 = 4.0;
 /// The most builds: hours of work for the fastest machine.
 const MOST_BUILDS: i64 = 10_000_000_000;
 
@@ -36,6 +39,13 @@ pub(super) fn tolerance(
         let message = "aligned = true needs [setup] with adjust, to set toe and camber";
         problems.add(written.span(), message);
     }
+    if let (true, Some(elastic), Some(written)) = (aligned, context.elastic, &section.aligned)
+        && !elastic.parts.rests_in_design()
+    {
+        let message = "aligned = true sets toe and camber in the design position, where these elastic parts are not in \
+                       balance: expected relaxed = \"at_design_load\" and no preload, or aligned = false";
+        problems.add(written.span(), message);
+    }
     if let Some(motion) = context.motion
         && motion.drive != Drive::Travel
     {
@@ -49,9 +59,9 @@ pub(super) fn tolerance(
                 let message = "side needs [axle]; this study describes one wheel";
                 problems.add(side.span(), message);
             }
-            contributors(s, context, problems)
+            contributors(s, context.suspension, Some(context), problems)
         }
-        Some(axle) => contributors_of_axle(s, axle, context, problems),
+        Some(axle) => contributors_of_axle(s, axle, context.suspension, Some(context), problems),
     });
     let bands = section.bands.iter().flatten();
     let bands = each(bands, |b| band(b, context, problems));
@@ -84,10 +94,11 @@ fn whole(
 
 /// What scatters of both wheels by an entry of `scatter`: the parts of each by themselves, those of the right one as the mirror
 /// images of the left one's; what is made to one tolerance is one contributor.
-fn contributors_of_axle(
+pub(super) fn contributors_of_axle(
     written: &Spanned<file::Scatter>,
     study: &AxleStudy,
-    context: &Context,
+    suspension: &Suspension,
+    context: Option<&Context>,
     problems: &mut Problems,
 ) -> Option<Vec<Contributor>> {
     let sides = Side::ALL.map(|side| (side.name(), side));
@@ -96,7 +107,7 @@ fn contributors_of_axle(
         Some(text) => {
             let Some(side) = choose(text, "side", &sides, problems) else {
                 // What else is wrong is said all the same.
-                contributors(written, context, problems);
+                contributors(written, suspension, context, problems);
                 return None;
             };
             Some(side)
@@ -108,15 +119,11 @@ fn contributors_of_axle(
             continue;
         }
         // In the left wheel's axes: a mirror image scatters as its original does.
-        let suspension = Suspension {
-            frame: context.suspension.frame,
+        let of_side = Suspension {
+            frame: suspension.frame,
             ..study.axle.suspension(side).clone()
         };
-        let context = Context {
-            suspension: &suspension,
-            ..*context
-        };
-        let mut own = contributors(written, &context, problems)?;
+        let mut own = contributors(written, &of_side, context, problems)?;
         for contributor in &mut own {
             for source in &mut contributor.sources {
                 source.name = format!("{} {}", side.name(), source.name);
@@ -141,12 +148,32 @@ fn contributors_of_axle(
 /// What scatters by an entry of `scatter`: each hardpoint named is a contributor of its own, a jig is one.
 fn contributors(
     written: &Spanned<file::Scatter>,
-    context: &Context,
+    suspension: &Suspension,
+    context: Option<&Context>,
     problems: &mut Problems,
 ) -> Option<Vec<Contributor>> {
     let place = written.span();
     let written = written.get_ref();
-    let suspension = context.suspension;
+    let named = RateKeys {
+        place: place.clone(),
+        bushing: &written.bushing,
+        link: &written.link,
+        stiffness: &written.stiffness,
+        relative: &written.relative,
+        others: &[
+            written.hardpoint.as_ref().map(Spanned::span),
+            written.hardpoints.as_ref().map(Spanned::span),
+            written.length.as_ref().map(Spanned::span),
+            written.jig.as_ref().map(Spanned::span),
+            written.axis.as_ref().map(Spanned::span),
+        ],
+    };
+    if named.is_given(problems)? {
+        let Some(context) = context else {
+            return problems.refuse(place, "the axles of a car have no elastic parts");
+        };
+        return rate(written, &named, context, problems).map(|rate| vec![rate]);
+    }
     let kinds = [
         written.hardpoint.is_some(),
         written.hardpoints.is_some(),
@@ -154,11 +181,11 @@ fn contributors(
         written.jig.is_some(),
     ];
     if kinds.iter().filter(|given| **given).count() != 1 {
-        let message = "expected one of hardpoint, hardpoints, length and jig";
+        let message = "expected one of hardpoint, hardpoints, length, jig, bushing and link";
         return problems.refuse(place, message);
     }
     if let Some(points) = &written.jig {
-        return jig(points, written, place.clone(), context, problems).map(|jig| vec![jig]);
+        return jig(points, written, place.clone(), suspension, problems).map(|jig| vec![jig]);
     }
     for (given, key) in [(&written.shift, "shift"), (&written.turn, "turn")] {
         if let Some(number) = given {
@@ -191,6 +218,7 @@ fn contributors(
             sources: vec![Source {
                 name: name.clone(),
                 changes: vec![change],
+                rate: None,
                 law: law?,
                 side: None,
             }],
@@ -218,6 +246,7 @@ fn contributors(
                 BuildParameter::Coordinate(id, *axis),
                 suspension.frame.sign(*axis),
             )],
+            rate: None,
             law,
             side: None,
         };
@@ -230,6 +259,52 @@ fn contributors(
         }
     };
     Some(names.into_iter().zip(points?).map(contributor).collect())
+}
+
+/// The rate of an elastic part that scatters.
+fn rate(
+    written: &file::Scatter,
+    named: &RateKeys<'_>,
+    context: &Context,
+    problems: &mut Problems,
+) -> Option<Contributor> {
+    let (part, rate) = named.read(context, problems)?;
+    let law = law(written, named.place.clone(), problems)?;
+    let lowest = match law {
+        Law::Normal { sigma } => -LEAST_SIGMAS * sigma,
+        Law::Uniform { low, .. } => low,
+    };
+    let [least, _] = rate.scattered(lowest);
+    if least <= 0.0 {
+        let message = match law {
+            Law::Normal { .. } => format!(
+                "at {LEAST_SIGMAS} standard deviations below nominal the rate is {least}: expected a smaller sigma{}",
+                if rate.is_relative {
+                    ""
+                } else {
+                    ", or relative = true"
+                }
+            ),
+            Law::Uniform { .. } => {
+                format!("the lowest limit makes the rate {least}: expected a rate above 0")
+            }
+        };
+        return problems.refuse(named.place.clone(), &message);
+    }
+    let name = match rate.axis_name() {
+        Some(axis) => format!("{part} stiffness {axis}"),
+        None => format!("{part} stiffness"),
+    };
+    Some(Contributor {
+        sources: vec![Source {
+            name: name.clone(),
+            changes: Vec::new(),
+            rate: Some(rate),
+            law,
+            side: None,
+        }],
+        name,
+    })
 }
 
 /// The law of a scatter: normal by `sigma`, uniform by `limits`.
@@ -265,10 +340,9 @@ fn jig(
     names: &Spanned<Vec<Text>>,
     written: &file::Scatter,
     place: Span<usize>,
-    context: &Context,
+    suspension: &Suspension,
     problems: &mut Problems,
 ) -> Option<Contributor> {
-    let suspension = context.suspension;
     for (span, key) in [
         (written.sigma.as_ref().map(|n| n.span.clone()), "sigma"),
         (written.limits.as_ref().map(Spanned::span), "limits"),
@@ -323,6 +397,7 @@ fn jig(
             sources.push(Source {
                 name: format!("{name} shift {}", axis.name()),
                 changes: changes(&|_| unit * suspension.frame.sign(axis)),
+                rate: None,
                 law: Law::Normal { sigma: shift },
                 side: None,
             });
@@ -331,6 +406,7 @@ fn jig(
             sources.push(Source {
                 name: format!("{name} turn {}", axis.name()),
                 changes: changes(&|lever| unit.cross(lever) * suspension.frame.turn_sign(axis)),
+                rate: None,
                 law: Law::Normal {
                     sigma: turn.to_radians(),
                 },
@@ -349,8 +425,18 @@ fn band(spanned: &Spanned<file::Band>, context: &Context, problems: &mut Problem
         Some(axle) => axle_targets::band(spanned, axle, context, problems),
         None => {
             axle_targets::Where::from(written).refuse(true, problems);
-            let found = characteristic(&written.characteristic, context.suspension, problems);
-            found.map(|found| (Subject::characteristic(found, length), None))
+            let name = &written.characteristic;
+            let found = match context.elastic {
+                Some(elastic) => {
+                    elastic_targets::quantity(name, elastic, context.suspension, problems)
+                        .map(|found| found.subject(length))
+                }
+                // What is wrong with the elastic parts is said already.
+                None if context.file.compliance.is_some() => None,
+                None => characteristic(name, context.suspension, problems)
+                    .map(|found| Subject::characteristic(found, length)),
+            };
+            found.map(|subject| (subject, None))
         }
     };
     let site = of.as_ref().and_then(|(_, site)| site.as_ref());

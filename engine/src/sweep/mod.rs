@@ -4,6 +4,7 @@
 //! [`Worker`] keeps a row of each, and [`in_order()`] does so on all threads. Each block is summed by itself, and the sums are added in the order of the blocks
 //! ([`SweepStatistics`]). So results are the same to the bit for any number of threads, in one run, in shards or resumed.
 
+mod car;
 pub mod csv;
 mod effects;
 mod front;
@@ -16,7 +17,9 @@ mod rows;
 mod samples;
 mod sequence;
 mod statistics;
+mod swept;
 
+pub use car::{CarNotBegun, CarSweepPlan, CarWorker};
 pub use effects::{Effect, Effects};
 pub use front::{Candidate, Front};
 pub use in_order::in_order;
@@ -29,3 +32,10 @@ pub use rows::{Failing, Rows};
 pub use samples::Samples;
 pub use sequence::{latin_hypercube, sobol, uniform};
 pub use statistics::{FailureCount, OutputRange, SweepStatistics};
+pub use swept::{Swept, SweptWorker};
+
+/// SHA-256 of a text in hexadecimal digits.
+fn digest_of(text: &str) -> String {
+    let digest = hmac_sha256::Hash::hash(text.as_bytes());
+    digest.iter().map(|byte| format!("{byte:02x}")).collect()
+}

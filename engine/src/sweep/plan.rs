@@ -1,21 +1,23 @@
 //! Results of a sweep for each design, and the workers that compute them.
 
-use super::in_order;
 use super::record::{Kind, MoveRecord, OutputColumn, TargetColumn, VariableRecord};
 use super::rows::{Failing, Rows};
-use super::{BLOCKS_OF_PART, FORM, Samples, SweepRecord};
+use super::{BLOCKS_OF_PART, FORM, Samples, SweepRecord, Swept};
 use crate::ask::with_unit;
 use crate::axle::AxlePlan;
 use crate::characteristics::Quantity;
+use crate::compliance::{KcValue, Parameter};
 use crate::curves::Column;
-use crate::evaluate::{AxleStations, Block, Evaluator, NotInLanes, Request, Stations};
+use crate::evaluate::{
+    AxleStations, Block, ElasticQuantities, ElasticRead, Evaluator, NotInLanes, Request, Stations,
+};
 use crate::mechanism::DesignFault;
 use crate::model::Suspension;
 use crate::number::{Vector3, Width};
 use crate::plan::{Output, Plan};
 use crate::study::{
-    AxleSample, AxleStudy, DesignTable, Designs, FileFormat, Optimise, Sample, Sampled, Sampling,
-    Study, StudyErrors, Sweep, Target, Vehicle, WheelStudy,
+    About, AxleSample, AxleStudy, ComplianceStudy, DesignTable, Designs, FileFormat, Optimise,
+    Sample, Study, StudyErrors, Sweep, Target, Vehicle, WheelStudy,
 };
 use std::borrow::Cow;
 use std::ops::{ControlFlow, Range};
@@ -29,6 +31,8 @@ pub struct SweepPlan<'s> {
     request: Request<'s>,
     /// For each quantity its derivative by the drive, unless it is a derivative itself. For an axle, the requested derivatives.
     gains: Vec<Vec<Gain>>,
+    /// Number of quantities that are read over the motion. The others are figures of the design position.
+    over_motion: usize,
     targets: Vec<SweptTarget>,
     samples: Samples,
     study: &'s Study,
@@ -106,7 +110,13 @@ impl<'s> SweepPlan<'s> {
             Vehicle::Wheel(own) => {
                 let stations = Stations::of(&own.motion, &suspension.frame, &further);
                 let plan = with_gains(own, study.optimise.as_ref());
-                of_corner(suspension, &plan, stations, swept, &wanted)
+                match &own.compliance {
+                    None => of_corner(suspension, &plan, stations, swept, &wanted),
+                    Some(elastic) => {
+                        let rates = samples.rates().map(|rate| rate.parameter).collect();
+                        of_elastic(own, elastic, &plan, stations, swept, &wanted, rates)
+                    }
+                }
             }
         };
         let targets = swept
@@ -118,7 +128,14 @@ impl<'s> SweepPlan<'s> {
                 weight: target.weight,
                 wishes,
             });
+        let figures = match &study.vehicle {
+            Vehicle::Wheel(own) => Plan::with_targets(own, study.optimise.as_ref())
+                .figures
+                .len(),
+            Vehicle::Axle(_) => 0,
+        };
         let mut plan = SweepPlan {
+            over_motion: request.columns().len() - figures,
             targets: targets.collect(),
             record: describe(study, sweep, &samples, request.stations()),
             request,
@@ -151,28 +168,19 @@ impl<'s> SweepPlan<'s> {
             evaluator: self.request.evaluator(width)?,
             block: self.request.block(),
             designs: Vec::new(),
+            rates: Vec::new(),
             rows: Rows::default(),
         })
     }
 
-    /// Solves blocks of the sweep on the threads of the current rayon pool and passes their rows to `take`, in order, while it
-    /// runs. Ends early if `go_on` or `take` requests it; all earlier rows have then been passed on.
+    /// The same as [`Swept::run`].
     pub fn run(
         &self,
         blocks: Range<u64>,
         go_on: impl Fn() -> bool + Sync,
-        mut take: impl FnMut(&Rows) -> ControlFlow<()> + Send,
+        take: impl FnMut(&Rows) -> ControlFlow<()> + Send,
     ) {
-        // An early end is no error.
-        let _: Result<(), ()> = in_order(
-            blocks,
-            || self.worker().expect("the same design was accepted before"),
-            |worker, block| go_on().then(|| worker.rows(block).clone()),
-            |rows: Rows| match take(&rows) {
-                ControlFlow::Continue(()) => Ok(()),
-                ControlFlow::Break(()) => Err(()),
-            },
-        );
+        Swept::Suspension(self).run(blocks, go_on, take);
     }
 
     /// The stations at which each design is solved.
@@ -206,6 +214,27 @@ impl<'s> SweepPlan<'s> {
         moved
     }
 
+    /// The study with the hardpoints and rates of the design of this number.
+    pub fn moved(&self, number: u64) -> Study {
+        let mut moved = self.study.at_design(self.design(number));
+        let mut values = vec![0.0; self.samples.variables().len()];
+        self.samples.values(number, &mut values);
+        let mut rates = Vec::new();
+        self.samples.append_rates(&values, &mut rates);
+        let own = moved.vehicle.one_wheel_mut();
+        if let Some(elastic) = own.and_then(|own| own.compliance.as_mut()) {
+            for (rate, value) in self.samples.rates().zip(rates) {
+                elastic.parts.set_rate(rate.parameter, value);
+            }
+        }
+        moved
+    }
+
+    /// Returns true if a quantity is read over the motion; false if it is a figure of the design position.
+    fn is_over_motion(&self, quantity: usize) -> bool {
+        quantity < self.over_motion
+    }
+
     /// The columns of results, in the order [`Worker`] fills them in.
     fn output_columns(&self) -> Vec<OutputColumn> {
         let mut columns = Vec::new();
@@ -218,13 +247,15 @@ impl<'s> SweepPlan<'s> {
                 at_design: None,
             });
         };
-        for (value, gains) in self.values().iter().zip(&self.gains) {
+        for (number, (value, gains)) in self.values().iter().zip(&self.gains).enumerate() {
             let output = value.output.as_str();
-            for (word, kind) in [
+            let kinds = [
                 ("min", Kind::Min),
                 ("max", Kind::Max),
                 ("design", Kind::Design),
-            ] {
+            ];
+            let first = if self.is_over_motion(number) { 0 } else { 2 };
+            for (word, kind) in kinds.into_iter().skip(first) {
                 let name = with_unit(format!("{output}_{word}"), &value.unit);
                 add(name, output, kind, &value.unit);
             }
@@ -261,6 +292,10 @@ impl<'s> SweepPlan<'s> {
         };
         for (k, (column, gains)) in self.values().iter().zip(&self.gains).enumerate() {
             let (value_at, factor) = (|station| block.value(design, k, station), column.factor());
+            if !self.is_over_motion(k) {
+                put(value_at(self.stations().design()) * factor);
+                continue;
+            }
             let (mut min, mut max) = (f64::INFINITY, f64::NEG_INFINITY);
             for station in self.stations().of_motion() {
                 let value = value_at(station) * factor;
@@ -333,6 +368,8 @@ pub struct Worker<'p> {
     evaluator: Evaluator<'p>,
     block: Block,
     designs: Vec<Vector3<f64>>,
+    /// Varied rates of elastic parts, design after design.
+    rates: Vec<f64>,
     rows: Rows,
 }
 
@@ -349,6 +386,7 @@ impl Worker<'_> {
         let range = record.designs_of(block);
         let (count, width) = ((range.end - range.start) as usize, record.variables.len());
         let rows = &mut self.rows;
+        self.rates.clear();
         rows.first = range.start;
         rows.variables.resize(count * width, 0.0);
         self.designs
@@ -359,6 +397,7 @@ impl Worker<'_> {
         {
             samples.values(number, values);
             samples.place(values, frame, design, moved);
+            samples.append_rates(values, &mut self.rates);
             for value in values {
                 *value += 0.0;
             }
@@ -385,6 +424,7 @@ impl Worker<'_> {
     /// Evaluates the designs and fills in their rows.
     fn evaluate(&mut self) {
         let (plan, rows) = (self.plan, &mut self.rows);
+        self.evaluator.set_rates(&self.rates);
         self.evaluator.evaluate(&self.designs, &mut self.block);
         let width = plan.record.outputs.len();
         rows.outputs.resize(self.block.designs() * width, f64::NAN);
@@ -398,6 +438,9 @@ impl Worker<'_> {
     fn row_of(&mut self, design: &[Vector3<f64>]) -> Vec<f64> {
         self.designs.clear();
         self.designs.extend_from_slice(design);
+        self.rates.clear();
+        let rates = self.plan.samples.rates().map(|rate| rate.design);
+        self.rates.extend(rates);
         self.evaluate();
         self.rows.outputs.clone()
     }
@@ -447,6 +490,78 @@ fn of_corner<'s>(
     let wishes = wishes.collect();
     let request = Request::of_corner(Cow::Borrowed(suspension), stations, quantities, values);
     (request.with_slopes(|k| !gains[k].is_empty()), gains, wishes)
+}
+
+/// Plans the sweep of a wheel with elastic parts: characteristics over the motion, figures in the design position.
+fn of_elastic<'s>(
+    own: &WheelStudy,
+    elastic: &ComplianceStudy,
+    plan: &Plan,
+    stations: Stations,
+    swept: &[Target],
+    wanted: &[Vec<Sample>],
+    rates: Vec<Parameter>,
+) -> Planned<'s> {
+    let length = own.suspension.length_unit;
+    let (mut reads, mut columns, mut gains) = (Vec::new(), Vec::new(), Vec::new());
+    let (values, slopes): (Vec<_>, Vec<_>) = Column::all(plan, length)
+        .into_iter()
+        .partition(|column| column.order == 0);
+    for (slope, (column, gain)) in values.into_iter().zip(slopes).enumerate() {
+        let Quantity::Characteristic(of) = plan.outputs[slope].quantity else {
+            continue;
+        };
+        let has_gain = !of.info().reads_rates();
+        reads.push(ElasticRead {
+            value: KcValue::Wheel(of),
+            slope: has_gain.then_some(KcValue::WheelRate(of)),
+        });
+        let own = has_gain.then(|| Gain {
+            column: with_unit(format!("{}_gain", gain.output), &gain.unit),
+            factor: gain.factor(),
+            unit: gain.unit.clone(),
+            slope,
+        });
+        gains.push(own.into_iter().collect());
+        columns.push(column);
+    }
+    for figure in &plan.figures {
+        reads.push(ElasticRead {
+            value: figure.value,
+            slope: None,
+        });
+        gains.push(Vec::new());
+        columns.push(figure.as_column(length));
+    }
+    let wish = |target: &Target, wanted: &Sample| {
+        let About::Elastic(value) = target.of.about else {
+            unreachable!("a target of a study with elastic parts");
+        };
+        let quantity = reads.iter().position(|read| read.value == value);
+        SweptWish {
+            quantity: quantity.expect("the plan has the targets' quantities"),
+            station: stations
+                .at(wanted.drive)
+                .expect("a station for each drive value"),
+            wanted: *wanted,
+        }
+    };
+    let wishes: Vec<Vec<SweptWish>> = swept
+        .iter()
+        .zip(wanted)
+        .map(|(target, wanted)| wanted.iter().map(|w| wish(target, w)).collect())
+        .collect();
+    let further: Vec<[usize; 2]> = wishes
+        .iter()
+        .flatten()
+        .map(|w| [w.quantity, w.station])
+        .collect();
+    let quantities = ElasticQuantities::of(own, elastic, &stations, reads, &further, rates);
+    (
+        Request::of_elastic(quantities, stations, columns),
+        gains,
+        wishes,
+    )
 }
 
 /// Plans the sweep of an axle with the targets' wanted values.
@@ -571,18 +686,9 @@ fn digest(study: &Study, sweep: &Sweep, samples: &Samples) -> String {
         study.optimise.as_ref().map(|o| &o.targets),
         (sweep.curves, sweep.format),
         match samples {
-            Samples::Sampled(sampled) => {
-                // Designs that are points of a sequence do not depend on the number of samples.
-                let samples = match sampled.method {
-                    Sampling::Sobol | Sampling::Random | Sampling::Saltelli => 0,
-                    Sampling::Grid | Sampling::LatinHypercube => sampled.samples,
-                };
-                let sampled = sampled.clone();
-                format!("{:?}", Sampled { samples, ..sampled })
-            }
+            Samples::Sampled(sampled) => format!("{:?}", sampled.meaning()),
             Samples::Table(table) => format!("{:?}", table.digest),
         },
     );
-    let digest = hmac_sha256::Hash::hash(meaning.as_bytes());
-    digest.iter().map(|byte| format!("{byte:02x}")).collect()
+    super::digest_of(&meaning)
 }

@@ -39,7 +39,7 @@ pub struct SweepRecord {
     pub designs: u64,
     /// Blocks of each part but the last, which may be shorter.
     pub blocks_of_part: u64,
-    /// Name and unit of the drive, as in `travel_mm`.
+    /// Name and unit of the drive, as in `travel_mm`; `case` for a car, whose stations are its load cases.
     pub drive: String,
     /// Stations each design is solved at.
     pub stations: usize,
@@ -95,6 +95,8 @@ pub enum Kind {
     Design,
     /// Derivative by the drive in the design position.
     Gain,
+    /// Value in a load case of a car.
+    Case,
     /// Root mean square deviation from a target, in tolerances.
     Rms,
     /// Root of the weighted mean of the squares of all targets' root mean square deviations.
@@ -142,6 +144,14 @@ impl SweepRecord {
     /// The number of designs in a group of Saltelli's samples; `None` for other methods.
     pub fn group(&self) -> Option<u64> {
         (self.method == "saltelli").then_some(self.variables.len() as u64 + 2)
+    }
+
+    /// Topology of a car.
+    pub const CAR: &'static str = "car";
+
+    /// Returns true if the designs are of a car.
+    pub fn is_of_car(&self) -> bool {
+        self.topology == SweepRecord::CAR
     }
 
     /// Returns true if the designs are of both wheels of an axle.

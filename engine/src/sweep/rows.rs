@@ -1,5 +1,6 @@
 //! Rows: the results that are kept of each design of a block.
 
+use crate::car::{FailedCases, NoEquilibrium};
 use crate::curves::Status;
 use crate::mechanism::{DesignFault, Failure, NoPose};
 use crate::model::{Drive, Mechanism};
@@ -56,25 +57,52 @@ impl Failing {
     pub(super) fn stations(failure: &NoPose, at: f64) -> Self {
         Failing {
             status: Status::Failed(*failure).word().to_owned(),
-            reason: match failure {
-                NoPose::Corner(failure) => reason(failure),
-                NoPose::Wheel { side, failure, .. } => side.about(&reason(failure)),
-                NoPose::RigidAxle { failure, .. } => reason(failure),
-                failure => failure.to_string(),
-            },
+            reason: no_pose(failure),
             stations: 0,
             at: Some(at),
         }
     }
 
-    /// Describes a design that cannot be solved at all; all its `stations` fail.
-    pub(super) fn degenerate(fault: &DesignFault, mechanism: &Mechanism, stations: usize) -> Self {
+    /// Describes a design of a car with cases that have no equilibrium; `case` is the name of the first of them.
+    pub(super) fn case(case: &str, failed: &FailedCases) -> Self {
+        let reason = match &failed.why {
+            NoEquilibrium::NoPose { axle, failure } => {
+                format!("{} axle, {}", ["front", "rear"][*axle], no_pose(failure))
+            }
+            why => why.to_string(),
+        };
+        Failing {
+            status: failed.why.status().to_owned(),
+            reason: format!("case {case}: {reason}"),
+            stations: failed.count as u64,
+            at: Some(failed.first as f64),
+        }
+    }
+
+    /// Describes a design that cannot be solved at all, for a reason in words; all its `stations` fail.
+    pub(super) fn of_design(reason: String, stations: usize) -> Self {
         Failing {
             status: "degenerate".to_owned(),
-            reason: fault.describe(mechanism),
+            reason,
             stations: stations as u64,
             at: None,
         }
+    }
+
+    /// Describes a design that cannot be solved at all; all its `stations` fail.
+    pub(super) fn degenerate(fault: &DesignFault, mechanism: &Mechanism, stations: usize) -> Self {
+        Failing::of_design(fault.describe(mechanism), stations)
+    }
+}
+
+/// Reason why a station has no pose, with the wheel, without the value at which the mechanism folds.
+fn no_pose(failure: &NoPose) -> String {
+    match failure {
+        NoPose::Corner(failure) => reason(failure),
+        NoPose::Wheel { side, failure, .. } => side.about(&reason(failure)),
+        NoPose::RigidAxle { failure, .. } => reason(failure),
+        NoPose::NoEquilibrium { .. } => "no equilibrium".to_owned(),
+        failure => failure.to_string(),
     }
 }
 

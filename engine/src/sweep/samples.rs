@@ -3,7 +3,7 @@
 use super::sequence::{latin_hypercube, sobol, uniform};
 use crate::model::Frame;
 use crate::number::Vector3;
-use crate::study::{DesignTable, Sampled, Sampling, SweepVariable};
+use crate::study::{DesignTable, Rate, Sampled, Sampling, SweepVariable};
 
 /// Source of the designs of a sweep, by number.
 #[derive(Clone, Debug)]
@@ -73,6 +73,23 @@ impl Samples {
     }
 }
 
+impl Samples {
+    /// The rates that are varied, in the order of their variables.
+    pub fn rates(&self) -> impl Iterator<Item = &Rate> {
+        self.variables().iter().filter_map(|v| v.rate.as_ref())
+    }
+
+    /// Appends the rates of a design, given the values of its variables.
+    pub fn append_rates(&self, values: &[f64], into: &mut Vec<f64>) {
+        let variables = self.variables().iter().zip(values);
+        let rates = variables.filter_map(|(variable, value)| {
+            let rate = variable.rate.as_ref()?;
+            Some(rate.of_value(*value))
+        });
+        into.extend(rates);
+    }
+}
+
 /// Place of variable `k` of a sampled design in its range, from 0 to 1.
 fn fraction(sampled: &Sampled, design: u64, k: usize) -> f64 {
     let (seed, count) = (sampled.seed, sampled.variables.len());
@@ -100,6 +117,7 @@ mod tests {
         SweepVariable {
             name: "v".to_owned(),
             moves: Vec::new(),
+            rate: None,
             absolute: false,
             range,
             steps: Some(steps),

@@ -18,7 +18,7 @@ use crate::number::Vector3;
 use crate::study::Source;
 
 /// How every point of a wheel moves with a source.
-type Moves = Vec<Vector3<f64>>;
+pub(super) type Moves = Vec<Vector3<f64>>;
 
 /// Derivatives of every value by each source, `[cell][source]`: NaN where there is no value, or none that can be
 /// differentiated.
@@ -58,7 +58,7 @@ pub(super) fn gradients(problem: &Problem, sources: &[&Source]) -> Result<Vec<f6
 }
 
 /// How both wheels' built designs move with each source.
-fn moves(problem: &Problem, sources: &[&Source]) -> Result<Vec<[Moves; 2]>, NoSetUp> {
+pub(super) fn moves(problem: &Problem, sources: &[&Source]) -> Result<Vec<[Moves; 2]>, NoSetUp> {
     let mut all: Vec<[Moves; 2]> = vec![Default::default(); sources.len()];
     for (side, workshop) in problem.workshops.iter().enumerate() {
         let assembler = &workshop.assembler;

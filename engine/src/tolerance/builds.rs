@@ -1,8 +1,8 @@
 //! Builds by number: drawn, put together, solved.
 
-use super::Problem;
 use super::lanes::LaneBuilder;
 use super::workshop::Workshop;
+use super::{Problem, elastic};
 use crate::assembly::{Parts, Reject};
 use crate::evaluate::{BLOCK, Block, Evaluator, NotInLanes};
 use crate::mechanism::DesignFault;
@@ -34,6 +34,28 @@ impl Problem<'_> {
     pub fn built(&self, number: u64) -> Result<Suspension, Reject> {
         let built = self.built_wheels(number).map_err(|(_, reject)| reject);
         built.map(|mut wheels| wheels.swap_remove(0))
+    }
+
+    /// The study of the build of this number, as text: its built design at rest, and its rates. An error names the wheel
+    /// that cannot be put together.
+    pub fn built_text(&self, number: u64) -> Result<String, (Option<Side>, Reject)> {
+        let built = self.built_wheels(number)?;
+        let text = match &built[..] {
+            [left, right] => self.study.with_built_axle([left, right]),
+            built => self.study.with_built(&built[0]),
+        };
+        let mut moved = self.study.clone();
+        let own = moved.vehicle.one_wheel_mut();
+        if let Some(elastic) = own.and_then(|own| own.compliance.as_mut()) {
+            let mut draws = vec![0.0; self.tolerance.sources()];
+            self.tolerance.draw(number, &mut draws);
+            let mut rates = Vec::new();
+            elastic::append_rates(self.tolerance, &draws, &mut rates);
+            for (rate, value) in elastic::rates(self.tolerance).zip(rates) {
+                elastic.parts.set_rate(rate.parameter, value);
+            }
+        }
+        Ok(self.study.with_rates_of(text, &moved))
     }
 
     /// Every wheel of the build of this number: for an axle left and right, each in the frame of a left one. An error
@@ -79,6 +101,8 @@ pub(super) struct Builder<'a> {
     draws_of_block: Vec<f64>,
     /// Index in the block of each design.
     places: Vec<usize>,
+    /// Rates of elastic parts that scatter, design after design.
+    rates: Vec<f64>,
 }
 
 /// Builds the wheels of one side.
@@ -108,6 +132,7 @@ impl<'a> Builder<'a> {
             draws: vec![0.0; problem.tolerance.sources()],
             draws_of_block: vec![0.0; problem.tolerance.sources() * BLOCK],
             places: Vec::with_capacity(BLOCK),
+            rates: Vec::new(),
         })
     }
 
@@ -141,7 +166,8 @@ impl<'a> Builder<'a> {
                     .as_ref()
                     .is_some_and(|lanes| lanes.accepted[place])
             };
-            if !self.wheels.iter().all(in_lanes) {
+            let has_rates = elastic::rates(tolerance).next().is_some();
+            if has_rates || !self.wheels.iter().all(in_lanes) {
                 tolerance.draw(first + place as u64, &mut self.draws);
             }
             if let Err((side, reject)) = self.build(place) {
@@ -158,6 +184,7 @@ impl<'a> Builder<'a> {
             wheel.designs.clear();
         }
         self.places.clear();
+        self.rates.clear();
     }
 
     /// Puts every wheel of a build together, those that the lanes have not, as was drawn for it; all or none.
@@ -182,7 +209,10 @@ impl<'a> Builder<'a> {
             together.map_err(|reject| (workshop.side, reject))
         });
         match built {
-            Ok(()) => self.places.push(place),
+            Ok(()) => {
+                self.places.push(place);
+                elastic::append_rates(tolerance, draws, &mut self.rates);
+            }
             Err(_) => {
                 let builds = self.places.len();
                 for wheel in &mut self.wheels {
@@ -197,6 +227,7 @@ impl<'a> Builder<'a> {
     fn finish(&mut self, first: u64, mut rejects: Vec<Unbuilt>) -> Outcome {
         let wheels = &self.wheels;
         let designs = [0, 1].map(|k| wheels.get(k).map_or(&[][..], |wheel| &wheel.designs));
+        self.evaluator.set_rates(&self.rates);
         self.evaluator.evaluate_pairs(designs, &mut self.block);
         let number = |design: &usize| first + self.places[*design] as u64;
         for (design, fault) in self.block.faults() {

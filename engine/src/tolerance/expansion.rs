@@ -5,7 +5,7 @@
 //! whose second coefficient is (H_jj + 2 H_jk + H_kk)/2. Quantities made of velocities (gains, roll centres,
 //! anti-features, swing arms, motion ratios) have no second-order part here: their series would have to be in travel as well.
 
-use super::{Problem, Spread, axle_expansion, axle_second};
+use super::{Problem, Spread, axle_expansion, axle_second, elastic};
 use crate::assembly::{BuildParameter, NoSetUp, Rest, built_curves};
 use crate::characteristics::{Constants, Slots, WheelReading};
 use crate::derive::MotionPoint;
@@ -45,6 +45,11 @@ impl Expansion {
         let sources: Vec<_> = problem.tolerance.each_source().collect();
         let (count, cells) = (sources.len(), problem.cells());
         let (gradient, second) = match problem.request.axle() {
+            // The second derivatives of equilibria are not formed.
+            None if !problem.elastic.is_empty() => {
+                let gradient = elastic::gradients(problem, &sources)?;
+                (gradient, vec![[f64::NAN; 2]; cells])
+            }
             None => of_wheel(problem, &sources)?,
             Some(stations) => {
                 let gradient = axle_expansion::gradients(problem, &sources)?;

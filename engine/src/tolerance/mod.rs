@@ -17,7 +17,9 @@
 mod axle_expansion;
 mod axle_second;
 mod builds;
+mod car;
 mod draw;
+mod elastic;
 mod expansion;
 mod lanes;
 mod monte_carlo;
@@ -25,15 +27,16 @@ mod order;
 mod workshop;
 mod yields;
 
+pub use car::{CarBuilds, CarExpansion, CarProblem};
 pub use draw::normal_quantile;
 pub use expansion::{Expansion, HOLDS, Remainder};
 pub use monte_carlo::{MonteCarlo, Rejected, Spread, monte_carlo, monte_carlo_in};
 pub use yields::{BandYield, Forecast, Ranking, Yields, rank};
 
-use crate::ask::Info;
 use crate::assembly::NoSetUp;
 use crate::axle::{Axle, Placement};
 use crate::characteristics::{Characteristic, Quantity};
+use crate::compliance::KcValue;
 use crate::curves::Column;
 use crate::evaluate::{AxleStations, Request, Stations};
 use crate::model::Side;
@@ -59,6 +62,8 @@ pub struct Problem<'a> {
     bands: Vec<Banded>,
     /// The workshop of each wheel: left, then right.
     workshops: Vec<Workshop>,
+    /// Values of a wheel with elastic parts, in the order of the outputs; empty for rigid ones.
+    elastic: Vec<KcValue>,
     /// Ends a Monte Carlo early.
     interrupt: Interrupt<'a>,
 }
@@ -88,6 +93,9 @@ impl<'a> Problem<'a> {
         own: &WheelStudy,
         tolerance: &'a Tolerance,
     ) -> Result<Self, NoSetUp> {
+        if let Some(elastic) = &own.compliance {
+            return elastic::problem(study, own, elastic, tolerance);
+        }
         let suspension = &own.suspension;
         let mut characteristics = own.outputs.characteristics.clone();
         for characteristic in tolerance
@@ -113,16 +121,7 @@ impl<'a> Problem<'a> {
             (cells.collect(), band.between)
         };
         let length = suspension.length_unit;
-        let output = |c: &Characteristic| {
-            let Info {
-                name,
-                unit,
-                positive,
-                ..
-            } = c.info();
-            let factor = unit.printed_factor(length);
-            Column::of_value((*name).to_owned(), unit.suffix(length), positive, factor)
-        };
+        let output = |c: &Characteristic| Column::of_characteristic(*c, length);
         let bands = tolerance.bands.iter().map(banded).collect();
         let workshop = Workshop::of(study, tolerance, suspension, None)?;
         let quantities = characteristics.iter().copied();
@@ -135,6 +134,7 @@ impl<'a> Problem<'a> {
             request: Request::of_corner(drawn, stations, quantities, columns),
             bands,
             workshops: vec![workshop],
+            elastic: Vec::new(),
             interrupt: Interrupt::default(),
         })
     }
@@ -195,6 +195,7 @@ impl<'a> Problem<'a> {
             bands: wanted.iter().map(banded).collect(),
             request: Request::of_axle(stations),
             workshops,
+            elastic: Vec::new(),
             interrupt: Interrupt::default(),
         })
     }

@@ -258,7 +258,7 @@ pub fn monte_carlo_in(
 }
 
 /// Mean, standard deviation and its standard error from sums of powers: var(s) = (m4 - m2^2)/(4 n m2).
-fn moments([n, s1, s2, s3, s4]: [f64; 5]) -> [f64; 3] {
+pub(super) fn moments([n, s1, s2, s3, s4]: [f64; 5]) -> [f64; 3] {
     if n == 0.0 {
         return [f64::NAN; 3];
     }

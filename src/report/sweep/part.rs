@@ -9,7 +9,7 @@ use super::table_file::TableFile;
 use super::text::SweepText;
 use crate::results::{Lock, NotLocked, Owner, TEMPORARY, WriteError, temporary_of, unwritten};
 use crate::sweep::csv::rows_header;
-use crate::sweep::{SweepPlan, SweepRecord, SweepStatistics, in_order};
+use crate::sweep::{SweepRecord, SweepStatistics, Swept, in_order};
 use serde::{Deserialize, Serialize};
 use std::io::Write;
 use std::path::Path;
@@ -49,14 +49,14 @@ pub enum PartOutcome {
 /// Does a part, unless it is whole already or another process is at it, on the threads of the current rayon
 /// pool. `go_on` is asked before every block, `watch` hears of every block's designs.
 pub fn write_part(
-    plan: &SweepPlan<'_>,
+    swept: Swept<'_>,
     text: &SweepText,
     directory: &SweepDirectory,
     part: u64,
     go_on: impl Fn() -> bool + Sync,
     mut watch: impl FnMut(u64) + Send,
 ) -> Result<PartOutcome, WriteError> {
-    let record = &plan.record;
+    let record = swept.record();
     let is_whole = || directory.has_rows(part);
     if is_whole() {
         return Ok(PartOutcome::Whole);
@@ -83,7 +83,7 @@ pub fn write_part(
     let mut left = blocks.end - blocks.start;
     in_order(
         blocks,
-        || plan.worker().expect("the same design was accepted before"),
+        || swept.worker(),
         |worker, block| go_on().then(|| text.finish(record, worker, block)),
         |finished| {
             rows.table.append(&finished.designs)?;

@@ -319,6 +319,9 @@ fn notes(record: &SweepRecord, statistics: &SweepStatistics) -> Vec<String> {
 
 /// Reason why an output may have no value.
 fn undefined_where(record: &SweepRecord, output: &OutputColumn) -> Option<&'static str> {
+    if record.is_of_car() {
+        return None;
+    }
     if record.is_of_axle() {
         let names = Quantity::names().into_iter();
         let mut all =

@@ -3,7 +3,7 @@
 use super::curve_places::curves_csv;
 use crate::study::Study;
 use crate::sweep::csv::{CurvesCsv, append_rows};
-use crate::sweep::{SweepPlan, SweepRecord, SweepStatistics, Worker};
+use crate::sweep::{SweepPlan, SweepRecord, SweepStatistics, SweptWorker};
 use std::sync::{Mutex, PoisonError};
 
 /// Turns blocks into text.
@@ -23,20 +23,33 @@ impl SweepText {
         }
     }
 
+    /// The text of a sweep without curves.
+    pub fn without_curves() -> Self {
+        SweepText {
+            curves: None,
+            spare: Mutex::default(),
+        }
+    }
+
     /// The first line of the curves, where there are any.
     pub(super) fn curves_header(&self) -> Option<&[u8]> {
         self.curves.as_ref().map(|csv| &csv.header[..])
     }
 
     /// Works on a block: its rows and curves as text, and its statistics.
-    pub fn finish(&self, record: &SweepRecord, worker: &mut Worker<'_>, block: u64) -> Finished {
+    pub fn finish(
+        &self,
+        record: &SweepRecord,
+        worker: &mut SweptWorker<'_>,
+        block: u64,
+    ) -> Finished {
         let rows = worker.rows(block);
         let (mut statistics, first) = (SweepStatistics::of(record, rows), rows.first);
         let (mut designs, mut curves) = (self.empty(), Vec::new());
         append_rows(rows, &mut designs);
-        statistics.one_by_one = worker.one_by_one().len() as u64;
-        if let Some(csv) = &self.curves {
-            csv.append(first, worker.block(), &mut curves);
+        statistics.one_by_one = worker.one_by_one() as u64;
+        if let (Some(csv), Some(block)) = (&self.curves, worker.block()) {
+            csv.append(first, block, &mut curves);
         }
         Finished {
             designs,

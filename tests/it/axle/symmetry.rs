@@ -106,6 +106,7 @@ fn an_axle_in_heave_is_two_corners() {
             racks: vec![0.0],
             shows_rack: false,
             steering_wheel: None,
+            time: None,
         };
         let quantities = asked.iter().map(|c| Quantity::Corner(Left, *c)).collect();
         let plan = AxlePlan::of(course, quantities);

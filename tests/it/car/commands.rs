@@ -3,16 +3,16 @@
 use std::fs;
 use std::path::Path;
 
-fn studies() -> std::path::PathBuf {
+pub(super) fn studies() -> std::path::PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("studies")
 }
 
-fn hardpoint(directory: &Path, arguments: &[&str]) -> assert_cmd::assert::Assert {
+pub(super) fn hardpoint(directory: &Path, arguments: &[&str]) -> assert_cmd::assert::Assert {
     let mut command = assert_cmd::Command::cargo_bin("hardpoint").unwrap();
     command.current_dir(directory).args(arguments).assert()
 }
 
-fn text(bytes: &[u8]) -> String {
+pub(super) fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).into_owned()
 }
 
@@ -72,7 +72,7 @@ fn other_commands_refuse_cars() {
     let car = studies().join("car.toml");
     let car = car.to_str().unwrap();
     let directory = tempfile::tempdir().unwrap();
-    for command in ["sweep", "limits", "kc", "setup", "tolerance", "assemblies"] {
+    for command in ["kc", "setup", "assemblies"] {
         let refused = hardpoint(directory.path(), &[command, car]).code(2);
         let said = text(&refused.get_output().stderr);
         assert!(
@@ -88,7 +88,11 @@ fn mistakes_are_named() {
     let directory = tempfile::tempdir().unwrap();
     hardpoint(directory.path(), &["new", "car"]).success();
     let path = directory.path().join("car.toml");
+    // Without the sections that some mistakes are made in.
     let good = fs::read_to_string(&path).unwrap();
+    let (head, rest) = good.split_once("[sweep]").unwrap();
+    let (_, tail) = rest.split_once("[optimise]").unwrap();
+    let good = format!("{head}[optimise]{tail}");
     for (from, to, said) in [
         (
             "wheelbase = 2650.0",
@@ -129,6 +133,41 @@ fn mistakes_are_named() {
             "characteristic = \"lateral_load_transfer_distribution\", case = \"turn\"",
             "characteristic = \"lateral_load_transfer_distribution\", case = \"braking\"",
             "at ay = 0 no load is transferred",
+        ),
+        (
+            "value = 3.2,",
+            "",
+            "expected one of between = [lowest, highest], at_least and at_most",
+        ),
+        (
+            "value = 3.2,",
+            "value = 3.2, at_least = 3.0,",
+            "expected one of value, between, at_least and at_most",
+        ),
+        (
+            "[optimise]",
+            "[sweep]\nvariables = [{ car = \"mass\", relative = 0.1 }]\n[optimise]",
+            "car_mass needs steps",
+        ),
+        (
+            "[optimise]",
+            "[sweep]\nmethod = \"sobol\"\nsamples = 4\nvariables = [{ car = \"mass\", relative = 0.1 }, { car = \"mass\", relative = 0.2 }]\n[optimise]",
+            "car_mass is already a variable",
+        ),
+        (
+            "[optimise]",
+            "[tolerance]\nscatter = [{ axle = \"front\", hardpoint = \"tie_rod\", sigma = 0.1 }]\n[optimise]",
+            "unknown hardpoint \"tie_rod\"",
+        ),
+        (
+            "[optimise]",
+            "[tolerance]\nscatter = [{ car = \"mass\", side = \"left\", sigma = 0.1 }]\n[optimise]",
+            "a rate or a figure of the car has no side",
+        ),
+        (
+            "[optimise]",
+            "[tolerance]\nscatter = [{ car = \"mass\", sigma = 1.0 }]\nbands = [{ characteristic = \"roll\", case = \"turn\" }]\n[optimise]",
+            "expected one of between = [lowest, highest], at_least and at_most",
         ),
     ] {
         assert!(good.contains(from), "{from}");

@@ -358,7 +358,7 @@ fn planted_targets_are_met() {
                     targets.push(CarTarget {
                         quantity,
                         case: number,
-                        value,
+                        wanted: [value; 2],
                         tolerance: 0.01,
                         weight: 1.0,
                     });

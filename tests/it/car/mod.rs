@@ -1,8 +1,14 @@
 //! The whole car: against independent answers, and against what statics says.
 
 mod commands;
+mod comparison;
+mod free_bodies;
+mod limits;
 mod mechanics;
+mod page;
 mod reference;
+mod sweep;
+mod tolerance;
 
 use hardpoint::axle::{Axle, BumpStop, ForceCurve, Law, Setup, SpringLaw};
 use hardpoint::car::{

@@ -115,11 +115,86 @@ fn a_rigid_study_has_its_kinematics_and_jacking() {
     assert!(!said.contains("toe_by_lateral_force"));
 }
 
+/// Every command that takes elastic parts, with pages, pictures and prices.
+#[test]
+fn commands_take_elastic_parts() {
+    let directory = tempfile::tempdir().unwrap();
+    let at = directory.path();
+    let more = r#"
+[outputs]
+characteristics = ["toe", "camber", "toe_by_lateral_force"]
+
+[optimise]
+variables = [
+  { hardpoint = "tie_rod_inner", axis = "z", range = [-10.0, 10.0] },
+  { bushing = "lower_arm_rear", stiffness = "y", range = [0.3, 3.0], relative = true },
+]
+targets = [
+  { characteristic = "toe", points = [[-40.0, 0.0], [40.0, 0.05]], tolerance = 0.1 },
+  { characteristic = "toe_by_lateral_force", value = 0.04, tolerance = 0.005 },
+]
+
+[sweep]
+method = "sobol"
+samples = 8
+variables = [{ bushing = "lower_arm_rear", stiffness = "y", range = [0.5, 2.0], relative = true }]
+
+[tolerance]
+builds = 40
+scatter = [{ bushing = "lower_arm_rear", stiffness = "y", sigma = 0.1, relative = true }]
+bands = [{ characteristic = "toe_by_lateral_force", at_most = 0.2 }]
+"#;
+    let path = extended(at, more);
+    let done = |arguments: &[&str]| {
+        let ran = hardpoint(arguments, at);
+        let said = String::from_utf8_lossy(&ran.stdout).into_owned();
+        let complained = String::from_utf8_lossy(&ran.stderr).into_owned();
+        assert_eq!(
+            ran.status.code(),
+            Some(0),
+            "{arguments:?}: {said}{complained}"
+        );
+        said + &complained
+    };
+    done(&[
+        "solve", &path, "--out", "solve", "--report", "--plots", "plots",
+    ]);
+    let curves = rows(&at.join("solve/curves.csv"));
+    assert!(curves.iter().all(|row| &row[row.len() - 1] == "ok"));
+    let page = std::fs::read_to_string(at.join("solve/report.html")).unwrap();
+    assert!(page.contains("toe_by_lateral_force") && at.join("plots").is_dir());
+    let said = done(&["optimise", &path, "--out", "tuned", "--report", "--prices"]);
+    assert!(said.contains("bushing:lower_arm_rear"), "{said}");
+    let found = figure(&at.join("tuned/kc.csv"), "toe_by_lateral_force");
+    let tuned = rows(&at.join("tuned/curves.csv"));
+    let own: f64 = tuned[2][3].parse().unwrap();
+    assert!((found - own).abs() < 1e-12, "{found} {own}");
+    done(&["sweep", &path, "--out", "sweep", "--report"]);
+    done(&["tolerance", &path, "--out", "builds", "--report"]);
+    let build = done(&["tolerance", &path, "--build", "3"]);
+    assert!(build.contains("[bushings.lower_arm_rear]") && !build.contains("2500.0"));
+    done(&["sweep", &path, "--design", "3"]);
+    done(&["compare", &path, "tuned/optimised.toml"]);
+    let said = done(&["export", "tuned", "--to", "dxf", "--out", "tuned.dxf"]);
+    assert!(said.contains("Elastic parts are not exported"), "{said}");
+    done(&[
+        "export",
+        &path,
+        "--to",
+        "csv",
+        "--curves",
+        "--out",
+        "curves.csv",
+    ]);
+    let found = rows(&at.join("curves.csv"));
+    assert_eq!(found.len(), curves.len());
+}
+
 #[test]
 fn other_commands_refuse_elastic_parts() {
     let directory = tempfile::tempdir().unwrap();
     let path = study("double_wishbone_compliance.toml");
-    for command in ["solve", "limits", "setup"] {
+    for command in ["limits", "setup", "assemblies"] {
         let ran = hardpoint(&[command, &path], directory.path());
         assert_eq!(ran.status.code(), Some(2), "{command}");
         let said = String::from_utf8_lossy(&ran.stderr).into_owned();

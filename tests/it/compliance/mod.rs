@@ -1,10 +1,15 @@
 //! Elasto-kinematics: against answers computed independently at 120 digits, and against what mechanics says.
 
 mod command;
+mod curves;
 mod derivatives;
 mod mechanics;
+mod random;
 mod reference;
+mod samples;
+mod sheets;
 mod study;
+pub mod support;
 mod tuning;
 
 use hardpoint::axle::{BumpStop, ForceCurve, Law, SpringLaw};

@@ -73,8 +73,8 @@ fn mistakes_are_named_by_line() {
         (
             rear,
             &with("file = \"rear.bus\""),
-            "rear.bus",
-            "not available yet",
+            "stiffness = [700.0",
+            "expected no stiffness",
         ),
         (
             rear,

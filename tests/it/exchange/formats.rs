@@ -380,10 +380,39 @@ fn every_template_of_chrono_with_a_topology_is_read() {
     assert_eq!(at(&read, "spring_lower"), [0.05, 0.56, -0.09]);
     runs(&read);
 
+    let arm: Part<'_> = (
+        "Trailing Arm",
+        &[
+            ("Location Chassis", [0.6, 0.6, 0.05]),
+            ("Location Spindle", [0.0, 0.7, 0.02]),
+        ],
+    );
+    let links: [Part<'_>; 2] = [
+        (
+            "Upper Link",
+            &[
+                ("Location Chassis", [-0.05, 0.25, 0.22]),
+                ("Location Arm", [-0.05, 0.65, 0.15]),
+            ],
+        ),
+        (
+            "Lower Link",
+            &[
+                ("Location Chassis", [-0.06, 0.2, -0.05]),
+                ("Location Arm", [-0.06, 0.66, -0.08]),
+            ],
+        ),
+    ];
+    let text = chrono("ThreeLinkIRS", &[SPINDLE, arm, links[0], links[1], spring]);
+    let read = of_chrono("trailing_arm_two_links", &text).unwrap();
+    assert_eq!(at(&read, "arm_pivot"), [0.6, 0.6, 0.05]);
+    assert_eq!(at(&read, "lower_link_outer"), [-0.06, 0.66, -0.08]);
+    assert_eq!(at(&read, "spring_upper"), [0.05, 0.47, 0.24]);
+    runs(&read);
+
     for (template, nearest) in [
-        ("SolidAxle", "an axle that joins both wheels"),
+        ("LeafspringAxle", "an axle that joins both wheels"),
         ("DeDionAxle", "an axle that joins both wheels"),
-        ("ThreeLinkIRS", "trailing_arm_two_links"),
         ("GenericWheeledSuspension", "joints of any kind"),
         ("Hovercraft", "expected DoubleWishbone"),
     ] {
@@ -509,7 +538,7 @@ fn both_axles_of_assetto_corsa_are_read() {
     );
 
     for (from, to, axle, expected) in [
-        ("TYPE=STRUT", "TYPE=AXLE", rear, "live axle"),
+        ("TYPE=STRUT", "TYPE=AXLE", rear, "--topology solid_axle"),
         ("TYPE=STRUT", "TYPE=ML", rear, "multilink"),
         ("TYPE=STRUT", "TYPE=COSMIC", rear, "TYPE is \"COSMIC\""),
         (

@@ -2,6 +2,7 @@
 
 mod axes;
 mod cad;
+mod cars;
 mod commands;
 mod export_commands;
 mod exports;
@@ -43,6 +44,8 @@ fn imported(path: &Path, topology: &str, said: &Said) -> Result<Imported, String
         side: said.side,
         axle: said.axle,
         half_track: said.half_track,
+        radius: None,
+        bushings: false,
         names: &said.names,
         bodies: &said.bodies,
     };

@@ -3,12 +3,13 @@
 use super::figures::{Figure, Read, Sheet};
 use super::test::{KcTest, TestLoad};
 use super::{KcRun, end_loads};
+use crate::characteristics::{Characteristic, Inputs};
 use crate::compliance::{
     Change, ElasticWheel, Equilibrium, HeldQuantity, NoEquilibrium, OnTape, Parameter, Tangent,
     WheelFigures, WheelLoads,
 };
 use crate::model::Axis;
-use crate::number::{Scalar, Tape, Tracked};
+use crate::number::{Jet, Scalar, Tape, Tracked};
 
 /// A value that can be asked of a station.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,29 +23,20 @@ pub enum KcValue {
         /// True for the secant over the window, false for the derivative at the station.
         is_secant: bool,
     },
-    /// An angle of the wheel in the equilibrium.
-    Angle(WheelAngle),
+    /// A characteristic of the wheel in the equilibrium.
+    Wheel(Characteristic),
+    /// The derivative of a characteristic by wheel travel along the equilibrium.
+    WheelRate(Characteristic),
 }
 
-/// An angle of the wheel.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum WheelAngle {
-    /// Toe angle.
-    Toe,
-    /// Camber angle.
-    Camber,
-    /// Caster angle.
-    Caster,
-    /// Kingpin inclination.
-    KingpinInclination,
-}
-
-/// Reads figures of one state. Tangents are formed once for all tests.
+/// Reads values of one state. Tangents are formed once for all of them.
 pub(super) struct Station<'s, T> {
     pub(super) wheel: &'s ElasticWheel<T>,
     pub(super) sheet: Sheet<'s>,
     pub(super) at: Equilibrium<T>,
     tangents: [Option<Option<Tangent<T>>>; 2],
+    /// Inputs of characteristics along wheel travel.
+    by_travel: Option<Option<Inputs<Jet<T, 2>>>>,
 }
 
 impl<'s, T: Scalar> Station<'s, T> {
@@ -54,6 +46,7 @@ impl<'s, T: Scalar> Station<'s, T> {
             sheet,
             at,
             tangents: [None, None],
+            by_travel: None,
         }
     }
 
@@ -63,6 +56,54 @@ impl<'s, T: Scalar> Station<'s, T> {
         let tangent = self.tangents[usize::from(held == HeldQuantity::WheelLoad)]
             .get_or_insert_with(|| wheel.tangent(at, held));
         tangent.as_ref()
+    }
+
+    /// A characteristic, or its derivative by wheel travel.
+    fn characteristic(&mut self, of: Characteristic, is_rate: bool) -> Option<T> {
+        if !is_rate && !of.info().reads_rates() {
+            let value = self.wheel.characteristic(&self.at, of);
+            return value.value().is_finite().then_some(value);
+        }
+        if self.by_travel.is_none() {
+            let wheel = self.wheel;
+            let tangent = self.tangent(HeldQuantity::WheelHeight);
+            let inputs = tangent.and_then(|tangent| wheel.inputs_by_travel(tangent));
+            self.by_travel = Some(inputs);
+        }
+        let inputs = self.by_travel.as_ref()?.as_ref()?;
+        ElasticWheel::of_inputs(inputs, of, is_rate)
+    }
+
+    /// Values of the station; `None` where there is none. `secant` gives the differences over the window of a test.
+    fn values(
+        &mut self,
+        wanted: &[KcValue],
+        mut secant: impl FnMut(&KcTest) -> Option<WheelFigures<T>>,
+    ) -> Vec<Option<T>> {
+        let mut known: Vec<(KcTest, bool, Vec<Figure<T>>)> = Vec::new();
+        let mut read = |value: &KcValue| match *value {
+            KcValue::Wheel(of) => self.characteristic(of, false),
+            KcValue::WheelRate(of) => self.characteristic(of, true),
+            KcValue::Figure {
+                test,
+                quantity,
+                is_secant,
+            } => {
+                let same = |k: &(KcTest, bool, Vec<_>)| k.0 == test && k.1 == is_secant;
+                if !known.iter().any(same) {
+                    let all = match is_secant {
+                        false => self.figures(&test),
+                        true => self.secants(&test, secant(&test)),
+                    };
+                    known.push((test, is_secant, all));
+                }
+                let (.., all) = known.iter().find(|k| same(k))?;
+                all.iter().find(|f| f.quantity == quantity)?.value
+            }
+        };
+        let values = wanted.iter().map(&mut read);
+        let finite = |value: Option<T>| value.filter(|value| value.value().is_finite());
+        values.map(finite).collect()
     }
 
     fn by(&mut self, test: &KcTest) -> Option<WheelFigures<T>> {
@@ -152,40 +193,12 @@ impl KcRun<'_> {
         );
         let varied = varied.map_err(|_| lost())?;
         let here = varied.carried(&at).ok_or_else(lost)?;
-        let figures = varied.wheel.figures(&here);
         let mut station = Station::new(&varied.wheel, self.sheet(&at), here);
-        let mut known: Vec<(KcTest, bool, Vec<Figure<Tracked<'_>>>)> = Vec::new();
+        let values = station.values(wanted, |test| {
+            self.secant_on_tape(&at, &here, &varied, test)
+        });
         let mut gradient = Vec::new();
-        for (number, value) in wanted.iter().enumerate() {
-            let found = match *value {
-                KcValue::Angle(angle) => match angle {
-                    WheelAngle::Toe => Some(figures.toe),
-                    WheelAngle::Camber => Some(figures.camber),
-                    WheelAngle::Caster => figures.steering.map(|[caster, _]| caster),
-                    WheelAngle::KingpinInclination => figures.steering.map(|[_, kpi]| kpi),
-                },
-                KcValue::Figure {
-                    test,
-                    quantity,
-                    is_secant,
-                } => {
-                    let same = |k: &(KcTest, bool, Vec<_>)| k.0 == test && k.1 == is_secant;
-                    if !known.iter().any(same) {
-                        let all = match is_secant {
-                            false => station.figures(&test),
-                            true => {
-                                let by = self.secant_on_tape(&at, &here, &varied, &test);
-                                station.secants(&test, by)
-                            }
-                        };
-                        known.push((test, is_secant, all));
-                    }
-                    let all = known.iter().find(|k| same(k)).map(|(.., all)| all);
-                    let figure = all.and_then(|all| all.iter().find(|f| f.quantity == quantity));
-                    figure.and_then(|figure| figure.value)
-                }
-            };
-            let found = found.filter(|value| value.plain().is_finite());
+        for (number, found) in values.into_iter().enumerate() {
             gradient.clear();
             if let Some(value) = found {
                 tape.gradient(value, &mut gradient);
@@ -198,6 +211,32 @@ impl KcRun<'_> {
             });
         }
         Ok(())
+    }
+
+    /// Values at a station of travel and rack (along the study's +y); `None` where there is none.
+    pub fn values(
+        &self,
+        [travel, rack]: [f64; 2],
+        wanted: &[KcValue],
+    ) -> Result<Vec<Option<f64>>, NoEquilibrium> {
+        let along = self.suspension.frame.sign(Axis::Y);
+        let at = self.wheel.at(travel, along * rack)?;
+        let mut station = Station::new(&self.wheel, self.sheet(&at), at);
+        Ok(station.values(wanted, |test| self.window_secant(&at, test)))
+    }
+
+    /// The secant over the window of a test.
+    fn window_secant(&self, at: &Equilibrium, test: &KcTest) -> Option<WheelFigures> {
+        let (unit, _) = test.unit_load(&self.suspension.vehicle);
+        let end = |sign: f64| {
+            let loads = end_loads(&unit, sign * test.window);
+            let end = self.wheel.loaded_about(at, at, &loads, test.held).ok()?;
+            let mut figures = self.wheel.figures(&end);
+            figures.vertical = self.wheel.wheel_load(&end);
+            Some(figures)
+        };
+        let inverse = 1.0 / (2.0 * test.window);
+        Some(super::quotient(&end(-1.0)?, &end(1.0)?, inverse))
     }
 
     /// The secant over the window of a test, with the derivatives of its ends.

@@ -8,16 +8,14 @@ mod figures;
 mod gradients;
 mod test;
 
-pub use gradients::{KcGradient, KcValue, WheelAngle};
+pub use gradients::{KcGradient, KcValue};
 pub use test::{KcTest, TestLoad, TestPlace};
 
 use super::definition::Compliance;
+use super::fault::{ElasticFault, NoEquilibrium};
 use super::loads::WheelLoads;
 use super::reading::WheelFigures;
-use super::wheel::{
-    BushingReading, ElasticFault, ElasticWheel, Equilibrium, HeldQuantity, NoEquilibrium,
-    SpringReading,
-};
+use super::wheel::{BushingReading, ElasticWheel, Equilibrium, HeldQuantity, SpringReading};
 use crate::ask::Unit;
 use crate::model::{Axis, SteeringAxis, Suspension};
 use crate::number::{Scalar, Vector3};

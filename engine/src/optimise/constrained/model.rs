@@ -1,12 +1,15 @@
 //! The convex model of a problem about a point, and the step it proposes.
 
+mod multipliers;
+mod relaxed;
+mod squares;
+
+use self::squares::Squares;
 use super::super::active_set::{ActiveSet, Held, Outcome, Rows};
-use super::super::qr::{dot, scale_columns, triangularise, triangularise_within};
-use super::super::stationarity::{CONVERGED, Pushes, Scale, Sizes};
+use super::super::qr::{dot, triangularise_within};
 use super::super::{Bounds, Linearisation};
 use super::curvature::Curvature;
 use super::movable::Movable;
-use super::solver::RESOLUTION;
 use super::{Assessment, KEPT, Shape};
 use nalgebra::DVector;
 
@@ -23,87 +26,6 @@ const DAMPINGS: usize = 3;
 const PROGRAMS: usize = 300;
 /// Duplicate rows agree to this, a hundredth of what counts as kept.
 const SLACK: f64 = 1e-9;
-/// A level binds where it is met to this share of itself.
-const BINDING_LEVEL: f64 = 1e-6;
-/// A variable this near to its bound, in half ranges, is at it.
-const ON_BOUND: f64 = 1e-12;
-
-/// |A d + a|^2 as |R d + q|^2 + rest.
-#[derive(Clone, Debug, Default)]
-struct Squares {
-    triangle: Vec<f64>,
-    offset: Vec<f64>,
-    rest: f64,
-}
-
-impl Squares {
-    fn new(variables: usize) -> Self {
-        Squares {
-            triangle: vec![0.0; variables * variables],
-            offset: vec![0.0; variables],
-            rest: 0.0,
-        }
-    }
-
-    /// Reduces residuals, the columns scaled by `width`.
-    fn reduce(&mut self, of: &Linearisation, width: &[f64], matrix: &mut Vec<f64>) {
-        let n = self.offset.len();
-        let rows = of.residuals.len().max(n);
-        scale_columns(&of.jacobian, width, rows, matrix);
-        let mut vector = std::mem::take(&mut self.offset);
-        vector.clear();
-        vector.extend_from_slice(of.residuals.as_slice());
-        vector.resize(rows, 0.0);
-        triangularise(matrix, rows, &mut vector);
-        for (j, column) in self.triangle.chunks_exact_mut(n).enumerate() {
-            column[..=j].copy_from_slice(&matrix[j * rows..][..=j]);
-        }
-        self.rest = vector[n..].iter().map(|r| r * r).sum();
-        vector.truncate(n);
-        self.offset = vector;
-    }
-
-    fn largest_pivot(&self) -> f64 {
-        let n = self.offset.len();
-        (0..n).fold(0.0, |most, k| self.triangle[k * n + k].abs().max(most))
-    }
-
-    fn longest_column(&self) -> f64 {
-        let columns = self.triangle.chunks_exact(self.offset.len());
-        columns.fold(0.0, |most, column| dot(column, column).sqrt().max(most))
-    }
-
-    /// R d, into `to`.
-    fn image(&self, d: &[f64], to: &mut [f64]) {
-        to.fill(0.0);
-        for (j, column) in self.triangle.chunks_exact(d.len()).enumerate() {
-            for i in 0..=j {
-                to[i] += column[i] * d[j];
-            }
-        }
-    }
-
-    /// |A d + a|^2 less |a|^2.
-    fn change(&self, d: &[f64], scratch: &mut [f64]) -> f64 {
-        self.image(d, scratch);
-        let image = scratch.iter().zip(&self.offset);
-        image.map(|(r, q)| r * (r + 2.0 * q)).sum()
-    }
-
-    /// |A d + a|.
-    fn norm_after(&self, d: &[f64], scratch: &mut [f64]) -> f64 {
-        self.image(d, scratch);
-        let image = scratch.iter().zip(&self.offset);
-        let seen: f64 = image.map(|(r, q)| (r + q) * (r + q)).sum();
-        (seen + self.rest).sqrt()
-    }
-
-    /// The entry j of R^T q.
-    fn gradient(&self, j: usize) -> f64 {
-        let n = self.offset.len();
-        dot(&self.triangle[j * n..][..n], &self.offset)
-    }
-}
 
 /// How a step came about.
 #[derive(Clone, Debug, PartialEq)]
@@ -122,15 +44,6 @@ pub(super) struct Settled {
     pub residual: f64,
     /// Other multipliers of the rows, if they balance the slope as well.
     pub alternatives: Option<Vec<f64>>,
-}
-
-/// A constraint that binds.
-#[derive(Clone, Copy, Debug)]
-enum Push {
-    Row(usize),
-    Level(usize),
-    /// A variable at a bound: -1 at the lower one, 1 at the upper one.
-    Bound(usize, f64),
 }
 
 /// The model with its workspace.
@@ -536,107 +449,6 @@ impl<'a> ConvexModel<'a> {
         }
     }
 
-    /// The largest violation of the kept rows at the point itself.
-    fn worst(&self) -> f64 {
-        let rows = self.kept_offsets.iter().enumerate();
-        rows.fold(0.0_f64, |worst, (k, c)| {
-            worst.max(if k < self.kept_equalities {
-                c.abs()
-            } else {
-                *c
-            })
-        })
-    }
-
-    /// The least largest violation of the kept rows within the bounds, and the rows that keep it from
-    /// being less; relaxes the rows to what they are at the point found.
-    fn relax(&mut self) -> (f64, Vec<Held>) {
-        let n = self.half.len();
-        let worst = self.worst();
-        if worst <= KEPT {
-            // Rounding is in the way: the point itself is as good as any.
-            self.relaxed.fill(0.0);
-            return (self.relax_rows(), Vec::new());
-        }
-        // Variables d and t, violations at most t times the worst there is: |t|^2 + (small |d|)^2.
-        let small = 1e-5;
-        let mut triangle = vec![0.0; (n + 1) * (n + 1)];
-        for k in 0..n {
-            triangle[k * (n + 1) + k] = small;
-        }
-        triangle[(n + 1) * (n + 1) - 1] = 1.0;
-        let twice = self.kept.len() + self.kept_equalities;
-        let mut normals = Vec::with_capacity(twice * (n + 1));
-        let mut offsets = Vec::with_capacity(twice);
-        let mut of = Vec::with_capacity(offsets.capacity());
-        let mut push = |sign: f64, k: usize, normal: &[f64], offset: f64| {
-            normals.extend(normal.iter().map(|a| sign * a));
-            normals.push(-worst);
-            offsets.push(sign * offset);
-            of.push(k);
-        };
-        for (k, offset) in self.kept_offsets.iter().enumerate() {
-            let normal = &self.kept_normals[k * n..][..n];
-            push(1.0, k, normal, *offset);
-            if k < self.kept_equalities {
-                push(-1.0, k, normal, *offset);
-            }
-        }
-        let rows = Rows {
-            normals: &normals,
-            offsets: &offsets,
-            equalities: 0,
-            slack: 0.0,
-        };
-        let lower: Vec<f64> = self.lower.iter().copied().chain([0.0]).collect();
-        let upper: Vec<f64> = self.upper.iter().copied().chain([2.0]).collect();
-        let offset = vec![0.0; n + 1];
-        let outcome = self.elastic.solve(&triangle, &offset, rows, &lower, &upper);
-        if outcome != Outcome::Solved {
-            self.relaxed.fill(0.0);
-            return (self.relax_rows(), Vec::new());
-        }
-        let mut culprits: Vec<Held> = Vec::new();
-        for (held, multiplier) in self.elastic.multipliers() {
-            if multiplier < 1e-9 {
-                continue;
-            }
-            match held {
-                Held::Row(row) => culprits.push(Held::Row(self.kept[of[row]])),
-                // A bound of the variable itself, not of the radius.
-                Held::Lower(j) if j < n && self.lower[j] == self.room_below[j] => {
-                    culprits.push(held);
-                }
-                Held::Upper(j) if j < n && self.upper[j] == self.room_above[j] => {
-                    culprits.push(held);
-                }
-                _ => {}
-            }
-        }
-        culprits.sort_unstable();
-        culprits.dedup();
-        self.relaxed.copy_from_slice(&self.elastic.step()[..n]);
-        (self.relax_rows(), culprits)
-    }
-
-    /// Relaxes the kept rows to what they are at the relaxed point. Returns the largest violation there.
-    fn relax_rows(&mut self) -> f64 {
-        let n = self.half.len();
-        let d = &self.relaxed;
-        let mut remaining: f64 = 0.0;
-        for (k, offset) in self.kept_offsets.iter_mut().enumerate() {
-            let value = dot(&self.kept_normals[k * n..][..n], d) + *offset;
-            let excess = if k < self.kept_equalities {
-                value
-            } else {
-                value.max(0.0)
-            };
-            remaining = remaining.max(excess.abs());
-            *offset -= excess + 1e-12 * excess.abs();
-        }
-        remaining
-    }
-
     /// The largest component of the step, in half ranges.
     pub(super) fn largest_component(&self) -> f64 {
         self.step.iter().fold(0.0, |most, s| s.abs().max(most))
@@ -652,124 +464,6 @@ impl<'a> ConvexModel<'a> {
             ..
         } = self;
         -0.5 * (goal.change(step, scratch) + curvature.quadratic(step))
-    }
-
-    /// Multipliers of the rows and of the levels.
-    pub(super) fn multipliers(&self) -> [&[f64]; 2] {
-        [&self.row_multipliers, &self.level_multipliers]
-    }
-
-    /// How far the multipliers are from balancing the goal's slope, relative to the sizes of what is
-    /// balanced: 0 at a minimum.
-    pub(super) fn imbalance(&self) -> f64 {
-        let n = self.half.len();
-        let (mut left, mut size) = (0.0_f64, 0.0_f64);
-        for j in 0..n {
-            let goal = self.goal.gradient(j);
-            let mut sum = goal + self.bound_multipliers[j];
-            let mut most = goal.abs().max(self.bound_multipliers[j].abs());
-            for (weight, held) in self.level_multipliers.iter().zip(&self.held) {
-                let push = weight * held.gradient(j);
-                sum += push;
-                most = most.max(push.abs());
-            }
-            for (row, multiplier) in self.row_multipliers.iter().enumerate() {
-                let push = multiplier * self.normals[row * n + j];
-                sum += push;
-                most = most.max(push.abs());
-            }
-            left = left.max(sum.abs());
-            size = size.max(most);
-        }
-        self.scale().residual(left, size)
-    }
-
-    /// The scale of the goal.
-    fn scale(&self) -> Scale {
-        Scale::new(Sizes {
-            residuals: self.residuals,
-            norm: self.norm,
-            pivot: self.goal.largest_pivot(),
-            longest: self.goal.longest_column(),
-            variables: self.half.len(),
-            resolution: RESOLUTION,
-        })
-    }
-
-    /// Improves the multipliers of the end of a run: where those of the last program do not balance the slope, those
-    /// that balance it best, over the gradients here and `beside`, are taken.
-    pub(super) fn settle_multipliers(&mut self, beside: &[Linearisation]) -> Settled {
-        let n = self.half.len();
-        let slope: Vec<f64> = (0..n).map(|j| self.goal.gradient(j)).collect();
-        let (mut pushes, mut of) = self.pushes();
-        let scale = self.scale();
-        let mut found = pushes.balance(&slope, scale);
-        if found.residual >= CONVERGED && !beside.is_empty() {
-            for k in 0..of.len() {
-                let Push::Row(row) = of[k] else { continue };
-                for side in beside {
-                    let entries = side.jacobian.row(row);
-                    let normal = entries.iter().zip(&self.half).map(|(a, half)| a * half);
-                    pushes.add(&normal.collect::<Vec<_>>(), row < self.equalities);
-                    of.push(Push::Row(row));
-                }
-            }
-            found = pushes.balance(&slope, scale);
-        }
-        let before = self.imbalance();
-        let mut rows = vec![0.0; self.offsets.len()];
-        for (push, multiplier) in of.iter().zip(&found.multipliers) {
-            if let Push::Row(row) = push {
-                rows[*row] += multiplier;
-            }
-        }
-        if before >= CONVERGED && found.residual < before {
-            self.clear_multipliers();
-            self.row_multipliers.copy_from_slice(&rows);
-            for (push, multiplier) in of.iter().zip(&found.multipliers) {
-                match push {
-                    Push::Row(_) => {}
-                    Push::Level(k) => self.level_multipliers[*k] = *multiplier,
-                    Push::Bound(j, sign) => self.bound_multipliers[*j] += sign * multiplier,
-                }
-            }
-        }
-        Settled {
-            residual: before.min(found.residual),
-            alternatives: (found.residual < CONVERGED).then_some(rows),
-        }
-    }
-
-    /// Gradients of all that binds, and of what each is.
-    fn pushes(&self) -> (Pushes, Vec<Push>) {
-        let n = self.half.len();
-        let (mut pushes, mut of) = (Pushes::default(), Vec::new());
-        for (row, value) in self.offsets.iter().enumerate() {
-            let is_equality = row < self.equalities;
-            if self.speaks[row] && (is_equality || *value >= -KEPT) {
-                pushes.add(&self.normals[row * n..][..n], is_equality);
-                of.push(Push::Row(row));
-            }
-        }
-        let (still, mut scratch) = (vec![0.0; n], vec![0.0; n]);
-        for (k, held) in self.held.iter().enumerate() {
-            if held.norm_after(&still, &mut scratch) >= (1.0 - BINDING_LEVEL) * self.levels[k] {
-                let gradient: Vec<f64> = (0..n).map(|j| held.gradient(j)).collect();
-                pushes.add(&gradient, false);
-                of.push(Push::Level(k));
-            }
-        }
-        for j in 0..n {
-            for (room, sign) in [(self.room_below[j], -1.0), (self.room_above[j], 1.0)] {
-                if room.abs() <= ON_BOUND {
-                    let mut normal = vec![0.0; n];
-                    normal[j] = sign;
-                    pushes.add(&normal, false);
-                    of.push(Push::Bound(j, sign));
-                }
-            }
-        }
-        (pushes, of)
     }
 
     /// Learns the curvature from an accepted step to `after`, under the multipliers of the last program.

@@ -3,6 +3,7 @@
 mod joints;
 mod regions;
 
+use super::elastic_targets;
 use super::error::Problems;
 use super::file::{self, Constraint as Written, Coordinates};
 use super::names::choose;
@@ -14,6 +15,7 @@ use super::value::{Number, Text};
 use super::{Constraint, Limited, Motion, Site};
 use crate::ask::Unit;
 use crate::characteristics::{Measure, Quantity};
+use crate::compliance::KcValue;
 use crate::mechanism::DEGENERATE;
 use crate::model::{Axis, Side, Suspension};
 use crate::number::Vector3;
@@ -97,6 +99,15 @@ impl Reader<'_> {
             self.aligned(problems)?
         };
         let mechanism = &self.suspension().mechanism;
+        let is_of_pose = |part: &Limited| {
+            let is_still = is_design && !matches!(part.of, Measure::Carried(_));
+            !is_still && !part.of.is_fixed(mechanism) && !matches!(part.of, Measure::Elastic(_))
+        };
+        if self.context.elastic.is_some() && parts.iter().any(is_of_pose) {
+            let message = "with [compliance] this constraint is of the rigid mechanism: expected at = \"design\", or a \
+                           characteristic or figure";
+            return problems.refuse(self.place.clone(), message);
+        }
         let moves = || parts.iter().any(|part| !part.of.is_fixed(mechanism));
         let has_motion = is_design || sites.iter().all(|(_, site)| site.motion.is_some());
         if self.context.axle.is_some() && !has_motion && moves() {
@@ -104,6 +115,10 @@ impl Reader<'_> {
                            rack (the left wheel), heave, or travel_left and travel_right in [motions.NAME]; or at = \"design\"";
             return problems.refuse(self.place.clone(), message);
         }
+        // A figure is of the design height, if no motion is named.
+        let of_figure =
+            |part: &Limited| matches!(part.of, Measure::Elastic(KcValue::Figure { .. }));
+        let is_design = is_design || parts.iter().any(of_figure) && written.motion.is_none();
         let called = written.name.as_ref().map(|name| name.get_ref().clone());
         let name = called.unwrap_or(name);
         let of_wheel = |(side, site): (Option<Side>, Site)| Constraint {
@@ -291,9 +306,19 @@ impl Reader<'_> {
         problems: &mut Problems,
     ) -> Option<(String, Vec<Limited>)> {
         self.takes(&LIMITS, problems);
-        let found = characteristic(name, self.suspension(), problems)?;
+        let (of, unit) = match self.context.elastic {
+            Some(elastic) => {
+                let found = elastic_targets::quantity(name, elastic, self.suspension(), problems)?;
+                let subject = found.subject(self.suspension().length_unit);
+                (Measure::Elastic(found.value()), subject.unit)
+            }
+            None => {
+                let found = characteristic(name, self.suspension(), problems)?;
+                let quantity = Quantity::Characteristic(found);
+                (Measure::Quantity(quantity), found.info().unit)
+            }
+        };
         let limits = self.needed_limits(problems)?;
-        let unit = found.info().unit;
         let millimetre = self.length_scale();
         let length = self.suspension().length_unit;
         let symbol = length.symbol();
@@ -317,15 +342,16 @@ impl Reader<'_> {
         };
         let inside = |printed: f64| unit.from_printed(printed, length);
         let [lower, upper] = limits.map(|limit| limit.map(inside));
-        let of = Limited {
-            of: Measure::Quantity(Quantity::Characteristic(found)),
+        let limited = Limited {
+            of,
             lower,
             upper,
             scale: inside(visible),
             visible,
             unit: symbol,
         };
-        Some((format!("{} {}", name.get_ref(), words(limits)), vec![of]))
+        let name = format!("{} {}", name.get_ref(), words(limits));
+        Some((name, vec![limited]))
     }
 
     fn load(&self, name: &Text, problems: &mut Problems) -> Option<(String, Vec<Limited>)> {

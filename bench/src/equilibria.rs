@@ -1,0 +1,148 @@
+//! Equilibria of a wheel with elastic parts per second, and a whole sheet of tests with derivatives.
+
+use super::{Clock, Job, Timing, Unmeasurable};
+use hardpoint_engine::compliance::{
+    AxialStiffness, ElasticWheel, Equilibrium, HeldQuantity, KcRun, KcValue, Parameter, Shape,
+    WheelLoads, quantities,
+};
+use hardpoint_engine::model::{Axis, PointId};
+use hardpoint_engine::number::{Tape, Vector3};
+use hardpoint_engine::study::{ComplianceStudy, WheelStudy};
+use std::hint::black_box;
+
+/// Loads of a sample.
+const LOADS: usize = 64;
+/// Largest component of a force, N.
+const LARGEST: f64 = 2000.0;
+
+/// A measured job.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Measurement {
+    /// The job in words.
+    pub job: &'static str,
+    /// Time per item.
+    pub timing: Timing,
+}
+
+/// Times of equilibria of a study.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Equilibria {
+    /// Each job.
+    pub measurements: Vec<Measurement>,
+}
+
+/// Loads that are spread evenly, the same on every machine.
+fn loads() -> Vec<WheelLoads> {
+    let part = |k: usize, irrational: f64| 2.0 * ((k + 1) as f64 * irrational).fract() - 1.0;
+    let load = |k| {
+        let mut load = WheelLoads::none(0.0);
+        let (x, y) = (part(k, 0.754_877_666), part(k, 0.569_840_291));
+        load.contact = Vector3::new(x, y, 0.0) * LARGEST;
+        load
+    };
+    (0..LOADS).map(load).collect()
+}
+
+/// All inputs of a suspension with elastic parts.
+fn parameters(wheel: &WheelStudy, elastic: &ComplianceStudy) -> Vec<Parameter> {
+    let points = (0..wheel.suspension.design.len()).map(PointId);
+    let mut all: Vec<Parameter> = points
+        .flat_map(|point| Axis::ALL.map(|axis| Parameter::Point(point, axis)))
+        .collect();
+    for (number, part) in elastic.parts.bushings.iter().enumerate() {
+        let laws = part.shapes.iter().enumerate();
+        let given = laws.filter(|(_, shape)| !matches!(shape, Shape::Cubic { rate: 0.0, .. }));
+        all.extend(given.map(|(axis, _)| Parameter::Stiffness(number, axis)));
+    }
+    let links = elastic.parts.links.iter().enumerate();
+    let given = links.filter(|(_, link)| !matches!(link.stiffness, AxialStiffness::Rate(0.0)));
+    all.extend(given.map(|(number, _)| Parameter::Link(number)));
+    all
+}
+
+impl Equilibria {
+    /// Times equilibria of a study. Errors without elastic parts, and if the design has no equilibrium.
+    pub fn measure(wheel: &WheelStudy, clock: &Clock) -> Result<Self, Unmeasurable> {
+        let elastic = wheel.compliance.as_ref().ok_or(Unmeasurable::Rigid)?;
+        let (suspension, parts) = (&wheel.suspension, &elastic.parts);
+        let fault = |fault: hardpoint_engine::compliance::ElasticFault| {
+            Unmeasurable::Design(fault.of_design(parts, suspension))
+        };
+        let own = ElasticWheel::new(suspension, parts).map_err(fault)?;
+        let run = KcRun::new(suspension, parts, elastic.tyre_rate).map_err(fault)?;
+        let Ok(station) = own.at(0.0, 0.0) else {
+            return Err(Unmeasurable::NoEquilibrium);
+        };
+        let loads = loads();
+        let solved = |from: &Equilibrium, load: &WheelLoads| {
+            let found = own.loaded_about(&station, from, load, HeldQuantity::WheelHeight);
+            found.ok().map(|at| (own.figures(&at), at))
+        };
+        let mut from_design = || {
+            for load in &loads {
+                black_box(solved(&station, load));
+            }
+        };
+        let mut levels = || {
+            let mut at = station;
+            for k in 1..=LOADS {
+                let mut load = WheelLoads::none(0.0);
+                load.side = LARGEST * k as f64 / LOADS as f64;
+                if let Some((_, next)) = black_box(solved(&at, &load)) {
+                    at = next;
+                }
+            }
+        };
+        let mut wanted = Vec::new();
+        for test in &elastic.tests {
+            for (quantity, _) in quantities(suspension, parts, elastic.tyre_rate, test) {
+                let kinds: &[bool] = if test.load.is_motion() {
+                    &[false]
+                } else {
+                    &[false, true]
+                };
+                wanted.extend(kinds.iter().map(|is_secant| KcValue::Figure {
+                    test: *test,
+                    quantity,
+                    is_secant: *is_secant,
+                }));
+            }
+        }
+        let parameters = parameters(wheel, elastic);
+        let mut tape = Tape::default();
+        let mut sheet = || {
+            black_box(run.run(&[0.0], &[0.0], &elastic.tests));
+            let mut sum = 0.0;
+            let read = run.gradients([0.0, 0.0], &wanted, &parameters, &mut tape, |found| {
+                sum += found.by.iter().sum::<f64>();
+            });
+            black_box((sum, read.is_ok()));
+        };
+        let names = [
+            "equilibrium from the design",
+            "equilibrium from the level before",
+            "sheet of one wheel with all derivatives",
+        ];
+        let mut jobs = [
+            Job {
+                items: LOADS,
+                work: Box::new(&mut from_design),
+            },
+            Job {
+                items: LOADS,
+                work: Box::new(&mut levels),
+            },
+            Job {
+                items: 1,
+                work: Box::new(&mut sheet),
+            },
+        ];
+        let timings = clock.in_rounds(&mut jobs);
+        let measured = names.into_iter().zip(timings);
+        Ok(Equilibria {
+            measurements: measured
+                .map(|(job, timing)| Measurement { job, timing })
+                .collect(),
+        })
+    }
+}

@@ -1,0 +1,143 @@
+//! Results of load cases for designs of a car, one design after another.
+
+use super::{Car, CarGradient, CarQuantity, CarSolver, Case, NoEquilibrium};
+use crate::mechanism::DesignFault;
+use crate::model::Side;
+
+/// A result of a load case.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CaseResult {
+    /// Number of the case.
+    pub case: usize,
+    /// The result.
+    pub quantity: CarQuantity,
+}
+
+/// Results of load cases that are asked of each design, case after case.
+#[derive(Clone, Debug)]
+pub struct CarRequest<'c> {
+    /// The cases.
+    pub cases: &'c [Case],
+    /// The results.
+    pub results: Vec<CaseResult>,
+}
+
+/// Cases of a design that have no equilibrium.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FailedCases {
+    /// Number of cases that failed.
+    pub count: usize,
+    /// Number of the first of them.
+    pub first: usize,
+    /// Its reason.
+    pub why: NoEquilibrium,
+}
+
+/// Axle, wheel and reason of a design that cannot be solved at all.
+pub type CarFault = (usize, Side, DesignFault);
+
+impl<'c> CarRequest<'c> {
+    /// Every result in every case where it is defined, and then `further` ones.
+    pub fn of(
+        cases: &'c [Case],
+        quantities: &[CarQuantity],
+        further: impl IntoIterator<Item = CaseResult>,
+    ) -> Self {
+        let mut results = Vec::new();
+        for (case, own) in cases.iter().enumerate() {
+            let defined = quantities.iter().filter(|q| q.undefined_in(own).is_none());
+            results.extend(defined.map(|quantity| CaseResult {
+                case,
+                quantity: *quantity,
+            }));
+        }
+        for result in further {
+            if !results.contains(&result) {
+                results.push(result);
+            }
+        }
+        // Stable: within a case the order of the study.
+        results.sort_by_key(|result| result.case);
+        CarRequest { cases, results }
+    }
+
+    /// Place of a result that is asked for.
+    pub fn place(&self, case: usize, quantity: CarQuantity) -> Option<usize> {
+        let wanted = CaseResult { case, quantity };
+        self.results.iter().position(|result| *result == wanted)
+    }
+
+    /// Name of the column of a result, with its unit: `turn_roll_deg`.
+    pub fn column(&self, result: &CaseResult, car: &Car) -> String {
+        let case = &self.cases[result.case].name;
+        format!("{case}_{}", result.quantity.column(car.length_unit))
+    }
+
+    /// The results of a case, with the place of the first.
+    fn of_case(&self, case: usize) -> (usize, &[CaseResult]) {
+        let from = self.results.partition_point(|result| result.case < case);
+        let to = self.results.partition_point(|result| result.case <= case);
+        (from, &self.results[from..to])
+    }
+
+    /// Fills in the results of a design, as printed; NaN where there is none. Every case is solved from the design position,
+    /// so that the numbers are those of the case alone.
+    ///
+    /// # Errors
+    /// The reason if the design position cannot be solved.
+    pub fn values(&self, car: &Car, into: &mut [f64]) -> Result<Option<FailedCases>, CarFault> {
+        into.fill(f64::NAN);
+        let mut solver = CarSolver::new(car)?;
+        let mut failed: Option<FailedCases> = None;
+        for (number, case) in self.cases.iter().enumerate() {
+            let (from, results) = self.of_case(number);
+            if results.is_empty() {
+                continue;
+            }
+            let found = solver.solve(case);
+            match found.and_then(|found| solver.solved(case, &found)) {
+                Ok(solved) => {
+                    for (value, result) in into[from..].iter_mut().zip(results) {
+                        let printed = result.quantity.printed(&solved, case);
+                        // A negative zero becomes 0.
+                        *value = printed.map_or(f64::NAN, |value| value + 0.0);
+                    }
+                }
+                Err(why) => match &mut failed {
+                    Some(failed) => failed.count += 1,
+                    None => {
+                        failed = Some(FailedCases {
+                            count: 1,
+                            first: number,
+                            why,
+                        });
+                    }
+                },
+            }
+        }
+        Ok(failed)
+    }
+
+    /// Every result with its derivatives, in radians, newtons and length units; `None` where its case has no equilibrium.
+    ///
+    /// # Errors
+    /// The reason if the design position cannot be solved.
+    pub fn gradients(&self, car: &Car) -> Result<Vec<Option<CarGradient>>, CarFault> {
+        let mut solver = CarSolver::new(car)?;
+        let mut all = Vec::with_capacity(self.results.len());
+        for (number, case) in self.cases.iter().enumerate() {
+            let (_, results) = self.of_case(number);
+            if results.is_empty() {
+                continue;
+            }
+            let quantities: Vec<CarQuantity> = results.iter().map(|of| of.quantity).collect();
+            let found = solver.solve(case);
+            let gradients = found.and_then(|found| solver.gradients(case, &found, &quantities));
+            match gradients {
+                Ok(gradients) => all.extend(gradients.into_iter().map(Some)),
+                Err(_) => all.extend(quantities.iter().map(|_| None)),
+            }
+        }
+        Ok(all)
+    }
+}

@@ -1,0 +1,89 @@
+//! Places of a car's points over the ground, for drawings.
+
+use super::{CarQuantity, CarSolver, Case, Equilibrium, NoEquilibrium, WheelPlace, WheelResult};
+use crate::mechanism::Configuration;
+use crate::model::{PointId, Side};
+use crate::number::Vector3;
+
+/// Places on the ground that a car stands on: forward, left, height above the ground.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CarDrawing {
+    /// For each axle the points of the left, then those of the right wheel.
+    pub points: [Vec<[f64; 3]>; 2],
+    /// Lowest points of the wheels: front left, front right, rear left, rear right.
+    pub contacts: [[f64; 3]; 4],
+    /// Wheel centres, in the same order.
+    pub centres: [[f64; 3]; 4],
+    /// Centre of gravity of the sprung mass.
+    pub sprung_cg: [f64; 3],
+}
+
+impl CarSolver<'_> {
+    /// Places of all points in a state.
+    ///
+    /// # Errors
+    /// The reason if a wheel has no pose.
+    pub fn drawing(
+        &mut self,
+        case: &Case,
+        found: &Equilibrium,
+    ) -> Result<CarDrawing, NoEquilibrium> {
+        let balance = self.balance(case, found)?;
+        let (road, ground) = (&balance.road, found.unknowns[super::equations::GROUND]);
+        let place = |v: Vector3<f64>| {
+            [
+                road.forward.dot(v),
+                road.left.dot(v),
+                road.up.dot(v) - ground,
+            ]
+            .map(|c| c + 0.0)
+        };
+        let offset = |axle: usize| match axle {
+            0 => Vector3::default(),
+            _ => self.car.rear_offset,
+        };
+        // A side's own frame; that of the right wheel is the mirror image.
+        let plain = |axle: usize, side: Side, v: Vector3<f64>| {
+            Vector3::new(v.x, side.sign() * v.y, v.z) + offset(axle)
+        };
+        let points = [0, 1].map(|axle| {
+            let own = &self.car.axles[axle];
+            let placed = &found.placed[axle];
+            let of_side = |side: Side| {
+                let suspension = own.suspension(side);
+                let at = Configuration {
+                    mechanism: &suspension.mechanism,
+                    design: &suspension.design,
+                    pose: placed.poses()[side as usize],
+                    rack: placed.rack * side.sign(),
+                    steering: None,
+                };
+                let all = 0..suspension.mechanism.points.len();
+                let places = all.map(|k| place(plain(axle, side, at.point(PointId(k)))));
+                places.collect::<Vec<_>>()
+            };
+            Side::ALL.map(of_side).concat()
+        });
+        let centres = [0, 1, 2, 3].map(|number| {
+            let (axle, side) = (number / 2, number % 2);
+            let wheel = self.car.axles[axle].suspension(Side::ALL[side]);
+            let own = &points[axle][side * (points[axle].len() / 2)..];
+            own[wheel.mechanism.wheel_centre.0]
+        });
+        let contacts = WheelPlace::ALL.map(|wheel| {
+            let coordinates = [
+                WheelResult::ContactX,
+                WheelResult::ContactY,
+                WheelResult::ContactZ,
+            ];
+            let of = |result| CarQuantity::Wheel(wheel, result).evaluate_state(&balance);
+            place(Vector3::from(coordinates.map(of)))
+        });
+        Ok(CarDrawing {
+            points,
+            contacts,
+            centres,
+            sprung_cg: place(balance.sprung.1),
+        })
+    }
+}

@@ -1,0 +1,257 @@
+//! Limits of a car along a ray of accelerations: the first wheel that lifts, and the end of equilibrium.
+//!
+//! A ray has the accelerations of a case times a factor s. With N the wheel loads of the state at s, Newton's method finds
+//! the factor at which the first wheel has no load:
+//!
+//! ```text
+//! s' = s + min over the wheels with N_s < 0 of N/(-N_s)                                                       (1)
+//! ```
+//!
+//! N_s comes from the state's exact derivatives by ax and ay. A bracket of a state with all wheels down and one beyond keeps
+//! the iteration safe. The end of equilibrium has no equation of its own; bisection finds it.
+
+use super::catalogue::{CarQuantity, WheelPlace, WheelResult};
+use super::parameters::{BodyParameter, Parameter};
+use super::{CarSolver, Case, Equilibrium, Longitudinal, NoEquilibrium};
+
+/// Largest acceleration that is looked at, g.
+const MOST: f64 = 5.0;
+/// Step along the ray, g.
+const STEP: f64 = 0.1;
+/// Factors closer than this, in g, are the same.
+const SAME: f64 = 1e-9;
+/// Loads below this part of the largest one are none.
+const NO_LOAD: f64 = 1e-9;
+/// Budget of states for each search within a bracket.
+const MOST_STATES: usize = 80;
+
+/// Limits along a ray.
+#[derive(Clone, Debug)]
+pub struct RayLimits {
+    /// The first wheel that lifts, if one does.
+    pub lift: Option<Lift>,
+    /// Largest acceleration with an equilibrium, g.
+    pub end: f64,
+    /// Reason why there is none beyond; `None` if there is one up to 5 g.
+    pub why: Option<NoEquilibrium>,
+}
+
+/// The state in which the first wheel lifts.
+#[derive(Clone, Copy, Debug)]
+pub struct Lift {
+    /// Acceleration, g.
+    pub acceleration: f64,
+    /// The wheel.
+    pub wheel: WheelPlace,
+    /// Whether all other wheels carry load there.
+    pub others_loaded: bool,
+}
+
+/// Accelerations along the ground as a direction: all else is the case's.
+struct Ray<'c> {
+    case: &'c Case,
+    /// Factor of the case's accelerations for 1 g.
+    per_g: f64,
+}
+
+impl Ray<'_> {
+    /// The case at an acceleration, g.
+    fn at(&self, g: f64) -> Case {
+        let factor = g * self.per_g;
+        let own = self.case;
+        Case {
+            ax: own.ax * factor,
+            ay: own.ay * factor,
+            yaw_acceleration: own.yaw_acceleration * factor,
+            ..own.clone()
+        }
+    }
+}
+
+/// A state on the ray.
+#[derive(Clone)]
+struct At {
+    g: f64,
+    found: Equilibrium,
+}
+
+impl At {
+    fn is_down(&self) -> bool {
+        self.found.lifted == [false; 4]
+    }
+
+    fn loads(&self) -> [f64; 4] {
+        let x = &self.found.unknowns;
+        [0, 1, 2, 3].map(|wheel| x[super::equations::LOADS + wheel])
+    }
+
+    /// The least load as a part of the largest one, with its wheel.
+    fn least(&self) -> (f64, usize) {
+        let loads = self.loads();
+        let most = loads.iter().fold(0.0, |most: f64, load| most.max(*load));
+        let wheel = (1..4).fold(0, |least, wheel| match loads[wheel] < loads[least] {
+            true => wheel,
+            false => least,
+        });
+        (loads[wheel] / most, wheel)
+    }
+}
+
+impl Case {
+    /// A direction of 1 g along the ground, degrees from forward to the left. Both axles share their forces by load, as a map
+    /// of states does.
+    pub fn along(name: &str, degrees: f64, at_rest: &Case) -> Case {
+        // Exact zeros along the axes: a share of nothing is not asked for.
+        let [ax, ay] = match degrees.rem_euclid(360.0) {
+            0.0 => [1.0, 0.0],
+            90.0 => [0.0, 1.0],
+            180.0 => [-1.0, 0.0],
+            270.0 => [0.0, -1.0],
+            other => [other.to_radians().cos(), other.to_radians().sin()],
+        };
+        let mut case = Case {
+            name: name.to_owned(),
+            ax,
+            ay,
+            ..at_rest.clone()
+        };
+        case.setting.longitudinal = match ax < 0.0 {
+            true => Longitudinal::Brake,
+            false => Longitudinal::Drive,
+        };
+        case.setting.longitudinal_shares = super::LongitudinalShares::ByLoad;
+        case
+    }
+}
+
+impl CarSolver<'_> {
+    /// Limits along the accelerations ax and ay of a case, up to 5 g. Speed, az and racks stay those of the case. `None` for a
+    /// case without ax and ay.
+    pub fn limits(&mut self, case: &Case) -> Option<RayLimits> {
+        let length = case.ax.hypot(case.ay);
+        if length == 0.0 {
+            return None;
+        }
+        let ray = Ray {
+            case,
+            per_g: 1.0 / length,
+        };
+        let mut at = match self.solve(&ray.at(0.0)) {
+            Ok(found) => At { g: 0.0, found },
+            Err(why) => {
+                return Some(RayLimits {
+                    lift: None,
+                    end: 0.0,
+                    why: Some(why),
+                });
+            }
+        };
+        let mut lift = None;
+        let steps = (MOST / STEP) as usize;
+        for step in 1..=steps {
+            let g = step as f64 * STEP;
+            let next = self.solve_from(&ray.at(g), &at.found);
+            let leaves = !matches!(&next, Ok(found) if found.lifted == [false; 4]);
+            if leaves && at.is_down() {
+                at = self.last_down(&ray, at, g);
+                lift = self.lift(&at);
+            }
+            match next {
+                Ok(found) => at = At { g, found },
+                Err(why) => {
+                    let (end, why) = self.end(&ray, at, g, why);
+                    return Some(RayLimits {
+                        lift,
+                        end,
+                        why: Some(why),
+                    });
+                }
+            }
+        }
+        Some(RayLimits {
+            lift,
+            end: MOST,
+            why: None,
+        })
+    }
+
+    /// The last state with all wheels down between a state and an acceleration beyond it.
+    fn last_down(&mut self, ray: &Ray<'_>, from: At, beyond: f64) -> At {
+        let (mut low, mut high) = (from, beyond);
+        for _ in 0..MOST_STATES {
+            if high - low.g <= SAME || low.least().0 <= NO_LOAD {
+                break;
+            }
+            let middle = 0.5 * (low.g + high);
+            let newton = self.next(ray, &low).filter(|g| *g > low.g && *g < high);
+            let g = newton.unwrap_or(middle);
+            match self.solve_from(&ray.at(g), &low.found) {
+                Ok(found) if found.lifted == [false; 4] => low = At { g, found },
+                _ => {
+                    high = g;
+                    // Newton's method came from above: half the bracket as well.
+                    let g = 0.5 * (low.g + high);
+                    match self.solve_from(&ray.at(g), &low.found) {
+                        Ok(found) if found.lifted == [false; 4] => low = At { g, found },
+                        _ => high = g,
+                    }
+                }
+            }
+        }
+        low
+    }
+
+    /// Equation (1).
+    fn next(&mut self, ray: &Ray<'_>, at: &At) -> Option<f64> {
+        let case = ray.at(at.g);
+        let loads = WheelPlace::ALL.map(|place| CarQuantity::Wheel(place, WheelResult::Load));
+        let gradients = self.gradients(&case, &at.found, &loads).ok()?;
+        let steps = gradients.iter().filter_map(|gradient| {
+            let by = |of| gradient.parameters[Parameter::Body(of).place()];
+            let along = by(BodyParameter::Ax) * ray.case.ax + by(BodyParameter::Ay) * ray.case.ay;
+            let slope = along * ray.per_g;
+            (slope < 0.0).then(|| gradient.value / -slope)
+        });
+        let step = steps.fold(f64::INFINITY, f64::min);
+        step.is_finite().then_some(at.g + step)
+    }
+
+    /// The lift at a state, if its least load is none.
+    fn lift(&mut self, at: &At) -> Option<Lift> {
+        let (part, wheel) = at.least();
+        let none = 1e3 * NO_LOAD;
+        if part > none {
+            return None;
+        }
+        let loads = at.loads();
+        let most = loads.iter().fold(0.0, |most: f64, load| most.max(*load));
+        let others = (0..4).filter(|other| *other != wheel);
+        Some(Lift {
+            acceleration: at.g,
+            wheel: WheelPlace(wheel),
+            others_loaded: others.into_iter().all(|other| loads[other] > none * most),
+        })
+    }
+
+    /// The largest acceleration with an equilibrium, and the reason beyond it.
+    fn end(
+        &mut self,
+        ray: &Ray<'_>,
+        from: At,
+        beyond: f64,
+        why: NoEquilibrium,
+    ) -> (f64, NoEquilibrium) {
+        let (mut low, mut high, mut why) = (from, beyond, why);
+        for _ in 0..MOST_STATES {
+            if high - low.g <= 1e3 * SAME {
+                break;
+            }
+            let g = 0.5 * (low.g + high);
+            match self.solve_from(&ray.at(g), &low.found) {
+                Ok(found) => low = At { g, found },
+                Err(reason) => (high, why) = (g, reason),
+            }
+        }
+        (low.g, why)
+    }
+}

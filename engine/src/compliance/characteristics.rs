@@ -1,0 +1,113 @@
+//! Characteristics of the wheel in an equilibrium, and their derivatives by wheel travel along it.
+//!
+//! The formulas are those of the catalogue. A velocity is the rate of the equilibrium along wheel travel, with the rack
+//! where it is and without horizontal loads.
+
+use super::derivatives::Tangent;
+use super::wheel::{Change, ElasticWheel, Equilibrium};
+use crate::characteristics::{Characteristic, Inputs};
+use crate::number::{Dual, Jet, Scalar};
+
+/// Quantities of the rigid mechanism that have a counterpart in equilibrium, in words.
+const INSTEAD: &str = "with [compliance] ask jacking_by_lateral_force, jacking_by_braking, compliant_wheel_rate or \
+                       compliant_ride_rate";
+
+/// The reason why an equilibrium does not have a characteristic, and what to ask instead; `None` if it has it.
+pub fn not_of_equilibrium(of: Characteristic) -> Option<[&'static str; 2]> {
+    use Characteristic as C;
+    match of {
+        C::Camber
+        | C::Toe
+        | C::Caster
+        | C::KingpinInclination
+        | C::ScrubRadius
+        | C::CasterTrail
+        | C::KingpinOffset
+        | C::SpindleTrail
+        | C::SteeringAxisAtGroundLongitudinal
+        | C::SteeringAxisAtGroundLateral
+        | C::HalfTrackChange
+        | C::WheelbaseChange
+        | C::CamberGain
+        | C::BumpSteer
+        | C::CasterGain
+        | C::KingpinInclinationGain
+        | C::MotionRatio
+        | C::SpringLength => None,
+        C::RollCentreHeight
+        | C::FrontViewSwingArm
+        | C::SideViewSwingArm
+        | C::FrontViewCentreLateral
+        | C::FrontViewCentreHeight
+        | C::SideViewCentreLongitudinal
+        | C::SideViewCentreHeight
+        | C::AntiDive
+        | C::AntiLift
+        | C::AntiSquat => Some(["is of the rigid mechanism", INSTEAD]),
+        C::SpringInclination
+        | C::RockerAngle
+        | C::AntiRollBarAngle
+        | C::AntiRollBarMotionRatio
+        | C::AttiaKingpin
+        | C::AttiaCamber => Some([
+            "is of the rigid mechanism",
+            "with [compliance] it is not available; remove [compliance], [bushings] and [links] for the rigid mechanism",
+        ]),
+    }
+}
+
+impl<T: Scalar> ElasticWheel<T> {
+    /// Inputs of the catalogue's formulas along wheel travel: values and first derivatives.
+    pub(super) fn inputs_by_travel(&self, tangent: &Tangent<T>) -> Option<Inputs<Jet<T, 2>>> {
+        let state = self.moving_by(tangent, &Change::Travel)?;
+        let geometry = self.geometry.map(Jet::constant);
+        let mut inputs = geometry.inputs(&state, self.constants);
+        if let Some([length, rate]) = self.spring_length_by(tangent, &Change::Travel) {
+            inputs.now.spring_length = Jet([length, rate]);
+        }
+        Some(inputs)
+    }
+
+    /// A characteristic, or its derivative by wheel travel, from inputs along travel. `None` if it has no value.
+    pub(super) fn of_inputs(
+        inputs: &Inputs<Jet<T, 2>>,
+        of: Characteristic,
+        is_rate: bool,
+    ) -> Option<T> {
+        let found = match is_rate {
+            true => of.evaluate(inputs)[1],
+            false => of.evaluate(&Inputs {
+                now: inputs.now.map(|c| c[0]),
+                rate: inputs.now.map(|c| c[1]),
+                turn: inputs.turn.map(|c| c[0]),
+                design: inputs.design.map(|c| c[0]),
+                constants: inputs.constants,
+            }),
+        };
+        found.value().is_finite().then_some(found)
+    }
+
+    /// Length of the spring and its derivative along a change of an input.
+    fn spring_length_by(&self, tangent: &Tangent<T>, change: &Change<T>) -> Option<[T; 2]> {
+        let rate = self.rate(tangent, change)?;
+        let dual = self.built.system_over(Dual::<T, 1>::constant);
+        let step = rate.map(|c| Dual {
+            value: c.zero(),
+            partials: [c],
+        });
+        let state = dual.stepped(&tangent.state.map(Dual::constant), &step);
+        let length = dual.spring_length(&state, Dual::constant(tangent.task.rack))?;
+        Some([length.value, length.partials[0]])
+    }
+
+    /// Value of a characteristic that is made of positions alone.
+    pub fn characteristic(&self, at: &Equilibrium<T>, of: Characteristic) -> T {
+        let mut inputs = self.geometry.inputs(&at.solution.state, self.constants);
+        if of == Characteristic::SpringLength
+            && let Some(spring) = self.spring(at)
+        {
+            inputs.now.spring_length = spring.length;
+        }
+        of.evaluate(&inputs)
+    }
+}

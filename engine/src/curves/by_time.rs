@@ -1,0 +1,42 @@
+//! Derivatives by time, from those by the coordinate that a law moves.
+
+use crate::number::Jet;
+use crate::study::TimeLaw;
+
+/// First and second derivative by time of the coordinate that moves, where results are by time.
+#[derive(Clone, Copy)]
+pub(crate) struct ByTime(Option<[f64; 2]>);
+
+impl ByTime {
+    /// At the time of this number; `None` for results that are not by time.
+    pub(crate) fn at(law: Option<&TimeLaw>, number: usize) -> Self {
+        ByTime(law.map(|law| {
+            let series = law
+                .polynomial
+                .iter()
+                .rev()
+                .fold(Jet::<f64, 3>::constant(0.0), |sum, c| {
+                    sum * Jet::variable(law.times[number]) + Jet::constant(*c)
+                });
+            [series.derivative(1), series.derivative(2)]
+        }))
+    }
+
+    /// The derivative of this order by the drive, or by time: with y', y'' by the drive q(t),
+    /// dy/dt = y' q' and d2y/dt2 = y'' q'^2 + y' q''. A quantity that is a rate itself (an angular
+    /// velocity) is by the drive too: w q' and w' q'^2 + w q''.
+    pub(crate) fn apply(self, is_rate: bool, by_drive: [f64; 3], order: usize) -> f64 {
+        let Some([velocity, acceleration]) = self.0 else {
+            return by_drive[order];
+        };
+        let [y, first, second] = match is_rate {
+            true => [f64::NAN, by_drive[0], by_drive[1]],
+            false => by_drive,
+        };
+        match order + is_rate as usize {
+            0 => y,
+            1 => first * velocity,
+            _ => second * velocity * velocity + first * acceleration,
+        }
+    }
+}

@@ -1,0 +1,139 @@
+//! Curves of a wheel with elastic parts: its equilibria over travel and rack, without horizontal loads.
+
+use super::run::{motion, place};
+use super::{Column, Curves, Sensitivity, Station, Status};
+use crate::ask::NoValue;
+use crate::characteristics::{Characteristic, Quantity};
+use crate::compliance::{KcRun, KcValue, Parameter};
+use crate::mechanism::DesignFault;
+use crate::model::{Axis, LengthUnit, Suspension};
+use crate::number::Tape;
+use crate::plan::Plan;
+use crate::study::{ComplianceStudy, ElasticFigure};
+
+/// Reads of a column: the value, and the words for the case that it has none.
+struct Read {
+    value: KcValue,
+    undefined: NoValue,
+}
+
+/// The columns of a plan's characteristics, then those of figures, each with what it reads.
+fn columns(length: LengthUnit, plan: &Plan) -> Vec<(Column, Read)> {
+    let mut found = Vec::new();
+    for column in Column::all(plan, length) {
+        let of: Option<Characteristic> = column.of.and_then(|of| match plan.outputs[of].quantity {
+            Quantity::Characteristic(of) => Some(of),
+            _ => None,
+        });
+        let Some(of) = of else { continue };
+        let value = match column.order {
+            0 => KcValue::Wheel(of),
+            _ => KcValue::WheelRate(of),
+        };
+        let undefined = NoValue::Undefined(of.undefined_where());
+        found.push((column, Read { value, undefined }));
+    }
+    found.extend(plan.figures.iter().map(|figure| {
+        let column = figure.as_column(length);
+        let read = Read {
+            value: figure.value,
+            undefined: NoValue::NotFinite,
+        };
+        (column, read)
+    }));
+    found
+}
+
+/// Place of the signs of figures.
+const SIGNS: &str = "as docs/compliance.md says";
+
+impl ElasticFigure {
+    /// The figure as a column of results.
+    pub(crate) fn as_column(&self, length: LengthUnit) -> Column {
+        let (suffix, factor) = (self.unit.suffix(length), self.unit.printed_factor(length));
+        Column::of_value(self.name.clone(), suffix, SIGNS, factor)
+    }
+}
+
+/// Curves of a wheel with elastic parts under a plan. An error says why the design has no elastic model.
+pub(super) fn elastic_curves(
+    suspension: &Suspension,
+    elastic: &ComplianceStudy,
+    plan: &Plan,
+) -> Result<Curves, DesignFault> {
+    let run = KcRun::new(suspension, &elastic.parts, elastic.tyre_rate)
+        .map_err(|fault| fault.of_design(&elastic.parts, suspension))?;
+    let (columns, reads): (Vec<Column>, Vec<Read>) =
+        columns(suspension.length_unit, plan).into_iter().unzip();
+    let wanted: Vec<KcValue> = reads.iter().map(|read| read.value).collect();
+    let points = plan.sensitivities.iter();
+    let inputs: Vec<_> = points
+        .flat_map(|point| Axis::ALL.map(|axis| (*point, axis)))
+        .collect();
+    let parameters: Vec<Parameter> = inputs
+        .iter()
+        .map(|(point, axis)| Parameter::Point(*point, *axis))
+        .collect();
+    let mut curves = Curves {
+        motion: motion(plan, suspension.length_unit.symbol()),
+        columns,
+        ..Curves::default()
+    };
+    let mut tape = Tape::default();
+    for rack in &plan.racks {
+        for (number, travel) in plan.station_order.values().iter().enumerate() {
+            let at = [*travel, *rack];
+            let mut gradients = Vec::new();
+            let found = match parameters.is_empty() {
+                true => run.values(at, &wanted),
+                false => {
+                    let mut values = vec![None; wanted.len()];
+                    let read = run.gradients(at, &wanted, &parameters, &mut tape, |found| {
+                        values[found.number] = found.value;
+                        if found.value.is_some() {
+                            gradients.push((found.number, found.by.to_vec()));
+                        }
+                    });
+                    read.map(|()| values)
+                }
+            };
+            let (status, values) = match found {
+                Ok(values) => (Status::Ok, values),
+                Err(why) => (Status::Failed(why.into()), Vec::new()),
+            };
+            let missing = |read: &Read| match status {
+                Status::Ok => read.undefined,
+                _ => NoValue::NoPose,
+            };
+            let cells = reads.iter().enumerate().map(|(k, read)| {
+                let value = values.get(k).copied().flatten();
+                let printed = value.map(|value| value * curves.columns[k].factor());
+                printed.ok_or_else(|| missing(read))
+            });
+            let values = cells.collect();
+            let station = curves.stations.len();
+            for (column, by) in gradients {
+                let factor = curves.columns[column].factor();
+                let slopes = inputs.iter().zip(by);
+                curves
+                    .sensitivities
+                    .extend(slopes.map(|((point, axis), by)| Sensitivity {
+                        station,
+                        column,
+                        side: None,
+                        point: *point,
+                        axis: *axis,
+                        value: by * factor * suspension.frame.sign(*axis),
+                    }));
+            }
+            curves.stations.push(Station {
+                at: place(plan, number, *travel, *rack),
+                status,
+                values,
+                condition: None,
+                proof: None,
+            });
+        }
+    }
+    Ok(curves)
+}

@@ -1,0 +1,575 @@
+//! Requests of a study of a car: results, tuning, sweep and tolerances.
+
+use super::super::motion::within;
+use super::super::names::choose;
+use super::super::resolve::{each, some};
+use super::super::suspension::{above_zero, positive};
+use super::super::sweep as samples;
+use super::super::{Law, SweepVariable, Tolerance, tolerance};
+use super::{CarBand, CarContributor, CarOptimise, CarSweep, CarTolerance, Resolver};
+use crate::car::{
+    AxleParameter, BodyParameter, Car, CarQuantity, CarTarget, CarVariable, Case, Moves,
+};
+use crate::model::{Axis, PointId};
+use hardpoint_study_file::car_file;
+use hardpoint_study_file::value::{Number, Text};
+use std::ops::Range as Span;
+use toml::Spanned;
+
+/// The most builds: their values are held in memory.
+const MOST_BUILDS: i64 = 100_000;
+
+/// The keys that name a part of the car and how far it moves.
+struct Written<'a> {
+    place: Span<usize>,
+    axle: Option<&'a Text>,
+    hardpoint: Option<&'a Text>,
+    axis: Option<&'a Text>,
+    rate: Option<&'a Text>,
+    car: Option<&'a Text>,
+    range: Option<&'a Spanned<Vec<Number>>>,
+    relative: Option<&'a Number>,
+}
+
+impl<'a> Written<'a> {
+    fn of(written: &'a Spanned<car_file::Variable>) -> Self {
+        let own = written.get_ref();
+        Written {
+            place: written.span(),
+            axle: own.axle.as_ref(),
+            hardpoint: own.hardpoint.as_ref(),
+            axis: own.axis.as_ref(),
+            rate: own.rate.as_ref(),
+            car: own.car.as_ref(),
+            range: own.range.as_ref(),
+            relative: own.relative.as_ref(),
+        }
+    }
+
+    fn of_sweep(written: &'a Spanned<car_file::SweepVariable>) -> Self {
+        let own = written.get_ref();
+        Written {
+            place: written.span(),
+            axle: own.axle.as_ref(),
+            hardpoint: own.hardpoint.as_ref(),
+            axis: own.axis.as_ref(),
+            rate: own.rate.as_ref(),
+            car: own.car.as_ref(),
+            range: own.range.as_ref(),
+            relative: own.relative.as_ref(),
+        }
+    }
+
+    /// A rate or a figure that scatters.
+    fn of_scatter(written: &'a Spanned<car_file::Scatter>) -> Self {
+        let own = written.get_ref();
+        Written {
+            place: written.span(),
+            axle: own.axle.as_ref(),
+            hardpoint: None,
+            axis: None,
+            rate: own.rate.as_ref(),
+            car: own.car.as_ref(),
+            range: None,
+            relative: own.relative.as_ref(),
+        }
+    }
+}
+
+/// Names of the axles.
+const ENDS: [(&str, usize); 2] = [("front", 0), ("rear", 1)];
+
+/// Distance of the seeds of both axles and of the figures.
+const STREAM: u32 = 0x9e37_79b9;
+
+/// `between`, `at_least` and `at_most` of an entry.
+type Limits<'a> = (
+    Option<&'a Spanned<Vec<Number>>>,
+    Option<&'a Number>,
+    Option<&'a Number>,
+);
+
+impl Resolver<'_> {
+    pub(super) fn quantities(&mut self, car: &Car) -> Option<Vec<CarQuantity>> {
+        let Some(list) = &self.file.outputs.characteristics else {
+            return Some(CarQuantity::default_columns(car));
+        };
+        let mut found = Vec::new();
+        let mut sound = true;
+        for text in list.get_ref() {
+            match self.named(car, text) {
+                Some(quantities) => found.extend(quantities),
+                None => sound = false,
+            }
+        }
+        sound.then_some(found)
+    }
+
+    fn named(&mut self, car: &Car, text: &Text) -> Option<Vec<CarQuantity>> {
+        let found = CarQuantity::named(text.get_ref());
+        if found.is_empty() {
+            let names: Vec<String> = CarQuantity::all()
+                .into_iter()
+                .map(CarQuantity::name)
+                .collect();
+            let pairs: Vec<(&str, ())> = names.iter().map(|name| (name.as_str(), ())).collect();
+            choose(text, "result of a car", &pairs, self.problems)?;
+        }
+        let met: Vec<CarQuantity> = found.iter().copied().filter(|q| q.is_met_by(car)).collect();
+        if met.is_empty() {
+            let needs: Vec<String> = found
+                .iter()
+                .flat_map(|q| q.info().needs)
+                .map(|need| need.key().to_owned())
+                .collect();
+            let message = format!("{} needs {}", text.get_ref(), needs.join(" and "));
+            return self.problems.refuse(text.span(), message);
+        }
+        Some(met)
+    }
+
+    /// The case of this name, in which the results have values.
+    fn case_of(
+        &mut self,
+        quantities: &[CarQuantity],
+        written: &Text,
+        cases: &[Case],
+    ) -> Option<usize> {
+        let names: Vec<(&str, usize)> = cases
+            .iter()
+            .enumerate()
+            .map(|(k, case)| (case.name.as_str(), k))
+            .collect();
+        let case = choose(written, "case", &names, self.problems)?;
+        for quantity in quantities {
+            if let Some(why) = quantity.undefined_in(&cases[case]) {
+                let message = format!("{} has no value in this case: {why}", quantity.name());
+                return self.problems.refuse(written.span(), message);
+            }
+        }
+        Some(case)
+    }
+
+    /// The lower and the upper limit of an entry at `place`.
+    fn limits(
+        &mut self,
+        (between, at_least, at_most): Limits<'_>,
+        place: Span<usize>,
+    ) -> Option<[f64; 2]> {
+        match (between, at_least, at_most) {
+            (Some(between), None, None) => match between.get_ref().as_slice() {
+                [low, high] if low.value < high.value => Some([low.value, high.value]),
+                _ => {
+                    let message =
+                        "expected between = [lowest, highest], the first below the second";
+                    self.problems.refuse(between.span(), message)
+                }
+            },
+            (None, Some(low), None) => Some([low.value, f64::INFINITY]),
+            (None, None, Some(high)) => Some([f64::NEG_INFINITY, high.value]),
+            _ => {
+                let message = "expected one of between = [lowest, highest], at_least and at_most";
+                self.problems.refuse(place, message)
+            }
+        }
+    }
+
+    pub(super) fn optimise(&mut self, car: &Car, cases: &[Case]) -> Option<Option<CarOptimise>> {
+        let file = self.file;
+        let Some(section) = &file.optimise else {
+            return Some(None);
+        };
+        let mut variables = Vec::new();
+        let mut targets = Vec::new();
+        let mut sound = true;
+        for written in section.variables.get_ref() {
+            match self.variable(car, &Written::of(written)) {
+                Some(variable) => variables.push(variable),
+                None => sound = false,
+            }
+        }
+        for written in section.targets.get_ref() {
+            match self.target(car, cases, written.get_ref()) {
+                Some(found) => targets.extend(found),
+                None => sound = false,
+            }
+        }
+        for (list, span) in [
+            (variables.is_empty(), section.variables.span()),
+            (targets.is_empty(), section.targets.span()),
+        ] {
+            if list && sound {
+                self.problems.add(span, "expected at least one element");
+                sound = false;
+            }
+        }
+        let max_iterations = match &section.max_iterations {
+            Some(most) if *most.get_ref() < 1 => {
+                return self
+                    .problems
+                    .refuse(most.span(), "expected at least 1 iteration");
+            }
+            Some(most) => *most.get_ref() as u64,
+            None => 200,
+        };
+        sound.then_some(Some(CarOptimise {
+            max_iterations,
+            variables,
+            targets,
+        }))
+    }
+
+    fn target(
+        &mut self,
+        car: &Car,
+        cases: &[Case],
+        written: &car_file::Target,
+    ) -> Option<Vec<CarTarget>> {
+        let quantities = self.named(car, &written.characteristic)?;
+        let case = self.case_of(&quantities, &written.case, cases)?;
+        let tolerance = above_zero(&written.tolerance, self.problems)?;
+        let weight = positive(&written.weight, self.problems)?.unwrap_or(1.0);
+        let wanted = match &written.value {
+            Some(value)
+                if written.between.is_some()
+                    || written.at_least.is_some()
+                    || written.at_most.is_some() =>
+            {
+                let message = "expected one of value, between, at_least and at_most";
+                return self.problems.refuse(value.span.clone(), message);
+            }
+            Some(value) => [value.value; 2],
+            None => {
+                let limits = (
+                    written.between.as_ref(),
+                    written.at_least.as_ref(),
+                    written.at_most.as_ref(),
+                );
+                self.limits(limits, written.characteristic.span())?
+            }
+        };
+        let target = |quantity: CarQuantity| CarTarget {
+            quantity,
+            case,
+            wanted,
+            tolerance,
+            weight,
+        };
+        Some(quantities.into_iter().map(target).collect())
+    }
+
+    /// Part of the car that an entry names: a hardpoint with its axis, a rate or a figure of the car.
+    fn moves(&mut self, car: &Car, own: &Written<'_>) -> Option<Moves> {
+        let place = own.place.clone();
+        let axle = match own.axle {
+            Some(text) => Some(choose(text, "axle", &ENDS, self.problems)?),
+            None => None,
+        };
+        match (axle, own.hardpoint, own.rate, own.car) {
+            (Some(axle), Some(hardpoint), None, None) => {
+                let mechanism = &car.axles[axle].left.mechanism;
+                let points: Vec<(&str, PointId)> = (0..mechanism.points.len())
+                    .map(|k| (mechanism.name(PointId(k)), PointId(k)))
+                    .collect();
+                let point = choose(hardpoint, "hardpoint", &points, self.problems)?;
+                let axes = [("x", Axis::X), ("y", Axis::Y), ("z", Axis::Z)];
+                let Some(axis) = own.axis else {
+                    return self.problems.refuse(
+                        hardpoint.span(),
+                        "a hardpoint needs axis = \"x\", \"y\" or \"z\"",
+                    );
+                };
+                let axis = choose(axis, "axis", &axes, self.problems)?;
+                Some(Moves::Hardpoint { axle, point, axis })
+            }
+            (Some(axle), None, Some(rate), None) => {
+                let rates = [
+                    ("spring", AxleParameter::SpringRate),
+                    ("anti_roll_bar", AxleParameter::BarRate),
+                    ("heave_spring", AxleParameter::HeaveSpringRate),
+                    ("t_bar", AxleParameter::TBarRate),
+                    ("heave_bar", AxleParameter::HeaveBarRate),
+                    ("tyre", AxleParameter::TyreRate),
+                ];
+                let parameter = choose(rate, "rate", &rates, self.problems)?;
+                Some(Moves::Rate { axle, parameter })
+            }
+            (None, None, None, Some(figure)) => {
+                let figures = [
+                    ("mass", Moves::Body(BodyParameter::Mass)),
+                    ("cg_x", Moves::Body(BodyParameter::CgX)),
+                    ("cg_y", Moves::Body(BodyParameter::CgY)),
+                    ("cg_z", Moves::Body(BodyParameter::CgZ)),
+                    (
+                        "brake_share_front",
+                        Moves::Body(BodyParameter::BrakeShareFront),
+                    ),
+                    (
+                        "drive_share_front",
+                        Moves::Body(BodyParameter::DriveShareFront),
+                    ),
+                    ("wheelbase", Moves::Wheelbase),
+                ];
+                choose(figure, "figure of the car", &figures, self.problems)
+            }
+            _ => {
+                let message = "expected axle with hardpoint and axis, axle with rate, or car";
+                self.problems.refuse(place, message)
+            }
+        }
+    }
+
+    fn variable(&mut self, car: &Car, own: &Written<'_>) -> Option<CarVariable> {
+        let place = own.place.clone();
+        let moves = self.moves(car, own)?;
+        let Some(now) = moves.value(car) else {
+            let message = "the study gives no such figure: there is nothing to vary";
+            return self.problems.refuse(place, message);
+        };
+        let range = match (own.range, own.relative) {
+            (Some(list), None) => {
+                let numbers: Vec<f64> = list.get_ref().iter().map(|n| n.value).collect();
+                match numbers.as_slice() {
+                    [low, high] if low < high => [*low, *high],
+                    _ => {
+                        let message = "expected two rising numbers [lowest, highest]";
+                        return self.problems.refuse(list.span(), message);
+                    }
+                }
+            }
+            (None, Some(part)) => {
+                let part = above_zero(part, self.problems)?;
+                let change = part * now.abs();
+                [now - change, now + change]
+            }
+            _ => {
+                let message = "expected range or relative, and only one of them";
+                return self.problems.refuse(place, message);
+            }
+        };
+        if !(range[0]..=range[1]).contains(&now) {
+            let message = format!("the range leaves out the study's value {now}");
+            return self.problems.refuse(place, message);
+        }
+        Some(CarVariable { moves, range })
+    }
+
+    pub(super) fn sweep(&mut self, car: &Car) -> Option<Option<CarSweep>> {
+        let file = self.file;
+        let Some(section) = &file.sweep else {
+            return Some(None);
+        };
+        let written = section.get_ref();
+        let asked = samples::Asked {
+            section: section.span(),
+            variables: written.variables.span(),
+            method: &written.method,
+            samples: &written.samples,
+            seed: &written.seed,
+        };
+        let rules = asked.rules(self.problems);
+        let listed = some(&written.variables, "variable", self.problems)?;
+        let read = each(listed, |variable| self.swept(car, variable))?;
+        let (variables, columns): (Vec<CarVariable>, Vec<SweepVariable>) = read.into_iter().unzip();
+        for (k, variable) in columns.iter().enumerate() {
+            if columns[..k].iter().any(|known| known.name == variable.name) {
+                let message = format!("{} is already a variable", variable.name);
+                return self.problems.refuse(listed[k].span(), message);
+            }
+            if variables[..k]
+                .iter()
+                .any(|known| known.moves == variables[k].moves)
+            {
+                let message = "another variable moves the same";
+                return self.problems.refuse(listed[k].span(), message);
+            }
+        }
+        let places: Vec<_> = listed.iter().map(Spanned::span).collect();
+        Some(Some(CarSweep {
+            sampled: asked.sampled(rules, columns, &places, self.problems)?,
+            variables,
+            format: samples::format(&written.format, self.problems)?,
+        }))
+    }
+
+    fn swept(
+        &mut self,
+        car: &Car,
+        written: &Spanned<car_file::SweepVariable>,
+    ) -> Option<(CarVariable, SweepVariable)> {
+        let variable = self.variable(car, &Written::of_sweep(written))?;
+        let own = written.get_ref();
+        let steps = match &own.steps {
+            None => None,
+            Some(steps) => Some(samples::steps(steps, Some(variable.range), self.problems)?),
+        };
+        let name = match &own.name {
+            Some(name) => samples::plain(name, self.problems)?,
+            None => variable.moves.stem(car),
+        };
+        let column = SweepVariable {
+            name,
+            moves: Vec::new(),
+            rate: None,
+            absolute: false,
+            range: variable.range,
+            steps,
+        };
+        Some((variable, column))
+    }
+
+    pub(super) fn tolerance(&mut self, car: &Car, cases: &[Case]) -> Option<Option<CarTolerance>> {
+        let file = self.file;
+        let Some(section) = &file.tolerance else {
+            return Some(None);
+        };
+        let written = section.get_ref();
+        let mut whole = |number: &Option<Spanned<i64>>, default: i64, range| match number {
+            None => Some(default),
+            Some(number) => within(number, range, self.problems),
+        };
+        let builds = whole(&written.builds, 2000, 2..=MOST_BUILDS)?;
+        let seed = whole(&written.seed, 1, 0..=i64::from(u32::MAX))?;
+        let seed = u32::try_from(seed).ok()?;
+        let of_axle = |number: u32| Tolerance {
+            builds: builds as u64,
+            // Streams of their own for both axles and the figures.
+            seed: seed.wrapping_add(number.wrapping_mul(STREAM)),
+            aligned: false,
+            scatter: Vec::new(),
+            bands: Vec::new(),
+        };
+        let mut tolerance = CarTolerance {
+            builds: builds as u64,
+            seed,
+            figure_seed: of_axle(2).seed,
+            axles: [of_axle(0), of_axle(1)],
+            contributors: Vec::new(),
+            bands: Vec::new(),
+        };
+        let mut sound = true;
+        for entry in some(&written.scatter, "scatter", self.problems)? {
+            sound &= self.scatter(car, entry, &mut tolerance).is_some();
+        }
+        for band in written.bands.iter().flatten() {
+            match self.band(car, cases, band) {
+                Some(bands) => tolerance.bands.extend(bands),
+                None => sound = false,
+            }
+        }
+        sound.then_some(Some(tolerance))
+    }
+
+    /// Adds what an entry of `scatter` names.
+    fn scatter(
+        &mut self,
+        car: &Car,
+        written: &Spanned<car_file::Scatter>,
+        into: &mut CarTolerance,
+    ) -> Option<()> {
+        let own = written.get_ref();
+        if own.rate.is_none() && own.car.is_none() {
+            return self.scattered_parts(written, into);
+        }
+        let keys = [
+            (own.hardpoint.as_ref().map(Spanned::span), "hardpoint"),
+            (own.hardpoints.as_ref().map(Spanned::span), "hardpoints"),
+            (own.length.as_ref().map(Spanned::span), "length"),
+            (own.jig.as_ref().map(Spanned::span), "jig"),
+            (own.side.as_ref().map(Spanned::span), "side"),
+            (own.axis.as_ref().map(Spanned::span), "axis"),
+            (own.shift.as_ref().map(|n| n.span.clone()), "shift"),
+            (own.turn.as_ref().map(|n| n.span.clone()), "turn"),
+        ];
+        if let Some((Some(place), key)) = keys.into_iter().find(|(place, _)| place.is_some()) {
+            let message = format!("a rate or a figure of the car has no {key}");
+            return self.problems.refuse(place, message);
+        }
+        let moves = self.moves(car, &Written::of_scatter(written))?;
+        let Some(now) = moves.value(car) else {
+            let message = "the study gives no such figure: nothing can scatter";
+            return self.problems.refuse(written.span(), message);
+        };
+        let law = match (&own.sigma, &own.relative, &own.limits) {
+            (Some(sigma), None, None) => Law::Normal {
+                sigma: above_zero(sigma, self.problems)?,
+            },
+            (None, Some(part), None) => Law::Normal {
+                sigma: above_zero(part, self.problems)? * now.abs(),
+            },
+            (None, None, Some(limits)) => match limits.get_ref().as_slice() {
+                [low, high] if low.value < high.value => Law::Uniform {
+                    low: low.value,
+                    high: high.value,
+                },
+                _ => {
+                    let message = "expected limits = [lowest, highest], the first below the second";
+                    return self.problems.refuse(limits.span(), message);
+                }
+            },
+            _ => {
+                let message = "expected one of sigma, relative and limits";
+                return self.problems.refuse(written.span(), message);
+            }
+        };
+        let name = moves.stem(car);
+        into.contributors
+            .push(CarContributor::Figure { name, moves, law });
+        Some(())
+    }
+
+    /// Adds the parts of one axle that scatter, as a study of the axle has them.
+    fn scattered_parts(
+        &mut self,
+        written: &Spanned<car_file::Scatter>,
+        into: &mut CarTolerance,
+    ) -> Option<()> {
+        let own = written.get_ref();
+        let Some(text) = &own.axle else {
+            let message = "expected axle with a part of it that scatters, or car";
+            return self.problems.refuse(written.span(), message);
+        };
+        let axle = choose(text, "axle", &ENDS, self.problems)?;
+        if let Some(part) = &own.relative {
+            let message = "relative is of rates and figures; a part has sigma or limits";
+            return self.problems.refuse(part.span.clone(), message);
+        }
+        let study = self.axles[axle].axle()?;
+        let entry = Spanned::new(written.span(), own.of_axle());
+        let found =
+            tolerance::contributors_of_axle(&entry, study, &study.axle.left, None, self.problems)?;
+        let known = &mut into.axles[axle].scatter;
+        for contributor in found {
+            into.contributors.push(CarContributor::Part {
+                name: format!("{} {}", ["front", "rear"][axle], contributor.name),
+                axle,
+                number: known.len(),
+            });
+            known.push(contributor);
+        }
+        Some(())
+    }
+
+    fn band(
+        &mut self,
+        car: &Car,
+        cases: &[Case],
+        written: &Spanned<car_file::Band>,
+    ) -> Option<Vec<CarBand>> {
+        let own = written.get_ref();
+        let quantities = self.named(car, &own.characteristic)?;
+        let case = self.case_of(&quantities, &own.case, cases)?;
+        let limits = (
+            own.between.as_ref(),
+            own.at_least.as_ref(),
+            own.at_most.as_ref(),
+        );
+        let between = self.limits(limits, written.span())?;
+        let band = |quantity| CarBand {
+            quantity,
+            case,
+            between,
+        };
+        Some(quantities.into_iter().map(band).collect())
+    }
+}

@@ -1,0 +1,281 @@
+//! Sweeps of a car: results of load cases for each design.
+
+use super::record::{Kind, MoveRecord, OutputColumn, TargetColumn, VariableRecord};
+use super::rows::{Failing, Rows};
+use super::{BLOCKS_OF_PART, FORM, Samples, SweepRecord};
+use crate::car::{Car, CarFault, CarQuantity, CarRequest, CarTarget, CaseResult, Moves, moved};
+use crate::study::{CarStudy, CarSweep, FileFormat, Sampled, Sampling};
+
+/// Plan of the results for each design of a car.
+#[derive(Clone, Debug)]
+pub struct CarSweepPlan<'s> {
+    /// Description of the results, as in `sweep.json`.
+    pub record: SweepRecord,
+    study: &'s CarStudy,
+    sweep: &'s CarSweep,
+    samples: Samples,
+    request: CarRequest<'s>,
+    targets: &'s [CarTarget],
+    /// Place of the result of each target.
+    places: Vec<usize>,
+}
+
+/// Reason why a sweep of a car cannot begin.
+#[derive(Debug)]
+pub enum CarNotBegun {
+    /// The study's own design cannot be solved.
+    Fault(CarFault),
+    /// Two columns of the results would have this name.
+    TwoColumns(String),
+}
+
+impl<'s> CarSweepPlan<'s> {
+    /// The plan of a study's sweep.
+    ///
+    /// # Errors
+    /// The reason if the study's own design cannot be solved, or two columns have the same name.
+    pub fn of(study: &'s CarStudy, sweep: &'s CarSweep) -> Result<Self, CarNotBegun> {
+        let targets = study.optimise.as_ref().map_or(&[][..], |o| &o.targets);
+        let wanted = targets.iter().map(|target| CaseResult {
+            case: target.case,
+            quantity: target.quantity,
+        });
+        let request = CarRequest::of(&study.cases, &study.kept_quantities(), wanted);
+        let place = |target: &CarTarget| request.place(target.case, target.quantity);
+        let places = targets.iter().filter_map(place).collect();
+        let samples = Samples::Sampled(sweep.sampled.clone());
+        let mut plan = CarSweepPlan {
+            record: describe(study, sweep, targets),
+            study,
+            sweep,
+            samples,
+            request,
+            targets,
+            places,
+        };
+        plan.record.outputs = plan.outputs();
+        let columns = plan.record.columns();
+        let twice = |(i, name): &(usize, &String)| columns[..*i].contains(name);
+        if let Some((_, name)) = columns.iter().enumerate().find(twice) {
+            return Err(CarNotBegun::TwoColumns(name.clone()));
+        }
+        let mut values = vec![f64::NAN; plan.record.outputs.len()];
+        let mut results = vec![f64::NAN; plan.request.results.len()];
+        plan.row_of(&study.car, &mut results, &mut values)
+            .map_err(CarNotBegun::Fault)?;
+        for (output, value) in plan.record.outputs.iter_mut().zip(values) {
+            output.at_design = value.is_finite().then_some(value);
+        }
+        Ok(plan)
+    }
+
+    /// A worker, one for each thread.
+    pub fn worker(&self) -> CarWorker<'_> {
+        CarWorker {
+            plan: self,
+            rows: Rows::default(),
+            results: vec![f64::NAN; self.request.results.len()],
+        }
+    }
+
+    /// Values of the variables in the design of this number.
+    pub fn values(&self, number: u64) -> Vec<f64> {
+        let mut values = vec![0.0; self.sweep.variables.len()];
+        self.samples.values(number, &mut values);
+        values
+    }
+
+    /// The car of these values of the variables.
+    pub fn car(&self, values: &[f64]) -> Car {
+        moved(&self.study.car, &self.sweep.variables, values)
+    }
+
+    fn outputs(&self) -> Vec<OutputColumn> {
+        let mut columns = Vec::new();
+        let mut add = |column: String, output: String, kind: Kind, unit: String| {
+            columns.push(OutputColumn {
+                column,
+                output,
+                kind,
+                unit,
+                at_design: None,
+            });
+        };
+        let car = &self.study.car;
+        for result in &self.request.results {
+            let unit = result.quantity.info().unit.suffix(car.length_unit);
+            let name = self.name(result.case, result.quantity);
+            add(self.request.column(result, car), name, Kind::Case, unit);
+        }
+        for (k, target) in self.targets.iter().enumerate() {
+            let name = self.name(target.case, target.quantity);
+            let same = |t: &&CarTarget| (t.case, t.quantity) == (target.case, target.quantity);
+            let column = match self.targets[..k].iter().filter(same).count() {
+                0 => format!("rms_{name}"),
+                n => format!("rms_{name}_{}", n + 1),
+            };
+            add(column, name, Kind::Rms, String::new());
+        }
+        if !self.targets.is_empty() {
+            let name = || "misfit".to_owned();
+            add(name(), name(), Kind::Misfit, String::new());
+        }
+        columns
+    }
+
+    /// Name of a result with its case, without the unit.
+    fn name(&self, case: usize, quantity: CarQuantity) -> String {
+        format!("{}_{}", self.study.cases[case].name, quantity.name())
+    }
+
+    /// Fills in the row of a car. Returns why cases failed, if some did.
+    fn row_of(
+        &self,
+        car: &Car,
+        results: &mut [f64],
+        into: &mut [f64],
+    ) -> Result<Option<Failing>, CarFault> {
+        let failed = self.request.values(car, results)?;
+        let (values, rest) = into.split_at_mut(results.len());
+        values.copy_from_slice(results);
+        let mut rest = rest.iter_mut();
+        let mut put = |value: f64| {
+            if let Some(cell) = rest.next() {
+                *cell = value;
+            }
+        };
+        let (mut squares, mut weights) = (0.0, 0.0);
+        for (target, place) in self.targets.iter().zip(&self.places) {
+            let deviation = target.deviation(results[*place]) / target.tolerance;
+            put(deviation.abs());
+            squares += target.weight * deviation * deviation;
+            weights += target.weight;
+        }
+        if weights > 0.0 {
+            put((squares / weights).sqrt());
+        }
+        Ok(failed.map(|failed| {
+            let case = &self.study.cases[failed.first].name;
+            Failing::case(case, &failed)
+        }))
+    }
+}
+
+/// Turns blocks of designs of a car into rows. One for each thread.
+pub struct CarWorker<'p> {
+    plan: &'p CarSweepPlan<'p>,
+    rows: Rows,
+    results: Vec<f64>,
+}
+
+impl CarWorker<'_> {
+    /// The rows of a block of the sweep.
+    pub fn rows(&mut self, block: u64) -> &Rows {
+        let (plan, rows) = (self.plan, &mut self.rows);
+        let range = plan.record.designs_of(block);
+        let (count, width) = (
+            (range.end - range.start) as usize,
+            plan.record.variables.len(),
+        );
+        let outputs = plan.record.outputs.len();
+        rows.first = range.start;
+        rows.variables.resize(count * width, 0.0);
+        rows.outputs.resize(count * outputs, f64::NAN);
+        rows.outputs.fill(f64::NAN);
+        rows.failing.clear();
+        let into = rows.variables.chunks_exact_mut(width);
+        for ((number, values), outputs) in
+            range.zip(into).zip(rows.outputs.chunks_exact_mut(outputs))
+        {
+            plan.samples.values(number, values);
+            for value in values.iter_mut() {
+                *value += 0.0;
+            }
+            let car = plan.car(values);
+            let failing = plan.row_of(&car, &mut self.results, outputs);
+            rows.failing
+                .push(failing.unwrap_or_else(|(axle, side, fault)| {
+                    let reason = car.describe_fault(&(axle, side, fault));
+                    Some(Failing::of_design(reason, plan.study.cases.len()))
+                }));
+        }
+        &self.rows
+    }
+}
+
+fn describe(study: &CarStudy, sweep: &CarSweep, targets: &[CarTarget]) -> SweepRecord {
+    let car = &study.car;
+    let Sampled { method, seed, .. } = sweep.sampled;
+    let columns = sweep.sampled.variables.iter();
+    let variables = columns.zip(&sweep.variables).map(|(column, variable)| {
+        let moves = match variable.moves {
+            Moves::Hardpoint { axle, point, axis } => vec![MoveRecord {
+                hardpoint: format!(
+                    "{}_{}",
+                    ["front", "rear"][axle],
+                    car.axles[axle].left.mechanism.name(point)
+                ),
+                axis: axis.name().to_owned(),
+                factor: 1.0,
+            }],
+            _ => Vec::new(),
+        };
+        VariableRecord {
+            column: crate::ask::with_unit(column.name.clone(), &variable.moves.unit(car)),
+            low: variable.range[0],
+            high: variable.range[1],
+            steps: column.steps.filter(|_| method == Sampling::Grid),
+            at_design: variable.moves.value(car).unwrap_or(f64::NAN) + 0.0,
+            moves,
+        }
+    });
+    let targets = targets.iter().map(|target| TargetColumn {
+        column: format!(
+            "{}_{}",
+            study.cases[target.case].name,
+            target.quantity.column(car.length_unit)
+        ),
+        tolerance: target.tolerance,
+        weight: target.weight,
+        points: match target.wanted {
+            [low, high] if low == high => vec![[target.case as f64, low]],
+            _ => Vec::new(),
+        },
+    });
+    SweepRecord {
+        form: FORM,
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+        digest: digest(study, sweep),
+        study: study.name.clone(),
+        topology: SweepRecord::CAR.to_owned(),
+        length_unit: car.length_unit.symbol().to_owned(),
+        method: method.name().to_owned(),
+        seed: Some(seed),
+        designs: sweep.sampled.designs(),
+        blocks_of_part: BLOCKS_OF_PART,
+        drive: "case".to_owned(),
+        stations: study.cases.len(),
+        variables: variables.collect(),
+        outputs: Vec::new(),
+        targets: targets.collect(),
+        curves: false,
+        format: match sweep.format {
+            FileFormat::Csv => "csv".to_owned(),
+            FileFormat::Parquet => "parquet".to_owned(),
+        },
+    }
+}
+
+/// SHA-256 of everything the results depend on, by the study's meaning rather than its text.
+fn digest(study: &CarStudy, sweep: &CarSweep) -> String {
+    let meaning = (
+        (&study.car, &study.cases, &study.quantities),
+        study.optimise.as_ref().map(|o| &o.targets),
+        (&sweep.variables, sweep.format),
+    );
+    super::digest_of(&format!(
+        "{} {meaning:?} {:?}",
+        env!("CARGO_PKG_VERSION"),
+        sweep.sampled.meaning()
+    ))
+}

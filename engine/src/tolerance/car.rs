@@ -1,0 +1,328 @@
+//! Scatter of a car: parts of both axles, rates and figures, in every load case.
+//!
+//! Each axle's parts are put together as in a study of the axle ([`crate::assembly`]), and the car stands on its springs with
+//! them. First-order answers are exact: derivatives of every result by the hardpoints of each wheel times derivatives of the
+//! built designs by each source, and derivatives by rates and figures.
+
+use super::axle_expansion::{Moves as PointMoves, moves};
+use super::monte_carlo::moments;
+use super::{HOLDS, PERCENTILES, Problem, Spread};
+use crate::assembly::NoSetUp;
+use crate::axle::Axle;
+use crate::car::{Car, CarFault, CarGradient, CarRequest, CaseResult};
+use crate::model::Side;
+use crate::study::{CarContributor, CarStudy, CarTolerance, Source};
+use crate::sweep::{in_order, uniform};
+use std::ops::ControlFlow;
+
+/// Variance of each source of a contributor, and the motion of both wheels' points by it.
+type Ways = Vec<(f64, [PointMoves; 2])>;
+
+/// Builds of a block.
+const BLOCK: u64 = 16;
+
+/// The tolerances of a car, made ready.
+pub struct CarProblem<'a> {
+    /// The study.
+    pub study: &'a CarStudy,
+    /// Its tolerances.
+    pub tolerance: &'a CarTolerance,
+    /// Results of cases: the study's, then those of bands.
+    pub request: CarRequest<'a>,
+    /// Place of the result of each band.
+    places: Vec<usize>,
+    axles: [Problem<'a>; 2],
+}
+
+/// Results of many builds of a car.
+#[derive(Clone, Debug)]
+pub struct CarBuilds {
+    /// Number of builds.
+    pub builds: u64,
+    /// Spread of each result, as printed.
+    pub spreads: Vec<Spread>,
+    /// Builds that cannot be put together or solved in every case, with number and reason of the first.
+    pub failed: u64,
+    /// Number and reason of the first of these.
+    pub first_failed: Option<(u64, String)>,
+    /// Builds that keep to each band.
+    pub in_bands: Vec<u64>,
+    /// Builds that keep to every band.
+    pub in_all_bands: u64,
+}
+
+/// First-order answer of one result, as printed.
+#[derive(Clone, Debug)]
+pub struct CarExpansion {
+    /// Variance by each contributor; NaN where the result has no derivatives.
+    pub variances: Vec<f64>,
+}
+
+impl CarExpansion {
+    /// Standard deviation.
+    pub fn sigma(&self) -> f64 {
+        self.variances.iter().sum::<f64>().sqrt()
+    }
+
+    /// Part of a contributor in the variance.
+    pub fn share(&self, contributor: usize) -> f64 {
+        self.variances[contributor] / self.variances.iter().sum::<f64>()
+    }
+
+    /// Whether the builds confirm the first-order standard deviation; `None` where nothing scatters.
+    pub fn holds(&self, spread: &Spread) -> Option<bool> {
+        let sigma = self.sigma();
+        let scatters = sigma > 0.0 && spread.count > 0;
+        let apart = (spread.sigma - sigma).abs();
+        scatters.then_some(apart <= HOLDS * sigma + 4.0 * spread.sigma_error)
+    }
+}
+
+impl<'a> CarProblem<'a> {
+    /// Prepares the tolerances of a car.
+    ///
+    /// # Errors
+    /// Axle and reason if the design of one cannot be put together.
+    pub fn of(study: &'a CarStudy, tolerance: &'a CarTolerance) -> Result<Self, (usize, NoSetUp)> {
+        let further = tolerance.bands.iter().map(|band| CaseResult {
+            case: band.case,
+            quantity: band.quantity,
+        });
+        let request = CarRequest::of(&study.cases, &study.kept_quantities(), further);
+        let of_bands = tolerance.bands.iter();
+        let places = of_bands.filter_map(|band| request.place(band.case, band.quantity));
+        let places = places.collect();
+        let axle = |number: usize| {
+            let problem = Problem::of(&study.axles[number], &tolerance.axles[number]);
+            problem.map_err(|why| (number, why))
+        };
+        Ok(CarProblem {
+            study,
+            tolerance,
+            request,
+            places,
+            axles: [axle(0)?, axle(1)?],
+        })
+    }
+
+    /// The car of a build. Errors say in words which wheel cannot be put together.
+    pub fn built(&self, number: u64) -> Result<Car, String> {
+        let mut car = self.study.car.clone();
+        for (axle, problem) in self.axles.iter().enumerate() {
+            if problem.tolerance.scatter.is_empty() {
+                continue;
+            }
+            let wheels = problem.built_wheels(number).map_err(|(side, reject)| {
+                let end = ["front", "rear"][axle];
+                match side {
+                    Some(side) => format!("{end} axle, {}", side.about(&reject)),
+                    None => format!("{end} axle: {reject}"),
+                }
+            })?;
+            let mut wheels = wheels.into_iter();
+            if let Some(left) = wheels.next() {
+                car.axles[axle] = Axle {
+                    left,
+                    right: wheels.next(),
+                    setup: car.axles[axle].setup.clone(),
+                };
+            }
+        }
+        let figures = self.tolerance.contributors.iter().enumerate();
+        for (stream, contributor) in figures {
+            let CarContributor::Figure { moves, law, .. } = contributor else {
+                continue;
+            };
+            let fraction = uniform(number, stream, self.tolerance.figure_seed);
+            let deviation = law.quantile(fraction + 0.5_f64.powi(54));
+            let nominal = moves.value(&car).unwrap_or(0.0);
+            moves.apply(nominal + deviation, &mut car);
+        }
+        Ok(car)
+    }
+
+    /// The nominal results, as printed; NaN where there is none.
+    ///
+    /// # Errors
+    /// The reason if the design position cannot be solved.
+    pub fn nominal(&self) -> Result<Vec<f64>, CarFault> {
+        let mut values = vec![f64::NAN; self.request.results.len()];
+        self.request.values(&self.study.car, &mut values)?;
+        Ok(values)
+    }
+
+    /// The first-order answer of every result.
+    ///
+    /// # Errors
+    /// Axle and reason if the design of one cannot be put together.
+    pub fn expansion(&self) -> Result<Vec<CarExpansion>, (usize, NoSetUp)> {
+        let gradients = self.request.gradients(&self.study.car);
+        let gradients = gradients.map_err(|(axle, _, fault)| (axle, NoSetUp::Fault(fault)))?;
+        let mut ways: [Vec<Ways>; 2] = Default::default();
+        for (axle, problem) in self.axles.iter().enumerate() {
+            for contributor in &problem.tolerance.scatter {
+                let sources: Vec<&Source> = contributor.sources.iter().collect();
+                let moves = moves(problem, &sources).map_err(|why| (axle, why))?;
+                let variances = sources.iter().map(|source| source.law.variance());
+                ways[axle].push(variances.zip(moves).collect());
+            }
+        }
+        let length = self.study.car.length_unit;
+        let results = self.request.results.iter().zip(&gradients);
+        let expansions = results.map(|(result, gradient)| {
+            let printed = result.quantity.info().unit.printed_factor(length);
+            let contributors = self.tolerance.contributors.iter();
+            let variance = |contributor: &CarContributor| {
+                let Some(gradient) = gradient else {
+                    return f64::NAN;
+                };
+                let variance: f64 = match contributor {
+                    CarContributor::Part { axle, number, .. } => {
+                        let sources = ways[*axle][*number].iter();
+                        let parts = sources.map(|(variance, moves)| {
+                            let slope = along(gradient, *axle, moves);
+                            variance * slope * slope
+                        });
+                        parts.sum()
+                    }
+                    CarContributor::Figure { moves, law, .. } => {
+                        let slope = moves.slope(&self.study.car, gradient);
+                        law.variance() * slope * slope
+                    }
+                };
+                printed * printed * variance
+            };
+            CarExpansion {
+                variances: contributors.map(variance).collect(),
+            }
+        });
+        Ok(expansions.collect())
+    }
+
+    /// Solves the builds on the threads of the current rayon pool. `note` hears of the number done, in order, and may end the
+    /// work early. Results do not depend on the number of threads.
+    pub fn monte_carlo(
+        &self,
+        nominal: &[f64],
+        mut note: impl FnMut(u64) -> ControlFlow<()> + Send,
+    ) -> CarBuilds {
+        let results = self.request.results.len();
+        let total = self.tolerance.builds;
+        let bands = self.tolerance.bands.len();
+        let mut all = CarBuilds {
+            builds: 0,
+            spreads: Vec::with_capacity(results),
+            failed: 0,
+            first_failed: None,
+            in_bands: vec![0; bands],
+            in_all_bands: 0,
+        };
+        let mut columns: Vec<Vec<f64>> = vec![Vec::new(); results];
+        let work = |row: &mut Vec<f64>, block: u64| {
+            let numbers = block * BLOCK..total.min((block + 1) * BLOCK);
+            let builds = numbers.map(|number| {
+                row.resize(results, f64::NAN);
+                let failure = self.build(number, row);
+                (row.clone(), failure)
+            });
+            Some(builds.collect::<Vec<_>>())
+        };
+        // An early end is no error.
+        let _: Result<(), ()> = in_order(
+            0..total.div_ceil(BLOCK),
+            Vec::new,
+            work,
+            |builds: Vec<(Vec<f64>, Option<String>)>| {
+                for (values, failure) in builds {
+                    if let Some(reason) = failure {
+                        all.failed += 1;
+                        all.first_failed.get_or_insert((all.builds, reason));
+                    }
+                    for (column, value) in columns.iter_mut().zip(&values) {
+                        if !value.is_nan() {
+                            column.push(*value);
+                        }
+                    }
+                    let mut is_in_all = true;
+                    let bands = self.tolerance.bands.iter().zip(&self.places);
+                    for ((band, place), count) in bands.zip(&mut all.in_bands) {
+                        let [low, high] = band.between;
+                        let is_in = (low..=high).contains(&values[*place]);
+                        *count += u64::from(is_in);
+                        is_in_all &= is_in;
+                    }
+                    all.in_all_bands += u64::from(is_in_all);
+                    all.builds += 1;
+                }
+                match note(all.builds) {
+                    ControlFlow::Continue(()) => Ok(()),
+                    ControlFlow::Break(()) => Err(()),
+                }
+            },
+        );
+        for (column, nominal) in columns.into_iter().zip(nominal) {
+            all.spreads.push(spread(column, *nominal));
+        }
+        all
+    }
+
+    /// Fills in the results of a build. Returns the reason if it cannot be put together, or a case has no equilibrium.
+    fn build(&self, number: u64, row: &mut [f64]) -> Option<String> {
+        row.fill(f64::NAN);
+        let car = match self.built(number) {
+            Ok(car) => car,
+            Err(reason) => return Some(reason),
+        };
+        match self.request.values(&car, row) {
+            Ok(None) => None,
+            Ok(Some(failed)) => {
+                let case = &self.study.cases[failed.first].name;
+                Some(format!("case {case}: {}", failed.why))
+            }
+            Err(fault) => Some(car.describe_fault(&fault)),
+        }
+    }
+}
+
+/// Derivative of a result along the motion of both wheels' points of an axle.
+fn along(gradient: &CarGradient, axle: usize, moves: &[PointMoves; 2]) -> f64 {
+    let of_side = |side: Side| -> f64 {
+        let by = &gradient.wheels[2 * axle + side as usize];
+        let pairs = moves[side as usize].iter().zip(by);
+        // A point that does not move adds nothing, even where the derivative by it has no value.
+        let moving = pairs.filter(|(way, _)| way.to_array() != [0.0; 3]);
+        moving.map(|(way, by)| by.dot(*way)).sum()
+    };
+    Side::ALL.map(of_side).iter().sum()
+}
+
+/// Spread of values about a nominal one. Sums run in the order of the builds.
+fn spread(mut values: Vec<f64>, nominal: f64) -> Spread {
+    let about = match nominal.is_nan() {
+        true => values.first().copied().unwrap_or(0.0),
+        false => nominal,
+    };
+    let mut powers = [0.0; 5];
+    for value in &values {
+        let mut power = 1.0;
+        for sum in &mut powers {
+            *sum += power;
+            power *= value - about;
+        }
+    }
+    let [mean, sigma, sigma_error] = moments(powers);
+    values.sort_unstable_by(f64::total_cmp);
+    let at = |percent: f64| {
+        let number = (percent / 100.0 * values.len() as f64).ceil().max(1.0) as usize;
+        values.get(number - 1).copied().unwrap_or(f64::NAN)
+    };
+    let end = |value: Option<&f64>| value.copied().unwrap_or(f64::NAN);
+    Spread {
+        count: values.len() as u64,
+        mean: about + mean,
+        sigma,
+        sigma_error,
+        range: [end(values.first()), end(values.last())],
+        percentiles: PERCENTILES.map(at),
+    }
+}

@@ -1,0 +1,178 @@
+//! Builds of a wheel with elastic parts: parts are put together without load, and rates scatter beside them.
+//!
+//! The parts of a build go together as those of the rigid mechanism, in the position where elastic parts are relaxed. The
+//! built design is the design of an elastic wheel, whose equilibria are read. With p the built design and k the rates,
+//!
+//! ```text
+//! dy/dx = (dy/dp) (dp/dx) + (dy/dk) (dk/dx)
+//! ```
+//!
+//! dy/dp and dy/dk come from one tape for each station. Second derivatives are not formed.
+
+use super::workshop::Workshop;
+use super::{Banded, Problem};
+use crate::assembly::{NoSetUp, Rest};
+use crate::compliance::{KcRun, KcValue, Parameter};
+use crate::curves::Column;
+use crate::evaluate::{ElasticQuantities, ElasticRead, Request, Stations};
+use crate::model::{Axis, PointId, Suspension};
+use crate::number::{Tape, Vector3};
+use crate::study::{About, Band, ComplianceStudy, Rate, Source, Study, Tolerance, WheelStudy};
+use crate::threads::Interrupt;
+
+/// The rates that scatter, in the order of their sources.
+pub(super) fn rates(tolerance: &Tolerance) -> impl Iterator<Item = &Rate> {
+    tolerance
+        .each_source()
+        .filter_map(|source| source.rate.as_ref())
+}
+
+/// Appends the rates of a build, from the numbers drawn for it.
+pub(super) fn append_rates(tolerance: &Tolerance, draws: &[f64], into: &mut Vec<f64>) {
+    let sources = tolerance.each_source().zip(draws);
+    into.extend(sources.filter_map(|(source, z)| Some(source.rate.as_ref()?.scattered(*z)[0])));
+}
+
+/// Prepares the tolerances of a study with elastic parts: characteristics over the motion, figures in the design position.
+pub(super) fn problem<'a>(
+    study: &'a Study,
+    own: &WheelStudy,
+    elastic: &ComplianceStudy,
+    tolerance: &'a Tolerance,
+) -> Result<Problem<'a>, NoSetUp> {
+    let length = own.suspension.length_unit;
+    let workshop = Workshop::of(study, tolerance, &own.suspension, None)?;
+    let further: Vec<f64> = tolerance.bands.iter().filter_map(|band| band.at).collect();
+    let stations = Stations::of(&own.motion, &own.suspension.frame, &further);
+    let (mut reads, mut columns) = (Vec::new(), Vec::new());
+    let mut add = |value: KcValue, column: Column| {
+        if !reads.contains(&value) {
+            reads.push(value);
+            columns.push(column);
+        }
+    };
+    for of in &own.outputs.characteristics {
+        add(KcValue::Wheel(*of), Column::of_characteristic(*of, length));
+    }
+    for figure in &own.outputs.figures {
+        add(figure.value, figure.as_column(length));
+    }
+    for band in &tolerance.bands {
+        match (band.of.as_characteristic(), band.of.as_figure()) {
+            (Some(of), _) => add(KcValue::Wheel(of), Column::of_characteristic(of, length)),
+            (None, Some(figure)) => add(figure.value, figure.as_column(length)),
+            (None, None) => {}
+        }
+    }
+    let banded = |band: &Band| -> Banded {
+        let About::Elastic(value) = band.of.about else {
+            return (Vec::new(), band.between);
+        };
+        let output = reads.iter().position(|read| *read == value).unwrap_or(0);
+        let is_figure = matches!(value, KcValue::Figure { .. });
+        let places: Vec<usize> = match band.at {
+            Some(at) => stations.at(at).into_iter().collect(),
+            None if is_figure => vec![stations.design()],
+            None => stations.of_motion().collect(),
+        };
+        (
+            places
+                .into_iter()
+                .map(|station| [output, station])
+                .collect(),
+            band.between,
+        )
+    };
+    let bands: Vec<Banded> = tolerance.bands.iter().map(banded).collect();
+    let further: Vec<[usize; 2]> = bands
+        .iter()
+        .flat_map(|(cells, _)| cells.iter().copied())
+        .collect();
+    let wheel = WheelStudy {
+        suspension: workshop.assembler.suspension().clone(),
+        ..own.clone()
+    };
+    let quantities = ElasticQuantities::of(
+        &wheel,
+        elastic,
+        &stations,
+        reads
+            .iter()
+            .map(|value| ElasticRead {
+                value: *value,
+                slope: None,
+            })
+            .collect(),
+        &further,
+        rates(tolerance).map(|rate| rate.parameter).collect(),
+    );
+    Ok(Problem {
+        study,
+        tolerance,
+        request: Request::of_elastic(quantities, stations, columns),
+        bands,
+        workshops: vec![workshop],
+        elastic: reads,
+        interrupt: Interrupt::default(),
+    })
+}
+
+/// How fast every value changes with each source (`[cell][source]`); NaN where there is no value.
+pub(super) fn gradients(problem: &Problem, sources: &[&Source]) -> Result<Vec<f64>, NoSetUp> {
+    let workshop = &problem.workshops[0];
+    let assembler = &workshop.assembler;
+    let built = assembler.build(assembler.drawn(), Rest::Height(0.0))?;
+    let suspension: &Suspension = &built.suspension;
+    let moves: Vec<Vec<Vector3<f64>>> = sources
+        .iter()
+        .map(|source| match workshop.direction(&built, source) {
+            direction if direction.is_empty() => Vec::new(),
+            direction => assembler.design_by(&built, &direction).0,
+        })
+        .collect();
+    let Some(elastic) = problem.study.compliance() else {
+        return Ok(Vec::new());
+    };
+    let parts = &elastic.parts;
+    let run = KcRun::new(suspension, parts, elastic.tyre_rate)
+        .map_err(|fault| NoSetUp::Fault(fault.of_design(parts, suspension)))?;
+    let points = (0..suspension.design.len()).map(PointId);
+    let mut parameters: Vec<Parameter> = points
+        .flat_map(|point| Axis::ALL.map(|axis| Parameter::Point(point, axis)))
+        .collect();
+    let of_points = parameters.len();
+    parameters.extend(rates(problem.tolerance).map(|rate| rate.parameter));
+    let stations = problem.stations();
+    let mut gradient = vec![f64::NAN; problem.cells() * sources.len()];
+    let mut tape = Tape::default();
+    for station in 0..stations.count() {
+        let numbers = problem.request.read_at(station);
+        let wanted: Vec<KcValue> = numbers.iter().map(|k| problem.elastic[*k]).collect();
+        let travel = stations.values()[stations.value_of(station)];
+        let rack = stations.racks[stations.rack_of(station)] * suspension.frame.sign(Axis::Y);
+        // A station without equilibrium has no derivatives.
+        let _: Result<(), _> =
+            run.gradients([travel, rack], &wanted, &parameters, &mut tape, |found| {
+                if found.value.is_none() {
+                    return;
+                }
+                let cell = problem.cell(numbers[found.number], station);
+                let (by_points, by_rates) = found.by.split_at(of_points);
+                let mut by_rates = by_rates.iter();
+                for (k, (source, moves)) in sources.iter().zip(&moves).enumerate() {
+                    let along = |(way, by): (&Vector3<f64>, &[f64])| {
+                        way.x * by[0] + way.y * by[1] + way.z * by[2]
+                    };
+                    let mut slope: f64 =
+                        moves.iter().zip(by_points.chunks_exact(3)).map(along).sum();
+                    if let Some(rate) = &source.rate {
+                        slope += by_rates
+                            .next()
+                            .map_or(0.0, |by| by * rate.scattered(0.0)[1]);
+                    }
+                    gradient[cell * sources.len() + k] = slope;
+                }
+            });
+    }
+    Ok(gradient)
+}

@@ -1,0 +1,157 @@
+"""Cars: load cases, sweeps, tunings and derivatives."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from dataclasses import dataclass
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _hardpoint
+from ._frame import Column, Frame
+from ._study import Overrides, written
+from ._sweep import Sweep
+
+Floats = NDArray[np.float64]
+
+
+class Cases(Frame):
+    """Results of load cases: the columns of `cases.csv`, a row for each case."""
+
+    cases: tuple[str, ...]
+    """Names of the cases, `static` first."""
+
+    def __init__(self, found: dict[str, Any], cases: tuple[str, ...]) -> None:
+        super().__init__(
+            found["columns"],
+            info={name: Column(name, *info) for name, info in found["info"].items()},
+            status=found["status"],
+            reasons=found["reasons"],
+        )
+        self.cases = cases
+
+    def of(self, case: str) -> dict[str, float]:
+        """The results of one case by column."""
+        row = self.cases.index(case)
+        return {name: float(values[row]) for name, values in self.items()}
+
+    def __repr__(self) -> str:
+        solved = int(np.count_nonzero(self.status == 0))
+        return f"<hardpoint.Cases: {solved} of {self.rows} cases ok; {', '.join(self.cases)}>"
+
+
+@dataclass(frozen=True, eq=False)
+class CarTuning:
+    """Result of a tuning of a car. Names are those of SciPy's OptimizeResult where it has them."""
+
+    x: Floats
+    """Values of the variables (k): offsets of hardpoints, values of rates and figures."""
+    success: bool
+    """True if the tuning ended at a minimum."""
+    message: str
+    """How it ended."""
+    misfit: float
+    """Root of the weighted mean of squared deviations, in tolerances."""
+    variables: tuple[str, ...]
+    """Columns of the variables (k)."""
+    targets: Frame
+    """A row for each target: output, case, tolerance, deviation in tolerances, wanted and values (before, after) as pairs."""
+    studies: dict[str, str]
+    """Texts of the tuned studies by the name of the file: optimised.toml, optimised_front.toml, optimised_rear.toml."""
+
+    def save(self, directory: str | PathLike[str]) -> Path:
+        """Writes the three studies into a directory; returns the path of the car's."""
+        place = Path(directory)
+        place.mkdir(parents=True, exist_ok=True)
+        for name, text in self.studies.items():
+            (place / name).write_text(text, encoding="utf-8", newline="")
+        return place / "optimised.toml"
+
+    def __repr__(self) -> str:
+        return f"<hardpoint.CarTuning: {'success' if self.success else 'NO SUCCESS'}: {self.message}>"
+
+
+class Car:
+    """The study of a car, validated: immutable, pickled as its path."""
+
+    __slots__ = ("_car",)
+
+    def __init__(self, path: str | PathLike[str], overrides: Overrides | None = None) -> None:
+        """The car of a file with [car], which names the files of both axles. `overrides` such as
+        {"car.wheelbase": 2700.0, "front.spring.rate": 32.0} as the program's `--set`."""
+        self._car = _hardpoint.Car.load(path, written(overrides))
+
+    @property
+    def name(self) -> str:
+        """Name, from the file's name."""
+        return self._car.name
+
+    @property
+    def length_unit(self) -> str:
+        """Unit of every length."""
+        return self._car.length_unit
+
+    @property
+    def cases(self) -> tuple[str, ...]:
+        """Names of the load cases, `static` first."""
+        return tuple(self._car.cases)
+
+    @property
+    def results(self) -> tuple[str, ...]:
+        """Columns of the results that the study asks for."""
+        return tuple(self._car.results)
+
+    @property
+    def variables(self) -> tuple[str, ...]:
+        """Columns of the variables of [optimise], else of [sweep]."""
+        return tuple(self._car.variables)
+
+    def solve(self) -> Cases:
+        """The results of every load case; the numbers of `hardpoint solve`, to the bit. A case without equilibrium has
+        NaN, a status and a reason."""
+        return Cases(_hardpoint.car_solve(self._car), self.cases)
+
+    def derivatives(self) -> Floats:
+        """Exact derivatives (cases, results, variables) of `results` by `variables`, in the units of both columns. NaN where
+        a result is not defined in a case."""
+        found: Floats = _hardpoint.car_derivatives(self._car)
+        return found
+
+    def sweep(
+        self, *, threads: int | None = None, progress: Callable[[int, int], object] | None = None
+    ) -> Sweep:
+        """The designs of the study's [sweep]; the numbers of `hardpoint sweep`, to the bit. `progress(done, all)` is
+        called about twenty times a second."""
+        found = _hardpoint.car_sweep(self._car, threads, progress)
+        return Sweep(found["columns"], found)
+
+    def optimise(self, *, threads: int | None = None) -> CarTuning:
+        """Tunes the car as the study's [optimise] says; the numbers of `hardpoint optimise`."""
+        found = _hardpoint.car_optimise(self._car, threads)
+        names = ("optimised.toml", "optimised_front.toml", "optimised_rear.toml")
+        return CarTuning(
+            x=found["x"],
+            success=found["success"],
+            message=found["message"],
+            misfit=found["misfit"],
+            variables=self.variables,
+            targets=Frame.of_records(json.loads(found["targets"])),
+            studies=dict(zip(names, found["studies"], strict=True)),
+        )
+
+    def __repr__(self) -> str:
+        return f"<hardpoint.Car {self.name!r}: {len(self.cases)} cases>"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return (_restored, (self._car,))
+
+
+def _restored(car: _hardpoint.Car) -> Car:
+    made = Car.__new__(Car)
+    made._car = car
+    return made

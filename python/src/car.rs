@@ -1,0 +1,242 @@
+//! Cars: load cases, sweeps, tunings and derivatives.
+
+use crate::curves::{Columns, mostly_nan};
+use crate::errors::{failure, study_error};
+use crate::sweep::collect;
+use crate::threads::{interruptible, on_threads};
+use hardpoint::car::{CarFault, CarRequest, CarSolver, CarVariable, moved, tune};
+use hardpoint::optimise::Control;
+use hardpoint::report::{CarResults, CarState, optimised_car};
+use hardpoint::study::CarStudy;
+use hardpoint::sweep::{CarNotBegun, CarSweepPlan, Swept};
+use numpy::IntoPyArray;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use std::path::PathBuf;
+use std::sync::atomic::AtomicBool;
+
+/// The study of a car: frozen, pickled as its path.
+#[pyclass(frozen, module = "hardpoint._hardpoint")]
+pub(crate) struct Car {
+    study: CarStudy,
+    path: PathBuf,
+    overrides: Vec<String>,
+}
+
+impl Car {
+    fn fault(&self, fault: &CarFault) -> PyErr {
+        failure(self.study.car.describe_fault(fault))
+    }
+
+    /// The variables of `[optimise]`, else those of `[sweep]`.
+    fn own_variables(&self) -> &[CarVariable] {
+        match (&self.study.optimise, &self.study.sweep) {
+            (Some(optimise), _) => &optimise.variables,
+            (None, Some(sweep)) => &sweep.variables,
+            (None, None) => &[],
+        }
+    }
+
+    fn columns(&self) -> Vec<String> {
+        let length = self.study.car.length_unit;
+        let quantities = self.study.quantities.iter();
+        quantities.map(|quantity| quantity.column(length)).collect()
+    }
+}
+
+#[pymethods]
+impl Car {
+    /// From a file that names the files of both axles.
+    #[staticmethod]
+    #[pyo3(signature = (path, overrides=Vec::new()))]
+    fn load(py: Python<'_>, path: PathBuf, overrides: Vec<String>) -> PyResult<Self> {
+        let study = py.detach(|| CarStudy::read(&path, &overrides));
+        let study = study.map_err(|errors| study_error(&errors))?;
+        Ok(Car {
+            study,
+            path,
+            overrides,
+        })
+    }
+
+    #[getter]
+    fn name(&self) -> &str {
+        &self.study.name
+    }
+
+    #[getter]
+    fn length_unit(&self) -> &str {
+        self.study.car.length_unit.symbol()
+    }
+
+    /// Names of the load cases, `static` first.
+    #[getter]
+    fn cases(&self) -> Vec<String> {
+        let cases = self.study.cases.iter();
+        cases.map(|case| case.name.clone()).collect()
+    }
+
+    /// Columns of the results that the study asks for.
+    #[getter]
+    fn results(&self) -> Vec<String> {
+        self.columns()
+    }
+
+    /// Columns of the variables of [optimise], else of [sweep].
+    #[getter]
+    fn variables(&self) -> Vec<String> {
+        let variables = self.own_variables().iter();
+        let named = variables.map(|variable| {
+            let (stem, unit) = (
+                variable.moves.stem(&self.study.car),
+                variable.moves.unit(&self.study.car),
+            );
+            match unit.is_empty() {
+                true => stem,
+                false => format!("{stem}_{unit}"),
+            }
+        });
+        named.collect()
+    }
+
+    fn __repr__(&self) -> String {
+        let cases = self.study.cases.len();
+        format!("<hardpoint.Car {:?}: {cases} cases>", self.study.name)
+    }
+
+    fn __reduce__(&self, py: Python<'_>) -> PyResult<(Py<PyAny>, (PathBuf, Vec<String>))> {
+        let load = py.get_type::<Car>().getattr("load")?.unbind();
+        Ok((load, (self.path.clone(), self.overrides.clone())))
+    }
+}
+
+/// Results of the load cases: a column for each result, a row for each case.
+#[pyfunction]
+pub(crate) fn car_solve<'py>(py: Python<'py>, car: &Car) -> PyResult<Bound<'py, PyDict>> {
+    let study = &car.study;
+    let solved = on_threads(py, Some(1), |_| {
+        let mut solver = CarSolver::new(&study.car)?;
+        Ok(CarResults::solve(study, &mut solver, study.cases.len()))
+    })?;
+    let solved = solved.map_err(|fault| car.fault(&fault))?;
+    let columns = Columns::new(py);
+    let accelerations: [(&str, fn(&hardpoint::car::Case) -> f64); 3] = [
+        ("ax", |case| case.ax),
+        ("ay", |case| case.ay),
+        ("az", |case| case.az),
+    ];
+    for (name, of) in accelerations {
+        let values = study.cases.iter().map(|case| Some(of(case)));
+        columns.push(&format!("{name}_g"), (name, "g", None), values)?;
+    }
+    for quantity in &study.quantities {
+        let info = quantity.info();
+        let (name, unit) = (quantity.name(), info.unit.suffix(study.car.length_unit));
+        let values = study.cases.iter().zip(&solved.states);
+        let values = values.map(|(case, state)| match state {
+            CarState::Solved { solved, .. } => quantity.printed(solved, case),
+            CarState::Failed(_) => None,
+        });
+        let column = quantity.column(study.car.length_unit);
+        columns.push(&column, (&name, &unit, Some(info.positive)), values)?;
+    }
+    columns.finish(solved.states.iter().map(|state| match state {
+        CarState::Solved { .. } => ("ok", None),
+        CarState::Failed(why) => (why.status(), Some(why.to_string())),
+    }))
+}
+
+/// Derivatives of the results of all cases by variables: an array (cases, results, variables), NaN where a result is not
+/// defined.
+#[pyfunction]
+pub(crate) fn car_derivatives<'py>(py: Python<'py>, car: &Car) -> PyResult<Bound<'py, PyAny>> {
+    let study = &car.study;
+    let variables = car.own_variables();
+    let request = CarRequest::of(&study.cases, &study.quantities, []);
+    let gradients = on_threads(py, Some(1), |_| request.gradients(&study.car))?;
+    let gradients = gradients.map_err(|fault| car.fault(&fault))?;
+    let shape = [study.cases.len(), study.quantities.len(), variables.len()];
+    let mut known = Vec::new();
+    for (result, gradient) in request.results.iter().zip(&gradients) {
+        let Some(gradient) = gradient else { continue };
+        let unit = result.quantity.info().unit;
+        let factor = unit.printed_factor(study.car.length_unit);
+        for (column, quantity) in study.quantities.iter().enumerate() {
+            if *quantity == result.quantity {
+                for (k, variable) in variables.iter().enumerate() {
+                    let slope = factor * variable.moves.slope(&study.car, gradient);
+                    known.push(([result.case, column, k], slope));
+                }
+            }
+        }
+    }
+    Ok(mostly_nan(py, shape, known.into_iter()).into_any())
+}
+
+/// The rows of the car's sweep. `progress(done, all)` is called on this thread.
+#[pyfunction]
+#[pyo3(signature = (car, threads=None, progress=None))]
+pub(crate) fn car_sweep<'py>(
+    py: Python<'py>,
+    car: &Car,
+    threads: Option<usize>,
+    progress: Option<Bound<'py, PyAny>>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let study = &car.study;
+    let sweep = study.sweep.as_ref();
+    let sweep =
+        sweep.ok_or_else(|| failure("the study has no [sweep], which gives the designs"))?;
+    let plan = on_threads(py, Some(1), |_| CarSweepPlan::of(study, sweep))?;
+    let plan = plan.map_err(|reason| match reason {
+        CarNotBegun::Fault(fault) => car.fault(&fault),
+        CarNotBegun::TwoColumns(name) => failure(format!("two columns would be named {name}")),
+    })?;
+    collect(py, Swept::Car(&plan), threads, progress)
+}
+
+/// Tunes a car towards its targets.
+#[pyfunction]
+#[pyo3(signature = (car, threads=None))]
+pub(crate) fn car_optimise<'py>(
+    py: Python<'py>,
+    car: &Car,
+    threads: Option<usize>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let study = &car.study;
+    let wanted = study.optimise.as_ref().ok_or_else(|| {
+        failure("the study has no [optimise], which gives variables, their ranges and targets")
+    })?;
+    let work = |flag: &AtomicBool| {
+        let control = Control {
+            interrupt: Some(flag),
+            ..Control::default()
+        };
+        let (variables, targets) = (&wanted.variables, &wanted.targets);
+        let most = wanted.max_iterations;
+        let tuned = tune(&study.car, &study.cases, variables, targets, most, control)?;
+        let after = CarStudy {
+            car: moved(&study.car, variables, tuned.x.as_slice()),
+            ..study.clone()
+        };
+        let records = [study, &after].map(|of| {
+            let solver = CarSolver::new(&of.car).map_err(|fault| of.car.describe_fault(&fault));
+            Ok::<_, String>(CarResults::solve(of, &mut solver?, of.cases.len()))
+        });
+        let [before, after] = records;
+        let targets = after?.target_records(wanted, &before?);
+        let targets = serde_json::to_string(&targets).map_err(|e| e.to_string())?;
+        Ok::<_, String>((tuned, targets))
+    };
+    let (tuned, targets) = interruptible(py, threads, work, |_, _| Ok(()))?.map_err(failure)?;
+    let x = tuned.x.as_slice();
+    let result = PyDict::new(py);
+    result.set_item("x", x.to_vec().into_pyarray(py))?;
+    result.set_item("success", tuned.termination.at_minimum())?;
+    result.set_item("message", tuned.ended().to_string())?;
+    result.set_item("misfit", tuned.misfit())?;
+    result.set_item("targets", targets)?;
+    let tuned_car = moved(&study.car, &wanted.variables, x);
+    let texts = optimised_car(study, &tuned_car, x);
+    result.set_item("studies", texts.to_vec())?;
+    Ok(result)
+}

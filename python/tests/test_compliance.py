@@ -1,0 +1,55 @@
+"""Studies with elastic parts."""
+
+import numpy as np
+import pytest
+
+import hardpoint as hp
+from conftest import STUDIES
+
+STUDY = STUDIES / "double_wishbone_compliance.toml"
+
+
+def of(frame, quantity, column="value"):
+    """The figure of the test without trail."""
+    rows = (frame["quantity"] == quantity) & ~(frame["trail_mm"] > 0.0)
+    (value,) = frame[column][rows]
+    return value
+
+
+def test_tests_of_a_rig_are_frames():
+    found = hp.kc(STUDY)
+    assert set(found) == {"kc", "levels", "compliance_matrix"}
+    assert found.summary["design_load_N"] == pytest.approx(4682.0, abs=1.0)
+    assert not found.summary["is_rigid"]
+    # The slope at the station is the slope of the levels around it.
+    levels = found["levels"]
+    rows = (levels["load"] == "lateral") & (levels["trail_mm"] == 0.0)
+    toe, force = levels["toe_deg"][rows], levels["force_N"][rows]
+    secant = (toe[-1] - toe[0]) / (force[-1] - force[0]) * 1000.0
+    assert of(found["kc"], "toe_by_lateral_force", "secant") == pytest.approx(secant, rel=1e-9)
+    assert of(found["kc"], "toe_by_lateral_force") == pytest.approx(secant, rel=0.05)
+    matrix = np.array([found["compliance_matrix"][f] for f in ("fx", "fy", "fz", "mx", "my", "mz")])
+    np.testing.assert_allclose(matrix, matrix.T, rtol=1e-9, atol=1e-15)
+
+
+def test_names_of_other_programs_stand_beside_ours():
+    table = hp.kc(STUDY, names="altair")["kc"]
+    rows = table["other_name"] == "Aligning Torque Steer"
+    assert rows.sum() == 1
+    assert np.sign(table["other_value"][rows]) == -np.sign(table["value"][rows])
+    with pytest.raises(hp.HardpointError, match="adams"):
+        hp.kc(STUDY, names="lotus")
+
+
+def test_curves_are_those_of_equilibria():
+    asked = '\n[outputs]\ncharacteristics = ["toe", "toe_by_lateral_force"]\n'
+    curves = hp.solve(hp.loads(STUDY.read_text() + asked))
+    assert curves.outputs == ("toe_deg", "toe_by_lateral_force_deg_per_kN")
+    middle = np.flatnonzero(curves.drive == 0.0)[0]
+    assert curves["toe_by_lateral_force_deg_per_kN"][middle] == pytest.approx(of(hp.kc(STUDY)["kc"], "toe_by_lateral_force"))
+
+
+@pytest.mark.parametrize("call", [hp.limits, hp.assemblies, lambda study: study.function()])
+def test_what_is_of_the_rigid_mechanism_is_refused(call):
+    with pytest.raises(hp.HardpointError, match="compliance"):
+        call(hp.load(STUDY))

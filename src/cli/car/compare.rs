@@ -1,0 +1,69 @@
+//! `hardpoint compare` of cars.
+
+use super::super::compare::{CompareArguments, labels, print_tables};
+use super::super::exit::{Exit, Stop};
+use super::super::terminal::note;
+use super::{solver, source};
+use crate::report::{CarComparison, CarResults, Tables};
+use crate::results::{Claim, RunDirectory};
+use std::io::Write;
+use std::path::Path;
+
+/// True if all sources are cars. Refuses a mixture of cars and other studies.
+pub(in crate::cli) fn are_cars(arguments: &CompareArguments) -> Result<bool, Stop> {
+    let sources = &arguments.sources;
+    let cars = sources
+        .iter()
+        .filter(|path| source::file_of(path).is_some());
+    match cars.count() {
+        0 => Ok(false),
+        count if count == sources.len() => Ok(true),
+        _ => Err(Stop::wrong_input(
+            "a car can be compared with cars only; compare its axles with other axles",
+        )),
+    }
+}
+
+pub(in crate::cli) fn compare(arguments: &CompareArguments) -> Result<Exit, Stop> {
+    let mut studies = Vec::new();
+    let mut inputs = Vec::new();
+    for path in &arguments.sources {
+        let file = source::file_of(path).unwrap_or_else(|| path.clone());
+        let study = source::read(&file, &[])?;
+        inputs.extend(study.inputs.iter().cloned());
+        studies.push((study, file));
+    }
+    let mut all = Vec::new();
+    for ((study, file), label) in studies.iter().zip(labels(&arguments.sources)) {
+        let results = CarResults::solve(study, &mut solver(study, file)?, study.cases.len());
+        all.push((label, results));
+    }
+    let comparison = CarComparison::of(&all).map_err(Stop::wrong_input)?;
+    let to_stdout = arguments.out == Path::new("-");
+    if to_stdout {
+        std::io::stdout().write_all(&comparison.csv())?;
+    } else {
+        let claim = Claim {
+            command: "compare",
+            files: &["comparison.csv", "report.html"],
+            inputs: &inputs,
+            force: arguments.force,
+            ..Claim::default()
+        };
+        let directory = RunDirectory::claim(&arguments.out, &claim).map_err(Stop::wrong_input)?;
+        let written = directory.remove("report.html");
+        let written = written.and_then(|()| directory.write("comparison.csv", &comparison.csv()));
+        let written = written.and_then(|()| directory.finish());
+        written.map_err(Stop::unwritten)?;
+    }
+    let mut tables = Tables::default();
+    tables.push("figures", comparison.table());
+    tables.push("changes", comparison.changes_table());
+    print_tables(arguments, &tables)?;
+    if !to_stdout {
+        note(&format!("\n{}: comparison.csv\n", arguments.out.display()));
+    }
+    Ok(Exit::of(
+        all.iter().all(|(_, results)| results.is_complete()),
+    ))
+}

@@ -1,0 +1,141 @@
+//! `hardpoint import --car`: both axles of a file, and a study of the car that names them.
+
+use super::exit::{Exit, Stop};
+use super::import::{ImportArguments, Questions, Said, listed, roles};
+use super::terminal::note;
+use crate::exchange::{CAR_FILES, ImportOptions, ImportedCar, PointTable, import_car};
+use crate::model::{AxlePosition, Topology};
+use crate::results;
+use crate::study::CarStudy;
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// Value of an axle from a list of one for both or one for each.
+fn of_axle<T: Copy>(values: &[T], end: usize) -> Option<T> {
+    values.get(end).or(values.first()).copied()
+}
+
+pub(super) fn run(
+    arguments: &ImportArguments,
+    table: &PointTable,
+    questions: &mut Questions<'_>,
+    said: &mut Said,
+) -> Result<Exit, Stop> {
+    let directory = arguments.out.as_deref().expect("--car requires --out");
+    for (count, flag) in [
+        (arguments.topology.len(), "--topology"),
+        (arguments.radius.len(), "--radius"),
+    ] {
+        if count > 2 {
+            return Err(Stop::wrong_input(format!(
+                "{flag}: expected one value for both axles, or FRONT,REAR"
+            )));
+        }
+    }
+    if !table.has_two_axles() {
+        return Err(Stop::in_file(
+            &arguments.file,
+            "--car: the file does not have points of a front and a rear axle".to_owned(),
+        ));
+    }
+    let origin = arguments.file.file_name().unwrap_or_default();
+    let origin = origin.to_string_lossy();
+    let none = BTreeMap::new();
+    let car = questions.settle(said, |said| {
+        let topology = |end: usize, axle: AxlePosition| -> Result<&'static Topology, _> {
+            match of_axle(&arguments.topology, end) {
+                Some(topology) => Ok(topology),
+                None => table.topology(Some(axle)),
+            }
+        };
+        let options = |end: usize, axle: AxlePosition| {
+            Ok::<_, crate::exchange::Refusal>(ImportOptions {
+                topology: topology(end, axle)?,
+                unit: arguments.unit,
+                frame: arguments.frame,
+                axes: said.axes,
+                side: None,
+                axle: Some(axle),
+                half_track: None,
+                radius: of_axle(&arguments.radius, end),
+                bushings: false,
+                names: &none,
+                bodies: &none,
+            })
+        };
+        let front = options(0, AxlePosition::Front)?;
+        let rear = options(1, AxlePosition::Rear)?;
+        import_car(table, [&front, &rear], &origin)
+    })?;
+    write(directory, &car, arguments.force)?;
+    note(&summary(&arguments.file, directory, &car));
+    Ok(Exit::Done)
+}
+
+/// Writes the three files, or none if one is there already.
+fn write(directory: &Path, car: &ImportedCar, force: bool) -> Result<(), Stop> {
+    let paths = CAR_FILES.map(|file| directory.join(file));
+    let taken = paths.iter().find(|path| path.exists());
+    if let Some(taken) = taken.filter(|_| !force) {
+        return Err(Stop::wrong_input(format!(
+            "{} exists already; --force replaces it",
+            taken.display()
+        )));
+    }
+    std::fs::create_dir_all(directory).map_err(|error| {
+        Stop::wrong_input(format!("cannot create {}: {error}", directory.display()))
+    })?;
+    let written = results::undivided(|| -> std::io::Result<()> {
+        for (path, text) in paths.iter().zip(&car.files) {
+            results::put(path, text.as_bytes())?;
+        }
+        Ok(())
+    });
+    written.map_err(|error| {
+        Stop::wrong_input(format!(
+            "cannot write into {}: {error}",
+            directory.display()
+        ))
+    })
+}
+
+fn summary(file: &Path, directory: &Path, car: &ImportedCar) -> String {
+    let mut text = String::new();
+    let mut notes: Vec<String> = Vec::new();
+    let mut left_out: Vec<String> = Vec::new();
+    for (axle, name) in car.axles.iter().zip(["front", "rear"]) {
+        text += &format!(
+            "{}: {name} axle, {} hardpoints of {}, {}, {}\n{}",
+            file.display(),
+            axle.hardpoints.len(),
+            axle.topology.name,
+            axle.unit.symbol(),
+            axle.frame.name(),
+            roles(axle)
+        );
+        for (all, own) in [(&mut notes, &axle.notes), (&mut left_out, &axle.left_out)] {
+            for line in own {
+                if !all.contains(line) {
+                    all.push(line.clone());
+                }
+            }
+        }
+    }
+    text += &listed("Read and assumed", &notes);
+    text += &listed("Left out", &left_out);
+    let shown = |file: &str| directory.join(file).display().to_string();
+    let [whole, front, rear] = CAR_FILES.map(shown);
+    if car.missing.is_empty() {
+        if let Err(errors) = CarStudy::read(Path::new(&whole), &[]) {
+            text += &listed(
+                "The car cannot be solved yet",
+                &[errors.render(false).trim_end().replace('\n', "\n  ")],
+            );
+        }
+        text += &format!("See it: hardpoint check {whole}, hardpoint studio {front}\n");
+        return text;
+    }
+    text += &listed("Fill in before the car can be solved", &car.missing);
+    text += &format!("See the axles: hardpoint studio {front}, hardpoint studio {rear}\n");
+    text
+}

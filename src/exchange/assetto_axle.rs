@@ -1,0 +1,212 @@
+//! Live axles of Assetto Corsa: `TYPE=AXLE` with the links of section `[AXLE]`, as a `solid_axle`.
+//!
+//! Each link has an end at the body, `J0_CAR`, and one at the axle, `J0_AXLE`: lateral, up, forward in metres from the middle
+//! of both wheel centres, lateral positive to the left. The links are told apart by their places:
+//!
+//! | link | told by |
+//! |---|---|
+//! | pair | two links that are mirror images; of two pairs the higher one is the upper one |
+//! | Panhard rod | the link that is longest across the car, without a mirror image |
+//! | single upper link | the other link without a mirror image |
+//!
+//! With two pairs and a Panhard rod the axle binds in roll, so the upper pair becomes one link in the middle if both links
+//! of the pair are parallel in plan: in heave it is the same, and in roll it has the mean motion of both.
+
+/// An end of a link in the file.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct End {
+    /// Lateral, up, forward.
+    pub place: [f64; 3],
+    /// Line of the file.
+    pub line: usize,
+}
+
+/// A link of the section `[AXLE]`.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Link {
+    /// Its number in the keys.
+    pub number: usize,
+    /// Ends at the body and at the axle.
+    pub ends: [End; 2],
+}
+
+/// Meaning of a link: the hardpoints of its ends, without `_chassis` and `_axle`.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Meaning {
+    /// The link, moved to the centre plane if it stands for a pair.
+    pub link: Link,
+    /// Start of the names of its hardpoints.
+    pub part: &'static str,
+}
+
+/// Largest difference of mirror images, m.
+const SAME: f64 = 1e-9;
+
+impl Link {
+    fn is_mirror_of(&self, other: &Link) -> bool {
+        let ends = self.ends.iter().zip(&other.ends);
+        let mut apart = ends.flat_map(|(a, b)| {
+            let [x, y, z] = b.place;
+            a.place.into_iter().zip([-x, y, z])
+        });
+        apart.all(|(a, b)| (a - b).abs() <= SAME)
+    }
+
+    fn along(&self) -> [f64; 3] {
+        let [car, axle] = &self.ends;
+        std::array::from_fn(|k| axle.place[k] - car.place[k])
+    }
+
+    fn is_across(&self) -> bool {
+        let [lateral, up, forward] = self.along().map(f64::abs);
+        lateral > up && lateral > forward
+    }
+
+    fn height(&self) -> f64 {
+        self.ends[0].place[1] + self.ends[1].place[1]
+    }
+
+    fn name(&self) -> String {
+        format!("J{}", self.number)
+    }
+}
+
+/// Tells the links of a live axle apart. The second value is a note.
+///
+/// # Errors
+/// The links are not those of a solid axle of this program.
+pub(super) fn meanings(links: &[Link]) -> Result<(Vec<Meaning>, Option<String>), String> {
+    let mut pairs: Vec<&Link> = Vec::new();
+    let mut singles: Vec<&Link> = Vec::new();
+    for link in links {
+        let mut others = links.iter();
+        let twin = others.find(|other| other.number != link.number && link.is_mirror_of(other));
+        match twin {
+            // The left one counts.
+            Some(twin) => {
+                let lateral = |l: &Link| l.ends[0].place[0] + l.ends[1].place[0];
+                if (lateral(link), link.number) > (lateral(twin), twin.number) {
+                    pairs.push(link);
+                }
+            }
+            None => singles.push(link),
+        }
+    }
+    pairs.sort_by(|a, b| a.height().total_cmp(&b.height()));
+    singles.sort_by_key(|link| link.is_across());
+    let meaning = |link: &Link, part| Meaning {
+        link: link.clone(),
+        part,
+    };
+    match (&pairs[..], &singles[..]) {
+        ([lower, upper], []) => Ok((
+            vec![meaning(lower, "lower_link"), meaning(upper, "upper_link")],
+            None,
+        )),
+        ([lower], [upper, rod]) if !upper.is_across() && rod.is_across() => Ok((
+            vec![
+                meaning(lower, "lower_link"),
+                meaning(upper, "upper_link"),
+                meaning(rod, "panhard"),
+            ],
+            None,
+        )),
+        ([lower, upper], [rod]) if rod.is_across() => {
+            if upper.along()[0].abs() > SAME {
+                return Err(format!(
+                    "two splayed upper links ({} and its mirror image) and a Panhard rod ({}) are one link too many: with rigid \
+                     joints the axle binds in roll. Name the points of a solid_axle without one of them by --map",
+                    upper.name(),
+                    rod.name()
+                ));
+            }
+            let mut middle = (*upper).clone();
+            for end in &mut middle.ends {
+                end.place[0] = 0.0;
+            }
+            let note = format!(
+                "the upper links ({} and its mirror image) are one link in the middle: with both and a Panhard rod the axle \
+                 binds in roll. In heave this is the same, in roll it has the mean motion of both",
+                upper.name()
+            );
+            Ok((
+                vec![
+                    meaning(lower, "lower_link"),
+                    meaning(&middle, "upper_link"),
+                    meaning(rod, "panhard"),
+                ],
+                Some(note),
+            ))
+        }
+        _ => {
+            let found: Vec<String> = links.iter().map(Link::name).collect();
+            Err(format!(
+                "the links of [AXLE] ({}) are {} mirrored pairs and {} single ones; a solid_axle has two pairs, or a lower \
+                 pair, an upper link and a Panhard rod. Name its points by --map, as in lower_link_chassis = \"AXLE J0_CAR\"",
+                found.join(", "),
+                pairs.len(),
+                singles.len()
+            ))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn link(number: usize, car: [f64; 3], axle: [f64; 3]) -> Link {
+        let end = |place| End { place, line: 1 };
+        Link {
+            number,
+            ends: [end(car), end(axle)],
+        }
+    }
+
+    fn pair(number: usize, car: [f64; 3], axle: [f64; 3]) -> [Link; 2] {
+        let mirrored = |[x, y, z]: [f64; 3]| [-x, y, z];
+        [
+            link(number, mirrored(car), mirrored(axle)),
+            link(number + 1, car, axle),
+        ]
+    }
+
+    fn parts(links: &[Link]) -> Vec<(usize, &'static str)> {
+        let (found, _) = meanings(links).unwrap();
+        found.iter().map(|m| (m.link.number, m.part)).collect()
+    }
+
+    /// Pairs are told by height and the left link of each counts, in any order of the file.
+    #[test]
+    fn links_are_told_apart_by_their_places() {
+        let [a, b] = pair(0, [0.5, 0.1, 0.4], [0.2, 0.1, 0.0]);
+        let [c, d] = pair(2, [0.4, -0.1, 0.5], [0.5, -0.12, 0.0]);
+        assert_eq!(
+            parts(&[a.clone(), b, c.clone(), d.clone()]),
+            [(3, "lower_link"), (1, "upper_link")]
+        );
+        let rod = link(7, [0.5, 0.0, -0.1], [-0.5, 0.0, -0.1]);
+        let upper = link(8, [0.1, 0.2, 0.4], [0.1, 0.2, 0.0]);
+        assert_eq!(
+            parts(&[rod.clone(), upper, c.clone(), d.clone()]),
+            [(3, "lower_link"), (8, "upper_link"), (7, "panhard")]
+        );
+        // Splayed links and a rod bind. Parallel ones are replaced by the link in the middle.
+        let [e, f] = pair(4, [0.4, 0.1, 0.4], [0.2, 0.1, 0.0]);
+        let refused = meanings(&[c.clone(), d.clone(), e, f, rod.clone()]).unwrap_err();
+        assert!(refused.contains("binds in roll"), "{refused}");
+        let [e, f] = pair(4, [0.4, 0.1, 0.4], [0.4, 0.12, 0.0]);
+        let (found, note) = meanings(&[c.clone(), d.clone(), e, f, rod]).unwrap();
+        assert_eq!(found[1].link.ends[1].place, [0.0, 0.12, 0.0]);
+        assert!(note.unwrap().contains("J5"));
+        // A mirror image that is not exact is none.
+        let [g, mut h] = pair(4, [0.4, 0.1, 0.4], [0.2, 0.1, 0.0]);
+        h.ends[0].place[1] = -0.1;
+        let refused = meanings(&[c, d, g, h]).unwrap_err();
+        assert!(
+            refused.contains("1 mirrored pairs and 2 single ones"),
+            "{refused}"
+        );
+        assert!(meanings(&[a]).is_err());
+    }
+}

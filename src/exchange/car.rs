@@ -1,0 +1,160 @@
+//! A car from a file with two axles: two studies of axles, and a study of the car that names them.
+
+use super::compose::one_line;
+use super::import::{ImportOptions, Imported, import};
+use super::refusal::Refusal;
+use super::table::PointTable;
+use crate::model::{AxlePosition, Side};
+use std::fmt::Write;
+
+/// Names of the files: the car, its front and its rear axle.
+pub const CAR_FILES: [&str; 3] = ["car.toml", "car_front.toml", "car_rear.toml"];
+
+/// A car of a file.
+#[derive(Clone, Debug)]
+pub struct ImportedCar {
+    /// Front and rear axle, by their left wheels.
+    pub axles: [Imported; 2],
+    /// Texts of the files, as [`CAR_FILES`].
+    pub files: [String; 3],
+    /// Keys that the study of the car needs and the file does not have.
+    pub missing: Vec<String>,
+}
+
+/// Finds both axles in a file's points, each with its own options.
+pub fn import_car(
+    table: &PointTable,
+    options: [&ImportOptions<'_>; 2],
+    origin: &str,
+) -> Result<ImportedCar, Refusal> {
+    let ends = [AxlePosition::Front, AxlePosition::Rear];
+    let mut axles = Vec::new();
+    let mut texts = Vec::new();
+    for (options, end) in options.into_iter().zip(ends) {
+        let of_side = |side: Side| {
+            let options = ImportOptions {
+                axle: Some(end),
+                side: Some(side),
+                ..*options
+            };
+            import(table, &options)
+        };
+        let name = super::corner::name_of(end);
+        let fault = |reason: Refusal| match reason {
+            Refusal::Wrong(reason) => Refusal::Wrong(format!("{name} axle: {reason}")),
+            open => open,
+        };
+        let left = of_side(Side::Left).map_err(fault)?;
+        let right = match left.topology.carries_both_wheels() {
+            true => None,
+            false => Some(of_side(Side::Right).map_err(fault)?),
+        };
+        let text = left.axle_study(right.as_ref(), &format!("the {name} study"), origin);
+        texts.push(text.map_err(|reason| {
+            Refusal::Wrong(format!(
+                "the points of the {name} axle do not form a valid suspension\n{reason}"
+            ))
+        })?);
+        axles.push(left);
+    }
+    let [front, rear] = <[Imported; 2]>::try_from(axles).expect("there are two axles");
+    if front.unit != rear.unit || front.frame != rear.frame {
+        return Err(Refusal::Wrong(
+            "the axles have other units or axes: give --unit and --axes or --frame".to_owned(),
+        ));
+    }
+    let mut missing = Vec::new();
+    let car = car(table, &front, &rear, origin, &mut missing);
+    let [front_text, rear_text] = <[String; 2]>::try_from(texts).expect("there are two axles");
+    Ok(ImportedCar {
+        axles: [front, rear],
+        files: [car, front_text, rear_text],
+        missing,
+    })
+}
+
+/// The study of the car.
+fn car(
+    table: &PointTable,
+    front: &Imported,
+    rear: &Imported,
+    origin: &str,
+    missing: &mut Vec<String>,
+) -> String {
+    for (axle, file) in [(front, CAR_FILES[1]), (rear, CAR_FILES[2])] {
+        let mut needs = Vec::new();
+        if axle.topology.carries_both_wheels() {
+            missing.push(format!("{file}: a car does not take a solid axle yet"));
+        }
+        if axle.wheel_radius.is_none() {
+            needs.push("radius in [wheel] (--radius)");
+        }
+        let has_spring = axle
+            .hardpoints
+            .iter()
+            .any(|h| ["spring_lower", "strut_lower"].contains(&h.name));
+        if !has_spring {
+            needs.push("spring_upper and spring_lower");
+        }
+        if axle.figures.spring.is_none() || !has_spring {
+            needs.push("rate and force in [spring]");
+        }
+        if axle.figures.unsprung_mass.is_none() {
+            needs.push("unsprung_mass in [vehicle]");
+        }
+        if !needs.is_empty() {
+            missing.push(format!("{file}: {}", needs.join(", ")));
+        }
+    }
+    let figures = table.car.clone().unwrap_or_default();
+    let unit = front.unit;
+    let mut text = format!(
+        "# A car of two axles, from {}\n\n[car]\nfront = \"{}\"\nrear = \"{}\"\n",
+        one_line(origin),
+        CAR_FILES[1],
+        CAR_FILES[2]
+    );
+    match (figures.rear_offset, table.car.is_some()) {
+        (Some([x, y, z]), _) => {
+            let _ = writeln!(
+                text,
+                "rear_offset = [{x:?}, {y:?}, {z:?}]      # place of the rear study's origin in the front one"
+            );
+        }
+        // Points of one file have one origin.
+        (None, false) => {
+            text +=
+                "rear_offset = [0.0, 0.0, 0.0]      # both studies have the origin of the file\n"
+        }
+        (None, true) => {
+            missing.push(format!("{}: wheelbase or rear_offset", CAR_FILES[0]));
+            let _ = writeln!(
+                text,
+                "# wheelbase = ...              # {}; or rear_offset = [x, y, z]",
+                unit.symbol()
+            );
+        }
+    }
+    match figures.mass {
+        Some(mass) => {
+            let [x, y, z] = mass.cg;
+            let (key, cg) = match mass.is_sprung {
+                true => ("sprung_mass", "sprung_cg"),
+                false => ("mass", "cg"),
+            };
+            let _ = writeln!(
+                text,
+                "{key} = {:?}           # kg\n{cg} = [{x:?}, {y:?}, {z:?}]   # in the front study's axes, design position",
+                mass.mass
+            );
+        }
+        None => {
+            missing.push(format!("{}: mass and cg", CAR_FILES[0]));
+            text += "# mass = ...                   # kg, with cg; or sprung_mass with sprung_cg\n\
+                     # cg = [..., 0.0, ...]         # in the front study's axes, design position\n";
+        }
+    }
+    text += "# brake_share_front = 0.6        # needed by cases that brake\n\
+             \n[[cases]]\nname = \"turn\"\nay = 0.5                         # g, to the left\n";
+    text
+}

@@ -1,0 +1,207 @@
+//! Results of several cars side by side.
+
+use super::{CarResults, CarState};
+use crate::car::{AxleParameter, Car};
+use crate::car::{BodyParameter, CarQuantity, Moves, Parameter, WheelResult};
+use crate::model::{Axis, PointId};
+use crate::report::figure::resolution;
+use crate::report::files::csv_of_rows;
+use crate::report::optional;
+use crate::report::table::{Cell, Table};
+
+/// A result of a case for each car.
+struct Row {
+    case: String,
+    quantity: CarQuantity,
+    unit: String,
+    values: Vec<Option<f64>>,
+}
+
+/// A figure or a coordinate that not all cars share.
+struct Change {
+    name: String,
+    unit: String,
+    values: Vec<Option<f64>>,
+}
+
+/// Results of several cars side by side.
+pub struct CarComparison {
+    labels: Vec<String>,
+    rows: Vec<Row>,
+    changes: Vec<Change>,
+}
+
+impl CarComparison {
+    /// The comparison of cars by the cases and results of the first. A car without a case or a result has empty cells.
+    ///
+    /// # Errors
+    /// The reason in words, if lengths have different units.
+    pub fn of(cars: &[(String, CarResults<'_>)]) -> Result<Self, String> {
+        let Some((_, first)) = cars.first() else {
+            return Err("no cars were given".to_owned());
+        };
+        let length = first.study.car.length_unit;
+        if let Some((label, _)) = cars
+            .iter()
+            .find(|(_, of)| of.study.car.length_unit != length)
+        {
+            return Err(format!(
+                "{label} has another length_unit than the first car; give all cars the same one"
+            ));
+        }
+        let mut rows = Vec::new();
+        for case in &first.study.cases {
+            for quantity in &first.study.quantities {
+                let values: Vec<_> = cars
+                    .iter()
+                    .map(|(_, of)| of.value(&case.name, *quantity))
+                    .collect();
+                if values.iter().any(Option::is_some) {
+                    rows.push(Row {
+                        case: case.name.clone(),
+                        quantity: *quantity,
+                        unit: quantity.info().unit.suffix(length),
+                        values,
+                    });
+                }
+            }
+        }
+        let cars_alone: Vec<&Car> = cars.iter().map(|(_, of)| &of.study.car).collect();
+        Ok(CarComparison {
+            labels: cars.iter().map(|(label, _)| label.clone()).collect(),
+            rows,
+            changes: changes(&cars_alone),
+        })
+    }
+
+    /// `comparison.csv`: a row for each result of each case, with differences from the first car.
+    pub fn csv(&self) -> Vec<u8> {
+        let others = &self.labels[1..];
+        let mut header = ["case", "output", "unit"].map(str::to_owned).to_vec();
+        header.extend(self.labels.iter().cloned());
+        header.extend(others.iter().map(|label| format!("{label}_difference")));
+        let rows = self.rows.iter().map(|row| {
+            let mut cells = vec![row.case.clone(), row.quantity.name(), row.unit.clone()];
+            cells.extend(row.values.iter().map(|value| optional(*value)));
+            let first = row.values[0];
+            let differences = row.values[1..].iter();
+            cells.extend(
+                differences.map(|own| optional(own.zip(first).map(|(own, first)| own - first))),
+            );
+            cells
+        });
+        csv_of_rows(std::iter::once(header).chain(rows))
+    }
+
+    /// Wheel loads and results of the whole car that differ by more than rounding. `comparison.csv` has all results.
+    pub fn table(&self) -> Table {
+        let is_key = |row: &&Row| {
+            matches!(
+                row.quantity,
+                CarQuantity::Whole(_) | CarQuantity::Wheel(_, WheelResult::Load)
+            )
+        };
+        let head = ["case", "output", "unit"].map(str::to_owned);
+        let mut table = Table::with_columns(head.into_iter().chain(self.labels.iter().cloned()));
+        let rows = self.rows.iter().filter(is_key);
+        for row in rows.filter(|row| differ(&row.values, &row.unit)) {
+            let name = row.quantity.name();
+            let head = [row.case.as_str(), name.as_str(), row.unit.as_str()].map(Cell::from);
+            let cells = row.values.iter();
+            let cells = cells.map(|v| Cell::from(v.map(|v| Cell::figure(v, &row.unit))));
+            table.push_row(head.into_iter().chain(cells));
+        }
+        table
+    }
+
+    /// Figures, rates and coordinates that differ.
+    pub fn changes_table(&self) -> Table {
+        let head = ["changed", "unit"].map(str::to_owned);
+        let mut table = Table::with_columns(head.into_iter().chain(self.labels.iter().cloned()));
+        for change in &self.changes {
+            let head = [change.name.as_str(), change.unit.as_str()].map(Cell::from);
+            let cells = change.values.iter();
+            let cells = cells.map(|v| Cell::from(v.map(|v| Cell::figure(v, &change.unit))));
+            table.push_row(head.into_iter().chain(cells));
+        }
+        table
+    }
+}
+
+impl CarResults<'_> {
+    /// A result in the case of this name.
+    fn value(&self, case: &str, quantity: CarQuantity) -> Option<f64> {
+        let number = self.study.cases.iter().position(|own| own.name == case)?;
+        match &self.states[number] {
+            CarState::Solved { solved, .. } if quantity.is_met_by(&self.study.car) => {
+                quantity.printed(solved, &self.study.cases[number])
+            }
+            _ => None,
+        }
+    }
+}
+
+/// Whether values differ by more than rounding in their unit.
+fn differ(values: &[Option<f64>], unit: &str) -> bool {
+    let mut known = values.iter().flatten();
+    let Some(first) = known.next() else {
+        return false;
+    };
+    let apart = known.any(|value| (value - first).abs() >= resolution(unit));
+    apart || values.iter().any(Option::is_none)
+}
+
+/// Figures, rates and coordinates of the first car that another car has differently.
+fn changes(cars: &[&Car]) -> Vec<Change> {
+    let rates = [0, 1].into_iter().flat_map(|axle| {
+        let all = [
+            AxleParameter::SpringRate,
+            AxleParameter::BarRate,
+            AxleParameter::HeaveSpringRate,
+            AxleParameter::TBarRate,
+            AxleParameter::HeaveBarRate,
+            AxleParameter::TyreRate,
+        ];
+        all.map(|parameter| Parameter::Axle(axle, parameter))
+    });
+    let body = [
+        BodyParameter::Mass,
+        BodyParameter::CgX,
+        BodyParameter::CgY,
+        BodyParameter::CgZ,
+        BodyParameter::BrakeShareFront,
+        BodyParameter::DriveShareFront,
+    ];
+    let moves = rates.chain(body.map(Parameter::Body)).map(|of| match of {
+        Parameter::Axle(axle, parameter) => Moves::Rate { axle, parameter },
+        Parameter::Body(parameter) => Moves::Body(parameter),
+    });
+    let mut changes = Vec::new();
+    let mut push = |name: String, unit: String, values: Vec<Option<f64>>| {
+        if values.iter().any(|value| *value != values[0]) {
+            changes.push(Change { name, unit, values });
+        }
+    };
+    for moves in moves.chain([Moves::Wheelbase]) {
+        let values = cars.iter().map(|car| moves.value(car)).collect();
+        push(moves.label(cars[0]), moves.unit(cars[0]), values);
+    }
+    for axle in [0, 1] {
+        let first = &cars[0].axles[axle].left;
+        for number in 0..first.mechanism.points.len() {
+            let name = first.mechanism.name(PointId(number));
+            for axis in Axis::ALL {
+                let coordinate = |car: &&Car| {
+                    let wheel = &car.axles[axle].left;
+                    let mut points = 0..wheel.mechanism.points.len();
+                    let point = points.find(|k| wheel.mechanism.name(PointId(*k)) == name)?;
+                    Some(wheel.frame.sign(axis) * wheel.design[point][axis])
+                };
+                let values = cars.iter().map(coordinate).collect();
+                let label = format!("{}.{name}.{}", ["front", "rear"][axle], axis.name());
+                push(label, cars[0].length_unit.symbol().to_owned(), values);
+            }
+        }
+    }
+    changes
+}

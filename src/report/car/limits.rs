@@ -1,0 +1,129 @@
+//! Lift limits of a car: `lift_limits.csv`, as a table.
+
+use crate::car::{CarSolver, Case, Longitudinal, RayLimits};
+use crate::report::table::{Cell, Column, Table};
+use crate::report::{brief, figure};
+use crate::study::CarStudy;
+
+/// Limits along a direction or a case.
+pub struct CarLimits {
+    /// Name of the case; empty for a direction.
+    pub case: String,
+    /// Direction of the acceleration, degrees from forward to the left.
+    pub degrees: f64,
+    /// Acceleration of 1 g along it: forward, left.
+    way: [f64; 2],
+    /// Limits, or the missing key of the study.
+    pub found: Result<RayLimits, &'static str>,
+}
+
+impl CarLimits {
+    /// Whether the car has an equilibrium without acceleration, so that there are limits.
+    pub fn has_start(&self) -> bool {
+        self.found
+            .as_ref()
+            .map_or(true, |found| found.end > 0.0 || found.why.is_none())
+    }
+
+    fn status(&self) -> &'static str {
+        match &self.found {
+            Err(_) => "unsupported",
+            Ok(found) if found.lift.is_some() || found.why.is_none() => "ok",
+            Ok(found) => found.why.as_ref().map_or("ok", |why| why.status()),
+        }
+    }
+
+    fn reason(&self) -> String {
+        match &self.found {
+            Err(key) => format!("needs {key} in [car]"),
+            Ok(found) => found
+                .why
+                .as_ref()
+                .map_or_else(String::new, ToString::to_string),
+        }
+    }
+}
+
+/// Limits along eight directions and along each case that accelerates along the ground.
+pub fn car_limits(study: &CarStudy, solver: &mut CarSolver<'_>) -> Vec<CarLimits> {
+    let rest = &study.cases[0];
+    let directions = (0..8).map(|eighth| {
+        let degrees = 45.0 * f64::from(eighth);
+        (
+            String::new(),
+            degrees,
+            Case::along("direction", degrees, rest),
+        )
+    });
+    let cases = study
+        .cases
+        .iter()
+        .filter(|case| case.ax != 0.0 || case.ay != 0.0);
+    let cases = cases.map(|case| {
+        let degrees = case.ay.atan2(case.ax).to_degrees();
+        (case.name.clone(), degrees, case.clone())
+    });
+    let mut limits = Vec::new();
+    for (name, degrees, case) in directions.chain(cases) {
+        let share = match case.setting.longitudinal {
+            Longitudinal::Brake => (study.car.brake_share_front, "brake_share_front"),
+            Longitudinal::Drive => (study.car.drive_share_front, "drive_share_front"),
+        };
+        let length = case.ax.hypot(case.ay);
+        let found = match share {
+            (None, key) => Some(Err(key)),
+            _ => solver.limits(&case).map(Ok),
+        };
+        limits.extend(found.map(|found| CarLimits {
+            case: name,
+            degrees: degrees.rem_euclid(360.0),
+            way: [case.ax / length, case.ay / length],
+            found,
+        }));
+    }
+    limits
+}
+
+/// The limits, a row for each direction and case.
+pub fn lift_limits_table(limits: &[CarLimits]) -> Table {
+    let columns = [
+        Column::from("case"),
+        Column::named("direction deg", "direction_deg"),
+        Column::named("lift g", "g"),
+        Column::named("ax g", "ax_g"),
+        Column::named("ay g", "ay_g"),
+        "wheel".into(),
+        Column::named("others loaded", "others_loaded"),
+        Column::named("end g", "end_g"),
+        "reason".into(),
+        "status".into(),
+    ];
+    let mut table = Table::with_columns(columns);
+    for limit in limits {
+        let found = limit.found.as_ref().ok();
+        let lift = found.and_then(|found| found.lift);
+        let acceleration = |value: Option<f64>| Cell::by(value, |value| figure(value, "g"));
+        let at = lift.map(|lift| lift.acceleration);
+        let end = found
+            .filter(|found| found.why.is_some())
+            .map(|found| found.end);
+        table.push_row([
+            Cell::from(limit.case.as_str()),
+            Cell::shown(limit.degrees, brief(limit.degrees)),
+            acceleration(at),
+            acceleration(at.map(|g| g * limit.way[0] + 0.0)),
+            acceleration(at.map(|g| g * limit.way[1] + 0.0)),
+            lift.map_or("", |lift| lift.wheel.name()).into(),
+            match lift.map(|lift| lift.others_loaded) {
+                None => "",
+                Some(true) => "yes",
+                Some(false) => "no",
+            }
+            .into(),
+            acceleration(end),
+            limit.reason().as_str().into(),
+            limit.status().into(),
+        ]);
+    }
+    table
+}

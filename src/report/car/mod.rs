@@ -1,0 +1,147 @@
+//! Results of a car: files, tables, and the studies of a tuned car.
+
+mod comparison;
+mod files;
+mod limits;
+mod record;
+mod sensitivities;
+mod studies;
+mod tables;
+mod tolerance;
+mod tuning;
+
+pub use comparison::CarComparison;
+pub use limits::{CarLimits, car_limits, lift_limits_table};
+pub(super) use record::FORM as CAR_FORM;
+pub use record::{CarCase, CarFact, CarMap, CarRecord, CarStateRecord, CarTargetRecord};
+pub use studies::{car_with_axles, optimised_car, settings_of_car};
+pub use tolerance::CarToleranceSummary;
+
+use crate::car::{
+    CarQuantity, CarSolver, Case, Equilibrium, NoEquilibrium, Solved, WheelPlace, WheelResult,
+};
+use crate::study::CarStudy;
+
+/// The state of a case, or the reason why there is none.
+pub enum CarState<'s> {
+    /// Solved.
+    Solved {
+        /// The state.
+        found: Box<Equilibrium>,
+        /// The state with its derivatives.
+        solved: Box<Solved<'s, f64>>,
+    },
+    /// Not solved.
+    Failed(NoEquilibrium),
+}
+
+/// States of all cases of a study.
+pub struct CarResults<'s> {
+    study: &'s CarStudy,
+    /// The states, in the order of the cases.
+    pub states: Vec<CarState<'s>>,
+    /// For each case, the forces in the members; empty where they are not known or not asked for.
+    members: Vec<Vec<f64>>,
+}
+
+/// Solves a case with its derivatives, from a neighbouring state if there is one.
+fn state<'s>(
+    solver: &mut CarSolver<'s>,
+    case: &Case,
+    neighbour: Option<&Equilibrium>,
+) -> CarState<'s> {
+    let found = match neighbour {
+        Some(neighbour) => solver.solve_from(case, neighbour),
+        None => solver.solve(case),
+    };
+    let solved = found.and_then(|found| {
+        let solved = Box::new(solver.solved(case, &found)?);
+        let found = Box::new(found);
+        Ok(CarState::Solved { found, solved })
+    });
+    solved.unwrap_or_else(CarState::Failed)
+}
+
+/// Names of lifted wheels, parted by blanks.
+fn lifted_wheels(lifted: &[bool; 4]) -> String {
+    let names = WheelPlace::ALL.into_iter().filter(|place| lifted[place.0]);
+    names.map(WheelPlace::name).collect::<Vec<_>>().join(" ")
+}
+
+impl<'s> CarResults<'s> {
+    /// Solves the first `count` cases.
+    pub fn solve(study: &'s CarStudy, solver: &mut CarSolver<'s>, count: usize) -> Self {
+        let cases = study.cases.iter().take(count);
+        let mut members = Vec::new();
+        let states = cases.map(|case| {
+            let state = state(solver, case, None);
+            let forces = match &state {
+                CarState::Solved { found, .. } if study.member_loads => {
+                    solver.members(case, found).ok()
+                }
+                _ => None,
+            };
+            let forces = forces.into_iter().flatten();
+            members.push(forces.flat_map(|wheel| wheel.forces).collect());
+            state
+        });
+        CarResults {
+            study,
+            states: states.collect(),
+            members,
+        }
+    }
+
+    /// Symbol of the length unit.
+    fn unit(&self) -> &'static str {
+        self.study.car.length_unit.symbol()
+    }
+
+    /// The cases that were not solved, with reasons.
+    pub fn failures(&self) -> Vec<String> {
+        let cases = self.study.cases.iter().zip(&self.states);
+        cases
+            .filter_map(|(case, state)| match state {
+                CarState::Failed(why) => {
+                    Some(format!("case {}: {}: {why}", case.name, why.status()))
+                }
+                CarState::Solved { .. } => None,
+            })
+            .collect()
+    }
+
+    /// Whether every case is solved.
+    pub fn is_complete(&self) -> bool {
+        self.failures().is_empty()
+    }
+
+    /// Warnings on solved cases.
+    pub fn warnings(&self) -> Vec<String> {
+        let mut warnings = Vec::new();
+        for (case, state) in self.study.cases.iter().zip(&self.states) {
+            let CarState::Solved { found, solved } = state else {
+                continue;
+            };
+            for place in WheelPlace::ALL {
+                if found.lifted[place.0] {
+                    warnings.push(format!(
+                        "warning: case {}: {} lifts",
+                        case.name,
+                        place.words()
+                    ));
+                    continue;
+                }
+                let demand = CarQuantity::Wheel(place, WheelResult::FrictionDemand);
+                let demand = demand.evaluate(solved);
+                if demand > 2.0 {
+                    warnings.push(format!(
+                        "warning: case {}: {} needs a friction coefficient of {demand:.1}; no tyre has it",
+                        case.name,
+                        place.words()
+                    ));
+                }
+            }
+        }
+        warnings
+    }
+}

@@ -1,0 +1,318 @@
+//! `report.json` of a car: the data of its page.
+
+use super::{CarResults, CarState, lifted_wheels};
+use crate::car::{
+    AxleEnd, AxleResult, CarQuantity, CarSolver, Case, Equilibrium, WheelPlace, WheelResult,
+    WholeResult,
+};
+use crate::report::scene::Scene;
+use crate::study::CarOptimise;
+use serde::{Deserialize, Serialize};
+
+/// The form of the record. A reader takes no other.
+pub(in crate::report) const FORM: u32 = 1;
+
+/// The data of the page of a car.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CarRecord {
+    /// `FORM`.
+    pub form: u32,
+    /// Version of the program.
+    pub version: String,
+    /// Command of the run.
+    pub command: String,
+    /// `car`, which tells this record from those of suspensions.
+    pub kind: String,
+    /// Name of the study.
+    pub study: String,
+    /// Unit of all lengths.
+    pub length_unit: String,
+    /// Whether tyres act as springs.
+    pub elastic_tyres: bool,
+    /// Warnings and notes.
+    pub remarks: Vec<String>,
+    /// Key values at rest.
+    pub facts: Vec<CarFact>,
+    /// The cases, the one at rest first.
+    pub cases: Vec<CarCase>,
+    /// States over ax and ay.
+    pub map: Option<CarMap>,
+    /// Targets of a tuning.
+    pub targets: Vec<CarTargetRecord>,
+    /// Parts of the front and of the rear axle.
+    pub scenes: [Scene; 2],
+    /// Names of the run's files.
+    pub files: Vec<String>,
+}
+
+/// A key value.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CarFact {
+    /// Name of the result.
+    pub name: String,
+    /// Value, as printed.
+    pub value: f64,
+    /// Unit.
+    pub unit: String,
+}
+
+/// A case with its state.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CarCase {
+    /// Name.
+    pub name: String,
+    /// Acceleration forward, g.
+    pub ax: f64,
+    /// Acceleration to the left, g.
+    pub ay: f64,
+    /// Reason why there is no state.
+    pub reason: Option<String>,
+    /// The state.
+    pub state: Option<CarStateRecord>,
+}
+
+/// A state, as printed.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CarStateRecord {
+    /// Roll and pitch, degrees.
+    pub attitude: [f64; 2],
+    /// Loads of the wheels, N: front left, front right, rear left, rear right.
+    pub loads: [f64; 4],
+    /// Camber to the road of each wheel, degrees.
+    pub camber: [f64; 4],
+    /// Lifted wheels.
+    pub lifted: [bool; 4],
+    /// For each axle the elastic, geometric, longitudinal and unsprung part of its lateral load transfer, N.
+    pub transfer: [[f64; 4]; 2],
+    /// Share of the front axle in the lateral load transfer, percent.
+    pub front_share: Option<f64>,
+    /// Height of the roll axis at each axle.
+    pub roll_axis: [Option<f64>; 2],
+    /// Height of the kinematic roll centre of each axle.
+    pub roll_centre: [Option<f64>; 2],
+    /// Points of both axles over the ground: forward, left, up.
+    pub points: [Vec<[f64; 3]>; 2],
+    /// Lowest points of the wheels.
+    pub contacts: [[f64; 3]; 4],
+    /// Wheel centres.
+    pub centres: [[f64; 3]; 4],
+    /// Centre of gravity of the sprung mass.
+    pub sprung_cg: [f64; 3],
+}
+
+/// States over ax and ay; ay runs fastest.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CarMap {
+    /// Accelerations forward, g.
+    pub ax: Vec<f64>,
+    /// Accelerations to the left, g.
+    pub ay: Vec<f64>,
+    /// Largest friction demand of a wheel; none where there is no equilibrium.
+    pub friction: Vec<Option<f64>>,
+    /// Number of lifted wheels.
+    pub lifted: Vec<usize>,
+}
+
+/// A target with its values before and after the tuning.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CarTargetRecord {
+    /// Result with unit.
+    pub output: String,
+    /// Name of the case.
+    pub case: String,
+    /// Lowest and highest wanted value; none without a limit.
+    pub wanted: [Option<f64>; 2],
+    /// Deviation that counts as one.
+    pub tolerance: f64,
+    /// Values before and after.
+    pub values: [Option<f64>; 2],
+    /// Deviation after the tuning, in tolerances.
+    pub deviation: Option<f64>,
+}
+
+impl<'s> CarResults<'s> {
+    /// The record of a run.
+    pub fn record(
+        &self,
+        command: &str,
+        solver: &mut CarSolver<'s>,
+        map: Option<CarMap>,
+        remarks: &[String],
+    ) -> CarRecord {
+        let study = self.study;
+        let cases = study.cases.iter().zip(&self.states);
+        let cases = cases.map(|(case, state)| {
+            let (reason, state) = match state {
+                CarState::Failed(why) => (Some(why.to_string()), None),
+                CarState::Solved { found, .. } => {
+                    (None, self.state_record(case, found, state, solver))
+                }
+            };
+            CarCase {
+                name: case.name.clone(),
+                ax: case.ax,
+                ay: case.ay,
+                reason,
+                state,
+            }
+        });
+        CarRecord {
+            form: FORM,
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            command: command.to_owned(),
+            kind: "car".to_owned(),
+            study: study.name.clone(),
+            length_unit: self.unit().to_owned(),
+            elastic_tyres: study.car.tyres.is_some(),
+            remarks: remarks.to_vec(),
+            facts: self.facts(),
+            cases: cases.collect(),
+            map,
+            targets: Vec::new(),
+            scenes: study.car.axles.each_ref().map(Scene::of_axle),
+            files: Vec::new(),
+        }
+    }
+
+    /// Key values at rest.
+    fn facts(&self) -> Vec<CarFact> {
+        let (Some(CarState::Solved { solved, .. }), Some(case)) =
+            (self.states.first(), self.study.cases.first())
+        else {
+            return Vec::new();
+        };
+        let shown = [
+            WholeResult::RollGradient,
+            WholeResult::LocalDistribution,
+            WholeResult::PitchGradient,
+            WholeResult::WeightFront,
+            WholeResult::CrossWeight,
+            WholeResult::RollUndersteer,
+        ];
+        let length = self.study.car.length_unit;
+        let fact = |result: WholeResult| {
+            let quantity = CarQuantity::Whole(result);
+            Some(CarFact {
+                name: quantity.name(),
+                value: quantity.printed(solved, case)?,
+                unit: quantity.info().unit.suffix(length),
+            })
+        };
+        shown.into_iter().filter_map(fact).collect()
+    }
+
+    fn state_record(
+        &self,
+        case: &Case,
+        found: &Equilibrium,
+        state: &CarState<'_>,
+        solver: &mut CarSolver<'s>,
+    ) -> Option<CarStateRecord> {
+        let CarState::Solved { solved, .. } = state else {
+            return None;
+        };
+        let value = |quantity: CarQuantity| quantity.printed(solved, case);
+        let plain = |quantity| value(quantity).unwrap_or(0.0);
+        let wheels = |result| WheelPlace::ALL.map(|place| plain(CarQuantity::Wheel(place, result)));
+        let parts = [
+            AxleResult::Elastic,
+            AxleResult::Geometric,
+            AxleResult::Longitudinal,
+            AxleResult::Unsprung,
+        ];
+        let axles = |result| AxleEnd::ALL.map(|end| value(CarQuantity::Axle(end, result)));
+        let drawing = solver.drawing(case, found).ok()?;
+        Some(CarStateRecord {
+            attitude: [WholeResult::Roll, WholeResult::Pitch]
+                .map(|result| plain(CarQuantity::Whole(result))),
+            loads: wheels(WheelResult::Load),
+            camber: wheels(WheelResult::CamberToRoad),
+            lifted: found.lifted,
+            transfer: AxleEnd::ALL.map(|end| parts.map(|part| plain(CarQuantity::Axle(end, part)))),
+            front_share: value(CarQuantity::Whole(WholeResult::Distribution)),
+            roll_axis: axles(AxleResult::RollAxisHeight),
+            roll_centre: axles(AxleResult::RollCentreHeight),
+            points: drawing.points,
+            contacts: drawing.contacts,
+            centres: drawing.centres,
+            sprung_cg: drawing.sprung_cg,
+        })
+    }
+
+    /// The targets of a tuning, with `before` the results of the study's own car.
+    pub fn target_records(
+        &self,
+        wanted: &CarOptimise,
+        before: &CarResults<'_>,
+    ) -> Vec<CarTargetRecord> {
+        let records = wanted.targets.iter().map(|target| {
+            let value = |of: &CarResults<'_>| of.target_value(target.case, target.quantity);
+            let after = value(self);
+            let finite = |limit: f64| limit.is_finite().then_some(limit);
+            CarTargetRecord {
+                output: target.quantity.column(self.study.car.length_unit),
+                case: self.study.cases[target.case].name.clone(),
+                wanted: target.wanted.map(finite),
+                tolerance: target.tolerance,
+                values: [value(before), after],
+                deviation: after.map(|value| target.deviation(value) / target.tolerance),
+            }
+        });
+        records.collect()
+    }
+}
+
+impl CarMap {
+    /// A map without states.
+    pub(super) fn of(ax: &[f64], ay: &[f64]) -> Self {
+        CarMap {
+            ax: ax.to_vec(),
+            ay: ay.to_vec(),
+            friction: Vec::with_capacity(ax.len() * ay.len()),
+            lifted: Vec::with_capacity(ax.len() * ay.len()),
+        }
+    }
+
+    /// Adds the next state.
+    pub(super) fn push(&mut self, state: &CarState<'_>, case: &Case) {
+        let (friction, lifted) = match state {
+            CarState::Failed(_) => (None, 0),
+            CarState::Solved { found, solved } => {
+                let demand = |place| {
+                    let quantity = CarQuantity::Wheel(place, WheelResult::FrictionDemand);
+                    quantity.printed(solved, case)
+                };
+                let demands = WheelPlace::ALL.into_iter().filter_map(demand);
+                let lifted = found.lifted.iter().filter(|lifted| **lifted);
+                (Some(demands.fold(0.0, f64::max)), lifted.count())
+            }
+        };
+        self.friction.push(friction);
+        self.lifted.push(lifted);
+    }
+}
+
+impl CarStateRecord {
+    /// Names of lifted wheels, parted by blanks.
+    pub fn lifted_in_words(&self) -> String {
+        lifted_wheels(&self.lifted)
+    }
+}
+
+impl CarTargetRecord {
+    /// Whether the deviation is within the tolerance.
+    pub fn is_met(&self) -> bool {
+        self.deviation
+            .is_some_and(|deviation| deviation.abs() <= 1.0)
+    }
+
+    /// The unit in the result's name.
+    pub fn unit(&self) -> &'static str {
+        let ends = ["deg_per_g", "percent", "deg", "N", "mm"];
+        let found = ends.into_iter().find(|unit| {
+            let stem = self.output.strip_suffix(unit);
+            stem.is_some_and(|stem| stem.ends_with('_'))
+        });
+        found.unwrap_or("")
+    }
+}

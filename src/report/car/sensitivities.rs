@@ -1,0 +1,135 @@
+//! `sensitivities.csv` of a car.
+
+use super::files::csv;
+use super::{CarResults, CarState};
+use crate::car::{
+    AxleParameter, BodyParameter, CarGradient, CarSolver, Parameter, body_key, rate_key,
+};
+use crate::model::{Axis, PointId};
+use crate::report::optional;
+
+impl<'s> CarResults<'s> {
+    /// `sensitivities.csv`, if the study asks for it: derivatives of the results by hardpoints and parameters.
+    pub fn sensitivities_csv(&self, solver: &mut CarSolver<'s>) -> Option<Vec<u8>> {
+        if !self.study.sensitivities {
+            return None;
+        }
+        let header = [
+            "case",
+            "output",
+            "axle",
+            "parameter",
+            "axis",
+            "value",
+            "unit",
+        ];
+        let mut rows = Vec::new();
+        for (case, state) in self.study.cases.iter().zip(&self.states) {
+            let CarState::Solved { found, .. } = state else {
+                continue;
+            };
+            let mut quantities = self.study.quantities.clone();
+            quantities.retain(|quantity| quantity.undefined_in(case).is_none());
+            let Ok(gradients) = solver.gradients(case, found, &quantities) else {
+                continue;
+            };
+            for (quantity, gradient) in quantities.iter().zip(&gradients) {
+                let unit = quantity.info().unit;
+                let (length, factor) = (
+                    self.study.car.length_unit,
+                    unit.printed_factor(self.study.car.length_unit),
+                );
+                let mut push = |axle: &str, parameter: &str, axis: &str, value: f64, by: &str| {
+                    let suffix = match unit.suffix(length) {
+                        suffix if suffix.is_empty() => "1".to_owned(),
+                        suffix => suffix,
+                    };
+                    rows.push(vec![
+                        case.name.clone(),
+                        quantity.name(),
+                        axle.to_owned(),
+                        parameter.to_owned(),
+                        axis.to_owned(),
+                        optional(factor * value),
+                        format!("{suffix}_per_{by}"),
+                    ]);
+                };
+                self.push_gradient(gradient, &mut push);
+            }
+        }
+        Some(csv(&header.map(str::to_owned), rows))
+    }
+
+    fn push_gradient(
+        &self,
+        gradient: &CarGradient,
+        push: &mut impl FnMut(&str, &str, &str, f64, &str),
+    ) {
+        let car = &self.study.car;
+        let length = self.unit();
+        for (number, end) in ["front", "rear"].into_iter().enumerate() {
+            let axle = &car.axles[number].left;
+            for (k, by) in gradient.hardpoints[number].iter().enumerate() {
+                let name = axle.mechanism.name(PointId(k));
+                for axis in Axis::ALL {
+                    push(
+                        end,
+                        name,
+                        axis.name(),
+                        axle.frame.sign(axis) * by[axis],
+                        length,
+                    );
+                }
+            }
+            let rate = format!("N_per_{length}");
+            let torque = format!("N_{length}_per_rad");
+            let moment = format!("N_{length}");
+            for (parameter, unit) in [
+                (AxleParameter::SpringRate, rate.as_str()),
+                (AxleParameter::SpringForce, "N"),
+                (AxleParameter::BarRate, torque.as_str()),
+                (AxleParameter::HeaveSpringRate, rate.as_str()),
+                (AxleParameter::HeaveSpringForce, "N"),
+                (AxleParameter::TBarRate, torque.as_str()),
+                (AxleParameter::HeaveBarRate, torque.as_str()),
+                (AxleParameter::HeaveBarTorque, moment.as_str()),
+                (AxleParameter::Rack, length),
+                (AxleParameter::TyreRate, rate.as_str()),
+                (AxleParameter::Radius, length),
+                (AxleParameter::UnsprungMass, "kg"),
+            ] {
+                if !parameter.is_of(&car.axles[number]) {
+                    continue;
+                }
+                let sign = match parameter {
+                    AxleParameter::Rack => axle.frame.sign(Axis::Y),
+                    _ => 1.0,
+                };
+                let by = sign * gradient.parameters[Parameter::Axle(number, parameter).place()];
+                push(end, rate_key(parameter), "", by, unit);
+            }
+        }
+        let frame = self.study.frame();
+        let by = |own: BodyParameter| gradient.parameters[Parameter::Body(own).place()];
+        push("", "mass", "", by(BodyParameter::Mass), "kg");
+        for (axis, own) in [
+            (Axis::X, BodyParameter::CgX),
+            (Axis::Y, BodyParameter::CgY),
+            (Axis::Z, BodyParameter::CgZ),
+        ] {
+            push("", "cg", axis.name(), frame.sign(axis) * by(own), length);
+        }
+        for (own, unit) in [
+            (BodyParameter::BrakeShareFront, "1"),
+            (BodyParameter::DriveShareFront, "1"),
+            (BodyParameter::Ax, "g"),
+            (BodyParameter::Ay, "g"),
+            (BodyParameter::Az, "g"),
+            (BodyParameter::Speed, "m_per_s"),
+        ] {
+            push("", body_key(own), "", by(own), unit);
+        }
+        let offset = Parameter::Axle(1, AxleParameter::OffsetX).place();
+        push("", "wheelbase", "", -gradient.parameters[offset], length);
+    }
+}

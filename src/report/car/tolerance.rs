@@ -1,0 +1,284 @@
+//! Scatter of a car: `tolerance.csv`, `contributors.csv`, `summary.json`, tables.
+
+use crate::report::files::csv_of_rows;
+use crate::report::optional;
+use crate::report::table::{Cell, Column, Table};
+use crate::report::text::counted;
+use crate::report::tolerance_summary::percent;
+use crate::tolerance::{CarBuilds, CarExpansion, CarProblem, PERCENTILES};
+use serde::Serialize;
+
+/// The results of `hardpoint tolerance` of a car.
+#[derive(Clone, Debug, Serialize)]
+pub struct CarToleranceSummary {
+    command: &'static str,
+    study: String,
+    builds: u64,
+    seed: u32,
+    /// Builds that cannot be put together or solved in every case.
+    failed: u64,
+    first_failed: Option<u64>,
+    reason: Option<String>,
+    contributors: Vec<String>,
+    values: Vec<CarValue>,
+    bands: Vec<CarBandRecord>,
+    yield_of_all: Option<f64>,
+}
+
+/// Scatter of a result of a case, as printed.
+#[derive(Clone, Debug, Serialize)]
+struct CarValue {
+    output: String,
+    case: String,
+    unit: String,
+    builds: u64,
+    drawn: Option<f64>,
+    mean: Option<f64>,
+    mean_error: Option<f64>,
+    sigma: Option<f64>,
+    sigma_error: Option<f64>,
+    /// First-order standard deviation.
+    sigma_linear: Option<f64>,
+    /// Whether the builds confirm it.
+    linear_holds: Option<bool>,
+    percentiles: [Option<f64>; PERCENTILES.len()],
+    range: [Option<f64>; 2],
+    /// Share of each contributor in the first-order variance.
+    shares: Vec<Option<f64>>,
+    /// Whether a band is about it.
+    has_band: bool,
+}
+
+/// A band and its yield.
+#[derive(Clone, Debug, Serialize)]
+struct CarBandRecord {
+    output: String,
+    case: String,
+    low: Option<f64>,
+    high: Option<f64>,
+    kept: f64,
+}
+
+fn finite(value: f64) -> Option<f64> {
+    value.is_finite().then_some(value + 0.0)
+}
+
+impl CarToleranceSummary {
+    /// Summary of the first-order answer and of the builds.
+    pub fn of(
+        problem: &CarProblem<'_>,
+        nominal: &[f64],
+        expansion: &[CarExpansion],
+        builds: &CarBuilds,
+    ) -> Self {
+        let (study, tolerance) = (problem.study, problem.tolerance);
+        let length = study.car.length_unit;
+        let column = |case: usize, quantity: crate::car::CarQuantity| {
+            (quantity.column(length), study.cases[case].name.clone())
+        };
+        let results = problem.request.results.iter().enumerate();
+        let values = results.map(|(k, result)| {
+            let (spread, first) = (&builds.spreads[k], &expansion[k]);
+            let (output, case) = column(result.case, result.quantity);
+            let contributors = 0..tolerance.contributors.len();
+            CarValue {
+                output,
+                case,
+                unit: result.quantity.info().unit.suffix(length),
+                builds: spread.count,
+                drawn: finite(nominal[k]),
+                mean: finite(spread.mean),
+                mean_error: finite(spread.sigma / (spread.count as f64).sqrt()),
+                sigma: finite(spread.sigma),
+                sigma_error: finite(spread.sigma_error),
+                sigma_linear: finite(first.sigma()),
+                linear_holds: first.holds(spread),
+                percentiles: spread.percentiles.map(finite),
+                range: spread.range.map(finite),
+                shares: contributors.map(|c| finite(first.share(c))).collect(),
+                has_band: tolerance
+                    .bands
+                    .iter()
+                    .any(|band| (band.case, band.quantity) == (result.case, result.quantity)),
+            }
+        });
+        let share = |count: u64| count as f64 / builds.builds as f64;
+        let bands = tolerance.bands.iter().zip(&builds.in_bands);
+        let bands = bands.map(|(band, kept)| {
+            let (output, case) = column(band.case, band.quantity);
+            CarBandRecord {
+                output,
+                case,
+                low: finite(band.between[0]),
+                high: finite(band.between[1]),
+                kept: share(*kept),
+            }
+        });
+        let first = builds.first_failed.as_ref();
+        CarToleranceSummary {
+            command: "tolerance",
+            study: study.name.clone(),
+            builds: builds.builds,
+            seed: tolerance.seed,
+            failed: builds.failed,
+            first_failed: first.map(|(number, _)| *number),
+            reason: first.map(|(_, reason)| reason.clone()),
+            contributors: tolerance
+                .contributors
+                .iter()
+                .map(|contributor| contributor.name().to_owned())
+                .collect(),
+            values: values.collect(),
+            bands: bands.collect(),
+            yield_of_all: (!tolerance.bands.is_empty()).then(|| share(builds.in_all_bands)),
+        }
+    }
+
+    /// One line on the run.
+    pub fn headline(&self) -> String {
+        let mut line = counted(self.builds, "build");
+        if let Some(kept) = self.yield_of_all {
+            line += &format!(", {} in all bands", percent(kept));
+        }
+        line
+    }
+
+    /// Sentence on builds that failed.
+    pub fn failure(&self) -> Option<String> {
+        let (first, reason) = (self.first_failed?, self.reason.as_ref()?);
+        let builds = counted(self.failed, "build");
+        Some(format!(
+            "{builds} not solved in every case, first build {first}: {reason}"
+        ))
+    }
+
+    /// The values that bands are about; without bands all that scatter.
+    pub fn values_table(&self) -> Table {
+        let numbers = ["mean", "sigma", "linear", "p5", "p95", "linear holds"].map(Column::from);
+        let head = [
+            Column::from("output"),
+            "case".into(),
+            Column::named("nominal", "drawn"),
+        ];
+        let mut table = Table::with_columns(head.into_iter().chain(numbers)).keyed(2);
+        let has_bands = !self.bands.is_empty();
+        for value in &self.values {
+            let is_shown = match has_bands {
+                true => value.has_band,
+                false => value.sigma.is_some_and(|sigma| sigma > 0.0),
+            };
+            if !is_shown {
+                continue;
+            }
+            let numbers = [
+                value.drawn,
+                value.mean,
+                value.sigma,
+                value.sigma_linear,
+                value.percentiles[2],
+                value.percentiles[4],
+            ];
+            let words = match value.linear_holds {
+                Some(true) => "yes",
+                Some(false) => "no",
+                None => "",
+            };
+            let figure = |v: Option<f64>| Cell::from(v.map(|v| Cell::figure(v, &value.unit)));
+            let head = [value.output.as_str().into(), value.case.as_str().into()];
+            let cells = head.into_iter().chain(numbers.map(figure));
+            table.push_row(cells.chain([Cell::in_words(value.linear_holds, words)]));
+        }
+        table
+    }
+
+    /// The bands and their yields.
+    pub fn bands_table(&self) -> Table {
+        let mut table = Table::new(["output", "case", "at least", "at most", "yield"]);
+        for band in &self.bands {
+            table.push_row([
+                Cell::from(band.output.as_str()),
+                band.case.as_str().into(),
+                band.low.into(),
+                band.high.into(),
+                Cell::by(band.kept, percent),
+            ]);
+        }
+        if let Some(kept) = self.yield_of_all {
+            let rest = [Cell::from(""), "".into(), "".into()];
+            let all = [Cell::from("all")].into_iter().chain(rest);
+            table.push_row(all.chain([Cell::by(kept, percent)]));
+        }
+        table
+    }
+
+    /// Contributors by their largest share of the variance of a value: of those with bands, if there are any.
+    pub fn ranking_table(&self) -> Table {
+        let has_bands = !self.bands.is_empty();
+        let values = || {
+            self.values
+                .iter()
+                .filter(|value| value.has_band || !has_bands)
+        };
+        let mut ranked: Vec<(f64, &str, &CarValue)> = Vec::new();
+        for (number, name) in self.contributors.iter().enumerate() {
+            let shares = values().filter_map(|value| Some((value.shares[number]?, value)));
+            let most = shares.max_by(|a, b| a.0.total_cmp(&b.0));
+            ranked.extend(most.map(|(share, value)| (share, name.as_str(), value)));
+        }
+        ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let mut table = Table::new(["contributor", "largest share", "output", "case"]);
+        for (share, name, value) in ranked {
+            table.push_row([
+                Cell::from(name),
+                Cell::by(share, percent),
+                value.output.as_str().into(),
+                value.case.as_str().into(),
+            ]);
+        }
+        table
+    }
+
+    /// `tolerance.csv`: a row for each result of each case.
+    pub fn csv(&self) -> Vec<u8> {
+        let columns = [
+            "output",
+            "case",
+            "builds",
+            "drawn",
+            "mean",
+            "mean_error",
+            "sigma",
+            "sigma_error",
+            "sigma_linear",
+            "linear_holds",
+            "min",
+        ];
+        let mut header: Vec<String> = columns.map(str::to_owned).to_vec();
+        header.extend(PERCENTILES.map(|p| format!("p{p}")));
+        header.push("max".to_owned());
+        let rows = self.values.iter().map(|v| {
+            let mut row = vec![v.output.clone(), v.case.clone(), v.builds.to_string()];
+            row.extend([v.drawn, v.mean, v.mean_error, v.sigma, v.sigma_error].map(optional));
+            row.push(optional(v.sigma_linear));
+            row.push(v.linear_holds.map_or_else(String::new, |h| h.to_string()));
+            row.push(optional(v.range[0]));
+            row.extend(v.percentiles.map(optional));
+            row.push(optional(v.range[1]));
+            row
+        });
+        csv_of_rows(std::iter::once(header).chain(rows))
+    }
+
+    /// `contributors.csv`: share of each contributor in the first-order variance of each result.
+    pub fn contributors_csv(&self) -> Vec<u8> {
+        let header = ["output", "case", "contributor", "share"].map(str::to_owned);
+        let rows = self.values.iter().flat_map(|v| {
+            let names = self.contributors.iter().zip(&v.shares);
+            names.map(|(name, share)| {
+                let share = optional(*share);
+                vec![v.output.clone(), v.case.clone(), name.clone(), share]
+            })
+        });
+        csv_of_rows(std::iter::once(header.to_vec()).chain(rows))
+    }
+}

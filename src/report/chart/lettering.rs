@@ -1,0 +1,193 @@
+//! Words on a picture: as text, which an SVG leaves to the reader's fonts, or as outlines.
+//!
+//! A PNG must not depend on the fonts of a machine, which may have none. Its letters are those of DejaVu
+//! Sans, whose licence (Bitstream Vera's) is permissive, from a crate that carries nothing else; most
+//! other fonts in crates are under the Open Font License, or belong to a user interface.
+//! [`glyphs`](super::glyphs) reads their outlines, and they are drawn as paths before `resvg` sees the picture. `resvg` has text
+//! of its own, with shaping and right-to-left scripts, at three times its compile time and a dozen more crates: labels of
+//! axes and names of designs do not need it. A character that the font lacks is drawn as its box.
+
+use super::glyphs::{Command, Font};
+use super::mark::number;
+use std::fmt::Write;
+
+/// Form of printed words.
+pub(in crate::report) enum Lettering {
+    /// Text elements.
+    Text,
+    /// Outlines of a font.
+    Outlines(Font<'static>),
+}
+
+/// Anchor of words: the part at their place.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::report) enum Anchor {
+    /// Their left end.
+    Start,
+    /// Their middle.
+    Middle,
+    /// Their right end.
+    End,
+}
+
+/// Words at a place.
+pub(in crate::report) struct Words<'a> {
+    text: &'a str,
+    at: [f64; 2],
+    anchor: Anchor,
+    label: bool,
+    class: &'a str,
+    upward: bool,
+}
+
+impl<'a> Words<'a> {
+    /// Small words along the horizontal, their baseline at this height.
+    pub(in crate::report) fn new(text: &'a str, at: [f64; 2], anchor: Anchor) -> Self {
+        Words {
+            text,
+            at,
+            anchor,
+            label: false,
+            class: "",
+            upward: false,
+        }
+    }
+
+    /// The same as a label of an axis: larger.
+    pub(in crate::report) fn label(mut self) -> Self {
+        self.label = true;
+        self
+    }
+
+    /// The same with further classes.
+    pub(in crate::report) fn class(mut self, class: &'a str) -> Self {
+        self.class = class;
+        self
+    }
+
+    /// The same from below to above.
+    pub(in crate::report) fn upward(mut self) -> Self {
+        self.upward = true;
+        self
+    }
+}
+
+/// A size of letters at which DejaVu Sans, whose letters are large for their size, looks like the fonts
+/// that an SVG is shown with.
+const OUTLINE_SHARE: f64 = 0.92;
+/// The sizes of the style.
+const SIZE: f64 = 12.0;
+const LABEL_SIZE: f64 = 13.0;
+
+impl Lettering {
+    /// Letters as outlines.
+    pub(in crate::report) fn outlines() -> Self {
+        let font = Font::new(dejavu::sans::regular());
+        Lettering::Outlines(font.expect("the crate carries a font"))
+    }
+
+    /// Adds words to a picture.
+    pub(in crate::report) fn write(&self, svg: &mut String, words: &Words) {
+        match self {
+            Lettering::Text => write_text(svg, words),
+            Lettering::Outlines(font) => write_outlines(svg, words, font),
+        }
+    }
+}
+
+fn write_text(svg: &mut String, words: &Words) {
+    let [x, y] = words.at.map(number);
+    let class = classes("", words);
+    let anchor = match words.anchor {
+        Anchor::Start => "",
+        Anchor::Middle => " text-anchor=\"middle\"",
+        Anchor::End => " text-anchor=\"end\"",
+    };
+    let turned = match words.upward {
+        true => format!(" transform=\"rotate(-90 {x} {y})\""),
+        false => String::new(),
+    };
+    let text = text(words.text);
+    let _ = write!(
+        svg,
+        "<text{class} x=\"{x}\" y=\"{y}\"{anchor}{turned}>{text}</text>"
+    );
+}
+
+fn write_outlines(svg: &mut String, words: &Words, font: &Font) {
+    let size = if words.label { LABEL_SIZE } else { SIZE };
+    let scale = OUTLINE_SHARE * size / f64::from(font.units_per_em);
+    let mut path = Outline::default();
+    for letter in words.text.chars() {
+        let glyph = font.glyph(letter);
+        font.draw(glyph, &mut |command| path.draw(command));
+        path.pen += i32::from(font.advance(glyph));
+    }
+    let before = match words.anchor {
+        Anchor::Start => 0,
+        Anchor::Middle => path.pen / 2,
+        Anchor::End => path.pen,
+    };
+    let [x, y] = words.at.map(number);
+    let turned = if words.upward { " rotate(-90)" } else { "" };
+    let class = classes("letters", words);
+    let _ = write!(
+        svg,
+        "<path{class} transform=\"translate({x} {y}){turned} scale({scale:.6} {:.6}) \
+         translate({} 0)\" d=\"{}\"/>",
+        -scale, -before, path.commands
+    );
+}
+
+/// The attribute with the classes of words; empty if they have none.
+fn classes(first: &str, words: &Words) -> String {
+    let label = if words.label { "label" } else { "" };
+    let all: Vec<&str> = [first, label, words.class]
+        .into_iter()
+        .filter(|c| !c.is_empty())
+        .collect();
+    match all.is_empty() {
+        true => String::new(),
+        false => format!(" class=\"{}\"", all.join(" ")),
+    }
+}
+
+/// The outline of some letters as commands of a path, in the font's units (y up).
+#[derive(Default)]
+struct Outline {
+    commands: String,
+    /// Start of the next letter.
+    pen: i32,
+}
+
+impl Outline {
+    fn draw(&mut self, command: Command) {
+        match command {
+            Command::Move(point) => self.add('M', [point]),
+            Command::Line(point) => self.add('L', [point]),
+            Command::Curve(control, point) => self.add('Q', [control, point]),
+            Command::Close => self.commands.push('Z'),
+        }
+    }
+
+    fn add<const N: usize>(&mut self, command: char, places: [[f32; 2]; N]) {
+        self.commands.push(command);
+        for [x, y] in places {
+            // Whole numbers but in scaled parts of glyphs, where the fraction does not matter.
+            let _ = write!(
+                self.commands,
+                "{} {} ",
+                x.round() as i32 + self.pen,
+                y.round()
+            );
+        }
+    }
+}
+
+/// Text in SVG, which cannot hold control characters in any spelling.
+pub(in crate::report) fn text(plain: &str) -> String {
+    let shown = |c: char| if c.is_control() { '\u{fffd}' } else { c };
+    let plain: String = plain.chars().map(shown).collect();
+    let plain = plain.replace('&', "&amp;");
+    plain.replace('<', "&lt;").replace('>', "&gt;")
+}

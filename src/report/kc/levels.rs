@@ -1,0 +1,127 @@
+//! `levels.csv`: equilibria under the levels of test loads.
+
+use super::super::shortest;
+use super::{KcResults, csv, held, no_equilibrium, optional, status};
+use crate::compliance::{BushingReading, KcLevel, KcState, KcStation, KcTest, TestLoad};
+use crate::model::Axis;
+use crate::number::Vector3;
+
+impl KcResults<'_> {
+    /// `levels.csv`: a row for each level; `None` if no test has levels.
+    pub fn levels_csv(&self) -> Option<Vec<u8>> {
+        let mut header = self.columns(&[
+            "travel_U",
+            "rack_U",
+            "load",
+            "trail_U",
+            "mode",
+            "hold",
+            "anti_roll_bar",
+            "side",
+            "level",
+            "force_N",
+            "moment_N_m",
+            "vertical_force_N",
+            "toe_deg",
+            "camber_deg",
+            "caster_deg",
+            "spin_deg",
+            "wheel_centre_x_U",
+            "wheel_centre_y_U",
+            "wheel_centre_z_U",
+            "contact_point_x_U",
+            "contact_point_y_U",
+            "contact_point_z_U",
+            "spring_force_N",
+        ]);
+        for name in &self.bushings {
+            for (part, unit) in [
+                ("deflection", "_U"),
+                ("rotation", "_deg"),
+                ("force", "_N"),
+                ("torque", "_N_m"),
+            ] {
+                let of = Axis::ALL.map(|axis| format!("{name}_{part}_{}{unit}", axis.name()));
+                header.extend(self.columns(&of.each_ref().map(String::as_str)));
+            }
+        }
+        header.extend(self.links.iter().map(|name| format!("{name}_tension_N")));
+        header.extend(["share", "reason", "status"].map(str::to_owned));
+        let mut rows = Vec::new();
+        for station in &self.stations {
+            for outcome in station.outcomes.iter().flatten() {
+                for level in &outcome.levels {
+                    rows.push(self.level_row(station, &outcome.test, level, header.len()));
+                }
+            }
+        }
+        (!rows.is_empty()).then(|| csv(&header, rows))
+    }
+
+    fn level_row(
+        &self,
+        station: &KcStation,
+        test: &KcTest,
+        level: &KcLevel,
+        width: usize,
+    ) -> Vec<String> {
+        let trail = (test.load == TestLoad::Lateral).then_some(test.trail);
+        let per_metre = self.length().per_metre();
+        let is_moment = test.load == TestLoad::Aligning;
+        let mut row = self.station(station);
+        row.extend([test.load.name().to_owned(), optional(trail)]);
+        row.extend(["", held(test), "", ""].map(str::to_owned));
+        row.extend([
+            level.level.to_string(),
+            optional((!is_moment).then_some(level.load)),
+            optional(is_moment.then_some(level.load / per_metre)),
+        ]);
+        match &level.state {
+            Ok(state) => {
+                row.extend(self.state_cells(state).into_iter().map(optional));
+                row.extend([shortest(1.0), String::new(), "ok".to_owned()]);
+            }
+            Err(why) => {
+                row.resize(width - 3, String::new());
+                row.extend([
+                    shortest(why.share),
+                    no_equilibrium(why),
+                    status(why).to_owned(),
+                ]);
+            }
+        }
+        row
+    }
+
+    fn state_cells(&self, state: &KcState) -> Vec<Option<f64>> {
+        let per_metre = self.length().per_metre();
+        let figures = &state.figures;
+        let degrees = |angle: f64| Some(angle.to_degrees());
+        let point = |v: Vector3<f64>| self.suspension.frame.vector(v).to_array().map(Some);
+        let mut cells = vec![
+            Some(state.wheel_load),
+            degrees(figures.toe),
+            degrees(figures.camber),
+            figures.steering.and_then(|[caster, _]| degrees(caster)),
+            degrees(figures.spin),
+        ];
+        cells.extend(point(figures.centre));
+        cells.extend(point(figures.contact));
+        cells.push(state.spring.map(|spring| spring.force));
+        for BushingReading {
+            deflection,
+            rotation,
+            force,
+            torque,
+            ..
+        } in &state.bushings
+        {
+            cells.extend(deflection.to_array().map(Some));
+            cells.extend(rotation.to_array().map(degrees));
+            cells.extend(force.to_array().map(Some));
+            cells.extend(torque.to_array().map(|torque| Some(torque / per_metre)));
+        }
+        cells.extend(state.tensions.iter().copied().map(Some));
+        cells
+    }
+}

@@ -1,0 +1,264 @@
+//! Results of rig tests on one wheel: `kc.csv` and `compliance_matrix.csv`, and in the modules below levels, tables,
+//! sensitivities and remarks.
+
+mod levels;
+mod names;
+mod parts;
+mod remarks;
+mod sensitivities;
+mod tables;
+
+pub use names::OtherProgram;
+pub use parts::elastic_parts;
+
+use super::shortest;
+use crate::ask::Unit;
+use crate::compliance::{
+    HeldQuantity, KcFigure, KcOutcome, KcStation, KcTest, Motion, NoEquilibrium, TestLoad,
+    TestPlace,
+};
+use crate::model::{Axis, LengthUnit, Suspension};
+use names::{OtherFigure, StationMatrix};
+
+/// Results of the tests of a study, with what they are written in.
+pub struct KcResults<'a> {
+    /// The suspension.
+    pub suspension: &'a Suspension,
+    /// Names of the bushings, in the order of their readings.
+    pub bushings: Vec<String>,
+    /// Names of the links, in the order of their tensions.
+    pub links: Vec<String>,
+    /// The vertical force at the contact point in the design position, if that is an equilibrium.
+    pub design_load: Option<f64>,
+    /// The stations.
+    pub stations: Vec<KcStation>,
+    /// The program whose names and values stand beside ours.
+    pub other: Option<OtherProgram>,
+}
+
+/// Why a state has no equilibrium, in words.
+pub fn no_equilibrium(why: &NoEquilibrium) -> String {
+    let motion = why.softest.as_ref().map(|(part, motion)| match motion {
+        Motion::Turn(axis) => format!("{part} turns about {}", axis.name()),
+        Motion::Shift(axis) => format!("{part} moves along {}", axis.name()),
+    });
+    let motion = motion.unwrap_or_else(|| "no equilibrium is found".to_owned());
+    match why.is_unstable {
+        true => format!("found, but not stable: {motion}"),
+        false => format!("holds {:.6} of the way; then {motion}", why.share),
+    }
+}
+
+/// The status word of a state without equilibrium.
+fn status(why: &NoEquilibrium) -> &'static str {
+    match why.is_unstable {
+        true => "unstable",
+        false => "no_equilibrium",
+    }
+}
+
+fn place(place: TestPlace) -> &'static str {
+    match place {
+        TestPlace::Nowhere => "",
+        TestPlace::ContactPoint => "contact_point",
+        TestPlace::WheelCentre => "wheel_centre",
+        TestPlace::Moment => "moment",
+    }
+}
+
+fn held(test: &KcTest) -> &'static str {
+    match (test.load.is_motion(), test.held) {
+        (true, _) => "",
+        (false, HeldQuantity::WheelHeight) => "wheel_height",
+        (false, HeldQuantity::WheelLoad) => "wheel_load",
+    }
+}
+
+fn optional(value: Option<f64>) -> String {
+    value.map_or_else(String::new, shortest)
+}
+
+/// A CSV file of rows of text.
+fn csv(header: &[String], rows: impl IntoIterator<Item = Vec<String>>) -> Vec<u8> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    let written = "written to memory";
+    writer.write_record(header).expect(written);
+    for row in rows {
+        writer.write_record(&row).expect(written);
+    }
+    writer.into_inner().expect(written)
+}
+
+impl KcResults<'_> {
+    fn length(&self) -> LengthUnit {
+        self.suspension.length_unit
+    }
+
+    fn columns(&self, names: &[&str]) -> Vec<String> {
+        let u = self.length().symbol();
+        names
+            .iter()
+            .map(|name| name.replace("_U", &format!("_{u}")))
+            .collect()
+    }
+
+    fn station(&self, station: &KcStation) -> Vec<String> {
+        vec![shortest(station.travel), shortest(station.rack)]
+    }
+
+    /// `kc.csv`: a row for each station, test and quantity.
+    pub fn kc_csv(&self) -> Vec<u8> {
+        let mut header = self.columns(&[
+            "travel_U",
+            "rack_U",
+            "load",
+            "at",
+            "trail_U",
+            "mode",
+            "hold",
+            "anti_roll_bar",
+            "wheel",
+            "quantity",
+            "value",
+            "secant",
+            "window",
+            "unit",
+        ]);
+        if self.other.is_some() {
+            header.extend(["other_name", "other_value", "other_unit"].map(str::to_owned));
+        }
+        header.extend(["reason", "status"].map(str::to_owned));
+        let mut rows = Vec::new();
+        for station in &self.stations {
+            match &station.outcomes {
+                Ok(outcomes) => {
+                    for outcome in outcomes {
+                        self.figure_rows(station, outcome, &mut rows);
+                    }
+                }
+                Err(why) => {
+                    for (test, at) in &station.tests {
+                        let mut row = self.test_cells(station, test, *at);
+                        row.resize(header.len() - 2, String::new());
+                        row.extend([no_equilibrium(why), status(why).to_owned()]);
+                        rows.push(row);
+                    }
+                }
+            }
+        }
+        csv(&header, rows)
+    }
+
+    /// Cells from the station to the wheel.
+    fn test_cells(&self, station: &KcStation, test: &KcTest, at: TestPlace) -> Vec<String> {
+        let trail = (test.load == TestLoad::Lateral).then_some(test.trail);
+        let mut cells = self.station(station);
+        cells.extend([
+            test.load.name().to_owned(),
+            place(at).to_owned(),
+            optional(trail),
+        ]);
+        cells.extend(["", held(test), "", ""].map(str::to_owned));
+        cells
+    }
+
+    /// A value of a figure as it is printed.
+    fn printed(&self, figure: &KcFigure, value: Option<f64>) -> Option<f64> {
+        value.map(|value| value * figure.unit.printed_factor(self.length()))
+    }
+
+    /// A figure by another program's definition.
+    fn other_figure(
+        &self,
+        program: OtherProgram,
+        station: &KcStation,
+        outcome: &KcOutcome,
+        figure: &KcFigure,
+    ) -> Option<OtherFigure> {
+        let of = StationMatrix {
+            matrix: station.matrix.as_ref()?,
+            frame: self.suspension.frame,
+            length: self.length(),
+            radius: self.suspension.wheel_radius?,
+        };
+        of.other(program, figure.quantity, &outcome.test)
+    }
+
+    fn figure_rows(&self, station: &KcStation, outcome: &KcOutcome, rows: &mut Vec<Vec<String>>) {
+        let failed = outcome.levels.iter().find_map(|l| l.state.as_ref().err());
+        for figure in &outcome.figures {
+            let mut row = self.test_cells(station, &outcome.test, outcome.place);
+            let has_window = !outcome.levels.is_empty();
+            let reason = match (figure.value, failed) {
+                (None, _) if figure.unit == Unit::Stiffness => {
+                    "nothing moves: the stiffness has no bound".to_owned()
+                }
+                (None, _) => "no value here".to_owned(),
+                (_, Some(why)) => format!("no secant: {}", no_equilibrium(why)),
+                _ => String::new(),
+            };
+            row.extend([
+                figure.quantity.to_owned(),
+                optional(self.printed(figure, figure.value)),
+                optional(self.printed(figure, figure.secant)),
+                optional(has_window.then_some(outcome.test.window)),
+                figure.unit.suffix(self.length()),
+            ]);
+            if let Some(program) = self.other {
+                let other = self.other_figure(program, station, outcome, figure);
+                row.extend(match other {
+                    Some(other) => [
+                        other.name.to_owned(),
+                        shortest(other.value),
+                        other.unit.to_owned(),
+                    ],
+                    None => [const { String::new() }; 3],
+                });
+            }
+            row.extend([reason, "ok".to_owned()]);
+            rows.push(row);
+        }
+    }
+
+    /// `compliance_matrix.csv`: six rows for each station; `None` if the wheel load cannot be held anywhere.
+    pub fn matrix_csv(&self) -> Option<Vec<u8>> {
+        let u = self.length().symbol();
+        let mut header = self.columns(&["travel_U", "rack_U", "output", "unit"]);
+        header.extend(["fx", "fy", "fz", "mx", "my", "mz", "reason", "status"].map(str::to_owned));
+        let mut rows = Vec::new();
+        for station in &self.stations {
+            let Some(matrix) = &station.matrix else {
+                continue;
+            };
+            for (k, values) in matrix.iter().enumerate() {
+                let axis = Axis::ALL[k % 3].name();
+                let (output, unit) = match k < 3 {
+                    true => (format!("wheel_centre_{axis}"), u),
+                    false => (format!("rotation_{axis}"), "rad"),
+                };
+                let mut row = self.station(station);
+                row.extend([output, unit.to_owned()]);
+                row.extend(values.iter().map(|value| shortest(*value)));
+                row.extend([String::new(), "ok".to_owned()]);
+                rows.push(row);
+            }
+        }
+        (!rows.is_empty()).then(|| csv(&header, rows))
+    }
+
+    /// A test in words: `lateral, trail 30 mm`, `braking, wheel load held`.
+    fn test_name(&self, test: &KcTest) -> String {
+        let mut name = test.load.name().to_owned();
+        if test.trail != 0.0 {
+            name += &format!(
+                ", trail {} {}",
+                super::brief(test.trail),
+                self.length().symbol()
+            );
+        }
+        if test.held == HeldQuantity::WheelLoad && test.load != TestLoad::Vertical {
+            name += ", wheel load held";
+        }
+        name
+    }
+}

@@ -1,0 +1,92 @@
+//! Stations and levels without equilibrium, and warnings.
+
+use super::{KcResults, no_equilibrium};
+use crate::compliance::{KcState, TestLoad};
+
+impl KcResults<'_> {
+    /// Returns true if every station and level has an equilibrium.
+    pub fn is_complete(&self) -> bool {
+        self.failures().is_empty()
+    }
+
+    /// Stations and levels without equilibrium, a line each.
+    pub fn failures(&self) -> Vec<String> {
+        let u = self.length().symbol();
+        let mut failures = Vec::new();
+        for station in &self.stations {
+            let at = format!(
+                "travel {} {u}, rack {} {u}",
+                super::super::brief(station.travel),
+                super::super::brief(station.rack)
+            );
+            match &station.outcomes {
+                Err(why) => failures.push(format!("{at}: {}", no_equilibrium(why))),
+                Ok(outcomes) => {
+                    for outcome in outcomes {
+                        let first = outcome
+                            .levels
+                            .iter()
+                            .filter_map(|level| Some((level.load, level.state.as_ref().err()?)));
+                        let nearest = first.min_by(|(a, _), (b, _)| a.abs().total_cmp(&b.abs()));
+                        if let Some((load, why)) = nearest {
+                            let unit = match outcome.test.load {
+                                TestLoad::Aligning => format!("N {u}"),
+                                _ => "N".to_owned(),
+                            };
+                            failures.push(format!(
+                                "{at}, {} at {} {unit}: {}",
+                                self.test_name(&outcome.test),
+                                super::super::brief(load),
+                                no_equilibrium(why)
+                            ));
+                        }
+                    }
+                }
+            }
+        }
+        failures
+    }
+
+    /// Warnings: values that stand on a continued curve, wheels that lift.
+    pub fn warnings(&self) -> Vec<String> {
+        let outcomes = self
+            .stations
+            .iter()
+            .flat_map(|s| s.outcomes.iter().flatten());
+        let states = outcomes
+            .flat_map(|outcome| &outcome.levels)
+            .filter_map(|level| level.state.as_ref().ok());
+        let states: Vec<&KcState> = states.collect();
+        let mut warnings = Vec::new();
+        for (k, name) in self.bushings.iter().enumerate() {
+            let beyond = states.iter().filter(|s| s.bushings[k].is_extrapolated);
+            let count = beyond.count();
+            if count > 0 {
+                warnings.push(format!(
+                    "warning: {name} is beyond its curve, or turned by more than 60 degrees, in {} of {} states; its law is continued straight",
+                    count,
+                    states.len()
+                ));
+            }
+        }
+        let lifted = states.iter().filter(|s| s.wheel_load < 0.0).count();
+        let carries = states.iter().any(|s| s.spring.is_some());
+        if lifted > 0 && carries {
+            warnings.push(format!(
+                "warning: the wheel load is below 0 in {lifted} of {} states: the wheel lifts",
+                states.len()
+            ));
+        }
+        let stopped = states
+            .iter()
+            .filter(|s| s.spring.is_some_and(|s| s.meets_stop));
+        let stopped = stopped.count();
+        if stopped > 0 {
+            warnings.push(format!(
+                "the bump stop is met in {stopped} of {} states",
+                states.len()
+            ));
+        }
+        warnings
+    }
+}

@@ -1,0 +1,335 @@
+//! The page of a car. It has no script: every picture is drawn here.
+
+mod charts;
+mod views;
+
+use super::STYLE;
+use super::escape::html;
+use super::policy::policy;
+use crate::report::car::{CarCase, CarRecord, CarStateRecord};
+use crate::report::table::{Cell, Column, Table};
+use crate::report::{figure, with_decimals};
+
+/// Styles of the pictures.
+const CAR_STYLE: &str = include_str!("car.css");
+
+/// Names of the wheels, front left first.
+const WHEELS: [&str; 4] = ["front left", "front right", "rear left", "rear right"];
+
+/// A number with the digits that a reader needs.
+fn shown(value: f64, unit: &str) -> String {
+    match unit {
+        "N" => with_decimals(value, 0),
+        "percent" | "mm" => with_decimals(value, 1),
+        "deg" | "deg_per_g" | "in" | "tolerances" => with_decimals(value, 2),
+        "m" => with_decimals(value, 4),
+        _ => figure(value, unit),
+    }
+}
+
+/// Name of a case for readers.
+fn titled(case: &CarCase) -> String {
+    html(&case.name.replace('_', " "))
+}
+
+/// The page of a car.
+pub fn car_page(record: &CarRecord) -> String {
+    let facts = record.facts.iter().map(|fact| {
+        let name = fact.name.replace('_', " ");
+        let value = shown(fact.value, &fact.unit);
+        let unit = fact.unit.replace("_per_", "/").replace("percent", "%");
+        let unit = html(&unit);
+        format!(
+            "<div><dt>{}</dt><dd>{value} <small>{unit}</small></dd></div>",
+            html(&name)
+        )
+    });
+    let failures = record.cases.iter().filter_map(|case| {
+        let reason = case.reason.as_ref()?;
+        Some(format!("<li>{}: {}</li>", titled(case), html(reason)))
+    });
+    let failures: String = failures.collect();
+    let failures = match failures.is_empty() {
+        true => String::new(),
+        false => format!(
+            "<div class=\"failures\"><h2>Cases without equilibrium</h2><ul>{failures}</ul></div>"
+        ),
+    };
+    let remarks: String = record
+        .remarks
+        .iter()
+        .map(|remark| format!("<p class=\"note\">{}</p>", html(remark)))
+        .collect();
+    let sections = [
+        targets(record),
+        corner_weights(record),
+        transfer(record),
+        map(record),
+        roll_axis(record),
+        attitude(record),
+        cases(record),
+    ];
+    let style = [STYLE, CAR_STYLE].concat();
+    format!(
+        include_str!("car.html"),
+        policy = html(&policy(&[], &style)),
+        study = html(&record.study),
+        style = style,
+        about = html(&about(record)),
+        verdict = html(&verdict(record)),
+        facts = facts.collect::<String>(),
+        failures = failures,
+        remarks = remarks,
+        main = sections.concat(),
+        files = html(&record.files.join(", ")),
+    )
+}
+
+fn about(record: &CarRecord) -> String {
+    let tyres = match record.elastic_tyres {
+        true => "tyre springs",
+        false => "rigid tyres",
+    };
+    let cases = crate::report::counted(record.cases.len(), "case");
+    format!(
+        "hardpoint {} {}: {cases}, {tyres}, lengths in {}",
+        record.version, record.command, record.length_unit
+    )
+}
+
+/// The answer in a sentence or two.
+fn verdict(record: &CarRecord) -> String {
+    let mut said = Vec::new();
+    let met = record.targets.iter().filter(|target| target.is_met());
+    match (met.count(), record.targets.len()) {
+        (_, 0) => {}
+        (met, all) if met == all => {
+            said.push("All targets are met within their tolerances.".to_owned());
+        }
+        (met, all) => said.push(format!(
+            "{met} of {all} targets are met within their tolerances."
+        )),
+    }
+    let fact = |name: &str| record.facts.iter().find(|fact| fact.name == name);
+    if let Some(roll) = fact("roll_gradient") {
+        let mut text = format!("The car rolls {} deg/g", shown(roll.value, &roll.unit));
+        if let Some(share) = fact("lateral_load_transfer_distribution_local") {
+            text += &format!(
+                ", and the front axle takes {} % of the lateral load transfer",
+                shown(share.value, &share.unit)
+            );
+        }
+        said.push(text + " (about the state at rest).");
+    }
+    let lifts = record.cases.iter().filter_map(|case| {
+        let lifted = case.state.as_ref()?.lifted_in_words();
+        (!lifted.is_empty()).then(|| {
+            format!(
+                "{} lifts in {}",
+                lifted.replace('_', " "),
+                case.name.replace('_', " ")
+            )
+        })
+    });
+    let lifts: Vec<String> = lifts.collect();
+    if !lifts.is_empty() {
+        said.push(format!("A wheel leaves the ground: {}.", lifts.join("; ")));
+    }
+    let failed = record.cases.iter().filter(|case| case.reason.is_some());
+    match failed.count() {
+        0 => said.push("Every case is in equilibrium.".to_owned()),
+        count => said.push(format!(
+            "{} of {} cases have no equilibrium.",
+            count,
+            record.cases.len()
+        )),
+    }
+    said.join(" ")
+}
+
+fn section(id: &str, title: &str, note: &str, content: &str) -> String {
+    format!(
+        "<section id=\"{id}\"><h2>{title}</h2><p class=\"note\">{note}</p>{content}</section>\n"
+    )
+}
+
+/// The cases that have a state.
+fn solved(record: &CarRecord) -> impl Iterator<Item = (&CarCase, &CarStateRecord)> {
+    let cases = record.cases.iter();
+    cases.filter_map(|case| Some((case, case.state.as_ref()?)))
+}
+
+fn targets(record: &CarRecord) -> String {
+    if record.targets.is_empty() {
+        return String::new();
+    }
+    let names = [
+        "target",
+        "case",
+        "at least",
+        "at most",
+        "before",
+        "after",
+        "deviation",
+    ];
+    let mut table = Table::with_columns(names.map(Column::from));
+    for target in &record.targets {
+        let unit = target.unit();
+        let cell = |value: Option<f64>| Cell::by(value, |value| shown(value, unit));
+        table.push_row([
+            Cell::from(target.output.as_str()),
+            target.case.as_str().into(),
+            cell(target.wanted[0]),
+            cell(target.wanted[1]),
+            cell(target.values[0]),
+            cell(target.values[1]),
+            Cell::by(target.deviation, |value| shown(value, "tolerances")),
+        ]);
+    }
+    let missed = |row: usize| (!record.targets[row].is_met()).then_some("unmet");
+    let note = "Deviations are in tolerances. A target is met if its deviation is at most 1.";
+    section(
+        "targets",
+        "Targets",
+        note,
+        &super::table::table(&table, missed),
+    )
+}
+
+fn corner_weights(record: &CarRecord) -> String {
+    let Some((_, state)) = solved(record).next() else {
+        return String::new();
+    };
+    let total: f64 = state.loads.iter().sum();
+    let cells = state.loads.iter().zip(WHEELS).map(|(load, name)| {
+        format!(
+            "<div><dt>{name}</dt><dd>{} <small>N</small></dd><dd class=\"share\">{} %</dd></div>",
+            shown(*load, "N"),
+            shown(100.0 * load / total, "percent")
+        )
+    });
+    let cells: String = cells.collect();
+    let note = "Wheel loads of the car at rest, seen from above with the front at the top.";
+    let total = format!("<p>Sum {} N.</p>", shown(total, "N"));
+    let content = format!("<dl class=\"corners\">{cells}</dl>{total}");
+    section("weights", "Corner weights", note, &content)
+}
+
+fn transfer(record: &CarRecord) -> String {
+    let turning: Vec<_> = solved(record).filter(|(case, _)| case.ay != 0.0).collect();
+    if turning.is_empty() {
+        return String::new();
+    }
+    let scale = charts::transfer_scale(turning.iter().map(|(_, state)| *state));
+    let figures = turning.iter().map(|(case, state)| {
+        let share = state.front_share.map_or_else(String::new, |share| {
+            format!("front share {} %", shown(share, "percent"))
+        });
+        format!(
+            "<figure><figcaption>{} <small>ax {} g, ay {} g; {share}</small></figcaption>{}</figure>",
+            titled(case),
+            shown(case.ax, "g"),
+            shown(case.ay, "g"),
+            charts::transfer(state, &scale)
+        )
+    });
+    let figures: String = figures.collect();
+    let note = "Half the load of the right wheel less that of the left wheel, in N. The parts add up to the total: springs, \
+                stops and bars (elastic), side forces through the links (geometric), brake and drive forces through the links \
+                (longitudinal), weight and inertia of the wheels (unsprung).";
+    let content = format!("{}<div class=\"plots\">{figures}</div>", charts::key());
+    section("transfer", "Load transfer by part", note, &content)
+}
+
+fn map(record: &CarRecord) -> String {
+    let Some(map) = &record.map else {
+        return String::new();
+    };
+    let note = "Largest friction coefficient that a wheel needs in each state. The map has no grip limit, since tyres have no \
+                characteristics. A dot marks states with a lifted wheel, a cross states without equilibrium.";
+    section(
+        "map",
+        "g-g map",
+        note,
+        &format!("<figure class=\"map\">{}</figure>", charts::map(map)),
+    )
+}
+
+fn roll_axis(record: &CarRecord) -> String {
+    let mut shown: Vec<_> = solved(record).take(1).collect();
+    let turning = solved(record).filter(|(case, _)| case.ay != 0.0);
+    let hardest = turning.max_by(|a, b| a.0.ay.abs().total_cmp(&b.0.ay.abs()));
+    shown.extend(hardest);
+    let figures = shown.iter().map(|(case, state)| {
+        format!(
+            "<figure><figcaption>{} <small>forward is to the left</small></figcaption>{}</figure>",
+            titled(case),
+            views::side(record, state)
+        )
+    });
+    let figures: String = figures.collect();
+    let note = "The roll axis joins the heights at which the side forces of each axle act on the body, with the shares of the case. \
+                The dashed line joins the kinematic roll centres. The dot is the centre of gravity of the sprung mass.";
+    section(
+        "roll-axis",
+        "Roll axis",
+        note,
+        &format!("<div class=\"plots\">{figures}</div>"),
+    )
+}
+
+fn attitude(record: &CarRecord) -> String {
+    let figures = solved(record).flat_map(|(case, state)| {
+        [0, 1].map(|axle| {
+            let attitude = format!(
+                "roll {} deg, pitch {} deg",
+                shown(state.attitude[0], "deg"),
+                shown(state.attitude[1], "deg")
+            );
+            format!(
+                "<figure><figcaption>{}, {} axle <small>{attitude}</small></figcaption>{}</figure>",
+                titled(case),
+                ["front", "rear"][axle],
+                views::front(record, state, axle)
+            )
+        })
+    });
+    let figures: String = figures.collect();
+    let note = "Both axles from the front on level ground, true to scale: the left wheel is on the right. Below each wheel are its load \
+                and its camber to the road.";
+    section(
+        "attitude",
+        "Axles and attitude",
+        note,
+        &format!("<div class=\"plots\">{figures}</div>"),
+    )
+}
+
+fn cases(record: &CarRecord) -> String {
+    let mut names = vec!["case", "ax g", "ay g", "roll deg", "pitch deg"];
+    names.extend(WHEELS);
+    names.extend(["front share %", "lifted", "reason"]);
+    let mut table = Table::with_columns(names.into_iter().map(Column::from));
+    for case in &record.cases {
+        let state = case.state.as_ref();
+        let number = |value: Option<f64>, unit: &str| Cell::by(value, |value| shown(value, unit));
+        let head = [
+            Cell::from(case.name.as_str()),
+            number(Some(case.ax), "g"),
+            number(Some(case.ay), "g"),
+            number(state.map(|state| state.attitude[0]), "deg"),
+            number(state.map(|state| state.attitude[1]), "deg"),
+        ];
+        let loads = [0, 1, 2, 3].map(|wheel| number(state.map(|state| state.loads[wheel]), "N"));
+        let lifted = state.map_or_else(String::new, CarStateRecord::lifted_in_words);
+        let tail = [
+            number(state.and_then(|state| state.front_share), "percent"),
+            lifted.as_str().into(),
+            case.reason.as_deref().unwrap_or("").into(),
+        ];
+        table.push_row(head.into_iter().chain(loads).chain(tail));
+    }
+    let failed = |row: usize| record.cases[row].reason.as_ref().map(|_| "unmet");
+    let note = "Wheel loads in N. cases.csv has all results.";
+    section("cases", "Cases", note, &super::table::table(&table, failed))
+}

@@ -1,0 +1,253 @@
+//! Motions of an axle over time: those of one wheel, and slopes of the curves by time.
+
+use super::commands;
+use hardpoint::axle::axle_curves;
+use hardpoint::curves::{Curves, curves};
+use hardpoint::plan::Plan;
+use hardpoint::study::Study;
+use std::path::Path;
+
+fn study(name: &str, overrides: &[&str]) -> Result<Study, String> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("studies/{name}.toml"));
+    let overrides: Vec<_> = overrides.iter().map(|o| (*o).to_owned()).collect();
+    Study::read(&path, &overrides).map_err(|e| e.to_string())
+}
+
+fn solved(overrides: &[&str]) -> Curves {
+    let study = study("macpherson_axle", overrides).unwrap_or_else(|e| panic!("{e}"));
+    let both = study.axle().unwrap().clone();
+    axle_curves(&both.axle, &both.plan).unwrap().curves
+}
+
+fn value(curves: &Curves, station: usize, name: &str) -> f64 {
+    let found = curves.columns.iter().position(|c| c.name == name);
+    let column = found.unwrap_or_else(|| panic!("no column {name}"));
+    curves.stations[station].values[column].unwrap_or_else(|void| panic!("{name}: {void:?}"))
+}
+
+const ASKED: &str = "outputs={characteristics=[\"camber\", \"toe\", \"track\", \"wheel_load\"], \
+    points=[\"wheel_centre\", \"tie_rod_outer\"], knuckle=true, order=\"acceleration\"}";
+
+/// Velocities are the slopes of the values, and accelerations those of the velocities, by differences of the eighth order.
+#[test]
+fn derivatives_by_time_are_slopes() {
+    let step = 1.0 / 64.0;
+    let weights = [4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0];
+    let slope = |at: &dyn Fn(usize) -> f64| {
+        let pairs = weights.iter().enumerate();
+        pairs.map(|(k, w)| w * (at(5 + k) - at(3 - k))).sum::<f64>() / step
+    };
+    for (drive, held) in [
+        ("heave", ""),
+        ("heave", "roll=[-1.0, 2.0], rack=4.0, "),
+        ("roll", "heave=[0.0, 10.0], rack=[0.0, 4.0], "),
+        ("rack", "roll=1.0, heave=5.0, "),
+        ("steering_wheel_angle", "heave=5.0, "),
+        (
+            "travel_left",
+            "travel_right=[0.0, 12.0], ground=\"plane\", ",
+        ),
+        ("travel_right", "travel_left=[0.0, 12.0], rack=[0.0, 4.0], "),
+    ] {
+        let half = 4.0 * step;
+        let motion = format!(
+            "motion={{{held}drive=\"{drive}\", time={{polynomial=[1.0, 2.0, -3.0, 0.5], from={}, to={}, steps=9}}}}",
+            0.5 - half,
+            0.5 + half
+        );
+        let found = solved(&[ASKED, &motion]);
+        let time = found.motion.iter().position(|m| m.key == "time").unwrap();
+        let places: Vec<Vec<u64>> = (found.stations.iter())
+            .map(|s| s.at.iter().map(|at| at.unwrap().to_bits()).collect())
+            .collect();
+        // The stations of each combination of the other coordinates, in the order of time.
+        let driven = found.motion.iter().position(|m| m.key == drive).unwrap();
+        let given: Vec<usize> = (0..found.motion.len())
+            .filter(|k| found.motion[*k].is_given && ![time, driven].contains(k))
+            .collect();
+        let key = |station: usize| {
+            given
+                .iter()
+                .map(|k| places[station][*k])
+                .collect::<Vec<_>>()
+        };
+        let mut groups: Vec<Vec<usize>> = Vec::new();
+        for station in 0..places.len() {
+            match groups.iter_mut().find(|g| key(g[0]) == key(station)) {
+                Some(group) => group.push(station),
+                None => groups.push(vec![station]),
+            }
+        }
+        let mut seen = 0;
+        for group in groups {
+            let times: Vec<f64> = group
+                .iter()
+                .map(|s| found.stations[*s].at[time].unwrap())
+                .collect();
+            assert_eq!(times.len(), 9, "{drive} {held}");
+            assert!(times.is_sorted(), "{drive} {held}: {times:?}");
+            for column in &found.columns {
+                let Some(lower) = [
+                    ("_d1_", "_per_s", ""),
+                    ("_d2_", "_per_s2", "_per_s"),
+                    ("_vx_", "_per_s", "x"),
+                    ("_az_", "_per_s2", "v"),
+                ]
+                .iter()
+                .find_map(|(mark, per, _)| {
+                    let stem = column.name.strip_suffix(per)?;
+                    Some(match *mark {
+                        "_d1_" => stem.replacen("_d1_", "_", 1),
+                        "_d2_" => format!("{}_per_s", stem.replacen("_d2_", "_d1_", 1)),
+                        "_vx_" => stem.replacen("_vx_", "_x_", 1),
+                        _ => format!("{}_per_s", stem.replacen("_az_", "_vz_", 1)),
+                    })
+                    .filter(|_| stem.contains(mark))
+                }) else {
+                    continue;
+                };
+                let own = value(&found, group[4], &column.name);
+                let expected = slope(&|k| value(&found, group[k], &lower));
+                let size = own
+                    .abs()
+                    .max(value(&found, group[4], &lower).abs())
+                    .max(1e-3);
+                assert!(
+                    (own - expected).abs() < 1e-7 * size,
+                    "{drive} {held} {}: {own} {expected}",
+                    column.name
+                );
+                seen += 1;
+            }
+        }
+        assert!(seen >= 18, "{drive}: {seen} derivatives");
+    }
+}
+
+/// Both wheels of an axle in heave have the curves by time of one wheel by travel.
+#[test]
+fn heave_over_time_is_the_travel_of_one_wheel_over_time() {
+    let time = "time={polynomial=[-20.0, 30.0, 4.0], from=0.0, to=1.5, steps=7}";
+    let asked = "outputs={characteristics=[\"camber\", \"toe\"], points=[\"wheel_centre\"], knuckle=true, order=\"acceleration\"}";
+    let both = solved(&[asked, &format!("motion={{{time}}}")]);
+    let text = std::fs::read_to_string(
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/macpherson_axle.toml"),
+    );
+    let text = text.unwrap();
+    let kept = |name: &str| {
+        ![
+            "[axle",
+            "[steering",
+            "[spring",
+            "[bump",
+            "[rebound",
+            "[anti",
+            "[tyre",
+            "[outputs",
+            "[motion",
+        ]
+        .iter()
+        .any(|prefix| name.starts_with(prefix))
+    };
+    let mut keeps = true;
+    let mut one = String::new();
+    for line in text.lines() {
+        if line.starts_with('[') {
+            keeps = kept(line);
+        }
+        if keeps {
+            one += line;
+            one.push('\n');
+        }
+    }
+    one += &format!("[motion]\n{}\n", time.replacen("time=", "time = ", 1));
+    one += &asked
+        .replacen("outputs={", "[outputs]\n", 1)
+        .replace("], ", "]\n")
+        .replace(", order", "\norder")
+        .replace('}', "");
+    let own = Study::from_text("one", &one, Path::new("")).unwrap_or_else(|e| panic!("{e}\n{one}"));
+    let wheel = own.one_wheel().unwrap();
+    let own = curves(&wheel.suspension, &Plan::of(wheel)).unwrap();
+    let mut seen = 0;
+    for column in own.columns.iter().filter(|c| c.name.contains("_per_s")) {
+        for station in 0..7 {
+            let expected = value(&own, station, &column.name);
+            let found = value(&both, station, &format!("left_{}", column.name));
+            let size = expected.abs().max(1e-3);
+            assert!(
+                (found - expected).abs() < 1e-12 * size,
+                "{} at {station}: {found} {expected}",
+                column.name
+            );
+            seen += 1;
+        }
+    }
+    assert_eq!(seen, 7 * (2 * 2 + 3 * 2 + 3 * 2));
+}
+
+#[test]
+fn what_time_does_not_go_with_is_refused() {
+    let time = "time={polynomial=[0.0, 1.0], from=0.0, to=1.0, steps=3}";
+    for (motion, said) in [
+        (
+            format!("heave=1.0, {time}"),
+            "time already gives the drive; expected heave or time",
+        ),
+        (
+            "heave=1.0, drive=\"heave\"".to_owned(),
+            "the drive of an axle says what moves over time",
+        ),
+        (
+            format!("drive=\"travel\", {time}"),
+            "unknown drive \"travel\"",
+        ),
+        (
+            format!("drive=\"roll\", {time}, ground=\"pads\""),
+            "roll needs a plane ground",
+        ),
+        (
+            "time={polynomial=[0.0, 1e9], from=0.0, to=1e6, steps=3}".to_owned(),
+            "grows beyond 1e12",
+        ),
+    ] {
+        let refused = study("macpherson_axle", &[&format!("motion={{{motion}}}")]);
+        let message = refused.expect_err(&motion);
+        assert!(message.contains(said), "{motion}: {message}");
+    }
+    let named = study(
+        "macpherson_axle",
+        &[&format!(
+            "motions.bump={{heave=1.0, drive=\"rack\", {time}}}"
+        )],
+    );
+    let message = named.expect_err("a named motion");
+    assert!(message.contains("a named motion has no time"), "{message}");
+}
+
+/// In the design position a motion over time has values and no velocities.
+#[test]
+fn the_summary_has_no_velocity_in_the_design_position() {
+    let (path, out) = (
+        commands::study("macpherson_axle.toml"),
+        commands::folder("over_time"),
+    );
+    let motion = "motion={drive=\"roll\",time={polynomial=[0.0,6.0],from=-0.5,to=0.5,steps=3}}";
+    let asked = "outputs={characteristics=[\"camber\"],order=\"velocity\"}";
+    let [path, out] = [&path, &out].map(|p| p.to_str().unwrap());
+    commands::run(
+        &["solve", path, "--set", motion, "--set", asked, "--out", out],
+        0,
+    );
+    let summary = std::fs::read(format!("{out}/summary.json")).unwrap();
+    let summary: serde_json::Value = serde_json::from_slice(&summary).unwrap();
+    let at_design = |name: &str| {
+        let outputs = summary["outputs"].as_array().unwrap();
+        let found = outputs.iter().find(|o| o["output"] == name);
+        found.unwrap_or_else(|| panic!("{summary}"))["at_design"].clone()
+    };
+    let of_both =
+        ["left", "right"].map(|side| at_design(&format!("{side}_camber_deg")).as_f64().unwrap());
+    assert_eq!(of_both[0], of_both[1], "the design is symmetric");
+    assert!(at_design("left_camber_d1_deg_per_s").is_null());
+}

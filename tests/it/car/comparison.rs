@@ -1,0 +1,88 @@
+//! Cars side by side, and their points in files.
+
+use super::commands::{hardpoint, text};
+use std::fs;
+
+/// A comparison lists what was changed, and its differences are those of both solutions.
+#[test]
+fn changes_and_differences_are_listed() {
+    let directory = tempfile::tempdir().unwrap();
+    let directory = directory.path();
+    hardpoint(directory, &["new", "car"]).success();
+    let changes = ["front.anti_roll_bar.rate=700000.0", "car.wheelbase=2700.0"];
+    let mut arguments = vec!["solve", "car.toml", "--out", "changed"];
+    for change in changes {
+        arguments.extend(["--set", change]);
+    }
+    hardpoint(directory, &arguments).success();
+    let arguments = [
+        "compare", "car.toml", "changed", "--out", "sides", "--format", "csv",
+    ];
+    let said = hardpoint(directory, &arguments).success();
+    let said = text(&said.get_output().stdout);
+    for line in [
+        "front.anti_roll_bar.rate,N_mm_per_rad,600000.0,700000.0",
+        "car.wheelbase,mm,2650.0,2700.0",
+    ] {
+        assert!(said.contains(line), "{line}: {said}");
+    }
+    let csv = fs::read_to_string(directory.join("sides/comparison.csv")).unwrap();
+    let cases = fs::read_to_string(directory.join("changed/cases.csv")).unwrap();
+    let mut reader = csv::Reader::from_reader(csv.as_bytes());
+    let mut compared = 0;
+    for row in reader.records() {
+        let row = row.unwrap();
+        assert_eq!(row.len(), 6);
+        let number = |k: usize| row[k].parse::<f64>().ok();
+        if let [Some(first), Some(second), Some(difference)] = [3, 4, 5].map(number) {
+            assert_eq!(second - first, difference);
+            compared += 1;
+        }
+        // The second car's numbers are those of its run.
+        assert!(row[4].is_empty() || cases.contains(&row[4]), "{row:?}");
+    }
+    assert!(compared > 300, "{compared}");
+    // A car and an axle have nothing to compare.
+    let refused = hardpoint(directory, &["compare", "car.toml", "car_front.toml"]).code(2);
+    assert!(text(&refused.get_output().stderr).contains("a car can be compared with cars only"));
+}
+
+/// Points of both axles are in the axes of the car: the rear wheel centre lies a wheelbase behind the front one.
+#[test]
+fn exported_points_are_those_of_the_car() {
+    let directory = tempfile::tempdir().unwrap();
+    let directory = directory.path();
+    hardpoint(directory, &["new", "car"]).success();
+    let said = hardpoint(directory, &["export", "car.toml", "--to", "csv"]).success();
+    let csv = text(&said.get_output().stdout);
+    assert!(
+        csv.starts_with("axle,hardpoint,x_mm,y_mm,z_mm,side,frame,body"),
+        "{csv}"
+    );
+    let x = |axle: &str| {
+        let line = csv
+            .lines()
+            .find(|line| line.starts_with(&format!("{axle},wheel_centre,")));
+        line.unwrap()
+            .split(',')
+            .nth(2)
+            .unwrap()
+            .parse::<f64>()
+            .unwrap()
+    };
+    assert!((x("front") - x("rear") - 2650.0).abs() < 1e-9);
+    let curves = hardpoint(
+        directory,
+        &["export", "car.toml", "--to", "csv", "--curves"],
+    )
+    .success();
+    assert!(text(&curves.get_output().stdout).starts_with("case,ax_g,ay_g"));
+    hardpoint(
+        directory,
+        &["export", "car.toml", "--to", "xlsx", "--out", "car.xlsx"],
+    )
+    .success();
+    // Formats of a single axle name the axles.
+    let refused = hardpoint(directory, &["export", "car.toml", "--to", "adams"]).code(2);
+    assert!(text(&refused.get_output().stderr).contains("car_rear.toml"));
+}

@@ -1,0 +1,123 @@
+//! Limits of a car along directions of acceleration.
+
+use super::{car, reference};
+use hardpoint::car::{Car, CarQuantity, CarSolver, Case, WheelPlace, WheelResult};
+use hardpoint::study::CarStudy;
+
+/// The case scaled to an acceleration, g.
+fn at(case: &Case, g: f64) -> Case {
+    let length = case.ax.hypot(case.ay);
+    Case {
+        ax: case.ax * g / length,
+        ay: case.ay * g / length,
+        ..case.clone()
+    }
+}
+
+fn loads(solver: &mut CarSolver<'_>, case: &Case) -> ([f64; 4], [bool; 4]) {
+    let found = solver.solve(case).unwrap();
+    let solved = solver.solved(case, &found).unwrap();
+    let load = |place| CarQuantity::Wheel(place, WheelResult::Load).evaluate(&solved);
+    (WheelPlace::ALL.map(load), found.lifted)
+}
+
+fn directions(car: &Car) -> Vec<Case> {
+    let mut rest = Case::at_rest("static");
+    rest.setting.elastic_tyres = car.tyres.is_some();
+    let eighths = (0..8).map(|k| Case::along("direction", 45.0 * f64::from(k), &rest));
+    eighths.collect()
+}
+
+/// At a lift limit the wheel has no load and the others press, just below every wheel is down, just beyond it is lifted. Just
+/// below the end there is an equilibrium, just beyond there is none.
+#[test]
+fn limits_are_where_loads_vanish() {
+    let car = car(&reference());
+    let mut solver = CarSolver::new(&car).unwrap();
+    let mut lifts = 0;
+    for case in directions(&car) {
+        let limits = solver.limits(&case).unwrap();
+        if let Some(lift) = limits.lift {
+            lifts += 1;
+            let (found, lifted) = loads(&mut solver, &at(&case, lift.acceleration));
+            let most = found.iter().copied().fold(0.0, f64::max);
+            let wheel = lift.wheel.0;
+            assert!(found[wheel].abs() < 1e-7 * most, "{found:?}");
+            let (below, down) = loads(&mut solver, &at(&case, lift.acceleration - 1e-5));
+            assert_eq!(down, [false; 4], "{lifted:?}");
+            assert!(below[wheel] > 0.0);
+            if lift.others_loaded {
+                let others = (0..4).filter(|other| *other != wheel);
+                assert!(others.clone().all(|other| found[other] > 1.0), "{found:?}");
+                let (_, up) = loads(&mut solver, &at(&case, lift.acceleration + 1e-5));
+                assert!(up[wheel], "{case:?}");
+            }
+        }
+        if limits.why.is_some() {
+            assert!(solver.solve(&at(&case, limits.end - 1e-5)).is_ok());
+            assert!(solver.solve(&at(&case, limits.end + 1e-4)).is_err());
+        }
+    }
+    assert!(lifts >= 4, "{lifts}");
+}
+
+/// A car that is its own mirror image lifts mirrored wheels at the same accelerations, and both front wheels at
+/// once where it accelerates straight ahead.
+#[test]
+fn limits_of_a_mirror_image_are_mirrored() {
+    let path = super::commands::studies().join("formula_student_car.toml");
+    let study = CarStudy::read(&path, &[]).unwrap();
+    let mut solver = CarSolver::new(&study.car).unwrap();
+    let limits: Vec<_> = directions(&study.car)
+        .iter()
+        .map(|case| solver.limits(case).unwrap())
+        .collect();
+    for (left, right) in [(1, 7), (2, 6), (3, 5)] {
+        let [one, other] = [left, right].map(|k| limits[k].lift.unwrap());
+        let apart = (one.acceleration - other.acceleration).abs();
+        assert!(apart < 1e-6, "{one:?} {other:?}");
+        assert_eq!(one.wheel.0 ^ 1, other.wheel.0);
+        assert!(one.others_loaded && other.others_loaded);
+    }
+    let braking = limits[4].lift.unwrap();
+    assert!(
+        braking.wheel.0 >= 2 && !braking.others_loaded,
+        "{braking:?}"
+    );
+    // A turn to the left unloads a left wheel.
+    assert_eq!(limits[2].lift.unwrap().wheel.0 % 2, 0);
+}
+
+/// Static moments about the contact line of the outer wheels bound every lift limit: ay <= t/(2 h) for a level car. Roll
+/// moves the centre of gravity outward, so that the limit is below the bound, and by less than a quarter.
+#[test]
+fn the_lateral_limit_is_below_that_of_a_rigid_car() {
+    let path = super::commands::studies().join("formula_student_car.toml");
+    let study = CarStudy::read(&path, &[]).unwrap();
+    let mut solver = CarSolver::new(&study.car).unwrap();
+    let case = &directions(&study.car)[2];
+    let end = solver.limits(case).unwrap().end;
+    let rest = Case::at_rest("static");
+    let found = solver.solve(&rest).unwrap();
+    let solved = solver.solved(&rest, &found).unwrap();
+    let value = |name: &str| CarQuantity::named(name)[0].evaluate(&solved);
+    let track = 0.5 * (value("track_front") + value("track_rear"));
+    let bound = track / (2.0 * value("cg_height"));
+    assert!(end < bound && end > 0.75 * bound, "{end} {bound}");
+}
+
+/// The command prints directions and cases, and a table for programs.
+#[test]
+fn the_command_prints_a_table() {
+    let directory = tempfile::tempdir().unwrap();
+    let study = super::commands::studies().join("car.toml");
+    let study = study.to_str().unwrap();
+    let arguments = ["limits", study, "--format", "csv"];
+    let said = super::commands::hardpoint(directory.path(), &arguments).success();
+    let csv = super::commands::text(&said.get_output().stdout);
+    let header = "case,direction_deg,g,ax_g,ay_g,wheel,others_loaded,end_g,reason,status";
+    assert!(csv.contains(header), "{csv}");
+    for case in ["turn,90", "braking,180", "trail_braking,", "fast,90"] {
+        assert!(csv.contains(&format!("\n{case}")), "{case}: {csv}");
+    }
+}

@@ -1,0 +1,185 @@
+//! Sweeps of a car: rows are those of the cases, whatever computes them.
+
+use super::commands::{hardpoint, text};
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+
+/// The road car with a sweep over parts of every kind.
+fn car(directory: &Path, samples: u64) {
+    hardpoint(directory, &["new", "car"]).success();
+    let path = directory.join("car.toml");
+    let good = fs::read_to_string(&path).unwrap();
+    let (head, _) = good.split_once("[gg_map]").unwrap();
+    let (_, optimise) = good.split_once("[optimise]").unwrap();
+    let sweep = format!(
+        r#"[outputs]
+characteristics = ["roll", "wheel_load", "lateral_load_transfer_distribution", "anti_dive_by_force"]
+
+[sweep]
+method = "sobol"
+samples = {samples}
+seed = 3
+variables = [
+  {{ axle = "front", rate = "anti_roll_bar", relative = 0.3 }},
+  {{ axle = "rear", hardpoint = "toe_link_inner", axis = "z", range = [-8.0, 8.0] }},
+  {{ axle = "rear", rate = "spring", relative = 0.1 }},
+  {{ axle = "front", rate = "tyre", relative = 0.1 }},
+  {{ car = "mass", range = [1400.0, 1500.0] }},
+  {{ car = "cg_z", range = [540.0, 580.0], name = "height" }},
+  {{ car = "wheelbase", relative = 0.01 }},
+]
+
+[optimise]"#
+    );
+    fs::write(&path, format!("{head}{sweep}{optimise}")).unwrap();
+}
+
+/// The cells of a CSV file: rows by column.
+fn cells(csv: &str) -> Vec<BTreeMap<String, String>> {
+    let mut reader = csv::Reader::from_reader(csv.as_bytes());
+    let header: Vec<String> = reader
+        .headers()
+        .unwrap()
+        .iter()
+        .map(str::to_owned)
+        .collect();
+    let rows = reader.records().map(|row| {
+        let row = row.unwrap();
+        header
+            .iter()
+            .cloned()
+            .zip(row.iter().map(str::to_owned))
+            .collect()
+    });
+    rows.collect()
+}
+
+/// A row has the numbers of `hardpoint solve` of the design that `--design` prints, to the last bit, and misfits follow from
+/// the columns.
+#[test]
+fn rows_are_those_of_solve() {
+    let directory = tempfile::tempdir().unwrap();
+    let directory = directory.path();
+    car(directory, 3);
+    hardpoint(directory, &["sweep", "car.toml", "--out", "swept"]).success();
+    let designs = fs::read_to_string(directory.join("swept/designs.csv")).unwrap();
+    let rows = cells(&designs);
+    assert_eq!(rows.len(), 3);
+    for (number, row) in rows.iter().enumerate() {
+        assert_eq!(row["status"], "ok", "{row:?}");
+        let said = hardpoint(
+            directory,
+            &["sweep", "car.toml", "--design", &number.to_string()],
+        );
+        let said = text(&said.success().get_output().stdout);
+        let mut arguments = vec!["solve".to_owned(), "car.toml".to_owned()];
+        arguments.extend(["--out".to_owned(), "-".to_owned()]);
+        for line in said.lines() {
+            let setting = line
+                .strip_prefix("--set '")
+                .unwrap()
+                .strip_suffix('\'')
+                .unwrap();
+            arguments.extend(["--set".to_owned(), setting.to_owned()]);
+        }
+        assert_eq!(arguments.len(), 4 + 2 * 7, "{said}");
+        let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
+        let solved = hardpoint(directory, &arguments).success();
+        let cases = cells(&text(&solved.get_output().stdout));
+        let mut compared = 0;
+        for case in &cases {
+            for (column, value) in case {
+                let name = format!("{}_{column}", case["case"]);
+                let Some(swept) = row.get(&name) else {
+                    // A result has no column in cases where it is not defined.
+                    assert!(value.is_empty() || !column.contains("dive"), "{name}");
+                    continue;
+                };
+                assert_eq!(swept, value, "{name}");
+                compared += 1;
+            }
+        }
+        // Roll and four loads of each case, the distribution where it turns, the anti-dive where it brakes.
+        assert_eq!(compared, 5 * 5 + 3 + 2);
+        let number = |column: &str| row[column].parse::<f64>().unwrap();
+        let share = (number("turn_lateral_load_transfer_distribution_percent") - 48.0) / 0.5;
+        assert!(
+            (number("rms_turn_lateral_load_transfer_distribution") - share.abs()).abs() < 1e-12
+        );
+        let squares = [
+            "lateral_load_transfer_distribution",
+            "roll_gradient",
+            "roll_steer_gradient_rear",
+        ]
+        .map(|target| number(&format!("rms_turn_{target}")).powi(2));
+        let misfit = (squares.iter().sum::<f64>() / 3.0).sqrt();
+        assert!((number("misfit") - misfit).abs() < 1e-12 * misfit);
+    }
+    // The summary ranks designs by their misfit.
+    let summary: serde_json::Value =
+        serde_json::from_slice(&fs::read(directory.join("swept/summary.json")).unwrap()).unwrap();
+    let best = rows
+        .iter()
+        .min_by(|a, b| {
+            let misfit = |row: &BTreeMap<String, String>| row["misfit"].parse::<f64>().unwrap();
+            misfit(a).total_cmp(&misfit(b))
+        })
+        .unwrap();
+    assert_eq!(summary["best"][0]["design"].to_string(), best["design"]);
+    // The studies of the run are kept.
+    hardpoint(&directory.join("swept"), &["check", "study.toml"]).success();
+}
+
+/// Bytes are the same for any number of threads, on standard output, and for a sweep that grew.
+#[test]
+fn bytes_do_not_depend_on_the_run() {
+    let directory = tempfile::tempdir().unwrap();
+    let directory = directory.path();
+    car(directory, 3);
+    let read = |path: &str| fs::read(directory.join(path)).unwrap();
+    let sweep = |out: &str, more: &[&str]| {
+        let arguments = [&["sweep", "car.toml", "--out", out][..], more].concat();
+        hardpoint(directory, &arguments).success()
+    };
+    sweep("one", &["--threads", "1"]);
+    let path = directory.join("car.toml");
+    let longer = fs::read_to_string(&path)
+        .unwrap()
+        .replace("samples = 3", "samples = 5");
+    fs::write(&path, longer).unwrap();
+    sweep("one", &["--resume"]);
+    sweep("two", &["--threads", "2"]);
+    assert_eq!(read("one/designs.csv"), read("two/designs.csv"));
+    let said = sweep("-", &[]);
+    assert_eq!(said.get_output().stdout, read("two/designs.csv"));
+    // A sharded sweep of one part is done by one of its shards.
+    sweep("three", &["--shard", "1/2"]);
+    sweep("three", &["--shard", "2/2"]);
+    assert_eq!(read("three/designs.csv"), read("two/designs.csv"));
+    // The page of a sweep can be made.
+    hardpoint(directory, &["report", "two"]).success();
+}
+
+/// A design whose case has no equilibrium says which and why; the other cases have their values.
+#[test]
+fn failed_cases_are_named() {
+    let directory = tempfile::tempdir().unwrap();
+    let directory = directory.path();
+    car(directory, 2);
+    let path = directory.join("car.toml");
+    let tipping = fs::read_to_string(&path)
+        .unwrap()
+        .replace("ay = 0.8", "ay = 3.5");
+    fs::write(&path, tipping).unwrap();
+    hardpoint(directory, &["sweep", "car.toml", "--out", "swept"]).code(1);
+    let designs = fs::read_to_string(directory.join("swept/designs.csv")).unwrap();
+    for row in cells(&designs) {
+        assert_eq!(row["failed_stations"], "1");
+        // `turn` is the case after `static`.
+        assert_eq!(row["failed_at_case"], "1.0");
+        assert!(row["reason"].starts_with("case turn: "), "{row:?}");
+        assert!(row["turn_roll_deg"].is_empty() && row["misfit"].is_empty());
+        assert!(!row["braking_roll_deg"].is_empty());
+    }
+}

@@ -1,0 +1,285 @@
+//! Curves of equilibria over travel: the outputs of `solve` for a wheel with elastic parts.
+
+use super::support::{elastic, with};
+use hardpoint::compliance::ElasticWheel;
+use hardpoint::curves::{Curves, Status};
+use hardpoint::study::Study;
+use std::path::Path;
+
+const OUTPUTS: &str = r#"
+[outputs]
+characteristics = ["toe", "camber", "caster", "scrub_radius", "half_track_change", "spring_length", "toe_by_lateral_force"]
+order = "velocity"
+"#;
+
+const RATES: &str = r#"
+[outputs]
+characteristics = ["bump_steer", "camber_gain", "caster_gain", "motion_ratio"]
+"#;
+
+fn column(curves: &Curves, name: &str) -> Vec<f64> {
+    let index = curves.columns.iter().position(|column| column.name == name);
+    let index = index.unwrap_or_else(|| panic!("{name}"));
+    let stations = curves.stations.iter();
+    stations
+        .map(|station| station.value(index).unwrap())
+        .collect()
+}
+
+/// The study over closely spaced travels about some places.
+fn near(study: &Study, travel: f64, step: f64) -> Curves {
+    let mut moved = study.clone();
+    let own = moved.one_wheel_mut().unwrap();
+    own.motion.values = [-2.0, -1.0, 0.0, 1.0, 2.0]
+        .map(|k| travel + k * step)
+        .to_vec();
+    moved.curves().unwrap()
+}
+
+/// Derivative of fourth order from five values.
+fn slope(values: &[f64], step: f64) -> f64 {
+    (8.0 * (values[3] - values[1]) - (values[4] - values[0])) / (12.0 * step)
+}
+
+/// Curves are what is read off the equilibria, in printed units.
+#[test]
+fn curves_are_read_off_equilibria() {
+    let study = elastic(&with("double_wishbone_compliance.toml", OUTPUTS));
+    let curves = study.curves().unwrap();
+    let parts = &study.compliance().unwrap().parts;
+    let wheel = ElasticWheel::new(study.wheel(), parts).unwrap();
+    let design = wheel.figures(&wheel.at(0.0, 0.0).unwrap());
+    let (toe, camber) = (column(&curves, "toe_deg"), column(&curves, "camber_deg"));
+    let track = column(&curves, "half_track_change_mm");
+    let spring = column(&curves, "spring_length_mm");
+    for (k, travel) in study.motion().values.iter().enumerate() {
+        let at = wheel.at(*travel, 0.0).unwrap();
+        let found = wheel.figures(&at);
+        assert_eq!(curves.stations[k].status, Status::Ok);
+        assert!((toe[k] - found.toe.to_degrees()).abs() < 1e-13);
+        assert!((camber[k] - found.camber.to_degrees()).abs() < 1e-13);
+        // At the design load the design position is an equilibrium, from which track is counted.
+        assert!((track[k] - (found.contact.y - design.contact.y)).abs() < 1e-9);
+        assert!((spring[k] - wheel.spring(&at).unwrap().length).abs() < 1e-10);
+    }
+}
+
+/// Derivatives by travel, gains and the motion ratio are slopes of the curves.
+#[test]
+fn derivatives_by_travel_are_slopes_of_the_curves() {
+    let study = elastic(&with("double_wishbone_compliance.toml", OUTPUTS));
+    let gains = elastic(&with("double_wishbone_compliance.toml", RATES));
+    let step = 0.5;
+    for travel in [-30.0, 0.0, 17.0] {
+        let (values, rates) = (near(&study, travel, step), near(&gains, travel, step));
+        for (value, unit) in [
+            ("toe", "deg"),
+            ("camber", "deg"),
+            ("caster", "deg"),
+            ("scrub_radius", "mm"),
+            ("half_track_change", "mm"),
+            ("spring_length", "mm"),
+        ] {
+            let found = column(&values, &format!("{value}_{unit}"));
+            let derivative = match unit {
+                "mm" => format!("{value}_d1"),
+                _ => format!("{value}_d1_deg_per_mm"),
+            };
+            let derivative = match values.columns.iter().any(|c| c.name == derivative) {
+                true => derivative,
+                false => format!("{value}_d1_mm_per_mm"),
+            };
+            let exact = column(&values, &derivative)[2];
+            let expected = slope(&found, step);
+            let size = exact.abs().max(1e-3);
+            assert!(
+                (exact - expected).abs() < 1e-7 * size,
+                "{value} at {travel}: {exact} {expected}"
+            );
+        }
+        for (gain, of) in [
+            ("bump_steer_deg_per_mm", "toe_deg"),
+            ("camber_gain_deg_per_mm", "camber_deg"),
+            ("caster_gain_deg_per_mm", "caster_deg"),
+        ] {
+            let (exact, expected) = (column(&rates, gain)[2], slope(&column(&values, of), step));
+            assert!(
+                (exact - expected).abs() < 1e-7 * exact.abs().max(1e-3),
+                "{gain}: {exact} {expected}"
+            );
+        }
+        let (ratio, length) = (
+            column(&rates, "motion_ratio")[2],
+            column(&values, "spring_length_mm"),
+        );
+        assert!((ratio + slope(&length, step)).abs() < 1e-7, "{ratio}");
+    }
+}
+
+/// With rates times 10^k the curves come nearer to those of the rigid mechanism, in proportion.
+#[test]
+fn stiff_parts_give_the_curves_of_the_rigid_mechanism() {
+    for (name, asked) in [
+        (
+            "double_wishbone_compliance.toml",
+            r#"["toe", "camber", "scrub_radius", "bump_steer", "motion_ratio"]"#,
+        ),
+        (
+            "five_link_compliance.toml",
+            r#"["toe", "camber", "half_track_change", "bump_steer", "motion_ratio"]"#,
+        ),
+    ] {
+        let text = with(name, &format!("\n[outputs]\ncharacteristics = {asked}\n"));
+        let mut study = elastic(&text);
+        let mut rigid = study.clone();
+        rigid.one_wheel_mut().unwrap().compliance = None;
+        let exact = rigid.curves().unwrap();
+        let mut errors = Vec::new();
+        for factor in [1e2, 1e4] {
+            let own = elastic(&text);
+            let parts = own.compliance().unwrap().parts.clone();
+            let stiff = study.one_wheel_mut().unwrap().compliance.as_mut().unwrap();
+            stiff.parts = stiffened(&parts, factor);
+            let found = study.curves().unwrap();
+            let mut worst: f64 = 0.0;
+            for (a, b) in found.stations.iter().zip(&exact.stations) {
+                for (column, (x, y)) in a.values.iter().zip(&b.values).enumerate() {
+                    let (x, y) = (x.as_ref().unwrap(), y.as_ref().unwrap());
+                    let size = y.abs().max(0.1);
+                    worst = worst.max((x - y).abs() / size);
+                    assert!(
+                        (x - y).abs() < 1e2 / factor * size,
+                        "{name} {}: {x} {y}",
+                        found.columns[column].name
+                    );
+                }
+            }
+            errors.push(worst);
+        }
+        let ratio = errors[0] / errors[1];
+        assert!((80.0..125.0).contains(&ratio), "{name}: {errors:?}");
+    }
+}
+
+/// Shifts become stiffer; torsion of bushings does not, because it is part of the wheel rate.
+fn stiffened(
+    parts: &hardpoint::compliance::Compliance,
+    factor: f64,
+) -> hardpoint::compliance::Compliance {
+    use hardpoint::compliance::{AxialStiffness, Shape};
+    let mut stiff = parts.clone();
+    for bushing in &mut stiff.bushings {
+        for shape in &mut bushing.shapes[..3] {
+            match shape {
+                Shape::Cubic { rate, cubic } => (*rate, *cubic) = (*rate * factor, *cubic * factor),
+                Shape::Curve { scale, .. } => *scale *= factor,
+            }
+        }
+    }
+    for link in &mut stiff.links {
+        match &mut link.stiffness {
+            AxialStiffness::Rate(rate) => *rate *= factor,
+            AxialStiffness::PerStrain(force) => *force *= factor,
+        }
+    }
+    stiff
+}
+
+/// `sensitivities` of a solve are changes of the curves with the hardpoints.
+#[test]
+fn sensitivities_are_changes_of_the_curves() {
+    let more = "\n[outputs]\ncharacteristics = [\"toe\", \"bump_steer\", \"toe_by_lateral_force\"]\nsensitivities = [\"tie_rod_inner\", \"lower_arm_rear\"]\n";
+    let study = elastic(&with("double_wishbone_compliance.toml", more));
+    let curves = study.curves().unwrap();
+    let step = 0.01;
+    for found in &curves.sensitivities {
+        let at = |change: f64| {
+            let mut design = study.wheel().design.clone();
+            design[found.point.0][found.axis] += change;
+            let mut moved = study.at_design(design);
+            moved.one_wheel_mut().unwrap().outputs.sensitivities.clear();
+            moved.curves().unwrap().stations[found.station]
+                .value(found.column)
+                .unwrap()
+        };
+        let values = [-2.0, -1.0, 0.0, 1.0, 2.0].map(|k| at(k * step));
+        let expected = slope(&values, step);
+        // At the design load the height decides toe in the design position, where all slopes of it are 0.
+        let size = curves
+            .sensitivities
+            .iter()
+            .filter(|other| other.column == found.column)
+            .fold(0.0, |m: f64, other| m.max(other.value.abs()));
+        assert!(
+            (found.value - expected).abs() < 1e-6 * size,
+            "{} {:?}: {} {expected}",
+            curves.columns[found.column].name,
+            (found.point, found.axis),
+            found.value
+        );
+    }
+    assert_eq!(curves.sensitivities.len(), 5 * 3 * 6);
+}
+
+/// A station beyond what the wheel holds has a status and no values; the others keep theirs.
+#[test]
+fn a_station_without_equilibrium_is_said() {
+    let mut study = elastic(&with(
+        "double_wishbone_compliance.toml",
+        "\n[outputs]\ncharacteristics = [\"toe\"]\n",
+    ));
+    study.one_wheel_mut().unwrap().motion.values = vec![0.0, 900.0];
+    let curves = study.curves().unwrap();
+    assert_eq!(curves.stations[0].status, Status::Ok);
+    let word = curves.stations[1].status.word();
+    assert!(["no_equilibrium", "unstable"].contains(&word), "{word}");
+    assert_eq!(curves.stations[1].value(0), None);
+}
+
+/// Quantities of the rigid mechanism are refused by name, with what to ask instead.
+#[test]
+fn quantities_of_the_rigid_mechanism_are_refused_by_name() {
+    let dw = "double_wishbone_compliance.toml";
+    for (name, more, phrase) in [
+        (
+            dw,
+            "characteristics = [\"roll_centre_height\"]",
+            "jacking_by_lateral_force",
+        ),
+        (
+            dw,
+            "characteristics = [\"toe_by_laterl_force\"]",
+            "did you mean \"toe_by_lateral_force\"",
+        ),
+        (
+            dw,
+            "characteristics = [\"toe\"]\npoints = [\"wheel_centre\"]",
+            "levels.csv",
+        ),
+        (
+            dw,
+            "characteristics = [\"toe\"]\norder = \"acceleration\"",
+            "\"velocity\"",
+        ),
+        (
+            dw,
+            "characteristics = [\"bump_steer\"]\norder = \"velocity\"",
+            "derivative by travel",
+        ),
+        (
+            dw,
+            "characteristics = [\"toe\"]\ncertify = true",
+            "rigid mechanism",
+        ),
+        (
+            "five_link_compliance.toml",
+            "characteristics = [\"caster\"]",
+            "spin_by_lateral_force",
+        ),
+    ] {
+        let text = with(name, &format!("\n[outputs]\n{more}\n"));
+        let errors = Study::elastic_from_text("case.toml", &text, Path::new("")).unwrap_err();
+        let said = errors.render(false);
+        assert!(said.contains(phrase), "{more}: {said}");
+    }
+}

@@ -1,0 +1,385 @@
+//! Measured sheets, property files of bushings, names of other programs.
+
+use super::support::{elastic, with};
+use crate::support::random::Random;
+use hardpoint::compliance::{ElasticWheel, HeldQuantity, Shape, WheelLoads};
+use hardpoint::number::Vector3;
+use hardpoint::optimise::{Control, Tuning, tune};
+use hardpoint::report::OtherProgram;
+use hardpoint::rig::RigTests;
+use hardpoint::study::Study;
+
+const NAME: &str = "double_wishbone_compliance.toml";
+/// Standard deviation of a measurement in parts of the value.
+const NOISE: f64 = 0.01;
+
+fn variables(names: &[(&str, &str)]) -> String {
+    let list = names.iter().map(|(bushing, axis)| {
+        format!("{{ bushing = \"{bushing}\", stiffness = \"{axis}\", range = [0.3, 3.0], relative = true }}")
+    });
+    list.collect::<Vec<_>>().join(",\n")
+}
+
+/// A sheet of the study in which the rates have these factors, with noise of a seed and a column of tolerances.
+fn sheet(study: &Study, factors: &[f64], seed: u64) -> String {
+    let variables = &study.optimise.as_ref().unwrap().variables;
+    let mut planted = study.clone();
+    let own = planted.one_wheel_mut().unwrap();
+    let parts = &mut own.compliance.as_mut().unwrap().parts;
+    for (variable, factor) in variables.iter().zip(factors) {
+        let rate = variable.rate.as_ref().unwrap();
+        parts.set_rate(rate.parameter, rate.design * factor);
+    }
+    let csv = RigTests::of(&planted, None).unwrap().results.kc_csv();
+    let mut reader = csv::Reader::from_reader(&csv[..]);
+    let header = reader.headers().unwrap().clone();
+    let place = |name: &str| header.iter().position(|column| column == name).unwrap();
+    let mut random = Random(seed);
+    let mut text = header.iter().collect::<Vec<_>>().join(",") + ",tolerance\n";
+    for record in reader.records() {
+        let record = record.unwrap();
+        let mut cells: Vec<String> = record.iter().map(str::to_owned).collect();
+        let Ok(value) = cells[place("value")].parse::<f64>() else {
+            continue;
+        };
+        // Measurements have no secants beside them.
+        cells[place("secant")].clear();
+        // A sum of twelve uniform numbers has the variance of the normal law.
+        let normal: f64 = (0..12).map(|_| 0.5 * random.signed()).sum();
+        let sigma = NOISE * value.abs().max(1e-3);
+        cells[place("value")] = format!("{:?}", value + sigma * normal);
+        text += &format!("{},{sigma:?}\n", cells.join(","));
+    }
+    text
+}
+
+fn fitted(names: &[(&str, &str)], factors: &[f64], seed: u64) -> (Study, Tuning) {
+    let asked = |targets: &str| {
+        format!(
+            "\n[optimise]\nfit = true\nvariables = [{}]\ntargets = [{targets}]\n",
+            variables(names)
+        )
+    };
+    let any = "{ figure = \"toe_by_lateral_force\", value = 0.0, tolerance = 1.0 }";
+    let study = elastic(&with(NAME, &asked(any)));
+    let directory = tempfile::tempdir().unwrap();
+    std::fs::write(
+        directory.path().join("sheet.csv"),
+        sheet(&study, factors, seed),
+    )
+    .unwrap();
+    let text = with(NAME, &asked("{ file = \"sheet.csv\", tolerance = 1.0 }"));
+    let study = Study::elastic_from_text("case.toml", &text, directory.path())
+        .unwrap_or_else(|e| panic!("{e}"));
+    let optimise = study.optimise.as_ref().unwrap();
+    let tuning = tune(&study.vehicle, optimise, Control::default()).unwrap();
+    (study, tuning)
+}
+
+/// Rates that were planted are found within their standard errors, and the scatter is that of the noise.
+#[test]
+fn rates_are_identified_from_a_sheet_with_noise() {
+    let names = [
+        ("lower_arm_front", "x"),
+        ("lower_arm_front", "y"),
+        ("lower_arm_rear", "y"),
+        ("upper_arm_front", "y"),
+    ];
+    let factors: [f64; 4] = [0.8, 1.3, 0.7, 1.2];
+    let mut squares = 0.0;
+    for seed in 1..=3 {
+        let (study, tuning) = fitted(&names, &factors, seed);
+        assert!(study.optimise.as_ref().unwrap().targets.len() > 25);
+        let best = tuning.best.unwrap();
+        let errors = best.errors.unwrap();
+        assert!((0.6..1.5).contains(&errors.scatter), "{}", errors.scatter);
+        for (k, factor) in factors.iter().enumerate() {
+            let sigma = errors.sigmas[k].unwrap();
+            let off = (best.offsets[k] - factor.ln()) / sigma;
+            assert!(
+                off.abs() < 4.5,
+                "{seed} {:?}: {off} standard errors",
+                names[k]
+            );
+            // The sheet says something of each rate.
+            assert!(sigma < 0.3, "{:?}: {sigma}", names[k]);
+            squares += off * off;
+        }
+    }
+    // Twelve squares of standard errors: their mean is about 1.
+    let mean = squares / 12.0;
+    assert!((0.15..3.0).contains(&mean), "{mean}");
+}
+
+/// The stiffness of an arm along its axis is the sum of both bushings': a sheet cannot tell them apart, and that is said.
+#[test]
+fn rates_that_a_sheet_cannot_separate_are_named() {
+    let names = [
+        ("lower_arm_front", "x"),
+        ("lower_arm_rear", "x"),
+        ("lower_arm_rear", "y"),
+    ];
+    let (_, tuning) = fitted(&names, &[1.1, 0.9, 1.2], 5);
+    let best = tuning.best.unwrap();
+    let unseen = &best.identifiability.unseen;
+    let correlated = best
+        .errors
+        .as_ref()
+        .map(|errors| errors.correlations.clone());
+    let pair = correlated
+        .into_iter()
+        .flatten()
+        .find(|(a, b, _)| (*a, *b) == (0, 1));
+    let is_unseen = unseen.iter().any(|direction| {
+        let moves = &direction.change;
+        moves[0] * moves[1] < 0.0 && moves[2].abs() < 0.2 * moves[0].abs()
+    });
+    assert!(
+        is_unseen || pair.is_some_and(|(.., r)| r < -0.99),
+        "{unseen:?} {pair:?}"
+    );
+}
+
+/// A study with a sheet is written out with the sheet's targets in it, and reads back as the same targets.
+#[test]
+fn a_sheet_is_written_out_in_the_study() {
+    let (study, _) = fitted(&[("lower_arm_rear", "y")], &[1.1], 2);
+    assert!(!study.text.contains("sheet.csv"));
+    let again = elastic(&study.text);
+    let (a, b) = (study.optimise.unwrap(), again.optimise.unwrap());
+    assert_eq!(a.targets.len(), b.targets.len());
+    for (a, b) in a.targets.iter().zip(&b.targets) {
+        assert_eq!((&a.of, &a.wanted, &a.site), (&b.of, &b.wanted, &b.site));
+        assert!((a.tolerance - b.tolerance).abs() <= 1e-15 * a.tolerance);
+    }
+}
+
+#[test]
+fn mistakes_in_a_sheet_are_named_with_their_line() {
+    let good = "load,trail_mm,quantity,value,unit,tolerance\nlateral,0.0,camber_by_lateral_force,0.02,deg_per_kN,0.001\n";
+    let asked = "\n[optimise]\nfit = true\nvariables = [{ bushing = \"lower_arm_rear\", stiffness = \"y\", range = [0.3, 3.0], relative = true }]\ntargets = [{ file = \"sheet.csv\", tolerance = 1.0 }]\n";
+    for (from, to, line, phrase) in [
+        ("lateral,", "sideways,", 2, "no load of a test"),
+        (
+            "camber_by_lateral_force",
+            "camber_by_side_force",
+            2,
+            "no test of the study has",
+        ),
+        ("0.02", "two", 2, "as value"),
+        ("deg_per_kN", "deg_per_N", 2, "\"deg_per_kN\" as the unit"),
+        (",tolerance\n", ",error\n", 2, "a column tolerance"),
+        // Trail 0 and trail 30 have this figure.
+        ("trail_mm", "other", 2, "several tests"),
+    ] {
+        let directory = tempfile::tempdir().unwrap();
+        std::fs::write(directory.path().join("sheet.csv"), good.replace(from, to)).unwrap();
+        let errors = Study::elastic_from_text("case.toml", &with(NAME, asked), directory.path())
+            .unwrap_err();
+        let said = errors.render(false);
+        assert!(said.contains(phrase), "{phrase}: {said}");
+        assert_eq!(errors.all()[0].position().unwrap().0, line, "{said}");
+    }
+}
+
+fn bus(fy: &str) -> String {
+    let mut text = "[MDI_HEADER]\nFILE_TYPE = 'bus'\n[UNITS]\nLENGTH = 'mm'\nANGLE = 'degrees'\nFORCE = 'newton'\n[DAMPING]\nFX_DAMPING = 1.0\n".to_owned();
+    let degrees = 10.0_f64;
+    let torque = |rate: f64| rate * degrees.to_radians();
+    for (name, x, f) in [
+        ("FX", 5.0, 5.0 * 700.0),
+        ("FZ", 5.0, 5.0 * 1800.0),
+        ("TX", degrees, torque(8.0e4)),
+        ("TY", degrees, torque(2.5e5)),
+        ("TZ", degrees, torque(2.5e5)),
+    ] {
+        text += &format!(
+            "[{name}_CURVE]\n{{ x f }}\n{:?} {:?}\n0.0 0.0\n{x:?} {f:?}\n",
+            -x, -f
+        );
+    }
+    text + &format!("[FY_CURVE]\n{fy}\n")
+}
+
+/// A property file with straight curves is a bushing of their stiffness.
+#[test]
+fn a_property_file_with_straight_curves_is_a_linear_bushing() {
+    let directory = tempfile::tempdir().unwrap();
+    std::fs::write(
+        directory.path().join("rear.bus"),
+        bus("-5.0 -12500.0\n0.0 0.0\n5.0 12500.0"),
+    )
+    .unwrap();
+    let linear = "stiffness = [700.0, 2500.0, 1800.0, 8.0e4, 2.5e5, 2.5e5]";
+    let text = with(NAME, "").replace(linear, "file = \"rear.bus\"");
+    let study = Study::elastic_from_text("case.toml", &text, directory.path())
+        .unwrap_or_else(|e| panic!("{e}"));
+    let plain = elastic(&with(NAME, ""));
+    assert_eq!(study.inputs, [directory.path().join("rear.bus")]);
+    let figures = |study: &Study| {
+        let tests = RigTests::of(study, None).unwrap();
+        let outcomes = tests.results.stations[0].outcomes.as_ref().unwrap().clone();
+        outcomes
+            .into_iter()
+            .flat_map(|o| o.figures)
+            .filter_map(|f| f.value)
+            .collect::<Vec<f64>>()
+    };
+    let (found, expected) = (figures(&study), figures(&plain));
+    assert_eq!(found.len(), expected.len());
+    for (a, b) in found.iter().zip(expected) {
+        assert!((a - b).abs() < 1e-9 * b.abs().max(1e-9), "{a} {b}");
+    }
+    // The text needs no file beside it.
+    assert!(!study.text.contains("rear.bus"));
+    assert_eq!(elastic(&study.text).compliance(), study.compliance());
+    // A law that falls, a law beside the file, no file.
+    for (fy, more, phrase) in [
+        ("-5.0 100.0\n5.0 -100.0", "", "must rise"),
+        (
+            "-5.0 -100.0\n5.0 100.0",
+            "\ncubic = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0]",
+            "expected no cubic",
+        ),
+    ] {
+        std::fs::write(directory.path().join("rear.bus"), bus(fy)).unwrap();
+        let text = with(NAME, "").replace(linear, &format!("file = \"rear.bus\"{more}"));
+        let said = Study::elastic_from_text("case.toml", &text, directory.path())
+            .unwrap_err()
+            .render(false);
+        assert!(said.contains(phrase), "{said}");
+    }
+    let text = with(NAME, "").replace(linear, "file = \"none.bus\"");
+    let said = Study::elastic_from_text("case.toml", &text, directory.path())
+        .unwrap_err()
+        .render(false);
+    assert!(said.contains("cannot read"), "{said}");
+    let law = &study.compliance().unwrap().parts.bushings[1].shapes[3];
+    assert!(matches!(law, Shape::Curve { .. }) && (law.initial_rate() - 8.0e4).abs() < 1e-6);
+}
+
+/// Values by the definitions of other programs are rotations and shifts by loads on levers straight down, on either side.
+#[test]
+fn values_of_other_programs_follow_their_definitions() {
+    for side in ["left", "right"] {
+        // Their matrices leave the springs free.
+        let tests = "relaxed = \"at_design_load\"\ntests = [{ load = \"lateral\", hold = \"wheel_load\" }, { load = \"aligning\", hold = \"wheel_load\" }, { load = \"vertical\" }]";
+        let mut text = with(NAME, "").replace("relaxed = \"at_design_load\"", tests);
+        if side == "right" {
+            text = text.replace(
+                "topology = \"double_wishbone\"",
+                "topology = \"double_wishbone\"\nside = \"right\"",
+            );
+            let mirrored: Vec<String> = text.lines().map(mirror).collect();
+            text = mirrored.join("\n");
+        }
+        let study = elastic(&text);
+        let wheel = ElasticWheel::new(study.wheel(), &study.compliance().unwrap().parts).unwrap();
+        let at = wheel.at(0.0, 0.0).unwrap();
+        let tangent = wheel.tangent(&at, HeldQuantity::WheelLoad).unwrap();
+        let along = |load: &WheelLoads| wheel.twist_along(&tangent, load).unwrap();
+        // In the frame of a left wheel: a force of 1 kN to the inside, 310 mm straight below the wheel centre.
+        let mut force = WheelLoads::none(0.0);
+        force.centre = Vector3::new(0.0, -1000.0, 0.0);
+        force.moment = Vector3::new(-310.0 * 1000.0, 0.0, 0.0);
+        let [shift, turn] = along(&force);
+        let mut moment = WheelLoads::none(0.0);
+        moment.moment.z = 1e5;
+        let [_, twist] = along(&moment);
+        let mut up = WheelLoads::none(0.0);
+        up.centre.z = 1.0;
+        let [rise, _] = along(&up);
+        let named = |program, name: &str| {
+            let csv = RigTests::of(&study, Some(program))
+                .unwrap()
+                .results
+                .kc_csv();
+            let mut reader = csv::Reader::from_reader(&csv[..]);
+            let header = reader.headers().unwrap().clone();
+            let cell = |record: &csv::StringRecord, column: &str| {
+                record[header.iter().position(|c| c == column).unwrap()].to_owned()
+            };
+            let rows: Vec<_> = reader.records().map(Result::unwrap).collect();
+            let row = rows.iter().find(|row| cell(row, "other_name") == name)?;
+            let own: f64 = cell(row, "value").parse().unwrap();
+            Some((cell(row, "other_value").parse::<f64>().unwrap(), own))
+        };
+        // Toe-in of a left wheel is a turn to the right; camber a turn to the outside.
+        let expected = [
+            (
+                OtherProgram::Altair,
+                "Lateral Force Steer",
+                -turn.z.to_degrees(),
+                1.0,
+            ),
+            (
+                OtherProgram::Altair,
+                "Lateral Force Camber",
+                -turn.x.to_degrees(),
+                1.0,
+            ),
+            (
+                OtherProgram::Altair,
+                "Lateral Force Deflection",
+                -shift.y,
+                1.0,
+            ),
+            (
+                OtherProgram::Altair,
+                "Aligning Torque Steer",
+                twist.z.to_degrees(),
+                -1.0,
+            ),
+            (
+                OtherProgram::Adams,
+                "alt_steer_compliance",
+                twist.z.to_degrees() / 1e5,
+                -1.0,
+            ),
+            (OtherProgram::Adams, "wheel_rate", 1.0 / rise.z, 1.0),
+        ];
+        for (program, name, expected, sign) in expected {
+            let (found, own) = named(program, name).unwrap_or_else(|| panic!("{name}"));
+            assert!(
+                (found - expected).abs() < 1e-9 * expected.abs(),
+                "{side} {name}: {found} {expected}"
+            );
+            if name != "Lateral Force Camber" || own.abs() > 1e-6 {
+                assert_eq!(
+                    found.signum(),
+                    sign * own.signum(),
+                    "{side} {name}: {found} {own}"
+                );
+            }
+        }
+        let camber = named(OtherProgram::Adams, "alt_camber_compliance");
+        match side {
+            "left" => {
+                let (found, _) = camber.unwrap();
+                let expected = -twist.x.to_degrees() / 1e5;
+                assert!((found - expected).abs() < 1e-9 * expected.abs());
+            }
+            _ => assert!(camber.is_none()),
+        }
+    }
+}
+
+/// A line of hardpoints with y of the other side.
+fn mirror(line: &str) -> String {
+    let Some((name, list)) = line
+        .split_once('=')
+        .filter(|(_, list)| list.trim().starts_with('[') && list.matches(',').count() == 2)
+    else {
+        return line.to_owned();
+    };
+    let numbers: Vec<f64> = list
+        .trim()
+        .trim_matches(['[', ']'])
+        .split(',')
+        .map(|n| n.trim().parse().unwrap())
+        .collect();
+    format!(
+        "{name}= [{:?}, {:?}, {:?}]",
+        numbers[0], -numbers[1], numbers[2]
+    )
+}

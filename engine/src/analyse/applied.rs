@@ -63,12 +63,14 @@ fn seat(mechanism: &Mechanism, id: PointId) -> Body {
     mechanism.body(last.map_or(id, |rocker| mechanism.rocker(rocker).outer))
 }
 
-/// Returns true if something stands on an arm: an end of a spring, or a rod.
+/// Returns true if something stands on an arm: an end of a spring, a rod, or a link or a second joint to the knuckle.
 pub fn bears(mechanism: &Mechanism, arm: ArmId) -> bool {
     let rods = mechanism.rockers.iter().map(|rocker| rocker.outer);
     let spring = mechanism.spring.map(|spring| spring.lower);
     let mut points = rods.chain(spring);
+    let mut constraints = mechanism.constraints.iter();
     points.any(|id| mechanism.body(id) == Body::Arm(arm))
+        || constraints.any(|constraint| mechanism.arm_under(constraint) == Some(arm))
 }
 
 impl<T: Balanced> Balance<'_, T> {
@@ -179,6 +181,8 @@ impl<T: Balanced> Balance<'_, T> {
                 } if outer == point => {
                     sum = sum + (place(inner) - place(outer)).normalised() * tension;
                 }
+                Reaction::ArmEnd { joint, passed, .. } if joint == point => sum = sum + passed,
+                Reaction::ArmEnd { outer, force, .. } if outer == point => sum = sum + force,
                 Reaction::Force { point: at, force } if at == point => sum = sum + force,
                 _ => {}
             }
@@ -200,5 +204,5 @@ impl<T: Balanced> Balance<'_, T> {
 
 /// Name of the rod of a rocker, as a member.
 pub fn rod_name(rod: Rod) -> String {
-    rod.to_string().replace(' ', "_")
+    rod.key().to_owned()
 }

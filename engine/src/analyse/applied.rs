@@ -51,6 +51,12 @@ impl<T: Copy> Carrying<T> {
                     inner,
                     outer,
                     tension,
+                }
+                | Reaction::ArmEnd {
+                    inner,
+                    outer,
+                    tension,
+                    ..
                 } => ((inner, outer) == (from, to)).then_some(tension),
                 Reaction::Force { .. } => None,
             })

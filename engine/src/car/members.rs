@@ -211,14 +211,7 @@ impl CarSolver<'_> {
         let frame = of_axle.frame(side);
         let along = |force: Vector3<f64>, axis: Axis| frame.sign(axis) * force[axis];
         let value = |(_, what): (String, What)| match what {
-<<<<<<< HEAD
             What::Link(inner, outer) => carried.tension(inner, outer).unwrap_or(f64::NAN),
-=======
-            What::Link(link) => match carried.constraints[link] {
-                Reaction::Rod { tension, .. } | Reaction::ArmEnd { tension, .. } => tension,
-                Reaction::Force { .. } => f64::NAN,
-            },
->>>>>>> main
             What::Point(point, axis) => {
                 along(balance.constraint_force(point, &carried.constraints), axis)
             }

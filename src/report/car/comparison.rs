@@ -157,6 +157,9 @@ fn changes(cars: &[&Car]) -> Vec<Change> {
         let all = [
             AxleParameter::SpringRate,
             AxleParameter::BarRate,
+            AxleParameter::HeaveSpringRate,
+            AxleParameter::TBarRate,
+            AxleParameter::HeaveBarRate,
             AxleParameter::TyreRate,
         ];
         all.map(|parameter| Parameter::Axle(axle, parameter))

@@ -201,6 +201,75 @@ impl Comparison {
         moving
     }
 
+    /// Columns of the motion that move, at least one.
+    pub(super) fn moving_columns(&self) -> Vec<String> {
+        let moves = |k: &usize| {
+            let mut all = self.own_stations.iter();
+            all.any(|stations| stations.iter().any(|at| at[*k] != stations[0][*k]))
+        };
+        let mut moving: Vec<usize> = (0..self.motion.len()).filter(moves).collect();
+        // The common stations decide which comes first.
+        moving.sort_by_key(|k| !self.motion[*k].moves);
+        if moving.is_empty() {
+            moving.push(0);
+        }
+        moving
+            .into_iter()
+            .map(|k| self.motion[k].column.clone())
+            .collect()
+    }
+
+    /// Title, column and unit of every output.
+    pub(super) fn compared_columns(&self) -> impl Iterator<Item = (&str, &str, &str)> {
+        let outputs = self.own_outputs.iter();
+        outputs.map(|o| (o.title.as_str(), o.column.as_str(), o.unit.as_str()))
+    }
+
+    /// Tables of all designs at their own stations, then of their differences from the first one at the common stations.
+    pub(super) fn tables(&self) -> Vec<CurveTable> {
+        let motion = |stations: &[Vec<f64>]| -> (Vec<String>, Vec<Vec<Option<f64>>>) {
+            let column = |k: usize| {
+                stations
+                    .iter()
+                    .map(move |at| Some(at[k]).filter(|v| v.is_finite()))
+            };
+            let names = self.motion.iter().map(|m| m.column.clone());
+            (
+                names.collect(),
+                (0..self.motion.len())
+                    .map(|k| column(k).collect())
+                    .collect(),
+            )
+        };
+        let table = |(mut header, mut columns): (Vec<String>, Vec<_>),
+                     outputs: Vec<(String, _)>| {
+            for (name, values) in outputs {
+                header.push(name);
+                columns.push(values);
+            }
+            CurveTable {
+                header,
+                columns,
+                status: Vec::new(),
+            }
+        };
+        let own = (0..self.labels.len()).map(|design| {
+            let outputs = self.own_outputs.iter();
+            let outputs =
+                outputs.filter_map(|o| Some((o.column.clone(), o.values[design].clone()?)));
+            table(motion(&self.own_stations[design]), outputs.collect())
+        });
+        let differences = (0..self.labels.len()).map(|design| {
+            let outputs = self.outputs.iter().map(|o| {
+                let pairs = o.values[design].iter().zip(&o.values[0]);
+                let values = pairs.map(|(value, first)| Some((*value)? - (*first)?));
+                (o.column.clone(), values.collect::<Vec<_>>())
+            });
+            table(motion(&self.stations), outputs.collect())
+        });
+        own.chain(differences).collect()
+    }
+
     /// Table with a row for each output and design: values and difference from the first design.
     pub fn table(&self) -> Table {
         let moving = self.moving();

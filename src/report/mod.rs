@@ -10,6 +10,7 @@ mod axle_record;
 mod bands;
 mod benchmarks;
 mod car;
+mod chart;
 mod choices;
 mod common_motion;
 mod comparison;

@@ -29,6 +29,7 @@ pub(super) fn file(name: &str) -> Option<Response> {
         "history.js" => (SCRIPT, include_str!("page/history.js")),
         "layout.js" => (SCRIPT, include_str!("page/layout.js")),
         "targets.js" => (SCRIPT, include_str!("page/targets.js")),
+        "mechanism_view.js" => (SCRIPT, include_str!("page/mechanism_view.js")),
         "space.js" => (SCRIPT, include_str!("page/space.js")),
         _ => return None,
     };

@@ -289,7 +289,9 @@ fn along(gradient: &CarGradient, axle: usize, moves: &[PointMoves; 2]) -> f64 {
     let of_side = |side: Side| -> f64 {
         let by = &gradient.wheels[2 * axle + side as usize];
         let pairs = moves[side as usize].iter().zip(by);
-        pairs.map(|(way, by)| by.dot(*way)).sum()
+        // A point that does not move adds nothing, even where the derivative by it has no value.
+        let moving = pairs.filter(|(way, _)| way.to_array() != [0.0; 3]);
+        moving.map(|(way, by)| by.dot(*way)).sum()
     };
     Side::ALL.map(of_side).iter().sum()
 }

@@ -52,11 +52,12 @@ pub fn car_page(record: &CarRecord) -> String {
         attitude(record),
         cases(record),
     ];
+    let style = [STYLE, CAR_STYLE].concat();
     format!(
         include_str!("car.html"),
-        policy = html(&policy(&[])),
+        policy = html(&policy(&[], &style)),
         study = html(&record.study),
-        style = format_args!("{STYLE}{CAR_STYLE}"),
+        style = style,
         about = html(&about(record)),
         verdict = html(&verdict(record)),
         facts = facts.collect::<String>(),

@@ -1,17 +1,160 @@
 //! The page of a comparison.
 
 use super::Page;
+use super::charts::{Charts, attribute};
 use super::escape::html;
+use crate::report::chart::{
+    Chart, Family, Layout, Line, Quantity, Source, families, hue, in_words,
+};
 use crate::report::comparison::Comparison;
+use crate::report::curve_table::CurveTable;
+use serde::Serialize;
 
-/// The page's own script.
-const GLUE: &str = concat!(
-    "'use strict';\n(() => {\n",
-    include_str!("display.js"),
+/// Parts of the page's own script.
+const SCRIPTS: [&str; 4] = [
+    include_str!("base.js"),
+    include_str!("chart.js"),
     include_str!("theme.js"),
     include_str!("compare.js"),
-    "})();\n"
-);
+];
+
+/// The data that the page's script reads.
+#[derive(Serialize)]
+struct Data<'a> {
+    curves: &'a [CurveTable],
+    charts: &'a [Layout],
+}
+
+/// What a chart shows.
+#[derive(Clone, Copy, PartialEq)]
+enum Kind {
+    Curves,
+    Differences,
+}
+
+impl Kind {
+    fn name(self) -> &'static str {
+        match self {
+            Kind::Curves => "curves",
+            Kind::Differences => "differences",
+        }
+    }
+}
+
+/// Charts of each output over each column that moves: curves, and differences from the first design.
+fn figures(comparison: &Comparison, moving: &[String], charts: &mut Charts) -> String {
+    let designs = comparison.labels.len();
+    charts.tables = comparison.tables();
+    let mut figures = String::new();
+    for (title, column, unit) in comparison.compared_columns() {
+        for over in moving {
+            for kind in [Kind::Curves, Kind::Differences] {
+                let first = if kind == Kind::Curves { 0 } else { designs };
+                let tables = first..first + designs;
+                let mut lines = Vec::new();
+                for (design, table) in tables
+                    .enumerate()
+                    .skip((kind == Kind::Differences) as usize)
+                {
+                    let apart: Vec<&String> = moving.iter().filter(|m| *m != over).collect();
+                    let label = &comparison.labels[design];
+                    let found = lines_of_design(&charts.tables[table], &apart, label, design);
+                    let source = |rows| Source {
+                        table,
+                        x: over.clone(),
+                        y: column.to_owned(),
+                        rows,
+                    };
+                    let found = found
+                        .into_iter()
+                        .filter(|_| charts.tables[table].column(column).is_some());
+                    lines.extend(found.map(|(line, rows)| Line {
+                        source: source(rows),
+                        ..line
+                    }));
+                }
+                if lines.is_empty() {
+                    continue;
+                }
+                let name = match kind {
+                    Kind::Curves => title.to_owned(),
+                    Kind::Differences => format!("difference of {title}"),
+                };
+                let chart = Chart {
+                    key: format!("{column}_{}", kind.name()),
+                    x: Quantity::of_column(over),
+                    y: Quantity::new(column, &name, unit),
+                    lines,
+                    ..Chart::default()
+                };
+                let mut attributes =
+                    attribute("data-over", over) + &attribute("data-kind", kind.name());
+                if kind == Kind::Differences || *over != moving[0] {
+                    attributes += " hidden";
+                }
+                let missing: Vec<&str> = (comparison.partial.iter())
+                    .filter(|(name, _)| name == column)
+                    .flat_map(|(_, having)| {
+                        comparison.labels.iter().filter(|l| !having.contains(l))
+                    })
+                    .map(String::as_str)
+                    .collect();
+                let remark = match missing.is_empty() {
+                    true => String::new(),
+                    false => format!("<small>not of {}</small>", html(&missing.join(", "))),
+                };
+                figures += &charts.figure(chart, &attributes, &remark);
+            }
+        }
+    }
+    figures
+}
+
+/// Curves of a design, without their columns: one for each value of what moves beside the abscissa, and its rows.
+fn lines_of_design(
+    table: &CurveTable,
+    apart: &[&String],
+    label: &str,
+    design: usize,
+) -> Vec<(Line, Vec<usize>)> {
+    let (families, _) = families(apart, table);
+    let several = families.len() > 1;
+    let line = |family: Family| {
+        let told = match (several, apart.first()) {
+            (true, Some(name)) => format!("{label}, {}", in_words(name, family.place)),
+            _ => label.to_owned(),
+        };
+        let stroke = if family.is_present { "strong" } else { "faint" };
+        let line = Line {
+            label: family.is_present.then(|| label.to_owned()),
+            told,
+            class: format!("{} {stroke}", hue(design)),
+            is_main: family.is_present,
+            has_dots: false,
+            source: Source::default(),
+        };
+        (line, family.rows)
+    };
+    families.into_iter().map(line).collect()
+}
+
+/// Choice of the column along the charts.
+fn controls(moving: &[String]) -> String {
+    let option = |column: &String| {
+        let title = Quantity::of_column(column).title();
+        format!(
+            "<option value=\"{}\">{}</option>",
+            html(column),
+            html(&title)
+        )
+    };
+    let hidden = if moving.len() < 2 { " hidden" } else { "" };
+    format!(
+        include_str!("compare_controls.html"),
+        options = moving.iter().map(option).collect::<String>(),
+        hidden = hidden
+    )
+}
 
 /// The page of several designs over each other. `topologies` are theirs, each once.
 pub fn comparison_page(comparison: &Comparison, topologies: &[String], files: &[String]) -> String {
@@ -31,8 +174,12 @@ pub fn comparison_page(comparison: &Comparison, topologies: &[String], files: &[
         true => "<p>No point of the same name is somewhere else.</p>".to_owned(),
         false => moved.html(),
     };
+    let moving = comparison.moving_columns();
+    let mut charts = Charts::default();
+    let figures_of_outputs = figures(comparison, &moving, &mut charts);
     let main = format!(
         include_str!("compare.html"),
+        charts = figures_of_outputs,
         figures = comparison.table().html(),
         partial = partial,
         moved = moved,
@@ -54,11 +201,14 @@ pub fn comparison_page(comparison: &Comparison, topologies: &[String], files: &[
             ("figures", "Figures"),
             ("hardpoints", "Hardpoints"),
         ],
-        controls: include_str!("compare_controls.html"),
+        controls: &controls(&moving),
         main,
         files,
-        data: comparison,
-        glue: GLUE,
+        data: Data {
+            curves: &charts.tables,
+            charts: &charts.layouts,
+        },
+        scripts: &SCRIPTS,
     };
     page.html()
 }

@@ -1,80 +1,125 @@
-// The designs of a sweep by two of their columns.
-const { columns, shown, first, best, front } = run;
+// The designs of a sweep by two of their columns. Axes come with the page; the marks are placed on them.
+const { columns, shown, first, best, front: frontDesigns } = run;
 const rowOf = new Map(shown.design.map((design, row) => [design, row]));
 const rowsOf = (designs) => designs.map((design) => rowOf.get(design)).filter((row) => row !== undefined);
-const [bestRows, frontRows] = [rowsOf(best), rowsOf(front)];
+const [bestRows, frontRows] = [rowsOf(best), rowsOf(frontDesigns)];
 const marked = new Set([...bestRows, ...frontRows]);
-const titled = (k) => plain(withUnit(columns[k].title, columns[k].unit));
+const titled = (k) => withUnit(columns[k].title, columns[k].unit);
 const value = (k, row) => shown.columns[k][row];
-const statusOf = (row) => (shown.failing[row] === null ? 'ok' : shown.reasons[shown.failing[row]][0]);
 const isWhole = (row) => shown.failing[row] === null;
 const allRows = shown.design.map((_, row) => row);
+const SHADES = 9;
+const SCATTER = { size: [900, 520], box: [74, 52, 880, 462] };
 
-// Light to strong, or low to high.
-const rising = (c) => [[0, c.accent], [1, mixed(c.rule, c.before, 0.4)]];
-const eitherWay = (c) => [[0, c.target], [0.5, mixed(c.rule, c.before, 0.4)], [1, c.accent]];
-const isDeviation = (k) => ['rms', 'misfit'].includes(columns[k].kind);
-const scaleOf = (c, k) => (isDeviation(k) ? rising(c) : eitherWay(c));
-// The colour at a part of a scale.
-const along = (scale, part) => {
-  const next = scale.findIndex(([stop]) => stop >= part);
-  if (next <= 0) return scale[0][1];
-  const [[before, from], [after, to]] = [scale[next - 1], scale[next]];
-  return mixed(from, to, (part - before) / (after - before));
+const axisOf = (k, isLog) => (isLog && columns[k].log_axis) || columns[k].axis;
+const shareOn = (axis, v) => (axis.is_log ? Math.log(v / axis.low) / Math.log(axis.high / axis.low) : (v - axis.low) / (axis.high - axis.low));
+
+// The shade of each design by a column: equally many designs in each, since a few bad ones would leave all others in one.
+const shadesBy = (k) => {
+  const known = allRows.filter((row) => value(k, row) !== null).sort((a, b) => value(k, a) - value(k, b));
+  const shades = new Map();
+  known.forEach((row, i) => shades.set(row, Math.floor((i * SHADES) / known.length)));
+  return shades;
 };
-const quantile = (values, part) => [...values].sort((a, b) => a - b)[Math.floor(part * (values.length - 1))];
+const shadesOf = (state) => (state.colour === 'status' ? null : shadesBy(state.colour));
+// Groups of designs, the ones that matter last: class, rows, name.
+const groupsOf = (state) => {
+  const selected = (row) => state.selected === null || state.selected.has(row);
+  const plain = allRows.filter((row) => isWhole(row) && !marked.has(row));
+  const shades = shadesOf(state);
+  const groups = shades
+    ? Array.from({ length: SHADES }, (_, k) => [`shade${SHADES - 1 - k}`, plain.filter((row) => shades.get(row) === SHADES - 1 - k), k ? null : `designs, by ${titled(state.colour)}: low ochre, high blue`])
+    : [['former', plain, 'designs']];
+  groups.push(['bad', allRows.filter((row) => !isWhole(row)), 'not solved everywhere']);
+  groups.push(['target', frontRows, 'Pareto front'], ['main', bestRows, 'best']);
+  return groups.map(([look, rows, name]) => ({ look, name, rows: rows.filter(selected), all: rows.length })).filter(({ all }) => all);
+};
+
+const legendOf = (groups, width) => {
+  let x = 12;
+  return groups.filter(({ name }) => name).flatMap(({ look, name }) => {
+    const at = x;
+    x += 26 + 6.6 * name.length;
+    return x > width + 60 ? [] : [svg('path', { class: `dot ${look}`, d: `M${at + 5} 16h.01` }), svg('text', { class: 'note', x: at + 14, y: 20, text: name })];
+  });
+};
 
 const scatter = byId('scatter-plot');
-const isPositive = (k) => shown.columns[k].every((v) => v === null || v > 0);
-
-const scatterTrace = (c, state, rows, name, marker, more) => ({
-  type: 'scatter', mode: 'markers', name, marker,
-  x: rows.map((row) => value(state.x, row)), y: rows.map((row) => value(state.y, row)),
-  customdata: rows.map((row) => shown.design[row]),
-  text: rows.map((row) => (first.misfit !== null && value(first.misfit, row) !== null ? `, misfit ${brief(value(first.misfit, row))}` : '')),
-  hovertemplate: `design %{customdata}%{text}<br>${titled(state.x)}: %{x:.5~g}<br>${titled(state.y)}: %{y:.5~g}<extra></extra>`,
-  ...more,
-});
-
-const drawScatter = async (state) => {
-  const c = colours();
-  const { x, y, colour } = state;
-  const others = allRows.filter((row) => !marked.has(row) && isWhole(row));
-  const failed = allRows.filter((row) => !isWhole(row));
-  let looks = { size: 5, color: c.before, opacity: 0.7 };
-  if (colour !== 'status') {
-    const values = allRows.map((row) => value(colour, row)).filter((v) => v !== null);
-    looks = {
-      size: 5.5, color: others.map((row) => value(colour, row)), colorscale: scaleOf(c, colour),
-      // A few bad designs would leave all others in one shade.
-      ...(values.length && { cmin: quantile(values, 0), cmax: quantile(values, isDeviation(colour) ? 0.9 : 1) }),
-      colorbar: { title: { text: titled(colour), side: 'right' }, thickness: 12, outlinewidth: 0, x: 1.01 },
-    };
+let scatterPlaces = [];
+const drawScatter = (state) => {
+  const [left, top, right, bottom] = SCATTER.box;
+  const [x, y] = [state.x, state.y].map((k) => axisOf(k, state.logarithmic));
+  const at = (row) => {
+    const [a, b] = [value(state.x, row), value(state.y, row)];
+    return a === null || b === null ? null : [left + shareOn(x, a) * (right - left), bottom - shareOn(y, b) * (bottom - top)];
+  };
+  const parts = [];
+  for (const [share, text] of x.ticks) {
+    const place = (left + share * (right - left)).toFixed(1);
+    parts.push(svg('path', { class: 'grid', d: `M${place} ${top}V${bottom}` }), svg('text', { class: 'axis-text', x: place, y: bottom + 18, 'text-anchor': 'middle', text }));
   }
-  const traces = [
-    scatterTrace(c, state, others, 'designs', looks),
-    scatterTrace(c, state, failed, 'not solved everywhere', { symbol: 'x-thin', size: 7, line: { color: c.bad, width: 1.5 } }, {
-      text: failed.map((row) => `<br>${plain(shown.reasons[shown.failing[row]].join(': '))}`),
-    }),
-    scatterTrace(c, state, frontRows, 'Pareto front', { symbol: 'diamond', size: 9, color: c.target, line: { color: c.paper, width: 1 } }),
-    scatterTrace(c, state, bestRows, 'best', { symbol: 'circle-open', size: 13, color: c.accent, line: { color: c.accent, width: 2 } }),
-    {
-      type: 'scatter', mode: 'markers', name: 'as given', x: [columns[x].at_design], y: [columns[y].at_design],
-      marker: { symbol: 'cross', size: 10, color: c.ink }, hovertemplate: 'the study as given<br>%{x:.5~g}, %{y:.5~g}<extra></extra>',
-    },
-    scatterTrace(c, state, state.picked === null ? [] : [state.picked], 'chosen', { symbol: 'square-open', size: 17, color: c.ink, line: { color: c.ink, width: 1.5 } }, { hoverinfo: 'skip', hovertemplate: null }),
-  ].filter((trace) => trace.x.some((v, i) => v !== null && trace.y[i] !== null));
-  const type = (k) => (state.logarithmic && isPositive(k) ? 'log' : 'linear');
-  await draw(scatter, traces, layout(c, {
-    xaxis: axis(c, { title: { text: titled(x) }, type: type(x) }),
-    yaxis: axis(c, { title: { text: titled(y) }, type: type(y) }),
-    hovermode: 'closest', dragmode: 'zoom', showlegend: true,
-    legend: { orientation: 'h', y: 1.02, yanchor: 'bottom', x: 0 },
-    margin: { l: 56, r: 16, t: 64, b: 48 },
-    uirevision: `${x} ${y} ${state.logarithmic}`,
-  }), { ...config, modeBarButtonsToRemove: [] });
-  const absent = allRows.filter((row) => value(x, row) === null || value(y, row) === null).length;
+  for (const [share, text] of y.ticks) {
+    const place = (bottom - share * (bottom - top)).toFixed(1);
+    parts.push(svg('path', { class: 'grid', d: `M${left} ${place}H${right}` }), svg('text', { class: 'axis-text', x: left - 8, y: Number(place) + 4, 'text-anchor': 'end', text }));
+  }
+  parts.push(svg('text', { class: 'axis-text', x: (left + right) / 2, y: bottom + 42, 'text-anchor': 'middle', text: titled(state.x) }),
+    svg('text', { class: 'axis-text', x: 18, y: (top + bottom) / 2, 'text-anchor': 'middle', transform: `rotate(-90 18 ${(top + bottom) / 2})`, text: titled(state.y) }));
+  const groups = groupsOf({ ...state, selected: null });
+  scatterPlaces = allRows.map(at);
+  for (const { look, rows } of groups) {
+    const d = rows.map((row) => scatterPlaces[row]).filter(Boolean).map(([a, b]) => `M${a.toFixed(1)} ${b.toFixed(1)}h.01`).join('');
+    parts.push(svg('path', { class: `dot ${look}`, d }));
+  }
+  const given = [columns[state.x].at_design, columns[state.y].at_design];
+  if (given.every((v) => v !== null)) {
+    const [a, b] = [left + shareOn(x, given[0]) * (right - left), bottom - shareOn(y, given[1]) * (bottom - top)];
+    parts.push(svg('path', { class: 'line name', d: `M${(a - 6).toFixed(1)} ${b.toFixed(1)}h12m-6 -6v12` }), svg('text', { class: 'end name', x: (a + 8).toFixed(1), y: (b - 6).toFixed(1), text: 'as given' }));
+  }
+  const picked = state.picked === null ? null : scatterPlaces[state.picked];
+  if (picked) parts.push(svg('path', { class: 'ring', d: `M${picked.map((c) => c.toFixed(1)).join(' ')}h.01` }));
+  parts.push(...legendOf(groups, right), svg('rect', { class: 'brush', display: 'none' }));
+  set(scatter, { viewBox: `0 0 ${SCATTER.size.join(' ')}`, tabindex: 0 });
+  scatter.replaceChildren(...parts);
+  noteDrawn(scatter);
+  const absent = scatterPlaces.filter((place) => !place).length;
   byId('scatter-absent').textContent = absent ? `${absent} of the designs drawn have no value in one of these columns and are not in this plot.` : '';
+};
+
+const placeIn = (element, size, event) => {
+  const box = element.getBoundingClientRect();
+  return [((event.clientX - box.x) * size[0]) / box.width, ((event.clientY - box.y) * size[1]) / box.height];
+};
+// A click picks the nearest design, a drag selects those in a box; a double click takes all again.
+const listenToScatter = (state, pick, select) => {
+  let start = null;
+  scatter.addEventListener('pointerdown', (event) => { if (event.button === 0) start = placeIn(scatter, SCATTER.size, event); });
+  const boxTo = (event) => {
+    const now = placeIn(scatter, SCATTER.size, event);
+    return [0, 1].map((k) => [Math.min(start[k], now[k]), Math.max(start[k], now[k])]);
+  };
+  scatter.addEventListener('pointermove', (event) => {
+    if (!start) return;
+    const [[a, b], [c, d]] = boxTo(event);
+    if (b - a + d - c < 6) return;
+    if (!scatter.hasPointerCapture(event.pointerId)) scatter.setPointerCapture(event.pointerId);
+    set(scatter.querySelector('.brush'), { display: null, x: a, y: c, width: b - a, height: d - c });
+  });
+  scatter.addEventListener('pointerup', (event) => {
+    if (!start) return;
+    const [[a, b], [c, d]] = boxTo(event);
+    const now = [b, d];
+    start = null;
+    set(scatter.querySelector('.brush'), { display: 'none' });
+    if (b - a + d - c >= 6) {
+      const rows = allRows.filter((row) => scatterPlaces[row] && scatterPlaces[row][0] >= a && scatterPlaces[row][0] <= b && scatterPlaces[row][1] >= c && scatterPlaces[row][1] <= d);
+      select(rows.length ? new Set(rows) : null);
+      return;
+    }
+    const far = (row) => (scatterPlaces[row] ? Math.hypot(scatterPlaces[row][0] - now[0], scatterPlaces[row][1] - now[1]) : Infinity);
+    const nearest = allRows.reduce((found, row) => (far(row) < far(found) ? row : found), 0);
+    if (far(nearest) < 14) pick(nearest);
+  });
+  scatter.addEventListener('dblclick', () => select(null));
 };
 
 // The chosen design: its values beside those of the study as given.
@@ -82,27 +127,12 @@ const sayPicked = ({ picked }) => {
   const table = byId('picked-table');
   table.replaceChildren();
   if (picked === null) return;
-  const line = (cells, tag) => {
-    const tr = document.createElement('tr');
-    cells.forEach((text, i) => {
-      const cell = document.createElement(tag);
-      cell.textContent = text;
-      if (i) cell.className = 'number';
-      tr.append(cell);
-    });
-    return tr;
-  };
   // Six digits to read; the whole number where the pointer rests.
-  const cell = (v) => (v === null ? '' : brief(v));
+  const cell = (v) => html('td', { class: 'number', text: v === null ? '' : brief(v, 6), title: v === null ? null : String(v) });
   const exact = (v) => (v === null ? '' : String(v));
   const design = shown.design[picked];
-  table.append(line(['column', `design ${design}`, 'as given'], 'th'));
-  columns.forEach((column, k) => {
-    const values = [value(k, picked), column.at_design];
-    const row = line([column.column, ...values.map(cell)], 'td');
-    values.forEach((v, i) => { row.cells[i + 1].title = exact(v); });
-    table.append(row);
-  });
+  table.append(html('tr', {}, ...['column', `design ${design}`, 'as given'].map((text, i) => html('th', { text, class: i ? 'number' : null }))));
+  columns.forEach((of, k) => table.append(html('tr', {}, html('td', { text: of.column }), cell(value(k, picked)), cell(of.at_design))));
   byId('picked-command').textContent = `hardpoint sweep STUDY --design ${design} > design_${design}.toml`;
   const failing = shown.failing[picked];
   const at = shown.failed_at[picked];

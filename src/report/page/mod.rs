@@ -1,19 +1,21 @@
 //! `report.html`: a run as one page that needs nothing else.
 //!
-//! Text and tables are written here; plots are drawn by the page's own small script, which hands the
-//! data of the run to plotly.js. The page loads nothing and its policy says so.
+//! Text, tables and charts are written here. The page's own small script adds the crosshair, the zoom and the view of the
+//! mechanism. The page loads nothing and its policy says so.
 
 mod car;
+mod charts;
 mod compare;
 mod escape;
-mod library;
 mod opening;
 mod policy;
 mod run;
 mod scatter;
+mod script;
 mod sheet;
 mod sweep;
 mod table;
+mod tuning_charts;
 
 pub use car::car_page;
 pub use compare::comparison_page;
@@ -21,10 +23,16 @@ pub use run::page;
 pub use sheet::{limits_page, set_up_page};
 pub use sweep::sweep_page;
 
+use super::chart::page_style;
 use escape::html;
 use serde::Serialize;
 
 const STYLE: &str = include_str!("style.css");
+
+/// Style of a page and of its charts.
+fn style() -> String {
+    STYLE.to_owned() + &page_style()
+}
 
 /// The drawing of the mechanism and its controls.
 const STAGE: &str = include_str!("stage.html");
@@ -39,27 +47,28 @@ struct Page<'a, Data> {
     remarks: String,
     /// Sections: their identifiers and names.
     sections: Vec<(&'static str, &'static str)>,
-    controls: &'static str,
+    controls: &'a str,
     main: String,
     files: &'a [String],
     /// The data that the script reads.
     data: Data,
-    /// The page's own script.
-    glue: &'static str,
+    /// Parts of the page's own script.
+    scripts: &'a [&'a str],
 }
 
 impl<Data: Serialize> Page<'_, Data> {
     fn html(&self) -> String {
-        let library = library::script();
+        let script = script::script(self.scripts);
+        let style = style();
         let fact =
             |(name, value): &(&str, String)| format!("<div><dt>{name}</dt><dd>{value}</dd></div>");
         let link = |(id, name): &(&str, &str)| format!("<li><a href=\"#{id}\">{name}</a></li>");
         let files: Vec<String> = self.files.iter().map(|f| html(f)).collect();
         format!(
             include_str!("page.html"),
-            policy = html(&policy::policy(&[&library, self.glue])),
+            policy = html(&policy::policy(&[&script], &style)),
             study = html(self.study),
-            style = STYLE,
+            style = style,
             about = html(&self.about),
             facts = self.facts.iter().map(fact).collect::<String>(),
             remarks = self.remarks,
@@ -67,10 +76,8 @@ impl<Data: Serialize> Page<'_, Data> {
             controls = self.controls,
             main = self.main,
             files = files.join(", "),
-            notice = html(library::NOTICE),
             data = escape::json(&self.data),
-            library = library,
-            glue = self.glue,
+            script = script,
         )
     }
 }

@@ -1,7 +1,8 @@
-// Designs as lines over several axes, each scaled to the designs drawn.
+// Designs as lines over several axes, each with its scale. A drag along an axis keeps the designs in that part of it.
 const parallel = byId('parallel-plot');
 const MOST_AXES = 12;
-const SHADES = 8;
+const PARALLEL = { size: [1180, 400], box: [50, 66, 1130, 360] };
+const brushes = new Map();
 
 // The variables that matter most, then the deviations from the targets, or else what the designs are.
 const parallelAxes = (state) => {
@@ -14,59 +15,83 @@ const parallelAxes = (state) => {
   const more = state.more === null || outputs.includes(state.more) ? [] : [state.more];
   return [...chosen, ...outputs.slice(0, MOST_AXES - chosen.length), ...more];
 };
+const placeOfAxis = (i, all) => PARALLEL.box[0] + (all > 1 ? (i * (PARALLEL.box[2] - PARALLEL.box[0])) / (all - 1) : 0);
+const heightOn = (k, v) => PARALLEL.box[3] - shareOn(axisOf(k, false), v) * (PARALLEL.box[3] - PARALLEL.box[1]);
 
-const drawParallel = async (state) => {
-  const c = colours();
+// Designs that are within every brush.
+const brushed = () => (brushes.size ? new Set(allRows.filter((row) => [...brushes].every(([k, [low, high]]) => value(k, row) !== null && value(k, row) >= low && value(k, row) <= high))) : null);
+
+const drawParallel = (state) => {
   const axes = parallelAxes(state);
-  const ranges = axes.map((k) => {
-    const values = shown.columns[k].filter((v) => v !== null);
-    return values.length ? [quantile(values, 0), quantile(values, 1)] : [0, 1];
+  const [, top, , bottom] = PARALLEL.box;
+  const lines = (rows) => rows.map((row) => {
+    let pen = 'M';
+    return axes.map((k, i) => {
+      const v = value(k, row);
+      if (v === null) { pen = 'M'; return ''; }
+      const step = `${pen}${placeOfAxis(i, axes.length).toFixed(1)} ${heightOn(k, v).toFixed(1)}`;
+      pen = 'L';
+      return step;
+    }).join('');
+  }).join('');
+  const groups = groupsOf(state);
+  const parts = groups.map(({ look, rows }) => svg('path', { class: `thread ${look}${['main', 'target'].includes(look) ? ' strong' : ''}`, d: lines(rows) }));
+  if (state.picked !== null) parts.push(svg('path', { class: 'thread name strong picked', d: lines([state.picked]) }));
+  axes.forEach((k, i) => {
+    const x = placeOfAxis(i, axes.length).toFixed(1);
+    const { ticks: marks } = axisOf(k, false);
+    const anchor = i === 0 ? 'start' : i === axes.length - 1 ? 'end' : 'middle';
+    const shift = anchor === 'middle' ? 0 : anchor === 'start' ? -30 : 30;
+    const words = titled(k);
+    const most = Math.max(8, Math.floor((PARALLEL.box[2] - PARALLEL.box[0]) / Math.max(1, axes.length - 1) / 6.2));
+    parts.push(svg('path', { class: 'frame', d: `M${x} ${top}V${bottom}` }),
+      svg('text', { class: 'axis-text', x: Number(x) + shift, y: i % 2 ? 58 : 44, 'text-anchor': anchor, text: words.length > 2 * most ? `${words.slice(0, 2 * most - 1)}…` : words }, svg('title', { text: words })));
+    for (const [share, text] of marks) {
+      const y = bottom - share * (bottom - top);
+      parts.push(svg('text', { class: 'axis-text small', x: Number(x) + 4, y: (y + 3.5).toFixed(1), text }));
+    }
+    const range = brushes.get(k);
+    if (range) {
+      const [a, b] = range.map((v) => heightOn(k, v));
+      parts.push(svg('rect', { class: 'brush', x: Number(x) - 7, y: b.toFixed(1), width: 14, height: Math.max(2, a - b).toFixed(1) }));
+    }
   });
-  const height = (i, v) => {
-    const [low, high] = ranges[i];
-    if (v === null) return null;
-    return high > low ? (v - low) / (high - low) : 0.5;
+  parts.push(...legendOf(groups, PARALLEL.box[2]));
+  set(parallel, { viewBox: `0 0 ${PARALLEL.size.join(' ')}`, tabindex: 0 });
+  parallel.replaceChildren(...parts);
+  noteDrawn(parallel);
+  byId('parallel-selected').textContent = state.selected === null ? '' : `${state.selected.size} designs selected; a double click takes all again.`;
+};
+
+const listenToParallel = (state, select) => {
+  let start = null;
+  parallel.addEventListener('pointerdown', (event) => {
+    if (event.button !== 0) return;
+    const [x, y] = placeIn(parallel, PARALLEL.size, event);
+    const axes = parallelAxes(state);
+    const far = axes.map((_, i) => Math.abs(placeOfAxis(i, axes.length) - x));
+    const i = far.indexOf(Math.min(...far));
+    if (far[i] < 24) {
+      start = { k: axes[i], y };
+      parallel.setPointerCapture(event.pointerId);
+    }
+  });
+  const valueOn = (k, y) => {
+    const { low, high } = axisOf(k, false);
+    return low + ((PARALLEL.box[3] - y) / (PARALLEL.box[3] - PARALLEL.box[1])) * (high - low);
   };
-  const trace = (rows, name, line, opacity) => ({
-    type: 'scatter', mode: 'lines', name, opacity, line, connectgaps: false, hoverlabel: { namelength: -1 },
-    x: rows.flatMap(() => [...axes.keys(), null]),
-    y: rows.flatMap((row) => [...axes.map((k, i) => height(i, value(k, row))), null]),
-    text: rows.flatMap((row) => [...axes.map((k) => `design ${shown.design[row]}<br>${titled(k)}: ${value(k, row) === null ? 'none' : brief(value(k, row))}`), '']),
-    hovertemplate: '%{text}<extra></extra>',
+  parallel.addEventListener('pointermove', (event) => {
+    if (!start) return;
+    const [, y] = placeIn(parallel, PARALLEL.size, event);
+    if (Math.abs(y - start.y) < 4) return;
+    brushes.set(start.k, [Math.max(y, start.y), Math.min(y, start.y)].map((h) => valueOn(start.k, h)));
+    select(brushed());
   });
-  const selected = (row) => state.selected === null || state.selected.has(row);
-  const others = allRows.filter((row) => isWhole(row) && !marked.has(row) && selected(row));
-  const failed = allRows.filter((row) => !isWhole(row) && selected(row));
-  // In shades of the column that colours the points above, equally many designs in each, the strongest on top.
-  const shades = () => {
-    if (state.colour === 'status') return [trace(others, 'designs', { color: c.before, width: 1 }, 0.4)];
-    const sorted = [...others].sort((a, b) => value(state.colour, b) - value(state.colour, a));
-    return Array.from({ length: SHADES }, (_, shade) => {
-      const rows = sorted.slice(...[shade, shade + 1].map((n) => Math.round((n * sorted.length) / SHADES)));
-      const line = { color: along(scaleOf(c, state.colour), 1 - shade / (SHADES - 1)), width: 0.8 };
-      return { ...trace(rows, 'designs', line, 0.3), legendgroup: 'designs', showlegend: shade === SHADES - 1 };
-    });
-  };
-  const traces = [
-    ...shades(),
-    trace(failed, 'not solved everywhere', { color: c.bad, width: 1 }, Math.min(0.7, Math.max(0.1, 40 / (failed.length + 1)))),
-    trace(frontRows.filter(selected), 'Pareto front', { color: c.target, width: 2 }, 1),
-    trace(bestRows.filter(selected), 'best', { color: c.accent, width: 2.4 }, 1),
-    trace(state.picked === null ? [] : [state.picked], 'chosen', { color: c.ink, width: 2.5, dash: 'dot' }, 1),
-  ].filter((t) => t.x.length);
-  const end = (i, y, v, yanchor) => ({
-    x: i, y, text: plain(Number(v.toPrecision(3))), showarrow: false, yanchor, font: { size: 11, color: c.muted }, bgcolor: 'rgba(0,0,0,0)',
+  parallel.addEventListener('pointerup', (event) => {
+    if (!start) return;
+    const [, y] = placeIn(parallel, PARALLEL.size, event);
+    if (Math.abs(y - start.y) < 4 && brushes.delete(start.k)) select(brushed());
+    start = null;
   });
-  const ends = axes.flatMap((_, i) => [end(i, 1.01, ranges[i][1], 'bottom'), end(i, -0.01, ranges[i][0], 'top')]);
-  await draw(parallel, traces, layout(c, {
-    xaxis: axis(c, {
-      tickvals: [...axes.keys()], ticktext: axes.map(titled), range: [-0.4, axes.length - 0.6], gridcolor: c.muted,
-      zeroline: false, tickangle: axes.length * 150 > parallel.clientWidth ? -35 : 0, fixedrange: true,
-    }),
-    yaxis: { range: [-0.08, 1.08], visible: false, fixedrange: true },
-    annotations: ends, hovermode: 'closest', dragmode: false, showlegend: true,
-    legend: { orientation: 'h', y: 1.02, yanchor: 'bottom', x: 0 },
-    margin: { l: 24, r: 24, t: 64, b: 48 },
-  }), still);
-  byId('parallel-selected').textContent = state.selected === null ? '' : `${state.selected.size} designs selected above; a double click there takes all again.`;
+  parallel.addEventListener('dblclick', () => { brushes.clear(); select(null); });
 };

@@ -1,19 +1,22 @@
 //! The content security policy of a page: it may run its own scripts and load nothing.
 
-/// The policy of a page with these scripts in it. Scripts are named by their hashes, so that no other
-/// text can become one; styles cannot be, since the plots set some of their own.
-pub(super) fn policy(scripts: &[&str]) -> String {
-    let hashes: Vec<String> = scripts
-        .iter()
-        .map(|script| {
-            let digest = hmac_sha256::Hash::hash(script.as_bytes());
-            format!("'sha256-{}'", base64(&digest))
-        })
-        .collect();
+/// The policy of a page with these scripts and this style in it. They are named by their hashes, so that no other text can
+/// become one.
+pub(super) fn policy(scripts: &[&str], style: &str) -> String {
+    let hash = |text: &str| {
+        format!(
+            "'sha256-{}'",
+            base64(&hmac_sha256::Hash::hash(text.as_bytes()))
+        )
+    };
+    let scripts: Vec<String> = scripts.iter().map(|script| hash(script)).collect();
+    let scripts = match scripts.is_empty() {
+        true => "'none'".to_owned(),
+        false => scripts.join(" "),
+    };
     format!(
-        "default-src 'none'; base-uri 'none'; form-action 'none'; style-src 'unsafe-inline'; \
-         img-src data: blob:; script-src {}",
-        hashes.join(" ")
+        "default-src 'none'; base-uri 'none'; form-action 'none'; style-src {}; script-src {scripts}",
+        hash(style)
     )
 }
 
@@ -57,7 +60,7 @@ mod tests {
     /// The example of the CSP specification, level 2, section 4.2.5.
     #[test]
     fn scripts_are_named_by_their_hashes() {
-        let policy = policy(&["alert('Hello, world.');"]);
+        let policy = policy(&["alert('Hello, world.');"], "");
         assert!(policy.ends_with("'sha256-qznLcsROx4GACP2dm0UCKCzCG+HiZ1guq6ZZDob/Tng='"));
     }
 }

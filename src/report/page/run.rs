@@ -1,33 +1,34 @@
 //! The page of a solve or an optimisation.
 
+use super::charts::{Charts, attribute};
 use super::escape::html;
 use super::opening::opening;
 use super::scatter::{contributors, distributions};
 use super::table::table;
+use super::tuning_charts::{front_charts, history_chart, prices_chart};
 use super::{Page, STAGE};
 use crate::SideEffect;
+use crate::report::chart::{Layout, Quantity, chart_groups, charts_over};
 use crate::report::curve_table::CurveTable;
 use crate::report::failures::FailureRange;
 use crate::report::record::{DesignRecord, Record};
 use crate::report::run::{Run, Summary};
-use crate::report::{PriceRecord, ToleranceSummary, TuningSummary, YieldRecord};
+use crate::report::{ToleranceSummary, TuningSummary, YieldRecord};
 use crate::report::{side_effects_in_words, side_effects_table};
 use serde::Serialize;
-use std::collections::BTreeMap;
 
-/// The page's own script.
-const GLUE: &str = concat!(
-    "'use strict';\n(() => {\n",
-    include_str!("display.js"),
-    include_str!("curves.js"),
+/// Parts of the page's own script.
+const SCRIPTS: [&str; 9] = [
+    include_str!("base.js"),
+    include_str!("chart.js"),
     include_str!("mechanism.js"),
     include_str!("turn.js"),
+    include_str!("measures.js"),
     include_str!("tuning.js"),
     include_str!("front.js"),
     include_str!("theme.js"),
     include_str!("start.js"),
-    "})();\n"
-);
+];
 
 /// The most numbers of curves in a page. Beyond, stations are left out evenly, and the page says so.
 const MOST_NUMBERS: usize = 30_000;
@@ -36,46 +37,44 @@ const MOST_NUMBERS: usize = 30_000;
 #[derive(Serialize)]
 struct Data<'a> {
     record: &'a Record,
-    curves: Vec<CurveTable>,
-    /// Columns that outputs are drawn over where that is not the drive value.
-    natural: BTreeMap<&'a str, &'a str>,
-    history: Option<CurveTable>,
-    kept_start: Option<usize>,
+    /// Tables of the charts: the curves of each design first.
+    curves: &'a [CurveTable],
+    charts: &'a [Layout],
     /// Point of the front that is the tuned design.
     kept_point: Option<usize>,
     /// Targets missed by more than their tolerance: column, largest deviation and its place.
     missed: Vec<(&'a str, String)>,
-    /// Misfit against the size of the change.
-    prices: &'a [PriceRecord],
 }
 
 /// The page of a run.
 pub fn page(run: &Run) -> String {
     let (curves, curves_note) = drawn(run);
-    let tuning = match &run.summary {
-        Summary::Optimise(tuning) => Some(&**tuning),
-        _ => None,
+    let mut charts = Charts {
+        tables: curves,
+        layouts: Vec::new(),
     };
-    let data = Data {
-        record: &run.record,
-        curves,
-        natural: natural(&run.record),
-        history: run.history.as_ref().map(|h| h.thinned(MOST_NUMBERS / 9)),
-        kept_start: tuning.and_then(TuningSummary::kept_start),
-        kept_point: tuning
-            .zip(run.record.front.as_ref())
-            .and_then(|(tuning, front)| tuning.kept_point(front)),
-        missed: tuning.map_or_else(Vec::new, missed),
-        prices: tuning.map_or(&[], |tuning| &tuning.prices),
-    };
-    let answer = tuning.map_or_else(String::new, |tuning| opening(tuning, &run.record));
+    let figures = figures(run, &mut charts);
+    let answer = tuning_of(run).map_or_else(String::new, |tuning| opening(tuning, &run.record));
     let (tuning, ranges) = match &run.summary {
         Summary::Optimise(tuning) => {
             let front = match &run.record.front {
-                Some(_) => include_str!("front.html"),
-                None => "",
+                Some(front) => {
+                    let kept = tuning.kept_point(front);
+                    format!(
+                        include_str!("front.html"),
+                        charts = front_charts(front, kept, &mut charts)
+                    )
+                }
+                None => String::new(),
             };
-            (front.to_owned() + &tuning_sections(tuning), String::new())
+            let history = run.history.as_ref().map(|h| h.thinned(MOST_NUMBERS / 9));
+            let history = history.map_or_else(String::new, |history| {
+                history_chart(history, tuning.kept_start(), &mut charts)
+            });
+            (
+                front + &tuning_sections(tuning, history, &mut charts),
+                String::new(),
+            )
         }
         Summary::Tolerance(tolerance) => (String::new(), tolerance_sections(tolerance)),
         solve => {
@@ -87,10 +86,20 @@ pub fn page(run: &Run) -> String {
         include_str!("run.html"),
         answer = answer,
         curves_note = curves_note,
+        figures = figures,
         stage = STAGE,
         ranges = ranges,
         tuning = tuning,
     );
+    let data = Data {
+        record: &run.record,
+        curves: &charts.tables,
+        charts: &charts.layouts,
+        kept_point: tuning_of(run)
+            .zip(run.record.front.as_ref())
+            .and_then(|(tuning, front)| tuning.kept_point(front)),
+        missed: tuning_of(run).map_or_else(Vec::new, missed),
+    };
     let page = Page {
         study: &run.record.study,
         about: format!(
@@ -102,20 +111,87 @@ pub fn page(run: &Run) -> String {
         facts: facts(run),
         remarks: interruption(run) + &failures(run) + &remarks(run),
         sections: sections(run),
-        controls: include_str!("controls.html"),
+        controls: &controls(&run.record),
         main,
         files: &run.files,
         data,
-        glue: GLUE,
+        scripts: &SCRIPTS,
     };
     page.html()
 }
 
-/// Outputs that are drawn over another column than the drive value, with that column.
-fn natural(record: &Record) -> BTreeMap<&str, &str> {
-    let columns = record.outputs.iter().map(|output| output.column.as_str());
-    let over = columns.map(|column| (column, record.natural_abscissa(column)));
-    over.filter(|(_, over)| *over != record.drive).collect()
+fn tuning_of(run: &Run) -> Option<&TuningSummary> {
+    match &run.summary {
+        Summary::Optimise(tuning) => Some(tuning),
+        _ => None,
+    }
+}
+
+/// Column that an output is drawn over at first.
+fn usual<'r>(record: &'r Record, output: &str) -> &'r str {
+    let by_time = record.abscissae.iter().find(|a| *a == "time_s");
+    by_time.map_or(record.natural_abscissa(output), String::as_str)
+}
+
+/// Columns that outputs can be drawn over.
+fn abscissae(record: &Record) -> Vec<&str> {
+    let mut all = vec![record.drive.as_str()];
+    all.extend(
+        record
+            .abscissae
+            .iter()
+            .map(String::as_str)
+            .filter(|a| *a != record.drive),
+    );
+    all
+}
+
+/// Choice of the column along the charts, if there is one.
+fn controls(record: &Record) -> String {
+    let all = abscissae(record);
+    if all.len() < 2 {
+        return String::new();
+    }
+    let option = |column: &&str| {
+        let title = Quantity::of_column(column).title();
+        format!(
+            "<option value=\"{}\">{}</option>",
+            html(column),
+            html(&title)
+        )
+    };
+    let options: String = all.iter().map(option).collect();
+    format!(include_str!("controls.html"), options = options)
+}
+
+/// The figures of all outputs over all columns that they can be drawn over. Only the usual one is shown at first.
+fn figures(run: &Run, charts: &mut Charts) -> String {
+    let record = &run.record;
+    let missed = tuning_of(run).map_or_else(Vec::new, missed);
+    let mut figures = String::new();
+    for group in chart_groups(&record.outputs) {
+        let usual = usual(record, &group[0].column);
+        let remarks: String = missed
+            .iter()
+            .filter(|(column, _)| group.iter().any(|o| o.column == *column))
+            .map(|(_, by)| {
+                format!(
+                    "<small class=\"unmet\">target missed by up to {}</small>",
+                    html(by)
+                )
+            })
+            .collect();
+        for over in abscissae(record) {
+            let chart = charts_over(record, &charts.tables, &group, over);
+            let mut attributes = attribute("data-over", over);
+            attributes += match over == usual {
+                true => " data-usual",
+                false => " hidden",
+            };
+            figures += &charts.figure(chart, &attributes, &remarks);
+        }
+    }
+    figures
 }
 
 /// Curves on the page, and a remark if some are left out.
@@ -274,7 +350,7 @@ fn missed_in_words(missed: &[(&str, String)]) -> String {
 }
 
 /// Targets, moved hardpoints and the course of an optimisation.
-fn tuning_sections(tuning: &TuningSummary) -> String {
+fn tuning_sections(tuning: &TuningSummary, history: String, charts: &mut Charts) -> String {
     let unseen: String = tuning
         .unseen()
         .iter()
@@ -295,7 +371,8 @@ fn tuning_sections(tuning: &TuningSummary) -> String {
         constraints = constraints(tuning),
         unseen = unseen,
         starts = tuning.starts_table().html(),
-        prices = prices_section(tuning),
+        history = history,
+        prices = prices_section(tuning, charts),
         side_effects = side_effects(&tuning.side_effects),
         yields = tuning.yields.as_ref().map_or_else(String::new, |yields| {
             format!(
@@ -335,9 +412,14 @@ fn constraints(tuning: &TuningSummary) -> String {
 }
 
 /// The section on the misfit that moving further would save.
-fn prices_section(tuning: &TuningSummary) -> String {
+fn prices_section(tuning: &TuningSummary, charts: &mut Charts) -> String {
     tuning.prices_table().map_or_else(String::new, |table| {
-        format!(include_str!("prices.html"), table = table.html())
+        let chart = prices_chart(&tuning.prices, charts);
+        format!(
+            include_str!("prices.html"),
+            chart = chart,
+            table = table.html()
+        )
     })
 }
 

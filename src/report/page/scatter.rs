@@ -38,7 +38,8 @@ pub(super) fn distributions(summary: &ToleranceSummary) -> String {
     }
     format!(
         "<h3>Distributions in the bands</h3><p class=\"note\">Line: least to greatest of the builds. Light box: 1 % to 99 %. \
-         Dark box: 5 % to 95 %. Stroke: median. Dot: nominal. Shaded: the band. Where a band holds over the motion, the \
+         Dark box: 5 % to 95 %. Stroke: median. Dot: nominal. Shaded: the band. Cp and Cpk: width of the band, and margin of the \
+         mean to the nearer limit, in six and in three standard deviations of the builds. Where a band holds over the motion, the \
          position with the least margin is drawn.</p><div class=\"scatter\">{svg}</svg></div>"
     )
 }
@@ -124,6 +125,31 @@ fn row(svg: &mut String, top: f64, band: &BandRecord, value: &ValueRecord) {
         middle + 4.0,
         100.0 * band.kept
     );
+    let words = capability(band, value);
+    if !words.is_empty() {
+        let _ = write!(
+            svg,
+            "<text class=\"small\" x=\"{WIDTH}\" y=\"{:.1}\" text-anchor=\"end\">{words}</text>",
+            middle + 20.0
+        );
+    }
+}
+
+/// Capability of a value in its band: `Cp 1.33, Cpk 1.10`. Cp is the width of the band in six standard deviations, Cpk the
+/// distance from the mean to the nearer limit in three. A band with one limit has only Cpk.
+fn capability(band: &BandRecord, value: &ValueRecord) -> String {
+    let (Some(mean), Some(sigma)) = (value.mean, value.sigma.filter(|sigma| *sigma > 0.0)) else {
+        return String::new();
+    };
+    let width = band.low.zip(band.high).map(|(low, high)| high - low);
+    let cp = width.map(|width| format!("Cp {:.2}, ", width / (6.0 * sigma)));
+    let margins = [
+        band.low.map(|low| mean - low),
+        band.high.map(|high| high - mean),
+    ];
+    let nearer = margins.into_iter().flatten().reduce(f64::min);
+    let cpk = nearer.map(|margin| format!("Cpk {:.2}", margin / (3.0 * sigma)));
+    cp.unwrap_or_default() + &cpk.unwrap_or_default()
 }
 
 /// The predicted yield with half and with twice the tolerance of each contributor.
@@ -188,4 +214,33 @@ pub(super) fn contributors(summary: &ToleranceSummary) -> String {
         "<h3>Contributors</h3><p class=\"note\">Predicted share of builds in all bands with half (blue) and with twice (orange) the \
          tolerance of each contributor.</p><div class=\"scatter\">{svg}</svg></div>"
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A band of eight standard deviations whose middle is one standard deviation from the mean: Cp is 8/6, Cpk 3/3.
+    #[test]
+    fn capability_counts_standard_deviations() {
+        let value: ValueRecord = serde_json::from_value(serde_json::json!({
+            "output": "toe_deg", "builds": 100, "drawn": 0.0, "mean": 0.5, "mean_error": null, "sigma": 0.5,
+            "sigma_error": null, "sigma_linear": null, "second_order": null, "linear_holds": null,
+            "percentiles": [null, null, null, null, null, null, null], "range": [null, null], "shares": [],
+            "remainder": null, "remainder_error": null
+        }))
+        .unwrap();
+        let band = |low: Option<f64>, high: Option<f64>| -> BandRecord {
+            serde_json::from_value(serde_json::json!({
+                "band": "toe", "kept": 1.0, "kept_linear": 1.0, "low": low, "high": high
+            }))
+            .unwrap()
+        };
+        assert_eq!(
+            capability(&band(Some(-2.0), Some(2.0)), &value),
+            "Cp 1.33, Cpk 1.00"
+        );
+        assert_eq!(capability(&band(None, Some(2.0)), &value), "Cpk 1.00");
+        assert_eq!(capability(&band(None, None), &value), "");
+    }
 }

@@ -1,6 +1,5 @@
 //! Pages of tables alone, without scripts: a set-up as steps, and the limits of a mechanism.
 
-use super::STYLE;
 use super::escape::html;
 use super::policy::policy;
 use super::table::table;
@@ -90,11 +89,12 @@ fn sheet(study: &str, kind: &str, verdict: &str, sections: &[Section]) -> String
             s.table
         )
     };
+    let style = super::style();
     format!(
         include_str!("sheet.html"),
-        policy = html(&policy(&[])),
+        policy = html(&policy(&[], &style)),
         study = html(study),
-        style = STYLE,
+        style = style,
         kind = kind,
         version = env!("CARGO_PKG_VERSION"),
         verdict = html(verdict),

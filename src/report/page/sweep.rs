@@ -1,7 +1,9 @@
 //! The page of a sweep.
 
+use super::charts::Charts;
 use super::escape::html;
 use super::{Page, STAGE};
+use crate::report::chart::{AxisLayout, Layout, Quantity, chart_groups, charts_over};
 use crate::report::curve_table::CurveTable;
 use crate::report::figure::brief;
 use crate::report::record::{Record, readable_unit};
@@ -10,19 +12,18 @@ use crate::report::table::{Cell, Table};
 use crate::sweep::{Kind, SweepRecord};
 use serde::Serialize;
 
-/// The page's own script.
-const GLUE: &str = concat!(
-    "'use strict';\n(() => {\n",
-    include_str!("display.js"),
-    include_str!("curves.js"),
+/// Parts of the page's own script.
+const SCRIPTS: [&str; 9] = [
+    include_str!("base.js"),
+    include_str!("chart.js"),
     include_str!("mechanism.js"),
     include_str!("theme.js"),
+    include_str!("measures.js"),
     include_str!("designs.js"),
     include_str!("parallel.js"),
     include_str!("effects.js"),
     include_str!("start_sweep.js"),
-    "})();\n"
-);
+];
 
 /// The most rows of a table.
 const MOST_ROWS: usize = 50;
@@ -43,6 +44,8 @@ struct Data<'a> {
     drawn: Vec<Option<u64>>,
     record: Option<&'a Record>,
     curves: &'a [CurveTable],
+    /// Charts of the designs that have curves.
+    charts: &'a [Layout],
 }
 
 /// A column of the designs.
@@ -53,6 +56,10 @@ struct Column<'a> {
     unit: String,
     kind: Option<Kind>,
     at_design: Option<f64>,
+    /// Scale of the designs on the page.
+    axis: AxisLayout,
+    /// Logarithmic scale, if every value is positive.
+    log_axis: Option<AxisLayout>,
 }
 
 /// Numbers of columns.
@@ -67,8 +74,19 @@ struct First {
 pub fn sweep_page(run: &SweepRun) -> String {
     let (record, summary) = (&run.record, &run.summary);
     let after_variables = |k: usize| record.variables.len() + k;
+    let mut charts = Charts {
+        tables: run
+            .drawn
+            .as_ref()
+            .map_or_else(Vec::new, |d| d.curves.clone()),
+        layouts: Vec::new(),
+    };
+    let figures = run
+        .drawn
+        .as_ref()
+        .map_or_else(String::new, |drawn| figures(&drawn.record, &mut charts));
     let data = Data {
-        columns: columns(record),
+        columns: columns(run),
         shown: &run.shown,
         best: summary.best.iter().map(|d| d.design).collect(),
         front: &run.choice.front,
@@ -88,7 +106,8 @@ pub fn sweep_page(run: &SweepRun) -> String {
             .as_ref()
             .map_or_else(Vec::new, |d| d.designs.clone()),
         record: run.drawn.as_ref().map(|d| &d.record),
-        curves: run.drawn.as_ref().map_or(&[], |d| &d.curves),
+        curves: &charts.tables,
+        charts: &charts.layouts,
     };
     let mut sections = vec![("designs", "Designs"), ("design", "One design")];
     sections.extend((!summary.best.is_empty()).then_some(("best", "Best")));
@@ -104,6 +123,7 @@ pub fn sweep_page(run: &SweepRun) -> String {
             include_str!("sweep.html"),
             choice = choice(run),
             stage = STAGE,
+            figures = figures,
             not_drawn = not_drawn(run),
             best = best(run),
             effects = effects(record),
@@ -111,9 +131,31 @@ pub fn sweep_page(run: &SweepRun) -> String {
         ),
         files: &run.files,
         data,
-        glue: GLUE,
+        scripts: &SCRIPTS,
     };
     page.html()
+}
+
+/// Charts of all designs that have curves: the script shows the given design and the chosen one.
+fn figures(record: &Record, charts: &mut Charts) -> String {
+    let mut figures = String::new();
+    for group in chart_groups(&record.outputs) {
+        let over = record.natural_abscissa(&group[0].column);
+        let mut chart = charts_over(record, &charts.tables, &group, over);
+        chart.notes.clear();
+        for line in &mut chart.lines {
+            line.label = None;
+            line.is_main = line.source.table != 0;
+            let colour = if line.is_main {
+                "chosen strong"
+            } else {
+                "given"
+            };
+            line.class = format!("{colour} of-{}", line.source.table);
+        }
+        figures += &charts.figure(chart, " data-by-design", "");
+    }
+    figures
 }
 
 /// Advice on the curves of a design that is not on the page.
@@ -160,28 +202,64 @@ fn about(record: &SweepRecord) -> String {
     )
 }
 
-fn columns(record: &SweepRecord) -> Vec<Column<'_>> {
-    let variables = record.variables.iter().map(|v| {
+fn columns(run: &SweepRun) -> Vec<Column<'_>> {
+    let record = &run.record;
+    let shown = |k: usize| {
+        let column = run.shown.columns.get(k).into_iter().flatten();
+        column.flatten().copied()
+    };
+    let variables = record.variables.iter().enumerate().map(|(k, v)| {
         let unit = unit_of_variable(record, &v.column);
-        Column {
-            column: &v.column,
-            title: without_unit(&v.column, &unit).to_owned(),
-            unit: readable_unit(&unit),
-            kind: None,
-            at_design: Some(v.at_design),
-        }
+        let title = without_unit(&v.column, &unit).to_owned();
+        let at_design = Some(v.at_design);
+        Column::of(
+            &v.column,
+            title,
+            readable_unit(&unit),
+            None,
+            at_design,
+            || shown(k),
+        )
     });
-    let outputs = record.outputs.iter().map(|o| Column {
-        column: &o.column,
-        title: without_unit(&o.column, &o.unit).replace('_', " "),
-        unit: match o.kind {
+    let outputs = record.outputs.iter().enumerate().map(|(k, o)| {
+        let title = without_unit(&o.column, &o.unit).replace('_', " ");
+        let unit = match o.kind {
             Kind::Rms | Kind::Misfit => "tolerances".to_owned(),
             _ => readable_unit(&o.unit),
-        },
-        kind: Some(o.kind),
-        at_design: o.at_design,
+        };
+        let k = record.variables.len() + k;
+        Column::of(&o.column, title, unit, Some(o.kind), o.at_design, || {
+            shown(k)
+        })
     });
     variables.chain(outputs).collect()
+}
+
+impl<'a> Column<'a> {
+    fn of<Values: Iterator<Item = f64>>(
+        column: &'a str,
+        title: String,
+        unit: String,
+        kind: Option<Kind>,
+        at_design: Option<f64>,
+        shown: impl Fn() -> Values,
+    ) -> Self {
+        let values = || shown().chain(at_design);
+        let mut quantity = Quantity::new(column, &title, &unit);
+        let axis = AxisLayout::unit(&quantity, values());
+        quantity.is_log = true;
+        let is_positive = values().all(|v| v > 0.0);
+        let log_axis = is_positive.then(|| AxisLayout::unit(&quantity, values()));
+        Column {
+            column,
+            title,
+            unit,
+            kind,
+            at_design,
+            axis,
+            log_axis,
+        }
+    }
 }
 
 /// Unit of a variable: a length, or for a car the one that its column ends with.

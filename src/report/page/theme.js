@@ -1,5 +1,4 @@
-// What every page's controls share; `drawAll` is the page's own. `#theme=dark&station=5` and the like set
-// controls from the address.
+// Controls that every page has. `#theme=dark&station=5` and the like set them from the address.
 const wishes = new URLSearchParams(location.hash.slice(1));
 const option = (select, value, text) => select.add(new Option(text, value));
 
@@ -10,31 +9,9 @@ const setTheme = (theme) => {
   else delete root.dataset.theme;
   byId('theme').textContent = isDark() ? 'light' : 'dark';
 };
-byId('theme').addEventListener('click', () => {
-  setTheme(isDark() ? 'light' : 'dark');
-  drawAll();
-});
-prefersDark.addEventListener('change', () => {
-  setTheme(root.dataset.theme);
-  drawAll();
-});
-// Paper is light, and has a width of its own.
-let before;
-const solid = byId('mechanism-plot');
-const PAPER_WIDTH = 680;
-addEventListener('beforeprint', () => {
-  before = root.dataset.theme;
-  if (solid) {
-    const { clientWidth: width, clientHeight: height } = solid;
-    Object.assign(solid.style, { width: `${width}px`, height: `${height}px`, zoom: PAPER_WIDTH / (width + 2) });
-  }
-  root.dataset.print = '';
-  setTheme('light');
-  drawAll();
-});
-addEventListener('afterprint', () => {
-  delete root.dataset.print;
-  if (solid) solid.removeAttribute('style');
-  setTheme(before);
-  drawAll();
-});
+byId('theme').addEventListener('click', () => setTheme(isDark() ? 'light' : 'dark'));
+prefersDark.addEventListener('change', () => setTheme(root.dataset.theme));
+const ready = () => {
+  setTheme(wishes.get('theme'));
+  root.dataset.ready = 'true';
+};

@@ -1,45 +1,45 @@
-// A steered axle from above, in the body's axes: both wheels, their spin axes to the other axle's line, and the
-// centre that the vehicle turns about. Where the stage's sliders are.
+// A steered axle from above, in the body's axes: both wheels, their spin axes to the other axle's line, and the centre that
+// the vehicle turns about, at the place of the mechanism.
+const TURN_SIZE = [900, 460];
 const turnPlot = byId('turn-plot');
 const turnOf = (design, place) => frameAt(design, place).pose.Ok?.turn ?? null;
 const hasTurn = allFrames.some((f) => f.pose.Ok?.turn?.centre);
 
-const turnTraces = (c, state, design) => {
-  const turn = turnOf(design, state.place);
-  if (!turn) return [];
-  const main = isMain(state, design);
-  const { label } = record.designs[design];
-  const colour = main ? c.accent : c.before;
-  // Forward is up and left is left: x of the drawing is against the study's y.
-  const seen = (points) => ({ x: points.map((p) => p && -p[1] * outboard), y: points.map((p) => p && p[0] * forward) });
-  const line = (points, more) => ({ type: 'scatter', mode: 'lines', hoverinfo: 'skip', legendgroup: label, showlegend: false, ...seen(points), ...more });
-  const wheels = turn.wheels.flatMap((ends) => [...ends, null]);
-  const middles = turn.wheels.map(([a, b]) => a.map((v, k) => (v + b[k]) / 2));
-  const half = Math.max(...turn.wheels.flat().map((end) => Math.abs(end[1])));
-  const other = [[turn.other_axle, -half], [turn.other_axle, half]];
-  const axes = turn.meets ? turn.meets.flatMap((meet, k) => [middles[k], meet, null]) : [];
-  return [
-    line(axes, { line: { color: colour, width: 1.2, dash: main ? 'solid' : 'dash' } }),
-    line(other, { line: { color: c.muted, width: 3 } }),
-    line(wheels, { name: plain(label), showlegend: true, line: { color: main ? c.wheel : c.before, width: 7 } }),
-    ...(turn.centre ? [{
-      type: 'scatter', mode: 'markers', name: plain(`${label}: centre of the turn`), legendgroup: label, showlegend: main,
-      ...seen([turn.centre]), marker: { symbol: 'diamond', size: 9, color: colour },
-      hovertemplate: `%{x:.0f}, %{y:.0f} ${record.length_unit}<extra>centre of the turn</extra>`,
-    }] : []),
-  ];
-};
-
-const drawTurn = async (state) => {
+const drawTurn = (place) => {
   byId('turn').hidden = !hasTurn;
   if (!hasTurn) return;
-  const c = colours();
-  const traces = shownDesigns(state).flatMap((design) => turnTraces(c, state, design));
-  await draw(turnPlot, traces, layout(c, {
-    xaxis: axis(c, { title: { text: `to the right [${record.length_unit}]` }, constrain: 'domain' }),
-    yaxis: axis(c, { title: { text: `forward [${record.length_unit}]` }, scaleanchor: 'x', scaleratio: 1 }),
-    hovermode: 'closest', showlegend: traces.filter((trace) => trace.showlegend).length > 1, legend: { orientation: 'h', y: 1.02, yanchor: 'bottom', x: 0 },
-  }));
-  const turn = turnOf(record.designs.length - 1, state.place);
-  byId('turn-text').textContent = turn?.centre ? '' : 'Straight ahead: the spin axes are almost parallel to the other axle. Move the slider of the rack or steering wheel.';
+  const designs = record.designs.map((_, k) => k).filter((k) => record.designs[k].frames.length);
+  const turns = designs.map((design) => ({ design, turn: turnOf(design, place) })).filter(({ turn }) => turn);
+  // Forward is up and left is left.
+  const flatTo = (p) => [-p[1] * outboard, p[0] * forward];
+  const all = turns.flatMap(({ turn }) => [...turn.wheels.flat(), ...(turn.centre ? [turn.centre] : []), [turn.other_axle, 0]].map(flatTo));
+  const [low, high] = [Math.min, Math.max].map((end) => [0, 1].map((k) => end(...all.map((p) => p[k]))));
+  const room = [TURN_SIZE[0] - 120, TURN_SIZE[1] - 70];
+  const scale = Math.min(...[0, 1].map((k) => room[k] / Math.max(high[k] - low[k], 1e-9)));
+  const at = (p) => {
+    const [x, y] = flatTo(p);
+    return [TURN_SIZE[0] / 2 + scale * (x - (low[0] + high[0]) / 2), TURN_SIZE[1] / 2 - scale * (y - (low[1] + high[1]) / 2)].map((v) => v.toFixed(1)).join(' ');
+  };
+  const parts = turns.flatMap(({ design, turn }) => {
+    const look = design === record.designs.length - 1 ? 'is-main' : 'is-former';
+    const middles = turn.wheels.map(([a, b]) => a.map((v, k) => (v + b[k]) / 2));
+    const half = Math.max(...turn.wheels.flat().map((end) => Math.abs(end[1])));
+    const line = (points, kind) => svg('path', { class: `${kind} ${look}`, d: `M${points.map(at).join('L')}` });
+    return [
+      line([[turn.other_axle, -half], [turn.other_axle, half]], 'turn-axle'),
+      ...(turn.meets ? turn.meets.map((meet, k) => line([middles[k], meet], 'turn-spin')) : []),
+      ...turn.wheels.map((ends) => line(ends, 'turn-wheel')),
+      ...(turn.centre ? [line([turn.centre, turn.centre], 'turn-centre')] : []),
+    ];
+  });
+  set(turnPlot, { viewBox: `0 0 ${TURN_SIZE.join(' ')}` });
+  const bar = niceStep(room[0] / scale, 5);
+  parts.push(svg('path', { class: 'scale-bar', d: `M24 ${TURN_SIZE[1] - 16}h${(bar * scale).toFixed(1)}` }),
+    svg('text', { x: 24, y: TURN_SIZE[1] - 22, text: `${brief(bar)} ${record.length_unit}` }),
+    svg('text', { x: 24, y: 22, text: '↑ forward' }));
+  turnPlot.replaceChildren(...parts);
+  noteDrawn(turnPlot);
+  const centre = turnOf(record.designs.length - 1, place)?.centre;
+  byId('turn-text').textContent = centre ? `Centre of the turn: ${brief(centre[0], 4)}, ${brief(centre[1], 4)} ${record.length_unit} (x, y).`
+    : 'Straight ahead: the spin axes are almost parallel to the other axle. Move the slider of the rack or steering wheel.';
 };

@@ -4,9 +4,9 @@
 //! from each of their points to the point of the last design.
 
 use super::labels::{Label, place_labels};
-use super::lettering::{Anchor, Lettering, Words};
-use super::panel::{number, path};
 use crate::curves::{Frame, Placement};
+use crate::report::chart::lettering::{Anchor, Lettering, Words};
+use crate::report::chart::mark::{number, path};
 use crate::report::record::Record;
 use crate::report::scene::{BodyKind, Scene};
 use std::fmt::Write;

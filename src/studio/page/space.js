@@ -1,13 +1,11 @@
 // Directions of the views, and circles in space.
 import { along, cross, norm } from './draw.js';
-import { state } from './design.js';
 
 // Corners of a circle as it is drawn.
 const ROUND = 64;
 
 // Directions of the car in the study's axes. A product of the signs below zero is a right-hand wheel.
-export const directions = () => {
-  const [forward, outboard, up] = state.overview.scene.signs;
+export const directions = ({ signs: [forward, outboard, up] }) => {
   const left = forward * outboard * up > 0;
   const carLeft = left ? outboard : -outboard;
   return { left, forward: [forward, 0, 0], outboard: [0, outboard, 0], carLeft: [0, carLeft, 0], up: [0, 0, up] };
@@ -15,13 +13,13 @@ export const directions = () => {
 export const negative = (v) => v.map((c) => -c);
 
 export const flat = {
-  front: () => { const d = directions(); return { right: d.carLeft, up: d.up }; },
-  side: () => { const d = directions(); return { right: d.left ? negative(d.forward) : d.forward, up: d.up }; },
-  top: () => { const d = directions(); return { right: negative(d.carLeft), up: d.forward }; },
+  front: (scene) => { const d = directions(scene); return { right: d.carLeft, up: d.up }; },
+  side: (scene) => { const d = directions(scene); return { right: d.left ? negative(d.forward) : d.forward, up: d.up }; },
+  top: (scene) => { const d = directions(scene); return { right: negative(d.carLeft), up: d.forward }; },
 };
 // The eye goes round the car: `turn` from the front towards outboard, `lift` above the ground.
-export const inSpace = ({ turn, lift }) => {
-  const d = directions();
+export const inSpace = (scene, { turn, lift }) => {
+  const d = directions(scene);
   const level = along([0, 0, 0].map((_, k) => d.forward[k] * Math.cos(turn)), d.outboard, Math.sin(turn));
   const eye = level.map((c, k) => c * Math.cos(lift) + d.up[k] * Math.sin(lift));
   const behind = negative(eye);
@@ -32,16 +30,16 @@ export const inSpace = ({ turn, lift }) => {
   return { right: unit, up: cross(unit, behind) };
 };
 
-// The wheel's rim: a circle about its centre, normal to the spin axis.
-export const rim = (at, { wheel_centre: centre, wheel_radius: radius }) => {
-  if (!radius || !at) return [];
-  const { points, spin_axis: n } = at;
-  const reference = Math.abs(n[2]) < 0.9 ? [0, 0, 1] : [1, 0, 0];
-  const first = cross(n, reference);
+// A circle about a centre, normal to a direction.
+export const circle = (centre, normal, radius) => {
+  const reference = Math.abs(normal[2]) < 0.9 ? [0, 0, 1] : [1, 0, 0];
+  const first = cross(normal, reference);
   const unit = first.map((c) => c / norm(first));
-  const second = cross(n, unit);
+  const second = cross(normal, unit);
   return Array.from({ length: ROUND }, (_, i) => {
     const angle = (2 * Math.PI * i) / ROUND;
-    return along(along(points[centre], unit, radius * Math.cos(angle)), second, radius * Math.sin(angle));
+    return along(along(centre, unit, radius * Math.cos(angle)), second, radius * Math.sin(angle));
   });
 };
+// The wheel's rim: a circle about its centre, normal to the spin axis.
+export const rim = (at, { wheel_centre: centre, wheel_radius: radius }) => (radius && at ? circle(at.points[centre], at.spin_axis, radius) : []);

@@ -1,9 +1,8 @@
 // Front, side, top and a view in space: the mechanism at the sliders' place, with points that can be dragged.
-import { along, AXES, brief, byId, cross, dot, html, minus, niceStep, norm, set, signed, svg, ticks } from './draw.js';
-import { directions, flat, inSpace, rim } from './space.js';
+import { along, AXES, brief, byId, cross, dot, html, minus, norm, set, signed, svg } from './draw.js';
+import { MechanismView } from './mechanism_view.js';
+import { flat, rim } from './space.js';
 import { ask, begin, emit, finish, gradient, grip, moveTo, on, snapped, state, stepped } from './design.js';
-
-const HUES = 7;
 
 // Points nearer to each other than this, in pixels, lie on each other.
 const STACKED = 9;
@@ -11,11 +10,6 @@ const STACKED = 9;
 const views = [];
 let others = false;
 
-const hueOf = (bodies) => {
-  let number = 0;
-  const own = { knuckle: 'carrier', strut: 'strut', spring: 'strut', rocker: 'rocker' };
-  return bodies.map(({ kind }) => own[kind] ?? `hue${number++ % HUES}`);
-};
 const mirrored = (p) => [p[0], -p[1], p[2]];
 const placement = (frame) => frame?.pose?.Ok ?? null;
 // The other wheel: of an axle where it is, else the mirror image.
@@ -26,30 +20,15 @@ const otherWheel = (frame) => {
 };
 const otherPoints = (frame) => otherWheel(frame)?.points ?? [];
 
-class View {
+class View extends MechanismView {
   constructor(name, title, basis) {
-    this.name = name;
-    this.basis = basis;
-    this.orbit = { turn: 0.72, lift: 0.36 };
-    this.focus = [0, 0, 0];
-    this.scale = 1;
-    this.svg = svg('svg', { class: 'view', role: 'group', 'aria-label': `${title}, points can be dragged` });
-    this.layers = Object.fromEntries(['grid', 'ghost', 'pins', 'proposal', 'other', 'bodies', 'marks', 'arrows', 'handles', 'words']
-      .map((layer) => [layer, this.svg.appendChild(svg('g', { class: layer }))]));
+    super({
+      name, title: `${title}, points can be dragged`, basis, scene: () => state.overview?.scene,
+      layers: ['grid', 'ghost', 'pins', 'proposal', 'other', 'bodies', 'marks', 'arrows', 'handles', 'words'],
+    });
     const zoom = html('button', { class: 'zoom', title: `${title} alone`, 'aria-label': `${title} alone`, text: '⤢', on: { click: () => this.enlarge() } });
     const fit = html('button', { class: 'zoom', title: 'Fit', 'aria-label': `Fit ${title}`, text: '⊡', on: { click: () => { this.fit(); this.draw(); } } });
     this.figure = html('figure', { class: 'viewbox', 'data-view': name }, html('figcaption', {}, title, html('span', { class: 'zooms' }, fit, zoom)), this.svg);
-    this.listen();
-    new ResizeObserver(() => { if (this.measure() && state.overview) { this.fit(); this.draw(); } }).observe(this.svg);
-  }
-
-  measure() {
-    const { width, height } = this.svg.getBoundingClientRect();
-    const is = width !== this.width || height !== this.height;
-    [this.width, this.height] = [width, height];
-    // Printed in another size, the picture is scaled.
-    if (width > 0) set(this.svg, { viewBox: `0 0 ${width} ${height}` });
-    return is && width > 0;
   }
 
   enlarge() {
@@ -60,57 +39,19 @@ class View {
     for (const view of views) view.figure.classList.toggle('alone', !was && view === this);
   }
 
-  turned() {
-    return this.basis ? this.basis() : inSpace(this.orbit);
-  }
-
-  // Where a point is on the screen.
-  project(p) {
-    const by = minus(p, this.focus);
-    return [this.width / 2 + this.scale * dot(by, this.look.right), this.height / 2 - this.scale * dot(by, this.look.up)];
-  }
-
-  // How far a way on the screen is in space.
-  unproject([x, y]) {
-    return along(this.look.right.map((c) => (c * x) / this.scale), this.look.up, -y / this.scale);
-  }
-
   fit() {
     const { scene } = state.overview;
     const frame = placement(state.answer?.frame) ?? placement(state.ghost?.frame);
     if (!frame || !this.width) return;
     let points = [...frame.points, ...rim(frame, scene)];
     if (others) points = [...points, ...otherPoints(frame), ...rim(otherWheel(frame), scene)];
-    this.look = this.turned();
-    const spans = ['right', 'up'].map((way) => {
-      const places = points.map((p) => dot(p, this.look[way]));
-      return [Math.min(...places), Math.max(...places)];
-    });
-    const middle = spans.map(([low, high]) => (low + high) / 2);
-    if (this.basis) {
-      this.focus = along(this.look.right.map((c) => c * middle[0]), this.look.up, middle[1]);
-    } else {
-      const box = [0, 1, 2].map((k) => [Math.min(...points.map((p) => p[k])), Math.max(...points.map((p) => p[k]))]);
-      this.focus = box.map(([low, high]) => (low + high) / 2);
-    }
-    const room = [this.width - 76, this.height - 60];
-    this.scale = Math.max(1e-9, Math.min(...spans.map(([low, high], k) => room[k] / Math.max(high - low, 1e-6))));
-    if (!this.basis) {
-      const far = Math.max(...points.map((p) => norm(minus(p, this.focus))));
-      this.scale = Math.min(this.width - 40, this.height - 30) / (2 * far) * 1.12;
-    }
-  }
-
-  path(points, closed = false) {
-    const places = points.map((p) => this.project(p).map((c) => c.toFixed(1)).join(' '));
-    return places.length ? `M${places.join('L')}${closed ? 'Z' : ''}` : '';
+    this.fitTo(points);
   }
 
   build() {
     const { scene, points } = state.overview;
-    const hues = hueOf(scene.bodies);
     for (const layer of Object.values(this.layers)) layer.replaceChildren();
-    const lines = (layer, classes) => scene.bodies.map((body, k) => this.layers[layer].appendChild(svg('path', { class: `${body.kind} ${classes ?? hues[k]}` })));
+    const lines = (layer, classes) => this.linesIn(layer, classes);
     this.ghost = [...lines('ghost', 'plain'), this.layers.ghost.appendChild(svg('path', { class: 'rim' }))];
     this.proposal = lines('proposal', 'plain');
     this.pins = Object.fromEntries(['A', 'B', 'C'].map((letter) => [letter, lines('pins', `plain pin-${letter}`)]));
@@ -155,9 +96,7 @@ class View {
     const frame = placement(state.answer?.frame);
     this.look = this.turned();
     this.drawGrid();
-    const show = (paths, at) => scene.bodies.forEach((body, k) => {
-      paths[k].setAttribute('d', at ? body.lines.map((line) => this.path(line.map((i) => at.points[i]))).join('') : '');
-    });
+    const show = (paths, at) => this.showBodies(paths, at);
     const round = (path, at) => path.setAttribute('d', at ? this.path(rim(at, scene), true) : '');
     show(this.bodies, frame);
     round(this.wheel, frame);
@@ -171,7 +110,7 @@ class View {
     round(this.other.at(-1), other);
     const axis = frame?.steering_axis;
     this.axis.setAttribute('d', axis ? this.path([-0.35, 1.12].map((t) => along(axis[0], minus(axis[1], axis[0]), t))) : '');
-    this.drawGround(frame, other);
+    this.showGround(this.ground, [frame?.contact, frame?.contact && other?.contact].filter(Boolean));
     const centre = this.name === 'front' && frame?.roll_centre ? this.project(frame.roll_centre) : null;
     const inside = centre && centre.every((c, k) => c > 4 && c < (k ? this.height : this.width) - 4);
     this.centre.setAttribute('d', inside ? `M${centre[0] - 6} ${centre[1]}h12M${centre[0]} ${centre[1] - 6}v12` : '');
@@ -258,73 +197,6 @@ class View {
     title.textContent = `${state.overview.points[p].name}: −${brief(steep, 3)} tolerances per ${state.overview.unit} this way (${slope.map((c, k) => `${AXES[k]} ${signed(-c, 2)}`).join(', ')})`;
   }
 
-  drawGround(frame, other) {
-    const contact = frame?.contact;
-    const { wheel_radius: radius } = state.overview.scene;
-    if (!contact || !radius || this.name === 'top') {
-      this.ground.setAttribute('d', '');
-      return;
-    }
-    if (this.name === 'front' && other?.contact) {
-      // Where the body rolls, the ground does in its axes.
-      const [a, b] = [contact, other.contact].map((c) => this.project(c));
-      const slope = (b[1] - a[1]) / (b[0] - a[0] || 1);
-      this.ground.setAttribute('d', `M0 ${(a[1] - slope * a[0]).toFixed(1)}L${this.width} ${(a[1] + slope * (this.width - a[0])).toFixed(1)}`);
-      return;
-    }
-    if (this.basis) {
-      const [, y] = this.project(contact);
-      this.ground.setAttribute('d', `M0 ${y.toFixed(1)}H${this.width}`);
-      return;
-    }
-    const d = directions();
-    const corner = (s, t) => along(along(contact, d.forward, s * 1.2 * radius), d.outboard, t * radius);
-    this.ground.setAttribute('d', this.path([corner(-1, -1.6), corner(1, -1.6), corner(1, 0.5), corner(-1, 0.5)], true));
-  }
-
-  drawGrid() {
-    const key = [this.width, this.height, this.scale, ...this.focus].map((c) => c.toPrecision(8)).join();
-    if (!this.basis) {
-      this.drawTriad();
-      return;
-    }
-    if (key === this.gridKey) return;
-    this.gridKey = key;
-    const { grid } = this.layers;
-    grid.replaceChildren();
-    const axisOf = (v) => v.findIndex((c) => c !== 0);
-    const [h, v] = [axisOf(this.look.right), axisOf(this.look.up)];
-    const reach = [this.width, this.height].map((c) => c / this.scale / 2);
-    const step = niceStep(2 * reach[0], this.width / 90);
-    for (const [axis, half, vertical] of [[h, reach[0], true], [v, reach[1], false]]) {
-      const middle = this.focus[axis];
-      for (const tick of ticks(middle - half, middle + half, (2 * half) / step)) {
-        const p = [...this.focus];
-        p[axis] = tick;
-        const [x, y] = this.project(p);
-        grid.append(svg('path', { class: tick === 0 ? 'zero' : null, d: vertical ? `M${x.toFixed(1)} 0V${this.height}` : `M0 ${y.toFixed(1)}H${this.width}` }));
-        if (vertical ? x > 30 && x < this.width - 32 : y > 20 && y < this.height - 22) {
-          grid.append(svg('text', vertical ? { x: x.toFixed(1), y: this.height - 5, 'text-anchor': 'middle', text: brief(tick) } : { x: 4, y: (y - 3).toFixed(1), text: brief(tick) }));
-        }
-      }
-    }
-    grid.append(svg('text', { class: 'axis-name', x: this.width - 6, y: this.height - 5, 'text-anchor': 'end', text: AXES[h] }));
-    grid.append(svg('text', { class: 'axis-name', x: 5, y: 13, text: AXES[v] }));
-  }
-
-  drawTriad() {
-    const { grid } = this.layers;
-    grid.replaceChildren();
-    const [x, y] = [34, this.height - 32];
-    AXES.forEach((name, k) => {
-      const unit = [0, 0, 0];
-      unit[k] = 1;
-      const [dx, dy] = [22 * dot(unit, this.look.right), -22 * dot(unit, this.look.up)];
-      grid.append(svg('path', { class: 'triad', d: `M${x} ${y}L${(x + dx).toFixed(1)} ${(y + dy).toFixed(1)}` }));
-      grid.append(svg('text', { class: 'axis-name', x: (x + dx * 1.4).toFixed(1), y: (y + dy * 1.4 + 4).toFixed(1), 'text-anchor': 'middle', text: name }));
-    });
-  }
-
   // Points that lie on each other at a place, the nearest first.
   stack(place, places) {
     const far = (p) => (places[p] ? Math.hypot(places[p][0] - place[0], places[p][1] - place[1]) : Infinity);
@@ -393,61 +265,6 @@ class View {
     begin('key');
     moveTo(start, point, start[point].map((c, k) => (by[k] === 0 ? undefined : stepped(c, by[k]))));
     finish();
-  }
-
-  // The picture itself: dragged, turned, zoomed.
-  listen() {
-    const fingers = new Map();
-    this.svg.addEventListener('pointerdown', (event) => {
-      fingers.set(event.pointerId, [event.clientX, event.clientY]);
-      this.svg.setPointerCapture(event.pointerId);
-    });
-    this.svg.addEventListener('pointermove', (event) => {
-      const last = fingers.get(event.pointerId);
-      if (!last) return;
-      const now = [event.clientX, event.clientY];
-      if (fingers.size === 2) {
-        const [other] = [...fingers].filter(([id]) => id !== event.pointerId).map(([, p]) => p);
-        const spread = (p) => Math.hypot(p[0] - other[0], p[1] - other[1]) || 1;
-        this.zoom(spread(now) / spread(last), now);
-      } else if (this.basis) {
-        this.focus = minus(this.focus, this.unproject([now[0] - last[0], now[1] - last[1]]));
-      } else {
-        this.orbit.turn -= ((now[0] - last[0]) / 160) * (directions().left ? 1 : -1);
-        this.orbit.lift = Math.max(-1.4, Math.min(1.5, this.orbit.lift + (now[1] - last[1]) / 160));
-      }
-      fingers.set(event.pointerId, now);
-      this.later();
-    });
-    for (const name of ['pointerup', 'pointercancel']) this.svg.addEventListener(name, (event) => fingers.delete(event.pointerId));
-    this.svg.addEventListener('wheel', (event) => {
-      event.preventDefault();
-      this.zoom(Math.exp(-event.deltaY / 500), [event.clientX, event.clientY]);
-      this.later();
-    }, { passive: false });
-    this.svg.addEventListener('dblclick', (event) => {
-      if (event.target.closest('.handle')) return;
-      this.fit();
-      this.later();
-    });
-  }
-
-  zoom(factor, [x, y]) {
-    const box = this.svg.getBoundingClientRect();
-    const off = [x - box.x - this.width / 2, y - box.y - this.height / 2];
-    const before = this.unproject(off);
-    this.scale *= factor;
-    this.focus = along(this.focus, minus(before, this.unproject(off)), 1);
-  }
-
-  // Once for each picture of the screen.
-  later() {
-    if (this.planned) return;
-    this.planned = true;
-    requestAnimationFrame(() => {
-      this.planned = false;
-      this.draw();
-    });
   }
 }
 

@@ -67,11 +67,7 @@ impl Shown {
         let said = log.lines().filter(|l| l.contains(":CONSOLE"));
         Shown {
             root: dom[start..end].to_owned(),
-            // A hint on speed, about the plotting library's own canvas.
-            console: said
-                .filter(|l| !l.contains("willReadFrequently"))
-                .map(str::to_owned)
-                .collect(),
+            console: said.map(str::to_owned).collect(),
         }
     }
 
@@ -193,10 +189,11 @@ fn a_browser_draws_an_axle() {
     assert_eq!(shown.attribute("ready"), "true");
     let data = run.data();
     let outputs = data["record"]["outputs"].as_array().unwrap();
-    // Both wheels share a plot. The mechanism and the turn stand besides the curves.
+    // Both wheels share a chart, and there is one for each column along it. The mechanism and the turn stand besides.
     let column = |output: &serde_json::Value| output["column"].as_str().unwrap().to_owned();
     let right = |output: &&serde_json::Value| column(output).starts_with("right_");
-    let plots = outputs.len() - outputs.iter().filter(right).count() + 2;
+    let along = 1 + data["record"]["further"].as_array().unwrap().len();
+    let plots = along * (outputs.len() - outputs.iter().filter(right).count()) + 2;
     assert_eq!(shown.attribute("plots-drawn"), plots.to_string());
     assert_eq!(shown.attribute("plots-expected"), plots.to_string());
     assert_eq!(shown.attribute("station"), "12");

@@ -10,8 +10,8 @@ fn there_is_one_for_each_output_and_an_overview() {
         .unwrap()
         .map(|f| f.unwrap().file_name().into_string().unwrap())
         .collect();
-    // It says whose the pictures are.
-    names.retain(|name| name != "run.json");
+    // One says whose the pictures are, the other has the layouts.
+    names.retain(|name| name != "run.json" && name != "charts.json");
     names.sort();
     assert_eq!(
         names,
@@ -34,7 +34,7 @@ fn there_is_one_for_each_output_and_an_overview() {
         "camber [°]",
         "kingpin inclination [°]",
         "wheel travel [mm]",
-        "target ± tolerance",
+        "target ± 0.1 °",
     ] {
         assert!(overview.contains(part), "{part}");
     }
@@ -53,18 +53,16 @@ fn a_failed_station_breaks_the_line() {
         .iter()
         .filter(|s| *s == "ok")
         .count();
-    let drawn: usize = picture
-        .lines()
-        .filter_map(|l| {
-            l.strip_prefix("<path class=\"main rack")?
-                .split_once(" d=\"")
-        })
-        .map(|(_, path)| path)
-        .filter_map(|l| l.split('"').next())
-        // The legend's stroke is a horizontal one.
-        .filter(|path| !path.contains('h'))
-        .map(|path| path.matches(['M', 'L']).count())
-        .sum();
+    let curves = picture.lines();
+    let curves = curves.filter(|line| line.starts_with("<path class=\"line "));
+    let places = |line: &str| {
+        line.split_once(" d=\"")
+            .unwrap()
+            .1
+            .matches(['M', 'L'])
+            .count()
+    };
+    let drawn: usize = curves.map(places).sum();
     assert_eq!(drawn, solved);
 }
 
@@ -110,15 +108,15 @@ fn the_png_shows_what_the_svg_does() {
     let run = Run::of("optimise", "plain", &study("macpherson_front.toml"), &[]);
     let png = |name: &str| Pixmap::load_png(run.plots().join(format!("{name}.png"))).unwrap();
     let overview = png("overview");
-    assert_eq!((overview.width(), overview.height()), (2400, 940));
+    assert_eq!((overview.width(), overview.height()), (2520, 700));
     let camber = png("camber_deg");
-    assert_eq!((camber.width(), camber.height()), (800, 940));
+    assert_eq!((camber.width(), camber.height()), (840, 700));
     assert_eq!(colour(&camber, [200.0, 10.0]), [255, 255, 255]);
     let corner = camber.pixel(0, 0).unwrap();
     assert_eq!(corner.alpha(), 0, "the corners are round");
     let svg = fs::read_to_string(run.plots().join("camber_deg.svg")).unwrap();
     let curve = svg.lines().find_map(|line| {
-        let path = line.strip_prefix("<path class=\"main\" d=\"M")?;
+        let path = line.strip_prefix("<path class=\"line main strong\" d=\"M")?;
         path.strip_suffix("\"/>").filter(|path| path.contains('L'))
     });
     let mut places = 0;
@@ -128,14 +126,17 @@ fn the_png_shows_what_the_svg_does() {
         places += 1;
     }
     assert_eq!(places, 41);
-    // The title of the axis below the plot, and that beside it, which runs up.
-    let below = |png: &Pixmap| width_of_ink(png, [128, 768], [890, 930]);
+    // The title of the axis below the plot: as wide as its 17 letters, 24 pixels high.
+    let below = |png: &Pixmap| width_of_ink(png, [128, 800], [664, 700]);
     let kingpin = png("kingpin_inclination_deg");
-    // As wide as their letters: 10 and 23 of them, 24 pixels high.
     let widths = [below(&camber), below(&kingpin)];
-    assert!((110..150).contains(&widths[0]), "{widths:?}");
-    assert!((230..290).contains(&widths[1]), "{widths:?}");
-    let beside = width_of_ink(&camber, [4, 44], [300, 640]);
+    assert!(widths.iter().all(|w| (170..240).contains(w)), "{widths:?}");
+    // The name of the chart, 6 and 19 letters, and the title beside the plot, which runs up.
+    let name = |png: &Pixmap| width_of_ink(png, [4, 600], [14, 48]);
+    let widths = [name(&camber), name(&kingpin)];
+    assert!((70..110).contains(&widths[0]), "{widths:?}");
+    assert!((210..280).contains(&widths[1]), "{widths:?}");
+    let beside = width_of_ink(&camber, [4, 40], [100, 640]);
     assert!((10..32).contains(&beside), "{beside}");
 }
 
@@ -214,21 +215,23 @@ fn the_picture_of_the_sample_study_is_current() {
     crate::support::assert_same_picture(&kept, &made, "out/plots/tuning.svg");
 }
 
-/// Each rack has its colour and its name.
+/// Each rack has its shade and its name, the one at zero the strongest line.
 #[test]
 fn racks_are_told_apart() {
     let more = ["--set", "motion.rack={from=-30.0,to=30.0,steps=3}"];
     let run = Run::of("solve", "plain", &study("macpherson_solve.toml"), &more);
     let picture = fs::read_to_string(run.plots().join("camber_deg.svg")).unwrap();
-    for (number, name) in ["rack -30", "rack 0", "rack 30"].into_iter().enumerate() {
+    for (shade, name) in [(0, "rack -30"), (4, "rack 0"), (8, "rack 30")] {
         assert!(picture.contains(&format!(">{name}</text>")), "{name}");
-        assert!(picture.contains(&format!("<path class=\"main rack{number}\"")));
+        assert!(picture.contains(&format!("<path class=\"line shade{shade}")));
     }
+    assert_eq!(picture.matches("strong\"").count(), 1, "the rack at zero");
     assert!(!picture.contains(">design</text>"));
     let many = ["--set", "motion.rack={from=-30.0,to=30.0,steps=21}"];
     let run = Run::of("solve", "plain", &study("macpherson_solve.toml"), &many);
     let picture = fs::read_to_string(run.plots().join("camber_deg.svg")).unwrap();
-    assert!((2..=5).contains(&picture.matches(">rack ").count()));
+    assert!((2..=9).contains(&picture.matches(">rack ").count()));
+    assert!(picture.contains("9 of 21 values of rack"));
 }
 
 /// Limits are drawn where they hold, between two of them is shaded, and what is outside of them by more than the
@@ -263,12 +266,11 @@ fn bands_are_drawn_and_what_is_outside_is_marked() {
         "{outside} of {}",
         toe.len()
     );
-    // And once in the legend.
-    assert_eq!(count("toe_deg.svg", "missed"), outside + 1);
-    assert_eq!(count("toe_deg.svg", "limit"), 2 + 1);
+    assert_eq!(count("toe_deg.svg", "missed"), outside);
+    assert_eq!(count("toe_deg.svg", "limit"), 2);
     assert_eq!(count("toe_deg.svg", "band"), 1);
     // At one place a limit is a short line across.
-    assert_eq!(count("kingpin_inclination_deg.svg", "limit"), 2 + 1);
+    assert_eq!(count("kingpin_inclination_deg.svg", "limit"), 2);
     assert_eq!(count("kingpin_inclination_deg.svg", "band"), 0);
     assert_eq!(count("caster_deg.svg", "limit"), 0);
     let overview = picture("overview.svg");

@@ -1,6 +1,6 @@
 //! What is in the page of a sweep.
 
-use super::page::own_text;
+use super::page::{MOST_BYTES, own_text};
 use super::*;
 
 /// Which columns of `designs.csv` are numbers that the page has: all but the last three and the first.
@@ -35,7 +35,7 @@ fn a_small_sweep_is_shown_whole() {
     let run = sweep("plain", &["--set", "sweep.samples=700"]);
     let page = run.page();
     assert!(page.contains("All 700 designs are drawn"));
-    assert!(page.len() < 6_000_000, "{} bytes", page.len());
+    assert!(page.len() < MOST_BYTES, "{} bytes", page.len());
     assert_values_of_the_file(&run);
     let own = own_text(&page);
     for address in ["http:", "https:", "//cdn", "src=", "@import", "url("] {
@@ -54,7 +54,7 @@ fn a_large_sweep_is_thinned_and_the_page_says_so() {
     ];
     let run = sweep("large", &few);
     let page = run.page();
-    assert!(page.len() < 6_000_000, "{} bytes", page.len());
+    assert!(page.len() < MOST_BYTES, "{} bytes", page.len());
     let data = run.data();
     let shown = designs(&data);
     assert!(page.contains(&format!("Drawn are {} of 30000 designs", shown.len())));
@@ -192,7 +192,7 @@ fn a_chosen_design_has_its_curves_and_its_mechanism() {
     );
     let page = run.page();
     assert!(
-        page.contains("id=\"mechanism\"") && page.len() < 6_500_000,
+        page.contains("id=\"mechanism\"") && page.len() < MOST_BYTES,
         "{}",
         page.len()
     );

@@ -1,18 +1,28 @@
 //! The scale of an axis: from values to lengths on the picture, with round ticks.
 
-/// A linear scale whose ends are round numbers.
+use crate::report::figure::power_of_ten;
+
+/// A scale whose ends are round numbers.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Scale {
-    low: f64,
-    high: f64,
+pub(in crate::report) struct Scale {
+    /// Value at the first end.
+    pub low: f64,
+    /// Value at the other end.
+    pub high: f64,
     step: f64,
+    /// Whether equal lengths are equal factors.
+    pub is_log: bool,
     /// Positions of the two ends.
     ends: [f64; 2],
 }
 
 impl Scale {
     /// A scale that shows all of the values with about `ticks` ticks.
-    pub(super) fn showing(values: impl Iterator<Item = f64>, ticks: f64, ends: [f64; 2]) -> Self {
+    pub(in crate::report) fn showing(
+        values: impl Iterator<Item = f64>,
+        ticks: f64,
+        ends: [f64; 2],
+    ) -> Self {
         let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| {
             (l.min(v), h.max(v))
         });
@@ -31,19 +41,45 @@ impl Scale {
             low: (low / step).floor() * step,
             high: (high / step).ceil() * step,
             step,
+            is_log: false,
+            ends,
+        }
+    }
+
+    /// A logarithmic scale from one power of ten to another that shows all positive values.
+    pub(super) fn logarithmic(values: impl Iterator<Item = f64>, ends: [f64; 2]) -> Self {
+        let positive = values.filter(|v| *v > 0.0);
+        let (low, high) = positive.fold((f64::INFINITY, 0.0f64), |(l, h), v| (l.min(v), h.max(v)));
+        let (low, high) = match low <= high {
+            true => (low, high),
+            false => (1.0, 10.0),
+        };
+        let low = low.log10().floor();
+        let high = high.log10().ceil().max(low + 1.0);
+        Scale {
+            low: 10f64.powf(low),
+            high: 10f64.powf(high),
+            step: ((high - low) / 8.0).ceil(),
+            is_log: true,
             ends,
         }
     }
 
     /// Position of a value.
     pub(super) fn place(&self, value: f64) -> f64 {
-        let share = (value - self.low) / (self.high - self.low);
+        let share = match self.is_log {
+            true => (value / self.low).log10() / (self.high / self.low).log10(),
+            false => (value - self.low) / (self.high - self.low),
+        };
         self.ends[0] + share * (self.ends[1] - self.ends[0])
     }
 
     /// The power of ten that the labels of the ticks are in, a multiple of three: 0 where they are short
     /// without.
     pub(super) fn power(&self) -> i32 {
+        if self.is_log {
+            return 0;
+        }
         let largest = self.low.abs().max(self.high.abs());
         let order = |value: f64| value.log10().floor() as i32;
         match (order(largest), order(self.step)) {
@@ -53,7 +89,19 @@ impl Scale {
     }
 
     /// The ticks: places and labels, these in [`Scale::power`].
-    pub(super) fn ticks(&self) -> Vec<(f64, String)> {
+    pub(in crate::report) fn ticks(&self) -> Vec<(f64, String)> {
+        if self.is_log {
+            let [low, high] = [self.low, self.high].map(|v| v.log10().round());
+            let count = ((high - low) / self.step) as usize;
+            let powers = (0..=count).map(|i| low + self.step * i as f64);
+            let label = |power: f64| match power as i32 {
+                -2..=3 => format!("{}", 10f64.powf(power)),
+                power => power_of_ten(power),
+            };
+            return powers
+                .map(|power| (self.place(10f64.powf(power)), label(power)))
+                .collect();
+        }
         let count = ((self.high - self.low) / self.step).round() as usize;
         let unit = 10f64.powi(self.power());
         let decimals = (-(self.step / unit).log10().floor()).clamp(0.0, 12.0) as usize;
@@ -107,6 +155,20 @@ mod tests {
         assert_eq!((scale.power(), &*scale.ticks()[1].1), (0, "0.02"));
         let scale = Scale::showing([-2.5e7, 0.0].into_iter(), 5.0, [0.0, 100.0]);
         assert_eq!((scale.power(), &*scale.ticks()[0].1), (6, "\u{2212}25"));
+    }
+
+    /// Each power of ten takes the same length, and the ends are powers of ten.
+    #[test]
+    fn powers_of_ten_are_evenly_spaced() {
+        let scale = Scale::logarithmic([0.02, 0.0, 350.0].into_iter(), [0.0, 50.0]);
+        let ticks = scale.ticks();
+        let labels: Vec<&str> = ticks.iter().map(|t| t.1.as_str()).collect();
+        assert_eq!(labels, ["0.01", "0.1", "1", "10", "100", "1000"]);
+        for (k, (place, _)) in ticks.iter().enumerate() {
+            assert!((place - 10.0 * k as f64).abs() < 1e-9, "{place}");
+        }
+        let wide = Scale::logarithmic([1e-12, 1e5].into_iter(), [0.0, 50.0]);
+        assert!((3..=9).contains(&wide.ticks().len()));
     }
 
     #[test]

@@ -8,11 +8,11 @@
 //! axes and names of designs do not need it. A character that the font lacks is drawn as its box.
 
 use super::glyphs::{Command, Font};
-use super::panel::number;
+use super::mark::number;
 use std::fmt::Write;
 
 /// Form of printed words.
-pub(super) enum Lettering {
+pub(in crate::report) enum Lettering {
     /// Text elements.
     Text,
     /// Outlines of a font.
@@ -21,7 +21,7 @@ pub(super) enum Lettering {
 
 /// Anchor of words: the part at their place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Anchor {
+pub(in crate::report) enum Anchor {
     /// Their left end.
     Start,
     /// Their middle.
@@ -31,34 +31,42 @@ pub(super) enum Anchor {
 }
 
 /// Words at a place.
-pub(super) struct Words<'a> {
+pub(in crate::report) struct Words<'a> {
     text: &'a str,
     at: [f64; 2],
     anchor: Anchor,
     label: bool,
+    class: &'a str,
     upward: bool,
 }
 
 impl<'a> Words<'a> {
     /// Small words along the horizontal, their baseline at this height.
-    pub(super) fn new(text: &'a str, at: [f64; 2], anchor: Anchor) -> Self {
+    pub(in crate::report) fn new(text: &'a str, at: [f64; 2], anchor: Anchor) -> Self {
         Words {
             text,
             at,
             anchor,
             label: false,
+            class: "",
             upward: false,
         }
     }
 
     /// The same as a label of an axis: larger.
-    pub(super) fn label(mut self) -> Self {
+    pub(in crate::report) fn label(mut self) -> Self {
         self.label = true;
         self
     }
 
+    /// The same with further classes.
+    pub(in crate::report) fn class(mut self, class: &'a str) -> Self {
+        self.class = class;
+        self
+    }
+
     /// The same from below to above.
-    pub(super) fn upward(mut self) -> Self {
+    pub(in crate::report) fn upward(mut self) -> Self {
         self.upward = true;
         self
     }
@@ -73,13 +81,13 @@ const LABEL_SIZE: f64 = 13.0;
 
 impl Lettering {
     /// Letters as outlines.
-    pub(super) fn outlines() -> Self {
+    pub(in crate::report) fn outlines() -> Self {
         let font = Font::new(dejavu::sans::regular());
         Lettering::Outlines(font.expect("the crate carries a font"))
     }
 
     /// Adds words to a picture.
-    pub(super) fn write(&self, svg: &mut String, words: &Words) {
+    pub(in crate::report) fn write(&self, svg: &mut String, words: &Words) {
         match self {
             Lettering::Text => write_text(svg, words),
             Lettering::Outlines(font) => write_outlines(svg, words, font),
@@ -89,7 +97,7 @@ impl Lettering {
 
 fn write_text(svg: &mut String, words: &Words) {
     let [x, y] = words.at.map(number);
-    let class = if words.label { " class=\"label\"" } else { "" };
+    let class = classes("", words);
     let anchor = match words.anchor {
         Anchor::Start => "",
         Anchor::Middle => " text-anchor=\"middle\"",
@@ -122,17 +130,26 @@ fn write_outlines(svg: &mut String, words: &Words, font: &Font) {
     };
     let [x, y] = words.at.map(number);
     let turned = if words.upward { " rotate(-90)" } else { "" };
-    let class = if words.label {
-        "letters label"
-    } else {
-        "letters"
-    };
+    let class = classes("letters", words);
     let _ = write!(
         svg,
-        "<path class=\"{class}\" transform=\"translate({x} {y}){turned} scale({scale:.6} {:.6}) \
+        "<path{class} transform=\"translate({x} {y}){turned} scale({scale:.6} {:.6}) \
          translate({} 0)\" d=\"{}\"/>",
         -scale, -before, path.commands
     );
+}
+
+/// The attribute with the classes of words; empty if they have none.
+fn classes(first: &str, words: &Words) -> String {
+    let label = if words.label { "label" } else { "" };
+    let all: Vec<&str> = [first, label, words.class]
+        .into_iter()
+        .filter(|c| !c.is_empty())
+        .collect();
+    match all.is_empty() {
+        true => String::new(),
+        false => format!(" class=\"{}\"", all.join(" ")),
+    }
 }
 
 /// The outline of some letters as commands of a path, in the font's units (y up).
@@ -168,7 +185,7 @@ impl Outline {
 }
 
 /// Text in SVG, which cannot hold control characters in any spelling.
-fn text(plain: &str) -> String {
+pub(in crate::report) fn text(plain: &str) -> String {
     let shown = |c: char| if c.is_control() { '\u{fffd}' } else { c };
     let plain: String = plain.chars().map(shown).collect();
     let plain = plain.replace('&', "&amp;");

@@ -16,13 +16,13 @@ const DEEPEST: usize = 8;
 
 /// A TrueType font.
 #[derive(Clone, Copy)]
-pub(super) struct Font<'a> {
+pub(in crate::report) struct Font<'a> {
     characters: Bytes<'a>,
     advances: Bytes<'a>,
     places: Bytes<'a>,
     outlines: Bytes<'a>,
     /// Units of the font in the size of a letter.
-    pub(super) units_per_em: u16,
+    pub(in crate::report) units_per_em: u16,
     /// Number of glyphs with an advance width of their own.
     widths: usize,
     has_long_places: bool,
@@ -30,7 +30,7 @@ pub(super) struct Font<'a> {
 
 /// A command of a path, with its points in the font's units, y up.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Command {
+pub(in crate::report) enum Command {
     /// Begins a contour.
     Move([f32; 2]),
     /// Draws a straight line.
@@ -43,7 +43,7 @@ pub(super) enum Command {
 
 impl<'a> Font<'a> {
     /// Reads the tables of a font; `None` if one is missing, or the font has no map of Unicode characters.
-    pub(super) fn new(data: &'a [u8]) -> Option<Self> {
+    pub(in crate::report) fn new(data: &'a [u8]) -> Option<Self> {
         let data = Bytes(data);
         let head = table(data, b"head")?;
         Some(Font {
@@ -59,7 +59,7 @@ impl<'a> Font<'a> {
 
     /// The glyph of a character: 0, a box, if the font lacks it. `characters` has segments of successive characters with
     /// successive glyphs (format 12).
-    pub(super) fn glyph(&self, character: char) -> u16 {
+    pub(in crate::report) fn glyph(&self, character: char) -> u16 {
         let (map, code) = (self.characters, u32::from(character));
         let find = || {
             let (mut first, mut last) = (0, map.u32(12)? as usize);
@@ -81,14 +81,14 @@ impl<'a> Font<'a> {
     }
 
     /// Distance from the start of a letter to that of the next.
-    pub(super) fn advance(&self, glyph: u16) -> u16 {
+    pub(in crate::report) fn advance(&self, glyph: u16) -> u16 {
         // The last width holds for all further glyphs.
         let place = usize::from(glyph).min(self.widths.saturating_sub(1));
         self.advances.u16(4 * place).unwrap_or(0)
     }
 
     /// Draws the outline of a glyph: nothing for a space, or where the font is broken.
-    pub(super) fn draw(&self, glyph: u16, draw: &mut impl FnMut(Command)) {
+    pub(in crate::report) fn draw(&self, glyph: u16, draw: &mut impl FnMut(Command)) {
         let _ = self.draw_moved(glyph, &Placement::HERE, DEEPEST, draw);
     }
 

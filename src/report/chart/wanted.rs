@@ -1,11 +1,11 @@
 //! Target of a curve: values with a tolerance, or limits.
 
-use super::panel::{number, path};
-use std::fmt::Write;
+use super::mark::path;
+use crate::report::figure::brief;
 
 /// A target.
 #[derive(Clone, Debug)]
-pub(super) enum DrawnTarget {
+pub(in crate::report) enum Wanted {
     /// Motion and value, and what may be missed.
     Values {
         /// The points.
@@ -17,39 +17,50 @@ pub(super) enum DrawnTarget {
     Limits(Vec<(f64, Option<f64>, Option<f64>)>),
 }
 
-impl DrawnTarget {
-    /// The two kinds: what their lines look like, and what the legend calls them.
-    pub(super) const KINDS: [(&str, &str); 2] =
-        [("target", "target ± tolerance"), ("limit", "wanted")];
-
-    /// Style of its line.
-    pub(super) fn class(&self) -> &'static str {
+impl Wanted {
+    /// The target in words: `target ± 0.1 °`, or that it is a range.
+    pub(super) fn in_words(&self, unit: &str) -> String {
         match self {
-            DrawnTarget::Values { .. } => "target",
-            DrawnTarget::Limits(_) => "limit",
+            Wanted::Values { tolerance, .. } => format!("target ± {} {unit}", brief(*tolerance))
+                .trim_end()
+                .to_owned(),
+            Wanted::Limits(_) => "shaded: wanted range".to_owned(),
+        }
+    }
+
+    /// Place, lower and upper limit of what the tolerance allows.
+    pub(super) fn limits(&self) -> Vec<(f64, Option<f64>, Option<f64>)> {
+        match self {
+            Wanted::Values { points, tolerance } => {
+                let around = |[at, value]: &[f64; 2]| {
+                    (*at, Some(value - tolerance), Some(value + tolerance))
+                };
+                points.iter().map(around).collect()
+            }
+            Wanted::Limits(limits) => limits.clone(),
         }
     }
 
     /// Motion and value of its outline.
     pub(super) fn edges(&self) -> Vec<[f64; 2]> {
         match self {
-            DrawnTarget::Values { points, tolerance } => {
+            Wanted::Values { points, tolerance } => {
                 let both = |[motion, value]: &[f64; 2]| {
                     [-tolerance, *tolerance].map(|by| [*motion, value + by])
                 };
                 points.iter().flat_map(both).collect()
             }
-            DrawnTarget::Limits(limits) => [least(limits), most(limits)].concat(),
+            Wanted::Limits(limits) => [least(limits), most(limits)].concat(),
         }
     }
 
     pub(super) fn draw(&self, svg: &mut String, place: &impl Fn([f64; 2]) -> [f64; 2]) {
         match self {
-            DrawnTarget::Values { points, tolerance } => match points.as_slice() {
+            Wanted::Values { points, tolerance } => match points.as_slice() {
                 [only] => bar(svg, *only, *tolerance, place),
                 points => band(svg, points, *tolerance, place),
             },
-            DrawnTarget::Limits(limits) => {
+            Wanted::Limits(limits) => {
                 let both = |limit: &&(f64, Option<f64>, Option<f64>)| {
                     limit.1.is_some() && limit.2.is_some()
                 };
@@ -112,24 +123,17 @@ fn bar(
     for end in [low, high] {
         tick(svg, "bar", end, place);
     }
-    let [x, y] = place([motion, value]).map(number);
-    let _ = writeln!(
-        svg,
-        "<circle class=\"spot\" cx=\"{x}\" cy=\"{y}\" r=\"3.5\"/>"
-    );
+    path(svg, "spot", [place([motion, value])].into_iter(), false);
 }
 
-/// A short line across the axis of values.
+/// A short line at a value.
 fn tick(
     svg: &mut String,
     class: &str,
     [motion, value]: [f64; 2],
     place: &impl Fn([f64; 2]) -> [f64; 2],
 ) {
-    let at = place([motion, value]);
-    // Which axis the values are on shows by where another one would be.
-    let is_upright = place([motion, value + 1.0])[0] != at[0];
-    let across = if is_upright { [0.0, 5.0] } else { [5.0, 0.0] };
-    let ends = [-1.0, 1.0].map(|sign| [at[0] + sign * across[0], at[1] + sign * across[1]]);
+    let [x, y] = place([motion, value]);
+    let ends = [-5.0, 5.0].map(|by| [x + by, y]);
     path(svg, class, ends.into_iter(), false);
 }

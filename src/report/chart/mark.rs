@@ -1,0 +1,32 @@
+//! Lines and dots of a chart as SVG.
+
+use std::fmt::Write;
+
+/// A line through some points; a lone one becomes a dot.
+pub(in crate::report) fn path(
+    svg: &mut String,
+    class: &str,
+    points: impl Iterator<Item = [f64; 2]>,
+    closed: bool,
+) {
+    let places: Vec<String> = points
+        .map(|[x, y]| format!("{} {}", number(x), number(y)))
+        .collect();
+    let end = match (places.len(), closed) {
+        (0, _) => return,
+        (1, _) => "h0.1",
+        (_, true) => "Z",
+        (_, false) => "",
+    };
+    let _ = writeln!(
+        svg,
+        "<path class=\"{class}\" d=\"M{}{end}\"/>",
+        places.join("L")
+    );
+}
+
+/// A length on the picture: tenths are more than enough, and hide the last digits of the platform.
+pub(in crate::report) fn number(length: f64) -> String {
+    let text = format!("{:.1}", (length * 10.0).round() / 10.0 + 0.0);
+    text.strip_suffix(".0").map_or(text.clone(), str::to_owned)
+}

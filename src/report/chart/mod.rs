@@ -1,0 +1,144 @@
+//! One chart component for `--plots` and pages: its layout is made here, as SVG and as data for a page's script.
+//!
+//! A [`Chart`] has curves over one quantity, their targets, and stations without a value. [`Chart::layout`] chooses
+//! scales, ticks, titles and places of labels. A [`Layout`] is written as SVG, and as JSON with the scales and the rows
+//! of the curves. The script of a page adds a crosshair and a zoom to that SVG and draws no chart of its own.
+
+mod glyphs;
+mod layout;
+pub(super) mod lettering;
+pub(super) mod mark;
+mod of_run;
+mod scale;
+mod style;
+mod wanted;
+
+pub(super) use layout::{AxisLayout, Layout, SIZE};
+pub(super) use lettering::Lettering;
+pub(super) use of_run::{Family, chart_groups, charts_over, families, hue, in_words};
+pub(super) use scale::Scale;
+pub(super) use style::{PICTURE_STYLE, page_style};
+pub(super) use wanted::Wanted;
+
+use super::curve_table::CurveTable;
+
+/// An axis of a chart.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Quantity {
+    /// Column of the values; empty if the chart has several.
+    pub column: String,
+    /// Name for reading.
+    pub name: String,
+    /// Unit for reading; empty for a plain number.
+    pub unit: String,
+    /// Whether equal lengths are equal factors.
+    pub is_log: bool,
+}
+
+impl Quantity {
+    /// A linear axis.
+    pub(in crate::report) fn new(column: &str, name: &str, unit: &str) -> Self {
+        Quantity {
+            column: column.to_owned(),
+            name: name.to_owned(),
+            unit: unit.to_owned(),
+            is_log: false,
+        }
+    }
+
+    /// The axis of a column of the motion: `travel_mm` -> wheel travel [mm].
+    pub(in crate::report) fn of_column(column: &str) -> Self {
+        let (name, unit) = column.rsplit_once('_').unwrap_or((column, ""));
+        let name = match name {
+            "travel" => "wheel travel".to_owned(),
+            "roll" => "roll angle".to_owned(),
+            name => name.replace('_', " "),
+        };
+        Quantity::new(column, &name, if unit == "deg" { "°" } else { unit })
+    }
+
+    /// Name and unit: `camber [°]`.
+    pub(in crate::report) fn title(&self) -> String {
+        match self.unit.as_str() {
+            "" => self.name.clone(),
+            unit => format!("{} [{unit}]", self.name),
+        }
+    }
+}
+
+/// Rows of two columns of a table.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Source {
+    /// Number of the table.
+    pub table: usize,
+    /// Column along the chart.
+    pub x: String,
+    /// Column of the values.
+    pub y: String,
+    /// Rows, in the order of the curve.
+    pub rows: Vec<usize>,
+}
+
+impl Source {
+    fn points(&self, tables: &[CurveTable]) -> Vec<Option<[f64; 2]>> {
+        let Some(table) = tables.get(self.table) else {
+            return Vec::new();
+        };
+        let (Some(x), Some(y)) = (table.column(&self.x), table.column(&self.y)) else {
+            return Vec::new();
+        };
+        let rows = self.rows.iter();
+        rows.map(|row| Some([x[*row]?, y[*row]?])).collect()
+    }
+}
+
+/// A curve.
+#[derive(Clone, Debug)]
+pub(super) struct Line {
+    /// Label at its end; none for curves that need no label.
+    pub label: Option<String>,
+    /// Name among the values at the crosshair.
+    pub told: String,
+    /// Colour and stroke, as classes.
+    pub class: String,
+    /// Whether deviations are shown of this curve.
+    pub is_main: bool,
+    /// Whether every point has a dot.
+    pub has_dots: bool,
+    /// Its values.
+    pub source: Source,
+}
+
+/// An area between two curves of the same rows.
+#[derive(Clone, Debug)]
+pub(super) struct Fan {
+    /// Colour, as a class.
+    pub class: &'static str,
+    /// Lower and upper curve.
+    pub edges: [Source; 2],
+}
+
+/// A chart.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Chart {
+    /// Name of the chart, also of its file.
+    pub key: String,
+    /// Quantity along the chart.
+    pub x: Quantity,
+    /// Quantity of the curves.
+    pub y: Quantity,
+    /// Remarks below the name: class and text.
+    pub notes: Vec<(&'static str, String)>,
+    /// Areas behind the curves.
+    pub fans: Vec<Fan>,
+    /// Curves, the most important one last.
+    pub lines: Vec<Line>,
+    /// Targets.
+    pub wanted: Vec<Wanted>,
+    /// Places of the last design that miss a target by more than its tolerance.
+    pub missed: Vec<[f64; 2]>,
+    /// Places along the chart without a value.
+    pub failed: Vec<f64>,
+    /// Whether both axes begin at 0.
+    pub from_zero: bool,
+}

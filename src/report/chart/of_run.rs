@@ -1,0 +1,355 @@
+//! Charts of a run: an output, or one output of both wheels, over a column of the motion.
+
+use super::style::{HUES, SHADES};
+use super::{Chart, Fan, Line, Quantity, Source, Wanted};
+use crate::curves::Status;
+use crate::report::curve_table::CurveTable;
+use crate::report::figure::brief;
+use crate::report::record::{OutputRecord, Record};
+
+/// Largest number of curves of a design in a chart, for each wheel.
+const MOST_FAMILIES: usize = 9;
+
+/// Outputs that share a chart: one of a wheel, or the same one of both wheels.
+pub(in crate::report) fn chart_groups<'r>(
+    outputs: impl IntoIterator<Item = &'r OutputRecord>,
+) -> Vec<Vec<&'r OutputRecord>> {
+    let mut groups: Vec<Vec<&OutputRecord>> = Vec::new();
+    for output in outputs {
+        let other = side_of(&output.column).and_then(|(side, name)| {
+            groups.iter().position(|group| {
+                let known = side_of(&group[0].column);
+                group.len() == 1 && known.is_some_and(|(s, n)| s != side && n == name)
+            })
+        });
+        match other {
+            Some(group) => groups[group].push(output),
+            None => groups.push(vec![output]),
+        }
+    }
+    groups
+}
+
+/// The wheel that a column is of, and its name without it.
+fn side_of(column: &str) -> Option<(&'static str, &str)> {
+    ["left", "right"].into_iter().find_map(|side| {
+        let name = column.strip_prefix(side)?.strip_prefix('_')?;
+        Some((side, name))
+    })
+}
+
+/// The chart of a group of outputs over a column of the motion.
+pub(in crate::report) fn charts_over(
+    record: &Record,
+    tables: &[CurveTable],
+    outputs: &[&OutputRecord],
+    abscissa: &str,
+) -> Chart {
+    let [first, ..] = outputs else {
+        return Chart::default();
+    };
+    let is_pair = outputs.len() > 1;
+    let mut chart = Chart {
+        key: match side_of(&first.column) {
+            Some((_, name)) if is_pair => name.to_owned(),
+            _ => first.column.clone(),
+        },
+        x: Quantity::of_column(abscissa),
+        y: Quantity::new(&first.column, title_of(first, is_pair), &first.unit),
+        ..Chart::default()
+    };
+    for output in outputs {
+        let side = side_of(&output.column)
+            .filter(|_| is_pair)
+            .map(|(side, _)| side);
+        chart.add_output(record, tables, &output.column, abscissa, side);
+        chart.add_wanted(record, tables, output, abscissa);
+    }
+    // The curves that matter are drawn last.
+    chart
+        .lines
+        .sort_by_key(|line| (line.is_main, line.class.contains("strong")));
+    chart.failed = failed(record, tables, abscissa);
+    if let Some(positive) = first.positive.as_ref().filter(|p| *p != "always") {
+        chart.notes.push(("", format!("positive: {positive}")));
+    }
+    chart
+}
+
+fn title_of(output: &OutputRecord, is_pair: bool) -> &str {
+    let title = output.title.as_str();
+    match is_pair {
+        true => title
+            .trim_start_matches("left ")
+            .trim_start_matches("right "),
+        false => title,
+    }
+}
+
+/// Rows of a design with one value of what moves beside the abscissa.
+pub(in crate::report) struct Family {
+    /// The value.
+    pub place: f64,
+    /// The rows.
+    pub rows: Vec<usize>,
+    /// Its place in the sequential scale.
+    shade: usize,
+    /// Whether it is nearest to zero.
+    pub is_present: bool,
+}
+
+impl Chart {
+    fn add_output(
+        &mut self,
+        record: &Record,
+        tables: &[CurveTable],
+        column: &str,
+        abscissa: &str,
+        side: Option<&'static str>,
+    ) {
+        let moving = moving_beside(record, abscissa);
+        let is_scatter = record.command == "tolerance";
+        for (number, (design, table)) in record.designs.iter().zip(tables).enumerate() {
+            let is_last = number + 1 == record.designs.len();
+            let (families, all) = families(&moving, table);
+            if all > families.len() && is_last && self.notes.is_empty() {
+                let name = moving
+                    .first()
+                    .map_or("", |name| split(name).0)
+                    .replace('_', " ");
+                self.notes
+                    .push(("", format!("{} of {all} values of {name}", families.len())));
+            }
+            let several = families.len() > 1;
+            for family in families {
+                let apart = moving.first().map(|name| in_words(name, family.place));
+                let source = Source {
+                    table: number,
+                    x: abscissa.to_owned(),
+                    y: column.to_owned(),
+                    rows: family.rows,
+                };
+                if is_scatter && number < 2 && record.designs.len() == 5 {
+                    // Percentiles stand in pairs about the nominal design.
+                    let other = Source {
+                        table: 3 - number,
+                        ..source.clone()
+                    };
+                    self.fans.push(Fan {
+                        class: "fan",
+                        edges: [source.clone(), other],
+                    });
+                }
+                let own = several.then_some(apart).flatten();
+                let names = [side.map(str::to_owned), own.clone()];
+                let main: Vec<String> = names.into_iter().flatten().collect();
+                let main = (!main.is_empty()).then(|| main.join(", "));
+                let alone = record.designs.len() == 1;
+                let label = match (is_last, side, several) {
+                    (true, Some(side), _) => family.is_present.then(|| side.to_owned()),
+                    (true, None, true) => own.as_ref().map(|own| without_unit(own)),
+                    (true, None, false) => (!alone).then(|| design.label.clone()),
+                    (false, side, _) => {
+                        (family.is_present && side != Some("right")).then(|| design.label.clone())
+                    }
+                };
+                let colour = match (is_last, side, several) {
+                    (true, Some(side), _) => side.to_owned(),
+                    (true, None, true) => format!("shade{}", family.shade),
+                    (true, None, false) => "main".to_owned(),
+                    (false, ..) => "former".to_owned(),
+                };
+                let stroke = match (is_last, family.is_present) {
+                    (true, true) => " strong",
+                    (true, false) if side.is_some() => " faint",
+                    (false, false) => " faint",
+                    _ if is_scatter && !is_last => " fine",
+                    _ => "",
+                };
+                let told = match (main, alone) {
+                    (Some(main), true) => main,
+                    (Some(main), false) => format!("{}, {main}", design.label),
+                    (None, _) => design.label.clone(),
+                };
+                self.lines.push(Line {
+                    label,
+                    told,
+                    class: colour + stroke,
+                    is_main: is_last && family.is_present,
+                    has_dots: false,
+                    source,
+                });
+            }
+        }
+    }
+
+    fn add_wanted(
+        &mut self,
+        record: &Record,
+        tables: &[CurveTable],
+        output: &OutputRecord,
+        abscissa: &str,
+    ) {
+        let targets = record.targets.iter().filter(|t| t.column == output.column);
+        for target in targets {
+            if target.over.as_ref().unwrap_or(&record.drive) != abscissa {
+                continue;
+            }
+            let (points, tolerance) = (target.points.clone(), target.tolerance);
+            let limits = points
+                .iter()
+                .map(|[drive, value]| (*drive, Some(*value), Some(*value)));
+            self.missed
+                .extend(outside(record, tables, &output.column, limits, tolerance));
+            self.wanted.push(Wanted::Values { points, tolerance });
+        }
+        for band in record.bands.iter().filter(|b| b.column == output.column) {
+            if record.drive != abscissa {
+                continue;
+            }
+            let limits = band.limits.iter().copied();
+            self.missed.extend(outside(
+                record,
+                tables,
+                &output.column,
+                limits,
+                band.tolerance,
+            ));
+            self.wanted.push(Wanted::Limits(band.limits.clone()));
+        }
+    }
+}
+
+/// A column's name and its unit.
+fn split(column: &str) -> (&str, &str) {
+    column.rsplit_once('_').unwrap_or((column, ""))
+}
+
+/// A value of a column in words: `rack -30 mm`.
+pub(in crate::report) fn in_words(column: &str, value: f64) -> String {
+    let quantity = Quantity::of_column(column);
+    format!(
+        "{} {} {}",
+        split(column).0.replace('_', " "),
+        brief(value),
+        quantity.unit
+    )
+    .trim_end()
+    .to_owned()
+}
+
+fn without_unit(told: &str) -> String {
+    told.rsplit_once(' ')
+        .map_or(told, |(name, _)| name)
+        .to_owned()
+}
+
+/// Columns of what moves beside the abscissa: the rack of a wheel, of an axle what else it has.
+fn moving_beside<'r>(record: &'r Record, abscissa: &str) -> Vec<&'r String> {
+    let drive = (!record.further.is_empty()).then_some(&record.drive);
+    let all = drive.into_iter().chain(&record.further).chain(&record.rack);
+    all.filter(|name| *name != abscissa).collect()
+}
+
+/// Rows by the first column of what moves beside the abscissa, the rest nearest to zero; and the number of values of that
+/// column. Of many values the first, the last, the one nearest to zero and others at equal distances are kept.
+pub(in crate::report) fn families(moving: &[&String], table: &CurveTable) -> (Vec<Family>, usize) {
+    let mut columns = moving.iter().filter_map(|name| table.column(name));
+    let apart = columns.next();
+    let held: Vec<_> = columns
+        .map(|values| {
+            let known = values.iter().flatten().copied();
+            (values, known.min_by(|a, b| a.abs().total_cmp(&b.abs())))
+        })
+        .collect();
+    let mut found: Vec<(f64, Vec<usize>)> = Vec::new();
+    for row in 0..table.rows() {
+        if held.iter().any(|(values, value)| values[row] != *value) {
+            continue;
+        }
+        let place = apart.map_or(Some(0.0), |values| values[row]);
+        let Some(place) = place else { continue };
+        match found.iter_mut().find(|(known, _)| *known == place) {
+            Some((_, rows)) => rows.push(row),
+            None => found.push((place, vec![row])),
+        }
+    }
+    let all = found.len();
+    let present = (0..all).min_by(|a, b| found[*a].0.abs().total_cmp(&found[*b].0.abs()));
+    let is_kept = |k: usize| {
+        let evenly = |i: usize| i * (all - 1) / (MOST_FAMILIES - 1);
+        all <= MOST_FAMILIES || Some(k) == present || (0..MOST_FAMILIES).any(|i| evenly(i) == k)
+    };
+    let last = all.saturating_sub(1).max(1);
+    let family = |(k, (place, rows)): (usize, (f64, Vec<usize>))| Family {
+        place,
+        rows,
+        shade: (k * (SHADES - 1) + last / 2) / last,
+        is_present: Some(k) == present,
+    };
+    let kept = found.into_iter().enumerate().filter(|(k, _)| is_kept(*k));
+    (kept.map(family).collect(), all)
+}
+
+/// Places along the chart at which some design has no pose.
+fn failed(record: &Record, tables: &[CurveTable], abscissa: &str) -> Vec<f64> {
+    let mut failed: Vec<f64> = Vec::new();
+    for (_, table) in record.designs.iter().zip(tables) {
+        let motion = table.column(abscissa).unwrap_or_default();
+        let missing = (motion.iter().zip(&table.status)).filter(|(_, status)| !is_solved(status));
+        failed.extend(missing.filter_map(|(value, _)| *value));
+    }
+    failed.sort_by(f64::total_cmp);
+    failed.dedup();
+    failed
+}
+
+fn is_solved(status: &str) -> bool {
+    let solved = [
+        Status::Ok,
+        Status::IllConditioned,
+        Status::Unsupported,
+        Status::Toggle([None; 2]),
+    ];
+    solved.iter().any(|s| s.word() == status)
+}
+
+/// Places at which the last design of a tuning exceeds limits by more than the tolerance: drive value and value of
+/// the column. The rack is at 0 or at the study's position. A limit has a drive value, a minimum and a maximum.
+fn outside(
+    record: &Record,
+    tables: &[CurveTable],
+    column: &str,
+    limits: impl Iterator<Item = (f64, Option<f64>, Option<f64>)>,
+    tolerance: f64,
+) -> Vec<[f64; 2]> {
+    // Targets of an axle are over several numbers; the tables say which are missed.
+    if record.command != "optimise" || !record.further.is_empty() {
+        return Vec::new();
+    }
+    let Some(table) = tables.get(record.designs.len() - 1) else {
+        return Vec::new();
+    };
+    let racks = record.rack.as_ref().and_then(|name| table.column(name));
+    let ahead = |row: &usize| racks.is_none_or(|racks| racks[*row] == Some(0.0));
+    let Some((drives, values)) = table.column(&record.drive).zip(table.column(column)) else {
+        return Vec::new();
+    };
+    let value_at = |drive: f64| {
+        let mut rows = (0..table.rows()).filter(ahead);
+        rows.find(|row| drives[*row] == Some(drive))
+            .and_then(|row| values[row])
+    };
+    let places = limits.filter_map(|(drive, low, high)| {
+        let value = value_at(drive)?;
+        let is_below = low.is_some_and(|low| value < low - tolerance);
+        let is_above = high.is_some_and(|high| value > high + tolerance);
+        (is_below || is_above).then_some([drive, value])
+    });
+    places.collect()
+}
+
+/// Colour of one design among several that are told apart at once.
+pub(in crate::report) fn hue(design: usize) -> String {
+    format!("hue{}", design % HUES)
+}

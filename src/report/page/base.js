@@ -1,0 +1,45 @@
+// The run's data, errors, and words that several parts of a page use.
+const root = document.documentElement;
+const run = JSON.parse(byId('run').textContent);
+// Of a sweep: designs that are drawn with their curves, where there are any.
+const record = run.record ?? null;
+
+// Whatever goes wrong is written where a reader, or a test, can find it.
+const noteError = (message) => {
+  root.dataset.errors = Number(root.dataset.errors || 0) + 1;
+  root.dataset.lastError = message;
+};
+root.dataset.errors = 0;
+addEventListener('error', (e) => noteError(e.message));
+addEventListener('unhandledrejection', (e) => noteError(String(e.reason)));
+document.addEventListener('securitypolicyviolation', (e) => noteError(`${e.violatedDirective} ${e.blockedURI}`));
+
+const column = (table, name) => table.columns[table.header.indexOf(name)];
+const axisName = (name) => {
+  const [, words, unit] = /^(.*)_([^_]+)$/.exec(name) ?? [null, name, ''];
+  return { name: { travel: 'wheel travel', roll: 'roll angle' }[words] ?? words.replace(/_/g, ' '), unit: unit === 'deg' ? '°' : unit };
+};
+const withUnit = (title, unit) => (unit ? `${title} [${unit}]` : title);
+
+// Places along the motion that are pointed at, by column: charts and the mechanism show the same one.
+const pointed = new Map();
+const followers = new Set();
+const point = (name, value, from) => {
+  if (value === null) pointed.delete(name);
+  else pointed.set(name, value);
+  for (const follow of followers) follow(name, value, from);
+};
+
+// Counts what is drawn, for those who cannot see it.
+const drawn = new Set();
+const noteDrawn = (element) => {
+  drawn.add(element);
+  root.dataset.plotsDrawn = drawn.size;
+};
+const saveText = (name, text, type) => {
+  const link = document.createElement('a');
+  link.href = URL.createObjectURL(new Blob([text], { type }));
+  link.download = name;
+  link.click();
+  URL.revokeObjectURL(link.href);
+};

@@ -1,0 +1,33 @@
+//! Charts in a page: each an SVG in a figure, with data for the crosshair.
+
+use super::escape::html;
+use crate::report::chart::{Chart, Layout};
+use crate::report::curve_table::CurveTable;
+
+/// The charts of a page and the tables that they are drawn from.
+#[derive(Default)]
+pub(super) struct Charts {
+    /// Tables of numbers.
+    pub tables: Vec<CurveTable>,
+    /// Layouts, in the order of the figures.
+    pub layouts: Vec<Layout>,
+}
+
+impl Charts {
+    /// Adds a chart and returns its figure, with these attributes and remarks as HTML.
+    pub(super) fn figure(&mut self, chart: Chart, attributes: &str, remarks: &str) -> String {
+        let layout = chart.layout(&self.tables);
+        let number = self.layouts.len();
+        let figure = format!(
+            "<figure class=\"chart\" data-chart=\"{number}\"{attributes}>{}<output class=\"readout\"></output>{remarks}</figure>\n",
+            layout.element()
+        );
+        self.layouts.push(layout);
+        figure
+    }
+}
+
+/// An attribute of an element.
+pub(super) fn attribute(name: &str, value: &str) -> String {
+    format!(" {name}=\"{}\"", html(value))
+}

@@ -1,0 +1,35 @@
+// Tables in shades, and ranked bars.
+// Rows and columns with a text and a strength from -1 to 1 in each cell; a click on a column ranks the rows by it.
+const drawShades = (element, { rows, columns, cell, pick, picked }) => {
+  const table = html('table', { class: 'shades' });
+  const head = html('tr', {}, html('th'));
+  columns.forEach((title, k) => head.append(html('th', { scope: 'col' }, html('button', {
+    type: 'button', text: title, title: 'Rank by this column', 'aria-pressed': picked === k ? 'true' : 'false', on: { click: () => pick(k) },
+  }))));
+  table.append(html('thead', {}, head));
+  const body = html('tbody');
+  rows.forEach((title, row) => {
+    const line = html('tr', {}, html('th', { scope: 'row', text: title }));
+    columns.forEach((_, k) => {
+      const { text, strength, title: more } = cell(row, k);
+      const td = html('td', { text, title: more, class: strength < 0 ? 'less' : 'more' });
+      td.style.setProperty('--part', `${Math.round(70 * Math.min(1, Math.abs(strength)))}%`);
+      line.append(td);
+    });
+    body.append(line);
+  });
+  table.append(body);
+  element.replaceChildren(table);
+  noteDrawn(element);
+};
+
+// Bars with their names and numbers, the first the longest.
+const drawBars = (element, title, bars) => {
+  const most = Math.max(1e-300, ...bars.map(({ value }) => Math.abs(value)));
+  element.replaceChildren(html('p', { class: 'note', text: title }), ...bars.map(({ name, value, text, more }) => {
+    const bar = html('i', { class: value < 0 ? 'less' : 'more' });
+    bar.style.width = `${(100 * Math.abs(value)) / most}%`;
+    return html('div', { class: 'bar-row', title: more }, html('span', { text: name }), html('span', { class: 'track' }, bar), html('b', { text }));
+  }));
+  noteDrawn(element);
+};

@@ -87,8 +87,13 @@ pub fn of_study(
     }
     let solved = Solved::of(&study)?;
     let table = CurveTable::read(&solved.csv()).expect("curves are written as they are read");
-    let compared = compared(label, &study, table);
-    Ok((compared, solved.is_complete()))
+    let record = Solved::record("compare", &[(&label, "", &solved)])?;
+    let is_complete = solved.is_complete();
+    let compared = Compared {
+        mechanism: Some(Box::new(record)),
+        ..compared(label, &study, table)
+    };
+    Ok((compared, is_complete))
 }
 
 /// A design with these curves, and with the points of both wheels if its axle has a right wheel of its own.
@@ -106,6 +111,7 @@ pub fn compared(label: String, study: &Study, curves: CurveTable) -> Compared {
         curves,
         unit: suspension.length_unit,
         points: Some(points),
+        mechanism: None,
     }
 }
 

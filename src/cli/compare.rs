@@ -158,5 +158,6 @@ fn of_run(path: &Path, label: String) -> Result<Compared, Stop> {
         curves: table,
         unit,
         points: None,
+        mechanism: None,
     })
 }

@@ -4,7 +4,7 @@ use super::common_motion::CommonMotion;
 use super::curve_table::CurveTable;
 use super::files::csv_of_rows;
 use super::optional;
-use super::record::readable_unit;
+use super::record::{Record, readable_unit};
 use super::table::{Cell, Table};
 use crate::model::{Axis, LengthUnit, Side};
 use serde::Serialize;
@@ -50,6 +50,8 @@ pub struct Compared {
     pub unit: LengthUnit,
     /// Its hardpoints, in `unit`.
     pub points: Option<ComparedPoints>,
+    /// Its mechanism along the motion, if it is a study.
+    pub mechanism: Option<Box<Record>>,
 }
 
 /// Several designs laid over each other.
@@ -74,6 +76,9 @@ pub struct Comparison {
     unit: LengthUnit,
     #[serde(skip)]
     moved: Vec<Moved>,
+    /// Mechanisms of all designs in one drawing, if they have the same points, axes and motion.
+    #[serde(skip)]
+    pub(super) mechanisms: Option<Record>,
 }
 
 /// A column of the motion.
@@ -188,6 +193,7 @@ impl Comparison {
             partial,
             unit: first.unit,
             moved: moved(designs),
+            mechanisms: mechanisms(designs),
         })
     }
 
@@ -485,6 +491,36 @@ fn moved_of(designs: &[Compared], wheel: usize, side: Option<Side>) -> Vec<Moved
     moved
 }
 
+/// One record with the drawings of all designs; `None` unless all have the same points, unit, axes and motion.
+fn mechanisms(designs: &[Compared]) -> Option<Record> {
+    let records: Option<Vec<&Record>> = designs.iter().map(|d| d.mechanism.as_deref()).collect();
+    let records = records?;
+    let (first, others) = records.split_first()?;
+    let places = |record: &Record| -> Vec<[f64; 2]> {
+        let frames = record.designs.iter().flat_map(|d| &d.frames);
+        frames.map(|frame| [frame.drive, frame.rack]).collect()
+    };
+    let is_like_first = |record: &&&Record| {
+        record.scene.points == first.scene.points
+            && record.scene.signs == first.scene.signs
+            && record.length_unit == first.length_unit
+            && record.drive == first.drive
+            && places(record) == places(first)
+    };
+    if others.iter().filter(is_like_first).count() < others.len() {
+        return None;
+    }
+    let designs = records
+        .iter()
+        .flat_map(|record| record.designs.iter().cloned());
+    Some(Record {
+        designs: designs.collect(),
+        influences: Vec::new(),
+        front: None,
+        ..(*first).clone()
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -495,6 +531,7 @@ mod tests {
             topology: None,
             curves: CurveTable::read(csv.as_bytes()).unwrap(),
             unit,
+            mechanism: None,
             points: Some(ComparedPoints::OneWheel(NamedPoints {
                 points: vec![("strut_top".to_owned(), [0.0, 254.0 / 25.4, 1.0])],
                 signs: [1.0; 3],

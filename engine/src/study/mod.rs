@@ -27,6 +27,7 @@ mod outputs;
 mod place;
 mod resolve;
 mod right_wheel;
+mod rocker_springs;
 mod samples;
 mod schema;
 mod setup;

@@ -88,7 +88,7 @@ impl<'a> CarProblem<'a> {
             case: band.case,
             quantity: band.quantity,
         });
-        let request = CarRequest::of(&study.cases, &study.quantities, further);
+        let request = CarRequest::of(&study.cases, &study.kept_quantities(), further);
         let of_bands = tolerance.bands.iter();
         let places = of_bands.filter_map(|band| request.place(band.case, band.quantity));
         let places = places.collect();

@@ -1,19 +1,21 @@
 //! The page of a comparison.
 
-use super::Page;
 use super::charts::{Charts, attribute};
 use super::escape::html;
+use super::{Page, STAGE};
 use crate::report::chart::{
     Chart, Family, Layout, Line, Quantity, Source, families, hue, in_words,
 };
 use crate::report::comparison::Comparison;
 use crate::report::curve_table::CurveTable;
+use crate::report::record::Record;
 use serde::Serialize;
 
 /// Parts of the page's own script.
-const SCRIPTS: [&str; 4] = [
+const SCRIPTS: [&str; 5] = [
     include_str!("base.js"),
     include_str!("chart.js"),
+    include_str!("mechanism.js"),
     include_str!("theme.js"),
     include_str!("compare.js"),
 ];
@@ -21,6 +23,7 @@ const SCRIPTS: [&str; 4] = [
 /// The data that the page's script reads.
 #[derive(Serialize)]
 struct Data<'a> {
+    record: Option<&'a Record>,
     curves: &'a [CurveTable],
     charts: &'a [Layout],
 }
@@ -177,9 +180,14 @@ pub fn comparison_page(comparison: &Comparison, topologies: &[String], files: &[
     let moving = comparison.moving_columns();
     let mut charts = Charts::default();
     let figures_of_outputs = figures(comparison, &moving, &mut charts);
+    let stage = comparison.mechanisms.as_ref().map_or("", |_| STAGE);
+    let mut sections = vec![("curves", "Curves")];
+    sections.extend((!stage.is_empty()).then_some(("mechanism", "Mechanism")));
+    sections.extend([("figures", "Figures"), ("hardpoints", "Hardpoints")]);
     let main = format!(
         include_str!("compare.html"),
         charts = figures_of_outputs,
+        stage = stage,
         figures = comparison.table().html(),
         partial = partial,
         moved = moved,
@@ -196,15 +204,12 @@ pub fn comparison_page(comparison: &Comparison, topologies: &[String], files: &[
             ("Common stations", comparison.stations.len().to_string()),
         ],
         remarks: String::new(),
-        sections: vec![
-            ("curves", "Curves"),
-            ("figures", "Figures"),
-            ("hardpoints", "Hardpoints"),
-        ],
+        sections,
         controls: &controls(&moving),
         main,
         files,
         data: Data {
+            record: comparison.mechanisms.as_ref(),
             curves: &charts.tables,
             charts: &charts.layouts,
         },

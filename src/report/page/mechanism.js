@@ -233,7 +233,7 @@ const wished = (name, most, otherwise) => {
 };
 
 const setUpStage = () => {
-  byId('mechanism').hidden = !stations;
+  if (byId('mechanism')) byId('mechanism').hidden = !stations;
   if (!stations) return;
   stage = new ReportView(byId('mechanism-plot'));
   stage.place = { station: wished('station', stations, nearestIn(valuesOf(record.drive), 0)), rack: wished('rack', racks.length, nearestIn(racks, 0)) };

@@ -18,6 +18,7 @@ mod own;
 mod points;
 mod reference;
 mod right;
+mod rocker_springs;
 mod side_by_side;
 mod springs;
 mod sweep;

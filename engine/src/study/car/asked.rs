@@ -286,6 +286,9 @@ impl Resolver<'_> {
                 let rates = [
                     ("spring", AxleParameter::SpringRate),
                     ("anti_roll_bar", AxleParameter::BarRate),
+                    ("heave_spring", AxleParameter::HeaveSpringRate),
+                    ("t_bar", AxleParameter::TBarRate),
+                    ("heave_bar", AxleParameter::HeaveBarRate),
                     ("tyre", AxleParameter::TyreRate),
                 ];
                 let parameter = choose(rate, "rate", &rates, self.problems)?;

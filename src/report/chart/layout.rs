@@ -116,7 +116,16 @@ pub(in crate::report) struct EndLabel {
 impl Chart {
     /// The layout over these tables.
     pub(in crate::report) fn layout(self, tables: &[CurveTable]) -> Layout {
-        let points: Vec<_> = self.lines.iter().map(|l| l.source.points(tables)).collect();
+        // A logarithmic axis has no place for zero.
+        let can_stand =
+            |[x, y]: [f64; 2]| (!self.x.is_log || x > 0.0) && (!self.y.is_log || y > 0.0);
+        let of_line = |line: &Line| -> Vec<Option<[f64; 2]>> {
+            let points = line.source.points(tables).into_iter();
+            points
+                .map(|point| point.filter(|p| can_stand(*p)))
+                .collect()
+        };
+        let points: Vec<_> = self.lines.iter().map(of_line).collect();
         let fans: Vec<[Vec<_>; 2]> = (self.fans.iter())
             .map(|fan| fan.edges.each_ref().map(|edge| edge.points(tables)))
             .collect();

@@ -149,7 +149,7 @@ impl Chart {
         let (ends_x, ends_y) = ([plot[0], plot[2]], [plot[3], plot[1]]);
         let x = match self.x.is_log {
             true => Scale::logarithmic(along, ends_x),
-            false => Scale::showing(along.chain(zero()), x_ticks, ends_x),
+            false => Scale::within(along.chain(zero()), x_ticks, ends_x),
         };
         let values = own().map(|p| p[1]);
         let y = match self.y.is_log {
@@ -434,10 +434,17 @@ impl Layout {
         let failed = (!self.chart.failed.is_empty()).then(|| ("bad", "not solved".to_owned()));
         let notes = self.chart.notes.iter().cloned();
         for (class, text) in own.into_iter().chain(missed).chain(failed).chain(notes) {
+            let room = ((SIZE[0] - 8.0 - at) / LETTER) as usize;
+            let text = match text.chars().count() > room {
+                true if at > 10.0 => break,
+                true => text
+                    .chars()
+                    .take(room.saturating_sub(1))
+                    .chain(['…'])
+                    .collect(),
+                false => text,
+            };
             let width = LETTER * text.chars().count() as f64;
-            if at > 10.0 && at + width > SIZE[0] - 8.0 {
-                break;
-            }
             let class = format!("note {class}");
             lettering.write(
                 svg,

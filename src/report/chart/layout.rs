@@ -19,10 +19,10 @@ const STRIP: f64 = 44.0;
 /// Largest deviation that the strip shows, in tolerances.
 const MOST_DEVIATION: f64 = 2.0;
 /// Widths of letters: of labels, and of the title beside the plot.
-const LETTER: f64 = 6.4;
+const LETTER: f64 = 7.0;
 const TITLE_LETTER: f64 = 7.0;
 /// Longest label at the end of a curve, in letters.
-const LONGEST: usize = 16;
+const LONGEST: usize = 14;
 /// Height of a label.
 const LABEL: f64 = 13.0;
 

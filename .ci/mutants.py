@@ -43,7 +43,7 @@ FOLDERS = {
     "set-up": (["engine/src/assembly/set_up/*.rs"], ["builds::set_up"], ENGINE, ["assembly::"]),
     "axle": (
         [f"engine/src/axle/{name}.rs" for name in ["formulas/*", "state", "spring", "frames", "axle_motion", "certificate"]],
-        ["axle::"], ENGINE, ["axle::"],
+        ["axle::", "solid::"], ENGINE, ["axle::"],
     ),
 }
 # Operators with what takes their place. Spaces on both sides keep generics and references out.

@@ -98,7 +98,7 @@ def test_mistakes_have_their_place(tmp_path):
         hp.Car(path)
     assert caught.value.line is not None
     with pytest.raises(hp.HardpointError, match=r"\[sweep\]"):
-        hp.Car(CAR).sweep()
+        hp.Car(STUDIES / "formula_student_car.toml").sweep()
     with pytest.raises(hp.StudyError, match="study of a car"):
         hp.load(CAR)
 

@@ -49,7 +49,11 @@ const FILES: [&str; 15] = [
 
 fn solver<'a>(study: &'a CarStudy, path: &Path) -> Result<CarSolver<'a>, Stop> {
     let fault = |fault| Stop::in_file(path, study.car.describe_fault(&fault));
-    CarSolver::new(&study.car).map_err(fault)
+    let made = match study.sensitivities {
+        true => CarSolver::with_racks(&study.car),
+        false => CarSolver::new(&study.car),
+    };
+    made.map_err(fault)
 }
 
 /// `hardpoint check` of a car: the static position.

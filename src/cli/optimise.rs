@@ -31,7 +31,7 @@ pub(super) fn say_outcome(
     output.table_for_programs("misfit", || summary.misfit_table());
     if summary.has_design() {
         output.table("targets", &summary.targets_table())?;
-        output.text_only("\n  off by: largest deviation in the unit of the target, at the place of the tuned design; rms in tolerances\n")?;
+        output.text_only("\n  off: largest deviation from the wanted values, in their unit\n")?;
         for (_, column, by) in summary.missed() {
             output.say(&format!("  missed: {column}, by up to {by}\n"))?;
         }

@@ -18,8 +18,10 @@
 use super::adams::{assignment, block, text_of};
 use super::source::bytes_of;
 use crate::model::LengthUnit;
-use std::f64::consts::PI;
+use crate::study::bushing_file::{self, CurvePoint};
+use crate::study::{FileText, StudyErrors};
 use std::path::{Component, Path, PathBuf};
+use std::sync::Arc;
 
 /// Points of deflection and force.
 type Points = Vec<[f64; 2]>;
@@ -52,6 +54,9 @@ pub(super) struct AdamsBushing {
     /// Its laws, or the reason why a study cannot have them.
     pub laws: Result<Laws, String>,
 }
+
+/// Axes of a property file: along x, y, z, then about them.
+const AXES: [&str; 6] = ["FX", "FY", "FZ", "TX", "TY", "TZ"];
 
 /// The largest difference of values that count as equal, relative to the largest value.
 const SAME: f64 = 1e-6;
@@ -103,8 +108,10 @@ pub(super) fn of_subsystem(path: &Path, text: &str, unit: LengthUnit) -> Vec<Ada
 fn laws(path: &Path, block: &Block, unit: LengthUnit) -> Result<Laws, String> {
     let named = block.get("PROPERTY_FILE").unwrap_or("");
     let found = property_file(path, named)?;
-    let text = text_of(&bytes_of(&found)?);
-    let shown = |reason: String| format!("{}: {reason}", found.display());
+    let source = FileText {
+        name: found.display().to_string(),
+        text: text_of(&bytes_of(&found)?),
+    };
     let preload = block.entries.iter().find(|(key, value)| {
         (key.starts_with("T_PRELOAD") || key.starts_with("R_PRELOAD"))
             && value.parse::<f64>().is_ok_and(|value| value != 0.0)
@@ -114,8 +121,8 @@ fn laws(path: &Path, block: &Block, unit: LengthUnit) -> Result<Laws, String> {
             "{key} is {value}; a preload needs the axes of the bushing, which the subsystem does not have"
         ));
     }
-    let mut curves = read(&text, unit).map_err(shown)?;
-    for (axis, curve) in ["FX", "FY", "FZ", "TX", "TY", "TZ"].iter().zip(&mut curves) {
+    let mut curves = curves_of(source, unit)?;
+    for (axis, curve) in AXES.iter().zip(&mut curves) {
         let factor = match block.get(&format!("{axis}_SCALING_FACTOR")) {
             Some(text) => {
                 let factor = text
@@ -177,97 +184,29 @@ fn property_file(path: &Path, named: &str) -> Result<PathBuf, String> {
     })
 }
 
-/// Reads the six curves of a property file in newtons, rad and a unit of length.
-fn read(text: &str, unit: LengthUnit) -> Result<[Points; 6], String> {
-    const BLOCKS: [&str; 6] = [
-        "FX_CURVE", "FY_CURVE", "FZ_CURVE", "TX_CURVE", "TY_CURVE", "TZ_CURVE",
-    ];
-    /// The most points of a curve.
-    const MOST_POINTS: usize = 1000;
+/// The six curves of a property file in newtons, rad and a unit of length, by rising deflection.
+fn curves_of(source: FileText, unit: LengthUnit) -> Result<[Points; 6], String> {
+    let shown = |error: StudyErrors| error.to_string().trim_end().to_owned();
+    let file = bushing_file::read(&Arc::new(source)).map_err(shown)?;
+    let lengths = |metres: f64| unit.convert(metres, LengthUnit::Metre);
     let mut curves: [Points; 6] = Default::default();
-    let (mut length, mut angle) = (LengthUnit::Millimetre, PI / 180.0);
-    let mut within = String::new();
-    for (line, number) in text.lines().zip(1..) {
-        if let Some(name) = block(line) {
-            within = name;
-            continue;
-        }
-        let at = |reason: String| format!("line {number}: {reason}");
-        let plain = line.split(['$', '!']).next().unwrap_or("").trim();
-        if plain.is_empty() || plain.starts_with(['{', '#', '(']) {
-            continue;
-        }
-        if within == "UNITS" {
-            if let Some((key, value)) = assignment(plain) {
-                match key.as_str() {
-                    "LENGTH" => length = length_unit(&value).map_err(at)?,
-                    "ANGLE" => angle = angle_unit(&value).map_err(at)?,
-                    "FORCE" if !["newton", "n"].contains(&value.to_ascii_lowercase().as_str()) => {
-                        return Err(at(format!(
-                            "the unit of force is {value:?}; expected newton"
-                        )));
-                    }
-                    _ => (),
-                }
-            }
-            continue;
-        }
-        let Some(axis) = BLOCKS.iter().position(|known| *known == within) else {
-            continue;
+    for (axis, (curve, points)) in curves.iter_mut().zip(&file.curves).enumerate() {
+        let in_unit = |point: &CurvePoint| match axis {
+            0..3 => [lengths(point.deflection), point.force],
+            _ => [point.deflection, lengths(point.force)],
         };
-        let numbers: Option<Vec<f64>> = plain
-            .split_whitespace()
-            .map(|word| word.parse().ok().filter(|x: &f64| x.abs() <= 1e12))
-            .collect();
-        let Some([deflection, force]) = numbers.as_deref() else {
-            return Err(at(format!(
-                "expected a deflection and a force, found {plain:?}"
-            )));
-        };
-        curves[axis].push([*deflection, *force]);
-        if curves[axis].len() > MOST_POINTS {
-            return Err(at(format!("more than {MOST_POINTS} points in a curve")));
-        }
-    }
-    // Units may stand below the curves.
-    let (torque, factors) = (
-        unit.convert(1.0, length),
-        [unit.convert(1.0, length), angle],
-    );
-    for (axis, curve) in curves.iter_mut().enumerate() {
-        if curve.len() < 2 {
-            return Err(format!("[{}] has fewer than two points", BLOCKS[axis]));
-        }
-        for [deflection, force] in curve.iter_mut() {
-            *deflection *= factors[usize::from(axis > 2)];
-            if axis > 2 {
-                *force *= torque;
-            }
-        }
+        *curve = points.iter().map(in_unit).collect();
         curve.sort_by(|a, b| a[0].total_cmp(&b[0]));
-        if curve
-            .windows(2)
-            .any(|pair| pair[1][0] <= pair[0][0] || pair[1][1] <= pair[0][1])
-        {
-            return Err(format!("[{}] does not rise in both numbers", BLOCKS[axis]));
+        let rises = |pair: &[[f64; 2]]| pair[1][0] > pair[0][0] && pair[1][1] > pair[0][1];
+        let is_zero = curve.iter().all(|point| point[1] == 0.0);
+        if !is_zero && !curve.windows(2).all(rises) {
+            return Err(format!(
+                "the curve of {} does not rise in both numbers",
+                AXES[axis]
+            ));
         }
     }
     Ok(curves)
-}
-
-fn length_unit(name: &str) -> Result<LengthUnit, String> {
-    super::adams::length_unit(name)
-        .ok_or_else(|| format!("the unit of length is {name:?}; expected mm, meter or inch"))
-}
-
-fn angle_unit(name: &str) -> Result<f64, String> {
-    match name.to_ascii_lowercase().as_str() {
-        "degrees" | "degree" | "deg" => Ok(PI / 180.0),
-        "radians" | "radian" | "rad" => Ok(1.0),
-        _ => Err(format!(
-            "the unit of angle is {name:?}; expected degrees or radians"
-        )),
-    }
 }
 
 fn size(curve: &Points, k: usize) -> f64 {
@@ -309,34 +248,30 @@ fn law(curve: Points) -> Law {
 mod tests {
     use super::*;
 
-    fn bus(units: &str, radial: &str, other: &str) -> String {
-        let mut text = format!("[MDI_HEADER]\n FILE_TYPE = 'bus'\n[UNITS]\n{units}\n");
-        for axis in ["FX", "FY", "FZ", "TX", "TY", "TZ"] {
-            let points = if axis == other { "-1 -7\n1 7" } else { radial };
-            text += &format!("$------\n[{axis}_CURVE]\n{{ x  f }}\n{points}\n");
+    fn source(fx: &str) -> FileText {
+        let mut text = "[UNITS]\nLENGTH = 'mm'\nANGLE = 'degrees'\nFORCE = 'newton'\n".to_owned();
+        for axis in AXES {
+            let points = if axis == "FX" { fx } else { "1 7\n0 0\n-1 -7" };
+            text += &format!("[{axis}_CURVE]\n{points}\n");
         }
-        text
+        FileText {
+            name: "soft.bus".to_owned(),
+            text,
+        }
     }
 
-    /// Units of length and angle: 1 mm and 1 deg carry 7 N and 7 N mm.
+    /// 1 mm and 1 deg carry 7 N and 7 N mm, in the unit of the subsystem. Torques are over rad.
     #[test]
     fn curves_are_in_newtons_rad_and_the_unit_of_the_subsystem() {
-        let text = bus(
-            "LENGTH = 'mm'\nANGLE = 'degrees'\nFORCE = 'newton'",
-            "-1 -7\n0 0\n1 7",
-            "",
-        );
-        let [fx, _, _, _, _, tz] = read(&text, LengthUnit::Metre).unwrap();
+        let made = curves_of(source("1 7\n0 0\n-1 -7"), LengthUnit::Metre).unwrap();
+        let [fx, _, _, _, _, tz] = made;
         assert_eq!(fx[2], [0.001, 7.0]);
-        assert_eq!(tz[2], [PI / 180.0, 0.007]);
+        assert_eq!(tz[2], [1.0_f64.to_radians(), 0.007]);
         assert_eq!(law(fx), Law::Rate(7000.0));
-        let in_radians = bus(
-            "LENGTH = 'meter'\nANGLE = 'radian'\nFORCE = 'newton'",
-            "-1 -7\n1 7",
-            "",
-        );
-        let [fx, _, _, _, _, tz] = read(&in_radians, LengthUnit::Millimetre).unwrap();
-        assert_eq!((fx[1], tz[1]), ([1000.0, 7.0], [1.0, 7000.0]));
+        let none = curves_of(source("-1 0\n1 0"), LengthUnit::Millimetre).unwrap();
+        assert_eq!(law(none[0].clone()), Law::Rate(0.0));
+        let falls = curves_of(source("-1 2\n1 -2"), LengthUnit::Millimetre).unwrap_err();
+        assert!(falls.contains("FX does not rise"), "{falls}");
     }
 
     #[test]
@@ -350,21 +285,5 @@ mod tests {
         let stiffening: Points = vec![[-2.0, -20.0], [-1.0, -7.0], [1.0, 7.0], [2.0, 20.0]];
         assert!(is_odd("FX", &stiffening).is_ok());
         assert_eq!(law(stiffening.clone()), Law::Curve(stiffening));
-        for (text, expected) in [
-            (
-                bus("FORCE = 'pound_force'", "-1 -1\n1 1", ""),
-                "unit of force",
-            ),
-            (
-                bus("LENGTH = 'furlong'", "-1 -1\n1 1", ""),
-                "unit of length",
-            ),
-            (bus("", "-1 1\n1 -1", ""), "does not rise"),
-            (bus("", "1 1", ""), "fewer than two points"),
-            (bus("", "-1 -1\n1 x", ""), "expected a deflection"),
-        ] {
-            let refused = read(&text, LengthUnit::Millimetre).unwrap_err();
-            assert!(refused.contains(expected), "{refused}");
-        }
     }
 }

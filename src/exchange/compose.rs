@@ -286,6 +286,12 @@ impl Imported {
                 text,
                 "\n[motion]\ntravel = {{ from = -{travel:?}, to = {travel:?}, steps = 41 }}   # wheel centre up = positive"
             ),
+            // Roll is about a plane ground, which is where the radius says.
+            Part::Axle(_) | Part::Solid if self.wheel_radius.is_none() => writeln!(
+                text,
+                "\n[motion]                         # roll needs radius in [wheel]\n\
+                 heave = {{ from = -{travel:?}, to = {travel:?}, steps = 41 }}   # travel of both wheels"
+            ),
             Part::Axle(_) | Part::Solid => {
                 // A degree of roll for each 20 mm: a wheel then moves less than the travel.
                 let (roll, heave) = (travel_mm / 20.0, self.travel(travel_mm / 2.0));

@@ -2,7 +2,7 @@
 
 use super::outgoing::Outgoing;
 use super::workbook::{Page, Value};
-use crate::model::{Side, SpinAxis};
+use crate::model::{PointId, Side, SpinAxis};
 
 /// The points of a study as a table: a row for each with its wheel, axes and, where another is possible, its body; then
 /// static camber and toe, where no point gives them, and the wheel's radius. The header names the unit.
@@ -23,6 +23,11 @@ pub fn point_rows(outgoing: &Outgoing<'_>) -> Vec<Vec<Value>> {
     for side in outgoing.different_wheels() {
         for (name, id, position) in outgoing.points(side) {
             let [x, y, z] = position.map(Value::Number);
+            let (name, side) = match right_half(outgoing, id) {
+                Half::Right(name) => (name, Side::Right),
+                Half::MirrorImage => continue,
+                Half::Left => (name, side),
+            };
             let body = outgoing.body(side, id).map_or(Value::Empty, text);
             let (side, frame) = (text(side.name()), text(outgoing.convention.name()));
             rows.push(vec![text(name), x, y, z, side, frame, body]);
@@ -32,6 +37,30 @@ pub fn point_rows(outgoing: &Outgoing<'_>) -> Vec<Vec<Value>> {
         rows.push(vec![Value::Text(name), Value::Number(number)]);
     }
     rows
+}
+
+/// Half of a solid axle that a point is on.
+enum Half<'a> {
+    /// The left one; every point of a wheel that moves by itself.
+    Left,
+    /// The right one, with the place that the left one gives.
+    MirrorImage,
+    /// The right one, with a place of its own: the name in the left half.
+    Right(&'a str),
+}
+
+fn right_half<'a>(outgoing: &'a Outgoing<'_>, id: PointId) -> Half<'a> {
+    let mechanism = &outgoing.study.wheel().mechanism;
+    let pairs = mechanism.rigid_axle.iter().flat_map(|axle| &axle.pairs);
+    let Some([near, _]) = pairs.into_iter().find(|[_, far]| *far == id) else {
+        return Half::Left;
+    };
+    let place = |id: PointId| outgoing.place(Side::Left, id);
+    let (left, right) = (place(*near), place(id));
+    match (right.x, right.y, right.z) == (left.x, -left.y, left.z) {
+        true => Half::MirrorImage,
+        false => Half::Right(mechanism.name(*near)),
+    }
 }
 
 /// Static angles that no point gives, and the wheel's radius.

@@ -120,6 +120,14 @@ pub fn import(table: &PointTable, options: &ImportOptions<'_>) -> Result<Importe
             return Err(Refusal::Wrong(reason.to_owned()));
         }
         corner.side = Some(Side::Left);
+        let right = right_half(&named, corner);
+        if !right.is_empty() {
+            left_out.push(format!(
+                "points of the right half ({}): the study has the mirror image of the left one; write those that differ under \
+                 [axle.right.hardpoints]",
+                right.join(", ")
+            ));
+        }
     }
     let mut picked = Vec::new();
     for known in options.topology.all_hardpoints() {
@@ -185,6 +193,15 @@ pub fn import(table: &PointTable, options: &ImportOptions<'_>) -> Result<Importe
     imported.seats = seats::of(&imported, options.bodies)?;
     imported.notes.extend(seats::notes(&imported.seats));
     Ok(imported)
+}
+
+/// Hardpoints of a solid axle that the file also gives for the right half.
+fn right_half(named: &[Named<'_>], corner: Corner) -> Vec<&'static str> {
+    let right = named.iter().filter(|n| {
+        let marks = n.point.marks.or(n.role.marks);
+        marks.side == Some(Side::Right) && (corner.axle.is_none() || marks.axle == corner.axle)
+    });
+    right.map(|n| n.role.hardpoint).collect()
 }
 
 /// Figures of an axle for the study of a car.

@@ -63,6 +63,7 @@ const SPELT: &[(&str, &str)] = &[
     ("pullrod", "pull rod"),
     ("pull", "pull"),
     ("rocker bellcrank", "rocker"),
+    ("heave third", "heave"),
     ("droplink", "drop rod"),
     ("drop", "drop"),
     ("arb antirollbar stabiliser stabilizer sway", "bar"),
@@ -172,6 +173,7 @@ const PATTERNS: &[(&str, &str)] = &[
     ),
     ("rocker_pivot_front", "rocker front ?axis"),
     ("rocker_pivot_rear", "rocker rear ?axis"),
+    ("heave_spring", "heave spring ?rocker"),
     (
         "drop_link_outer",
         "drop rod outer ?bar ?rocker ?lower ?arm | bar rod outer ?rocker ?lower ?arm | bar rod rocker ?drop | drop rod rocker",

@@ -92,7 +92,10 @@ pub fn axle_plausibility(
         ));
     }
     remarks.extend(lifted(plan, found));
-    let reads_springs = |quantity: &Quantity| quantity.info().needs.contains(&Need::SpringForce);
+    let reads_springs = |quantity: &Quantity| {
+        let needs = quantity.info().needs;
+        needs.contains(&Need::SpringForce) || needs.contains(&Need::Springs)
+    };
     if plan.quantities.iter().any(reads_springs) {
         let beyond = axle.beyond_force_curves(found);
         remarks.extend(beyond.iter().map(|beyond| beyond_curve(axle, beyond)));

@@ -302,7 +302,9 @@ impl ToleranceSummary {
                     _ => words,
                 };
                 // Digits of sampled numbers end where those of sigma are chance.
-                let digits = value.sigma_error.filter(|error| *error > 0.0);
+                let digits = value
+                    .sigma_error
+                    .filter(|error| *error > 0.0 && words != "does not scatter");
                 let decimals =
                     digits.map(|error| (-error.log10()).ceil().clamp(0.0, 12.0) as usize);
                 let figure = |v: Option<f64>| Cell::from(v.map(|v| Cell::figure(v, &value.unit)));

@@ -542,17 +542,17 @@ impl TuningSummary {
         table
     }
 
-    /// How well each target was and is met: the largest deviation in the unit of the target beside its tolerance, and the root
-    /// mean square in tolerances.
+    /// How well each target was and is met: for readers the largest deviation in the unit of the target, beside its tolerance;
+    /// for programs all deviations in tolerances.
     pub fn targets_table(&self) -> Table {
         let columns = [
             Column::from("target"),
             Column::for_readers("wanted"),
             "tolerance".into(),
-            Column::for_readers("off by, before"),
-            Column::for_readers("off by, after"),
-            "rms before".into(),
-            "rms after".into(),
+            Column::for_readers("off before"),
+            Column::for_readers("off after"),
+            Column::for_programs("rms before"),
+            Column::for_programs("rms after"),
             Column::for_programs("worst after"),
             "at".into(),
         ];
@@ -566,7 +566,6 @@ impl TuningSummary {
         ];
         let programs = programs.map(Column::for_programs);
         let mut table = Table::with_columns(columns.into_iter().chain(programs));
-        let cell = |value: Option<f64>| Cell::by(value, hundredths);
         for t in &self.targets {
             let (before, after) = (t.before.as_ref(), t.after.as_ref());
             let unit = after.map_or("", |d| d.worst_at_unit.as_str());
@@ -580,8 +579,8 @@ impl TuningSummary {
                 t.tolerance.into(),
                 off(before),
                 off(after),
-                cell(before.map(|d| d.rms)),
-                cell(after.map(|d| d.rms)),
+                before.map(|d| d.rms).into(),
+                after.map(|d| d.rms).into(),
                 after.map(|d| d.worst).into(),
                 Cell::by(after.map(|d| d.worst_at), |at| with_unit(at, unit)),
                 before.map(|d| d.worst).into(),

@@ -13,7 +13,7 @@
 //!
 //! Damping and the header say nothing about equilibria and are passed over.
 
-use crate::error::{Source, StudyError};
+use crate::error::{Source, StudyError, StudyErrors};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -88,9 +88,9 @@ fn lines(text: &str) -> impl Iterator<Item = (&str, Range<usize>)> {
 }
 
 /// Reads a bushing property file.
-pub fn read(source: &Arc<Source>) -> Result<BushingFile, StudyError> {
+pub fn read(source: &Arc<Source>) -> Result<BushingFile, StudyErrors> {
     let wrong = |place: Range<usize>, message: String| {
-        Err(StudyError::new(source.clone(), Some(place), message))
+        Err(StudyError::new(source.clone(), Some(place), message).into())
     };
     let units = units(source)?;
     let mut curves: [Vec<CurvePoint>; 6] = Default::default();
@@ -147,7 +147,7 @@ fn block_name(line: &str) -> Option<String> {
     Some(name.trim().to_ascii_uppercase())
 }
 
-fn units(source: &Arc<Source>) -> Result<Units, StudyError> {
+fn units(source: &Arc<Source>) -> Result<Units, StudyErrors> {
     let mut found: [Option<f64>; 3] = [None; 3];
     let keys = ["LENGTH", "ANGLE", "FORCE"];
     let mut is_units = false;
@@ -178,13 +178,13 @@ fn units(source: &Arc<Source>) -> Result<Units, StudyError> {
                 "{word:?} is no unit of {} that is known",
                 key.to_lowercase()
             );
-            return Err(StudyError::new(source.clone(), Some(place), message));
+            return Err(StudyError::new(source.clone(), Some(place), message).into());
         }
     }
     let missing = keys.iter().zip(&found).find(|(_, unit)| unit.is_none());
     if let Some((key, _)) = missing {
         let message = format!("expected {key} in the block [UNITS]");
-        return Err(StudyError::new(source.clone(), Some(0..0), message));
+        return Err(StudyError::new(source.clone(), Some(0..0), message).into());
     }
     let [length, angle, force] = found.map(|unit| unit.unwrap_or(1.0));
     Ok(Units {
@@ -209,7 +209,7 @@ mod tests {
         text + &format!("[TX_CURVE]\n{tx}\n")
     }
 
-    fn of(text: String) -> Result<BushingFile, StudyError> {
+    fn of(text: String) -> Result<BushingFile, StudyErrors> {
         read(&Arc::new(Source {
             name: "rear.bus".to_owned(),
             text,
@@ -254,7 +254,7 @@ mod tests {
             let error = of(text).unwrap_err();
             let said = error.to_string();
             assert!(said.contains(phrase), "{said}");
-            assert_eq!(error.position().unwrap().0, line, "{said}");
+            assert_eq!(error.all()[0].position().unwrap().0, line, "{said}");
         }
     }
 }

@@ -175,6 +175,8 @@ pub struct Outputs {
     pub characteristics: Option<Spanned<Vec<Text>>>,
     /// True if derivatives by parameters and hardpoints are written.
     pub sensitivities: Option<Spanned<bool>>,
+    /// True if forces in links, rods and joints are written.
+    pub member_loads: Option<Spanned<bool>>,
 }
 
 /// `[sweep]` of a car.

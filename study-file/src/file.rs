@@ -38,6 +38,12 @@ pub struct File {
     pub rebound_stop: Option<Spanned<BumpStop>>,
     /// `[anti_roll_bar]`
     pub anti_roll_bar: Option<Spanned<Rate>>,
+    /// `[heave_spring]`
+    pub heave_spring: Option<Spanned<HeaveSpring>>,
+    /// `[t_bar]`
+    pub t_bar: Option<Spanned<Rate>>,
+    /// `[heave_bar]`
+    pub heave_bar: Option<Spanned<HeaveBar>>,
     /// `[tyre]`
     pub tyre: Option<Spanned<Tyre>>,
     /// `[compliance]`
@@ -221,7 +227,27 @@ pub struct Tyre {
     pub load: Option<Number>,
 }
 
-/// `[anti_roll_bar]`
+/// `[heave_spring]`
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct HeaveSpring {
+    /// Force per length.
+    pub rate: Number,
+    /// Force in the design position.
+    pub force: Number,
+}
+
+/// `[heave_bar]`
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct HeaveBar {
+    /// Torque per angle.
+    pub rate: Number,
+    /// Torque in the design position.
+    pub torque: Number,
+}
+
+/// `[anti_roll_bar]` and `[t_bar]`
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Rate {

@@ -33,17 +33,21 @@ const SYNONYMS: [(&str, &str); 24] = [
 
 /// The candidate that `name` probably meant.
 pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    let candidates: Vec<&str> = candidates.into_iter().collect();
+    nearest_of(name, &candidates)
+}
+
+fn nearest_of<'a>(name: &str, candidates: &[&'a str]) -> Option<&'a str> {
     let plain = |s: &str| s.trim().to_lowercase().replace(['-', ' '], "_");
     let name = plain(name);
     let length = name.chars().count();
-    let candidates: Vec<&str> = candidates.into_iter().collect();
     let synonym = SYNONYMS.iter().find(|(usual, _)| *usual == name);
     let meant = synonym.and_then(|(_, own)| candidates.iter().find(|candidate| *candidate == own));
     if let Some(meant) = meant {
         return Some(meant);
     }
+    let candidates = candidates.iter().copied();
     candidates
-        .into_iter()
         .filter_map(|candidate| {
             let target = plain(candidate);
             let distance = strsim::damerau_levenshtein(&name, &target);
@@ -73,24 +77,28 @@ pub fn choose<T: Clone>(
     options: &[(&str, T)],
     problems: &mut Problems,
 ) -> Option<T> {
+    let names: Vec<&str> = options.iter().map(|(name, _)| *name).collect();
+    let chosen = place_of(text, what, &names, problems)?;
+    Some(options[chosen].1.clone())
+}
+
+/// Place of this name among the options, or an error that lists them. It does not depend on the options' type, so it is
+/// compiled once.
+fn place_of(text: &Text, what: &str, names: &[&str], problems: &mut Problems) -> Option<usize> {
     let name = text.get_ref();
-    if let Some((_, found)) = options.iter().find(|(option, _)| option == name) {
-        return Some(found.clone());
+    if let Some(found) = names.iter().position(|option| option == name) {
+        return Some(found);
     }
-    let names = || options.iter().map(|(option, _)| *option);
-    let few = options.len() <= 6;
+    let few = names.len() <= 6;
     let mut message = format!("unknown {what} {name:?}");
-    if few && !options.is_empty() {
-        message += &format!("; expected {}", alternatives(names()));
+    if few && !names.is_empty() {
+        message += &format!("; expected {}", alternatives(names.iter().copied()));
     }
     let error = problems.add(text.span(), message);
-    if let Some(near) = nearest(name, names()) {
+    if let Some(near) = nearest_of(name, names) {
         error.help(format!("did you mean \"{near}\"?"));
     } else if !few {
-        error.help(format!(
-            "there are {}",
-            names().collect::<Vec<_>>().join(", ")
-        ));
+        error.help(format!("there are {}", names.join(", ")));
     }
     None
 }

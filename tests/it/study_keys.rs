@@ -48,6 +48,13 @@ const TABLES: &[(&str, &str, &str)] = &[
         "[anti_roll_bar]",
         "[anti_roll_bar]\nbogus = 1",
     ),
+    (
+        "heave_spring",
+        "[heave_spring]",
+        "[heave_spring]\nbogus = 1",
+    ),
+    ("t_bar", "[t_bar]", "[t_bar]\nbogus = 1"),
+    ("heave_bar", "[heave_bar]", "[heave_bar]\nbogus = 1"),
     ("tyre", "[tyre]", "[tyre]\nbogus = 1"),
     ("compliance", "[compliance]", "[compliance]\nbogus = 1"),
     ("compliance.tests", "tests = []", "tests = [{ bogus = 1 }]"),
@@ -156,6 +163,14 @@ gap = 1.0
 force_curve = []
 [anti_roll_bar]
 rate = 1.0
+[heave_spring]
+rate = 1.0
+force = 1.0
+[t_bar]
+rate = 1.0
+[heave_bar]
+rate = 1.0
+torque = 1.0
 [tyre]
 rate = 1.0
 [compliance]

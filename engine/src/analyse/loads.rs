@@ -71,7 +71,7 @@ impl Support {
 
 /// The factors of a matrix, of the constant part of one of series.
 #[derive(Clone, Copy)]
-pub struct Factors<'f>(&'f Lu6<f64>);
+pub struct Factors<'f>(pub(super) &'f Lu6<f64>);
 
 /// A number that balances can be made of.
 pub trait Balanced: Scalar {
@@ -131,14 +131,14 @@ pub struct Reactions<T = f64> {
 /// A pose with its support, ready to be loaded: its equations are factorised once for any number of
 /// loads.
 pub struct Balance<'a, T = f64> {
-    closure: &'a Closure<T>,
-    at: Configuration<'a, T>,
+    pub(super) closure: &'a Closure<T>,
+    pub(super) at: Configuration<'a, T>,
     /// The equation of the support.
     support: Wrench<T>,
     /// Tension in the rod of the spring's rocker for a spring force of one.
     rod_per_spring: Option<T>,
-    rows: Matrix6<T>,
-    factors: Lu6<f64>,
+    pub(super) rows: Matrix6<T>,
+    pub(super) factors: Lu6<f64>,
     work: &'a WorkCounter,
 }
 
@@ -286,7 +286,7 @@ fn tension<T: Copy>(inner: PointId, outer: PointId, carried: &Reactions<T>) -> O
 
 impl<T: Scalar> Row<T> {
     /// The force that the multiplier of this equation stands for.
-    fn reaction(&self, at: &Configuration<T>, multiplier: T) -> Reaction<T> {
+    pub(super) fn reaction(&self, at: &Configuration<T>, multiplier: T) -> Reaction<T> {
         match self {
             Row::Link(row) => Reaction::Rod {
                 inner: row.inner,

@@ -1,10 +1,12 @@
 //! Analyses of a mechanism: its range, the forces in its links, all its assemblies, and the proof of a pose.
 
+mod applied;
 mod assemblies;
 pub(crate) mod certificate;
 mod limits;
 mod loads;
 
+pub use applied::{Applied, Carrying, bears, rod_name};
 pub use assemblies::{Assemblies, Assembly, AssemblyMode, Undecided};
 pub use certificate::{Certificate, Certifier, Inclusion};
 pub use limits::{Limit, Limits, Range, RangeEnd, RockerRange};

@@ -32,6 +32,14 @@ pub enum Need {
     CFactor,
     /// `[spring]`, and a spring or strut in the topology.
     SpringForce,
+    /// A spring that carries: `[spring]`, `[heave_spring]` or `[heave_bar]`.
+    Springs,
+    /// `[heave_spring]`, and the hardpoint `heave_spring`.
+    HeaveSpring,
+    /// `[t_bar] rate`, and a rocker.
+    TBar,
+    /// `[heave_bar]`, and a rocker.
+    HeaveBar,
     /// `[anti_roll_bar] rate`, and a bar with its drop link in the topology.
     BarRate,
     /// `[tyre] rate`.
@@ -73,6 +81,10 @@ impl Need {
             Need::StrutUpper => mechanism.strut_upper().is_some(),
             Need::CFactor
             | Need::SpringForce
+            | Need::Springs
+            | Need::HeaveSpring
+            | Need::TBar
+            | Need::HeaveBar
             | Need::BarRate
             | Need::TyreRate
             | Need::SprungMass
@@ -96,6 +108,10 @@ impl Need {
             Need::StrutUpper => "the hardpoint strut_upper",
             Need::CFactor => "the rack's displacement per turn of the steering wheel",
             Need::SpringForce => "the force and rate of the spring",
+            Need::Springs => "a spring, heave spring or heave bar with its force",
+            Need::HeaveSpring => "a heave spring with its force",
+            Need::TBar => "a T-bar with its rate",
+            Need::HeaveBar => "a heave bar with its torque",
             Need::BarRate => "the rate of the anti-roll bar",
             Need::TyreRate => "the rate of the tyre",
             Need::SprungMass => "the sprung mass of the axle",
@@ -112,6 +128,10 @@ impl Need {
             Need::StrutUpper => "strut_upper in [suspension.hardpoints]",
             Need::CFactor => "c_factor in [steering]",
             Need::SpringForce => "[spring]",
+            Need::Springs => "[spring], [heave_spring] or [heave_bar]",
+            Need::HeaveSpring => "[heave_spring]",
+            Need::TBar => "[t_bar]",
+            Need::HeaveBar => "[heave_bar]",
             Need::BarRate => "[anti_roll_bar]",
             Need::TyreRate => "[tyre]",
             Need::SprungMass => "sprung_mass in [vehicle]",

@@ -113,4 +113,7 @@ fn push<const N: usize>(
     if places.design.spring_length.is_some() {
         Slot::DesignSpringLength.push(number(design.spring_length), at, sink);
     }
+    if places.design.heave_spring.x.is_some() {
+        Slot::DesignHeaveSpring.push(design.heave_spring, at, sink);
+    }
 }

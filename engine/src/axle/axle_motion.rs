@@ -191,7 +191,7 @@ impl AxleMotion {
             return lacks("radius in [wheel]", "a plane ground");
         }
         if matches!(self.wheels, WheelMotion::Roll { at_load: true, .. })
-            && other.setup.springs.is_none()
+            && !other.setup.is_sprung()
         {
             return lacks("[spring]", "roll at a load");
         }

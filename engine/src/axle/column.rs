@@ -75,9 +75,12 @@ impl AxleColumn {
             return self.along(read, self.order);
         }
         let mut along = [f64::NAN; 3];
-        for order in 1..=self.order {
+        for (order, along) in along.iter_mut().enumerate().skip(1) {
+            if order > self.order {
+                break;
+            }
             match self.along(read, order)? {
-                Ok(value) => along[order] = value,
+                Ok(value) => *along = value,
                 Err(reason) => return Some(Err(reason)),
             }
         }

@@ -2,10 +2,7 @@
 
 use super::places::{bounds, motion, place, proof};
 use super::solver::{AxleSolver, Placed, Placement, Read, Sought, WheelRead, both};
-use super::{
-    Axle, AxleCertifier, AxleColumn, AxleMotion, AxleQuantity, Of, Quantity, WheelMotion,
-    WheelQuantity,
-};
+use super::{Axle, AxleCertifier, AxleColumn, AxleMotion, AxleQuantity, Of, Quantity, WheelMotion};
 use crate::ask::NoValue;
 use crate::curves::{ByTime, Column, Curves, Loads, Sensitivity, Station, Status};
 use crate::mechanism::{DesignFault, NoPose};
@@ -410,19 +407,4 @@ fn gradients<const N: usize>(
         }
     })?;
     Ok(found)
-}
-
-impl AxlePlan {
-    /// The least wheel load of either wheel, if wheel loads are requested.
-    pub fn least_wheel_load(&self, curves: &Curves) -> Option<f64> {
-        let loads = self.quantities.iter();
-        let loads = loads.filter(|q| matches!(q, Quantity::Wheel(_, WheelQuantity::WheelLoad)));
-        let columns = loads.filter_map(|load| {
-            let name = load.name();
-            let is_load = |column: &Column| column.by.is_none() && column.output == name;
-            curves.columns.iter().position(is_load)
-        });
-        let all = columns.flat_map(|k| curves.stations.iter().filter_map(move |s| s.value(k)));
-        all.min_by(f64::total_cmp)
-    }
 }

@@ -20,6 +20,7 @@ mod lanes;
 mod limits;
 mod places;
 mod reading;
+mod rocker_springs;
 mod setup;
 mod solver;
 mod spring;
@@ -38,6 +39,7 @@ pub use frames::axle_frames;
 pub use lanes::LaneWheel;
 pub use limits::{AxleEnd, AxleLimits, TravelRanges};
 pub use reading::{Moving, Parts, Reading, Snapshot, WheelParts};
+pub use rocker_springs::{Preloaded, RockerForces, RockerMotion, RockerSprings};
 pub use setup::Setup;
 pub use solver::{AxleSolver, Placed, Placement, Read, WheelRead};
 pub use spring::{BumpStop, ForceCurve, Law, SpringLaw};
@@ -140,7 +142,24 @@ impl Axle {
             };
             changed.setup.springs = Some(Side::ALL.map(law));
         }
+        if let Some(law) = &mut changed.setup.rocker_springs.heave_spring {
+            let before = self.design_heave_spring();
+            let now = Axle::heave_spring_between(&changed.left, changed.right.as_ref());
+            let shortened = before.zip(now).map_or(0.0, |(before, now)| before - now);
+            law.load += law.rate * shortened;
+        }
         changed
+    }
+
+    /// Length of the heave spring in the design position.
+    pub fn design_heave_spring(&self) -> Option<f64> {
+        Axle::heave_spring_between(&self.left, self.right.as_ref())
+    }
+
+    fn heave_spring_between(left: &Suspension, right: Option<&Suspension>) -> Option<f64> {
+        let end = |wheel: &Suspension| Some(wheel.design[wheel.mechanism.heave_spring()?.0]);
+        let (left, right) = (end(left)?, end(right.unwrap_or(left))?);
+        Some(rocker_springs::between(left, right).norm())
     }
 
     /// Length of a wheel's spring in the design position.
@@ -158,6 +177,10 @@ impl Axle {
             Need::Wheelbase => setup.wheelbase.is_some(),
             Need::CFactor => setup.c_factor.is_some(),
             Need::SpringForce => setup.springs.is_some(),
+            Need::Springs => setup.is_sprung(),
+            Need::HeaveSpring => setup.rocker_springs.heave_spring.is_some(),
+            Need::TBar => setup.rocker_springs.t_bar.is_some(),
+            Need::HeaveBar => setup.rocker_springs.heave_bar.is_some(),
             Need::BarRate => setup.bar_rate.is_some(),
             Need::TyreRate => setup.tyre_rate.is_some(),
             Need::SprungMass => setup.sprung_mass.is_some(),
@@ -192,7 +215,7 @@ impl Axle {
             let lower = mechanism.spring.map(|spring| spring.lower);
             rockers.extend(lower.and_then(|lower| mechanism.rockers_moving(lower).next()));
         }
-        if reads(&[Slot::RockerAngle]) {
+        if reads(&[Slot::RockerAngle, Slot::HeaveSpring]) {
             rockers.extend(mechanism.spring_rocker());
         }
         if reads(&[Slot::BarAngle, Slot::BarAngleRate]) {

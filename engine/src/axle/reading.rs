@@ -68,6 +68,9 @@ impl Parts {
         if slots.contain_any(NumberPart::SpringLength.slots()) {
             slots = slots.with(&[Slot::DesignSpringLength]);
         }
+        if slots.contain_any(VectorPart::HeaveSpring.slots()) {
+            slots = slots.with(&[Slot::DesignHeaveSpring]);
+        }
         let all = |is_read: bool| Vector3::new(is_read, is_read, is_read);
         let read = WheelPose {
             wheel: Wheel::of_parts(
@@ -79,6 +82,7 @@ impl Parts {
                 spin_axis: all(slots.contains(Slot::DesignSpinAxis)),
                 centre: all(slots.contains(Slot::DesignCentre)),
                 spring_length: slots.contains(Slot::DesignSpringLength),
+                heave_spring: all(slots.contains(Slot::DesignHeaveSpring)),
             },
         };
         let next = Cell::new(0);
@@ -218,6 +222,7 @@ pub(super) fn zipped<T: Copy, U: Copy>(
             spin_axis: a.spin_axis.zip(b.spin_axis, pair),
             centre: a.centre.zip(b.centre, pair),
             spring_length: pair(a.spring_length, b.spring_length),
+            heave_spring: a.heave_spring.zip(b.heave_spring, pair),
         },
     }
 }

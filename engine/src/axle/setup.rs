@@ -1,5 +1,6 @@
 //! Figures of an axle beside its two linkages, which formulas read.
 
+use super::rocker_springs::RockerSprings;
 use super::spring::SpringLaw;
 use crate::characteristics::Constants;
 use crate::model::AxlePosition;
@@ -17,6 +18,8 @@ pub struct Setup {
     pub c_factor: Option<f64>,
     /// The springs of left and right wheel.
     pub springs: Option<[SpringLaw; 2]>,
+    /// Springs between the rockers of both wheels.
+    pub rocker_springs: RockerSprings,
     /// Anti-roll bar rate: torque per angle between its two levers.
     pub bar_rate: Option<f64>,
     /// Tyre rate: force per deflection. `None` means a rigid tyre.
@@ -31,4 +34,11 @@ pub struct Setup {
     pub constants: Constants,
     /// Length units per metre.
     pub per_metre: f64,
+}
+
+impl Setup {
+    /// Returns true if springs carry the body.
+    pub fn is_sprung(&self) -> bool {
+        self.springs.is_some() || self.rocker_springs.carry()
+    }
 }

@@ -98,6 +98,25 @@ impl SpringLaw {
         self.force_over(length, design, |c| length.lit(c))
     }
 
+    /// Energy at a length, from the design position: the force over the shortening.
+    pub fn energy<T: Scalar>(&self, length: T, design: T) -> T {
+        let shortened = design - length;
+        let spring = match &self.spring {
+            Law::Linear { force, rate } => {
+                shortened * (length.lit(*force) + shortened.scaled(0.5 * rate))
+            }
+            Law::Curve(curve) => curve.integral(design) - curve.integral(length),
+        };
+        let touched = |stop: &Option<BumpStop>, by: T| match stop {
+            Some(stop) if by.value() > stop.gap => {
+                let pressed = stop.curve.integral(by - by.lit(stop.gap));
+                pressed - stop.curve.integral(by.zero())
+            }
+            _ => by.zero(),
+        };
+        spring + touched(&self.bump_stop, shortened) + touched(&self.rebound_stop, -shortened)
+    }
+
     /// The law of the same parts in a design whose spring is shorter by `shortened`: the force there is that of this
     /// law, and the bump stop is nearer.
     pub fn of_shorter_design(&self, shortened: f64) -> SpringLaw {
@@ -200,6 +219,43 @@ impl ForceCurve {
         // Hermite's cubic by powers of t.
         let (quadratic, cubic) = (3.0 * secant - 2.0 * m - n, m + n - 2.0 * secant);
         x.lit(left) + t * (x.lit(m) + t * (x.lit(quadratic) + t * x.lit(cubic)))
+    }
+
+    /// The integral from the first point to `x`.
+    pub fn integral<T: Scalar>(&self, x: T) -> T {
+        let points = &self.points;
+        let end = points.len() - 1;
+        // Hermite's cubic of a piece by powers of t, and its length.
+        let piece = |i: usize| {
+            let [[a, left], [b, right]] = [points[i], points[i + 1]];
+            let h = b - a;
+            let secant = right - left;
+            let (m, n) = (self.slopes[i] * h, self.slopes[i + 1] * h);
+            (
+                h,
+                [left, m, 3.0 * secant - 2.0 * m - n, m + n - 2.0 * secant],
+            )
+        };
+        let straight = |i: usize| {
+            let along = x - x.lit(points[i][0]);
+            along * (x.lit(points[i][1]) + along.scaled(0.5 * self.slopes[i]))
+        };
+        let here = x.value();
+        if here <= points[0][0] {
+            return straight(0);
+        }
+        let mut sum = 0.0;
+        for i in 0..end {
+            let (h, [c, m, quadratic, cubic]) = piece(i);
+            if here < points[i + 1][0] {
+                let t = (x - x.lit(points[i][0])).scaled(1.0 / h);
+                let power = t.scaled(cubic / 4.0) + t.lit(quadratic / 3.0);
+                let power = t * power + t.lit(m / 2.0);
+                return x.lit(sum) + (t * (t * power + t.lit(c))).scaled(h);
+            }
+            sum += h * (c + m / 2.0 + quadratic / 3.0 + cubic / 4.0);
+        }
+        x.lit(sum) + straight(end)
     }
 }
 

@@ -5,6 +5,7 @@ use super::formulas::{axle, car, wheel};
 use super::rates::Solved;
 use super::{Car, Case, Longitudinal};
 use crate::ask::Unit;
+use crate::axle::{Axle, BumpStop, SpringLaw};
 use crate::model::LengthUnit;
 use crate::number::Scalar;
 
@@ -67,9 +68,46 @@ pub enum CarNeed {
     PitchInertia,
     /// An anti-roll bar with a rate at this axle.
     Bar,
+    /// `[spring]` at this axle.
+    Spring,
+    /// `[bump_stop]` at this axle.
+    BumpStop,
+    /// `[rebound_stop]` at this axle.
+    ReboundStop,
+    /// `[heave_spring]` at this axle.
+    HeaveSpring,
+    /// `[t_bar]` at this axle.
+    TBar,
+    /// `[heave_bar]` at this axle.
+    HeaveBar,
+    /// Wheels of this axle that move by themselves.
+    Independent,
 }
 
 impl CarNeed {
+    /// Returns true if an axle has the part. Parts of the car are not asked of an axle.
+    fn met_by(self, axle: &Axle) -> bool {
+        let setup = &axle.setup;
+        let rockers = &setup.rocker_springs;
+        let has_stop = |of: fn(&SpringLaw) -> &Option<BumpStop>| {
+            let mut laws = setup.springs.iter().flatten();
+            laws.any(|law| of(law).is_some())
+        };
+        match self {
+            CarNeed::RideHeight | CarNeed::RideHeights | CarNeed::Air | CarNeed::PitchInertia => {
+                true
+            }
+            CarNeed::Bar => setup.bar_rate.is_some(),
+            CarNeed::Spring => setup.springs.is_some(),
+            CarNeed::BumpStop => has_stop(|law| &law.bump_stop),
+            CarNeed::ReboundStop => has_stop(|law| &law.rebound_stop),
+            CarNeed::HeaveSpring => rockers.heave_spring.is_some(),
+            CarNeed::TBar => rockers.t_bar.is_some(),
+            CarNeed::HeaveBar => rockers.heave_bar.is_some(),
+            CarNeed::Independent => !axle.is_rigid(),
+        }
+    }
+
     /// What a study must give.
     pub fn key(self) -> &'static str {
         match self {
@@ -79,6 +117,13 @@ impl CarNeed {
             CarNeed::Air => "[car.aero]",
             CarNeed::PitchInertia => "pitch_inertia in [car]",
             CarNeed::Bar => "an anti-roll bar with a rate",
+            CarNeed::Spring => "[spring]",
+            CarNeed::BumpStop => "[bump_stop]",
+            CarNeed::ReboundStop => "[rebound_stop]",
+            CarNeed::HeaveSpring => "[heave_spring]",
+            CarNeed::TBar => "[t_bar]",
+            CarNeed::HeaveBar => "[heave_bar]",
+            CarNeed::Independent => "wheels that move by themselves, not a solid axle",
         }
     }
 }
@@ -170,11 +215,13 @@ catalogue! {
         ContactX, "contact_point_x", Length, "forward", "C_x, body axes", [], state, wheel::contact_x;
         ContactY, "contact_point_y", Length, "left", "C_y, body axes", [], state, wheel::contact_y;
         ContactZ, "contact_point_z", Length, "upward", "C_z, body axes", [], state, wheel::contact_z;
-        SpringForce, "spring_force", Force, "compressed", "force of the spring, stops included", [], state, wheel::spring_force;
-        SpringLength, "spring_length", Length, "always", "length of the spring", [], state, wheel::spring_length;
-        SpringTravel, "spring_travel", Length, "compressed", "length in the design position less the present one", [], state, wheel::spring_travel;
-        Jacking, "jacking_coefficient", Ratio, "a side force inboard lifts the body", "(C'.o)/(C'.n), o outboard along the ground", [], state, wheel::jacking;
-        SideForceJacking, "side_force_jacking", Ratio, "a side force inboard lifts the body", "(C'.o)/(C'.n), o across the wheel in the ground", [], state, wheel::side_force_jacking;
+        SpringForce, "spring_force", Force, "compressed", "force of the spring, stops included", [Spring], state, wheel::spring_force;
+        SpringLength, "spring_length", Length, "always", "length of the spring", [Spring], state, wheel::spring_length;
+        SpringTravel, "spring_travel", Length, "compressed", "length in the design position less the present one", [Spring], state, wheel::spring_travel;
+        BumpStopCompression, "bump_stop_compression", Length, "always; 0 out of touch", "shortening of the spring beyond the gap", [BumpStop], state, wheel::bump_stop_compression;
+        ReboundStopExtension, "rebound_stop_extension", Length, "always; 0 out of touch", "lengthening of the spring beyond the gap", [ReboundStop], state, wheel::rebound_stop_extension;
+        Jacking, "jacking_coefficient", Ratio, "a side force inboard lifts the body", "(C'.o)/(C'.n), o outboard along the ground", [Independent], state, wheel::jacking;
+        SideForceJacking, "side_force_jacking", Ratio, "a side force inboard lifts the body", "(C'.o)/(C'.n), o across the wheel in the ground", [Independent], state, wheel::side_force_jacking;
         CamberGradient, "camber_gradient", AnglePerG, "camber to the road grows with ay", "d camber_to_road/d ay", [], rate, wheel::camber_gradient;
     }
     AxleResult of place: usize, (place) {
@@ -193,6 +240,11 @@ catalogue! {
         ForceRollCentre, "force_roll_centre_height_{}", Length, "above the ground", "track (j_l + j_r)/4", [], state, axle::force_roll_centre_height;
         RollAxisHeight, "roll_axis_height_{}", Length, "above the ground", "track (f_l J_l + f_r J_r)/2", [], state, axle::roll_axis_height;
         BarTorque, "anti_roll_bar_torque_{}", Torque, "the left lever is pushed further", "k_b (b_l - b_r)", [Bar], state, axle::bar_torque;
+        HeaveSpringForce, "heave_spring_force_{}", Force, "compressed", "force + rate (l0 - l)", [HeaveSpring], state, axle::heave_spring_force;
+        HeaveSpringLength, "heave_spring_length_{}", Length, "always", "distance of the points heave_spring of both rockers", [HeaveSpring], state, axle::heave_spring_length;
+        HeaveSpringTravel, "heave_spring_travel_{}", Length, "compressed", "length in the design position less the present one", [HeaveSpring], state, axle::heave_spring_travel;
+        TBarTorque, "t_bar_torque_{}", Torque, "the left rocker is turned further", "k (rho_l - rho_r)", [TBar], state, axle::t_bar_torque;
+        HeaveBarTorque, "heave_bar_torque_{}", Torque, "turned by jounce", "torque + k (rho_l + rho_r)", [HeaveBar], state, axle::heave_bar_torque;
         Downforce, "downforce_{}", Force, "down", "force of the air along -n", [Air], state, axle::downforce;
         RollSteerGradient, "roll_steer_gradient_{}", AnglePerG, "steers to the left as ay grows", "d mean_steer/d ay, rack held", [], rate, axle::roll_steer_gradient;
         PitchSteerGradient, "pitch_steer_gradient_{}", AnglePerG, "steers to the left as ax grows", "d mean_steer/d ax, rack held", [], rate, axle::pitch_steer_gradient;
@@ -203,6 +255,9 @@ catalogue! {
         Roll, "roll", Angle, "right side down", "phi", [], state, car::roll;
         Pitch, "pitch", Angle, "nose down", "theta", [], state, car::pitch;
         Heave, "heave", Length, "body down", "gamma - n.P0, P0 the mean contact point in the design position", [], state, car::heave;
+        JackingHeave, "jacking_heave", Length, "body up", "heave of the car at rest less heave", [], rate, car::jacking_heave;
+        Energy, "energy", Torque, "stored since the design position", "U of springs, stops and bars", [], state, car::energy;
+        WarpStiffness, "warp_stiffness", ForcePerLength, "always", "d(N_fl - N_fr - N_rl + N_rr)/4 by the height of the ground under front left and rear right, that under the others as much lower; body free", [], rate, car::warp_stiffness;
         Rake, "rake", Length, "nose down", "ride_height_rear - ride_height_front", [RideHeights], state, car::rake;
         Wheelbase, "wheelbase_at_contact", Length, "always", "i.(mid contact points front - rear)", [], state, car::wheelbase;
         CgHeight, "cg_height", Length, "above the ground", "of all masses", [], state, car::cg_height;
@@ -365,6 +420,29 @@ impl CarQuantity {
         columns
     }
 
+    /// The results that sweeps and tolerances keep of a study that asks for none.
+    pub fn key_columns(car: &Car) -> Vec<CarQuantity> {
+        let load = |place| CarQuantity::Wheel(place, WheelResult::Load);
+        let mut columns = WheelPlace::ALL.map(load).to_vec();
+        let whole = [
+            WholeResult::Roll,
+            WholeResult::Pitch,
+            WholeResult::Distribution,
+            WholeResult::LocalDistribution,
+            WholeResult::RollGradient,
+            WholeResult::PitchGradient,
+            WholeResult::RollUndersteer,
+            WholeResult::AntiDive,
+            WholeResult::AntiSquat,
+            WholeResult::AeroBalance,
+            WholeResult::WeightFront,
+            WholeResult::CrossWeight,
+        ];
+        columns.extend(whole.map(CarQuantity::Whole));
+        columns.retain(|quantity| quantity.is_met_by(car));
+        columns
+    }
+
     /// Its entry.
     pub fn info(self) -> &'static CarInfo {
         match self {
@@ -398,11 +476,15 @@ impl CarQuantity {
             (CarNeed::RideHeight | CarNeed::RideHeights, _) => has_height(0) && has_height(1),
             (CarNeed::Air, _) => car.air.is_some(),
             (CarNeed::PitchInertia, _) => car.pitch_inertia.is_some(),
-            (CarNeed::Bar, CarQuantity::Axle(end, _)) => {
-                car.axles[end as usize].setup.bar_rate.is_some()
-            }
-            (CarNeed::Bar, _) => true,
+            (need, CarQuantity::Axle(end, _)) => need.met_by(&car.axles[end as usize]),
+            (need, CarQuantity::Wheel(place, _)) => need.met_by(&car.axles[place.0 / 2]),
+            (_, CarQuantity::Whole(_)) => true,
         })
+    }
+
+    /// Returns true if the value contains the heave of the car at rest.
+    pub(super) fn is_since_rest(self) -> bool {
+        self == CarQuantity::Whole(WholeResult::JackingHeave)
     }
 
     /// Why the result has no value in a case, if it has none: a quotient of zeros, or of the other kind of force.

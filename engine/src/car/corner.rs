@@ -1,10 +1,24 @@
 //! A wheel in the car's axes, read from the wheel of its axle.
 
-use crate::axle::WheelParts;
+use crate::axle::{Carriers, RockerMotion, WheelParts};
 use crate::characteristics::{NumberPart, VectorPart};
+use crate::model::AxleTravel;
 use crate::number::{Each, Real, Vector3};
 
-/// A wheel at its travel, in the car's axes. Rates are by the wheel's own travel, the body held.
+/// Derivatives of a wheel by one travel of its axle, the body held.
+#[derive(Clone, Copy, Debug)]
+pub struct WheelRates<T> {
+    /// W'.
+    pub centre: Vector3<T>,
+    /// Angular velocity of the carrier.
+    pub turn: Vector3<T>,
+    /// Rate of the spring's length.
+    pub spring: T,
+    /// Rate of the bar lever's angle.
+    pub bar: T,
+}
+
+/// A wheel at its travel, in the car's axes.
 #[derive(Clone, Copy, Debug)]
 pub struct Corner<T> {
     /// 1 for a left wheel, -1 for a right one.
@@ -13,70 +27,181 @@ pub struct Corner<T> {
     pub centre: Vector3<T>,
     /// Spin axis a, outboard.
     pub spin: Vector3<T>,
-    /// W'.
-    pub centre_rate: Vector3<T>,
-    /// Angular velocity of the carrier.
-    pub turn: Vector3<T>,
-    /// Length of the spring and its rate.
-    pub spring: [T; 2],
+    /// Length of the spring.
+    pub spring: T,
     /// Length of the spring in the design position.
     pub design_spring: T,
-    /// Angle of the anti-roll bar's lever and its rate.
-    pub bar: [T; 2],
+    /// Angle of the anti-roll bar's lever.
+    pub bar: T,
+    /// Motion of the rocker, in the frame of the wheel's side.
+    pub rocker: RockerMotion<T>,
     /// Wheel centre in the design position.
     pub design_centre: Vector3<T>,
     /// Spin axis in the design position.
     pub design_spin: Vector3<T>,
+    /// Derivatives by the wheel's own travel.
+    pub own: WheelRates<T>,
+    /// Derivatives by the other wheel's travel, for a solid axle.
+    pub other: Option<WheelRates<T>>,
+}
+
+/// Steps from the travels at which a wheel was read.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Steps<T> {
+    /// In the wheel's own travel.
+    pub own: T,
+    /// In the other wheel's travel.
+    pub other: T,
+    /// Of the rack in the wheel's frame; `None` where the wheel was read at one rack only.
+    pub rack: Option<T>,
+}
+
+/// Value of a polynomial in two variables up to the third degree, and its derivatives by both. Derivatives of them by the
+/// steps are exact up to the second. Without a second step the second variable does not count.
+fn polynomial<T: Real>(c: impl Fn([usize; 2]) -> T, a: T, b: Option<T>) -> [T; 3] {
+    let value = c([0, 0]) + a * (c([1, 0]) + a * c([2, 0]));
+    let first = c([1, 0]) + a * (c([2, 0]).scaled(2.0) + a * c([3, 0]).scaled(3.0));
+    let Some(b) = b else {
+        return [value, first, a.zero()];
+    };
+    [
+        value + b * (c([0, 1]) + a * c([1, 1]) + b * c([0, 2])),
+        first + b * (c([1, 1]) + (a * c([2, 1])).scaled(2.0) + b * c([1, 2])),
+        c([0, 1])
+            + a * (c([1, 1]) + a * c([2, 1]))
+            + b * (c([0, 2]).scaled(2.0) + (a * c([1, 2])).scaled(2.0) + b * c([0, 3]).scaled(3.0)),
+    ]
+}
+
+/// Derivatives by the two variables of a reading as derivatives by the wheel's own travel and by the other wheel's.
+struct ByTravels<T> {
+    own: T,
+    other: T,
+}
+
+fn by_travels<T: Real>(held: AxleTravel, [first, second]: [T; 2]) -> ByTravels<T> {
+    // Own travel moves the mean and the own difference by a half each; the other travel moves the difference back.
+    let other = match held {
+        AxleTravel::Mean => second - first,
+        AxleTravel::Difference => first - second,
+    };
+    ByTravels {
+        own: (first + second).scaled(0.5),
+        other: other.scaled(0.5),
+    }
 }
 
 impl<T: Real> Corner<T> {
-    /// The wheel that `wheel` reads in the frame of its own side, `step` further in travel. `lift` makes numbers of the
-    /// wheel into numbers of this kind. Derivatives of the result by `step` are exact up to the second.
-    pub fn read<U: Real>(
+    /// The wheel that `wheel` reads in the frame of its own side, a little further. `lift` makes numbers of the wheel into
+    /// numbers of this kind.
+    pub(super) fn read<U: Real>(
         wheel: &impl WheelParts<U>,
-        sign: f64,
+        (sign, carriers): (f64, Carriers),
         offset: Vector3<T>,
-        step: T,
+        steps: Steps<T>,
         lift: impl Fn(U) -> T + Copy,
     ) -> Self {
-        // Value and rate of a polynomial in the travel.
-        let at = |c: [T; 4]| {
-            let value = c[0] + step * (c[1] + step * c[2]);
-            let rate = c[1] + step * (c[2].scaled(2.0) + step * c[3].scaled(3.0));
-            [value, rate]
+        let (a, b) = match carriers {
+            Carriers::Independent => (steps.own, steps.rack),
+            Carriers::Rigid(held) => {
+                let mean = (steps.own + steps.other).scaled(0.5);
+                let difference = (steps.own - steps.other).scaled(0.5);
+                match held {
+                    AxleTravel::Mean => (difference, Some(mean)),
+                    AxleTravel::Difference => (mean, Some(difference)),
+                }
+            }
         };
+        let number = |part: NumberPart| polynomial(|p| lift(wheel.number(part, p)), a, b);
         let vector = |of: &dyn Fn([usize; 2]) -> Vector3<U>| {
-            let coefficients = [0, 1, 2, 3].each(|k| of([k, 0]).map(lift));
+            let known = |p: [usize; 2]| b.is_some() || p[1] == 0;
+            let zero = a.zero();
+            // Each coefficient is read once for its three components.
+            let mut table = [[Vector3::new(zero, zero, zero); 4]; 4];
+            for (i, row) in table.iter_mut().enumerate() {
+                for (j, entry) in row.iter_mut().enumerate().take(4 - i) {
+                    if known([i, j]) {
+                        *entry = of([i, j]).map(lift);
+                    }
+                }
+            }
             let [x, y, z] = [
-                at(coefficients.each(|c| c.x)),
-                at(coefficients.each(|c| c.y)),
-                at(coefficients.each(|c| c.z)),
+                polynomial(|[i, j]| table[i][j].x, a, b),
+                polynomial(|[i, j]| table[i][j].y, a, b),
+                polynomial(|[i, j]| table[i][j].z, a, b),
             ];
-            [0, 1].each(|k| Vector3::new(x[k], y[k], z[k]))
+            [0, 1, 2].each(|k| Vector3::new(x[k], y[k], z[k]))
         };
-        let number = |part: NumberPart| at([0, 1, 2, 3].each(|k| lift(wheel.number(part, [k, 0]))));
         let mirrored = |v: Vector3<T>| Vector3::new(v.x, v.y.scaled(sign), v.z);
-        let mut turn = Vector3::new(step.zero(), step.zero(), step.zero());
+        let zero = a.zero();
+        let mut turns = [Vector3::new(zero, zero, zero); 2];
         for i in 0..3 {
-            let [column, rate] = vector(&|powers| wheel.column(i, powers));
-            turn = turn + column.cross(rate);
+            let [column, first, second] = vector(&|powers| wheel.column(i, powers));
+            turns[0] = turns[0] + column.cross(first);
+            if carriers.is_rigid() {
+                turns[1] = turns[1] + column.cross(second);
+            }
         }
-        let half = step.lit(0.5);
-        let [centre, centre_rate] = vector(&|powers| wheel.read_vector(VectorPart::Centre, powers));
-        let [spin, _] = vector(&|powers| wheel.read_vector(VectorPart::SpinAxis, powers));
+        // An axial vector: its mirror image turns the other way.
+        let turns = turns.each(|turn| mirrored(turn.scaled(0.5)).scaled(sign));
+        let [centre, centre_first, centre_second] =
+            vector(&|powers| wheel.read_vector(VectorPart::Centre, powers));
+        let centres = [centre_first, centre_second].each(mirrored);
+        let [spin, ..] = vector(&|powers| wheel.read_vector(VectorPart::SpinAxis, powers));
+        let [spring, spring_first, spring_second] = number(NumberPart::SpringLength);
+        let [bar, bar_first, bar_second] = number(NumberPart::BarAngle);
+        let [end, end_first, _] =
+            vector(&|powers| wheel.read_vector(VectorPart::HeaveSpring, powers));
+        let [angle, angle_first, _] = number(NumberPart::RockerAngle);
+        let rates = |centre, turn, spring, bar| WheelRates {
+            centre,
+            turn,
+            spring,
+            bar,
+        };
+        let (own, other) = match carriers {
+            Carriers::Independent => {
+                let own = rates(centres[0], turns[0], spring_first, bar_first);
+                (own, None)
+            }
+            Carriers::Rigid(held) => {
+                let vectors = |[first, second]: [Vector3<T>; 2]| {
+                    let [x, y, z] = [
+                        by_travels(held, [first.x, second.x]),
+                        by_travels(held, [first.y, second.y]),
+                        by_travels(held, [first.z, second.z]),
+                    ];
+                    ByTravels {
+                        own: Vector3::new(x.own, y.own, z.own),
+                        other: Vector3::new(x.other, y.other, z.other),
+                    }
+                };
+                let (centre, turn) = (vectors(centres), vectors(turns));
+                let spring = by_travels(held, [spring_first, spring_second]);
+                let bar = by_travels(held, [bar_first, bar_second]);
+                (
+                    rates(centre.own, turn.own, spring.own, bar.own),
+                    Some(rates(centre.other, turn.other, spring.other, bar.other)),
+                )
+            }
+        };
         let design = wheel.design();
         Corner {
             sign,
             centre: mirrored(centre) + offset,
             spin: mirrored(spin),
-            centre_rate: mirrored(centre_rate),
-            // An axial vector: its mirror image turns the other way.
-            turn: mirrored(turn * half).scaled(sign),
-            spring: number(NumberPart::SpringLength),
+            spring,
             design_spring: lift(design.spring_length),
-            bar: number(NumberPart::BarAngle),
+            bar,
+            rocker: RockerMotion {
+                end: [end, end_first],
+                design_end: design.heave_spring.map(lift),
+                angle: [angle, angle_first],
+            },
             design_centre: mirrored(design.centre.map(lift)) + offset,
             design_spin: mirrored(design.spin_axis.map(lift)),
+            own,
+            other,
         }
     }
 }

@@ -1,11 +1,12 @@
 //! The equations of equilibrium, (1) to (9) of [`super`].
 
-use super::corner::Corner;
+use super::corner::{Corner, WheelRates};
 use super::parameters::{AxleParameter, BodyParameter, Parameters};
 use super::road::Road;
 use super::{
     Car, Case, GRAVITY, LateralShares, Longitudinal, LongitudinalShares, Masses, TyreAxes,
 };
+use crate::axle::RockerForces;
 use crate::number::{Each, Scalar, Vector3};
 
 /// Number of unknowns and equations.
@@ -61,14 +62,18 @@ pub struct WheelState<T> {
     pub across: Vector3<T>,
     /// Contact point C.
     pub contact: Vector3<T>,
-    /// C'.
+    /// C' by the wheel's own travel.
     pub contact_rate: Vector3<T>,
+    /// The velocity of the carrier's point at C by the other wheel's travel, for a solid axle.
+    pub contact_by_other: Option<Vector3<T>>,
     /// Loaded radius.
     pub radius: T,
     /// Height of the wheel's lowest point over the ground, the tyre not pressed in.
     pub gap: T,
     /// Force of the spring with its stops.
     pub spring_force: T,
+    /// Gaps of bump stop and rebound stop, if there are any.
+    pub stop_gaps: [Option<f64>; 2],
 }
 
 /// A state with its forces.
@@ -92,6 +97,10 @@ pub struct Balance<T> {
     pub ride_heights: [T; 2],
     /// Torques of the anti-roll bars.
     pub bars: [T; 2],
+    /// Springs between the rockers of each axle.
+    pub rockers: [RockerForces<T>; 2],
+    /// Energy of springs, stops and bars, from the design position.
+    pub energy: T,
     /// Residuals of the equations.
     pub residuals: [T; UNKNOWNS],
     /// Wheels off the ground.
@@ -117,14 +126,18 @@ impl<T: Scalar> Balance<T> {
         let shares = shares(held, &x);
         let static_loads = static_loads(held.car, parameters, &corners, &masses);
         let mut residuals = [zero; UNKNOWNS];
-        let mut wheels = [None; 4];
         let mut force = Vector3::new(zero, zero, zero);
         let mut moment = force;
         let mut act = |at: Vector3<T>, by: Vector3<T>| {
             force = force + by;
             moment = moment + at.cross(by);
         };
-        for number in 0..4 {
+        let rockers = [0, 1].map(|axle| {
+            let motions = [0, 1].map(|side| corners[2 * axle + side].rocker);
+            let laws = parameters.rocker_springs(held.car, axle);
+            laws.forces(&motions)
+        });
+        let wheels = [0, 1, 2, 3].map(|number| {
             let axle = number / 2;
             let corner = corners[number];
             let unsprung = parameters
@@ -133,6 +146,7 @@ impl<T: Scalar> Balance<T> {
             let share =
                 held.car
                     .longitudinal_share(axle, held.case.setting.longitudinal, parameters);
+            let warp = parameters.body(BodyParameter::Warp);
             let forces = Forces {
                 load: x[LOADS + number],
                 side: x[SIDE_FORCES + axle] * shares[number][0],
@@ -142,13 +156,17 @@ impl<T: Scalar> Balance<T> {
                     true => bars[axle],
                     false => -bars[axle],
                 },
+                rocker: rockers[axle].work[number % 2],
                 inertia: acceleration * unsprung,
                 static_load: static_loads[axle],
             };
-            let (wheel, contact, travel) =
-                wheel_balance(held, parameters, number, corner, &road, x[GROUND], &forces);
-            residuals[CONTACTS + number] = contact;
-            residuals[BALANCES + number] = travel;
+            let ground = match number {
+                0 | 3 => x[GROUND] + warp,
+                _ => x[GROUND] - warp,
+            };
+            let pushed = wheel_balance(held, parameters, number, corner, &road, ground, &forces);
+            residuals[CONTACTS + number] = pushed.contact;
+            let wheel = &pushed.wheel;
             act(
                 wheel.contact,
                 road.up * forces.load
@@ -156,8 +174,19 @@ impl<T: Scalar> Balance<T> {
                     + wheel.heading * forces.longitudinal,
             );
             act(corner.centre, -forces.inertia);
-            wheels[number] = Some(wheel);
+            pushed
+        });
+        let [a, b, c, d] = wheels;
+        let (front, rear) = (travel_rows([a, b]), travel_rows([c, d]));
+        for (axle, rows) in [&front, &rear].into_iter().enumerate() {
+            let row = BALANCES + 2 * axle;
+            residuals[row..row + 2].copy_from_slice(&rows.residuals);
         }
+        let wheels = {
+            let ([a, b], [c, d]) = (front.wheels, rear.wheels);
+            [a, b, c, d]
+        };
+        let energy = energy(held.car, parameters, &corners, &bars, &rockers);
         let (mass, cg) = masses.sprung;
         act(cg, -(acceleration * mass));
         let ride_heights = [0, 1].each(|axle| match held.car.ride_height_points[axle] {
@@ -187,13 +216,15 @@ impl<T: Scalar> Balance<T> {
         Balance {
             unknowns: x,
             road,
-            wheels: wheels.each(|wheel| wheel.expect("all four were formed")),
+            wheels,
             sprung: masses.sprung,
             whole: masses.whole,
             design_contact: masses.design_contact,
             air,
             ride_heights,
             bars,
+            rockers,
+            energy,
             residuals,
             lifted: held.lifted,
         }
@@ -208,12 +239,71 @@ struct Forces<T> {
     share: T,
     /// Torque of the bar on its lever, in the sense of its angle.
     bar: T,
+    /// Rate of the energy of springs between the rockers by the wheel's own travel.
+    rocker: T,
     /// Force that accelerates the wheel's mass.
     inertia: Vector3<T>,
     static_load: T,
 }
 
-/// A wheel, and the residuals of its contact and its travel: (2) to (7) and (9).
+/// Work by one travel of the axle.
+#[derive(Clone, Copy)]
+struct Work<T> {
+    /// n.C'.
+    rise: T,
+    /// Forces that the wheel load balances: elastic, geometric, longitudinal, unsprung.
+    parts: [T; 4],
+}
+
+/// A wheel with the residual of its contact, and the work of its forces.
+#[derive(Clone, Copy)]
+struct Pushed<T> {
+    wheel: WheelState<T>,
+    contact: T,
+    own: Work<T>,
+    other: Option<Work<T>>,
+}
+
+/// Both wheels of an axle, and the residuals of its travels.
+struct TravelRows<T> {
+    wheels: [WheelState<T>; 2],
+    residuals: [T; 2],
+}
+
+/// The equations of both travels (7), and the parts of the loads (9). The wheels of a solid axle move with both travels, and
+/// the parts solve two equations.
+fn travel_rows<T: Scalar>([left, right]: [Pushed<T>; 2]) -> TravelRows<T> {
+    let mut wheels = [left.wheel, right.wheel];
+    let row = |work: &Work<T>, load: T| {
+        let [elastic, geometric, longitudinal, unsprung] = work.parts;
+        load * work.rise - elastic - geometric - longitudinal - unsprung
+    };
+    let [left_load, right_load] = [left.wheel.load, right.wheel.load];
+    let mut residuals = [row(&left.own, left_load), row(&right.own, right_load)];
+    match (left.other, right.other) {
+        (Some(left_by_other), Some(right_by_other)) => {
+            residuals[0] = residuals[0] + row(&right_by_other, right_load);
+            residuals[1] = residuals[1] + row(&left_by_other, left_load);
+            let (a, b) = (left.own.rise, right_by_other.rise);
+            let (c, d) = (left_by_other.rise, right.own.rise);
+            let inverse = a.one() / (a * d - b * c);
+            for part in 0..4 {
+                let by_left = left.own.parts[part] + right_by_other.parts[part];
+                let by_right = left_by_other.parts[part] + right.own.parts[part];
+                wheels[0].parts[part] = (d * by_left - b * by_right) * inverse;
+                wheels[1].parts[part] = (a * by_right - c * by_left) * inverse;
+            }
+        }
+        _ => {
+            for (wheel, own) in wheels.iter_mut().zip([left.own, right.own]) {
+                wheel.parts = own.parts.each(|part| part / own.rise);
+            }
+        }
+    }
+    TravelRows { wheels, residuals }
+}
+
+/// A wheel, the residual of its contact, and the work of its forces: (2) to (7).
 fn wheel_balance<T: Scalar>(
     held: &Held<'_>,
     parameters: &Parameters<T>,
@@ -222,7 +312,7 @@ fn wheel_balance<T: Scalar>(
     road: &Road<T>,
     ground: T,
     forces: &Forces<T>,
-) -> (WheelState<T>, T, T) {
+) -> Pushed<T> {
     let axle = number / 2;
     let setting = &held.case.setting;
     let up = road.up;
@@ -249,7 +339,7 @@ fn wheel_balance<T: Scalar>(
     };
     let lever = down * (-loaded / tilt);
     let contact = corner.centre + lever;
-    let contact_rate = corner.centre_rate + corner.turn.cross(lever);
+    let carried = |rates: &WheelRates<T>| rates.centre + rates.turn.cross(lever);
     let (heading, across) = match setting.tyre_axes {
         TyreAxes::Road => (road.forward, road.left),
         TyreAxes::Wheel => {
@@ -258,39 +348,49 @@ fn wheel_balance<T: Scalar>(
             (heading, up.cross(heading))
         }
     };
-    let pushed_rate = match held.car.carrier_takes_torque(axle, setting.longitudinal) {
-        true => contact_rate,
+    let by_carrier = held.car.carrier_takes_torque(axle, setting.longitudinal);
+    let pushed = |rates: &WheelRates<T>| match by_carrier {
+        true => carried(rates),
         false => {
-            let turn = corner.turn - corner.spin * corner.turn.dot(corner.spin);
-            corner.centre_rate + turn.cross(lever)
+            let turn = rates.turn - corner.spin * rates.turn.dot(corner.spin);
+            rates.centre + turn.cross(lever)
         }
     };
     let law = &held.car.axles[axle].setup.springs;
     let spring_force = match law {
         Some(laws) => {
             let side = usize::from(corner.sign < 0.0);
-            let shortened = corner.design_spring - corner.spring[0];
-            laws[side].force(corner.spring[0], corner.design_spring)
+            let shortened = corner.design_spring - corner.spring;
+            laws[side].force(corner.spring, corner.design_spring)
                 + parameters.axle(axle, AxleParameter::SpringForce)
                 + parameters.axle(axle, AxleParameter::SpringRate) * shortened
         }
         None => tilt.zero(),
     };
-    let mut elastic = tilt.zero();
-    if law.is_some() {
-        elastic = elastic - spring_force * corner.spring[1];
-    }
-    if held.car.axles[axle].setup.bar_rate.is_some() {
-        elastic = elastic + forces.bar * corner.bar[1];
-    }
-    let parts = [
-        elastic,
-        -(forces.side * across.dot(contact_rate)),
-        -(forces.longitudinal * heading.dot(pushed_rate)),
-        forces.inertia.dot(corner.centre_rate),
-    ];
-    let rise = up.dot(contact_rate);
-    let travel = forces.load * rise - parts[0] - parts[1] - parts[2] - parts[3];
+    let has_bar = held.car.axles[axle].setup.bar_rate.is_some();
+    let has_rocker_springs = !held.car.axles[axle].setup.rocker_springs.are_none();
+    let work = |rates: &WheelRates<T>, is_own: bool| {
+        let mut elastic = tilt.zero();
+        if law.is_some() {
+            elastic = elastic - spring_force * rates.spring;
+        }
+        if has_bar {
+            elastic = elastic + forces.bar * rates.bar;
+        }
+        if has_rocker_springs && is_own {
+            elastic = elastic + forces.rocker;
+        }
+        let contact_rate = carried(rates);
+        Work {
+            rise: up.dot(contact_rate),
+            parts: [
+                elastic,
+                -(forces.side * across.dot(contact_rate)),
+                -(forces.longitudinal * heading.dot(pushed(rates))),
+                forces.inertia.dot(rates.centre),
+            ],
+        }
+    };
     let contact_residual = match (held.lifted[number], spring) {
         (true, _) => forces.load,
         (false, None) => height - radius * tilt,
@@ -299,19 +399,59 @@ fn wheel_balance<T: Scalar>(
     let wheel = WheelState {
         corner,
         load: forces.load,
-        parts: parts.each(|part| part / rise),
+        parts: [tilt.zero(); 4],
         side_force: forces.side,
         longitudinal_force: forces.longitudinal,
         share: forces.share,
         heading,
         across,
         contact,
-        contact_rate,
+        contact_rate: carried(&corner.own),
+        contact_by_other: corner.other.as_ref().map(carried),
         radius: loaded,
         gap: height - free * tilt,
         spring_force,
+        stop_gaps: match law {
+            Some(laws) => {
+                let own = &laws[usize::from(corner.sign < 0.0)];
+                [&own.bump_stop, &own.rebound_stop].map(|stop| stop.as_ref().map(|s| s.gap))
+            }
+            None => [None; 2],
+        },
     };
-    (wheel, contact_residual, travel)
+    Pushed {
+        wheel,
+        contact: contact_residual,
+        own: work(&corner.own, true),
+        other: corner.other.as_ref().map(|rates| work(rates, false)),
+    }
+}
+
+/// Energy of springs, stops and bars, from the design position.
+fn energy<T: Scalar>(
+    car: &Car,
+    parameters: &Parameters<T>,
+    corners: &[Corner<T>; 4],
+    bars: &[T; 2],
+    rockers: &[RockerForces<T>; 2],
+) -> T {
+    let mut sum = corners[0].spring.zero();
+    for (axle, own) in car.axles.iter().enumerate() {
+        let of_axle = &corners[2 * axle..2 * axle + 2];
+        if let Some(laws) = &own.setup.springs {
+            for (law, corner) in laws.iter().zip(of_axle) {
+                let shortened = corner.design_spring - corner.spring;
+                let change = parameters.axle(axle, AxleParameter::SpringForce)
+                    + (parameters.axle(axle, AxleParameter::SpringRate) * shortened).scaled(0.5);
+                sum = sum + law.energy(corner.spring, corner.design_spring) + change * shortened;
+            }
+        }
+        if own.setup.bar_rate.is_some() {
+            sum = sum + (bars[axle] * (of_axle[0].bar - of_axle[1].bar)).scaled(0.5);
+        }
+        sum = sum + rockers[axle].energy;
+    }
+    sum
 }
 
 /// Masses of a car.
@@ -402,7 +542,7 @@ fn bar_torques<T: Scalar>(
 ) -> [T; 2] {
     [0, 1].each(|axle| match car.axles[axle].setup.bar_rate {
         Some(_) => {
-            let [left, right] = [0, 1].each(|side| corners[2 * axle + side].bar[0]);
+            let [left, right] = [0, 1].each(|side| corners[2 * axle + side].bar);
             parameters.axle(axle, AxleParameter::BarRate) * (left - right)
         }
         None => corners[0].centre.x.zero(),

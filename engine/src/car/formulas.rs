@@ -119,12 +119,39 @@ pub(super) mod wheel {
     }
 
     pub(in super::super) fn spring_length<T: Scalar>(state: &Balance<T>, place: WheelPlace) -> T {
-        of(state, place).corner.spring[0]
+        of(state, place).corner.spring
     }
 
     pub(in super::super) fn spring_travel<T: Scalar>(state: &Balance<T>, place: WheelPlace) -> T {
         let corner = &of(state, place).corner;
-        corner.design_spring - corner.spring[0]
+        corner.design_spring - corner.spring
+    }
+
+    /// Compression of the bump stop, 0 out of touch.
+    pub(in super::super) fn bump_stop_compression<T: Scalar>(
+        state: &Balance<T>,
+        place: WheelPlace,
+    ) -> T {
+        let stop = of(state, place).stop_gaps[0];
+        beyond(spring_travel(state, place), stop)
+    }
+
+    /// Lengthening of the spring beyond the gap of the rebound stop, 0 out of touch.
+    pub(in super::super) fn rebound_stop_extension<T: Scalar>(
+        state: &Balance<T>,
+        place: WheelPlace,
+    ) -> T {
+        let stop = of(state, place).stop_gaps[1];
+        beyond(-spring_travel(state, place), stop)
+    }
+
+    /// How far a number is beyond an end; NaN without an end.
+    fn beyond<T: Scalar>(number: T, end: Option<f64>) -> T {
+        match end {
+            None => number.lit(f64::NAN),
+            Some(end) if number.value() > end => number - number.lit(end),
+            Some(_) => number.zero(),
+        }
     }
 
     /// Load gained per side force inboard along the ground.
@@ -213,12 +240,68 @@ pub(super) mod axle {
         (left + right).scaled(0.5)
     }
 
+    /// Velocities of the carriers' points at both contact points of a solid axle, and the axle's angular velocity, as the
+    /// left wheel rises and the right one falls.
+    fn by_difference<T: Scalar>(
+        state: &Balance<T>,
+        axle: usize,
+    ) -> Option<([Vector3<T>; 2], Vector3<T>)> {
+        let [left, right] = [0, 1].map(|side| &state.wheels[2 * axle + side]);
+        let turn = left.corner.own.turn - left.corner.other?.turn;
+        let velocities = [
+            left.contact_rate - left.contact_by_other?,
+            right.contact_by_other? - right.contact_rate,
+        ];
+        Some((velocities, turn))
+    }
+
+    /// Loads of both wheels of an axle by forces at their contact points.
+    fn loads_by<T: Scalar>(state: &Balance<T>, axle: usize, forces: [Vector3<T>; 2]) -> [T; 2] {
+        let up = state.road.up;
+        let [left, right] = [0, 1].map(|side| &state.wheels[2 * axle + side]);
+        let [left_force, right_force] = forces;
+        let by_left = left_force.dot(left.contact_rate);
+        let by_right = right_force.dot(right.contact_rate);
+        let (a, d) = (up.dot(left.contact_rate), up.dot(right.contact_rate));
+        match (left.contact_by_other, right.contact_by_other) {
+            (Some(left_other), Some(right_other)) => {
+                let by_left = by_left + right_force.dot(right_other);
+                let by_right = by_right + left_force.dot(left_other);
+                let (b, c) = (up.dot(right_other), up.dot(left_other));
+                let determinant = a * d - b * c;
+                [
+                    (b * by_right - d * by_left) / determinant,
+                    (c * by_left - a * by_right) / determinant,
+                ]
+            }
+            _ => [-(by_left / a), -(by_right / d)],
+        }
+    }
+
+    /// Height at which side forces of one, in these parts, make no roll.
+    fn height_of_transfer<T: Scalar>(
+        state: &Balance<T>,
+        axle: usize,
+        forces: [Vector3<T>; 2],
+    ) -> T {
+        let [left, right] = loads_by(state, axle, forces);
+        track(state, axle).scaled(0.5) * (right - left)
+    }
+
     pub(in super::super) fn roll_centre_height<T: Scalar>(state: &Balance<T>, axle: usize) -> T {
+        if let Some(([left, right], turn)) = by_difference(state, axle) {
+            let rolling = turn.dot(state.road.forward).scaled(2.0);
+            return (left + right).dot(state.road.left) / rolling;
+        }
         let [left, right] = both(state, axle, wheel::jacking);
         track(state, axle) * left * right / (left + right)
     }
 
     pub(in super::super) fn roll_centre_lateral<T: Scalar>(state: &Balance<T>, axle: usize) -> T {
+        if let Some(([left, right], turn)) = by_difference(state, axle) {
+            let rolling = turn.dot(state.road.forward).scaled(2.0);
+            return -((left + right).dot(state.road.up) / rolling);
+        }
         let [left, right] = both(state, axle, wheel::jacking);
         track(state, axle).scaled(0.5) * (left - right) / (left + right)
     }
@@ -227,18 +310,43 @@ pub(super) mod axle {
         state: &Balance<T>,
         axle: usize,
     ) -> T {
-        let [left, right] = both(state, axle, wheel::jacking);
-        track(state, axle).scaled(0.25) * (left + right)
+        height_of_transfer(
+            state,
+            axle,
+            [state.road.left * state.unknowns[0].lit(0.5); 2],
+        )
     }
 
     pub(in super::super) fn roll_axis_height<T: Scalar>(state: &Balance<T>, axle: usize) -> T {
-        let [left, right] = both(state, axle, wheel::side_force_jacking);
-        let [of_left, of_right] = both(state, axle, wheel::share);
-        track(state, axle).scaled(0.5) * (of_left * left + of_right * right)
+        let across = |side: usize| {
+            let wheel = &state.wheels[2 * axle + side];
+            wheel.across * wheel.share
+        };
+        height_of_transfer(state, axle, [across(0), across(1)])
     }
 
     pub(in super::super) fn bar_torque<T: Scalar>(state: &Balance<T>, axle: usize) -> T {
         state.bars[axle]
+    }
+
+    pub(in super::super) fn heave_spring_force<T: Scalar>(state: &Balance<T>, axle: usize) -> T {
+        state.rockers[axle].heave_spring
+    }
+
+    pub(in super::super) fn heave_spring_length<T: Scalar>(state: &Balance<T>, axle: usize) -> T {
+        state.rockers[axle].heave_spring_length
+    }
+
+    pub(in super::super) fn heave_spring_travel<T: Scalar>(state: &Balance<T>, axle: usize) -> T {
+        state.rockers[axle].heave_spring_travel
+    }
+
+    pub(in super::super) fn t_bar_torque<T: Scalar>(state: &Balance<T>, axle: usize) -> T {
+        state.rockers[axle].t_bar
+    }
+
+    pub(in super::super) fn heave_bar_torque<T: Scalar>(state: &Balance<T>, axle: usize) -> T {
+        state.rockers[axle].heave_bar
     }
 
     pub(in super::super) fn downforce<T: Scalar>(state: &Balance<T>, axle: usize) -> T {
@@ -300,6 +408,22 @@ pub(super) mod car {
 
     pub(in super::super) fn heave<T: Scalar>(state: &Balance<T>) -> T {
         state.unknowns[GROUND] - state.road.up.dot(state.design_contact)
+    }
+
+    /// Rise of the body since the car stood at rest.
+    pub(in super::super) fn jacking_heave<T: Scalar>(solved: &Solved<'_, T>) -> T {
+        heave(&solved.now).lit(solved.rest_heave) - heave(&solved.now)
+    }
+
+    pub(in super::super) fn energy<T: Scalar>(state: &Balance<T>) -> T {
+        state.energy
+    }
+
+    /// Load that each wheel gains or loses as the ground under it and the wheel diagonally across rises and that under the
+    /// others falls.
+    pub(in super::super) fn warp_stiffness<T: Scalar>(solved: &Solved<'_, T>) -> T {
+        let [a, b, c, d] = loads(&solved.by_warp).map(|load| load[1]);
+        (a - b - c + d).scaled(0.25)
     }
 
     pub(in super::super) fn rake<T: Scalar>(state: &Balance<T>) -> T {

@@ -1,10 +1,10 @@
 //! Derivatives of results by hardpoints and parameters, equation (10) of [`super`].
 
 use super::equations::Balance;
-use super::parameters::{Parameter, Parameters};
+use super::parameters::{AxleParameter, BodyParameter, Parameter, Parameters};
 use super::rates::{Plain, Solved, settle};
 use super::solver::{Base, CarSolver, Equilibrium};
-use super::{CarQuantity, Case, NoEquilibrium};
+use super::{CarQuantity, Case, NoEquilibrium, WholeResult};
 use crate::model::Side;
 use crate::number::{Scalar, Tape, Tracked, Vector3};
 
@@ -35,7 +35,67 @@ impl<'a> CarSolver<'a> {
         let base = readings.base(self.held(case, found));
         let plain = Plain::of(&base, &parameters, found.unknowns);
         let plain = plain.ok_or(NoEquilibrium::Singular)?;
-        Ok(Solved::of(self.car, &base, &parameters, &plain, |c: f64| c))
+        let mut solved = Solved::of(self.car, &base, &parameters, &plain, |c: f64| c);
+        if let Ok((rest, at_rest)) = self.at_rest(case) {
+            let state = self.balance(&rest, &at_rest)?;
+            solved.rest_heave = CarQuantity::Whole(WholeResult::Heave).evaluate_state(&state);
+        }
+        Ok(solved)
+    }
+
+    /// The car at rest on the tyres of a case.
+    fn at_rest(&mut self, case: &Case) -> Result<(Case, Equilibrium), NoEquilibrium> {
+        let mut rest = Case::at_rest("static");
+        rest.setting.elastic_tyres = case.setting.elastic_tyres;
+        let place = usize::from(rest.setting.elastic_tyres);
+        if self.rests[place].is_none() {
+            self.rests[place] = Some(self.solve(&rest));
+        }
+        match &self.rests[place] {
+            Some(Ok(found)) => Ok((rest, found.clone())),
+            Some(Err(failure)) => Err(failure.clone()),
+            None => Err(NoEquilibrium::NotFound),
+        }
+    }
+
+    /// Adds the heave of the car at rest to values since then, with its derivatives by the design. The case at rest does not
+    /// depend on accelerations, speed and racks of the case.
+    fn add_rest(
+        &mut self,
+        case: &Case,
+        quantities: &[CarQuantity],
+        gradients: &mut [CarGradient],
+    ) -> Result<(), NoEquilibrium> {
+        if !quantities.iter().any(|quantity| quantity.is_since_rest()) {
+            return Ok(());
+        }
+        let (rest, found) = self.at_rest(case)?;
+        let heave = [CarQuantity::Whole(WholeResult::Heave)];
+        let at_rest = self.gradients(&rest, &found, &heave)?.swap_remove(0);
+        let of_case = |place: usize| {
+            use AxleParameter::Rack;
+            use BodyParameter::{Ax, Ay, Az, Speed, Warp};
+            let of_body = [Ax, Ay, Az, Speed, Warp].map(|own| Parameter::Body(own).place());
+            let racks = [0, 1].map(|axle| Parameter::Axle(axle, Rack).place());
+            of_body.contains(&place) || racks.contains(&place)
+        };
+        for (quantity, gradient) in quantities.iter().zip(gradients) {
+            if !quantity.is_since_rest() {
+                continue;
+            }
+            gradient.value += at_rest.value;
+            for (place, sum) in gradient.parameters.iter_mut().enumerate() {
+                if !of_case(place) {
+                    *sum += at_rest.parameters[place];
+                }
+            }
+            for (into, by) in gradient.hardpoints.iter_mut().zip(&at_rest.hardpoints) {
+                for (sum, by) in into.iter_mut().zip(by) {
+                    *sum = *sum + *by;
+                }
+            }
+        }
+        Ok(())
     }
 
     /// Results with their derivatives by everything.
@@ -68,16 +128,23 @@ impl<'a> CarSolver<'a> {
             held,
             readings: [a, b, c, d],
             travels: base.travels,
+            racks: base.racks,
+            carriers: base.carriers,
         };
         let same = std::convert::identity::<Tracked<'_>>;
         let x = settle(&base, &tracked, &plain, same);
         let now: Balance<Tracked<'_>> = base.balance(&tracked, x, same);
-        let is_along = quantities.iter().any(|quantity| quantity.info().is_rate);
+        let is_along = quantities
+            .iter()
+            .any(|quantity| quantity.info().is_rate && !quantity.is_since_rest());
         let solved = is_along.then(|| Solved::of(self.car, &base, &tracked, &plain, same));
+        let heave = CarQuantity::Whole(WholeResult::Heave);
         let mut adjoints = Vec::new();
         let mut buffers = linearised.each_ref().map(|axle| axle.buffer());
         let gradient = |quantity: &CarQuantity| {
             let value = match &solved {
+                // The part of the car at rest is added below.
+                _ if quantity.is_since_rest() => -heave.evaluate_state(&now),
                 Some(solved) if quantity.info().is_rate => quantity.evaluate(solved),
                 _ => quantity.evaluate_state(&now),
             };
@@ -85,6 +152,11 @@ impl<'a> CarSolver<'a> {
             let mut parameters = [0.0; Parameter::COUNT];
             if adjoints.len() >= Parameter::COUNT {
                 parameters.copy_from_slice(&adjoints[..Parameter::COUNT]);
+            }
+            if !self.by_rack {
+                for axle in [0, 1] {
+                    parameters[Parameter::Axle(axle, AxleParameter::Rack).place()] = f64::NAN;
+                }
             }
             let none = |axle: usize| {
                 let points = self.car.axles[axle].left.mechanism.points.len();
@@ -105,6 +177,11 @@ impl<'a> CarSolver<'a> {
                     let into = &mut wheels[2 * axle + side as usize];
                     linearised[axle].add_gradient(side, &by, &mut buffers[axle], into);
                 }
+                if let Some(rigid) = &self.car.axles[axle].left.mechanism.rigid_axle
+                    && let [left, right] = &mut wheels[2 * axle..2 * axle + 2]
+                {
+                    rigid.gather([left, right]);
+                }
             }
             let hardpoints = [0, 1].map(|axle| {
                 let [left, right] = [&wheels[2 * axle], &wheels[2 * axle + 1]];
@@ -118,6 +195,8 @@ impl<'a> CarSolver<'a> {
                 parameters,
             }
         };
-        Ok(quantities.iter().map(gradient).collect())
+        let mut gradients: Vec<CarGradient> = quantities.iter().map(gradient).collect();
+        self.add_rest(case, quantities, &mut gradients)?;
+        Ok(gradients)
     }
 }

@@ -213,7 +213,7 @@ impl CarSolver<'_> {
             (slope < 0.0).then(|| gradient.value / -slope)
         });
         let step = steps.fold(f64::INFINITY, f64::min);
-        step.is_finite().then(|| at.g + step)
+        step.is_finite().then_some(at.g + step)
     }
 
     /// The lift at a state, if its least load is none.

@@ -1,6 +1,8 @@
 //! Parameters of a car and a case, by which results are differentiated.
 
 use super::{Car, Case};
+use crate::axle::{Axle, Preloaded, RockerSprings};
+use crate::model::Body;
 use crate::number::{Each, Real, Vector3};
 
 /// A parameter of one axle.
@@ -12,6 +14,16 @@ pub enum AxleParameter {
     SpringForce,
     /// Rate of the anti-roll bar.
     BarRate,
+    /// Rate of the heave spring.
+    HeaveSpringRate,
+    /// Force of the heave spring in the design position.
+    HeaveSpringForce,
+    /// Rate of the T-bar.
+    TBarRate,
+    /// Rate of the heave bar.
+    HeaveBarRate,
+    /// Torque of the heave bar in the design position.
+    HeaveBarTorque,
     /// Rate of the tyres.
     TyreRate,
     /// Radius of the wheels.
@@ -24,6 +36,8 @@ pub enum AxleParameter {
     OffsetY,
     /// Place of the axle's origin, upward.
     OffsetZ,
+    /// Displacement of the rack towards the left wheel.
+    Rack,
 }
 
 /// A parameter of the body or of the case.
@@ -49,10 +63,13 @@ pub enum BodyParameter {
     Az,
     /// Speed, m/s.
     Speed,
+    /// Height of the ground under the front left and the rear right wheel; minus that of the ground under the other two. It
+    /// is 0 in every case.
+    Warp,
 }
 
-const OF_AXLE: usize = 9;
-const COUNT: usize = 2 * OF_AXLE + 10;
+const OF_AXLE: usize = 15;
+const COUNT: usize = 2 * OF_AXLE + 11;
 
 impl AxleParameter {
     /// All of them.
@@ -60,13 +77,38 @@ impl AxleParameter {
         AxleParameter::SpringRate,
         AxleParameter::SpringForce,
         AxleParameter::BarRate,
+        AxleParameter::HeaveSpringRate,
+        AxleParameter::HeaveSpringForce,
+        AxleParameter::TBarRate,
+        AxleParameter::HeaveBarRate,
+        AxleParameter::HeaveBarTorque,
         AxleParameter::TyreRate,
         AxleParameter::Radius,
         AxleParameter::UnsprungMass,
         AxleParameter::OffsetX,
         AxleParameter::OffsetY,
         AxleParameter::OffsetZ,
+        AxleParameter::Rack,
     ];
+
+    /// Returns true if an axle has the parameter. Parts between the rockers and the rack are not in every axle.
+    pub fn is_of(self, axle: &Axle) -> bool {
+        let rockers = &axle.setup.rocker_springs;
+        match self {
+            AxleParameter::HeaveSpringRate | AxleParameter::HeaveSpringForce => {
+                rockers.heave_spring.is_some()
+            }
+            AxleParameter::TBarRate => rockers.t_bar.is_some(),
+            AxleParameter::HeaveBarRate | AxleParameter::HeaveBarTorque => {
+                rockers.heave_bar.is_some()
+            }
+            AxleParameter::Rack => {
+                let points = &axle.left.mechanism.points;
+                points.iter().any(|point| point.body == Body::Rack)
+            }
+            _ => true,
+        }
+    }
 }
 
 /// A parameter.
@@ -107,7 +149,17 @@ impl Parameters<f64> {
                 0 => Vector3::default(),
                 _ => car.rear_offset,
             };
+            let rockers = &setup.rocker_springs;
+            let preloaded = |law: Option<Preloaded>| law.map_or([0.0; 2], |l| [l.rate, l.load]);
+            let [heave_rate, heave_force] = preloaded(rockers.heave_spring);
+            let [heave_bar_rate, heave_bar_torque] = preloaded(rockers.heave_bar);
             let own = [
+                (AxleParameter::HeaveSpringRate, heave_rate),
+                (AxleParameter::HeaveSpringForce, heave_force),
+                (AxleParameter::TBarRate, rockers.t_bar.unwrap_or(0.0)),
+                (AxleParameter::HeaveBarRate, heave_bar_rate),
+                (AxleParameter::HeaveBarTorque, heave_bar_torque),
+                (AxleParameter::Rack, case.racks[number]),
                 (AxleParameter::BarRate, setup.bar_rate.unwrap_or(0.0)),
                 (AxleParameter::TyreRate, tyre),
                 (
@@ -143,6 +195,7 @@ impl Parameters<f64> {
             (BodyParameter::Ay, case.ay),
             (BodyParameter::Az, case.az),
             (BodyParameter::Speed, case.speed),
+            (BodyParameter::Warp, 0.0),
         ];
         for (parameter, value) in body {
             set(Parameter::Body(parameter), value);
@@ -175,6 +228,27 @@ impl<T: Real> Parameters<T> {
     pub(super) fn offset(&self, axle: usize) -> Vector3<T> {
         use AxleParameter::{OffsetX, OffsetY, OffsetZ};
         Vector3::from([OffsetX, OffsetY, OffsetZ].each(|parameter| self.axle(axle, parameter)))
+    }
+
+    /// Laws of the springs between the rockers of an axle.
+    pub(super) fn rocker_springs(&self, car: &Car, axle: usize) -> RockerSprings<T> {
+        use AxleParameter::{
+            HeaveBarRate, HeaveBarTorque, HeaveSpringForce, HeaveSpringRate, TBarRate,
+        };
+        let own = &car.axles[axle].setup.rocker_springs;
+        let preloaded = |load, rate| Preloaded {
+            load: self.axle(axle, load),
+            rate: self.axle(axle, rate),
+        };
+        RockerSprings {
+            heave_spring: own
+                .heave_spring
+                .map(|_| preloaded(HeaveSpringForce, HeaveSpringRate)),
+            t_bar: own.t_bar.map(|_| self.axle(axle, TBarRate)),
+            heave_bar: own
+                .heave_bar
+                .map(|_| preloaded(HeaveBarTorque, HeaveBarRate)),
+        }
     }
 
     /// The centre of gravity that is given.

@@ -24,6 +24,10 @@ pub struct Solved<'c, T> {
     pub by_heave: Balance<Jet<T, 2>>,
     /// The state along theta: gamma, roll, A and B held.
     pub by_pitch: Balance<Jet<T, 2>>,
+    /// The state along a warp of the ground, the body free.
+    pub by_warp: Balance<Jet<T, 2>>,
+    /// Heave of the car at rest on the same tyres.
+    pub rest_heave: f64,
 }
 
 /// The plain numbers of a state that its derivatives are made with.
@@ -35,7 +39,7 @@ pub(super) struct Plain {
     /// Inverse with the equations of the whole car replaced by held unknowns.
     held_inverse: Matrix,
     /// Derivatives of the unknowns along each direction.
-    rates: [[f64; UNKNOWNS]; 5],
+    rates: [[f64; UNKNOWNS]; DIRECTIONS.len()],
 }
 
 /// A change of which a state is a function.
@@ -47,12 +51,13 @@ enum Direction {
     Body(usize),
 }
 
-const DIRECTIONS: [Direction; 5] = [
+const DIRECTIONS: [Direction; 6] = [
     Direction::Parameter(BodyParameter::Ay),
     Direction::Parameter(BodyParameter::Ax),
     Direction::Couple,
     Direction::Body(0),
     Direction::Body(2),
+    Direction::Parameter(BodyParameter::Warp),
 ];
 
 impl Plain {
@@ -67,7 +72,7 @@ impl Plain {
             unknowns,
             inverse: inverse(&tangent)?,
             held_inverse: held_inverse(&tangent)?,
-            rates: [[0.0; UNKNOWNS]; 5],
+            rates: [[0.0; UNKNOWNS]; DIRECTIONS.len()],
         };
         for (number, direction) in DIRECTIONS.into_iter().enumerate() {
             let column = |matrix: &Matrix, column: usize| -> [f64; UNKNOWNS] {
@@ -186,6 +191,8 @@ impl<'c, T: Scalar> Solved<'c, T> {
             by_couple: along(2),
             by_heave: along(3),
             by_pitch: along(4),
+            by_warp: along(5),
+            rest_heave: f64::NAN,
         }
     }
 }

@@ -1,15 +1,16 @@
 //! Newton's method for the equations of [`super`], with the set of wheels in contact.
 
 use super::catalogue::WheelPlace;
-use super::corner::Corner;
+use super::corner::{Corner, Steps};
 use super::equations::{
     BODY, Balance, GROUND, HELD_ROWS, Held, LOADS, LONGITUDINAL, PITCH, PITCH_MOMENT, ROLL,
     ROLL_MOMENT, SIDE_FORCES, TRAVELS, UNKNOWNS, VERTICAL,
 };
-use super::parameters::Parameters;
+use super::parameters::{AxleParameter, Parameters};
 use super::{Car, Case, GRAVITY, LateralShares, LongitudinalShares, NoEquilibrium};
 use crate::axle::{
-    AxleQuantity, AxleSolver, Placed, Placement, Quantity, Read, Reading, WheelParts, WheelQuantity,
+    AxleQuantity, AxleSolver, Carriers, Placed, Placement, Quantity, Read, Reading, WheelParts,
+    WheelQuantity,
 };
 use crate::linear::lu::Lu;
 use crate::mechanism::DesignFault;
@@ -36,6 +37,10 @@ pub(super) type Matrix = [[f64; UNKNOWNS]; UNKNOWNS];
 pub struct CarSolver<'a> {
     /// The car.
     pub car: &'a Car,
+    /// Whether gradients contain the derivatives by the racks.
+    pub(super) by_rack: bool,
+    /// The car at rest on rigid and on elastic tyres, once it was solved.
+    pub(super) rests: [Option<Result<Equilibrium, NoEquilibrium>>; 2],
     pub(super) axles: [AxleSolver<'a, TERMS>; 2],
 }
 
@@ -55,6 +60,8 @@ pub struct Equilibrium {
 /// The wheels of a state as they were read.
 pub(super) struct Readings<'a> {
     pub placed: [Placed; 2],
+    /// Whether the wheels are known as functions of the racks.
+    pub by_rack: bool,
     pub axles: [Read<'a>; 2],
 }
 
@@ -65,6 +72,10 @@ pub(super) struct Base<'h, 'r, R> {
     pub readings: [&'r R; 4],
     /// Travels at which they were read.
     pub travels: [f64; 4],
+    /// Racks of both axles at which they were read, if they are known as functions of the racks.
+    pub racks: Option<[f64; 2]>,
+    /// What carries the wheels of each axle.
+    pub carriers: [Carriers; 2],
 }
 
 impl<R> Base<'_, '_, R> {
@@ -78,13 +89,27 @@ impl<R> Base<'_, '_, R> {
     where
         R: WheelParts<U>,
     {
-        let corners = [0, 1, 2, 3].each(|number| {
+        let step = |number: usize| {
             let travel = x[TRAVELS + number];
+            travel - travel.lit(self.travels[number])
+        };
+        let corners = [0, 1, 2, 3].each(|number| {
+            let axle = number / 2;
+            let sign = Side::ALL[number % 2].sign();
+            let rack = self.racks.map(|racks| {
+                let rack = parameters.axle(axle, AxleParameter::Rack);
+                (rack - rack.lit(racks[axle])).scaled(sign)
+            });
+            let steps = Steps {
+                own: step(number),
+                other: step(number ^ 1),
+                rack,
+            };
             Corner::read(
                 self.readings[number],
-                Side::ALL[number % 2].sign(),
-                parameters.offset(number / 2),
-                travel - travel.lit(self.travels[number]),
+                (sign, self.carriers[axle]),
+                parameters.offset(axle),
+                steps,
                 lift,
             )
         });
@@ -105,6 +130,8 @@ impl Readings<'_> {
         let [front, rear] = &self.placed;
         Base {
             held,
+            racks: self.by_rack.then(|| self.placed.map(|placed| placed.rack)),
+            carriers: self.axles.each_ref().map(|read| read.state.carriers),
             readings: self.wheels(),
             travels: [
                 front.travels[0],
@@ -125,21 +152,37 @@ fn read_of(car: &Car, axle: usize) -> Vec<Quantity> {
             quantities.push(Quantity::Wheel(side, WheelQuantity::SpringForce));
         }
     }
-    if axle.setup.bar_rate.is_some() {
-        quantities.push(Quantity::Axle(AxleQuantity::BarTorque));
-    }
+    let own = [
+        AxleQuantity::BarTorque,
+        AxleQuantity::HeaveSpringForce,
+        AxleQuantity::TBarTorque,
+        AxleQuantity::HeaveBarTorque,
+    ];
+    let own = own.map(Quantity::Axle).into_iter();
+    quantities.extend(own.filter(|quantity| axle.has(*quantity)));
     quantities
 }
 
 impl<'a> CarSolver<'a> {
     /// A solver. Errors if the design position of a wheel cannot be solved.
     pub fn new(car: &'a Car) -> Result<Self, (usize, Side, DesignFault)> {
+        Self::made(car, false)
+    }
+
+    /// A solver whose gradients contain the derivatives by the racks. It takes longer.
+    pub fn with_racks(car: &'a Car) -> Result<Self, (usize, Side, DesignFault)> {
+        Self::made(car, true)
+    }
+
+    fn made(car: &'a Car, by_rack: bool) -> Result<Self, (usize, Side, DesignFault)> {
         let axle = |number: usize| {
-            let made = AxleSolver::new(&car.axles[number], &read_of(car, number), false);
+            let made = AxleSolver::new(&car.axles[number], &read_of(car, number), by_rack);
             made.map_err(|(side, fault)| (number, side, fault))
         };
         Ok(CarSolver {
             car,
+            by_rack,
+            rests: [None, None],
             axles: [axle(0)?, axle(1)?],
         })
     }
@@ -167,6 +210,7 @@ impl<'a> CarSolver<'a> {
         };
         let (front, rear) = (read(0)?, read(1)?);
         Ok(Readings {
+            by_rack: self.by_rack,
             placed: [front.0, rear.0],
             axles: [front.1, rear.1],
         })
@@ -231,7 +275,7 @@ impl<'a> CarSolver<'a> {
 
     fn has_no_springs(&self) -> bool {
         let axles = self.car.axles.iter();
-        axles.clone().any(|axle| axle.setup.springs.is_none())
+        axles.clone().any(|axle| !axle.setup.is_sprung())
     }
 
     /// The design position with a quarter of the weight on each wheel.
@@ -338,8 +382,10 @@ impl<'a> CarSolver<'a> {
             let read = self.axles[axle].read(placed);
             read.map_err(|failure| NoEquilibrium::NoPose { axle, failure })
         };
+        let axles = [read(0)?, read(1)?];
         Ok(Readings {
-            axles: [read(0)?, read(1)?],
+            by_rack: self.by_rack,
+            axles,
             placed: found.placed,
         })
     }

@@ -100,6 +100,9 @@ impl Moves {
                         Law::Curve(_) => None,
                     },
                     AxleParameter::BarRate => setup.bar_rate,
+                    AxleParameter::HeaveSpringRate => Some(setup.rocker_springs.heave_spring?.rate),
+                    AxleParameter::TBarRate => setup.rocker_springs.t_bar,
+                    AxleParameter::HeaveBarRate => Some(setup.rocker_springs.heave_bar?.rate),
                     AxleParameter::TyreRate => Some(car.tyres?[axle].rate),
                     _ => None,
                 }
@@ -136,11 +139,14 @@ impl Moves {
         match *self {
             Moves::Hardpoint { axle, point, axis } => {
                 let axle = &mut car.axles[axle];
-                let step = sign * value;
-                axle.left.design[point.0][axis] += step;
-                if let Some(right) = &mut axle.right {
-                    right.design[point.0][axis] += step;
+                let mut left = axle.left.design.clone();
+                left[point.0][axis] += sign * value;
+                axle.complete(&mut left);
+                let right = axle.right_design(&left).map(|points| points.collect());
+                if let (Some(wheel), Some(design)) = (&mut axle.right, right) {
+                    wheel.design = design;
                 }
+                axle.left.design = left;
             }
             Moves::Rate { axle, parameter } => {
                 let setup = &mut car.axles[axle].setup;
@@ -153,6 +159,17 @@ impl Moves {
                         }
                     }
                     AxleParameter::BarRate => setup.bar_rate = Some(value),
+                    AxleParameter::TBarRate => setup.rocker_springs.t_bar = Some(value),
+                    AxleParameter::HeaveSpringRate => {
+                        if let Some(law) = &mut setup.rocker_springs.heave_spring {
+                            law.rate = value;
+                        }
+                    }
+                    AxleParameter::HeaveBarRate => {
+                        if let Some(law) = &mut setup.rocker_springs.heave_bar {
+                            law.rate = value;
+                        }
+                    }
                     _ => {
                         if let Some(tyres) = &mut car.tyres {
                             tyres[axle].rate = value;
@@ -232,12 +249,18 @@ pub fn rate_key(parameter: AxleParameter) -> &'static str {
         AxleParameter::SpringRate => "spring.rate",
         AxleParameter::SpringForce => "spring.force",
         AxleParameter::BarRate => "anti_roll_bar.rate",
+        AxleParameter::HeaveSpringRate => "heave_spring.rate",
+        AxleParameter::HeaveSpringForce => "heave_spring.force",
+        AxleParameter::TBarRate => "t_bar.rate",
+        AxleParameter::HeaveBarRate => "heave_bar.rate",
+        AxleParameter::HeaveBarTorque => "heave_bar.torque",
         AxleParameter::TyreRate => "tyre.rate",
         AxleParameter::Radius => "wheel.radius",
         AxleParameter::UnsprungMass => "vehicle.unsprung_mass",
         AxleParameter::OffsetX => "offset_x",
         AxleParameter::OffsetY => "offset_y",
         AxleParameter::OffsetZ => "offset_z",
+        AxleParameter::Rack => "rack",
     }
 }
 
@@ -254,6 +277,7 @@ pub fn body_key(parameter: BodyParameter) -> &'static str {
         BodyParameter::Ay => "ay",
         BodyParameter::Az => "az",
         BodyParameter::Speed => "speed",
+        BodyParameter::Warp => "warp",
     }
 }
 

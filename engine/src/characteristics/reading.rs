@@ -133,6 +133,12 @@ impl<T: Real> Inputs<T> {
             let point = pose.point(upper);
             point.put(&mut now.strut_upper, &mut rate.strut_upper);
         }
+        if slots.contains(Slot::HeaveSpring)
+            && let Some(end) = mechanism.heave_spring()
+        {
+            let point = pose.point(end);
+            point.put(&mut now.heave_spring, &mut rate.heave_spring);
+        }
     }
 
     /// Reads the slots that depend on the design alone.
@@ -154,6 +160,11 @@ impl<T: Real> Inputs<T> {
         {
             let along = design[spring.upper.0] - design[spring.lower.0];
             self.design.spring_length = along.norm();
+        }
+        if slots.contains(Slot::DesignHeaveSpring)
+            && let Some(end) = mechanism.heave_spring()
+        {
+            self.design.heave_spring = design[end.0];
         }
     }
 
@@ -265,7 +276,11 @@ mod tests {
     fn every_slot_is_read_to_where_it_is_kept() {
         let studies = Path::new(env!("CARGO_MANIFEST_DIR")).join("../studies");
         let mut seen = Slots::default();
-        for name in ["double_wishbone_pushrod.toml", "attia.toml"] {
+        for name in [
+            "double_wishbone_pushrod.toml",
+            "double_wishbone_monoshock.toml",
+            "attia.toml",
+        ] {
             let study = Study::read(&studies.join(name), &[]);
             let suspension = study.expect("a study of the repository").into_wheel();
             let (mechanism, design) = (&suspension.mechanism, &suspension.design);

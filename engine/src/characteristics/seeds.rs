@@ -106,6 +106,11 @@ impl<T: Real, G: Gradient<T> + ?Sized> Outlined for Pushing<'_, '_, '_, '_, T, G
                     seeds.point(upper, seed);
                 }
             }
+            Slot::HeaveSpring => {
+                if let Some(end) = mechanism.heave_spring() {
+                    seeds.point(end, seed);
+                }
+            }
             Slot::Turn => seeds.turn(seed),
             Slot::DesignSpinAxis => seeds.designed_spin_axis(seed),
             Slot::DesignCentre => seeds.hardpoint(mechanism.wheel_centre, seed),
@@ -115,6 +120,11 @@ impl<T: Real, G: Gradient<T> + ?Sized> Outlined for Pushing<'_, '_, '_, '_, T, G
                     let by = along.normalised() * seed.x;
                     seeds.hardpoint(spring.upper, by);
                     seeds.hardpoint(spring.lower, -by);
+                }
+            }
+            Slot::DesignHeaveSpring => {
+                if let Some(end) = mechanism.heave_spring() {
+                    seeds.hardpoint(end, seed);
                 }
             }
         }

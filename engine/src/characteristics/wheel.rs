@@ -124,6 +124,8 @@ wheel! {
         spring: Spring [Spring];
         /// The upper of the two knuckle points that give a strut its axis.
         strut_upper: StrutUpper [StrutUpper];
+        /// End of the heave spring on the rocker.
+        heave_spring: HeaveSpring [HeaveSpring];
     }
     numbers {
         /// Length of the spring or strut.
@@ -144,6 +146,8 @@ pub struct DesignWheel<T> {
     pub centre: Vector3<T>,
     /// Length of the spring or strut.
     pub spring_length: T,
+    /// End of the heave spring on the rocker.
+    pub heave_spring: Vector3<T>,
 }
 
 impl<T: Copy> DesignWheel<T> {
@@ -155,6 +159,7 @@ impl<T: Copy> DesignWheel<T> {
             spin_axis: vector,
             centre: vector,
             spring_length: number,
+            heave_spring: vector,
         }
     }
 
@@ -174,6 +179,7 @@ impl<T: Copy> DesignWheel<T> {
             spin_axis: self.spin_axis.map(f),
             centre: self.centre.map(f),
             spring_length: f(self.spring_length),
+            heave_spring: self.heave_spring.map(f),
         }
     }
 }
@@ -245,6 +251,7 @@ slots! {
     RockerAngle: number now.rocker_angle;
     BarAngle: number now.bar_angle;
     StrutUpper: vector now.strut_upper;
+    HeaveSpring: vector now.heave_spring;
     SpinAxisRate: vector rate.spin_axis;
     CentreRate: vector rate.centre;
     SteeringDirectionRate: vector rate.steering_direction;
@@ -254,6 +261,7 @@ slots! {
     DesignSpinAxis: vector design.spin_axis;
     DesignCentre: vector design.centre;
     DesignSpringLength: number design.spring_length;
+    DesignHeaveSpring: vector design.heave_spring;
 }
 
 /// A set of slots.
@@ -327,8 +335,9 @@ impl Slot {
 
     /// Returns true if the slot may move with a rocker: slots of springs, rockers and bars.
     pub(crate) fn may_turn(self) -> bool {
-        use Slot::{BarAngle, BarAngleRate, RockerAngle, Spring, SpringLength, SpringLengthRate};
-        let of_springs = matches!(self, Spring | SpringLength | SpringLengthRate);
+        use Slot::{BarAngle, BarAngleRate, HeaveSpring, RockerAngle};
+        use Slot::{Spring, SpringLength, SpringLengthRate};
+        let of_springs = matches!(self, Spring | SpringLength | SpringLengthRate | HeaveSpring);
         of_springs || matches!(self, RockerAngle | BarAngle | BarAngleRate)
     }
 
@@ -461,6 +470,7 @@ pub(super) mod tests {
             rocker_angle: 0.2 + t,
             bar_angle: -0.1 + 0.5 * t,
             strut_upper: Vector3::new(-17.0, 611.0 + t, 490.0 - t),
+            heave_spring: Vector3::new(4.0 + t, 120.0 - t, 520.0 + t),
         };
         Inputs {
             now: wheel(0.01),
@@ -470,6 +480,7 @@ pub(super) mod tests {
                 spin_axis: wheel(0.0).spin_axis,
                 centre: wheel(0.0).centre,
                 spring_length: wheel(0.0).spring_length,
+                heave_spring: wheel(0.0).heave_spring,
             },
             constants: Constants {
                 size: 800.0,

@@ -452,6 +452,17 @@ impl<T: Scalar> Configuration<'_, T> {
         let moment = |at: Vector3<T>, force: Vector3<T>| axis.dot((at - first).cross(force));
         -moment(at, force) / moment(inner, (outer - inner).normalised())
     }
+
+    /// Tension in the rod of a rocker for a moment on the rocker, in the sense of its angle.
+    pub(crate) fn rod_tension_by_moment(&self, id: RockerId, moment: T) -> T {
+        let rocker = self.mechanism.rocker(id);
+        let [first, second] = [rocker.first, rocker.second].map(|id| self.designed(id));
+        let axis = (second - first).normalised();
+        let [inner, outer] = [rocker.inner, rocker.outer].map(|id| self.point(id));
+        let pull = (outer - inner).normalised();
+        let sense = Turn::of(self.ends(rocker)).sense(rocker.rod);
+        -(moment * sense) / axis.dot((inner - first).cross(pull))
+    }
 }
 
 #[cfg(test)]

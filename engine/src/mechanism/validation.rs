@@ -83,7 +83,8 @@ impl HardpointFault {
         let count = |list: &[&'static str]| list.iter().filter(|name| is_given(name)).count();
         // The list with the most given hardpoints; the first one of several.
         let nearest = group.complete.iter().rev().max_by_key(|list| count(list));
-        let list = nearest.filter(|list| count(list) > 0)?;
+        let is_beside = group.beside.iter().any(is_given);
+        let list = nearest.filter(|list| count(list) > 0 || is_beside)?;
         let belongs = |name: &&str| group.complete.iter().any(|list| list.contains(name));
         let mut written = given.iter().filter(|name| belongs(name));
         if let Some(other) = written.find(|name| !list.contains(name)) {

@@ -96,8 +96,13 @@ pub(super) static ROCKER: Group = Group {
             "rocker_pivot_rear",
             "rear point of the rocker's axis on the body",
         ),
+        optional(
+            "heave_spring",
+            "end of the heave spring on the rocker; its other end is on the other wheel's rocker",
+        ),
     ],
     complete: &[&PUSHROD, &PULLROD],
+    beside: &["heave_spring"],
     distinct: &[
         (
             "rocker_pivot_front",
@@ -125,6 +130,7 @@ pub(super) static ANTI_ROLL_BAR: Group = Group {
         ),
     ],
     complete: &[&DROP_LINK],
+    beside: &[],
     distinct: &[
         (
             "anti_roll_bar_inner",
@@ -163,7 +169,7 @@ impl Carriers {
             "pushrod_outer" => self.pushrod,
             "pullrod_outer" => self.pullrod,
             "drop_link_outer" => self.drop_link,
-            "pushrod_inner" | "pullrod_inner" => Body::Rocker(RockerId(0)),
+            "pushrod_inner" | "pullrod_inner" | "heave_spring" => Body::Rocker(RockerId(0)),
             "drop_link_inner" => Body::Rocker(RockerId(usize::from(has_rocker))),
             "spring_lower" if has_rocker => Body::Rocker(RockerId(0)),
             "spring_lower" => self.spring,
@@ -228,6 +234,14 @@ impl Mechanism {
     pub fn anti_roll_bar(&self) -> Option<RockerId> {
         let mut rods = self.rockers.iter().map(|rocker| rocker.rod);
         rods.position(|rod| rod == Rod::DropLink).map(RockerId)
+    }
+
+    /// The end of the heave spring on the rocker.
+    #[inline]
+    pub fn heave_spring(&self) -> Option<PointId> {
+        let is_end = |point: &super::Point| point.name == "heave_spring";
+        self.spring_rocker()?;
+        self.points.iter().position(is_end).map(PointId)
     }
 
     /// The rockers a point moves with: the one it sits on, and the one whose motion turns that.

@@ -19,6 +19,7 @@ static PANHARD: Group = Group {
         optional("panhard_axle", "Panhard rod at the axle; true y"),
     ],
     complete: &[&["panhard_chassis", "panhard_axle"]],
+    beside: &[],
     distinct: &[("panhard_chassis", "panhard_axle", NO_LENGTH)],
 };
 

@@ -57,6 +57,7 @@ pub(super) static SPRING: Group = Group {
     what: "the spring",
     hardpoints: &[],
     complete: &[&["spring_upper", "spring_lower"]],
+    beside: &[],
     distinct: &[(
         "spring_upper",
         "spring_lower",
@@ -86,6 +87,8 @@ pub struct Group {
     pub hardpoints: &'static [Hardpoint],
     /// The names that make it up: all of one of these lists, or none of any.
     pub complete: &'static [&'static [&'static str]],
+    /// Names that a study may give beside a complete list, and not without one.
+    pub beside: &'static [&'static str],
     /// Pairs of hardpoints that must not coincide, and why.
     pub distinct: &'static [(&'static str, &'static str, &'static str)],
 }

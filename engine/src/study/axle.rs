@@ -7,6 +7,7 @@ use super::motion::{time_law, values};
 use super::names::{choose, choose_or};
 use super::outputs::{self, distinct};
 use super::right_wheel::{self, right_wheel};
+use super::rocker_springs;
 use super::solid_axle;
 use super::suspension::{above_zero, positive};
 use super::value::{Number, Text, Values};
@@ -83,6 +84,12 @@ pub(super) fn refuse_without_axle(file: &File, problems: &mut Problems) {
             "[anti_roll_bar]",
             file.anti_roll_bar.as_ref().map(Spanned::span),
         ),
+        (
+            "[heave_spring]",
+            file.heave_spring.as_ref().map(Spanned::span),
+        ),
+        ("[t_bar]", file.t_bar.as_ref().map(Spanned::span)),
+        ("[heave_bar]", file.heave_bar.as_ref().map(Spanned::span)),
     ];
     // One elastic wheel has a spring, too.
     let springs = [
@@ -218,6 +225,7 @@ fn setup(file: &File, left: &Suspension, problems: &mut Problems) -> Option<Setu
         Some(c_factor) => Some(Some(c_factor.value * left.frame.sign(Axis::Y))),
     };
     let springs = springs(file, left, problems);
+    let rocker_springs = rocker_springs::rocker_springs(file, left, problems);
     let bar = file.anti_roll_bar.as_ref().map(|bar| &bar.get_ref().rate);
     let tyre = file.tyre.as_ref().map(Spanned::get_ref);
     let [mut bar_rate, tyre_rate] = [bar, tyre.map(|tyre| &tyre.rate)].map(|rate| match rate {
@@ -238,6 +246,7 @@ fn setup(file: &File, left: &Suspension, problems: &mut Problems) -> Option<Setu
         position: left.vehicle.position,
         c_factor: c_factor?,
         springs: springs?,
+        rocker_springs: rocker_springs?,
         bar_rate: bar_rate?,
         tyre_rate: tyre_rate?,
         tyre_load: tyre_load?,
@@ -409,7 +418,7 @@ fn at_load(
     let certifies = file.outputs.as_ref().and_then(|o| o.certify.as_ref());
     let message = if section.roll.is_none() {
         "hold applies to roll, and this motion has no roll"
-    } else if at_load && axle.setup.springs.is_none() {
+    } else if at_load && !axle.setup.is_sprung() {
         "hold = \"load\" needs [spring] for the wheel loads"
     } else if at_load && certifies.is_some_and(|c| *c.get_ref()) {
         "certify does not work with hold = \"load\"; expected hold = \"mean_travel\", or no certify"

@@ -42,6 +42,8 @@ pub struct CarStudy {
     pub quantities: Vec<CarQuantity>,
     /// Whether derivatives by parameters and hardpoints are asked for.
     pub sensitivities: bool,
+    /// Whether forces in members are asked for.
+    pub member_loads: bool,
     /// States over ax and ay.
     pub gg_map: Option<GgMap>,
     /// Sweep.
@@ -205,6 +207,11 @@ impl CarStudy {
             car: found.car,
             cases: found.cases,
             quantities: found.quantities,
+            member_loads: file
+                .outputs
+                .member_loads
+                .as_ref()
+                .is_some_and(|loads| *loads.get_ref()),
             sensitivities: file
                 .outputs
                 .sensitivities
@@ -216,6 +223,14 @@ impl CarStudy {
             tolerance: found.tolerance,
         });
         problems.finish(study)
+    }
+
+    /// The results that sweeps and tolerances keep of each design: those that the study asks for, else the key ones.
+    pub fn kept_quantities(&self) -> Vec<CarQuantity> {
+        match self.quantities == CarQuantity::default_columns(&self.car) {
+            true => CarQuantity::key_columns(&self.car),
+            false => self.quantities.clone(),
+        }
     }
 
     /// The front study's axes, in which the car's points are written.
@@ -290,11 +305,6 @@ impl Resolver<'_> {
             return None;
         };
         let axle = both.axle.clone();
-        if axle.is_rigid() {
-            let message =
-                format!("the {name} study is of a solid axle, which a car does not take yet");
-            return self.problems.refuse(place, message);
-        }
         let wanted = [AxlePosition::Front, AxlePosition::Rear][end];
         if axle
             .setup
@@ -307,7 +317,7 @@ impl Resolver<'_> {
         }
         let needed = [
             (Need::WheelRadius, "radius in [wheel]"),
-            (Need::SpringForce, "[spring]"),
+            (Need::Springs, "[spring], [heave_spring] or [heave_bar]"),
             (Need::UnsprungMass, "unsprung_mass in [vehicle]"),
         ];
         for (need, key) in needed {

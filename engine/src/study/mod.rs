@@ -27,6 +27,7 @@ mod outputs;
 mod place;
 mod resolve;
 mod right_wheel;
+mod rocker_springs;
 mod samples;
 mod schema;
 mod setup;
@@ -50,7 +51,8 @@ pub use car::{
 };
 pub use compliance::ComplianceStudy;
 pub use designs_file::DesignTable;
-pub use hardpoint_study_file::error::{StudyError, StudyErrors};
+pub use hardpoint_study_file::bushing_file;
+pub use hardpoint_study_file::error::{Source as FileText, StudyError, StudyErrors};
 pub use hardpoint_study_file::names::nearest;
 pub use hardpoint_study_file::source::{
     LONGEST_TABLE, LONGEST_TEXT, read_bytes, read_regular_text, read_text,

@@ -149,7 +149,7 @@ fn add_group_fault(
     let written = |name: &str| given.iter().find(|g| g.name == name).map(|g| g.text.span());
     let parts = given.iter().filter(|g| {
         let belongs = |list: &&[&str]| list.contains(&g.name);
-        group.complete.iter().any(belongs)
+        group.complete.iter().any(belongs) || group.beside.contains(&g.name)
     });
     let first = parts.map(|g| g.text.span()).min_by_key(|span| span.start);
     let place = match fault {

@@ -28,12 +28,15 @@ pub(super) enum FromFile {
     Sheet(Vec<SheetTarget>),
 }
 
+/// Targets, and what of them came from files, by the place of the target as written.
+type ReadTargets = (Vec<Target>, Vec<(usize, FromFile)>);
+
 /// The targets, if nothing is wrong with them, and what came from files, by the place of the target as written.
 pub(super) fn targets(
     section: &file::Optimise,
     context: &Context,
     problems: &mut Problems,
-) -> Option<(Vec<Target>, Vec<(usize, FromFile)>)> {
+) -> Option<ReadTargets> {
     let written = some(&section.targets, "target", problems)?;
     let is_fit = section.fit.as_ref().is_some_and(|fit| *fit.get_ref());
     let read = each(written, |t| {

@@ -40,7 +40,7 @@ impl<'s> CarSweepPlan<'s> {
             case: target.case,
             quantity: target.quantity,
         });
-        let request = CarRequest::of(&study.cases, &study.quantities, wanted);
+        let request = CarRequest::of(&study.cases, &study.kept_quantities(), wanted);
         let place = |target: &CarTarget| request.place(target.case, target.quantity);
         let places = targets.iter().filter_map(place).collect();
         let samples = Samples::Sampled(sweep.sampled.clone());

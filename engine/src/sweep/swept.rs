@@ -27,7 +27,8 @@ impl<'s> Swept<'s> {
         match self {
             Swept::Suspension(plan) => {
                 let worker = plan.worker();
-                SweptWorker::Suspension(worker.expect("the same design was accepted before"))
+                let worker = worker.expect("the same design was accepted before");
+                SweptWorker::Suspension(Box::new(worker))
             }
             Swept::Car(plan) => SweptWorker::Car(plan.worker()),
         }
@@ -57,7 +58,7 @@ impl<'s> Swept<'s> {
 /// Turns blocks of designs into rows.
 pub enum SweptWorker<'s> {
     /// Designs of one wheel or of an axle.
-    Suspension(Worker<'s>),
+    Suspension(Box<Worker<'s>>),
     /// Designs of a car.
     Car(CarWorker<'s>),
 }

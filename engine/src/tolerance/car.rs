@@ -15,6 +15,9 @@ use crate::study::{CarContributor, CarStudy, CarTolerance, Source};
 use crate::sweep::{in_order, uniform};
 use std::ops::ControlFlow;
 
+/// Variance of each source of a contributor, and the motion of both wheels' points by it.
+type Ways = Vec<(f64, [PointMoves; 2])>;
+
 /// Builds of a block.
 const BLOCK: u64 = 16;
 
@@ -71,7 +74,7 @@ impl CarExpansion {
         let sigma = self.sigma();
         let scatters = sigma > 0.0 && spread.count > 0;
         let apart = (spread.sigma - sigma).abs();
-        scatters.then(|| apart <= HOLDS * sigma + 4.0 * spread.sigma_error)
+        scatters.then_some(apart <= HOLDS * sigma + 4.0 * spread.sigma_error)
     }
 }
 
@@ -85,7 +88,7 @@ impl<'a> CarProblem<'a> {
             case: band.case,
             quantity: band.quantity,
         });
-        let request = CarRequest::of(&study.cases, &study.quantities, further);
+        let request = CarRequest::of(&study.cases, &study.kept_quantities(), further);
         let of_bands = tolerance.bands.iter();
         let places = of_bands.filter_map(|band| request.place(band.case, band.quantity));
         let places = places.collect();
@@ -155,7 +158,7 @@ impl<'a> CarProblem<'a> {
     pub fn expansion(&self) -> Result<Vec<CarExpansion>, (usize, NoSetUp)> {
         let gradients = self.request.gradients(&self.study.car);
         let gradients = gradients.map_err(|(axle, _, fault)| (axle, NoSetUp::Fault(fault)))?;
-        let mut ways: [Vec<Vec<(f64, [PointMoves; 2])>>; 2] = Default::default();
+        let mut ways: [Vec<Ways>; 2] = Default::default();
         for (axle, problem) in self.axles.iter().enumerate() {
             for contributor in &problem.tolerance.scatter {
                 let sources: Vec<&Source> = contributor.sources.iter().collect();
@@ -286,7 +289,9 @@ fn along(gradient: &CarGradient, axle: usize, moves: &[PointMoves; 2]) -> f64 {
     let of_side = |side: Side| -> f64 {
         let by = &gradient.wheels[2 * axle + side as usize];
         let pairs = moves[side as usize].iter().zip(by);
-        pairs.map(|(way, by)| by.dot(*way)).sum()
+        // A point that does not move adds nothing, even where the derivative by it has no value.
+        let moving = pairs.filter(|(way, _)| way.to_array() != [0.0; 3]);
+        moving.map(|(way, by)| by.dot(*way)).sum()
     };
     Side::ALL.map(of_side).iter().sum()
 }

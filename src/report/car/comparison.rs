@@ -2,7 +2,7 @@
 
 use super::{CarResults, CarState};
 use crate::car::{AxleParameter, Car};
-use crate::car::{BodyParameter, CarQuantity, Moves, Parameter};
+use crate::car::{BodyParameter, CarQuantity, Moves, Parameter, WheelResult};
 use crate::model::{Axis, PointId};
 use crate::report::figure::resolution;
 use crate::report::files::csv_of_rows;
@@ -93,15 +93,18 @@ impl CarComparison {
         csv_of_rows(std::iter::once(header).chain(rows))
     }
 
-    /// The results that differ by more than rounding.
+    /// Wheel loads and results of the whole car that differ by more than rounding. `comparison.csv` has all results.
     pub fn table(&self) -> Table {
+        let is_key = |row: &&Row| {
+            matches!(
+                row.quantity,
+                CarQuantity::Whole(_) | CarQuantity::Wheel(_, WheelResult::Load)
+            )
+        };
         let head = ["case", "output", "unit"].map(str::to_owned);
         let mut table = Table::with_columns(head.into_iter().chain(self.labels.iter().cloned()));
-        for row in self
-            .rows
-            .iter()
-            .filter(|row| differ(&row.values, &row.unit))
-        {
+        let rows = self.rows.iter().filter(is_key);
+        for row in rows.filter(|row| differ(&row.values, &row.unit)) {
             let name = row.quantity.name();
             let head = [row.case.as_str(), name.as_str(), row.unit.as_str()].map(Cell::from);
             let cells = row.values.iter();
@@ -154,6 +157,9 @@ fn changes(cars: &[&Car]) -> Vec<Change> {
         let all = [
             AxleParameter::SpringRate,
             AxleParameter::BarRate,
+            AxleParameter::HeaveSpringRate,
+            AxleParameter::TBarRate,
+            AxleParameter::HeaveBarRate,
             AxleParameter::TyreRate,
         ];
         all.map(|parameter| Parameter::Axle(axle, parameter))

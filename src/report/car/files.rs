@@ -1,7 +1,7 @@
 //! `cases.csv` and `gg.csv` of a car.
 
 use super::{CarMap, CarResults, CarState, lifted_wheels, state};
-use crate::car::{CarSolver, Case, Equilibrium, Longitudinal};
+use crate::car::{CarMember, CarSolver, Case, Equilibrium, Longitudinal};
 use crate::model::Axis;
 use crate::report::files::csv_of_rows;
 use crate::report::{optional, shortest};
@@ -71,14 +71,19 @@ impl<'s> CarResults<'s> {
         ];
         let mut header: Vec<String> = fixed.map(str::to_owned).to_vec();
         header.extend(self.columns());
+        let members = match self.study.member_loads {
+            true => CarMember::all(&self.study.car),
+            false => Vec::new(),
+        };
+        header.extend(members.iter().map(|member| format!("{}_N", member.label())));
         header.extend(["reason".to_owned(), "status".to_owned()]);
         let per_turn = self.study.car.axles[0].setup.c_factor;
         let rows = self
             .study
             .cases
             .iter()
-            .zip(&self.states)
-            .map(|(case, state)| {
+            .zip(self.states.iter().zip(&self.members))
+            .map(|(case, (state, forces))| {
                 let angle = per_turn.map(|per_turn| 360.0 * case.racks[0] / per_turn);
                 let mut row = vec![
                     case.name.clone(),
@@ -100,6 +105,8 @@ impl<'s> CarResults<'s> {
                     },
                 ];
                 row.extend(self.values(state, case));
+                let force = |number: usize| optional(forces.get(number).copied());
+                row.extend((0..members.len()).map(force));
                 row.extend(Self::end(state));
                 row
             });

@@ -40,6 +40,8 @@ pub struct CarResults<'s> {
     study: &'s CarStudy,
     /// The states, in the order of the cases.
     pub states: Vec<CarState<'s>>,
+    /// For each case, the forces in the members; empty where they are not known or not asked for.
+    members: Vec<Vec<f64>>,
 }
 
 /// Solves a case with its derivatives, from a neighbouring state if there is one.
@@ -70,9 +72,23 @@ impl<'s> CarResults<'s> {
     /// Solves the first `count` cases.
     pub fn solve(study: &'s CarStudy, solver: &mut CarSolver<'s>, count: usize) -> Self {
         let cases = study.cases.iter().take(count);
+        let mut members = Vec::new();
+        let states = cases.map(|case| {
+            let state = state(solver, case, None);
+            let forces = match &state {
+                CarState::Solved { found, .. } if study.member_loads => {
+                    solver.members(case, found).ok()
+                }
+                _ => None,
+            };
+            let forces = forces.into_iter().flatten();
+            members.push(forces.flat_map(|wheel| wheel.forces).collect());
+            state
+        });
         CarResults {
             study,
-            states: cases.map(|case| state(solver, case, None)).collect(),
+            states: states.collect(),
+            members,
         }
     }
 

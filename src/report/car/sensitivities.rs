@@ -83,15 +83,29 @@ impl<'s> CarResults<'s> {
             }
             let rate = format!("N_per_{length}");
             let torque = format!("N_{length}_per_rad");
+            let moment = format!("N_{length}");
             for (parameter, unit) in [
                 (AxleParameter::SpringRate, rate.as_str()),
                 (AxleParameter::SpringForce, "N"),
                 (AxleParameter::BarRate, torque.as_str()),
+                (AxleParameter::HeaveSpringRate, rate.as_str()),
+                (AxleParameter::HeaveSpringForce, "N"),
+                (AxleParameter::TBarRate, torque.as_str()),
+                (AxleParameter::HeaveBarRate, torque.as_str()),
+                (AxleParameter::HeaveBarTorque, moment.as_str()),
+                (AxleParameter::Rack, length),
                 (AxleParameter::TyreRate, rate.as_str()),
                 (AxleParameter::Radius, length),
                 (AxleParameter::UnsprungMass, "kg"),
             ] {
-                let by = gradient.parameters[Parameter::Axle(number, parameter).place()];
+                if !parameter.is_of(&car.axles[number]) {
+                    continue;
+                }
+                let sign = match parameter {
+                    AxleParameter::Rack => axle.frame.sign(Axis::Y),
+                    _ => 1.0,
+                };
+                let by = sign * gradient.parameters[Parameter::Axle(number, parameter).place()];
                 push(end, rate_key(parameter), "", by, unit);
             }
         }

@@ -7,8 +7,8 @@ use super::STYLE;
 use super::escape::html;
 use super::policy::policy;
 use crate::report::car::{CarCase, CarRecord, CarStateRecord};
-use crate::report::figure;
 use crate::report::table::{Cell, Column, Table};
+use crate::report::{figure, with_decimals};
 
 /// Styles of the pictures.
 const CAR_STYLE: &str = include_str!("car.css");
@@ -16,12 +16,29 @@ const CAR_STYLE: &str = include_str!("car.css");
 /// Names of the wheels, front left first.
 const WHEELS: [&str; 4] = ["front left", "front right", "rear left", "rear right"];
 
+/// A number with the digits that a reader needs.
+fn shown(value: f64, unit: &str) -> String {
+    match unit {
+        "N" => with_decimals(value, 0),
+        "percent" | "mm" => with_decimals(value, 1),
+        "deg" | "deg_per_g" | "in" | "tolerances" => with_decimals(value, 2),
+        "m" => with_decimals(value, 4),
+        _ => figure(value, unit),
+    }
+}
+
+/// Name of a case for readers.
+fn titled(case: &CarCase) -> String {
+    html(&case.name.replace('_', " "))
+}
+
 /// The page of a car.
 pub fn car_page(record: &CarRecord) -> String {
     let facts = record.facts.iter().map(|fact| {
         let name = fact.name.replace('_', " ");
-        let value = figure(fact.value, &fact.unit);
-        let unit = html(&fact.unit.replace("_per_", "/").replace('_', " "));
+        let value = shown(fact.value, &fact.unit);
+        let unit = fact.unit.replace("_per_", "/").replace("percent", "%");
+        let unit = html(&unit);
         format!(
             "<div><dt>{}</dt><dd>{value} <small>{unit}</small></dd></div>",
             html(&name)
@@ -29,7 +46,7 @@ pub fn car_page(record: &CarRecord) -> String {
     });
     let failures = record.cases.iter().filter_map(|case| {
         let reason = case.reason.as_ref()?;
-        Some(format!("<li>{}: {}</li>", html(&case.name), html(reason)))
+        Some(format!("<li>{}: {}</li>", titled(case), html(reason)))
     });
     let failures: String = failures.collect();
     let failures = match failures.is_empty() {
@@ -95,18 +112,24 @@ fn verdict(record: &CarRecord) -> String {
     }
     let fact = |name: &str| record.facts.iter().find(|fact| fact.name == name);
     if let Some(roll) = fact("roll_gradient") {
-        let mut text = format!("The car rolls {} deg/g", figure(roll.value, &roll.unit));
+        let mut text = format!("The car rolls {} deg/g", shown(roll.value, &roll.unit));
         if let Some(share) = fact("lateral_load_transfer_distribution_local") {
             text += &format!(
                 ", and the front axle takes {} % of the lateral load transfer",
-                figure(share.value, &share.unit)
+                shown(share.value, &share.unit)
             );
         }
         said.push(text + " (about the state at rest).");
     }
     let lifts = record.cases.iter().filter_map(|case| {
         let lifted = case.state.as_ref()?.lifted_in_words();
-        (!lifted.is_empty()).then(|| format!("{} lifts in {}", lifted.replace('_', " "), case.name))
+        (!lifted.is_empty()).then(|| {
+            format!(
+                "{} lifts in {}",
+                lifted.replace('_', " "),
+                case.name.replace('_', " ")
+            )
+        })
     });
     let lifts: Vec<String> = lifts.collect();
     if !lifts.is_empty() {
@@ -152,7 +175,7 @@ fn targets(record: &CarRecord) -> String {
     let mut table = Table::with_columns(names.map(Column::from));
     for target in &record.targets {
         let unit = target.unit();
-        let cell = |value: Option<f64>| Cell::by(value, |value| figure(value, unit));
+        let cell = |value: Option<f64>| Cell::by(value, |value| shown(value, unit));
         table.push_row([
             Cell::from(target.output.as_str()),
             target.case.as_str().into(),
@@ -160,7 +183,7 @@ fn targets(record: &CarRecord) -> String {
             cell(target.wanted[1]),
             cell(target.values[0]),
             cell(target.values[1]),
-            Cell::by(target.deviation, |value| figure(value, "tolerances")),
+            Cell::by(target.deviation, |value| shown(value, "tolerances")),
         ]);
     }
     let missed = |row: usize| (!record.targets[row].is_met()).then_some("unmet");
@@ -181,13 +204,13 @@ fn corner_weights(record: &CarRecord) -> String {
     let cells = state.loads.iter().zip(WHEELS).map(|(load, name)| {
         format!(
             "<div><dt>{name}</dt><dd>{} <small>N</small></dd><dd class=\"share\">{} %</dd></div>",
-            figure(*load, "N"),
-            figure(100.0 * load / total, "percent")
+            shown(*load, "N"),
+            shown(100.0 * load / total, "percent")
         )
     });
     let cells: String = cells.collect();
     let note = "Wheel loads of the car at rest, seen from above with the front at the top.";
-    let total = format!("<p>Sum {} N.</p>", figure(total, "N"));
+    let total = format!("<p>Sum {} N.</p>", shown(total, "N"));
     let content = format!("<dl class=\"corners\">{cells}</dl>{total}");
     section("weights", "Corner weights", note, &content)
 }
@@ -200,13 +223,13 @@ fn transfer(record: &CarRecord) -> String {
     let scale = charts::transfer_scale(turning.iter().map(|(_, state)| *state));
     let figures = turning.iter().map(|(case, state)| {
         let share = state.front_share.map_or_else(String::new, |share| {
-            format!("front share {} %", figure(share, "percent"))
+            format!("front share {} %", shown(share, "percent"))
         });
         format!(
             "<figure><figcaption>{} <small>ax {} g, ay {} g; {share}</small></figcaption>{}</figure>",
-            html(&case.name),
-            figure(case.ax, "g"),
-            figure(case.ay, "g"),
+            titled(case),
+            shown(case.ax, "g"),
+            shown(case.ay, "g"),
             charts::transfer(state, &scale)
         )
     });
@@ -240,7 +263,7 @@ fn roll_axis(record: &CarRecord) -> String {
     let figures = shown.iter().map(|(case, state)| {
         format!(
             "<figure><figcaption>{} <small>forward is to the left</small></figcaption>{}</figure>",
-            html(&case.name),
+            titled(case),
             views::side(record, state)
         )
     });
@@ -260,12 +283,12 @@ fn attitude(record: &CarRecord) -> String {
         [0, 1].map(|axle| {
             let attitude = format!(
                 "roll {} deg, pitch {} deg",
-                figure(state.attitude[0], "deg"),
-                figure(state.attitude[1], "deg")
+                shown(state.attitude[0], "deg"),
+                shown(state.attitude[1], "deg")
             );
             format!(
                 "<figure><figcaption>{}, {} axle <small>{attitude}</small></figcaption>{}</figure>",
-                html(&case.name),
+                titled(case),
                 ["front", "rear"][axle],
                 views::front(record, state, axle)
             )
@@ -289,7 +312,7 @@ fn cases(record: &CarRecord) -> String {
     let mut table = Table::with_columns(names.into_iter().map(Column::from));
     for case in &record.cases {
         let state = case.state.as_ref();
-        let number = |value: Option<f64>, unit: &str| Cell::by(value, |value| figure(value, unit));
+        let number = |value: Option<f64>, unit: &str| Cell::by(value, |value| shown(value, unit));
         let head = [
             Cell::from(case.name.as_str()),
             number(Some(case.ax), "g"),

@@ -61,7 +61,8 @@ fn limits_are_where_loads_vanish() {
     assert!(lifts >= 4, "{lifts}");
 }
 
-/// A car that is its own mirror image lifts mirrored wheels at the same accelerations, and both rear wheels under brakes.
+/// A car that is its own mirror image lifts mirrored wheels at the same accelerations, and both front wheels at
+/// once where it accelerates straight ahead.
 #[test]
 fn limits_of_a_mirror_image_are_mirrored() {
     let path = super::commands::studies().join("formula_student_car.toml");

@@ -2,6 +2,7 @@
 
 mod commands;
 mod comparison;
+mod free_bodies;
 mod limits;
 mod mechanics;
 mod page;

@@ -135,7 +135,7 @@ fn stiff_parts_give_the_curves_of_the_rigid_mechanism() {
         rigid.one_wheel_mut().unwrap().compliance = None;
         let exact = rigid.curves().unwrap();
         let mut errors = Vec::new();
-        for factor in [1e3, 1e5] {
+        for factor in [1e2, 1e4] {
             let own = elastic(&text);
             let parts = own.compliance().unwrap().parts.clone();
             let stiff = study.one_wheel_mut().unwrap().compliance.as_mut().unwrap();
@@ -148,7 +148,7 @@ fn stiff_parts_give_the_curves_of_the_rigid_mechanism() {
                     let size = y.abs().max(0.1);
                     worst = worst.max((x - y).abs() / size);
                     assert!(
-                        (x - y).abs() < 1e3 / factor * size,
+                        (x - y).abs() < 1e2 / factor * size,
                         "{name} {}: {x} {y}",
                         found.columns[column].name
                     );
@@ -204,10 +204,11 @@ fn sensitivities_are_changes_of_the_curves() {
         };
         let values = [-2.0, -1.0, 0.0, 1.0, 2.0].map(|k| at(k * step));
         let expected = slope(&values, step);
+        // At the design load the height decides toe in the design position, where all slopes of it are 0.
         let size = curves
             .sensitivities
             .iter()
-            .filter(|other| (other.station, other.column) == (found.station, found.column))
+            .filter(|other| other.column == found.column)
             .fold(0.0, |m: f64, other| m.max(other.value.abs()));
         assert!(
             (found.value - expected).abs() < 1e-6 * size,

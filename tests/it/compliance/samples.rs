@@ -262,15 +262,15 @@ fn a_figure_keeps_its_limit() {
     let tuning = tune(&study.vehicle, optimise, Control::default()).unwrap();
     let best = tuning.best.unwrap();
     let tuned = study.moved(&best.offsets);
-    let value = figure(&tuned, "toe_by_lateral_force");
+    let value = figure(&study, &tuned, "toe_by_lateral_force");
     assert!((value - 0.06).abs() < 1e-6, "{value}");
     assert!(best.constraints[0].room.abs() < 1e-6);
 }
 
-/// A figure of a study, printed.
-fn figure(study: &Study, name: &str) -> f64 {
+/// A figure of a moved study, printed.
+fn figure(study: &Study, moved: &Study, name: &str) -> f64 {
     let text =
-        study.with_points_of(study) + &format!("\n[outputs]\ncharacteristics = [\"{name}\"]\n");
+        study.with_points_of(moved) + &format!("\n[outputs]\ncharacteristics = [\"{name}\"]\n");
     let curves = elastic(&text).curves().unwrap();
     let middle = curves.stations.len() / 2;
     curves.stations[middle].value(0).unwrap()

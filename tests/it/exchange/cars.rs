@@ -2,8 +2,8 @@
 
 use super::{Said, file, imported};
 use hardpoint::exchange::{
-    CAR_FILES, ImportOptions, ImportedCar, Outgoing, import_car, read_points, suspensions_ini,
-    suspensions_ini_of_car,
+    CAR_FILES, ImportOptions, ImportedCar, Outgoing, csv, import_car, point_rows, read_points,
+    suspensions_ini, suspensions_ini_of_car,
 };
 use hardpoint::model::{AxlePosition, Frame, LengthUnit, Side, Topology};
 use hardpoint::number::Vector3;
@@ -295,6 +295,40 @@ fn solid_axles_come_back_from_assetto_corsa() {
         let has_panhard = mechanism.point("panhard_axle").is_some();
         assert_eq!(count, if has_panhard { 6 } else { 4 }, "{name}");
         study(&back.study("back", "there").unwrap());
+    }
+}
+
+/// A solid axle as a table and back: the same doubles of the left half. Points of another right half are named.
+#[test]
+fn solid_axles_come_back_from_tables() {
+    let directory = tempfile::tempdir().unwrap();
+    for name in ["solid_axle_solve.toml", "solid_axle_rear.toml"] {
+        let own = Study::read(&studies().join(name), &[]).unwrap();
+        let rows = point_rows(&Outgoing::of(&own, None, None));
+        let path = file(&directory, "points.csv", &csv(&rows));
+        let back = imported(&path, "solid_axle", &Said::default()).unwrap();
+        assert_eq!(back.left_out, Vec::<String>::new());
+        let again = study(&back.study("back", "there").unwrap());
+        let mechanism = &own.wheel().mechanism;
+        assert_eq!(
+            again.wheel().mechanism.points.len(),
+            mechanism.points.len(),
+            "{name}"
+        );
+        for (number, point) in mechanism.points.iter().enumerate() {
+            let id = again.wheel().mechanism.point(&point.name).unwrap();
+            let (found, wanted) = (again.wheel().design[id.0], own.wheel().design[number]);
+            assert_eq!(found, wanted, "{name} {}", point.name);
+        }
+        let mut moved = String::from_utf8(csv(&rows)).unwrap();
+        moved += "wheel_centre,0.0,-750.0,330.0,right,iso8855,\n";
+        let path = file(&directory, "points.csv", moved.as_bytes());
+        let back = imported(&path, "solid_axle", &Said::default()).unwrap();
+        assert!(
+            back.left_out[0].contains("right half (wheel_centre)"),
+            "{:?}",
+            back.left_out
+        );
     }
 }
 

@@ -11,8 +11,8 @@ mod still;
 mod units;
 
 use hardpoint::optimise::{
-    Assessment, ConfidenceInterval, Constrained, Control, Objective, TargetLayout, front,
-    moved_design, price_list, tune,
+    Assessment, ConfidenceInterval, Constrained, Control, Objective, TargetLayout, Termination,
+    front, moved_design, price_list, tune,
 };
 use hardpoint::study::{Interpolation, Optimise, Study, Target, Variable, Wanted};
 use std::path::Path;
@@ -1045,4 +1045,27 @@ fn an_interrupted_tuning_says_how_many_starts_are_done() {
         words.starts_with("12 starts: 0 ended") && words.contains("12 were interrupted"),
         "{words}"
     );
+}
+
+/// A search for the smallest change that runs out of evaluations does not call its design the smallest.
+#[test]
+fn a_search_that_was_cut_short_knows_no_smallest_change() {
+    for (iterations, is_known) in [(200, true), (14, false), (20, false)] {
+        let study = edited(
+            "macpherson_front.toml",
+            &[&format!("optimise.max_iterations={iterations}")],
+        );
+        let found = tune(
+            &study.vehicle,
+            study.optimise.as_ref().unwrap(),
+            Control::default(),
+        );
+        let starts = found.unwrap().starts;
+        let ended = &starts.best_fit().unwrap().termination;
+        assert_eq!(
+            *ended == Termination::NearestGoodEnough,
+            is_known,
+            "{iterations} iterations: {ended:?}"
+        );
+    }
 }

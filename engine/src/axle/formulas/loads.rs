@@ -1,10 +1,12 @@
 //! Wheel loads and stiffnesses: what springs and anti-roll bar ask of the wheels, by virtual work.
 //!
-//! With U the energy of springs and bar, F_i = U_zi/(n.C_i') is the load of a wheel along the normal of the
-//! ground; parts weigh nothing. The bar adds k_b (b_l - b_r)^2/2, b the angles of its levers.
+//! With U the energy of springs and bars, F_i = U_zi/(n.C_i') is the load of a wheel along the normal of the
+//! ground; parts weigh nothing. The bar adds k_b (b_l - b_r)^2/2, b the angles of its levers. Springs between the rockers
+//! add the energies of [`RockerSprings`](crate::axle::RockerSprings).
 
 use super::rigid;
 use crate::axle::reading::WheelParts;
+use crate::axle::rocker_springs::{RockerForces, RockerMotion};
 use crate::axle::state::{AxleState, Motion};
 use crate::model::Side;
 use crate::number::{Real, Scalar};
@@ -33,12 +35,61 @@ pub(crate) fn bar_torque<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) -
     (angle(Side::Left) - angle(Side::Right)).scaled(rate)
 }
 
+/// Springs between the rockers of both wheels.
+fn rocker_forces<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) -> RockerForces<T> {
+    let motions = state.readings.each_ref().map(RockerMotion::read);
+    let laws = &state.setup.rocker_springs;
+    laws.map(|c| state.like().lit(c)).forces(&motions)
+}
+
+/// Force of the heave spring.
+pub(crate) fn heave_spring_force<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
+    rocker_forces(state).heave_spring
+}
+
+/// Length of the heave spring.
+pub(crate) fn heave_spring_length<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
+    rocker_forces(state).heave_spring_length
+}
+
+/// Shortening of the heave spring by equal travels of both wheels on level pads.
+pub(crate) fn heave_spring_motion_ratio<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
+    let pads = state.on_pads();
+    -heave_spring_length(&pads.moving(Motion::Heave))[1]
+}
+
+/// Torque of the T-bar.
+pub(crate) fn t_bar_torque<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
+    rocker_forces(state).t_bar
+}
+
+/// Torque of the heave bar.
+pub(crate) fn heave_bar_torque<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
+    rocker_forces(state).heave_bar
+}
+
+/// Load of a wheel by its own spring and the springs between the rockers.
+fn sprung_load<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>, side: Side) -> T {
+    let own = match state.setup.springs {
+        Some(_) => Some(spring_load(state, side)),
+        None => None,
+    };
+    if state.setup.rocker_springs.are_none() {
+        return own.unwrap_or_else(|| state.like().lit(f64::NAN));
+    }
+    let shared = rocker_forces(state).work[side as usize] / state.wheel(side).rise();
+    match own {
+        Some(own) => own + shared,
+        None => shared,
+    }
+}
+
 /// Load of a wheel.
 pub(crate) fn wheel_load<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>, side: Side) -> T {
     if state.carriers.is_rigid() {
         return rigid::wheel_loads(state)[side as usize];
     }
-    let spring = spring_load(state, side);
+    let spring = sprung_load(state, side);
     if state.setup.bar_rate.is_none() {
         return spring;
     }

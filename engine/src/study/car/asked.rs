@@ -286,6 +286,9 @@ impl Resolver<'_> {
                 let rates = [
                     ("spring", AxleParameter::SpringRate),
                     ("anti_roll_bar", AxleParameter::BarRate),
+                    ("heave_spring", AxleParameter::HeaveSpringRate),
+                    ("t_bar", AxleParameter::TBarRate),
+                    ("heave_bar", AxleParameter::HeaveBarRate),
                     ("tyre", AxleParameter::TyreRate),
                 ];
                 let parameter = choose(rate, "rate", &rates, self.problems)?;
@@ -311,7 +314,7 @@ impl Resolver<'_> {
             }
             _ => {
                 let message = "expected axle with hardpoint and axis, axle with rate, or car";
-                return self.problems.refuse(place, message);
+                self.problems.refuse(place, message)
             }
         }
     }

@@ -1,7 +1,7 @@
 //! `[bushings.NAME]`: point, laws and axes of a bushing.
 
 use super::super::axle;
-use super::super::error::{Problems, Source, StudyError};
+use super::super::error::{Problems, Source, StudyError, StudyErrors};
 use super::super::file;
 use super::super::names::nearest;
 use super::super::source::{LONGEST_TEXT, read_text};
@@ -277,7 +277,7 @@ fn shapes_of_file(
     });
     let shapes = bushing_file::read(&source).and_then(|file| {
         let curves = file.curves.iter().zip(scale).enumerate();
-        let shapes: Result<Vec<Shape>, StudyError> = curves
+        let shapes: Result<Vec<Shape>, StudyErrors> = curves
             .map(|(k, (points, scale))| shape_of_points(k, points, scale, length, &source))
             .collect();
         shapes
@@ -285,7 +285,7 @@ fn shapes_of_file(
     match shapes {
         Ok(shapes) => shapes.try_into().ok(),
         Err(error) => {
-            problems.append(error.into());
+            problems.append(error);
             None
         }
     }
@@ -298,7 +298,7 @@ fn shape_of_points(
     scale: f64,
     length: LengthUnit,
     source: &Arc<Source>,
-) -> Result<Shape, StudyError> {
+) -> Result<Shape, StudyErrors> {
     if points.iter().all(|point| point.force == 0.0) {
         return Ok(Shape::Cubic {
             rate: 0.0,
@@ -314,7 +314,7 @@ fn shape_of_points(
             CURVES[axis]
         );
         let place = Some(second.place.clone());
-        return Err(StudyError::new(source.clone(), place, message));
+        return Err(StudyError::new(source.clone(), place, message).into());
     }
     let metre = length.per_metre();
     let [of_deflection, of_force] = if axis < 3 { [metre, 1.0] } else { [1.0, metre] };

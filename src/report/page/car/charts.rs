@@ -1,7 +1,7 @@
 //! Charts of a car's page: load transfer by part, and the g-g map.
 
+use super::shown;
 use crate::report::car::{CarMap, CarStateRecord};
-use crate::report::figure;
 use std::fmt::Write;
 
 /// Names of the parts of a load transfer.
@@ -66,7 +66,7 @@ pub(super) fn transfer(state: &CarStateRecord, scale: &Scale) -> String {
                 a.min(b),
                 (b - a).abs(),
                 PARTS[number],
-                figure(*part, "N")
+                shown(*part, "N")
             );
         }
         let total: f64 = parts.iter().sum();
@@ -74,7 +74,7 @@ pub(super) fn transfer(state: &CarStateRecord, scale: &Scale) -> String {
             svg,
             "<text class=\"end\" x=\"{WIDTH}\" y=\"{}\">{} N</text>",
             y + 18.0,
-            figure(total, "N")
+            shown(total, "N")
         );
     }
     let zero = x(0.0);
@@ -119,9 +119,9 @@ pub(super) fn map(map: &CarMap) -> String {
             let _ = write!(
                 svg,
                 "<rect class=\"cell\" x=\"{x:.1}\" y=\"{y:.1}\" width=\"{width:.1}\" height=\"{height:.1}\" opacity=\"{opacity:.3}\"><title>ax {} g, ay {} g: {}</title></rect>",
-                figure(map.ax[row], "g"),
-                figure(map.ay[column], "g"),
-                figure(friction, "")
+                shown(map.ax[row], "g"),
+                shown(map.ay[column], "g"),
+                shown(friction, "")
             );
             if shows_numbers {
                 let _ = write!(
@@ -155,7 +155,7 @@ fn axes(svg: &mut String, map: &CarMap, [left, bottom, width, height]: [f64; 4])
             "<text class=\"small middle\" x=\"{:.1}\" y=\"{:.1}\">{}</text>",
             left + width * (column as f64 + 0.5),
             bottom + 15.0,
-            figure(map.ay[column], "g")
+            shown(map.ay[column], "g")
         );
     }
     for row in (0..map.ax.len()).step_by(every(map.ax.len(), height, 16.0)) {
@@ -164,7 +164,7 @@ fn axes(svg: &mut String, map: &CarMap, [left, bottom, width, height]: [f64; 4])
             "<text class=\"small end\" x=\"{:.1}\" y=\"{:.1}\">{}</text>",
             left - 6.0,
             bottom - height * (row as f64 + 0.5) + 4.0,
-            figure(map.ax[row], "g")
+            shown(map.ax[row], "g")
         );
     }
     let _ = write!(

@@ -1,7 +1,7 @@
 //! Views of a car's page: each axle from the front, and the roll axis from the side.
 
+use super::shown;
 use crate::report::car::{CarRecord, CarStateRecord};
-use crate::report::figure;
 use crate::report::scene::BodyKind;
 use std::fmt::Write;
 
@@ -111,9 +111,9 @@ pub(super) fn front(record: &CarRecord, state: &CarStateRecord, axle: usize) -> 
             svg,
             "<text class=\"{anchor}\" x=\"{x}\" y=\"{:.1}\">{} N</text><text class=\"small {anchor}\" x=\"{x}\" y=\"{:.1}\">camber {} deg</text>",
             ground + 17.0,
-            figure(state.loads[number], "N"),
+            shown(state.loads[number], "N"),
             ground + 32.0,
-            figure(state.camber[number], "deg")
+            shown(state.camber[number], "deg")
         );
         let _ = write!(
             svg,
@@ -195,7 +195,7 @@ pub(super) fn side(record: &CarRecord, state: &CarStateRecord) -> String {
                 svg,
                 "<text class=\"middle\" x=\"{at:.1}\" y=\"{:.1}\">{} {}</text>",
                 ground + 17.0,
-                figure(height, &record.length_unit),
+                shown(height, &record.length_unit),
                 record.length_unit
             );
         }
@@ -203,7 +203,7 @@ pub(super) fn side(record: &CarRecord, state: &CarStateRecord) -> String {
             svg,
             "<text class=\"middle\" x=\"{x:.1}\" y=\"{:.1}\">arm {} {}</text>",
             ground + 17.0,
-            figure(cg[1] - height, &record.length_unit),
+            shown(cg[1] - height, &record.length_unit),
             record.length_unit
         );
         let _ = write!(

@@ -1,0 +1,188 @@
+//! The forces that constraints, rods and joints carry if all forces on a wheel are known.
+//!
+//! Beside the load at the wheel, springs and bars push arms, rockers or the carrier. By virtual work each of them acts like a
+//! wrench on the carrier, and the constraints balance the sum of all. The forces are in equilibrium along the suspension's
+//! motion if the support, a vertical force at the wheel centre, is left with nothing.
+
+use super::loads::{Balance, Balanced, Factors, Reaction};
+use crate::mechanism::Wrench;
+use crate::mechanism::pose::Sink;
+use crate::model::{ArmId, Body, Mechanism, PointId, RockerId, Rod};
+use crate::number::Vector3;
+
+/// A force on a part of the suspension, in the kernel's frame of the wheel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Applied<T = f64> {
+    /// A force at a point that moves.
+    Point(PointId, Vector3<T>),
+    /// A moment on a rocker, in the sense of its angle.
+    Rocker(RockerId, T),
+    /// A force at a place of the wheel carrier, and a moment.
+    Carrier {
+        /// Place where the force acts.
+        point: Vector3<T>,
+        /// Force.
+        force: Vector3<T>,
+        /// Moment.
+        moment: Vector3<T>,
+    },
+}
+
+/// Forces that balance known forces.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Carrying<T = f64> {
+    /// Forces of the constraints, in the order of the mechanism's constraints.
+    pub constraints: [Reaction<T>; 5],
+    /// Tension of the rod of each rocker.
+    pub rods: Vec<T>,
+    /// For each arm, the force that it passes on at its outer joint for what stands on it.
+    pub passed: Vec<Vector3<T>>,
+    /// Vertical force at the wheel centre that equilibrium lacks.
+    pub lacking: T,
+}
+
+/// The body, no rocker, on which a point stands or on which the rods stand that turn its rocker.
+fn seat(mechanism: &Mechanism, id: PointId) -> Body {
+    let last = mechanism.rockers_moving(id).last();
+    mechanism.body(last.map_or(id, |rocker| mechanism.rocker(rocker).outer))
+}
+
+/// Returns true if something stands on an arm: an end of a spring, or a rod.
+pub fn bears(mechanism: &Mechanism, arm: ArmId) -> bool {
+    let rods = mechanism.rockers.iter().map(|rocker| rocker.outer);
+    let spring = mechanism.spring.map(|spring| spring.lower);
+    let mut points = rods.chain(spring);
+    points.any(|id| mechanism.body(id) == Body::Arm(arm))
+}
+
+impl<T: Balanced> Balance<'_, T> {
+    /// The forces that balance known ones.
+    pub fn under_all(&self, applied: &[Applied<T>]) -> Carrying<T> {
+        let at = &self.at;
+        let mechanism = at.mechanism;
+        let zero = at.rack.zero();
+        let nothing = Vector3::new(zero, zero, zero);
+        let mut passed = vec![nothing; mechanism.arms.len()];
+        let mut sum = Wrench::zero(zero);
+        for force in applied {
+            let mut wrench = Wrench::zero(zero);
+            let body = match *force {
+                Applied::Point(id, force) => {
+                    at.push_point(id, force, &mut wrench);
+                    seat(mechanism, id)
+                }
+                Applied::Rocker(id, moment) => {
+                    at.push_rocker_angle(id, moment, &mut wrench);
+                    seat(mechanism, mechanism.rocker(id).outer)
+                }
+                Applied::Carrier {
+                    point,
+                    force,
+                    moment,
+                } => {
+                    let lever = point - at.pose.origin;
+                    wrench.wrench(force, lever.cross(force) + moment);
+                    Body::Knuckle
+                }
+            };
+            if let Body::Arm(arm) = body {
+                passed[arm.0] = passed[arm.0] + wrench.force;
+            }
+            sum.wrench(wrench.force, wrench.moment);
+        }
+        let against = sum.to_row().map(|c| -c);
+        let multipliers = T::multipliers(Factors(&self.factors), &self.rows, against);
+        let mut constraints = [Reaction::Force {
+            point: mechanism.origin,
+            force: nothing,
+        }; 5];
+        for ((reaction, row), multiplier) in constraints
+            .iter_mut()
+            .zip(self.closure.rows())
+            .zip(multipliers)
+        {
+            *reaction = row.reaction(at, multiplier);
+        }
+        Carrying {
+            constraints,
+            rods: self.rods(applied),
+            passed,
+            lacking: multipliers[5],
+        }
+    }
+
+    /// Tensions of the rods, from the moments about the axes of their rockers. A rod may stand on an earlier rocker.
+    fn rods(&self, applied: &[Applied<T>]) -> Vec<T> {
+        let at = &self.at;
+        let mechanism = at.mechanism;
+        let mut tensions = vec![at.rack.zero(); mechanism.rockers.len()];
+        for number in (0..mechanism.rockers.len()).rev() {
+            let id = RockerId(number);
+            let mut tension = at.rack.zero();
+            for force in applied {
+                match *force {
+                    Applied::Point(point, force) if mechanism.body(point) == Body::Rocker(id) => {
+                        tension = tension + at.rod_tension(id, at.point(point), force);
+                    }
+                    Applied::Rocker(of, moment) if of == id => {
+                        tension = tension + at.rod_tension_by_moment(id, moment);
+                    }
+                    _ => {}
+                }
+            }
+            for (later, rocker) in mechanism.rockers.iter().enumerate().skip(number + 1) {
+                if mechanism.body(rocker.outer) == Body::Rocker(id) {
+                    let [inner, outer] = [rocker.inner, rocker.outer].map(|id| at.point(id));
+                    let pull = (inner - outer).normalised() * tensions[later];
+                    tension = tension + at.rod_tension(id, outer, pull);
+                }
+            }
+            tensions[number] = tension;
+        }
+        tensions
+    }
+
+    /// Everything that acts on the wheel carrier at the outer joint of an arm.
+    pub fn joint_force(&self, arm: ArmId, carried: &Carrying<T>) -> Vector3<T> {
+        let outer = self.at.mechanism.arms[arm.0].outer;
+        let joint = carried.passed[arm.0];
+        joint + self.constraint_force(outer, &carried.constraints)
+    }
+
+    /// The force of the constraints on the wheel carrier at a point.
+    pub fn constraint_force(&self, point: PointId, constraints: &[Reaction<T>; 5]) -> Vector3<T> {
+        let place = |id: PointId| self.at.point(id);
+        let zero = self.at.rack.zero();
+        let mut sum = Vector3::new(zero, zero, zero);
+        for reaction in constraints {
+            match *reaction {
+                Reaction::Rod {
+                    inner,
+                    outer,
+                    tension,
+                } if outer == point => {
+                    sum = sum + (place(inner) - place(outer)).normalised() * tension;
+                }
+                Reaction::Force { point: at, force } if at == point => sum = sum + force,
+                _ => {}
+            }
+        }
+        sum
+    }
+
+    /// Present position of a point.
+    pub fn position(&self, id: PointId) -> Vector3<T> {
+        self.at.point(id)
+    }
+
+    /// Unit vector from the upper to the lower end of the spring.
+    pub fn spring_direction(&self) -> Option<Vector3<T>> {
+        let spring = self.at.mechanism.spring?;
+        Some((self.at.point(spring.lower) - self.at.point(spring.upper)).normalised())
+    }
+}
+
+/// Name of the rod of a rocker, as a member.
+pub fn rod_name(rod: Rod) -> String {
+    rod.to_string().replace(' ', "_")
+}

@@ -1,0 +1,275 @@
+//! Forces in the members of a car's suspensions in a load case.
+//!
+//! Every force on a wheel is known in a state: the tyre's at the contact point, the inertia of the wheel's mass, those of
+//! springs and bars. Links, rods and joints follow from the equilibrium of each wheel
+//! ([`Applied`](crate::analyse::Applied)).
+
+use super::equations::Balance;
+use super::solver::{CarSolver, Equilibrium};
+use super::{Car, Case, GRAVITY, NoEquilibrium, WheelPlace};
+use crate::analyse::{Applied, Reaction, Support, bears, rod_name};
+use crate::mechanism::NoPose;
+use crate::model::{ArmId, Axis, Constraint, Mechanism, PointId, RockerId, Side};
+use crate::number::Vector3;
+
+/// A member of one wheel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum What {
+    /// Tension of the link with this number among the constraints.
+    Link(usize),
+    /// Force of the constraints at a point on the wheel carrier.
+    Point(PointId, Axis),
+    /// Force at the outer joint of an arm on the wheel carrier.
+    Joint(ArmId, Axis),
+    /// Tension of the rod of a rocker.
+    Rod(RockerId),
+    /// Force of the spring, positive in compression.
+    Spring,
+}
+
+/// A force that is reported.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CarMember {
+    /// The wheel.
+    pub place: WheelPlace,
+    /// Name, without the wheel.
+    pub name: String,
+    what: What,
+}
+
+/// Forces in the members of one wheel.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WheelMembers {
+    /// Forces in the order of [`CarMember::all`].
+    pub forces: Vec<f64>,
+    /// Vertical force at the wheel centre that equilibrium lacks: rounding in a state that was solved.
+    pub lacking: f64,
+}
+
+impl CarMember {
+    /// The members of all wheels that move by themselves: front left, front right, rear left, rear right.
+    pub fn all(car: &Car) -> Vec<CarMember> {
+        let of_wheel = |place: WheelPlace| {
+            let axle = &car.axles[place.0 / 2];
+            let wheel = axle.suspension(Side::ALL[place.0 % 2]);
+            let members = match axle.is_rigid() {
+                true => Vec::new(),
+                false => members(&wheel.mechanism),
+            };
+            let member = move |(name, what)| CarMember { place, name, what };
+            members.into_iter().map(member)
+        };
+        WheelPlace::ALL.into_iter().flat_map(of_wheel).collect()
+    }
+
+    /// Name with the wheel, as in `front_left_tie_rod`.
+    pub fn label(&self) -> String {
+        format!("{}_{}", self.place.name(), self.name)
+    }
+
+    /// Meaning of a positive value.
+    pub fn positive(&self) -> &'static str {
+        match self.what {
+            What::Link(_) | What::Rod(_) => "tension",
+            What::Spring => "compression",
+            What::Point(_, Axis::X) | What::Joint(_, Axis::X) => "on the wheel carrier along +x",
+            What::Point(_, Axis::Y) | What::Joint(_, Axis::Y) => "on the wheel carrier along +y",
+            What::Point(_, Axis::Z) | What::Joint(_, Axis::Z) => "on the wheel carrier along +z",
+        }
+    }
+}
+
+/// Members of one wheel: links, forces at points, joints of arms that bear a spring or a rod, rods, spring.
+fn members(mechanism: &Mechanism) -> Vec<(String, What)> {
+    let mut found = Vec::new();
+    let borne = |outer: PointId| {
+        let arms = mechanism.arms.iter().enumerate();
+        let mut arms = arms.filter(|(_, arm)| arm.outer == outer);
+        arms.find_map(|(k, _)| bears(mechanism, ArmId(k)).then_some(ArmId(k)))
+    };
+    let add = |name: &str, what: &dyn Fn(Axis) -> What, found: &mut Vec<(String, What)>| {
+        let all = Axis::ALL.map(|axis| (format!("{name}_{}", axis.name()), what(axis)));
+        found.extend(all);
+    };
+    for (number, constraint) in mechanism.constraints.iter().enumerate() {
+        match *constraint {
+            // The legs of an arm with something on it are bent, and no force along them is the whole.
+            Constraint::Link { outer, .. } if borne(outer).is_some() => {}
+            Constraint::Link { inner, .. } => {
+                let name = mechanism.link_name(inner).to_owned();
+                found.push((name, What::Link(number)));
+            }
+            Constraint::StrutLine { top, .. } => {
+                add("strut_side", &|axis| What::Point(top, axis), &mut found);
+            }
+            Constraint::Revolute { first, second } => {
+                for point in [first, second] {
+                    let name = mechanism.name(point);
+                    add(name, &|axis| What::Point(point, axis), &mut found);
+                }
+            }
+            Constraint::BallJoint { at } => {
+                add(
+                    mechanism.name(at),
+                    &|axis| What::Point(at, axis),
+                    &mut found,
+                );
+            }
+            Constraint::AxleTravel { .. } => {}
+        }
+    }
+    for (number, arm) in mechanism.arms.iter().enumerate() {
+        let joint = |axis| What::Joint(ArmId(number), axis);
+        add(mechanism.name(arm.outer), &joint, &mut found);
+    }
+    for (number, rocker) in mechanism.rockers.iter().enumerate() {
+        found.push((rod_name(rocker.rod), What::Rod(RockerId(number))));
+    }
+    if mechanism.spring.is_some() {
+        found.push(("spring".to_owned(), What::Spring));
+    }
+    found
+}
+
+impl CarSolver<'_> {
+    /// Forces in the members of each wheel in a state. A solid axle has none.
+    pub fn members(
+        &mut self,
+        case: &Case,
+        found: &Equilibrium,
+    ) -> Result<[WheelMembers; 4], NoEquilibrium> {
+        let state = self.balance(case, found)?;
+        let mut all = Vec::with_capacity(4);
+        for place in WheelPlace::ALL {
+            all.push(self.of_wheel(case, found, &state, place)?);
+        }
+        let all: Result<[WheelMembers; 4], _> = all.try_into();
+        all.map_err(|_| NoEquilibrium::NotFound)
+    }
+
+    fn of_wheel(
+        &self,
+        case: &Case,
+        found: &Equilibrium,
+        state: &Balance<f64>,
+        place: WheelPlace,
+    ) -> Result<WheelMembers, NoEquilibrium> {
+        let (number, axle) = (place.0, place.0 / 2);
+        let side = Side::ALL[number % 2];
+        let of_axle = &self.car.axles[axle];
+        if of_axle.is_rigid() {
+            return Ok(WheelMembers {
+                forces: Vec::new(),
+                lacking: 0.0,
+            });
+        }
+        let mechanism = &of_axle.suspension(side).mechanism;
+        let placed = &found.placed[axle];
+        let balance = self.axles[axle].balance(side, placed, Support::WheelCentre);
+        let balance = balance.map_err(|failure| NoEquilibrium::NoPose {
+            axle,
+            failure: NoPose::Wheel {
+                side,
+                travel: placed.travels[side as usize],
+                failure,
+            },
+        })?;
+        let mut applied = self.on_carrier(case, state, place).to_vec();
+        let spring_force = state.wheels[number].spring_force;
+        if let (Some(spring), Some(along)) = (mechanism.spring, balance.spring_direction()) {
+            applied.push(Applied::Point(spring.lower, along * spring_force));
+            applied.push(Applied::Point(spring.upper, along * -spring_force));
+        }
+        let setup = &of_axle.setup;
+        let sign = side.sign();
+        if let (Some(bar), Some(_)) = (mechanism.anti_roll_bar(), setup.bar_rate) {
+            applied.push(Applied::Rocker(bar, -sign * state.bars[axle]));
+        }
+        let forces = &state.rockers[axle];
+        if let Some(rocker) = mechanism.spring_rocker() {
+            if setup.rocker_springs.t_bar.is_some() {
+                applied.push(Applied::Rocker(rocker, -sign * forces.t_bar));
+            }
+            if setup.rocker_springs.heave_bar.is_some() {
+                applied.push(Applied::Rocker(rocker, -forces.heave_bar));
+            }
+        }
+        if let (Some(end), Some(_)) = (mechanism.heave_spring(), setup.rocker_springs.heave_spring)
+        {
+            let [left, right] = [0, 1].map(|k| state.wheels[2 * axle + k].corner.rocker.end[0]);
+            // From the other end to this one, in the frame of this wheel.
+            let apart = match side {
+                Side::Left => Vector3::new(left.x - right.x, left.y + right.y, left.z - right.z),
+                Side::Right => Vector3::new(right.x - left.x, left.y + right.y, right.z - left.z),
+            };
+            applied.push(Applied::Point(
+                end,
+                apart.normalised() * forces.heave_spring,
+            ));
+        }
+        let carried = balance.under_all(&applied);
+        let frame = of_axle.frame(side);
+        let along = |force: Vector3<f64>, axis: Axis| frame.sign(axis) * force[axis];
+        let value = |(_, what): (String, What)| match what {
+            What::Link(link) => match carried.constraints[link] {
+                Reaction::Rod { tension, .. } => tension,
+                Reaction::Force { .. } => f64::NAN,
+            },
+            What::Point(point, axis) => {
+                along(balance.constraint_force(point, &carried.constraints), axis)
+            }
+            What::Joint(arm, axis) => along(balance.joint_force(arm, &carried), axis),
+            What::Rod(rocker) => carried.rods[rocker.0],
+            What::Spring => spring_force,
+        };
+        Ok(WheelMembers {
+            forces: members(mechanism).into_iter().map(value).collect(),
+            lacking: carried.lacking,
+        })
+    }
+
+    /// Forces of the tyre and the inertia of the wheel's mass, in the frame of the wheel.
+    fn on_carrier(&self, case: &Case, state: &Balance<f64>, place: WheelPlace) -> [Applied; 3] {
+        let number = place.0;
+        let wheel = &state.wheels[number];
+        let road = &state.road;
+        let axle = number / 2;
+        let sign = Side::ALL[number % 2].sign();
+        let origin = match axle {
+            0 => Vector3::default(),
+            _ => self.car.rear_offset,
+        };
+        let own = |v: Vector3<f64>| Vector3::new(v.x, sign * v.y, v.z);
+        let nothing = Vector3::default();
+        let across = road.up * wheel.load + wheel.across * wheel.side_force;
+        let push = wheel.heading * wheel.longitudinal_force;
+        let setting = &case.setting;
+        let moment = match self.car.carrier_takes_torque(axle, setting.longitudinal) {
+            true => nothing,
+            // Shafts from the body take the torque about the spin axis.
+            false => {
+                let spin = wheel.corner.spin;
+                let lever = wheel.contact - wheel.corner.centre;
+                spin * -spin.dot(lever.cross(push))
+            }
+        };
+        let acceleration = road.forward * case.ax + road.left * case.ay + road.up * (1.0 + case.az);
+        let unsprung = self.car.axles[axle].setup.unsprung_mass.unwrap_or(0.0);
+        let at =
+            |point: Vector3<f64>, force: Vector3<f64>, moment: Vector3<f64>| Applied::Carrier {
+                point: own(point - origin),
+                force: own(force),
+                // A moment is an axial vector.
+                moment: own(moment) * sign,
+            };
+        [
+            at(wheel.contact, across, nothing),
+            at(wheel.contact, push, moment),
+            at(
+                wheel.corner.centre,
+                acceleration * (-0.5 * GRAVITY * unsprung),
+                nothing,
+            ),
+        ]
+    }
+}

@@ -1,0 +1,59 @@
+//! `[heave_spring]`, `[t_bar]` and `[heave_bar]`: springs between the rockers of both wheels.
+
+use super::error::Problems;
+use super::file::File;
+use super::suspension::above_zero;
+use crate::axle::{Preloaded, RockerSprings};
+use crate::model::Suspension;
+
+/// The springs between the rockers, if nothing is wrong with them.
+pub(super) fn rocker_springs(
+    file: &File,
+    left: &Suspension,
+    problems: &mut Problems,
+) -> Option<RockerSprings> {
+    let mechanism = &left.mechanism;
+    let has_rocker = mechanism.spring_rocker().is_some();
+    let mut springs = RockerSprings::default();
+    let mut sound = true;
+    if let Some(section) = &file.heave_spring {
+        let written = section.get_ref();
+        let rate = above_zero(&written.rate, problems);
+        sound &= rate.is_some();
+        springs.heave_spring = rate.map(|rate| Preloaded {
+            load: written.force.value,
+            rate,
+        });
+        if mechanism.heave_spring().is_none() {
+            let message = "[heave_spring] is given, but the study gives no end for it";
+            let error = problems.add(section.span(), message);
+            error.help(
+                "the hardpoint heave_spring, with a rocker and its rod, is its end at the left wheel",
+            );
+            sound = false;
+        }
+    }
+    let mut needs_rocker = |key: &str, place: std::ops::Range<usize>, problems: &mut Problems| {
+        if !has_rocker {
+            let message = format!("{key} acts on rockers, and the study gives none");
+            let error = problems.add(place, message);
+            error.help(
+                "pushrod_outer, pushrod_inner, rocker_pivot_front and rocker_pivot_rear make one",
+            );
+            sound = false;
+        }
+    };
+    if let Some(section) = &file.t_bar {
+        needs_rocker("[t_bar]", section.span(), problems);
+        springs.t_bar = Some(above_zero(&section.get_ref().rate, problems)?);
+    }
+    if let Some(section) = &file.heave_bar {
+        needs_rocker("[heave_bar]", section.span(), problems);
+        let written = section.get_ref();
+        springs.heave_bar = Some(Preloaded {
+            load: written.torque.value,
+            rate: above_zero(&written.rate, problems)?,
+        });
+    }
+    sound.then_some(springs)
+}

@@ -4,7 +4,7 @@
 //! wrench on the carrier, and the constraints balance the sum of all. The forces are in equilibrium along the suspension's
 //! motion if the support, a vertical force at the wheel centre, is left with nothing.
 
-use super::loads::{Balance, Balanced, Factors, Reaction};
+use super::loads::{Balance, Balanced, Factors, Reaction, tension};
 use crate::mechanism::Wrench;
 use crate::mechanism::pose::Sink;
 use crate::model::{ArmId, Body, Mechanism, PointId, RockerId, Rod};
@@ -44,22 +44,7 @@ pub struct Carrying<T = f64> {
 impl<T: Copy> Carrying<T> {
     /// Tension of the rod between two points.
     pub fn tension(&self, from: PointId, to: PointId) -> Option<T> {
-        self.constraints
-            .iter()
-            .find_map(|reaction| match *reaction {
-                Reaction::Rod {
-                    inner,
-                    outer,
-                    tension,
-                }
-                | Reaction::ArmEnd {
-                    inner,
-                    outer,
-                    tension,
-                    ..
-                } => ((inner, outer) == (from, to)).then_some(tension),
-                Reaction::Force { .. } => None,
-            })
+        tension(&self.constraints, from, to)
     }
 }
 

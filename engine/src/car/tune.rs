@@ -206,7 +206,9 @@ impl Moves {
         match self {
             Moves::Hardpoint { .. } | Moves::Wheelbase => length.to_owned(),
             Moves::Rate { parameter, .. } => match parameter {
-                AxleParameter::BarRate => format!("N_{length}_per_rad"),
+                AxleParameter::BarRate | AxleParameter::TBarRate | AxleParameter::HeaveBarRate => {
+                    format!("N_{length}_per_rad")
+                }
                 _ => format!("N_per_{length}"),
             },
             Moves::Body(BodyParameter::Mass) => "kg".to_owned(),

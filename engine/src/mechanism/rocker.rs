@@ -316,7 +316,7 @@ impl<B: SimdReal> Configuration<'_, B> {
             true => {
                 let carried = motion.shift + motion.turn.cross(now - self.pose.origin);
                 let rate = self.pose.rotation.apply_transposed(rate - carried);
-                [self.into_base(rocker, now), rate]
+                [self.in_base_axes(rocker, now), rate]
             }
         }
     }
@@ -380,7 +380,7 @@ impl<T: Real> Configuration<'_, T> {
     /// Ends of a rod whose outer end is at `now`.
     #[inline(always)]
     fn ends_with(&self, rocker: Rocker, now: Vector3<T>) -> Ends<T> {
-        self.ends_in_base(rocker, self.into_base(rocker, now))
+        self.ends_in_base(rocker, self.in_base_axes(rocker, now))
     }
 
     /// Returns true for a rocker whose base is the knuckle of a solid axle.
@@ -391,7 +391,7 @@ impl<T: Real> Configuration<'_, T> {
 
     /// A place in the base of a rocker: y of (12).
     #[inline(always)]
-    fn into_base(&self, rocker: Rocker, now: Vector3<T>) -> Vector3<T> {
+    fn in_base_axes(&self, rocker: Rocker, now: Vector3<T>) -> Vector3<T> {
         match self.is_on_axle(rocker) {
             false => now,
             true => {
@@ -402,7 +402,7 @@ impl<T: Real> Configuration<'_, T> {
         }
     }
 
-    /// The inverse of [`Configuration::into_base`]: x of (12).
+    /// The inverse of [`Configuration::in_base_axes`]: x of (12).
     #[inline(always)]
     fn out_of_base(&self, rocker: Rocker, place: Vector3<T>) -> Vector3<T> {
         match self.is_on_axle(rocker) {

@@ -312,6 +312,10 @@ pub struct Band {
 pub struct Optimise {
     /// Cap on iterations.
     pub max_iterations: Option<Whole>,
+    /// Number of starts.
+    pub starts: Option<Whole>,
+    /// Seed of the starts.
+    pub seed: Option<Whole>,
     /// Design variables.
     pub variables: Spanned<Vec<Spanned<Variable>>>,
     /// Targets.

@@ -4,7 +4,7 @@
 //! wrench on the carrier, and the constraints balance the sum of all. The forces are in equilibrium along the suspension's
 //! motion if the support, a vertical force at the wheel centre, is left with nothing.
 
-use super::loads::{Balance, Balanced, Factors, Reaction};
+use super::loads::{Balance, Balanced, Factors, Reaction, tension};
 use crate::mechanism::Wrench;
 use crate::mechanism::pose::Sink;
 use crate::model::{ArmId, Body, Mechanism, PointId, RockerId, Rod};
@@ -31,7 +31,7 @@ pub enum Applied<T = f64> {
 /// Forces that balance known forces.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Carrying<T = f64> {
-    /// Forces of the constraints, in the order of the mechanism's constraints.
+    /// Forces of the equations of the constraints; some constraints have two.
     pub constraints: [Reaction<T>; 5],
     /// Tension of the rod of each rocker.
     pub rods: Vec<T>,
@@ -39,6 +39,13 @@ pub struct Carrying<T = f64> {
     pub passed: Vec<Vector3<T>>,
     /// Vertical force at the wheel centre that equilibrium lacks.
     pub lacking: T,
+}
+
+impl<T: Copy> Carrying<T> {
+    /// Tension of the rod between two points.
+    pub fn tension(&self, from: PointId, to: PointId) -> Option<T> {
+        tension(&self.constraints, from, to)
+    }
 }
 
 /// The body, no rocker, on which a point stands or on which the rods stand that turn its rocker.

@@ -261,7 +261,7 @@ impl<'a, T: Balanced> Balance<'a, T> {
     /// Value of one reaction; `None` if it names nothing in the mechanism.
     pub fn force(&self, carried: &Reactions<T>, what: Carried) -> Option<T> {
         match what {
-            Carried::Tension(inner, outer) => tension(inner, outer, carried),
+            Carried::Tension(inner, outer) => tension(&carried.constraints, inner, outer),
             Carried::Support(_) => Some(carried.support),
             Carried::FarSupport(_) => carried.far_support,
             Carried::Rod => carried.rod,
@@ -328,25 +328,26 @@ impl<'a, T: Balanced> Balance<'a, T> {
     }
 }
 
-/// The tension of the rod between two points.
-fn tension<T: Copy>(inner: PointId, outer: PointId, carried: &Reactions<T>) -> Option<T> {
-    carried
-        .constraints
-        .iter()
-        .find_map(|reaction| match *reaction {
-            Reaction::Rod {
-                inner: from,
-                outer: to,
-                tension,
-            } => ((from, to) == (inner, outer)).then_some(tension),
-            Reaction::ArmEnd {
-                inner: from,
-                outer: to,
-                tension,
-                ..
-            } => ((from, to) == (inner, outer)).then_some(tension),
-            Reaction::Force { .. } => None,
-        })
+/// Tension of the rod between two points, if one of the equations is its length.
+pub(super) fn tension<T: Copy>(
+    constraints: &[Reaction<T>; 5],
+    from: PointId,
+    to: PointId,
+) -> Option<T> {
+    constraints.iter().find_map(|reaction| match *reaction {
+        Reaction::Rod {
+            inner,
+            outer,
+            tension,
+        }
+        | Reaction::ArmEnd {
+            inner,
+            outer,
+            tension,
+            ..
+        } => ((inner, outer) == (from, to)).then_some(tension),
+        Reaction::Force { .. } => None,
+    })
 }
 
 impl<T: Scalar> Row<T> {

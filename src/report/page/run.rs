@@ -31,7 +31,7 @@ const SCRIPTS: [&str; 9] = [
 ];
 
 /// The most numbers of curves in a page. Beyond, stations are left out evenly, and the page says so.
-const MOST_NUMBERS: usize = 30_000;
+const MOST_NUMBERS: usize = 25_000;
 
 /// The data that the page's script reads.
 #[derive(Serialize)]

@@ -810,7 +810,7 @@ fn fronts_and_price_lists_are_written_and_shown() {
             .all(|w| w[0][1] < w[1][1] && w[0][2] > w[1][2])
     );
     let page = std::fs::read_to_string(out.join("report.html")).unwrap();
-    assert!(page.contains("id=\"front-plot\"") && page.contains("id=\"prices-plot\""));
+    assert!(page.contains("\"key\":\"front01\"") && page.contains("\"key\":\"prices\""));
     let summary: serde_json::Value =
         serde_json::from_slice(&std::fs::read(out.join("summary.json")).unwrap()).unwrap();
     assert!(summary["prices"].as_array().unwrap().len() >= 10);

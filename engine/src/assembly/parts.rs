@@ -162,9 +162,9 @@ impl<T: Real> Parts<T> {
 }
 
 impl<B: SimdReal> Parts<B> {
-    /// Makes these the parts of a drawing that scatter, of a build in each lane: what changes with each number that is
-    /// drawn, by how much per unit; and of the numbers, `[source][build]`, the first build's place and the distance from
-    /// source to source.
+    /// Sets these parts to the nominal parts `drawn` plus scatter, one build per lane. Each source lists the dimensions
+    /// that change with one random number, with the change per unit. `draws` holds the random numbers,
+    /// `[source][build]`. `first` is the place of the first build, and `stride` the distance from source to source.
     #[inline(always)]
     pub(crate) fn scatter<'c>(
         &mut self,
@@ -187,7 +187,7 @@ impl<B: SimdReal> Parts<B> {
     }
 }
 
-/// Whether a point is one of the body; the rack's are.
+/// Returns true if a point belongs to the vehicle body. Points of the rack count as points of the body.
 #[inline(always)]
 pub(crate) fn is_of_body(mechanism: &Mechanism, id: PointId) -> bool {
     matches!(mechanism.body(id), Body::Chassis | Body::Rack)

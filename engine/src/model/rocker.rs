@@ -1,8 +1,8 @@
-//! Rockers: what a rod turns about an axis in the body. The bell crank of a pushrod or pullrod is one,
-//! an anti-roll bar with its drop link another.
+//! Rockers: parts that a rod turns about an axis fixed in the body. Examples are the bell crank of a pushrod or
+//! pullrod, and an anti-roll bar with its drop link.
 //!
-//! Their hardpoints are groups that a topology offers beside its own; a study gives a group entire or not
-//! at all.
+//! Their hardpoints form groups that a topology offers in addition to its own. A study gives every hardpoint of a
+//! group, or none.
 
 use super::topology::{Group, optional};
 use super::{Body, Mechanism, PointId};
@@ -17,9 +17,9 @@ pub struct RockerId(pub usize);
 pub struct Rocker {
     /// The rod that turns it.
     pub rod: Rod,
-    /// A chassis point of the axis.
+    /// One chassis point of the axis.
     pub first: PointId,
-    /// Another one.
+    /// The other chassis point of the axis.
     pub second: PointId,
     /// The rod's end on the rocker.
     pub inner: PointId,
@@ -27,7 +27,7 @@ pub struct Rocker {
     pub outer: PointId,
 }
 
-/// What turns a rocker.
+/// Kind of the rod that turns a rocker.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rod {
     /// Pushes the rocker of the spring in jounce.
@@ -39,7 +39,7 @@ pub enum Rod {
 }
 
 impl Rod {
-    /// What it turns.
+    /// Returns the name of the part that the rod turns.
     pub fn turns(self) -> &'static str {
         match self {
             Rod::Pushrod | Rod::Pullrod => "the rocker",

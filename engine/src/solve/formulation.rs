@@ -1,11 +1,11 @@
-//! Formulations beside the pose of the knuckle. A crate of its own implements one, and the program registers it.
+//! Formulations other than the pose of the knuckle. A separate crate implements one, and the program registers it.
 
 use crate::mechanism::{DesignFault, Failure, Pose, Work};
 use crate::model::Suspension;
 use crate::number::Jet;
 use std::sync::OnceLock;
 
-/// What drives the mechanism.
+/// Input that drives the mechanism.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Drive {
     /// The height of the wheel centre above its design position.
@@ -19,7 +19,7 @@ pub enum Drive {
 /// A motion to solve: every drive value at every rack displacement.
 #[derive(Clone, Copy, Debug)]
 pub struct FormulationMotion<'a> {
-    /// Quantity that is given.
+    /// Input that drives the mechanism.
     pub drive: Drive,
     /// Its values, in length units or radians.
     pub values: &'a [f64],

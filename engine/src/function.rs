@@ -1,7 +1,7 @@
 //! Curves as a pure function of the design: offsets of variables in, values and exact Jacobians out.
 //!
 //! Optimisers, surrogate models and differentiable programs need such a function. A [`DesignFunction`] owns its data,
-//! is `Send + Sync` and has no lifetime. Every thread takes its own [`Evaluation`] from it. Arrays are plain slices, and
+//! is `Send + Sync` and has no lifetime. Every thread takes its own [`Evaluation`] from it. Arrays are plain slices;
 //! the last index runs fastest. Values are in the units of the column names. Offsets are in the study's length unit and
 //! axes. A value that does not exist is NaN, with a status that gives the reason. No row is dropped.
 //!

@@ -270,7 +270,7 @@ impl Measure {
         self.formula(&vectors)
     }
 
-    /// Seeds the adjoint of a geometric measure with its derivatives by what it reads.
+    /// Seeds the adjoint of a geometric measure with its derivatives by the vectors that it reads.
     pub fn seed<const N: usize>(
         &self,
         at: &Configuration<Jet<f64, N>>,
@@ -426,8 +426,8 @@ fn outside<T: Scalar>(excess: &[T]) -> T {
     }
 }
 
-/// The distance of two segments. The nearest places are found on plain numbers: to first order they need
-/// not move with what the distance is differentiated by, since there it is least.
+/// Returns the distance of two segments. It finds the nearest places in plain numbers. The distance is least there, so
+/// to first order the derivative does not depend on a move of these places.
 fn between_segments<T: Scalar>(first: [Vector3<T>; 2], second: [Vector3<T>; 2]) -> T {
     let plain = |v: Vector3<T>| v.map(|c| c.value());
     let (p, q) = (plain(first[0]), plain(second[0]));

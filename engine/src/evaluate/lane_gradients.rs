@@ -212,15 +212,15 @@ impl<'a> Gradients<'a> {
         self.width.lanes()
     }
 
-    /// Visits the stations of designs, as many as fit into the lanes at most, in the order in which they are solved.
-    /// Afterwards [`Gradients::is_accepted`] tells which designs were accepted. The numbers of others may be anything, NaN
-    /// included.
+    /// Visits the stations of designs in the order of their solution. There must not be more designs than lanes.
+    /// Afterwards, [`Gradients::is_accepted`] tells the accepted designs. Values of other designs are undefined and may
+    /// be NaN.
     pub fn jacobians(&mut self, designs: &[Vector3<f64>], mut visit: impl FnMut(&Jacobians<'_>)) {
         self.evaluate(designs, None, Task::Jacobians(&mut visit));
     }
 
-    /// As [`Gradients::jacobians`], along directions: `along` says how fast every coordinate moves in each,
-    /// `[direction][point][axis][lane]`, with as many lanes as designs fit in.
+    /// As [`Gradients::jacobians`], along directions. `along` holds the rate of every coordinate in each direction,
+    /// `[direction][point][axis][lane]`, with [`at_once`](Self::at_once) lanes.
     pub fn slopes(
         &mut self,
         designs: &[Vector3<f64>],
@@ -232,9 +232,9 @@ impl<'a> Gradients<'a> {
         self.evaluate(designs, None, Task::Slopes { along, visit });
     }
 
-    /// As [`Gradients::jacobians`] for a single design, whose stations are side by side in the lanes: the visitor gets
-    /// those of [`Jacobians::side_by_side`] as if they were designs. Returns whether the design was accepted; if not, what
-    /// was visited must not be used. It never is if [`Gradients::takes_one`] is false.
+    /// As [`Gradients::jacobians`] for a single design, with one station per lane. The visitor gets the stations of
+    /// [`Jacobians::side_by_side`] in place of designs. Returns true if the design was accepted. If not, the visited
+    /// values must not be used. No design is accepted if [`Gradients::takes_one`] is false.
     pub fn jacobians_of_one(
         &mut self,
         design: &[Vector3<f64>],
@@ -463,8 +463,8 @@ fn clear<B: SimdReal>(zero: B, row: &mut [f64]) {
     }
 }
 
-/// The derivatives along directions, from those by the hardpoints; a few directions at a time, since sums would have to wait
-/// for one another.
+/// The derivatives along directions, from those by the hardpoints; a few directions at a time, since sums would have to
+/// wait for one another.
 #[inline(always)]
 fn chain<B: SimdReal>(like: B, gradient: &[f64], along: &[f64], slopes: &mut [f64]) {
     const TOGETHER: usize = 3;

@@ -80,7 +80,7 @@ const DROP_LINK: [&str; 4] = [
     "anti_roll_bar_outer",
 ];
 
-/// A rocker with its pushrod or pullrod; the spring then stands on it.
+/// A rocker with its pushrod or pullrod. The spring then acts on the rocker.
 pub(super) static ROCKER: Group = Group {
     what: "the rocker",
     hardpoints: &[
@@ -261,7 +261,7 @@ impl Mechanism {
         Some(last.map_or(lower, |rocker| self.rocker(rocker).outer))
     }
 
-    /// The body the rod of a rocker stands on, in words.
+    /// Returns the name of the body on which the rod of a rocker is mounted.
     pub fn seat(&self, rocker: &Rocker) -> String {
         let body = self.body(rocker.outer);
         let found = self.bodies.iter().find(|(_, known)| *known == body);

@@ -167,11 +167,11 @@ impl Given {
 pub struct Topology {
     /// Name in the study.
     pub name: &'static str,
-    /// One line on what it is.
+    /// Description in one line.
     pub summary: &'static str,
     /// Its hardpoints, in the order they are printed.
     pub hardpoints: &'static [Hardpoint],
-    /// Groups of hardpoints that are given together, and of further ones that it may have.
+    /// Optional groups of hardpoints. A study gives the hardpoints of a group together.
     pub groups: &'static [&'static Group],
     /// Pairs of hardpoints that must not coincide, and why.
     pub distinct: &'static [(&'static str, &'static str, &'static str)],

@@ -135,7 +135,7 @@ pub struct SetUp {
     pub drawn: AdjustedSuspension,
     /// Adjustments in the order a mechanic does them: shims, threads, the thread of toe last.
     pub order: Vec<usize>,
-    /// The state after each adjustment, in this order. Amounts are not rounded, but for whole shims.
+    /// The state after each adjustment, in this order. Only shims are rounded.
     pub steps: Vec<AdjustedSuspension>,
     /// The state with amounts that a mechanic can make: whole shims, sixteenths of turns, hundredths of a millimetre.
     pub rounded: AdjustedSuspension,
@@ -165,7 +165,7 @@ pub enum NoSetUp {
     Fault(DesignFault),
     /// No adjustment moves a value that must be held.
     Unsettled,
-    /// These aims are beyond what the adjustments reach.
+    /// The adjustments cannot meet these aims.
     OutOfReach(Vec<Miss>),
     /// The aims take an adjustment that no workshop makes: more than a tenth of the suspension's size.
     Absurd {
@@ -189,7 +189,7 @@ impl From<DesignFault> for NoSetUp {
 }
 
 impl SetUp {
-    /// Solves for the adjustments that give what a study wants.
+    /// Solves for the adjustments that give the wanted values of a study.
     pub fn solve(study: &Study, setup: &Setup, assembler: &Assembler) -> Result<SetUp, NoSetUp> {
         let (problem, drawn) = Problem::of(study, setup, assembler)?;
         let (state, levels) = problem.solve(&drawn)?;

@@ -18,8 +18,12 @@
 //! *Any knuckle vector* x0: with v carried onto d and t0 onto t,
 //! x = a d + b t + k (d x t), a, b from x0.v, x0.t0 and k from x0.(v x t0).
 //!
-//! These numbers can vanish: G = |n|^2 (tie rod does not steer), E = |d x t|^2 (outer end on the steering
-//! axis), ga (toggle) and the margin of the upper end.
+//! These numbers can vanish:
+//!
+//! - G = |n|^2: the tie rod does not steer,
+//! - E = |d x t|^2: the tie rod's outer end is on the steering axis,
+//! - ga: the tie rod is at its toggle,
+//! - the margin of the upper end.
 
 mod adjoint;
 mod circle;

@@ -71,13 +71,13 @@ pub enum Refusal {
     Unreachable {
         /// The value of the drive up to which the branch was followed.
         value: f64,
-        /// What ends it.
+        /// The singularity that ends the range.
         limit: Singular,
     },
-    /// The branch of the design position ends before the rack is where it was asked to be.
+    /// The branch of the design position ends before the rack reaches the requested displacement.
     #[error("unreachable: the rack does not get there; where it stops, {limit}")]
     RackUnreachable {
-        /// What ends it.
+        /// The singularity that stops the rack.
         limit: Singular,
     },
     /// A number in the input is not finite.

@@ -35,9 +35,9 @@ pub enum Unmeasurable {
         "the motion has {solved} stations of different travel with a pose; it takes {needed} to measure a curve"
     )]
     FewStations {
-        /// How many have one.
+        /// Number of stations that have a pose.
         solved: usize,
-        /// How many it takes.
+        /// Number of stations that the measurement needs.
         needed: usize,
     },
     /// Two outputs of the study have one name.

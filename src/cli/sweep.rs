@@ -87,7 +87,7 @@ pub(super) fn two_columns(path: &Path, name: &str) -> Stop {
     )
 }
 
-/// Whether the designs go to standard output. Refuses options that need a directory then.
+/// Returns true if the designs go to standard output. In that case it refuses options that need a directory.
 pub(super) fn is_to_stdout(arguments: &SweepArguments, format: FileFormat) -> Result<bool, Stop> {
     let to_stdout = arguments.out.as_deref() == Some(Path::new("-"));
     if to_stdout {

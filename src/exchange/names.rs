@@ -282,7 +282,7 @@ impl Words {
         Words { words, unknown }
     }
 
-    /// Whether nothing is left that means anything.
+    /// Returns true if no meaningful part is left.
     pub(super) fn is_empty(&self) -> bool {
         self.words.is_empty() && self.unknown == 0
     }
@@ -301,7 +301,7 @@ impl Words {
         Some((axle, rest))
     }
 
-    /// Whether these are the words of one of some patterns.
+    /// Returns true if the words match one of the patterns.
     pub(super) fn fit(&self, patterns: &str) -> bool {
         patterns.split(" | ").any(|pattern| self.fits(pattern))
     }

@@ -11,7 +11,7 @@ use std::path::Path;
 /// The deepest nesting; no file of points has a tenth of it.
 const DEEPEST: usize = 100;
 
-/// Whether a file says by its name that it is YAML.
+/// Returns true if the file's name marks it as YAML.
 pub(super) fn is_named(path: &Path) -> bool {
     let extension = path.extension().and_then(|extension| extension.to_str());
     extension.is_some_and(|extension| {

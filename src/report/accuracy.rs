@@ -133,7 +133,7 @@ pub(super) struct CertificateSummary {
     proved: usize,
     /// Number of stations with a pose that could not be proved.
     unproved: usize,
-    /// Whether every station is proved, so that the whole curve is one branch.
+    /// True if every station is proved, so that the whole curve is one branch.
     one_branch: bool,
     /// The largest of the proved bounds on the position of points of the wheel carrier.
     largest_position_error: Option<f64>,

@@ -208,7 +208,7 @@ pub struct PriceRecord {
     pub most_by: Option<f64>,
     /// Offsets by variable.
     pub offsets: Vec<f64>,
-    /// Whether this is the design that is kept.
+    /// True if this is the design that is kept.
     pub kept: bool,
 }
 

@@ -86,7 +86,7 @@ pub struct Comparison {
 pub struct StationColumn {
     /// Name of the column, in the first design's unit.
     pub column: String,
-    /// Whether it has more than one value at the common stations.
+    /// True if it has more than one value at the common stations.
     pub moves: bool,
 }
 
@@ -116,7 +116,7 @@ struct OwnOutput {
 /// A point that is not where the first design has it.
 #[derive(Clone, Debug)]
 struct Moved {
-    /// Which wheel, if the wheels of an axle differ.
+    /// The wheel, if the wheels of an axle differ.
     side: Option<Side>,
     point: String,
     label: String,
@@ -124,11 +124,11 @@ struct Moved {
 }
 
 impl Comparison {
-    /// Lays designs over each other; at least two.
+    /// Overlays designs; at least two.
     ///
     /// # Errors
     ///
-    /// That they have no station or no column in common.
+    /// If they have no station or no column in common.
     pub fn of(designs: &[Compared]) -> Result<Self, String> {
         let first = &designs[0];
         let tables: Vec<CurveTable> = designs.iter().map(|d| in_unit(d, first.unit)).collect();

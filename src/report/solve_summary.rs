@@ -57,7 +57,7 @@ struct Left {
 struct FailedStation {
     #[serde(default)]
     station: usize,
-    /// Where it is, in words.
+    /// Its place in words.
     #[serde(default)]
     at: String,
     /// Numbers of a corner's station.

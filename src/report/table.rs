@@ -141,7 +141,7 @@ impl Cell {
         &self.shown
     }
 
-    /// Whether it is drawn up like a number.
+    /// Returns true if the cell is aligned like a number.
     pub fn is_number(&self) -> bool {
         self.data.is_number()
             || self
@@ -279,7 +279,7 @@ impl Table {
         stacked
     }
 
-    /// Whether it has no rows.
+    /// Returns true if it has no rows.
     pub fn is_empty(&self) -> bool {
         self.rows.is_empty()
     }
@@ -389,7 +389,7 @@ impl Table {
 /// Layout of a column.
 struct Layout {
     to_the_right: bool,
-    /// Whether some cell has several words.
+    /// True if some cell has several words.
     prose: bool,
     natural: usize,
     /// Numbers are not broken, nor names up to half of the line's width.

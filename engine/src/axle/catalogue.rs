@@ -70,7 +70,7 @@ macro_rules! catalogue {
                 }
             }
 
-            /// Whether sweeps have it in lanes.
+            /// Returns true if sweeps compute the quantity in lanes.
             pub fn is_for_lanes(self) -> bool {
                 match self {
                     $(WheelQuantity::$wheel => catalogue!(@is_for $wlanes),)*
@@ -108,7 +108,7 @@ macro_rules! catalogue {
                 }
             }
 
-            /// Whether sweeps have it in lanes.
+            /// Returns true if sweeps compute the quantity in lanes.
             pub fn is_for_lanes(self) -> bool {
                 match self {
                     $(AxleQuantity::$axle => catalogue!(@is_for $lanes),)*
@@ -300,7 +300,7 @@ impl Quantity {
         }
     }
 
-    /// Whether it moves with a rocker of a side.
+    /// Returns true if the quantity moves with a rocker of a side.
     pub fn moves_with_rocker(self, side: Side) -> bool {
         let of_side = match self {
             Quantity::Corner(own, _) | Quantity::Wheel(own, _) => own == side,
@@ -309,10 +309,10 @@ impl Quantity {
         of_side && self.info().reads.iter().any(|slot| slot.may_turn())
     }
 
-    /// How far apart in height both contact points may be on one plane, in tracks.
+    /// Largest height difference of two contact points on one plane, in tracks.
     pub(super) const SAME_PLANE: f64 = 1e-9;
 
-    /// Whether it is a derivative along a motion on a plane ground.
+    /// Returns true if the quantity is a derivative along a motion on a plane ground.
     pub(super) fn is_of_the_plane(self) -> bool {
         matches!(
             self,

@@ -14,28 +14,28 @@ use crate::number::Jet;
 pub struct AxleColumn {
     /// Name with unit.
     pub name: String,
-    /// What the column contains.
+    /// Content of the column.
     pub of: Of,
     /// The motion along which it is a derivative; `None` for a value.
     pub by: Option<Motion>,
-    /// Whether it is the derivative by time of a motion along `by`.
+    /// True if the column is the time derivative of a motion along `by`.
     pub is_by_time: bool,
     /// Order of the derivative; 0 for a value.
     pub order: usize,
     /// Unit alone; empty for a plain number.
     pub unit: String,
-    /// What a value in radians, length units and newtons is multiplied by to be printed.
+    /// Factor from radians, length units and newtons to the unit of the column.
     pub factor: f64,
 }
 
-/// What a column of an axle's curves contains.
+/// Content of a column of an axle's curves.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Of {
     /// A quantity.
     Quantity(Quantity),
     /// A coordinate of a point of one wheel's suspension.
     Point {
-        /// Which wheel.
+        /// The wheel.
         side: Side,
         /// Number of the point among those of the plan.
         number: usize,
@@ -45,7 +45,7 @@ pub enum Of {
         axis: Axis,
         /// Its name without the unit.
         name: String,
-        /// Whether it stands on a rocker.
+        /// True if the point is on a rocker.
         on_rocker: bool,
     },
     /// A component of the angular velocity of one wheel carrier.

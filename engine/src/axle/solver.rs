@@ -50,7 +50,7 @@ pub enum Placement {
         travels: [f64; 2],
         /// Displacement of the rack.
         rack: f64,
-        /// Whether both wheels stand on one plane; otherwise the body is level, and each wheel stands on a level pad.
+        /// True if both wheels stand on one plane. Otherwise the body is level, and each wheel stands on a level pad.
         on_plane: bool,
     },
 }
@@ -65,7 +65,7 @@ impl Placement {
         }
     }
 
-    /// What stays held in motions from this placement.
+    /// Quantities that stay fixed in motions from this placement.
     pub fn hold(&self) -> Hold {
         match self {
             Placement::Roll { .. } | Placement::AtLoad { .. } => Hold::MeanTravel,
@@ -128,7 +128,7 @@ pub struct Placed {
     pub roll: f64,
     /// Displacement of the rack towards the left wheel's outside.
     pub rack: f64,
-    /// What stays held in motions from this position.
+    /// Quantities that stay fixed in motions from this position.
     pub hold: Hold,
     /// Only if the mean travel followed from a load: the heave at which the level axle carries that load.
     pub(super) at_load: Option<f64>,
@@ -632,7 +632,7 @@ impl Read<'_> {
         })
     }
 
-    /// Whether a quantity moves with a rocker that is at toggle or beyond.
+    /// Returns true if a quantity moves with a rocker that is at toggle or beyond.
     pub fn is_stuck(&self, quantity: Quantity) -> bool {
         let mut sides = Side::ALL.into_iter();
         sides.any(|side| self.toggles[side as usize].is_some() && quantity.moves_with_rocker(side))
@@ -1151,7 +1151,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
     /// The gradients of quantities in a position by every hardpoint coordinate of each side, in the frame of
     /// that side. `receive` gets the number of the quantity and both gradients, by point.
     ///
-    /// What a series does not know (because `N` is too small) makes a gradient NaN.
+    /// A gradient is NaN if its quantity needs terms that the series lack because `N` is too small.
     pub fn gradients(
         &mut self,
         placed: &Placed,
@@ -1266,7 +1266,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         proved.into_iter().zip(travels).map(wheel).collect()
     }
 
-    /// How far one wheel goes by itself, in the frame of its side.
+    /// Returns the limits of one wheel alone, in the frame of its side.
     pub(super) fn limits_of(&mut self, side: Side) -> Result<Limits, (Side, DesignFault)> {
         let limits = self.corners[side as usize].solver.limits();
         limits.map_err(|fault| (side, fault))

@@ -30,7 +30,7 @@ pub struct SpringLaw<T = f64> {
 /// A bump stop; of a rebound stop "shortened" reads "lengthened".
 #[derive(Clone, Debug, PartialEq)]
 pub struct BumpStop {
-    /// How far the spring is shortened from the design position when the stop is met.
+    /// Compression of the spring from the design position at which it meets the stop.
     pub gap: f64,
     /// Its force over its own compression, from 0 at 0.
     pub curve: ForceCurve,

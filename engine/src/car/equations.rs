@@ -32,7 +32,7 @@ pub(super) const PITCH_MOMENT: usize = 12;
 /// Places of gamma, phi and theta among the held unknowns of the body, which stand for its equations.
 pub(super) const HELD_ROWS: [usize; 3] = [2, 0, 1];
 
-/// What stays fixed while the unknowns are sought.
+/// Inputs that stay fixed while the solver seeks the unknowns.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Held<'a> {
     pub car: &'a Car,

@@ -43,11 +43,11 @@ pub struct Lift {
     pub acceleration: f64,
     /// The wheel.
     pub wheel: WheelPlace,
-    /// Whether all other wheels carry load there.
+    /// True if all other wheels carry load there.
     pub others_loaded: bool,
 }
 
-/// Accelerations along the ground as a direction: all else is the case's.
+/// Direction of the accelerations along the ground; the case gives all other inputs.
 struct Ray<'c> {
     case: &'c Case,
     /// Factor of the case's accelerations for 1 g.

@@ -114,9 +114,9 @@ impl AxleParameter {
 /// A parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Parameter {
-    /// Of an axle, 0 the front one.
+    /// Parameter of an axle, 0 the front one.
     Axle(usize, AxleParameter),
-    /// Of the body or the case.
+    /// Parameter of the body or the case.
     Body(BodyParameter),
 }
 

@@ -64,7 +64,7 @@ pub enum AxialStiffness<T = f64> {
 /// The elastic parts of a wheel's suspension.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Compliance<T = f64> {
-    /// How parts are relaxed.
+    /// Method by which parts are relaxed.
     pub relaxed: Relaxed,
     /// The bushings.
     pub bushings: Vec<BushingPart<T>>,

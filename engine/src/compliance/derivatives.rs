@@ -1,4 +1,4 @@
-//! How an equilibrium changes: with loads, travel and rack, and with the design.
+//! Changes of an equilibrium: with loads, travel and rack, and with the design.
 //!
 //! With G(x, p) the equations of balance, x the unknowns, p an input and y an output,
 //!

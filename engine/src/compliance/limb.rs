@@ -147,7 +147,7 @@ impl<T: Scalar> LimbState<T> {
     }
 }
 
-/// How inner unknowns follow: dy = -(rest + by dx). Equation (1).
+/// Response of the inner unknowns: dy = -(rest + by dx). Equation (1).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Followers<T> {
     pub(super) count: usize,

@@ -137,7 +137,7 @@ pub(super) struct Seat<T> {
     pub(super) rocker: Option<RockerSeat<T>>,
 }
 
-/// How the rocker follows: dtheta = -(rest + by.dp). Equation (3).
+/// Response of the rocker: dtheta = -(rest + by.dp). Equation (3).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Slide<T> {
     pub(super) by: Vector3<T>,

@@ -30,7 +30,7 @@ pub(super) struct Builds<'a> {
     /// The numbers drawn, `[build][source]`.
     draws: Vec<Vec<f64>>,
     moved: Vec<Vector3<Dual<f64, AT_ONCE>>>,
-    /// How the variables move the points of the latest build, by rising number of the point.
+    /// Rates at which the variables move the points of the latest build, by rising number of the point.
     pub point_rates: Vec<PointRate>,
 }
 

@@ -1,4 +1,4 @@
-//! What could be chosen instead of the design kept: the front of a study's goals, and its price list.
+//! Alternatives to the design kept: the front of a study's goals, and its price list.
 
 use super::constrained::Constrained;
 use super::front::{Found, Tracer};
@@ -154,7 +154,7 @@ impl Tuner<'_> {
         all.into_iter().map(|found| self.choice(found)).collect()
     }
 
-    /// Whether the study's own design keeps the constraints.
+    /// Returns true if the study's own design keeps the constraints.
     fn keeps_constraints(&self) -> bool {
         let mut problem = self.problem();
         let shape = problem.shape();

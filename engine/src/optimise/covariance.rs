@@ -14,7 +14,7 @@ pub(super) struct Covariance {
     pub spread: DMatrix<f64>,
     /// The diagonal of A^-1.
     inverse: Vec<f64>,
-    /// Whether the measurements do not see the variable.
+    /// True for each variable that the measurements do not determine.
     pub unseen: Vec<bool>,
 }
 

@@ -28,18 +28,18 @@ pub(super) struct Search {
     pub of: usize,
     /// The row that takes the extreme.
     pub row: usize,
-    /// That row's value at the station.
+    /// Value of that row at the station.
     pub at_station: f64,
-    /// The drive value to look at next.
+    /// Drive value at which to evaluate next.
     pub place: f64,
-    /// Whether the search has ended.
+    /// True if the search has ended.
     pub is_found: bool,
     ends: [f64; 2],
     /// The latest place and slope.
     before: Option<(f64, f64)>,
-    /// The second derivative, as the parabola through three stations has it.
+    /// Second derivative of the parabola through three stations.
     curvature: f64,
-    /// How far the extreme of the parabola is beyond the station's value.
+    /// Rise of the parabola's extreme above the station's value.
     rise: f64,
 }
 

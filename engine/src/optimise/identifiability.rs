@@ -1,4 +1,4 @@
-//! What the residuals at a solution can tell apart.
+//! Directions that the residuals at a solution can tell apart.
 
 use super::{Bounds, Linearisation};
 use nalgebra::{DMatrix, DVector};
@@ -12,13 +12,13 @@ pub struct Direction {
     /// By how much (root mean square, in tolerances) the residuals change along `change`, to first
     /// order.
     pub effect: f64,
-    /// How much of `change`, up and down, keeps within the ranges and really raises the misfit by no more
-    /// than [`Direction::RISE`]; nothing until that was tried.
+    /// Shares of `change`, up and down, that stay within the ranges and raise the misfit by at most
+    /// [`Direction::RISE`]; 0 until tried.
     pub free: [f64; 2],
 }
 
 impl Direction {
-    /// The rise of the misfit, in tolerances, that is not felt.
+    /// Rise of the misfit, in tolerances, that counts as no change.
     pub const RISE: f64 = 0.1;
 
     /// Finds out how much of the change is free, from `x` with a misfit: `misfit_at` tells that of another

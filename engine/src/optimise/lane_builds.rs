@@ -63,18 +63,18 @@ impl LaneBuilds {
         &self.designs[group.start * self.points..group.end * self.points]
     }
 
-    /// How every coordinate of the designs of a group moves with each variable, `[variable][point][axis][lane]`.
+    /// Rates of every coordinate of a group's designs by each variable, `[variable][point][axis][lane]`.
     pub(super) fn point_rates(&self, group: &std::ops::Range<usize>) -> &[f64] {
         let length = self.variables * self.points * 3 * self.at_once;
         &self.point_rates[group.start / self.at_once * length..][..length]
     }
 
-    /// Whether a build is accepted; if not, it is to be put together one by one.
+    /// Returns true if a build is accepted. Builds that are not accepted are assembled one by one.
     pub(super) fn is_accepted(&self, build: usize) -> bool {
         self.accepted[build]
     }
 
-    /// Leaves a build to go one by one.
+    /// Marks a build for separate assembly.
     pub(super) fn reject(&mut self, build: usize) {
         self.accepted[build] = false;
     }

@@ -18,7 +18,7 @@ pub(super) enum LanePart {
     Formula(Measure, Vec<Source>),
 }
 
-/// Where a vector comes from: from quantities, given by their numbers, or from the design.
+/// Origin of a vector: quantities, given by their numbers, or the design.
 #[derive(Clone, Copy)]
 pub(super) enum Source {
     /// The coordinates of a point.
@@ -109,7 +109,7 @@ impl Moving<'_> {
         }
     }
 
-    /// How a stud in the design position changes with a variable.
+    /// Derivative by a variable of a stud in the design position.
     fn stud_along(&self, column: usize, stud: Stud) -> Vector3<f64> {
         match stud {
             Stud::Between(from, to) => self.along(column, to) - self.along(column, from),

@@ -18,9 +18,9 @@ pub(super) struct LaneRows<'a> {
     legs: Vec<Option<Gradients<'a>>>,
     /// The parts of constraints; `None` if lanes cannot provide all of them.
     parts: Option<Vec<LanePart>>,
-    /// How every coordinate of a design moves with each variable, `[variable][point][axis]`.
+    /// Rates of every coordinate of a design by each variable, `[variable][point][axis]`.
     along: Vec<f64>,
-    /// Room for the derivatives of a part.
+    /// Buffer for the derivatives of a part.
     slopes: Vec<f64>,
 }
 
@@ -75,12 +75,12 @@ impl<'a> LaneRows<'a> {
         Some(rows)
     }
 
-    /// Whether lanes tell all constraints.
+    /// Returns true if lanes evaluate all constraints.
     pub(super) fn has_parts(&self) -> bool {
         self.parts.is_some()
     }
 
-    /// Takes the ways in which `variables` variables move a design of `points` points.
+    /// Takes the rates at which `variables` variables move a design of `points` points.
     pub(super) fn begin(&mut self, points: usize, point_rates: &[PointRate], variables: usize) {
         let one = 3 * points;
         self.slopes.resize(variables, 0.0);

@@ -1,4 +1,4 @@
-//! What is looked at where: targets and constraints laid out over the stations of the motions.
+//! Layout of targets and constraints over the stations of the motions.
 
 use super::Linearisation;
 use super::axle::AxleLayout;
@@ -11,14 +11,14 @@ use crate::solve::StationOrder;
 use crate::study::{Limited, Motion, Optimise, Sample, Site, Target, Vehicle};
 use nalgebra::DVector;
 
-/// What a target wants at one station of a leg or of an axle.
+/// A target at one station of a leg or of an axle.
 #[derive(Clone, Debug)]
 pub(super) struct TargetSample {
     pub row: usize,
     pub target: usize,
     /// Index of the target's measure among [`TargetLayout::measures`], or of its quantity among those of the axle.
     pub of: usize,
-    /// What is wanted. For an axle its `drive` is the place on the target's curve as the study writes it.
+    /// Wanted value. For an axle its `drive` is the place on the target's curve as the study writes it.
     pub wanted: Sample,
     /// Residual per deviation in the unit of the measure.
     pub scale: f64,
@@ -92,37 +92,38 @@ pub(super) struct Leg {
 #[derive(Clone, Debug)]
 pub(super) struct Part {
     pub constraint: usize,
-    /// Whether it is looked at in the design position alone.
+    /// True if the limit applies in the design position alone.
     is_at_design: bool,
     pub limited: Limited,
 }
 
-/// What a row of the constraints stands for.
+/// Meaning of a row of the constraints.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RowLabel {
     /// Number of the constraint.
     pub constraint: usize,
     /// Number of its part.
     pub part: usize,
-    /// Whether it is the upper limit.
+    /// True for the upper limit.
     pub is_upper: bool,
     /// Number of the leg: a motion at one rack displacement. The number after the last leg stands for elastic parts.
     pub leg: usize,
-    /// Number of the station. If the part has an extreme between it and its neighbours, the row is about that instead.
+    /// Number of the station. If the part has an extreme between it and its neighbours, the row applies to that
+    /// extreme instead.
     pub station: usize,
 }
 
 /// Targets beside those of a rigid wheel.
 #[derive(Clone, Debug)]
 pub(super) enum Beside {
-    /// Those of an axle.
+    /// Rows of an axle.
     Axle(Box<AxleLayout>),
-    /// Those of a wheel with elastic parts.
+    /// Rows of a wheel with elastic parts.
     Elastic(Box<ElasticLayout>),
 }
 
 impl Beside {
-    /// Weighs the rows: the residual of each target per deviation in tolerances.
+    /// Weights the rows: the residual of each target per deviation in tolerances.
     fn weigh(&mut self, shares: &[f64]) {
         match self {
             Beside::Axle(axle) => axle.weigh(shares),
@@ -148,7 +149,7 @@ pub struct TargetLayout {
     /// For each target, the residual per deviation in tolerances.
     shares: Vec<f64>,
     rate_order: usize,
-    /// What is read of wheel and steering axis.
+    /// Quantities of wheel and steering axis that the outputs read.
     pub(super) reads: Slots,
 }
 
@@ -493,12 +494,12 @@ impl TargetLayout {
         self.labels.iter().map(limit).collect()
     }
 
-    /// What the rows of the constraints stand for, equalities first.
+    /// Returns the meaning of each row of the constraints, equalities first.
     pub fn labels(&self) -> &[RowLabel] {
         &self.labels
     }
 
-    /// Number of rows of the constraints that are equalities, which come first.
+    /// Number of equality rows of the constraints, which come first.
     pub fn equalities(&self) -> usize {
         self.equalities
     }
@@ -616,7 +617,7 @@ fn parts(optimise: &Optimise, mechanism: &Mechanism) -> Vec<Part> {
     parts.collect()
 }
 
-/// How far a target is missed, in its tolerances.
+/// Deviation from a target, in its tolerances.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Deviation {
     /// Root mean square over the target's stations.

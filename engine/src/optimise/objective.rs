@@ -53,7 +53,8 @@ pub struct Objective<'a> {
     reader: Box<dyn ReadStations + 'a>,
     /// Reader with one more derivative by the drive, needed to search for extremes.
     sloped: Option<Reader<3>>,
-    /// How forces under loads change with the variables; `None` if no target or constraint is about one.
+    /// Rates at which forces under loads change with the variables; `None` if no target or constraint is about a
+    /// force.
     moving: Option<AlongVariables>,
     /// The rows of targets of an axle or of elastic parts; `None` if there are none.
     beside: Option<Box<dyn RowsBeside + 'a>>,
@@ -148,7 +149,7 @@ impl<'a> Objective<'a> {
         self
     }
 
-    /// Whether the design at `x` is evaluated in lanes.
+    /// Returns true if the design at `x` is evaluated in lanes.
     pub fn is_in_lanes(&mut self, x: &DVector<f64>) -> bool {
         self.move_to(x);
         let mut into = Linearisation::new(self.layout.residuals(), x.len());
@@ -161,7 +162,7 @@ impl<'a> Objective<'a> {
         self.layout.builds
     }
 
-    /// How many builds were evaluated in lanes.
+    /// Number of builds that were evaluated in lanes.
     pub fn builds_in_lanes(&self) -> usize {
         let Some(robust) = self.robust.as_ref().filter(|_| self.lanes.is_some()) else {
             return 0;

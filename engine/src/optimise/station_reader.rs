@@ -15,7 +15,7 @@ use std::ops::ControlFlow;
 /// Values of the parts of a leg, by part and station.
 pub(super) type PartValues = Vec<Vec<f64>>;
 
-/// What is read at the stations of a leg, and with what.
+/// Reading of the stations of a leg, with its inputs.
 pub(super) struct Visit<'v, 'a> {
     pub(super) leg: &'v Leg,
     pub(super) layout: &'v TargetLayout,

@@ -106,7 +106,7 @@ pub(super) fn between_bounds(
 #[derive(Clone, Debug, Default)]
 pub(super) struct Pushes {
     gradients: Vec<f64>,
-    /// Whether the multiplier may have either sign.
+    /// True for each multiplier that may have either sign.
     is_free: Vec<bool>,
 }
 
@@ -211,7 +211,7 @@ mod tests {
         }
     }
 
-    /// Of |x| + |y| in a corner each kink has two gradients, and 0 is among their mixtures.
+    /// In a corner of |x| + |y| each kink has two gradients, and 0 is among their mixtures.
     #[test]
     fn gradients_on_both_sides_of_a_kink_balance_together() {
         let scale = plain(2);

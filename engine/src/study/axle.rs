@@ -20,12 +20,12 @@ use crate::characteristics::Constants;
 use crate::model::{Axis, Side, Suspension};
 use toml::Spanned;
 
-/// What a study asks of an axle.
+/// Study of an axle.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AxleStudy {
     /// Both wheels and the figures of the study.
     pub axle: Axle,
-    /// What is computed.
+    /// Results to compute.
     pub plan: AxlePlan,
     /// Further motions of the axle by name, in the order of the names.
     pub motions: Vec<(String, AxleMotion)>,
@@ -47,7 +47,7 @@ pub(super) fn moves_axle(motion: &file::Motion) -> bool {
     !keys_of_axles(motion).is_empty()
 }
 
-/// What a motion, a target or a band as written says of each coordinate, in the order of [`Coordinate::ALL`].
+/// Entries of a motion, a target or a band as written, for each coordinate in the order of [`Coordinate::ALL`].
 macro_rules! coordinates {
     ($written:expr) => {
         [
@@ -403,7 +403,7 @@ fn track_agrees(file: &File, axle: &Axle, problems: &mut Problems) -> Option<()>
     None
 }
 
-/// Whether roll holds the load in place of the mean travel.
+/// Returns true if roll holds the load instead of the mean travel.
 fn at_load(
     file: &File,
     section: &file::Motion,
@@ -584,7 +584,7 @@ fn course(
     Some(course)
 }
 
-/// What of these stations is computed, if nothing is wrong with it.
+/// Returns the results to compute at these stations, if the study has no error in them.
 fn plan(
     file: &File,
     axle: &Axle,
@@ -661,7 +661,7 @@ pub(super) fn lacks_nothing(
     false
 }
 
-/// What each quantity and the motion need must be given.
+/// Checks that the study gives all inputs that each quantity and the motion need.
 fn check_needs(file: &File, axle: &Axle, plan: &AxlePlan, problems: &mut Problems) -> Option<()> {
     let mut sound = true;
     let texts = file.outputs.iter().flat_map(|o| &o.characteristics);

@@ -3,8 +3,8 @@
 use crate::ask::Need;
 use crate::model::{AxlePosition, VehicleFigures};
 
-/// What braking or drive needs, and whether it is the braking or the drive that is meant; `None` for another need,
-/// and where that takes a position which the study does not give.
+/// Returns true if a need concerns the drive, false if it concerns braking. `None` for another need, or if the need
+/// depends on a position that the study does not give.
 fn of_drive(need: &Need, vehicle: &VehicleFigures) -> Option<bool> {
     match need {
         Need::FrontBraking => Some(false),

@@ -40,9 +40,9 @@ pub struct CarStudy {
     pub cases: Vec<Case>,
     /// Results that are asked for.
     pub quantities: Vec<CarQuantity>,
-    /// Whether derivatives by parameters and hardpoints are asked for.
+    /// True if the study asks for derivatives by parameters and hardpoints.
     pub sensitivities: bool,
-    /// Whether forces in members are asked for.
+    /// True if the study asks for forces in members.
     pub member_loads: bool,
     /// States over ax and ay.
     pub gg_map: Option<GgMap>,

@@ -30,7 +30,7 @@ impl Drive {
         }
     }
 
-    /// Whether its values are angles.
+    /// Returns true if its values are angles.
     pub fn is_angle(self) -> bool {
         self != Drive::Travel
     }

@@ -1,4 +1,4 @@
-//! Which coordinates a variable of `[sweep]` or `[optimise]` moves.
+//! Coordinates that a variable of `[sweep]` or `[optimise]` moves.
 
 use super::Move;
 use super::error::Problems;
@@ -19,11 +19,11 @@ pub(super) struct Written<'a> {
     pub hardpoint: &'a Option<Text>,
     /// Names of several hardpoints that move together.
     pub hardpoints: &'a Option<Spanned<Vec<Text>>>,
-    /// How far each of them moves per unit of the variable.
+    /// Displacement of each of them per unit of the variable.
     pub factors: &'a Option<Spanned<Vec<Number>>>,
     /// `x`, `y` or `z`; this or `direction` is given.
     pub axis: Option<&'a Text>,
-    /// The direction in which they move.
+    /// Direction of the move.
     pub direction: Option<&'a Coordinates>,
 }
 
@@ -46,7 +46,7 @@ pub(super) fn moves(
     Some(points.into_iter().flat_map(moved).collect())
 }
 
-/// How far it moves along each axis per unit of the variable: along one of them alone, or as a unit vector does.
+/// Displacement along each axis per unit of the variable: 1 along a single axis, or the components of a unit vector.
 fn shares(written: &Written<'_>, problems: &mut Problems) -> Option<Vec<(Axis, f64)>> {
     match (written.axis, written.direction) {
         (Some(axis), None) => Some(vec![(members::axis(axis, problems)?, 1.0)]),

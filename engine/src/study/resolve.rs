@@ -12,11 +12,11 @@ use std::path::Path;
 use std::sync::Arc;
 use toml::Spanned;
 
-/// What later sections of the file refer to.
+/// Parts of the study to which later sections of the file refer.
 pub(super) struct Context<'a> {
     /// The suspension.
     pub suspension: &'a Suspension,
-    /// The motion, if nothing is wrong with it.
+    /// The motion, if it has no error.
     pub motion: Option<&'a Motion>,
     /// Further motions by name.
     pub motions: &'a [(String, Motion)],
@@ -28,7 +28,7 @@ pub(super) struct Context<'a> {
     pub elastic: Option<&'a ComplianceStudy>,
     /// The file as written.
     pub file: &'a super::file::File,
-    /// Where the study file is.
+    /// Directory of the study file.
     pub directory: &'a Path,
 }
 

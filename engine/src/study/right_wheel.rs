@@ -9,7 +9,7 @@ use crate::model::{PointId, SpinAxis, Suspension};
 use crate::solve::Solver;
 use toml::Spanned;
 
-/// What the study says of the right wheel; none where it is the mirror image.
+/// Entries of the study for the right wheel; `None` if it is the mirror image.
 pub(super) fn own(file: &File) -> Option<&file::OwnRight> {
     match file.axle.as_ref()?.get_ref().right.as_ref()?.get_ref() {
         RightWheel::Own(own) => Some(own),

@@ -1,4 +1,4 @@
-//! What targets and constraints name: characteristics, coordinates of points, lengths, members, motions.
+//! Subjects of targets and constraints: characteristics, coordinates of points, lengths, members, motions.
 
 use super::error::Problems;
 use super::members::axis;
@@ -136,7 +136,7 @@ pub(super) fn force(
     Some((force, sign))
 }
 
-/// What a target is about.
+/// Returns the subject of a target.
 pub(super) fn subject(
     target: &Spanned<file::Target>,
     context: &Context,

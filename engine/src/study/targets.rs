@@ -295,7 +295,7 @@ fn curve(
     }
 }
 
-/// Where a target is, and what it is about.
+/// Place of a target, its subject and its motion.
 struct TargetContext<'a> {
     motion: &'a Motion,
     place: Span<usize>,

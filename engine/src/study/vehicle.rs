@@ -4,7 +4,7 @@ use super::{AxleStudy, ComplianceStudy, Formulation, Motion, Outputs, Study};
 use crate::model::Suspension;
 use std::sync::LazyLock;
 
-/// What a study describes.
+/// Vehicle part that a study describes.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Vehicle {
     /// One wheel.
@@ -20,9 +20,9 @@ pub struct WheelStudy {
     pub suspension: Suspension,
     /// The motion.
     pub motion: Motion,
-    /// How poses are found.
+    /// Formulation that finds the poses.
     pub formulation: Formulation,
-    /// What is asked for.
+    /// Outputs of the study.
     pub outputs: Outputs,
     /// The elastic parts and their tests, if there are any.
     pub compliance: Option<ComplianceStudy>,

@@ -78,7 +78,7 @@ impl Problem<'_> {
 /// A build that could not be put together: its number, the wheel of an axle, and why not.
 type Unbuilt = (u64, Option<Side>, Reject);
 
-/// What became of the builds of a block that failed.
+/// Failed builds of a block.
 pub(super) struct Outcome {
     pub(super) rejects: Vec<Unbuilt>,
     /// Number of builds without a pose somewhere in the motion, and number of the first of them.
@@ -87,14 +87,14 @@ pub(super) struct Outcome {
 
 /// Solves blocks of builds. One for each thread.
 ///
-/// Builds are put together in SIMD lanes; those that do not settle there, and those of rockers near a toggle, one by one.
-/// Which of the two depends on the build alone.
+/// Builds are assembled in SIMD lanes. Those that do not settle there, and those of rockers near a toggle, are
+/// assembled one by one. The choice depends on the build alone.
 pub(super) struct Builder<'a> {
     problem: &'a Problem<'a>,
     /// One, or left and right.
     wheels: Vec<WheelBuilder<'a>>,
     evaluator: Evaluator<'a>,
-    /// The values of the builds that go together, in the order of their numbers.
+    /// The values of the builds assembled together, in the order of their numbers.
     pub(super) block: Block,
     draws: Vec<f64>,
     /// `[source][build]`

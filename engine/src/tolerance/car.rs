@@ -69,7 +69,7 @@ impl CarExpansion {
         self.variances[contributor] / self.variances.iter().sum::<f64>()
     }
 
-    /// Whether the builds confirm the first-order standard deviation; `None` where nothing scatters.
+    /// Returns true if the builds confirm the first-order standard deviation; `None` if nothing scatters.
     pub fn holds(&self, spread: &Spread) -> Option<bool> {
         let sigma = self.sigma();
         let scatters = sigma > 0.0 && spread.count > 0;

@@ -117,7 +117,7 @@ pub(super) fn problem<'a>(
     })
 }
 
-/// How fast every value changes with each source (`[cell][source]`); NaN where there is no value.
+/// Derivatives of every value by each source (`[cell][source]`); NaN without a value.
 pub(super) fn gradients(problem: &Problem, sources: &[&Source]) -> Result<Vec<f64>, NoSetUp> {
     let workshop = &problem.workshops[0];
     let assembler = &workshop.assembler;

@@ -75,7 +75,7 @@ impl Expansion {
         })
     }
 
-    /// How fast a value changes with each source.
+    /// Derivatives of a value by each source.
     pub fn gradient(&self, cell: usize) -> &[f64] {
         &self.gradient[cell * self.sources..(cell + 1) * self.sources]
     }
@@ -86,7 +86,7 @@ impl Expansion {
         (mean * mean).max(variance) / self.variance[cell]
     }
 
-    /// Whether the linear answer holds; `None` where that is not known.
+    /// Returns true if the linear answer holds; `None` if that is unknown.
     pub fn holds(&self, cell: usize) -> Option<bool> {
         let bend = self.bend(cell);
         (!bend.is_nan()).then_some(bend < HOLDS)
@@ -191,8 +191,8 @@ fn second(problem: &Problem, built: &crate::assembly::Built) -> Vec<[f64; 2]> {
     combined(problem, &readable, bends)
 }
 
-/// What second order adds to mean and variance of each cell, from the second derivatives of all cells along sums of
-/// sources, each in its standard deviation. NaN for cells that are not `readable`.
+/// Second-order terms of the mean and variance of each cell. They come from the second derivatives of all cells along
+/// sums of sources, each in its standard deviation. NaN for cells that are not `readable`.
 pub(super) fn combined(
     problem: &Problem,
     readable: &[bool],

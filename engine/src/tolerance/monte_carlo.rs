@@ -47,7 +47,7 @@ pub struct Rejected {
     pub why: Reject,
 }
 
-/// How a value scatters over builds. In radians and length units.
+/// Scatter of a value over builds. In radians and length units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spread {
     /// Builds that have the value.

@@ -301,8 +301,8 @@ mod tests {
 
     const BLOCK: usize = 128;
 
-    /// What normal, few-valued, rising and missing values come to, block by block; every third block is sifted by windows
-    /// that are two blocks old.
+    /// Statistics of normal, few-valued, rising and missing values, block by block; windows that are two blocks old
+    /// sift every third block.
     fn gathered(builds: usize) -> (Vec<Vec<f64>>, Order, Gathered) {
         let value = |cell: usize, build: usize| {
             let fraction = uniform(build as u64, cell, 9);

@@ -274,7 +274,7 @@ fn date_styles(archive: &Archive) -> Result<Vec<bool>, String> {
     Ok(styles)
 }
 
-/// Whether a format code has a letter of dates or times outside of quoted text and brackets.
+/// Returns true if a format code has a letter of dates or times outside of quoted text and brackets.
 fn shows_a_date(code: &str) -> bool {
     let mut quoted = false;
     let mut bracketed = false;

@@ -110,7 +110,7 @@ impl<'s> CarResults<'s> {
             .collect()
     }
 
-    /// Whether every case is solved.
+    /// Returns true if every case is solved.
     pub fn is_complete(&self) -> bool {
         self.failures().is_empty()
     }

@@ -94,7 +94,7 @@ pub(in crate::report) struct Family {
     pub rows: Vec<usize>,
     /// Its place in the sequential scale.
     shade: usize,
-    /// Whether it is nearest to zero.
+    /// True if it is nearest to zero.
     pub is_present: bool,
 }
 

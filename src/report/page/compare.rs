@@ -28,7 +28,7 @@ struct Data<'a> {
     charts: &'a [Layout],
 }
 
-/// What a chart shows.
+/// Content of a chart.
 #[derive(Clone, Copy, PartialEq)]
 enum Kind {
     Curves,

@@ -327,7 +327,7 @@ fn sections(run: &Run) -> Vec<(&'static str, &'static str)> {
     shown.map(|(id, name, _)| (id, name)).collect()
 }
 
-/// Whether there is a turn to be seen from above.
+/// Returns true if the page can show a turn from above.
 fn has_turn(run: &Run) -> bool {
     let frames = run.record.designs.iter().flat_map(|d| &d.frames);
     let mut poses = frames.filter_map(|frame| frame.pose.as_ref().ok());

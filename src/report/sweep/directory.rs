@@ -130,12 +130,12 @@ impl SweepDirectory {
         &self.path
     }
 
-    /// Whether the rows of a part are there: they come last.
+    /// Returns true if the rows of a part exist; they are written last.
     pub fn has_rows(&self, part: u64) -> bool {
         self.path.join(self.record.rows_name(part)).is_file()
     }
 
-    /// The record of a part, where it is whole.
+    /// The record of a part, if it is complete.
     pub fn part(&self, part: u64) -> Result<Option<PartRecord>, NotARun> {
         if !self.has_rows(part) {
             return Ok(None);

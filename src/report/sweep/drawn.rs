@@ -21,7 +21,7 @@ pub struct DrawnDesigns {
 }
 
 impl DrawnDesigns {
-    /// Whether it can be shown as it is.
+    /// Returns true if all of its designs have curves, so that it can be shown.
     pub(super) fn is_whole(&self) -> bool {
         let count = self.designs.len();
         self.record.form == FORM && self.record.designs.len() == count && self.curves.len() == count

@@ -18,7 +18,7 @@ pub(super) struct Figure<T> {
     pub(super) value: Option<T>,
 }
 
-/// What figures depend on beside the state.
+/// Inputs of the figures, apart from the state.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sheet<'a> {
     pub(super) suspension: &'a Suspension,
@@ -30,7 +30,7 @@ pub(super) struct Sheet<'a> {
     pub(super) tyre_rate: Option<f64>,
 }
 
-/// What is read of a state for the figures of a test.
+/// Values of a state that the figures of a test need.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Read<T> {
     /// Derivatives or secants by one newton, one newton times length, or one length.

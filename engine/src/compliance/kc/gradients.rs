@@ -117,7 +117,7 @@ impl<'s, T: Scalar> Station<'s, T> {
         wheel.figures_along(self.tangent(test.held)?, &change)
     }
 
-    /// What the figures of a test are read from, `by` in place of its derivatives if given.
+    /// Reads the values that the figures of a test need. A given `by` replaces the derivatives of the state.
     fn read(&mut self, test: &KcTest, by: Option<WheelFigures<T>>) -> Read<T> {
         let needs_rate = test.load == TestLoad::Heave && self.sheet.tyre_rate.is_some();
         let has_spring = test.load == TestLoad::Steering && self.wheel.spring(&self.at).is_some();

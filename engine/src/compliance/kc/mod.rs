@@ -66,7 +66,7 @@ pub struct KcLevel {
 pub struct KcOutcome {
     /// The test.
     pub test: KcTest,
-    /// Where its load acts.
+    /// Place where its load acts.
     pub place: TestPlace,
     /// Its figures.
     pub figures: Vec<KcFigure>,

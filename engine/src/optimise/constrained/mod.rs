@@ -51,7 +51,7 @@ use nalgebra::DVector;
 
 /// A least-squares problem with constraints.
 pub trait Constrained {
-    /// How large it is.
+    /// Size of the problem.
     fn shape(&self) -> Shape;
 
     /// Sizes of the limits that the rows are measured from, in the rows' unit; they tell the rounding of a row.
@@ -74,7 +74,7 @@ pub struct Shape {
     pub levels: Vec<(usize, f64)>,
     /// Rows, all.
     pub rows: usize,
-    /// How many of them, the first, must vanish.
+    /// Number of leading rows that must vanish.
     pub equalities: usize,
 }
 
@@ -100,7 +100,7 @@ impl Assessment {
         }
     }
 
-    /// Whether every number is one.
+    /// Returns an error unless every number is finite.
     pub fn check(&self) -> Result<(), Infeasible> {
         self.goal.check()?;
         self.levels.iter().try_for_each(Linearisation::check)?;

@@ -25,7 +25,7 @@ const ROUNDING: f64 = 1e-9;
 /// Rounding of a row, relative to its value.
 const RELATIVE_ROUNDING: f64 = 256.0 * f64::EPSILON;
 
-/// Which rows take part in a run.
+/// Rows that take part in a run.
 #[derive(Clone, Debug)]
 pub(super) struct Movable {
     /// Rounding of each row by (1).
@@ -72,12 +72,12 @@ impl Movable {
         self.standing < before
     }
 
-    /// Whether a row takes part.
+    /// Returns true if a row takes part.
     pub(super) fn takes_part(&self, row: usize) -> bool {
         self.takes_part[row]
     }
 
-    /// Whether some variable moves a row at a point.
+    /// Returns true if some variable moves a row at a point.
     pub(super) fn moves_at(&self, row: usize, at: &Linearisation, bounds: &Bounds) -> bool {
         let slopes = at.jacobian.row(row);
         let slopes = slopes.iter().zip(bounds.width().iter());

@@ -37,12 +37,12 @@ const TRIALS: usize = 60;
 /// A violation that the model cannot lower by more than this share of it does not shrink.
 const STUCK: f64 = 1e-4;
 
-/// Where a run under constraints ended.
+/// End of a run under constraints.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ConstrainedFit {
     /// The variables, within their bounds.
     pub x: DVector<f64>,
-    /// Everything there.
+    /// Goal, levels and rows there.
     pub at: Assessment,
     /// The largest violation there, of the rows that some variable moves.
     pub violation: f64,
@@ -72,7 +72,7 @@ impl ConstrainedFit {
         evaluations(&self.history)
     }
 
-    /// Whether rows and levels are kept.
+    /// Returns true if rows and levels are kept.
     pub fn is_feasible(&self) -> bool {
         self.violation <= KEPT
     }
@@ -174,7 +174,7 @@ impl SequentialConvex<'_> {
         [of.goal.cost(), violation]
     }
 
-    /// Whether some variable moves a row, as far as is known.
+    /// Returns true if some variable is known to move a row, or if nothing is known yet.
     fn takes_part(&self, row: usize) -> bool {
         self.movable.as_ref().is_none_or(|m| m.takes_part(row))
     }
@@ -223,8 +223,7 @@ impl SequentialConvex<'_> {
         }
     }
 
-    /// Whether the trial is better than where the run is; `predicted` is the model's reduction of the
-    /// goal.
+    /// Returns true if the trial is better than the current point; `predicted` is the model's reduction of the goal.
     fn is_better(&mut self, from: [f64; 2], predicted: f64) -> bool {
         let [goal, violation] = self.pair(&self.trial);
         let [from_goal, from_violation] = from;

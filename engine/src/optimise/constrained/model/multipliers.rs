@@ -26,8 +26,7 @@ impl ConvexModel<'_> {
         [&self.row_multipliers, &self.level_multipliers]
     }
 
-    /// How far the multipliers are from balancing the goal's slope, relative to the sizes of what is
-    /// balanced: 0 at a minimum.
+    /// Returns the imbalance of the multipliers and the goal's slope, relative to the sizes of both: 0 at a minimum.
     pub(in super::super) fn imbalance(&self) -> f64 {
         let n = self.half.len();
         let (mut left, mut size) = (0.0_f64, 0.0_f64);

@@ -39,7 +39,7 @@ pub enum SetUpRecord<'s> {
     One(&'s SetUpSummary),
     /// A set-up for each wheel of an axle.
     Wheels {
-        /// Whether the wanted values of both wheels are met.
+        /// True if the wanted values of both wheels are met.
         met: bool,
         /// The left and the right wheel.
         wheels: &'s [SetUpSummary],
@@ -47,7 +47,7 @@ pub enum SetUpRecord<'s> {
 }
 
 impl FoundSetUp {
-    /// Whether the wanted values of all wheels are met.
+    /// Returns true if the wanted values of all wheels are met.
     pub fn met(&self) -> bool {
         self.wheels.iter().all(|summary| summary.met)
     }

@@ -31,12 +31,12 @@ struct RunState {
     replaced: Vec<RunRecord>,
     /// The names this run has written.
     written: BTreeSet<String>,
-    /// Whether a signal has ended the work before its end.
+    /// True if a signal stopped the work before its end.
     interrupted: bool,
 }
 
 impl RunDirectory {
-    /// Claims a directory, before anything is computed; makes it where there is none.
+    /// Claims a directory before any computation, and creates it if it does not exist.
     pub fn claim(path: &Path, claim: &Claim<'_>) -> Result<Self, Refusal> {
         let failed = |error| Refusal::Unwritable(unwritten(path)(error));
         std::fs::create_dir_all(path).map_err(failed)?;
@@ -223,7 +223,7 @@ impl RunDirectory {
         run.is_of(&self.command, &self.digest)
     }
 
-    /// Whether a file is recorded as this run's own.
+    /// Returns true if a file is recorded as this run's own.
     fn wrote(&self, manifest: &Manifest, name: &str) -> bool {
         manifest.author(name).is_some_and(|run| self.is_own(run))
     }

@@ -89,8 +89,7 @@ pub(super) struct SaveRequest {
     pub of: Designed,
     /// A plain file name beside the study; the study itself without it.
     pub name: Option<String>,
-    /// Whether a file that was changed meanwhile gets the coordinates that were moved, or a file of that name is
-    /// replaced.
+    /// True to write the moved coordinates to a file that changed meanwhile, or to replace a file of that name.
     pub anyway: bool,
 }
 
@@ -150,9 +149,9 @@ pub(super) struct CharacteristicOverview {
     pub name: &'static str,
     pub unit: String,
     pub positive: &'static str,
-    /// Whether the study asks for it, itself or by a target.
+    /// True if the study asks for it, by itself or through a target.
     pub asked: bool,
-    /// Whether the study has what it needs.
+    /// True if the study has the inputs that it needs.
     pub available: bool,
 }
 

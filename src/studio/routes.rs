@@ -27,7 +27,7 @@ const REPORTS: usize = 3;
 /// The state of the server.
 pub(super) struct Workshop {
     pub access: Access,
-    /// Whether a request with the token has come.
+    /// True after the first request with the token.
     pub visited: AtomicBool,
     /// Folder in which a new study is written.
     directory: PathBuf,

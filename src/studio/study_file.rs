@@ -264,7 +264,7 @@ fn replace(temporary: NamedTempFile, path: &Path, text: &str) -> io::Result<()> 
     })
 }
 
-/// Whether a file has further names.
+/// Returns true if a file has further names.
 #[cfg(unix)]
 fn has_other_names(path: &Path) -> bool {
     use std::os::unix::fs::MetadataExt;
@@ -313,7 +313,7 @@ fn moved_in(
     Ok(merged)
 }
 
-/// Whether a name is one of a study in the folder itself, on every system.
+/// Checks that a name is valid on every system for a study in the folder itself.
 pub(super) fn check_name(name: &str) -> Result<(), String> {
     let is_plain = |c: char| !c.is_control() && !"/\\:*?\"<>|".contains(c);
     let is_name = Path::new(name).file_name() == Some(name.as_ref());
@@ -337,7 +337,7 @@ pub(super) fn check_name(name: &str) -> Result<(), String> {
     Ok(())
 }
 
-/// Whether Windows takes a name for a device, whatever follows its first dot.
+/// Returns true if Windows takes a name for a device, whatever follows its first dot.
 fn is_reserved(name: &str) -> bool {
     let stem = name.split('.').next().unwrap_or("").trim_end();
     let stem = stem.to_ascii_uppercase();

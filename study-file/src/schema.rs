@@ -21,7 +21,7 @@ use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 
-/// What a value may be.
+/// Kind of a value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Kind {
     Number,
@@ -35,7 +35,7 @@ enum Kind {
     Table,
 }
 
-/// What a type that takes what comes is offered.
+/// Offers to a type that accepts any kind of value.
 const OFFERS: [Kind; 5] = [
     Kind::Number,
     Kind::Truth,
@@ -44,32 +44,32 @@ const OFFERS: [Kind; 5] = [
     Kind::Table,
 ];
 
-/// What is known of a place.
+/// Known properties of a place.
 #[derive(Clone, Debug, Default)]
 struct Place {
     kinds: BTreeSet<Kind>,
     keys: Vec<&'static str>,
-    /// Whether the type there takes what comes.
+    /// True if the type there accepts any kind of value.
     takes_any: bool,
 }
 
-/// What one reading is offered, and what it notes.
+/// Offers to one reading, and its notes.
 #[derive(Debug, Default)]
 struct Notes {
     places: BTreeMap<String, Place>,
-    /// What is offered where any kind may be; a number where nothing is said.
+    /// Offers for places that accept any kind; a number if there is no entry.
     offers: BTreeMap<String, Kind>,
-    /// Keys of tables whose type did not say them beforehand.
+    /// Keys of tables whose type did not announce them.
     keys: BTreeMap<String, Vec<&'static str>>,
     /// A key that is withheld.
     withheld: Option<String>,
     /// The place of the offer that was refused.
     refused: Option<String>,
-    /// Whether keys were learnt, so that the same offer may come through now.
+    /// True if the reading found new keys, so that the same offer may now succeed.
     has_learnt: bool,
 }
 
-/// Why a reading ended.
+/// Reason for the end of a reading.
 #[derive(Debug)]
 enum Refusal {
     /// A key is unknown; these are known.
@@ -199,7 +199,7 @@ impl<'de> Deserializer<'de> for Key {
     }
 }
 
-/// What the type of such a value calls itself (the crate `serde_spanned`).
+/// Name by which the type of such a value announces itself (the crate `serde_spanned`).
 const SPANNED: &str = "$__serde_spanned_private";
 
 /// A value between its first and its last byte, as the reader of TOML hands it over.

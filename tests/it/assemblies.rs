@@ -116,7 +116,7 @@ fn all(mechanism: &Mechanism, design: &[Vector3<f64>], travel: f64, rack: f64) -
     solver.assemblies(travel, rack).unwrap()
 }
 
-/// How far two poses are from each other, in sizes.
+/// Distance of two poses from each other, in sizes.
 fn apart(a: &Pose<f64>, b: &Pose<f64>, size: f64) -> f64 {
     let columns = a.rotation.columns.iter().zip(b.rotation.columns);
     let turned = columns.map(|(p, q)| (*p - q).norm()).fold(0.0, f64::max);

@@ -146,7 +146,7 @@ fn the_front_sample_meets_its_camber_and_kingpin_curves() {
     assert!(moved(&json(&other, "summary.json")) > moved(&summary));
 }
 
-/// Of the tuned design: how well its equations are conditioned, and what is proved.
+/// A tuning reports the condition of the tuned design's equations and the proved bounds.
 #[test]
 fn a_tuning_says_what_is_known_of_its_accuracy() {
     let certify = ["--set", "outputs.certify=true"];
@@ -342,7 +342,7 @@ fn assemblies_are_listed_and_the_connected_one_is_named() {
     assert_eq!(connected[0]["strut"], "upright");
 }
 
-/// Where there is none there is no table, and not done.
+/// Without an assembly the command prints no table, and does not report success.
 #[test]
 fn no_assembly_is_said_in_a_sentence() {
     let study = studies().join("macpherson_solve.toml");
@@ -606,7 +606,7 @@ fn stations_at_a_fold_are_flagged_or_not_proved() {
     assert!(said.contains("2 of 3 stations proved"), "{said}");
 }
 
-/// What nothing can carry is said, and the exit code says that something is missing.
+/// The program reports loads without support, and its exit code is that of incomplete results.
 #[test]
 fn loads_without_support_are_reported() {
     let study = studies().join("semi_trailing_arm_solve.toml");
@@ -833,7 +833,7 @@ fn a_set_up_is_printed_for_a_mechanic() {
     assert_eq!(rows.len(), 6);
 }
 
-/// Where not one build exists nothing is said of them; limits that leave no length are a mistake.
+/// If no build exists, the program reports nothing about builds. Limits that leave no length are a mistake.
 #[test]
 fn no_builds_have_no_linear_answer() {
     let short = "tolerance.scatter=[{ length = \"tie_rod\", limits = [-300.0, -250.0] }]";

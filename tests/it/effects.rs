@@ -24,7 +24,7 @@ fn run(study: &Study) -> Curves {
     found
 }
 
-/// What a sample study does for these characteristics at 41 travels and nothing else.
+/// Work of a sample study for these characteristics alone at 41 travels.
 fn work(name: &str, characteristics: &str, more: &[&str]) -> Work {
     let characteristics = format!("outputs.characteristics={characteristics}");
     let mut overrides = vec![

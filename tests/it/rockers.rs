@@ -723,8 +723,8 @@ fn statuses(points: &[(&str, [f64; 3])], motion: &str) -> Vec<Status> {
         .collect()
 }
 
-/// Where an arm goes past its lowest point the wheel comes back, and where the rack moves the rocker may be at
-/// its toggle before the wheel has travelled: neither brings the rocker back, whatever the stations are.
+/// If an arm goes past its lowest point, the wheel comes back. If the rack moves the rocker, it may reach its toggle
+/// before the wheel has travelled. Neither brings the rocker back, whatever the stations are.
 #[test]
 fn nothing_comes_back_from_beyond_a_toggle() {
     let toggle = Status::Toggle([Some(Rod::Pushrod), None]);

@@ -1,4 +1,4 @@
-//! What a study means: units, frames, defaults, overrides, and studies written back.
+//! Meaning of a study: units, frames, defaults, overrides, and studies written back.
 
 use hardpoint::characteristics::Characteristic;
 use hardpoint::model::{Body, PointId, SpinAxis, Topology};

@@ -25,7 +25,7 @@ struct Mutant<'a> {
     size: Option<Size>,
 }
 
-/// What a study asks for that takes time.
+/// Outputs of a study that take time.
 #[derive(Clone, Copy)]
 struct Size {
     stations: usize,

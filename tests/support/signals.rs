@@ -46,18 +46,18 @@ const PARTIAL: [(&str, &[&str]); 3] = [
     ("sweep", &["pareto.csv"]),
 ];
 
-/// What is run: the arguments in a directory of its own, and what they leave there.
+/// A case: the arguments in a directory of its own, and the files that they leave there.
 #[derive(Clone)]
 struct Case {
     command: &'static str,
     arguments: Vec<String>,
     /// Directory of the results, if there is one.
     out: Option<&'static str>,
-    /// Whether the results are the same each time.
+    /// True if the results are the same each time.
     is_exact: bool,
 }
 
-/// What a whole run came to.
+/// Result of a complete run.
 #[derive(Clone)]
 struct Reference {
     code: Option<i32>,

@@ -18,7 +18,7 @@ fn study(name: &str, overrides: &[&str]) -> Study {
     Study::read(&path, &overrides).unwrap_or_else(|e| panic!("{e}"))
 }
 
-/// Where the wheel centres are, in the kernel's frame of each side.
+/// Positions of the wheel centres, in the kernel's frame of each side.
 fn centres(both: &hardpoint::axle::Axle, placed: &Placed) -> [Vector3<f64>; 2] {
     [Side::Left, Side::Right].map(|side| {
         let suspension = both.suspension(side);

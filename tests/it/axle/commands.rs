@@ -310,7 +310,7 @@ fn the_page_shows_both_wheels_on_the_ground() {
     }
 }
 
-/// What a workbook has of a study's curves is what `hardpoint solve` writes.
+/// The workbook of a study has the curves that `hardpoint solve` writes.
 #[test]
 fn the_workbook_of_an_axle_has_its_curves() {
     let path = study("five_link_axle.toml");
@@ -520,7 +520,7 @@ fn what_an_axle_lacks_is_said_with_the_wheel() {
     assert!(found.contains(why), "{found}");
 }
 
-/// What would show one wheel, or one place of many, as if it were the axle, is refused or said.
+/// Commands that show one wheel, or one place of many, either refuse an axle or say that they show only one.
 #[test]
 fn what_knows_one_wheel_does_not_pass_for_the_axle() {
     let path = study("five_link_axle.toml");

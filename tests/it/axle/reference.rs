@@ -118,7 +118,7 @@ pub(super) fn condition(name: &str, state: &AxleState<f64>) -> f64 {
     }
 }
 
-/// What the numbers of an array of the states are, in their order.
+/// Names of the numbers in an array of the states, in their order.
 pub(super) fn names<'c>(case: &'c Value, of: &str) -> Vec<&'c str> {
     let names = case["names"][of].as_array().unwrap().iter();
     names.map(|name| name.as_str().unwrap()).collect()

@@ -1,4 +1,4 @@
-//! What holds without an oracle: mirror images, the corner's own curves, statics.
+//! Tests without an oracle: mirror images, the corner's own curves, statics.
 
 use super::{axle, reference::read};
 use hardpoint::analyse::{Load, Support};

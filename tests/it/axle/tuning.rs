@@ -152,8 +152,8 @@ fn tuned(study: &Study, quantity: AxleQuantity, placements: &[Placement]) -> (f6
     (best.after.misfit, values.collect())
 }
 
-/// What limits a motion of the left wheel is kept all along it by the tuned axle's wheel alone, also between the stations at
-/// which it was looked at; and it binds.
+/// A constraint on a motion of the left wheel holds for the tuned axle's wheel alone, all along the motion. It holds
+/// between the tuning's stations too, and it binds.
 #[test]
 fn constraints_hold_through_a_motion_of_the_wheel() {
     let edits = [

@@ -172,7 +172,7 @@ fn a_printed_build_has_its_extra_points() {
     }
 }
 
-/// What a built axle reads in one position, its sources moved by so much each.
+/// Readings of a built axle in one position, with each source moved by a given amount.
 struct Moved<'s> {
     sources: Vec<&'s Source>,
     assemblers: [Assembler; 2],
@@ -352,7 +352,7 @@ fn first_order_is_the_monte_carlo_where_scatter_is_small() {
     assert!((variance("mean_steer_deg") / left - 0.5).abs() < 1e-3);
 }
 
-/// What scatters at one side alone moves nothing of the other wheel on pads.
+/// On pads, a contributor of one side does not move the other wheel.
 #[test]
 fn a_side_scatters_by_itself() {
     let motion = "motion={heave=[-20.0,0.0,20.0]}";
@@ -451,7 +451,7 @@ fn results_are_the_same_however_they_are_found() {
     );
 }
 
-/// Which wheel of which build does not go together is said; no build without it is counted.
+/// The program names the wheel and the build that cannot be assembled, and leaves that build out of the count.
 #[test]
 fn a_wheel_that_cannot_be_put_together_is_named() {
     let wide = "tolerance.scatter=[{length=\"lower_arm_front\",sigma=150.0,side=\"right\"}]";

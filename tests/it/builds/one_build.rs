@@ -123,7 +123,7 @@ fn a_rejected_build_is_said_to_be_one() {
     );
 }
 
-/// What builds reach at least is the least of what each reaches.
+/// The limit that all builds reach is the nearest of the limits of each.
 #[test]
 fn limits_of_builds_are_the_nearest_of_each() {
     let (name, count) = ("double_wishbone_tolerance", 4);

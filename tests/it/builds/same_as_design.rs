@@ -1,4 +1,4 @@
-//! Where a build and a drawing are one.
+//! Tests in which a build equals the nominal design.
 
 use super::{assembler, parameter, study};
 use hardpoint::assembly::{Parts, Rest, built_curves};

@@ -21,7 +21,7 @@ fn built(problem: &Problem) -> (Vec<f64>, Expansion, MonteCarlo) {
     (drawn, expansion, builds)
 }
 
-/// Where the linear answer says it holds its standard deviation is the builds', to 2 % and four standard errors.
+/// If the linear answer claims to hold, its standard deviation equals the builds', to 2 % and four standard errors.
 #[test]
 fn first_order_is_the_monte_carlo_where_it_says_so() {
     for (name, travel) in [
@@ -115,8 +115,8 @@ fn second_order_tells_where_the_linear_answer_does_not_hold() {
     assert_eq!(expansion.holds(problem.cell(0, 0)), Some(false));
 }
 
-/// Where tolerances are so wide that curvature and interaction count, first-order parts of the builds' variance and what
-/// second order says of the rest make 1 within the standard error; without that rest they do not.
+/// With wide tolerances, curvature and interaction count. First-order parts of the builds' variance and the
+/// second-order remainder then sum to 1 within the standard error. Without the remainder they do not.
 #[test]
 fn shares_and_their_remainder_make_one() {
     let study = study(

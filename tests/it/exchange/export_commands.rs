@@ -264,7 +264,7 @@ fn rounding_moves_what_was_tuned() {
     assert_eq!(changed[0].1[2] % 7.0, 0.0);
 }
 
-/// What a command reads it never writes over, by whatever name.
+/// A command never overwrites its inputs, by whatever name.
 #[test]
 fn inputs_are_never_written_over() {
     let directory = tempfile::tempdir().unwrap();

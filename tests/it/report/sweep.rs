@@ -1,9 +1,9 @@
-//! What is in the page of a sweep.
+//! Content of the page of a sweep.
 
 use super::page::{MOST_BYTES, own_text};
 use super::*;
 
-/// Which columns of `designs.csv` are numbers that the page has: all but the last three and the first.
+/// Columns of `designs.csv` with numbers that the page has: all but the last three and the first.
 fn numbers(header: &[String]) -> std::ops::Range<usize> {
     1..header.len() - 4
 }
@@ -198,7 +198,7 @@ fn a_chosen_design_has_its_curves_and_its_mechanism() {
     );
 }
 
-/// What nothing moves is no row of rounding noise among the effects.
+/// Outputs that no variable changes do not appear among the effects as rounding noise.
 #[test]
 fn what_nothing_moves_has_no_effects() {
     let run = sweep("plain", &["--set", "sweep.samples=64"]);

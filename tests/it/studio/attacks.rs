@@ -1,4 +1,4 @@
-//! What strangers get: nothing.
+//! Requests from strangers get nothing.
 
 use super::client::{answer, request, send};
 use super::{Served, sample};

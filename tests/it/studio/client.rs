@@ -80,7 +80,7 @@ pub fn request(method: &str, path: &str, headers: &[(&str, &str)], body: &[u8]) 
 }
 
 impl Served {
-    /// What the page would send.
+    /// Sends a message as the page would send it.
     pub fn post(&self, what: &str, message: &Value) -> Answer {
         let host = format!("127.0.0.1:{}", self.port());
         let origin = format!("http://{host}");

@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// Of one design position alone, and of designs enough for two parts.
+/// A study of the design position alone, with enough designs for two parts.
 fn two_parts() -> String {
     let from = STUDY.find("[optimise]").unwrap();
     STUDY[..from]

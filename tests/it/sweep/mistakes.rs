@@ -299,7 +299,7 @@ fn tolerances_below_rounding_are_refused() {
     bench.run(&["report", "run"]).success();
 }
 
-/// What has no end is not read.
+/// The program does not read files without an end.
 #[cfg(unix)]
 #[test]
 fn devices_are_no_inputs() {

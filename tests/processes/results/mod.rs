@@ -1,4 +1,4 @@
-//! What a directory of results may lose, and what it may not: whoever writes there, however a run ends.
+//! Losses of a results directory that are allowed, and those that are not, with any writer and any end of a run.
 
 mod claims;
 mod full_disk;

@@ -1,4 +1,4 @@
-//! What is refused writes nothing, and does not hang.
+//! A refused study writes nothing, and does not hang.
 
 use super::*;
 use std::time::{Duration, Instant};

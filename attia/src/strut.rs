@@ -80,8 +80,8 @@ impl Strut {
         })
     }
 
-    /// Factor that turns a rotation of the arm that raises the ball joint into one of
-    /// [`Drive::ArmAngle`](crate::Drive::ArmAngle), which is about the axis from front to rear.
+    /// Sign, 1 or -1, of a turn of [`Drive::ArmAngle`](crate::Drive::ArmAngle) that raises the ball joint. The drive
+    /// turns the arm about the axis from front to rear.
     pub fn raising_turn(&self) -> f64 {
         let axis = self.lower_arm_rear - self.lower_arm_front;
         let rise = axis.cross(self.lower_ball_joint - self.lower_arm_front).z;

@@ -342,7 +342,7 @@ fn assemblies_are_listed_and_the_connected_one_is_named() {
     assert_eq!(connected[0]["strut"], "upright");
 }
 
-/// Without an assembly the command prints no table, and does not report success.
+/// If the design has no assembly, the command says so in one sentence and exits with code 1.
 #[test]
 fn no_assembly_is_said_in_a_sentence() {
     let study = studies().join("macpherson_solve.toml");

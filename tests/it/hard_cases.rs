@@ -239,8 +239,8 @@ fn what_has_no_solution_is_refused_with_the_limit() {
     }
 }
 
-/// Condition numbers estimated by a closed form are right to within a factor of ten, over designs scattered by up to
-/// a sixth of the size. Numbers above 1000 are not compared.
+/// Condition numbers estimated by a closed form are right to within a factor of ten. The designs are scattered by up
+/// to a sixth of the size. Numbers above 1000 are not compared.
 #[test]
 fn estimated_condition_numbers_hold_to_a_factor_of_ten() {
     for (name, reach) in [

@@ -327,8 +327,8 @@ fn all(designs: usize) -> Vec<(f64, Found)> {
 
 /// The residual that lanes leave is rounding. They approach folds and toggles up to an angle of sine 1/4, where the
 /// knuckle turns four times as fast. That gives a factor of 4 for a position and of its cube for a rate. The bound
-/// allows for these factors and for the roundings of both paths. The remaining errors are of quotients of which both
-/// parts almost vanish, such as the roll centre of a wheel that turns about its contact point.
+/// allows for these factors and for the roundings of both paths. The remaining errors occur in quotients of two
+/// almost vanishing parts, such as the roll centre of a wheel that turns about its contact point.
 const BOUND: f64 = 1e-12;
 
 /// Rates lose twice the digits of the condition number, which is below 1e3 where a station's condition counts as

@@ -18,7 +18,7 @@ pub struct AxleColumn {
     pub of: Of,
     /// The motion along which it is a derivative; `None` for a value.
     pub by: Option<Motion>,
-    /// True if the column is the time derivative of a motion along `by`.
+    /// True if the column is the derivative by time, in a motion along `by`.
     pub is_by_time: bool,
     /// Order of the derivative; 0 for a value.
     pub order: usize,

@@ -107,9 +107,9 @@ pub struct Car {
     pub axles: [Axle; 2],
     /// Place of the rear axle's origin.
     pub rear_offset: Vector3<f64>,
-    /// Masses to which mass and centre of gravity refer.
+    /// Masses that `mass` and `cg` include.
     pub masses: Masses,
-    /// Mass, kg, of the part of the car that [`Masses`] names.
+    /// Mass, kg: of the whole car or sprung, as `masses` says.
     pub mass: f64,
     /// The centre of gravity of that mass, design position.
     pub cg: Vector3<f64>,

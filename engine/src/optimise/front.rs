@@ -11,8 +11,8 @@
 //!
 //! This also reaches concave parts, where no weighted sum has a minimum. For two aims, the search first finds the two
 //! ends: the least of one aim and, among the designs with it, the least of the other. Then it halves the widest gap.
-//! In the direction in which the gap is wider, it holds one aim to the middle and lowers the other, starting from the
-//! points on either side. If this finds nothing better than a known point, no design lies in that part, and the gap
+//! In the wider direction of the gap, it holds one aim to the middle. Starting from the points on either side, it
+//! lowers the other aim. If this finds nothing better than a known point, no design lies in that part, and the gap
 //! shrinks. In this way the search detects a broken front. For three aims the bounds are a grid, and each aim is
 //! lowered in turn. The points farthest apart are kept.
 //!

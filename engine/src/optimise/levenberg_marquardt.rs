@@ -7,13 +7,13 @@
 //! damping = max( mu |r|^2, drift |J W| |r| )                                               (2)
 //! ```
 //!
-//! (1) is solved exactly (`BoundedLeastSquares`). Damping in proportion to |r|^2 makes the method converge
-//! quadratically to a zero of r even if zeros are not isolated, so that J lacks full rank (Ch. Kanzow, N. Yamashita,
-//! M. Fukushima, Levenberg-Marquardt methods with strong local convergence properties for solving nonlinear equations
-//! with convex constraints, J. Comput. Appl. Math. 172, 2004). mu follows the ratio of the actual reduction to the
-//! predicted one (J. Fan, Y. Yuan, On the quadratic convergence of the Levenberg-Marquardt method without
-//! nonsingularity assumption, Computing 74, 2005). The method needs no decision about the rank: directions that leave
-//! the residuals unchanged have no gradient, and damping does not move them.
+//! (1) is solved exactly (`BoundedLeastSquares`). With damping in proportion to |r|^2 the method converges
+//! quadratically to a zero of r. It does so even if zeros are not isolated and J lacks full rank (Ch. Kanzow, N.
+//! Yamashita, M. Fukushima, Levenberg-Marquardt methods with strong local convergence properties for solving
+//! nonlinear equations with convex constraints, J. Comput. Appl. Math. 172, 2004). mu follows the ratio of the actual
+//! reduction to the predicted one (J. Fan, Y. Yuan, On the quadratic convergence of the Levenberg-Marquardt method
+//! without nonsingularity assumption, Computing 74, 2005). The method needs no decision about the rank: directions
+//! that leave the residuals unchanged have no gradient, and damping does not move them.
 //!
 //! The second term of (2) keeps them still in finite precision as well. Rounding turns the zero singular value of
 //! such a direction into one of about e |J W|, with e the machine precision. Its left vector may have a component

@@ -93,8 +93,8 @@ impl<'a> LocalModel<'a> {
         }
     }
 
-    /// Returns true if the residuals, of norm `size`, are at right angles to all columns whose variable is free to
-    /// descend, to within the cosine `cosine`.
+    /// Returns true if the residuals are at right angles to all columns whose variable is free to descend, to within
+    /// `cosine`. Their norm is `size`.
     pub(super) fn is_stationary(&self, size: f64, cosine: f64) -> bool {
         let columns = self.subproblem.column_norms().iter().enumerate();
         columns.into_iter().all(|(j, column)| {

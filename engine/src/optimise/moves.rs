@@ -1,6 +1,6 @@
 //! Moves of the design by the variables, and their derivatives.
 //!
-//! Points that turn as one body go to c + R(w) (p - c), with c their centroid in the design and w the rotation
+//! Points that turn as one body go to c + R(w) (p - c). Here c is their centroid in the design and w the rotation
 //! vector. All other moves are added to that. With the angle a = |w|, R is Cayley's rotation of the Rodrigues vector
 //! w tan(a/2)/a. The factor tan(a/2)/a is a power series in w.w. It is summed to double precision up to the largest
 //! turn that a study may request.

@@ -329,8 +329,8 @@ impl<'a> Tuner<'a> {
         }
     }
 
-    /// Returns the directions that the targets determine at a fit. Directions without effect on the targets are
-    /// tested by moves along them.
+    /// Returns the directions that the targets determine at a fit. It moves along directions without effect on the
+    /// targets to test them.
     fn identifiability(&self, fit: &Fit) -> Identifiability {
         let mut found = Identifiability::new(&fit.evaluation, &self.bounds, UNSEEN);
         let mut problem = self.problem();

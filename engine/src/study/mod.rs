@@ -738,8 +738,8 @@ impl Target {
         self.site == Site::default() && is_curve
     }
 
-    /// Returns true if it wants a value or a curve of a characteristic in the study's own motion, so that a picture
-    /// can show it as a line.
+    /// Returns true if a picture can show the target as a line: a value or curve of a characteristic in the study's
+    /// own motion.
     pub fn is_plain(&self) -> bool {
         !matches!(self.wanted, Wanted::Band { .. }) && self.is_in_motion()
     }

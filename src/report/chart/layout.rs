@@ -88,7 +88,7 @@ pub(in crate::report) struct LineLayout {
     pub told: String,
     /// Colour and stroke.
     pub class: String,
-    /// True if the value of this curve comes first.
+    /// True for the main curve: its value comes first, and its deviations are shown.
     pub is_main: bool,
     /// Number of the table.
     pub table: usize,

@@ -21,7 +21,7 @@ pub struct DrawnDesigns {
 }
 
 impl DrawnDesigns {
-    /// Returns true if all of its designs have curves, so that it can be shown.
+    /// Returns true if the files have the present form and agree in their number of designs.
     pub(super) fn is_whole(&self) -> bool {
         let count = self.designs.len();
         self.record.form == FORM && self.record.designs.len() == count && self.curves.len() == count

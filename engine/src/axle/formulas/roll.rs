@@ -70,7 +70,7 @@ pub(crate) fn track_change<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -
     state.track() - designed
 }
 
-/// Distance of a contact point outboard of the centre plane in the design position.
+/// Lateral distance of a contact point from the centre plane in the design position.
 #[inline(always)]
 fn designed_half_track<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>, side: Side) -> T {
     let wheel = state.wheel(side);

@@ -18,8 +18,8 @@ const ANGLES: [Characteristic; 4] = [
     Characteristic::Caster,
 ];
 
-/// Ranges of the arm's angle as wide as this (rad) are left by a search that was given up; what intervals cannot
-/// decide is far narrower.
+/// Width of the ranges of the arm's angle (rad) that an abandoned search leaves; the ranges that intervals cannot
+/// decide are far narrower.
 const GIVEN_UP: f64 = 1e-6;
 
 /// The assemblies that were found.

@@ -17,8 +17,8 @@ pub struct FoundSetUp {
 pub enum Refusal {
     /// A design that cannot be solved.
     Design(String),
-    /// Wanted values that cannot be met. The set-ups hold the effects of the adjustments on the design; there are none
-    /// if an effect cannot be computed.
+    /// Wanted values that cannot be met. The set-ups hold the effects of the adjustments on the design; they are
+    /// empty if an effect cannot be computed.
     NotMet(String, Vec<SetUpSummary>),
 }
 

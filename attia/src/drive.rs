@@ -28,7 +28,7 @@ impl Driver {
     }
 }
 
-/// The circle on which point 5 moves, and what the drives need besides.
+/// The circle on which point 5 moves, and further inputs of the drives.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Driving {
     kind: Drive,

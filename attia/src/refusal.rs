@@ -22,7 +22,7 @@ pub enum Singular {
     BallJointOnArmAxis,
     /// The tie rod does not hold the knuckle.
     TieRodToggle,
-    /// The paper's drive at theta = k pi, or beyond what the arm reaches.
+    /// The paper's drive at theta = k pi, or beyond the reach of the arm.
     DeadCentre,
     /// The drive by travel at the end of the travel.
     TravelLimit,

@@ -294,8 +294,8 @@ fn spread(lu: &Factors) -> f64 {
 
 /// Condition number of a Jacobian with these factors, in the Frobenius norm; infinite (or not a number) where singular.
 ///
-/// Every equation is a squared length and every unknown a length, so that it needs no scaling. Scaling
-/// the rows would hide two points that coincide: what is left of their row is rounding.
+/// Every equation is a squared length and every unknown a length, so that they need no scaling. Scaling the rows
+/// would hide two points that coincide, because their row then is only rounding.
 fn condition(jacobian: &Jacobian, factors: Option<&Factors>) -> f64 {
     let norm = |rows: &Jacobian| {
         rows.as_flattened()
@@ -307,7 +307,7 @@ fn condition(jacobian: &Jacobian, factors: Option<&Factors>) -> f64 {
     factors.map_or(f64::INFINITY, |lu| norm(&lu.inverse()) * norm(jacobian))
 }
 
-/// A bound on what rounding leaves of the equations at their solution.
+/// Returns a bound on the rounding error of the equations at their solution.
 ///
 /// With coordinates up to M and distances up to D: each coordinate difference carries eps M, which
 /// moves a squared distance or a component of a vector product by no more than 2 sqrt(3) D eps M; the

@@ -26,7 +26,7 @@ impl Timing {
         }
     }
 
-    /// Half of what lies between the quartiles, in parts of the median.
+    /// Half of the distance between the quartiles, in parts of the median.
     pub fn spread(&self) -> f64 {
         0.5 * (self.upper - self.lower) / self.median
     }

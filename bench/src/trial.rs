@@ -1,4 +1,4 @@
-//! The equations on any number, with any tolerance and any start: for measuring what they cost.
+//! The equations on any number, with any tolerance and any start: for measuring their cost.
 //!
 //! Production is [`Solver`](hardpoint_engine::solve::Solver), which does more: it looks where it steps. Here the formulas
 //! of closed form and closure equations are run bare, so that one thing at a time can be changed.

@@ -31,7 +31,7 @@ pub(super) struct Ready<'s> {
     pub inputs: Vec<PathBuf>,
     /// Copies of the studies, by the name of the file, that are kept with the results.
     pub kept: &'s dyn Fn(&Path) -> Vec<(&'static str, String)>,
-    /// Writes what the page shows of single designs, at the end.
+    /// Writes the data of single designs that the page shows, at the end.
     pub draw: &'s dyn Fn(&Output, &SweepStatistics) -> Result<(), Stop>,
 }
 

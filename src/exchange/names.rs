@@ -1,4 +1,4 @@
-//! Words of names: how a name is cut, what abbreviations stand for, and which hardpoint the words make.
+//! Words of names: splitting of a name, meaning of abbreviations, and the hardpoint of the words.
 //!
 //! A name is cut into words, abbreviations are spelt out (`LCA` is `lower arm`), and the words are compared with
 //! those of a table, in any order: `lca_front`, `Lower wishbone - front pivot` and `hpl_lca_front` are all
@@ -8,7 +8,7 @@
 use super::table::Marks;
 use crate::model::{AxlePosition, Side, Topology};
 
-/// A name longer than this is none.
+/// A text longer than this is not a name.
 const LONGEST: usize = 300;
 
 /// Words of names and their meanings; empty for words without meaning.

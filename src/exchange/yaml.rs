@@ -1,4 +1,4 @@
-//! YAML as a map: what `map` reads, from the events of the parser.
+//! YAML as a map: the input of `map`, from the events of the parser.
 //!
 //! Everything of YAML 1.2 is read but aliases, whose text may stand for gigabytes: they are refused with their line. A
 //! plain scalar that is a number by the core schema's decimal forms is one; all else is text, quoted numbers too. Of

@@ -421,8 +421,7 @@ impl TuningSummary {
         self.misfit_after.is_some()
     }
 
-    /// Number of the point of a front that is the tuned design, to a thousandth of each range; `None` if there is
-    /// none.
+    /// Number of the point of a front that is the tuned design, to a thousandth of each range; `None` if no point is.
     pub(super) fn kept_point(&self, front: &FrontRecord) -> Option<usize> {
         let is_same = |point: &FrontPoint| {
             let pairs = self.variables.iter().zip(&point.offsets);

@@ -1,4 +1,4 @@
-//! The claim of a run on a directory: who may replace what.
+//! The claim of a run on a directory: permissions to replace files.
 
 use super::manifest::{self, Manifest, RunRecord, matches};
 use super::{Refusal, TEMPORARY};

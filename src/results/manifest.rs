@@ -47,7 +47,7 @@ impl Default for Manifest {
 }
 
 impl Manifest {
-    /// Reads that of a directory: an empty one where there is none.
+    /// Reads that of a directory: an empty one if it does not exist.
     pub fn read(directory: &Path) -> Result<Self, String> {
         let bytes = match std::fs::read(directory.join(NAME)) {
             Ok(bytes) => bytes,

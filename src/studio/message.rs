@@ -98,7 +98,7 @@ pub(super) struct SaveRequest {
 pub(super) struct Overview {
     pub name: String,
     pub file: String,
-    /// Path of the file, so that a browser does not mistake what it has stored of one study for another's.
+    /// Path of the file, so that a browser does not confuse its stored data of one study with another's.
     pub place: String,
     pub digest: String,
     /// SHA-256 of the file's text before changes that are not saved.
@@ -231,7 +231,7 @@ impl ColumnValues {
 #[derive(Serialize)]
 pub(super) struct Misfit {
     pub value: Option<f64>,
-    /// Reason why there is none.
+    /// Reason for its absence.
     pub reason: Option<String>,
     pub gradient: Coordinates,
     pub targets: Vec<TargetMisfit>,

@@ -13,8 +13,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 use thiserror::Error;
 
-/// The port that is tried where none is asked for: the same every time, so that a browser finds what it kept of
-/// an earlier session.
+/// Default port: the same every time, so that a browser finds its data of an earlier session.
 const USUAL_PORT: u16 = 7353;
 /// Interval between checks whether to stop.
 const LOOK: Duration = Duration::from_millis(100);
@@ -33,7 +32,7 @@ pub enum NotServed {
         /// Error of the system.
         source: std::io::Error,
     },
-    /// The system does not give what a server needs.
+    /// The system refuses a resource that the server needs.
     #[error("cannot serve: {0}")]
     System(#[from] std::io::Error),
 }

@@ -1,10 +1,10 @@
 //! The JSON schema of studies, for editors.
 //!
-//! It is found by asking the reader: the types of [`file`](mod@crate::file) are read from a source that has no
-//! text, notes what each of them asks for (a text, a list, a table with these keys) and hands out
-//! something of that kind. Where a type takes what comes, every kind is offered; whether a key is needed
-//! shows where it is withheld. So the schema knows the keys the reader knows, and there is no second list
-//! of them. The descriptions of keys come from `keys.md`, which the manual (`docs/study.md`) contains.
+//! The reader itself gives the schema. The types of [`file`](mod@crate::file) are read from a source that has no
+//! text. The source notes the kind of value that each type asks for (a text, a list, a table with these keys) and
+//! returns one. If a type accepts any kind, the source offers every kind. It withholds each key to find out if the
+//! key is required. So the schema has the keys that the reader has, and no second list of them exists. The
+//! descriptions of keys come from `keys.md`, which the manual (`docs/study.md`) contains.
 //!
 //! A study of one wheel or an axle and the study of a car are two kinds of file ([`Root`]). The schema offers both.
 //!
@@ -505,9 +505,9 @@ fn manual(root: Root) -> BTreeMap<(String, String), String> {
     said
 }
 
-/// The JSON schema (draft 4) of studies: their keys, which of them are needed, and of what type their values
-/// are. In later drafts 8.0 is an integer, which it is not in TOML. Names that a text may be, or the keys of a table,
-/// as far as there is a list of them, are asked for by the kind of study and the place.
+/// The JSON schema (draft 4) of studies: their keys, the required ones, and the types of their values. In later
+/// drafts 8.0 is an integer, which it is not in TOML. `names` returns the list of allowed names or table keys, if
+/// there is one, by the kind of study and the place.
 pub fn schema(names: fn(Root, &str) -> Option<Vec<String>>) -> Value {
     let kinds = Root::ALL.map(|root| {
         let (places, needed) = places(root);

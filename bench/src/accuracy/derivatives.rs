@@ -51,7 +51,7 @@ impl Gradients {
     }
 }
 
-/// A quantity and what it is differentiated by.
+/// A quantity and the coordinates by which it is differentiated.
 struct Task<'t> {
     subject: &'t Subject<'t>,
     outputs: Vec<Characteristic>,

@@ -1,4 +1,4 @@
-//! Work and precision: what a digit costs.
+//! Work and precision: the cost of a digit.
 //!
 //! Every way to a number is measured by its time and by its true error, against the same number in
 //! twice the precision: the six closure equations solved in pairs of doubles (see

@@ -201,8 +201,8 @@ pub enum Quantity {
 }
 
 impl Quantity {
-    /// The quantities of a name, left before right; empty where there is none. `roll_steer` is of the wheels
-    /// and of the axle.
+    /// The quantities of a name, left before right; empty if no quantity has the name. Both the wheels and the axle
+    /// have a `roll_steer`.
     pub fn named(name: &str) -> Vec<Quantity> {
         let sides = Side::ALL;
         let mut found = Vec::new();
@@ -343,7 +343,7 @@ impl Quantity {
         void.or(plane).unwrap_or(NoValue::NotFinite).reason()
     }
 
-    /// The value in a state, or why there is none.
+    /// The value in a state, or the reason for its absence.
     pub fn value(self, state: &AxleState<f64>) -> Result<f64, NoValue> {
         let is_void = |void: &NoValue| match void {
             NoValue::StraightAhead => steering::is_straight_ahead(state),

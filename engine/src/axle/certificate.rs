@@ -1,4 +1,4 @@
-//! Proof of an axle's position: of both poses, and of what the ground asks of them.
+//! Proof of an axle's position: of both poses, and of the conditions at the ground.
 //!
 //! On a plane ground one number is a result: half the difference s of the travels, where the roll angle is given, or
 //! the roll angle, where both travels are. It is the root of f = h_l - h_r, the difference in height of the contact

@@ -1,4 +1,4 @@
-//! Columns of an axle's curves: names that say what a number is and in what unit.
+//! Columns of an axle's curves: names with quantity and unit.
 
 use super::reading::WheelParts;
 use super::state::{AxleState, Motion};
@@ -68,8 +68,8 @@ impl AxleColumn {
         }
     }
 
-    /// The column's number in a position, in radians, length units, newtons and seconds, or why there is none. `None` for a
-    /// force, which cannot be read off the position alone.
+    /// The column's number in a position, in radians, length units, newtons and seconds, or the reason for its
+    /// absence. `None` for a force, which cannot be read off the position alone.
     pub(super) fn evaluate(&self, read: &Read, time: ByTime) -> Option<Result<f64, NoValue>> {
         if !self.is_by_time {
             return self.along(read, self.order);
@@ -174,7 +174,7 @@ impl AxleColumn {
         }
     }
 
-    /// Name of what the column contains, without motion and unit.
+    /// Name of the column's content, without motion and unit.
     pub fn output(&self) -> String {
         match &self.of {
             Of::Quantity(quantity) => quantity.name(),
@@ -252,7 +252,7 @@ impl From<&AxleColumn> for Column {
     }
 }
 
-/// A motion, its name and unit in columns, and what a derivative along it is multiplied by to be printed.
+/// A motion, its name and unit in columns, and the factor from a derivative along it to its printed value.
 type ByMotion = (Motion, &'static str, String, f64);
 
 /// Three components of the left wheel, three of the right one.
@@ -370,7 +370,7 @@ impl AxlePlan {
         columns
     }
 
-    /// The loads on one wheel, and what carries them.
+    /// The loads on one wheel, and the parts that carry them.
     pub(super) fn carried<'a>(&'a self, axle: &'a Axle, side: Side) -> Loads<'a> {
         let mechanism = &axle.suspension(side).mechanism;
         Loads::of(mechanism, axle.frame(side), &self.loads[side as usize])

@@ -93,7 +93,7 @@ impl Axle {
 pub struct AxleCurves {
     /// The curves.
     pub curves: Curves,
-    /// For each station the position of both wheels, or the reason why there is none.
+    /// For each station the position of both wheels, or the reason for its absence.
     pub placed: Vec<Result<Placed, NoPose>>,
 }
 

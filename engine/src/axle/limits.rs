@@ -37,12 +37,12 @@ pub enum TravelRanges {
     },
 }
 
-/// The end of an axle's range: where the first wheel comes to an end.
+/// The end of an axle's range: the first wheel reaches an end there.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AxleEnd {
     /// The value at the end: a travel, a rack displacement or a roll angle in radians.
     pub value: f64,
-    /// The wheel that comes to its end.
+    /// The wheel that reaches its end.
     pub side: Side,
     /// End of that wheel's travel, in its own frame.
     pub end: RangeEnd,

@@ -1,4 +1,4 @@
-//! The numbers that say where the stations of an axle's motion are, and what is proved of them, as they are printed.
+//! The numbers that locate the stations of an axle's motion, and the proved bounds, as they are printed.
 
 use super::certificate::AxleProof;
 use super::solver::{Placed, Placement};

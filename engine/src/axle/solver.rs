@@ -1,4 +1,4 @@
-//! Finding the position of an axle: both corners, and what the ground asks of them.
+//! Solver for the position of an axle: both corners, and the conditions at the ground.
 //!
 //! On a plane ground both contact points are at one height, f = h_l(z_l) - h_r(z_r) = 0 with h = n.C. With
 //! the roll angle given and z_l, z_r = heave +- s this is one equation in s. Its slope n.C_l' + n.C_r' is
@@ -34,8 +34,8 @@ pub enum Placement {
         /// Displacement of the rack.
         rack: f64,
     },
-    /// The body rolled on a plane ground, with a mean travel that follows from the load: the axle carries what it
-    /// carries when it stands level at `heave`, with the rack in the middle.
+    /// The body rolled on a plane ground, with a mean travel that follows from the load. The axle carries the same
+    /// load as when it stands level at `heave`, with the rack in the middle.
     AtLoad {
         /// Mean travel of the wheel centres at which the level axle carries the same load.
         heave: f64,
@@ -613,7 +613,7 @@ pub struct Read<'a> {
 }
 
 impl Read<'_> {
-    /// The value of a quantity, or why there is none.
+    /// The value of a quantity, or the reason for its absence.
     pub fn value(&self, quantity: Quantity) -> Result<f64, NoValue> {
         match self.is_stuck(quantity) {
             true => Err(NoValue::Toggle),

@@ -21,9 +21,9 @@
 //! heave       z_l' = 1 + D,  z_r' = 1 - D        D = -(n.C_l,h - n.C_r,h)/F
 //! ```
 //!
-//! A position on a plane may be asked for by its roll angle and mean travel, by both travels, or at a load. Derivatives
-//! along [`Motion::Rack`] depend on that, since they hold what the station gives. Formulas of the catalogue must not: they
-//! use the other motions.
+//! A position on a plane may be given by its roll angle and mean travel, by both travels, or at a load. Derivatives
+//! along [`Motion::Rack`] depend on that, since they hold the given numbers of the station. Formulas of the catalogue
+//! must not depend on it: they use the other motions.
 
 use super::reading::{Moving, Reading, WheelParts};
 use super::setup::Setup;
@@ -302,8 +302,8 @@ impl<'a, T: Real, W: WheelParts<T>> AxleState<'a, T, W> {
         }
     }
 
-    /// The same wheels on the plane under both, whatever numbers the station gives: the roll angle and the mean travel
-    /// are what motions hold.
+    /// The same wheels on the plane under both, with any numbers of the station. Motions then hold the roll angle and
+    /// the mean travel.
     #[inline(always)]
     pub fn on_plane(&self) -> Self {
         AxleState {

@@ -107,7 +107,7 @@ impl<T: Real> Taylor<T> {
         taylor
     }
 
-    /// The coefficient with these powers of travel and rack; NaN beyond what is known.
+    /// The coefficient with these powers of travel and rack; NaN beyond the known orders.
     #[inline(always)]
     pub fn coefficient(&self, [travel, rack]: [usize; 2]) -> T {
         match travel + rack {

@@ -80,8 +80,8 @@ impl<'c> CarRequest<'c> {
         (from, &self.results[from..to])
     }
 
-    /// Fills in the results of a design, as printed; NaN where there is none. Every case is solved from the design position,
-    /// so that the numbers are those of the case alone.
+    /// Fills in the results of a design, as printed; NaN for missing results. Every case is solved from the design
+    /// position, so that the numbers are those of the case alone.
     ///
     /// # Errors
     /// The reason if the design position cannot be solved.

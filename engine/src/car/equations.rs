@@ -93,7 +93,7 @@ pub struct Balance<T> {
     pub design_contact: Vector3<T>,
     /// Downforces near the front and the rear axle, and the drag.
     pub air: [T; 3],
-    /// Heights of the ride-height points; NaN where there is none.
+    /// Heights of the ride-height points; NaN without such a point.
     pub ride_heights: [T; 2],
     /// Torques of the anti-roll bars.
     pub bars: [T; 2],

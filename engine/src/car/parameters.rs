@@ -28,7 +28,7 @@ pub enum AxleParameter {
     TyreRate,
     /// Radius of the wheels.
     Radius,
-    /// Mass of both wheels with what moves with them.
+    /// Mass of both wheels and of the parts that move with them.
     UnsprungMass,
     /// Place of the axle's origin, forward.
     OffsetX,

@@ -315,7 +315,7 @@ impl ActiveSet {
         Err(Outcome::Stalled)
     }
 
-    /// The sum of the sizes of what makes up a constraint's value.
+    /// The sum of the sizes of the terms of a constraint's value.
     fn terms(&self, constraint: Held, rows: Rows<'_>) -> f64 {
         match constraint {
             Held::Row(row) => {
@@ -390,8 +390,8 @@ impl ActiveSet {
         }
     }
 
-    /// Holds the constraint whose v is in `projected`: rotates the columns of J that span what is free
-    /// so that only the first of them sees it.
+    /// Holds the constraint whose v is in `projected`. Rotates the columns of J that span the free directions, so
+    /// that only the first of them has a component along its gradient.
     fn hold(&mut self, constraint: Held, sign: f64, multiplier: f64) {
         let n = self.variables;
         let q = self.held.len();

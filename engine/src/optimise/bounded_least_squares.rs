@@ -359,7 +359,7 @@ mod tests {
             (&self.jacobian * s + &self.residuals).norm_squared() + self.damping * s.norm_squared()
         }
 
-        /// The least objective over all ways to hold variables, where what is free is feasible.
+        /// The least objective over all ways to hold variables in which the free ones are feasible.
         fn by_enumeration(&self) -> f64 {
             let n = self.lower.len();
             let mut least = f64::INFINITY;

@@ -10,8 +10,8 @@ use crate::mechanism::DesignFault;
 use crate::study::{Optimise, Scatter, Vehicle};
 use nalgebra::DVector;
 
-/// Targets outside of the front are held to their tolerances, or to this ratio of what the tuning of all made of
-/// them.
+/// Targets outside of the front are held to their tolerances, or to this multiple of their misfit after the tuning of
+/// all targets.
 const AS_GOOD: f64 = 1.01;
 /// Steps of a price list.
 const STEPS: usize = 10;

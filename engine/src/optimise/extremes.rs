@@ -15,8 +15,8 @@ pub(super) const SEARCHES: usize = 8;
 /// The place of an extreme is known when a step of the search is shorter than this share of the distance
 /// between stations: the value then is exact to the square of it.
 const PLACED: f64 = 1e-9;
-/// An extreme that rises above its station by less than this, in units of the rows, is that of the station: a hundredth
-/// of what counts as kept.
+/// An extreme that rises above its station by less than this, in units of the rows, counts as that of the station. It
+/// is a hundredth of the violation that counts as kept.
 const FLAT: f64 = 1e-9;
 /// A row this far from its limit, in the same units, is not looked at more closely, nor where it rises by a few times as
 /// much as the parabola does.

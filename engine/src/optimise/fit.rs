@@ -14,7 +14,7 @@ use std::sync::atomic::AtomicBool;
 /// Means to stop a run, and to watch it.
 #[derive(Clone, Copy, Default)]
 pub struct Control<'a> {
-    /// Once true, the run ends before its next evaluation, with what it has.
+    /// Once true, the run ends before its next evaluation, with its present result.
     pub interrupt: Option<&'a AtomicBool>,
     /// Called after each iteration; where several starts run in parallel, from their threads.
     pub watch: Option<&'a ProgressCallback<'a>>,

@@ -100,8 +100,8 @@ impl<'a> FitRecord<'a> {
         (reason.checked(residual), self.history)
     }
 
-    /// Records an iteration that ended at `x`, for the history and for who watches; argmin's own log would be for its
-    /// observers, of which there are none.
+    /// Records an iteration that ended at `x`, in the history and for the control. argmin's own log would be for its
+    /// observers, and there are none.
     pub(super) fn add(&mut self, x: &DVector<f64>, mut iteration: Iteration) {
         let active_bounds = self.bounds.active_bounds(x);
         let held = active_bounds

@@ -76,8 +76,8 @@ pub(super) struct Tracer<'a, F> {
 }
 
 impl<P: Constrained, F: Fn() -> P + Sync> Tracer<'_, F> {
-    /// The least of an aim while others are held, from several starts. `None` if none of them comes to keep the levels
-    /// and constraints.
+    /// The least of an aim while others are held, from several starts. `None` if none of them ends with the levels
+    /// and constraints kept.
     pub(super) fn lower(
         &self,
         aim: usize,

@@ -63,7 +63,7 @@ impl Direction {
     }
 }
 
-/// The singular value decomposition of the Jacobian scaled by the ranges, and what it means.
+/// The singular value decomposition of the Jacobian scaled by the ranges, and its interpretation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Identifiability {
     /// Singular values, falling: change of the residuals (norm, in tolerances) per fraction of the
@@ -271,7 +271,8 @@ mod tests {
         assert_eq!(tried.free, [0.0; 2]);
     }
 
-    /// The range counts: the same Jacobian sees what moves far, not what hardly moves.
+    /// The range counts: variables with wide ranges have effects in the same Jacobian, variables with narrow ones
+    /// hardly any.
     #[test]
     fn effects_are_those_of_the_whole_range() {
         let jacobian = DMatrix::from_element(4, 1, 1.0);

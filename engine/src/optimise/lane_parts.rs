@@ -9,7 +9,7 @@ use crate::evaluate::{Jacobians, place_of};
 use crate::model::{Axis, Body, PointId, Suspension};
 use crate::number::Vector3;
 
-/// A measure, made of what lanes tell.
+/// A measure, made of quantities that lanes compute.
 #[derive(Clone)]
 pub(super) enum LanePart {
     /// The value of a quantity, by its number among those that are read.

@@ -14,7 +14,7 @@ use crate::number::{Vector3, Width};
 /// Evaluates the targets of one wheel.
 #[derive(Clone)]
 pub(super) struct LaneRows<'a> {
-    /// For each leg what evaluates it; `None` if nothing is read there.
+    /// Evaluator of each leg; `None` if nothing is read there.
     legs: Vec<Option<Gradients<'a>>>,
     /// The parts of constraints; `None` if lanes cannot provide all of them.
     parts: Option<Vec<LanePart>>,
@@ -98,7 +98,8 @@ impl<'a> LaneRows<'a> {
     }
 
     /// Writes the residuals of a leg of a design, and with `checked` the rows of its constraints, with their
-    /// derivatives. Returns whether the tracker accepted every station; if not, what is written must not be used.
+    /// derivatives. Returns true if the tracker accepted every station; otherwise the written values must not be
+    /// used.
     pub(super) fn of_leg(
         &mut self,
         number: usize,

@@ -76,7 +76,7 @@ pub(super) struct Extremes {
     pub rows: Vec<(usize, usize)>,
 }
 
-/// The stations of one motion at one rack displacement, with what is looked at there.
+/// The stations of one motion at one rack displacement, with the targets and constraints there.
 #[derive(Clone, Debug)]
 pub(super) struct Leg {
     pub drive: Drive,
@@ -132,7 +132,7 @@ impl Beside {
     }
 }
 
-/// Targets and constraints laid out: which row of the problem is about what, where.
+/// Layout of targets and constraints: subject and place of each row of the problem.
 #[derive(Clone, Debug)]
 pub struct TargetLayout {
     pub(super) legs: Vec<Leg>,
@@ -158,7 +158,7 @@ struct Draft {
     drive: Drive,
     rack: f64,
     values: Vec<f64>,
-    /// Row, target, station and what is wanted.
+    /// Row, target, station and wanted value.
     targets: Vec<(usize, usize, usize, Sample)>,
     /// Part and station.
     checks: Vec<(usize, usize)>,
@@ -184,8 +184,8 @@ impl Draft {
     }
 }
 
-/// Number of the draft with this drive, this rack displacement and stations that begin with these; it is added if there
-/// is none.
+/// Number of the draft with this drive, this rack displacement and stations that begin with these; a missing draft is
+/// added.
 fn draft_of(drafts: &mut Vec<Draft>, drive: Drive, rack: f64, values: &[f64]) -> usize {
     let same = |d: &Draft| d.drive == drive && d.rack == rack && d.values.starts_with(values);
     drafts.iter().position(same).unwrap_or_else(|| {

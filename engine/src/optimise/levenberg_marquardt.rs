@@ -67,8 +67,8 @@ pub struct LevenbergMarquardt<'a> {
     model: LocalModel<'a>,
     trial_x: DVector<f64>,
     trial: Linearisation,
-    /// The residuals the model promises at the trial, what those found there exceed them by, the
-    /// model (3) of that, and where it leads.
+    /// The residuals that the model promises at the trial, the excess of the actual residuals there, the model (3) of
+    /// that excess, and its step.
     promised: DVector<f64>,
     excess: DVector<f64>,
     correction: LocalModel<'a>,

@@ -225,7 +225,7 @@ impl<'a> Objective<'a> {
     }
 
     /// Evaluates the moved design of one wheel in lanes. Returns false if lanes cannot provide everything, or if the
-    /// tracker rejects the design; what has been written then is to be overwritten.
+    /// tracker rejects the design; the caller must then overwrite the written values.
     fn evaluate_in_lanes(
         &mut self,
         into: &mut Linearisation,

@@ -98,7 +98,7 @@ pub(super) struct Solved<'a> {
     pub bounds: &'a Bounds,
     /// The distribution of the errors.
     pub student: Student,
-    /// Standard errors with all variables free; `None` where there is none.
+    /// Standard errors with all variables free; `None` where unknown.
     pub errors: &'a [Option<f64>],
     pub simulated: SimulatedFits<'a>,
 }

@@ -38,7 +38,7 @@ pub(super) trait ReadStations: Send {
     fn visit(&mut self, visit: Visit<'_, '_>) -> Result<(), Infeasible>;
 }
 
-/// A reader of points' sensitivities, for what a layout reads.
+/// A reader of points' sensitivities, for the quantities that a layout reads.
 pub(super) fn reader(
     suspension: &Suspension,
     layout: &TargetLayout,

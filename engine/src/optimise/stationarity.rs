@@ -10,8 +10,8 @@
 //! (1), and the largest slope that the squared residuals could have (largest pivot of their scaled Jacobian times their
 //! norm). It is 0 at a minimum and of order one elsewhere; a run has converged where it is below [`CONVERGED`].
 //!
-//! A slope is a sum of products, so it is never exactly zero. Residuals have the rounding [`Options::misfit_below`], and
-//! no method takes steps below its resolution of the variables; what these leave of the slope counts as zero.
+//! A slope is a sum of products, so it is never exactly zero. Residuals have the rounding [`Options::misfit_below`],
+//! and no method takes steps below its resolution of the variables. A slope that both can explain counts as zero.
 //!
 //! Multipliers come from non-negative least squares: they leave the least of (1). Where gradients depend on one another
 //! several sets of multipliers do; the smallest is taken. At a kink a row has several gradients, and the same least
@@ -102,7 +102,7 @@ pub(super) fn between_bounds(
     Scale::new(sizes).residual(left, most)
 }
 
-/// Gradients of what binds, in half ranges.
+/// Gradients of the binding constraints and bounds, in half ranges.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Pushes {
     gradients: Vec<f64>,

@@ -1,4 +1,4 @@
-//! `[axle]` and what goes with it: both wheels, steering, springs, the motions of an axle.
+//! `[axle]` and the sections that belong to it: both wheels, steering, springs, the motions of an axle.
 
 use super::error::Problems;
 use super::file::{self, File};
@@ -74,7 +74,7 @@ fn keys_of_axles(motion: &file::Motion) -> Vec<(&'static str, std::ops::Range<us
     places
 }
 
-/// Refuses what is of an axle in a study of one wheel.
+/// Refuses entries for an axle in a study of one wheel.
 pub(super) fn refuse_without_axle(file: &File, problems: &mut Problems) {
     let motions = std::iter::once(&file.motion).chain(file.motions.values());
     let mut places: Vec<_> = motions.flat_map(|m| keys_of_axles(m.get_ref())).collect();
@@ -164,7 +164,7 @@ pub(super) fn axle(
     })
 }
 
-/// Refuses what is of one wheel, or does not work for an axle; whether there was nothing of it.
+/// Refuses entries for one wheel, and those that do not work for an axle. Returns true if there are none.
 fn refuse_corner_keys(file: &File, problems: &mut Problems) -> bool {
     let mut sound = refuse_wheel_keys(file.motion.get_ref(), problems);
     let solver = [
@@ -257,7 +257,7 @@ fn setup(file: &File, left: &Suspension, problems: &mut Problems) -> Option<Setu
     })
 }
 
-/// The laws of both springs; the inner `None` where there are none.
+/// The laws of both springs; the inner `None` without springs.
 pub(super) fn springs(
     file: &File,
     left: &Suspension,

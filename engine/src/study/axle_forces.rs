@@ -1,4 +1,4 @@
-//! Braking and drive in `[vehicle]`: what the anti-features need of it, and which of them an axle has.
+//! Braking and drive in `[vehicle]`: the inputs of the anti-features, and those features that an axle has.
 
 use crate::ask::Need;
 use crate::model::{AxlePosition, VehicleFigures};
@@ -38,7 +38,7 @@ pub(super) fn missing(need: &Need, vehicle: &VehicleFigures) -> Vec<&'static str
     keys
 }
 
-/// Why the axle of a study, which gives what is needed, has no such feature; and what it has instead.
+/// The reason why the axle of a study with all inputs has no such feature, and the feature that it has instead.
 pub(super) fn refusal(
     need: &Need,
     vehicle: &VehicleFigures,

@@ -1,4 +1,4 @@
-//! Targets of an axle: what of it is wanted, over which number of its motion, and where the rest is held.
+//! Targets of an axle: wanted quantity, number of the motion that it is over, and values of the others.
 
 use super::axle::{AxleStudy, coordinates, lacks_nothing, quantities};
 use super::error::Problems;

@@ -1,4 +1,4 @@
-//! Studies of a car: `[car]` with two studies of axles, load cases, and what is asked of them.
+//! Studies of a car: `[car]` with two studies of axles, load cases, and outputs.
 
 mod asked;
 

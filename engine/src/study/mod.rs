@@ -1,11 +1,11 @@
-//! Studies: what the file as written (`hardpoint-study-file`) means.
+//! Studies: the meaning of the file as written (`hardpoint-study-file`).
 //!
 //! [`Study`] is resolved: names have become ids, lengths and angles are in the kernel's frame and
 //! units (see the fields), defaults are filled in, and nothing is left to interpret.
 //!
-//! Reading goes from the text to the file as written, each value with its place, and from there to the
-//! [`Study`]. Degrees become radians, and the study's axes the kernel's, here and nowhere else.
-//! Whatever is wrong becomes a [`StudyError`] with file, line, key, value and what was expected.
+//! Reading goes from the text to the file as written, each value with its place, and from there to the [`Study`].
+//! Only this module turns degrees into radians, and the study's axes into the kernel's. Every mistake becomes a
+//! [`StudyError`] with file, line, key, value and the expected value.
 
 mod axle;
 mod axle_forces;
@@ -76,7 +76,7 @@ use crate::number::Vector3;
 /// The most stations of one motion, and of an axle's: results of all of them are held in memory.
 pub(crate) const MOST_STATIONS: usize = 100_000;
 
-/// A number as a study may say it, or what was expected instead.
+/// A number in the range that a study allows, or the expected range.
 pub fn checked_number(number: f64) -> Result<f64, String> {
     value::Number::checked(number)
 }
@@ -712,8 +712,8 @@ impl Target {
         values.iter().chain(added).copied().collect()
     }
 
-    /// A drive value (for an axle, a value of the number that the target is over) as it is printed. `drive` is what
-    /// drives the study's own motion.
+    /// A drive value (for an axle, a value of the number that the target is over) as it is printed. `drive` is the
+    /// drive of the study's own motion.
     pub fn printed_at(&self, drive: Drive, at: f64) -> f64 {
         match (&self.site.axle, &self.site.motion) {
             (Some(_), _) => at,
@@ -958,6 +958,6 @@ pub struct Band {
     /// For an axle: the number of the motion that `at` is a value of, and the values of the others. Without it the
     /// band holds everywhere in the motion.
     pub site: Option<AxleSite>,
-    /// Lowest and highest value; infinite where there is none.
+    /// Lowest and highest value; infinite without a limit.
     pub between: [f64; 2],
 }

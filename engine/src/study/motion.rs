@@ -186,7 +186,7 @@ fn drive_values(
     }
 }
 
-/// Checks that the topology has what the motion needs.
+/// Checks that the topology has the parts that the motion needs.
 pub(super) fn check_drive(
     section: &Spanned<file::Motion>,
     motion: &Motion,

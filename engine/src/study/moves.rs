@@ -27,7 +27,7 @@ pub(super) struct Written<'a> {
     pub direction: Option<&'a Coordinates>,
 }
 
-/// The coordinates, if nothing is wrong with what is written.
+/// The coordinates, if the entries have no error.
 pub(super) fn moves(
     written: &Written<'_>,
     suspension: &Suspension,
@@ -72,7 +72,7 @@ fn shares(written: &Written<'_>, problems: &mut Problems) -> Option<Vec<(Axis, f
     }
 }
 
-/// The lowest and the highest value of a variable; `what` they are, in words.
+/// The lowest and the highest value of a variable; `what` names them in messages.
 pub(super) fn range(
     written: &Spanned<Vec<Number>>,
     what: &str,
@@ -99,7 +99,7 @@ pub(super) fn range(
     Some([low, high])
 }
 
-/// The names of what moves: `lower_arm_front+lower_arm_rear`.
+/// The names of the moving points: `lower_arm_front+lower_arm_rear`.
 pub(super) fn names(moves: &[Move], suspension: &Suspension) -> String {
     let names = moves.iter().map(|m| suspension.mechanism.name(m.point));
     let mut names: Vec<&str> = names.collect();

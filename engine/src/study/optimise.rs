@@ -1,4 +1,4 @@
-//! `[optimise]`: what may move, and how.
+//! `[optimise]`: design variables and their moves.
 
 use super::constraints::constraints;
 use super::elastic_targets::{self, RateKeys};

@@ -1,4 +1,4 @@
-//! `[outputs]`: what is asked for.
+//! `[outputs]`: requested results.
 
 use super::axle_forces;
 use super::elastic_targets::{self, ElasticQuantity};
@@ -218,7 +218,7 @@ fn refuses_axle_quantity(
     true
 }
 
-/// The characteristic of this name, for which the study must give what it needs.
+/// The characteristic of this name. The study must give its inputs.
 pub(super) fn characteristic(
     text: &Text,
     suspension: &Suspension,

@@ -41,7 +41,7 @@ pub(super) fn each<W, T>(
     read.into_iter().collect()
 }
 
-/// The elements of a list, of which there must be some; `what` one of them is, in words.
+/// The elements of a list that must not be empty; `what` names an element in messages.
 pub(super) fn some<'w, T>(
     list: &'w Spanned<Vec<T>>,
     what: &str,
@@ -61,7 +61,8 @@ impl Study {
         Study::read_parts(path, overrides, Parts::Rigid)
     }
 
-    /// The same as [`Study::read`], for what knows elastic parts: [`WheelStudy::compliance`] may be there.
+    /// The same as [`Study::read`], for callers that support elastic parts: [`WheelStudy::compliance`] may be
+    /// present.
     pub fn read_elastic(path: &Path, overrides: &[String]) -> Result<Study, StudyErrors> {
         Study::read_parts(path, overrides, Parts::Elastic)
     }
@@ -101,7 +102,7 @@ impl Study {
         resolve(path, shown, text.to_owned(), directory, Parts::Rigid)
     }
 
-    /// The same as [`Study::from_text`], for what knows elastic parts.
+    /// The same as [`Study::from_text`], for callers that support elastic parts.
     pub fn elastic_from_text(
         name: &str,
         text: &str,

@@ -72,7 +72,7 @@ pub(super) fn member(
     choose(text, "member", &options, problems)
 }
 
-/// A length: that of a member, or the distance of two points; with what it is called.
+/// A length, with its name: that of a member, or the distance of two points.
 pub(super) fn length(
     written: &Spanned<MemberName>,
     suspension: &Suspension,
@@ -101,8 +101,7 @@ pub(super) fn length(
     }
 }
 
-/// A force under a load, by the name of its column without the unit; with what it is multiplied by to be along the study's
-/// axes.
+/// A force under a load, by the name of its column without the unit; with its factor to the study's axes.
 pub(super) fn force(
     name: &Text,
     context: &Context,

@@ -28,10 +28,10 @@ pub(super) enum FromFile {
     Sheet(Vec<SheetTarget>),
 }
 
-/// Targets, and what of them came from files, by the place of the target as written.
+/// Targets, and the data that came from files, by the place of the target as written.
 type ReadTargets = (Vec<Target>, Vec<(usize, FromFile)>);
 
-/// The targets, if nothing is wrong with them, and what came from files, by the place of the target as written.
+/// The targets, if they have no error, and the data that came from files, by the place of the target as written.
 pub(super) fn targets(
     section: &file::Optimise,
     context: &Context,

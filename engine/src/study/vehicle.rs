@@ -1,4 +1,4 @@
-//! The vehicle of a study: one wheel or an axle, each with its motion and what is asked of it.
+//! The vehicle of a study: one wheel or an axle, each with its motion and outputs.
 
 use super::{AxleStudy, ComplianceStudy, Formulation, Motion, Outputs, Study};
 use crate::model::Suspension;
@@ -13,7 +13,7 @@ pub enum Vehicle {
     Axle(Box<AxleStudy>),
 }
 
-/// One wheel, its motion and what is asked of it.
+/// One wheel, its motion and outputs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WheelStudy {
     /// The suspension.

@@ -1,7 +1,7 @@
 //! The first-order answer of an axle, exact.
 //!
-//! Each side's parts move its built design alone ([`crate::assembly`]), and what is read of the axle has gradients by
-//! every hardpoint coordinate of either side, with what the ground asks of both travels
+//! Each side's parts move its built design alone ([`crate::assembly`]). Readings of the axle have gradients by every
+//! hardpoint coordinate of either side, with the conditions of the ground on both travels
 //! ([`AxleSolver::gradients`]):
 //!
 //! ```text

@@ -223,7 +223,7 @@ impl<'a> Builder<'a> {
         built
     }
 
-    /// Solves what was put together of a block that begins with a build of this number.
+    /// Solves the assembled builds of a block that begins with a build of this number.
     fn finish(&mut self, first: u64, mut rejects: Vec<Unbuilt>) -> Outcome {
         let wheels = &self.wheels;
         let designs = [0, 1].map(|k| wheels.get(k).map_or(&[][..], |wheel| &wheel.designs));

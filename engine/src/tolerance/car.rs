@@ -141,7 +141,7 @@ impl<'a> CarProblem<'a> {
         Ok(car)
     }
 
-    /// The nominal results, as printed; NaN where there is none.
+    /// The nominal results, as printed; NaN for missing results.
     ///
     /// # Errors
     /// The reason if the design position cannot be solved.

@@ -1,9 +1,9 @@
 //! The first- and second-order answer, exact.
 //!
-//! g comes from the adjoint of the built design ([`crate::assembly::built_curves`]), for values and gains alike. H comes from
-//! power series: along d_j + d_k a built design, its poses and what is read off them are series in one number,
-//! whose second coefficient is (H_jj + 2 H_jk + H_kk)/2. Quantities made of velocities (gains, roll centres,
-//! anti-features, swing arms, motion ratios) have no second-order part here: their series would have to be in travel as well.
+//! The adjoint of the built design ([`crate::assembly::built_curves`]) gives g, for values and gains alike. Power
+//! series give H. Along d_j + d_k a built design, its poses and the readings are series in one number. Their second
+//! coefficient is (H_jj + 2 H_jk + H_kk)/2. Quantities made of velocities (gains, roll centres, anti-features, swing
+//! arms, motion ratios) have no second-order part here: their series would have to be in travel as well.
 
 use super::{Problem, Spread, axle_expansion, axle_second, elastic};
 use crate::assembly::{BuildParameter, NoSetUp, Rest, built_curves};
@@ -34,7 +34,7 @@ pub struct Expansion {
     pub variance: Vec<f64>,
     /// By cell: mean by first order, less the drawn value. Laws that are not centred on 0 cause it.
     pub shift: Vec<f64>,
-    /// By cell: what second order adds to the mean, and to the variance. NaN where it is not known.
+    /// Second-order terms of the mean and of the variance, by cell. NaN where unknown.
     pub second: Vec<[f64; 2]>,
     sources: usize,
 }
@@ -130,8 +130,8 @@ pub struct Remainder {
     pub second: f64,
 }
 
-/// For a study of one wheel: how fast every value changes with each source (`[cell][source]`), and what second order
-/// adds to its mean and variance (`[cell]`).
+/// For a study of one wheel: the rate of every value by each source (`[cell][source]`), and the second-order terms of
+/// its mean and variance (`[cell]`).
 fn of_wheel(problem: &Problem, sources: &[&Source]) -> Result<(Vec<f64>, Vec<[f64; 2]>), NoSetUp> {
     let workshop = &problem.workshops[0];
     let assembler = &workshop.assembler;
@@ -175,7 +175,7 @@ fn plan(problem: &Problem) -> Plan {
     plan
 }
 
-/// By cell, what second order adds to the mean and to the variance of one wheel.
+/// Second-order terms of the mean and of the variance of one wheel, by cell.
 fn second(problem: &Problem, built: &crate::assembly::Built) -> Vec<[f64; 2]> {
     let mechanism = &problem.workshops[0].assembler.suspension().mechanism;
     let readable: Vec<bool> = problem

@@ -164,8 +164,8 @@ fn powers<'v>(pieces: impl Iterator<Item = &'v [f64]>, about: f64) -> ([f64; 5],
     (sums.map(|side_by_side| side_by_side.iter().sum()), range)
 }
 
-/// Draws, puts together and solves the builds of a problem on the threads of the current rayon pool. `drawn` are the
-/// values of the drawing; `note` is told how many builds are done, and may end the work there.
+/// Draws, assembles and solves the builds of a problem on the threads of the current rayon pool. `drawn` are the
+/// nominal values. `note` gets the number of finished builds, and may end the work there.
 pub fn monte_carlo(
     problem: &Problem,
     drawn: &[f64],

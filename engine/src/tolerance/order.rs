@@ -97,7 +97,7 @@ impl Order {
 }
 
 impl Sifted {
-    /// Adds the values of the next cell; NaN is none.
+    /// Adds the values of the next cell; NaN counts as missing.
     pub(super) fn cell<'v>(&mut self, values: impl Iterator<Item = &'v [f64]>) {
         let windows = &self.windows[self.between.len()];
         let used = windows.iter().take_while(|w| **w != NONE).count();
@@ -123,7 +123,7 @@ impl Sifted {
 }
 
 impl Gathered {
-    /// Takes what some builds add; `builds` are those so far.
+    /// Takes the values of some builds; `builds` is the number of builds so far.
     pub(super) fn take(&mut self, sifted: &Sifted, builds: u64, order: &Order) {
         let mut first = 0;
         for (number, cell) in self.cells.iter_mut().enumerate() {
@@ -181,7 +181,7 @@ impl Cell {
         }
     }
 
-    /// Sorts what is kept; equal values become one.
+    /// Sorts the stored values and merges equal ones.
     fn compact(&mut self) {
         self.kept.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
         self.kept.dedup_by(|next, last| {
@@ -192,7 +192,7 @@ impl Cell {
         self.compact_at = 2 * self.kept.len() + FEW;
     }
 
-    /// Narrows the windows to what can still be a percentile.
+    /// Narrows the windows to values that can still be a percentile.
     fn narrow(&mut self, windows: &[[f64; 2]; MOST]) -> [[f64; 2]; MOST] {
         self.compact();
         let ranks = Ranks::of(self, windows);

@@ -70,7 +70,7 @@ impl Workshop {
         }
     }
 
-    /// Makes these the parts of a build, of what was drawn for it.
+    /// Makes these the parts of a build, from the numbers drawn for it.
     pub(super) fn change_parts(
         &self,
         tolerance: &Tolerance,

@@ -22,7 +22,7 @@ pub struct BandYield {
     pub linear: f64,
 }
 
-/// Yields, and what each contributor is worth.
+/// Yields, and the effect of each contributor on them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Yields {
     /// Yield of each band.
@@ -173,7 +173,7 @@ impl Forecast {
         })
     }
 
-    /// Yields and ranking: the builds' yields, moved by what the forecast moves.
+    /// Yields and ranking: the builds' yields, changed by the difference of the forecast.
     pub fn rank(&self, builds: &MonteCarlo) -> Yields {
         let total = builds.yield_of_all();
         let predicted = |moved: f64| (total + moved).clamp(0.0, 1.0);

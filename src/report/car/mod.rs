@@ -22,7 +22,7 @@ use crate::car::{
 };
 use crate::study::CarStudy;
 
-/// The state of a case, or the reason why there is none.
+/// The state of a case, or the reason for its absence.
 pub enum CarState<'s> {
     /// Solved.
     Solved {

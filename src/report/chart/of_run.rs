@@ -86,7 +86,7 @@ fn title_of(output: &OutputRecord, is_pair: bool) -> &str {
     }
 }
 
-/// Rows of a design with one value of what moves beside the abscissa.
+/// Rows of a design with one value of the coordinate that moves beside the abscissa.
 pub(in crate::report) struct Family {
     /// The value.
     pub place: f64,
@@ -244,7 +244,7 @@ fn without_unit(told: &str) -> String {
         .to_owned()
 }
 
-/// Columns of what moves beside the abscissa: the rack of a wheel, of an axle what else it has.
+/// Columns of the coordinates that move beside the abscissa: for a wheel the rack, for an axle all others.
 fn moving_beside<'r>(record: &'r Record, abscissa: &str) -> Vec<&'r String> {
     let drive = (!record.further.is_empty()).then_some(&record.drive);
     let all = drive.into_iter().chain(&record.further).chain(&record.rack);

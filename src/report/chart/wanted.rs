@@ -6,7 +6,7 @@ use crate::report::figure::brief;
 /// A target.
 #[derive(Clone, Debug)]
 pub(in crate::report) enum Wanted {
-    /// Motion and value, and what may be missed.
+    /// Motion and value, and tolerance.
     Values {
         /// The points.
         points: Vec<[f64; 2]>,
@@ -28,7 +28,7 @@ impl Wanted {
         }
     }
 
-    /// Place, lower and upper limit of what the tolerance allows.
+    /// Place, lower and upper limit of the tolerance.
     pub(super) fn limits(&self) -> Vec<(f64, Option<f64>, Option<f64>)> {
         match self {
             Wanted::Values { points, tolerance } => {

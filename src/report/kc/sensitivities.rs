@@ -19,7 +19,7 @@ struct Input {
 }
 
 impl KcResults<'_> {
-    /// The inputs of a suspension: the coordinates of these points, and what its elastic parts have.
+    /// The inputs of a suspension: the coordinates of these points, and the inputs of its elastic parts.
     fn inputs(&self, parts: &Compliance, points: &[PointId]) -> Vec<Input> {
         let suspension = self.suspension;
         let u = suspension.length_unit.symbol();

@@ -113,7 +113,8 @@ fn figures(comparison: &Comparison, moving: &[String], charts: &mut Charts) -> S
     figures
 }
 
-/// Curves of a design, without their columns: one for each value of what moves beside the abscissa, and its rows.
+/// Curves of a design, without their columns: one for each value of the coordinate that moves beside the abscissa,
+/// and its rows.
 fn lines_of_design(
     table: &CurveTable,
     apart: &[&String],

@@ -1,7 +1,6 @@
 //! `drawn.json`: some designs of a sweep with their curves and their mechanism, for its page.
 //!
-//! They are solved when the sweep ends, while its study is at hand: where
-//! directories are joined there is none.
+//! They are solved when the sweep ends, while its study is at hand; a merge of directories has no study.
 
 use crate::report::curve_table::CurveTable;
 use crate::report::record::{FORM, Record};

@@ -264,7 +264,7 @@ impl SweepSummary {
     }
 }
 
-/// Outputs that designs lack although they were solved, by reason; and what shares mean where designs fail.
+/// Outputs that solved designs lack, by reason; and the meaning of shares if designs fail.
 fn notes(record: &SweepRecord, statistics: &SweepStatistics) -> Vec<String> {
     let mut notes = Vec::new();
     for (output, range) in record.outputs.iter().zip(&statistics.ranges) {

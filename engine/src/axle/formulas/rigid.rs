@@ -21,8 +21,8 @@
 //! height v.e/(w.i)        to the left -v.n/(w.i)                                               (2)
 //! ```
 //!
-//! Each wheel is read in its own frame, the right one in the mirror image, where its own difference is -d. So n.C_r,d is
-//! minus what is read there, and e.C_r,d is what is read outboard.
+//! Each wheel is read in its own frame, the right one in the mirror image, where its own difference is -d. So n.C_r,d
+//! is the negative of the reading there, and e.C_r,d is the outboard reading.
 
 use super::loads::{bar_torque, spring_force};
 use super::roll::FARTHEST_MEETING;

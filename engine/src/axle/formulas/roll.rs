@@ -1,4 +1,4 @@
-//! Track, roll centre, jacking, and what rolling does to a wheel.
+//! Track, roll centre, jacking, and the effects of roll on a wheel.
 //!
 //! In front view the reaction of a side force on a locked wheel runs along the normal to C' through C: one
 //! unit of it inboard along the ground brings j units of load, j = (C'.o)/(C'.n) with o outboard along the

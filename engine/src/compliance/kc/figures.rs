@@ -209,7 +209,7 @@ impl Sheet<'_> {
             .collect()
     }
 
-    /// Force per length from length per force; `None` of what does not move.
+    /// Force per length from length per force; `None` for a part that does not move.
     pub(super) fn stiffness<T: Scalar>(&self, displacement: Option<T>) -> Option<T> {
         let millimetre = self.suspension.length_unit.per_metre() / 1000.0;
         let least = LEAST_COMPLIANCE / 1000.0 * millimetre;

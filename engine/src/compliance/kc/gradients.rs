@@ -74,7 +74,7 @@ impl<'s, T: Scalar> Station<'s, T> {
         ElasticWheel::of_inputs(inputs, of, is_rate)
     }
 
-    /// Values of the station; `None` where there is none. `secant` gives the differences over the window of a test.
+    /// Values of the station; `None` if it has none. `secant` gives the differences over the window of a test.
     fn values(
         &mut self,
         wanted: &[KcValue],
@@ -213,7 +213,7 @@ impl KcRun<'_> {
         Ok(())
     }
 
-    /// Values at a station of travel and rack (along the study's +y); `None` where there is none.
+    /// Values at a station of travel and rack (along the study's +y); `None` if it has none.
     pub fn values(
         &self,
         [travel, rack]: [f64; 2],

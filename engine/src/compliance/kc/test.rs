@@ -1,4 +1,4 @@
-//! Tests of a rig: what is loaded or moved, and how far.
+//! Tests of a rig: loaded or moved quantities, and their ranges.
 
 use crate::compliance::{Change, HeldQuantity, WheelLoads};
 use crate::model::{LengthUnit, TorquePath, VehicleFigures};

@@ -15,7 +15,7 @@ use nalgebra::DVector;
 
 /// Damping relative to the largest pivot: directions that neither goal nor rows see stay put.
 const DAMPING: f64 = 1e-7;
-/// A level is met to this share of itself, and in any case to a tenth of what counts as kept.
+/// A level is met to this share of itself, and in any case to a tenth of the violation that counts as kept.
 const LEVEL_MET: f64 = 1e-7;
 /// The most programs that a multiplier of the level is searched with.
 const SECANTS: usize = 30;
@@ -190,7 +190,7 @@ impl<'a> ConvexModel<'a> {
         self.propose(curved)
     }
 
-    /// Finds the step that also takes back what the rows at the trial exceed their model by.
+    /// Finds the step that also corrects the excess of the rows at the trial over their model.
     pub(super) fn solve_corrected(&mut self, trial: &Assessment, curved: bool) -> Proposal {
         let n = self.half.len();
         self.kept_offsets.clear();

@@ -9,9 +9,9 @@
 //! sum_j |a_j| width_j <= max(1e-9, 256 e (|value| + 2 |limit|)),     e: the machine precision            (1)
 //! ```
 //!
-//! Rows are in visible units, a millimetre or a degree. Some hundreds of operations compute them from coordinates of up
-//! to ten thousand units, so that their rounding is about 1e-9. That is a hundredth of what counts as kept. The second
-//! term is the rounding of larger values.
+//! Rows are in visible units, a millimetre or a degree. Some hundreds of operations compute them from coordinates of
+//! up to ten thousand units, so that their rounding is about 1e-9. That is a hundredth of the violation that counts
+//! as kept. The second term is the rounding of larger values.
 //!
 //! A row that stands still at the start may move elsewhere. So every evaluation examines it again, also the evaluations
 //! of refused steps. The row takes part from the first evaluation at which it moves, or at which its value differs by

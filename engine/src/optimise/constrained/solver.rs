@@ -10,7 +10,7 @@ use super::{Assessment, Constrained};
 use argmin::core::{Error, KV, Problem, Solver, TerminationStatus};
 use nalgebra::DVector;
 
-/// Rows violated by no more than this are kept: a millionth of what anybody would see.
+/// Rows violated by no more than this are kept. It is a millionth of a visible difference.
 pub(in crate::optimise) const KEPT: f64 = 1e-7;
 /// A run ends at this share of [`Options::reduction_below`]: multipliers are right to the root of it.
 const NEGLIGIBLE: f64 = 1e-2;
@@ -30,7 +30,7 @@ const BESIDE: f64 = 1e-6;
 const SIDES: usize = 4;
 /// Iterations after which the estimate of the curvature is put to use.
 const CURVED_FROM: u64 = 7;
-/// A step this short, in half ranges, is none: programs are solved to no more digits.
+/// A step this short, in half ranges, counts as zero: programs are solved to no more digits.
 pub(super) const RESOLUTION: f64 = 1e-12;
 /// The most trials of an iteration. Each is at most half as long as the one before.
 const TRIALS: usize = 60;
@@ -162,7 +162,7 @@ impl SequentialConvex<'_> {
         }
     }
 
-    /// The residuals a run is told by: those held to a level, where there are any.
+    /// The residuals that a run reports: those held to a level, if there are any.
     fn reported(&self) -> &Linearisation {
         self.current.levels.first().unwrap_or(&self.current.goal)
     }

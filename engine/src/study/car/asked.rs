@@ -460,7 +460,7 @@ impl Resolver<'_> {
         sound.then_some(Some(tolerance))
     }
 
-    /// Adds what an entry of `scatter` names.
+    /// Adds the contributors that an entry of `scatter` names.
     fn scatter(
         &mut self,
         car: &Car,

@@ -1,4 +1,4 @@
-//! `constraints` of `[optimise]`: what must hold.
+//! `constraints` of `[optimise]`: limits that a design must keep.
 
 mod joints;
 mod regions;

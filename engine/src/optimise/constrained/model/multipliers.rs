@@ -1,4 +1,4 @@
-//! Multipliers of what binds at the end of a run.
+//! Multipliers of the binding constraints and bounds at the end of a run.
 
 use super::super::super::Linearisation;
 use super::super::super::stationarity::{CONVERGED, Pushes, Scale, Sizes};
@@ -106,7 +106,7 @@ impl ConvexModel<'_> {
         }
     }
 
-    /// Gradients of all that binds, and of what each is.
+    /// Gradients of all binding constraints and bounds, and the kind of each.
     fn pushes(&self) -> (Pushes, Vec<Push>) {
         let n = self.half.len();
         let (mut pushes, mut of) = (Pushes::default(), Vec::new());

@@ -63,10 +63,10 @@ impl std::error::Error for Singular {}
 /// Why a pose was not found.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum Refusal {
-    /// At the pose asked for, fewer than half of the digits would be left.
+    /// At the requested pose, fewer than half of the digits would be left.
     #[error("singular: {0}")]
     Singular(Singular),
-    /// The branch of the design position ends before the pose asked for.
+    /// The branch of the design position ends before the requested pose.
     #[error("unreachable: the motion ends where the drive is {value}; there, {limit}")]
     Unreachable {
         /// The value of the drive up to which the branch was followed.

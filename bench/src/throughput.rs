@@ -1,5 +1,4 @@
-//! Poses per second, as a sweep has them: many designs, their preparation and the values written down
-//! included.
+//! Poses per second, as in a sweep: many designs, including their preparation and the output of the values.
 //!
 //! Designs are the study's own with every hardpoint moved by up to a hundredth of the mechanism's size,
 //! always the same ones. The seed paper's formulation solves the same designs at the same travels, in the

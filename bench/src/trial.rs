@@ -17,7 +17,7 @@ pub(crate) trait Equations<T> {
     type Unknown: Copy;
     /// Its value in the design position.
     fn design(&self) -> Self::Unknown;
-    /// Makes one Newton step. Returns the unknown it leads to, and by how much the unknown before it missed the travel.
+    /// Makes one Newton step. Returns the next unknown, and the travel error of the unknown before it.
     fn step(&self, at: &Self::Unknown, travel: T) -> (Self::Unknown, f64);
     /// The weighted sum of earlier solutions.
     fn predicted(&self, earlier: &[Self::Unknown], weights: &[f64]) -> Self::Unknown;

@@ -37,7 +37,7 @@ struct Tuned {
     tuning: Tuning,
     summary: TuningSummary,
     front: Option<Vec<u8>>,
-    /// True if every curve of the tuned design was found, and a front where one was asked for.
+    /// True if every curve of the tuned design was found, and a front if one was requested.
     is_complete: bool,
     is_interrupted: bool,
 }

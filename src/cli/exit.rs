@@ -88,7 +88,7 @@ impl Stop {
         Stop::not_met(format!("{}: {reason}", path.display()))
     }
 
-    /// The same message about a study whose input was accepted, and of which something is written.
+    /// The same message about a study whose input was accepted, and which has some results.
     pub(super) fn after_its_input(self) -> Self {
         match self {
             Stop::Failed { message, .. } => Stop::Failed {

@@ -41,7 +41,7 @@ pub(super) fn run(arguments: &LimitsArguments) -> Result<Exit, Stop> {
     }
 }
 
-/// The page that was asked for.
+/// The requested page.
 #[derive(Clone, Copy)]
 struct Page<'a> {
     path: &'a Path,

@@ -55,7 +55,7 @@ pub(super) struct ReportOptions {
 }
 
 impl ReportOptions {
-    /// Checks before the run whether the pictures can be written. `record` describes their curves.
+    /// Checks before the run that the pictures can be written. `record` describes their curves.
     pub(super) fn open(
         arguments: &RunArguments,
         study: &Study,

@@ -268,7 +268,7 @@ fn left_out(study: &Study) -> Vec<&'static str> {
         .collect()
 }
 
-/// Computes parts until all are complete or Ctrl-C stops it. Returns whether all are complete. It waits for a part of
+/// Computes parts until all are complete or Ctrl-C stops it. Returns true if all are complete. It waits for a part of
 /// another process, and computes the part itself if that process dies.
 fn sweep_parts(
     swept: Swept<'_>,

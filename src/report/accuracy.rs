@@ -36,7 +36,7 @@ fn unsupported(curves: &Curves) -> Option<String> {
     ))
 }
 
-/// Remarks on stations where a rocker has come to a toggle: one for each rod of each wheel.
+/// Remarks on stations at which a rocker has reached a toggle: one for each rod of each wheel.
 fn toggled(curves: &Curves) -> Vec<String> {
     let is_axle = curves.motion_index(Drive::Travel.key()).is_none();
     let mut said = Vec::new();

@@ -103,17 +103,17 @@ pub struct ComparedOutput {
     pub values: Vec<Vec<Option<f64>>>,
 }
 
-/// A curve of each design that has it.
+/// A curve of each design with this output.
 #[derive(Clone, Debug, Serialize)]
 struct OwnOutput {
     column: String,
     title: String,
     unit: String,
-    /// Design by design, at its own stations; none where the design has no such column.
+    /// Design by design, at its own stations; `None` if the design has no such column.
     values: Vec<Option<Vec<Option<f64>>>>,
 }
 
-/// A point that is not where the first design has it.
+/// A point whose position differs from the first design's.
 #[derive(Clone, Debug)]
 struct Moved {
     /// The wheel, if the wheels of an axle differ.
@@ -339,7 +339,7 @@ impl Comparison {
         })
     }
 
-    /// Points that are not where the first design has them: in its axes and unit.
+    /// Points whose positions differ from the first design's: in its axes and unit.
     pub fn moved_table(&self) -> Table {
         let unit = self.unit.symbol();
         let axes = ["x", "y", "z"].map(|axis| format!("d{axis} {unit}"));

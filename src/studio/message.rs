@@ -174,7 +174,7 @@ pub(super) struct TargetOverview {
 #[derive(Serialize)]
 pub(super) struct VariableOverview {
     pub name: String,
-    /// Point, axis, and how far it moves per unit.
+    /// Point, axis, and displacement per unit.
     pub moves: Vec<(usize, usize, f64)>,
     pub is_turn: bool,
     pub range: [f64; 2],

@@ -15,7 +15,7 @@ use thiserror::Error;
 
 /// Default port: the same every time, so that a browser finds its data of an earlier session.
 const USUAL_PORT: u16 = 7353;
-/// Interval between checks whether to stop.
+/// Interval between checks for a request to stop.
 const LOOK: Duration = Duration::from_millis(100);
 
 /// Reason why a study is not served.
@@ -27,7 +27,7 @@ pub enum NotServed {
     /// There is no such port to be had.
     #[error("cannot listen on port {port} of this machine: {source}")]
     Port {
-        /// The port that was asked for.
+        /// The requested port.
         port: u16,
         /// Error of the system.
         source: std::io::Error,

@@ -1,5 +1,5 @@
-//! Anti-dive, anti-lift and anti-squat against statics: what the spring feels of a longitudinal force, beside what it
-//! feels of the load transfer alone.
+//! Anti-dive, anti-lift and anti-squat against statics: the spring's force from a longitudinal force, and its force
+//! from the load transfer alone.
 //!
 //! The forces in the spring come from the balance of the links (`analyse::loads`), which knows no velocities. A shaft
 //! that takes the torque about the spin axis is that torque, taken off the wheel carrier.

@@ -1,5 +1,5 @@
-//! The front door for Rust programs, where they ask for what cannot be: every answer is an error with words, and no
-//! thread of a program that was compiled without optimisation runs out of stack.
+//! The front door for Rust programs with impossible requests. Every answer is an error with words, and no thread of a
+//! program compiled without optimisation overflows its stack.
 
 use hardpoint::{
     Axis, BuildError, Characteristic, Control, Error, Iteration, Motion, Order, Sampling, Study,

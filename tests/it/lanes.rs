@@ -206,8 +206,8 @@ fn compare(study: &Study, quantities: &[Quantity], by: f64, seed: u64, designs: 
     found
 }
 
-/// By how much each value of a design varies when the design is moved along the vehicle, which should change
-/// nothing: what the continuation itself loses.
+/// Variation of each value of a design when the design is moved along the vehicle, which should change nothing: the
+/// loss of the continuation itself.
 fn spread(
     careful: &mut Evaluator<'_>,
     design: &[Vector3<f64>],

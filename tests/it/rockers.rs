@@ -1,4 +1,4 @@
-//! Studies with rockers as a user meets them: where they end, what is computed, what is refused.
+//! Studies with rockers for a user: their limits, outputs and refusals.
 
 use assert_cmd::Command;
 use hardpoint::curves::{Curves, Status, curves};
@@ -323,7 +323,7 @@ fn rockers_are_computed_where_they_are_asked_for() {
     assert_eq!(states("[\"camber\"]", load), [true, false, false]);
 }
 
-/// A sweep finds what `solve` does, and says of designs with a toggle what stops them.
+/// A sweep finds the same as `solve`, and names the toggles that stop designs.
 #[test]
 fn sweeps_and_solves_agree() {
     let directory = tempfile::tempdir().unwrap();

@@ -13,7 +13,7 @@ type Factors = LU<f64, nalgebra::Const<12>, nalgebra::Const<12>>;
 /// The equations of one design.
 #[derive(Clone)]
 pub struct Quadratics<T> {
-    /// Chassis end, whether the rack moves it, lever on the knuckle, squared length.
+    /// Chassis end, true if the rack moves it, lever on the knuckle, squared length.
     rods: Vec<(Vector3<T>, bool, Vector3<T>, T)>,
     wheel: Vector3<T>,
     wheel_height: T,

@@ -221,7 +221,7 @@ impl Signals {
         })
     }
 
-    /// Interrupts a command chosen by a number; what must not be, if anything is.
+    /// Interrupts a command chosen by a number. Returns the first violation as an error.
     pub fn interrupt(&self, number: u64, worst: &Mutex<Worst>) -> Result<(), String> {
         let random = &mut Random(number.wrapping_mul(0x9E6C_63D0_876A_3F35) ^ 1871);
         let mut share = || 0.5 + 0.5 * random.signed();
@@ -279,7 +279,7 @@ impl Signals {
             .map_err(&told)
     }
 
-    /// Claims about what a signal has left.
+    /// Checks the files that a signal has left.
     fn check(
         &self,
         case: &Case,

@@ -37,7 +37,7 @@ const MOST: usize = 20_000;
 pub struct SmallSteps {
     origin: V,
     scale: f64,
-    /// Chassis end, whether the rack moves it, lever.
+    /// Chassis end, true if the rack moves it, lever.
     rods: Vec<(V, bool, V)>,
     /// Mount and normal.
     lines: Vec<(V, V)>,

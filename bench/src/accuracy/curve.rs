@@ -1,4 +1,4 @@
-//! Curves through few exact poses: how many it takes, and how to run between them.
+//! Curves through few exact poses: number of poses, and interpolation between them.
 
 use super::poses::lagrange;
 use super::subject::Subject;

@@ -136,7 +136,7 @@ impl AxleMotion {
         placements
     }
 
-    /// The position of which a run says "design" alone: everything at zero, on the same ground.
+    /// The design position of a run: everything at zero, on the same ground.
     pub fn at_design(&self) -> AxleMotion {
         let zero = || vec![0.0];
         AxleMotion {

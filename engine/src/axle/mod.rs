@@ -84,7 +84,7 @@ impl Axle {
         side.about(&fault.describe(mechanism))
     }
 
-    /// The study's axes as the kernel's frame of a side has them.
+    /// The study's axes in the kernel's frame of a side.
     pub fn frame(&self, side: Side) -> Frame {
         match side {
             Side::Left => self.left.frame,

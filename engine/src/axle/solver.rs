@@ -200,7 +200,7 @@ const MOST_ROUNDS: usize = 4;
 /// The farthest a pose is moved along its series, in sizes: four terms then leave less than rounding.
 const NEAR: f64 = 1e-4;
 
-/// A wheel in a pose: how it moves on with its travel, and the height of its contact point over the origin.
+/// A wheel in a pose: its rate of motion by travel, and the height of its contact point over the origin.
 struct Standing {
     pose: Pose<Jet<f64, TERMS>>,
     height: Jet<f64, TERMS>,
@@ -640,9 +640,8 @@ impl Read<'_> {
 }
 
 impl<'a, const N: usize> AxleSolver<'a, N> {
-    /// A solver for positions in which these quantities are read. `by_rack` says whether derivatives by the rack are
-    /// formed beyond those that the quantities need themselves. Errors if the design position of a wheel cannot be
-    /// solved.
+    /// A solver for positions in which these quantities are read. `by_rack` requests derivatives by the rack beyond
+    /// those that the quantities themselves need. Errors if the design position of a wheel cannot be solved.
     pub fn new(
         axle: &'a Axle,
         quantities: &[Quantity],

@@ -21,9 +21,9 @@ pub enum Law<T = f64> {
 pub struct SpringLaw<T = f64> {
     /// The spring.
     pub spring: Law<T>,
-    /// The bump stop, over how far it is compressed.
+    /// The bump stop, over its compression.
     pub bump_stop: Option<BumpStop>,
-    /// The rebound stop, over how far it is stretched or pressed by the spring's lengthening.
+    /// The rebound stop, over its deformation by the lengthening of the spring.
     pub rebound_stop: Option<BumpStop>,
 }
 

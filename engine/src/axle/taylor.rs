@@ -74,7 +74,7 @@ impl<T: Real> Taylor<T> {
         Taylor(coefficients)
     }
 
-    /// A polynomial of which nothing is known: all NaN, in the shape of `like`.
+    /// A polynomial with unknown coefficients: all NaN, in the shape of `like`.
     pub fn unknown(like: T) -> Self {
         Taylor([like.lit(f64::NAN); COEFFICIENTS])
     }

@@ -61,7 +61,7 @@ impl<'c> CarRequest<'c> {
         CarRequest { cases, results }
     }
 
-    /// Place of a result that is asked for.
+    /// Place of a requested result.
     pub fn place(&self, case: usize, quantity: CarQuantity) -> Option<usize> {
         let wanted = CaseResult { case, quantity };
         self.results.iter().position(|result| *result == wanted)

@@ -576,7 +576,7 @@ pub(super) fn held_inverse(tangent: &Matrix) -> Option<Matrix> {
     inverse(&matrix)
 }
 
-/// Stiffness of the body by (gamma, phi, theta): how the vertical force and the moments about -x and -e grow.
+/// Stiffness of the body by (gamma, phi, theta): growth of the vertical force and of the moments about -x and -e.
 pub(super) fn body_stiffness(tangent: &Matrix, held: &Matrix) -> [[f64; 3]; 3] {
     let rows = [(VERTICAL, 1.0), (ROLL_MOMENT, -1.0), (PITCH_MOMENT, -1.0)];
     // The change of all unknowns by one of gamma, phi, theta is a column of the inverse.

@@ -1,4 +1,4 @@
-//! Elastic parts as a study names them: bushings at hardpoints, links with axial stiffness, and how they are relaxed.
+//! Elastic parts as a study names them: bushings at hardpoints, links with axial stiffness, and their relaxation.
 
 use super::law::Shape;
 use crate::axle::SpringLaw;

@@ -1,4 +1,4 @@
-//! An elastic wheel: its equilibria, and how they change.
+//! An elastic wheel: its equilibria, and their changes.
 
 use super::build::Built;
 use super::definition::{Compliance, Relaxed};

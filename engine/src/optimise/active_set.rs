@@ -250,7 +250,7 @@ impl ActiveSet {
         worst.1
     }
 
-    /// Takes in a constraint that is violated, letting go of those that come to push the wrong way.
+    /// Adds a violated constraint. Releases the constraints whose multipliers get the wrong sign.
     fn add(&mut self, constraint: Held, slack: f64, rows: Rows<'_>) -> Result<(), Outcome> {
         let n = self.variables;
         match constraint {
@@ -371,8 +371,7 @@ impl ActiveSet {
         back_substitute(&self.triangle[..q * n], n, &mut self.change);
     }
 
-    /// By how much the constraint's value rises per length of the way, and how much it would if nothing
-    /// were held.
+    /// Rise of the constraint's value per length of the step direction, and its rise without held constraints.
     fn gain(&self) -> (f64, f64) {
         let free = &self.projected[self.held.len()..];
         (dot(free, free), dot(&self.projected, &self.projected))

@@ -51,8 +51,8 @@ pub fn front(
     Ok(Tuner::new(&asked)?.front(tuning))
 }
 
-/// The least misfit by how far the design is moved: some ten designs from the study's own on, up to the one of
-/// least misfit. An error says why the design itself cannot be solved.
+/// The least misfit over the size of the change: some ten designs from the study's own to the one of least misfit. An
+/// error gives the reason why the design itself cannot be solved.
 pub fn price_list(
     vehicle: &Vehicle,
     optimise: &Optimise,

@@ -113,7 +113,7 @@ impl Search {
         })
     }
 
-    /// Takes a step by the slope found at the place. Returns whether the place was near enough.
+    /// Takes a step by the slope found at the place. Returns true if the place was near enough.
     pub(super) fn advance(&mut self, slope: f64) -> bool {
         if let Some((place, before)) = self.before
             && place != self.place

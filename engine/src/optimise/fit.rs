@@ -1,4 +1,4 @@
-//! A minimum from one start, and the story of how it was found.
+//! A minimum from one start, and the history of the search.
 
 use super::constrained::KEPT;
 use super::fit_record::{evaluations, execute};

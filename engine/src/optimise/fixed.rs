@@ -32,7 +32,7 @@ pub(super) fn moves(at: &Linearisation, row: usize, bounds: &Bounds) -> bool {
 /// Residuals that are missed and that no variable moves.
 #[derive(Debug, Default)]
 pub(super) struct FixedRows {
-    /// Row, value, and whether it was seen to move.
+    /// Row, value, and a flag that is true if it was seen to move.
     rows: Vec<(usize, f64, AtomicBool)>,
 }
 

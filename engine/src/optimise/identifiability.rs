@@ -9,8 +9,7 @@ pub struct Direction {
     /// The change of each variable in its own unit, scaled so that the variable with the longest way
     /// to go, relative to its range, goes across the whole of it, upwards.
     pub change: DVector<f64>,
-    /// By how much (root mean square, in tolerances) the residuals change along `change`, to first
-    /// order.
+    /// Change of the residuals (root mean square, in tolerances) along `change`, to first order.
     pub effect: f64,
     /// Shares of `change`, up and down, that stay within the ranges and raise the misfit by at most
     /// [`Direction::RISE`]; 0 until tried.
@@ -21,8 +20,8 @@ impl Direction {
     /// Rise of the misfit, in tolerances, that counts as no change.
     pub const RISE: f64 = 0.1;
 
-    /// Finds out how much of the change is free, from `x` with a misfit: `misfit_at` tells that of another
-    /// point, where there is one.
+    /// Finds the share of the change that is free, from `x` with a misfit. `misfit_at` returns the misfit at another
+    /// point, if it has one.
     pub fn try_out(
         &mut self,
         x: &DVector<f64>,

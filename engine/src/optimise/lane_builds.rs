@@ -1,14 +1,14 @@
 //! Builds of a robust tuning in SIMD lanes: their designs, with the derivatives by the variables.
 //!
-//! The parts of the drawing have the same derivatives by a variable in every build: they are formed once, and each group
-//! of builds settles about them. Builds that do not settle here are left to go one by one.
+//! The parts of the nominal design have the same derivatives by a variable in every build. They are formed once, and
+//! each group of builds settles about them. Builds that do not settle here are assembled one by one.
 
 use super::builds::Builds;
 use super::moves::PointRate;
 use crate::assembly::{Alignment, Parts};
 use crate::number::{Jet, MOST_LANES, SimdReal, SimdTask, Vector3, Width};
 
-/// Puts the builds of a drawing together.
+/// Assembles the builds of a nominal design.
 pub(super) struct LaneBuilds {
     width: Width,
     at_once: usize,
@@ -51,7 +51,7 @@ impl LaneBuilds {
         }
     }
 
-    /// Numbers of the builds that are put together at once, group by group.
+    /// Numbers of the builds that are assembled at once, group by group.
     pub(super) fn groups(&self) -> impl Iterator<Item = std::ops::Range<usize>> + use<> {
         let (count, at_once) = (self.accepted.len(), self.at_once);
         let firsts = (0..count).step_by(at_once);
@@ -79,7 +79,7 @@ impl LaneBuilds {
         self.accepted[build] = false;
     }
 
-    /// Puts the builds of a drawing together; `drawn` are the rates of the drawing.
+    /// Assembles the builds of a nominal design; `drawn` are the rates of the nominal design.
     pub(super) fn assemble(
         &mut self,
         builds: &Builds<'_>,
@@ -113,7 +113,7 @@ struct Assembling<'s, 'b> {
     lanes: &'s mut LaneBuilds,
     builds: &'s Builds<'b>,
     alignment: Option<&'s Alignment>,
-    /// The parts of the drawing with their derivatives by each variable.
+    /// The parts of the nominal design with their derivatives by each variable.
     along: &'s [Parts<Jet<f64, 2>>],
 }
 

@@ -1,7 +1,7 @@
 //! Constraints of designs that are solved in SIMD lanes.
 //!
-//! Lanes tell where points are and how they move with the variables, as coordinates, and the spin axis by its angles. From
-//! these a formula's derivatives lead to the variables by the chain rule, station by station.
+//! Lanes give the positions of points and their rates by the variables as coordinates, and the spin axis by its
+//! angles. From these a formula's derivatives lead to the variables by the chain rule, station by station.
 
 use super::carried_triangle::CarriedTriangle;
 use crate::characteristics::{Characteristic, Input, Measure, Quantity, Stud, Vectors};

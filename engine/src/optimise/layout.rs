@@ -25,7 +25,8 @@ pub(super) struct TargetSample {
 }
 
 impl TargetSample {
-    /// Writes the residual in a row. Returns whether it has slopes: within a band nothing pulls, and they are written as zeros.
+    /// Writes the residual in a row. Returns true if it has slopes. Within a band it has none, and they are written
+    /// as zeros.
     #[inline]
     pub(super) fn write_residual(&self, row: usize, found: f64, into: &mut Linearisation) -> bool {
         let deviation = self.wanted.deviation(found);
@@ -170,7 +171,7 @@ impl Draft {
         place_of(&mut self.values, drive)
     }
 
-    /// Leaves out the stations nobody wants anything of, which are not visited.
+    /// Leaves out the stations that no target or constraint uses; they are not visited.
     fn leave_out_unused(&mut self) {
         let of_targets = self.targets.iter_mut().map(|(_, _, station, _)| station);
         let of_checks = self.checks.iter_mut().map(|(_, station)| station);

@@ -120,7 +120,7 @@ impl<'a> LevenbergMarquardt<'a> {
         between_bounds(at, x, self.record.bounds, 0.5 * self.model.scale())
     }
 
-    /// Prepares the model at the current point and tests whether that is a minimum.
+    /// Prepares the model at the current point and tests that point for a minimum.
     fn rebuild_model(&mut self, x: &DVector<f64>) {
         let Linearisation {
             residuals,
@@ -153,8 +153,8 @@ impl<'a> LevenbergMarquardt<'a> {
         self.trial.check()
     }
 
-    /// Corrects a trial reached from `x` as long as the corrections halve, until the cost is at most
-    /// `goal`. Returns how many points it evaluated; an error ends it at a point without residuals.
+    /// Corrects a trial reached from `x` as long as the corrections halve, until the cost is at most `goal`. Returns
+    /// the number of evaluated points; a point without residuals ends it with an error.
     fn correct(
         &mut self,
         problem: &mut impl LeastSquares,

@@ -3,7 +3,7 @@
 use super::{ActiveBound, BoundedLeastSquares, Bounds};
 use nalgebra::{DMatrix, DVector};
 
-/// Residuals and Jacobian at a point, reduced, with the room there is to the bounds.
+/// Residuals and Jacobian at a point, reduced, with the distances to the bounds.
 ///
 /// Steps are in fractions of the ranges.
 pub(super) struct LocalModel<'a> {
@@ -75,7 +75,7 @@ impl<'a> LocalModel<'a> {
         step.iter().fold(0.0, |largest, s| s.abs().max(largest))
     }
 
-    /// By how much the step lowers half the sum of squares, says the model.
+    /// Reduction of half the sum of squares by the step, from the model.
     pub(super) fn predicted_reduction(&self) -> f64 {
         0.5 * self.subproblem.predicted_reduction()
     }

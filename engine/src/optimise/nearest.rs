@@ -45,7 +45,8 @@ struct Search<'s, 'a> {
     level: Level<'s>,
     distance: Distance<'s>,
     history: Vec<Iteration>,
-    /// The nearest design found that keeps the level and the constraints, and whether it is known to be the nearest.
+    /// The nearest design found that keeps the level and the constraints, and a flag that is true if no nearer one
+    /// exists.
     best: Option<(f64, ConstrainedFit, bool)>,
     /// Why the last run ended.
     ended: Option<Termination>,

@@ -157,7 +157,7 @@ impl<'a> Objective<'a> {
         matches!(self.evaluate_in_lanes(&mut into, Some(&mut rows)), Ok(true))
     }
 
-    /// Number of builds whose residuals these are; 1 for the drawing.
+    /// Number of builds whose residuals these are; 1 for the nominal design.
     pub(super) fn build_count(&self) -> usize {
         self.layout.builds
     }
@@ -171,7 +171,7 @@ impl<'a> Objective<'a> {
         (0..robust.builds.count()).filter(is_accepted).count()
     }
 
-    /// Moves the design, or the drawing of builds, to `x`.
+    /// Moves the design, or the nominal design of builds, to `x`.
     fn move_to(&mut self, x: &DVector<f64>) {
         let (frame, variables) = (&self.frame, self.variables);
         moved_design(self.design, frame, variables, x, &mut self.moved);
@@ -273,7 +273,8 @@ impl<'a> Objective<'a> {
         Ok(true)
     }
 
-    /// Writes the residuals of all builds of the moved drawing: in lanes where possible, the others one by one.
+    /// Writes the residuals of all builds of the moved nominal design: in lanes where possible, the others one by
+    /// one.
     fn evaluate_builds(
         &mut self,
         robust: &mut Robust<'a>,

@@ -103,7 +103,7 @@ pub(super) struct Solved<'a> {
     pub simulated: SimulatedFits<'a>,
 }
 
-/// Writes the residuals of a point, and says whether there are any.
+/// Writes the residuals of a point. Returns true if the point has any.
 type Evaluate<'e> = dyn FnMut(&DVector<f64>, &mut Linearisation) -> bool + 'e;
 
 impl Solved<'_> {

@@ -153,7 +153,7 @@ pub(super) struct Slopes<const N: usize> {
     pub(super) by_variable: Vec<f64>,
 }
 
-/// A measure in a pose, and how the design moves.
+/// A measure in a pose, and the rates of the design.
 pub(super) struct Reading<'r, 'a, const N: usize> {
     pub(super) measure: &'r Measure,
     pub(super) view: &'r WheelReading<N>,

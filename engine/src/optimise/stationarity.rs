@@ -60,7 +60,7 @@ impl Scale {
         }
     }
 
-    /// The residual of the optimality conditions, of which `left` is left and `most` is the largest term.
+    /// The residual of the optimality conditions, from the remaining imbalance `left` and the largest term `most`.
     pub(super) fn residual(self, left: f64, most: f64) -> f64 {
         let size = most.max(self.steepest).max(f64::MIN_POSITIVE);
         match left.is_nan() {

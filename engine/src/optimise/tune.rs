@@ -92,14 +92,15 @@ pub struct ConstraintOutcome {
     pub price: Price,
 }
 
-/// By how much, in tolerances, the misfit would fall if a limit were one unit further.
+/// Reduction of the misfit, in tolerances, if a limit were one unit further.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Price {
     /// The limit does not bind, or the misfit is good enough anyway.
     Nothing,
     /// Tolerances per unit of the constraint.
     PerUnit(f64),
-    /// The limit binds together with others whose gradients depend on one another: how they share the price is open.
+    /// The limit binds together with others whose gradients depend on one another: their shares of the price are not
+    /// determined.
     NotDetermined,
 }
 
@@ -133,7 +134,7 @@ pub fn tune(
     })
 }
 
-/// A tuning that is asked for.
+/// A requested tuning.
 pub(super) struct Asked<'a> {
     vehicle: &'a Vehicle,
     /// The suspension as `Assembler` extends it (with a spindle point); only for a robust tuning.

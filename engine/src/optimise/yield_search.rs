@@ -373,7 +373,7 @@ impl Constrained for SmoothYield<'_> {
     }
 }
 
-/// Tunes the drawing towards the targets, then raises the yield from there.
+/// Tunes the nominal design towards the targets, then raises the yield from there.
 pub(super) fn tune_for_yield(
     vehicle: &Vehicle,
     optimise: &Optimise,

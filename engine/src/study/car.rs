@@ -38,7 +38,7 @@ pub struct CarStudy {
     pub car: Car,
     /// Load cases, the one at rest first.
     pub cases: Vec<Case>,
-    /// Results that are asked for.
+    /// Requested results.
     pub quantities: Vec<CarQuantity>,
     /// True if the study asks for derivatives by parameters and hardpoints.
     pub sensitivities: bool,

@@ -367,7 +367,7 @@ pub struct Optimise {
 pub struct Scatter {
     /// Number of builds.
     pub builds: usize,
-    /// Seed they are drawn from.
+    /// Seed of the random builds.
     pub seed: u32,
     /// Dimensions that scatter.
     pub contributors: Vec<Contributor>,
@@ -434,8 +434,7 @@ pub struct Variable {
 }
 
 impl Variable {
-    /// A name that no other variable has, with how it moves: `tie_rod_inner_dz`,
-    /// `lower_arm_front+lower_arm_rear_turn_x`.
+    /// A name that no other variable has, with its move: `tie_rod_inner_dz`, `lower_arm_front+lower_arm_rear_turn_x`.
     pub fn label(&self) -> String {
         if let Some(rate) = &self.rate {
             return match rate.axis_name() {
@@ -663,8 +662,8 @@ impl Subject {
 pub struct Site {
     /// Name of a motion; the study's `[motion]` without it.
     pub motion: Option<(String, Motion)>,
-    /// Rack displacements along the study's +y. If empty, the rack is where the motion has it, or straight ahead if the
-    /// motion moves it.
+    /// Rack displacements along the study's +y. If empty, the rack is at the motion's displacement, or straight ahead
+    /// if the motion moves it.
     pub racks: Vec<f64>,
     /// For an axle: the number of the motion that it is over, and where the others are held.
     pub axle: Option<AxleSite>,
@@ -858,7 +857,7 @@ pub struct Setup {
 pub struct Adjustment {
     /// Its name: `tie_rod`, `upper_ball_joint y`.
     pub name: String,
-    /// The dimension, and how much it changes in the kernel's frame per unit of the adjustment.
+    /// The dimension, and its change in the kernel's frame per unit of the adjustment.
     pub change: (BuildParameter, f64),
     /// Sizes in which it comes.
     pub increment: Increment,
@@ -919,7 +918,7 @@ pub struct Contributor {
 pub struct Source {
     /// Its name.
     pub name: String,
-    /// Dimensions it changes, each by how much per unit, in the kernel's frame.
+    /// Dimensions that it changes, each with its change per unit, in the kernel's frame.
     pub changes: Vec<(BuildParameter, f64)>,
     /// The rate of an elastic part that it changes instead.
     pub rate: Option<Rate>,

@@ -273,7 +273,7 @@ pub(super) fn values(written: &Spanned<Values>, problems: &mut Problems) -> Opti
     }
 }
 
-/// Refuses sensitivities that do not fit in memory: a station counts for each hardpoint that they are asked for.
+/// Refuses sensitivities that do not fit in memory: a station counts once for each requested hardpoint.
 pub(super) fn check_sensitivities(
     place: Span<usize>,
     stations: usize,

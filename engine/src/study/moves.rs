@@ -108,7 +108,7 @@ pub(super) fn names(moves: &[Move], suspension: &Suspension) -> String {
     names.join("+")
 }
 
-/// The hardpoints a variable moves, and how far.
+/// The hardpoints that a variable moves, and their displacements.
 fn points(
     written: &Written<'_>,
     suspension: &Suspension,

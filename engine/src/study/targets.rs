@@ -190,8 +190,8 @@ fn rack_displacements(site: &Site, motion: &Motion) -> Vec<f64> {
     }
 }
 
-/// Stations beside those of the motion: a curve with fewer stations between its ends than it has points
-/// within the motion would be judged by less than was asked for.
+/// Stations beside those of the motion. They are needed if a curve has fewer stations between its ends than points
+/// within the motion: otherwise too few stations would judge it.
 fn added_stations(wanted: &Wanted, motion: &Motion) -> Vec<f64> {
     let (lowest, highest) = ends(&motion.values);
     let curves: Vec<&[[f64; 2]]> = match wanted {

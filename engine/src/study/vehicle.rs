@@ -29,7 +29,7 @@ pub struct WheelStudy {
 }
 
 impl WheelStudy {
-    /// The design position of a suspension. Nothing is asked for.
+    /// The design position of a suspension, without outputs.
     pub fn of(suspension: Suspension) -> Self {
         WheelStudy {
             suspension,

@@ -47,7 +47,7 @@ pub(super) fn second(problem: &Problem, stations: &AxleStations) -> Result<Vec<[
     Ok(combined(problem, &readable, bends))
 }
 
-/// The positions of the drawn axle.
+/// The positions of the nominal axle.
 struct DrawnPositions<'p> {
     problem: &'p Problem<'p>,
     stations: &'p AxleStations<'p>,

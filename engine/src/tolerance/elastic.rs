@@ -1,4 +1,4 @@
-//! Builds of a wheel with elastic parts: parts are put together without load, and rates scatter beside them.
+//! Builds of a wheel with elastic parts: parts are assembled without load, and rates scatter beside them.
 //!
 //! The parts of a build go together as those of the rigid mechanism, in the position where elastic parts are relaxed. The
 //! built design is the design of an elastic wheel, whose equilibria are read. With p the built design and k the rates,

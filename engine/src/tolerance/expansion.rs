@@ -25,14 +25,14 @@ pub const HOLDS: f64 = 0.02;
 /// The most sources whose products are looked at.
 const MOST_SOURCES: usize = 120;
 
-/// Mean and variance by the derivatives at the drawing.
+/// Mean and variance by the derivatives at the nominal design.
 #[derive(Clone, Debug)]
 pub struct Expansion {
     /// `[cell][source]`: g.
     pub gradient: Vec<f64>,
     /// By cell: the first-order variance.
     pub variance: Vec<f64>,
-    /// By cell: mean by first order, less the drawn value. Laws that are not centred on 0 cause it.
+    /// By cell: mean by first order, less the nominal value. Laws that are not centred on 0 cause it.
     pub shift: Vec<f64>,
     /// Second-order terms of the mean and of the variance, by cell. NaN where unknown.
     pub second: Vec<[f64; 2]>,
@@ -40,7 +40,7 @@ pub struct Expansion {
 }
 
 impl Expansion {
-    /// Expands every value of a study about the drawn design. Errors if that cannot be built or aligned.
+    /// Expands every value of a study about the nominal design. Errors if that cannot be built or aligned.
     pub fn of(problem: &Problem) -> Result<Self, NoSetUp> {
         let sources: Vec<_> = problem.tolerance.each_source().collect();
         let (count, cells) = (sources.len(), problem.cells());
@@ -240,7 +240,7 @@ pub(super) fn combined(
     second
 }
 
-/// The poses of the drawn design, each with the factors of its Jacobian.
+/// The poses of the nominal design, each with the factors of its Jacobian.
 struct Poses<'p> {
     readable: &'p [bool],
     slots: Slots,

@@ -28,7 +28,7 @@ impl<'a> LaneBuilder<'a> {
         }
     }
 
-    /// Puts together the first `count` builds of those that have been drawn, `[source][build]`.
+    /// Assembles the first `count` builds of those that have been drawn, `[source][build]`.
     pub(super) fn assemble(&mut self, draws: &[f64], count: usize) {
         self.width.run(Assembling {
             builder: self,

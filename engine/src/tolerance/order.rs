@@ -32,7 +32,7 @@ type Windows = Vec<[[f64; 2]; MOST]>;
 /// The contribution of some builds.
 pub(super) struct Sifted {
     windows: Arc<Windows>,
-    /// `[cell]`: how many values are below the first window, between the first and the second, and so on.
+    /// `[cell]`: number of values below the first window, between the first and the second, and so on.
     between: Vec<[u32; MOST + 1]>,
     /// Values within windows, cell after cell.
     kept: Vec<f64>,
@@ -276,7 +276,7 @@ impl<'c> Ranks<'c> {
         }
     }
 
-    /// The value of a number; none where it lies in no window.
+    /// The value of a number; `None` if it lies in no window.
     fn at(&self, number: u64) -> Option<f64> {
         let (mut below, mut first) = (0, 0);
         for (between, [_, greatest]) in self.cell.between.iter().zip(self.windows) {

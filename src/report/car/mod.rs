@@ -40,7 +40,7 @@ pub struct CarResults<'s> {
     study: &'s CarStudy,
     /// The states, in the order of the cases.
     pub states: Vec<CarState<'s>>,
-    /// For each case, the forces in the members; empty where they are not known or not asked for.
+    /// For each case, the forces in the members; empty if unknown or not requested.
     members: Vec<Vec<f64>>,
 }
 

@@ -107,7 +107,7 @@ pub struct CarMap {
     pub ax: Vec<f64>,
     /// Accelerations to the left, g.
     pub ay: Vec<f64>,
-    /// Largest friction demand of a wheel; none where there is no equilibrium.
+    /// Largest friction demand of a wheel; `None` without an equilibrium.
     pub friction: Vec<Option<f64>>,
     /// Number of lifted wheels.
     pub lifted: Vec<usize>,

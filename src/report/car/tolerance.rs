@@ -15,7 +15,7 @@ pub struct CarToleranceSummary {
     study: String,
     builds: u64,
     seed: u32,
-    /// Builds that cannot be put together or solved in every case.
+    /// Builds that cannot be assembled or solved in every case.
     failed: u64,
     first_failed: Option<u64>,
     reason: Option<String>,

@@ -13,7 +13,7 @@ pub(in crate::report) enum Wanted {
         /// The tolerance.
         tolerance: f64,
     },
-    /// Motion, the least and the most value there; none where there is no limit.
+    /// Motion, the least and the most value there; `None` without a limit.
     Limits(Vec<(f64, Option<f64>, Option<f64>)>),
 }
 

@@ -93,7 +93,7 @@ impl KcResults<'_> {
         inputs
     }
 
-    /// `sensitivities.csv`: a row for each station, test, figure and input; `None` if no points are asked for.
+    /// `sensitivities.csv`: a row for each station, test, figure and input; `None` if no points are requested.
     pub fn sensitivities_csv(
         &self,
         run: &KcRun<'_>,

@@ -193,7 +193,7 @@ fn a_false_root_is_not_proved_to_be_near() {
     );
 }
 
-/// The enclosure of poses over an interval of travel contains what is solved in it, and its derivative that of the
+/// The enclosure of poses over an interval of travel contains the solved poses, and its derivative that of the
 /// series.
 #[test]
 fn poses_over_an_interval_of_travel_are_enclosed() {

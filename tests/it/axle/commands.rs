@@ -29,7 +29,7 @@ fn hardpoint(arguments: &[&str]) -> assert_cmd::assert::Assert {
         .assert()
 }
 
-/// Runs a command that is to end with this code, and gives what it wrote to standard output and error.
+/// Runs a command that is to end with this code, and returns its output on standard output and error.
 pub(super) fn run(arguments: &[&str], code: i32) -> (String, String) {
     let output = hardpoint(arguments).code(code).get_output().clone();
     let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
@@ -557,7 +557,8 @@ fn a_right_hardpoint_at_the_left_is_doubted() {
     assert!(own.contains(doubt), "{own}");
 }
 
-/// Parts made to one tolerance scatter both wheels alike, in mirror image; what one side has more shows there alone.
+/// Parts made to one tolerance scatter both wheels alike, in mirror image; further scatter of one side shows there
+/// alone.
 #[test]
 fn the_wheels_of_the_sample_scatter_alike_but_for_the_slotted_hole() {
     let out = folder("tolerance");

@@ -1,4 +1,4 @@
-//! Targets of an axle: rows and their derivatives, and that tuned axles do what was asked.
+//! Targets of an axle: rows and their derivatives, and tuned axles that meet their targets.
 
 use hardpoint::axle::{AxleQuantity, AxleSolver, Placement, Quantity};
 use hardpoint::characteristics::Characteristic;
@@ -58,8 +58,8 @@ pub(super) fn own_right(shift: f64) -> String {
     format!("[axle.right.hardpoints]\n{}", points.join("\n"))
 }
 
-/// Residuals are deviations of what the axle's solver reads; a wheel quantity without a side makes a row for each wheel; the
-/// derivatives are the slopes of the residuals, with mirrored and with own hardpoints on the right.
+/// Residuals are deviations of the readings of the axle's solver. A wheel quantity without a side makes a row for
+/// each wheel. The derivatives are the slopes of the residuals, with mirrored and with own hardpoints on the right.
 #[test]
 fn rows_are_deviations_and_their_derivatives_are_slopes() {
     let mirrored = ("[axle]\nright = \"mirrored\"", own_right(1.5));

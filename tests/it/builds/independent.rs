@@ -387,8 +387,8 @@ fn ten_thousand_random_builds_are_those_of_other_equations() {
     random_builds(10_000);
 }
 
-/// With one length far off many builds cannot be put together: by neither, and where they can both find the same. Among them
-/// are rods of less than no length, whose squares would do.
+/// With one length far off many builds cannot be assembled. Both programs reject the same ones, and find the same
+/// result for the others. Among the rejects are rods of negative length, whose squares would fit.
 #[test]
 fn what_cannot_be_put_together_cannot_by_other_equations() {
     let (mut built, mut rejected) = (0, BTreeMap::new());

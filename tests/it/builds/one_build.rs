@@ -1,4 +1,4 @@
-//! One build as a study of its own, and how far builds go.
+//! One build as a study of its own, and limits of builds.
 
 use super::{plan, study};
 use hardpoint::curves::curves;
@@ -96,7 +96,7 @@ fn a_printed_build_is_the_build_and_can_be_proved() {
     }
 }
 
-/// A build that cannot be put together is no study: it says so, with exit code 1.
+/// A build that cannot be assembled is no study: the command says so, with exit code 1.
 #[test]
 fn a_rejected_build_is_said_to_be_one() {
     let directory = tempfile::tempdir().unwrap();

@@ -34,7 +34,7 @@ const DEGREES: DoubleDouble = DoubleDouble {
 const LEVER: f64 = 300.0;
 /// No correction of Newton's method moves anything farther than this.
 const FARTHEST: f64 = 60.0;
-/// The shortest step on the way from the drawn parts.
+/// The shortest step on the way from the nominal parts.
 const SHORTEST: f64 = 1.0 / 8192.0;
 
 /// Body to which a point is fixed.
@@ -48,7 +48,7 @@ enum On {
     Rocker(usize),
 }
 
-/// A drawn suspension.
+/// A nominal suspension.
 pub struct Drawing {
     /// Hardpoints and extra points.
     pub names: Vec<String>,
@@ -437,7 +437,7 @@ impl Drawing {
         Some(x)
     }
 
-    /// Puts parts together, at rest, from the drawn ones.
+    /// Assembles parts, at rest, from the nominal ones.
     pub fn put_together(&self, parts: &Parts<DoubleDouble>) -> Option<Solved> {
         let (drawn, built) = (self.drawn().plain(), parts.plain());
         let centre = self.points[self.centre];
@@ -465,7 +465,7 @@ impl Drawing {
         self.refined(parts, rest, x.into_iter().map(DoubleDouble::from).collect())
     }
 
-    /// Moves what is at rest.
+    /// Moves a solution at rest.
     pub fn moved(&self, parts: &Parts<DoubleDouble>, rest: &Solved, to: Motion) -> Option<Solved> {
         let plain = parts.plain();
         let x = rest.x.iter().map(|x| x.value()).collect();

@@ -21,7 +21,7 @@ fn value(found: &SetUp, of: Static) -> f64 {
     found.last().values[place]
 }
 
-/// As many adjustments as wanted values: all are met to rounding, and the spring has its drawn length.
+/// With as many adjustments as wanted values, all are met to rounding, and the spring has its nominal length.
 #[test]
 fn wishes_are_met_exactly_where_there_are_as_many_adjustments() {
     let found = solved(

@@ -23,7 +23,7 @@ enum Quantity {
     Rack,
 }
 
-/// A design in its planted fold, with what is to be named there.
+/// A design in its planted fold, with the name of the limit.
 struct Planted {
     mechanism: Mechanism,
     folded: Points,

@@ -58,7 +58,7 @@ impl Table {
     }
 }
 
-/// Solves a study and gives its curves with the exit code and what was said besides.
+/// Solves a study and returns its curves with the exit code and the messages.
 fn solve(study: &str, overrides: &[&str]) -> (Table, i32, String) {
     let mut command = Command::cargo_bin("hardpoint").unwrap();
     command.args(["solve", &study_file(study), "--out", "-"]);

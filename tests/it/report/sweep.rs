@@ -13,7 +13,7 @@ fn designs(data: &Value) -> Vec<u64> {
     shown.iter().map(|d| d.as_u64().unwrap()).collect()
 }
 
-/// Every value in the page is the one in the file, and what is empty there is missing here.
+/// Every value in the page is the one in the file, and cells empty there are missing here.
 fn assert_values_of_the_file(run: &Run) {
     let data = run.data();
     let (header, cells) = run.csv("designs.csv");
@@ -127,7 +127,7 @@ fn report_makes_the_same_page_for_any_number_of_threads() {
     assert!(page("1") == page("2"));
 }
 
-/// The page is of what ran last in a directory: a sweep takes the place of a solve where it is told to.
+/// The page shows the last run in a directory: a forced sweep replaces a solve.
 #[test]
 fn a_sweep_in_the_same_directory_takes_its_place() {
     let run = sweep("plain", &["--set", "sweep.samples=200"]);

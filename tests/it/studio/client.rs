@@ -24,7 +24,7 @@ impl Answer {
     }
 }
 
-/// Sends bytes to a port and reads what comes back; nothing if the connection is closed without an answer.
+/// Sends bytes to a port and reads the answer; `None` if the connection is closed without an answer.
 pub fn send(port: u16, bytes: &[u8]) -> Option<Answer> {
     let mut stream = TcpStream::connect(("127.0.0.1", port)).unwrap();
     stream

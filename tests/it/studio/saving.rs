@@ -302,7 +302,7 @@ fn links_do_not_lead_out_of_the_folder() {
     assert_eq!(fs::read_to_string(&precious).unwrap(), "precious");
 }
 
-/// A study with several names is written in place, so that each of them has what was saved.
+/// A study with several names is written in place, so that each name has the saved text.
 #[cfg(unix)]
 #[test]
 fn every_name_of_a_study_has_what_was_saved() {

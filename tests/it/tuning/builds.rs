@@ -1,4 +1,4 @@
-//! Derivatives of builds, and what builds are.
+//! Derivatives of builds, and definition of builds.
 
 use super::edited;
 use hardpoint::assembly::Assembler;

@@ -203,7 +203,7 @@ fn an_active_bound_is_where_it_stops() {
     );
 }
 
-/// Weights and tolerances mean what they say: scaling all of either changes nothing.
+/// Only the proportion of weights and of tolerances matters: scaling all of either changes nothing.
 #[test]
 fn only_the_proportion_of_weights_matters() {
     let study = strut();

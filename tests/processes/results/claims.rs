@@ -1,4 +1,4 @@
-//! Who may replace what.
+//! Rules for replacing files.
 
 use super::*;
 
@@ -279,7 +279,7 @@ fn a_kept_study_finds_its_designs() {
     );
 }
 
-/// Whoever reads what is printed may stop: the results are there, and recorded as finished.
+/// A reader of the printed text may stop early: the results exist, and are recorded as finished.
 #[test]
 fn a_closed_pipe_leaves_a_finished_run() {
     let bench = Bench::new();

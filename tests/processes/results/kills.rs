@@ -45,8 +45,8 @@ enum Disk {
     Fills,
 }
 
-/// Sweeps and tunings killed at random moments, each with a second run in the same directory: what they leave is
-/// whole, what is of others is untouched, and the next run ends with the bytes of one that was left alone.
+/// Sweeps and tunings killed at random moments, each with a second run in the same directory. Their files are
+/// complete, files of others are untouched, and the next run ends with the bytes of an undisturbed one.
 fn kill(rounds: u64, samples: &str, disk: Disk) {
     let bench = Bench::new();
     let many = format!("sweep.samples={samples}");

@@ -169,7 +169,7 @@ pub(crate) fn ackermann<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T
     ((inner - outer) / (inner - turn.ideal_outer())).scaled(100.0)
 }
 
-/// In percent of the difference that is ideal for the outer wheel, as Simscape has it.
+/// In percent of the difference that is ideal for the outer wheel, as in Simscape.
 #[inline(always)]
 pub(crate) fn ackermann_by_inner<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     let turn = Turn::of(state);

@@ -156,7 +156,7 @@ impl<'s, T: Scalar> Station<'s, T> {
 /// A value at a station, with its derivatives by some inputs.
 #[derive(Clone, Copy, Debug)]
 pub struct KcGradient<'g> {
-    /// Number of the value among those that were asked for.
+    /// Number of the value among the requested ones.
     pub number: usize,
     /// The value; `None` if there is none.
     pub value: Option<f64>,
@@ -165,8 +165,8 @@ pub struct KcGradient<'g> {
 }
 
 impl KcRun<'_> {
-    /// Values at a station of travel and rack (along the study's +y) with their derivatives by inputs. `tape` is room
-    /// for the work.
+    /// Values at a station of travel and rack (along the study's +y) with their derivatives by inputs. `tape` is a
+    /// work buffer.
     pub fn gradients(
         &self,
         [travel, rack]: [f64; 2],

@@ -381,7 +381,7 @@ impl<'a> ConvexModel<'a> {
         self.level_multipliers.fill(0.0);
     }
 
-    /// By how much the step exceeds a level, as a logarithm of the ratio.
+    /// Ratio by which the step exceeds a level, as a logarithm.
     fn excess(&mut self, k: usize) -> f64 {
         // A level of zero could only be neared for ever.
         let goal = self.levels[k].max(1e-12);
@@ -454,7 +454,7 @@ impl<'a> ConvexModel<'a> {
         self.step.iter().fold(0.0, |most, s| s.abs().max(most))
     }
 
-    /// By how much the step lowers the goal, says the model without its curvature.
+    /// Reduction of the goal by the step, from the model without its curvature.
     pub(super) fn predicted_reduction(&mut self) -> f64 {
         let Self {
             goal,

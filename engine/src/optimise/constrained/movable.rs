@@ -53,7 +53,7 @@ impl Movable {
         movable
     }
 
-    /// Looks at the rows at another point. Returns whether more of them take part than before.
+    /// Evaluates the rows at another point. Returns true if more of them take part than before.
     pub(super) fn look(&mut self, at: &Linearisation, bounds: &Bounds) -> bool {
         if self.standing == 0 {
             return false;

@@ -56,7 +56,7 @@ pub struct ConstrainedFit {
     /// Other multipliers of the rows that are as good: gradients that depend on one another share the push out in any
     /// way.
     pub alternatives: Option<Vec<f64>>,
-    /// Residual of the optimality conditions: how far slopes and multipliers are from balance, relative to their sizes.
+    /// Residual of the optimality conditions: imbalance of slopes and multipliers, relative to their sizes.
     pub imbalance: f64,
     /// Rows that exclude one another about x, where there are such.
     pub culprits: Vec<Held>,
@@ -179,7 +179,7 @@ impl SequentialConvex<'_> {
         self.movable.as_ref().is_none_or(|m| m.takes_part(row))
     }
 
-    /// Evaluates the trial, and looks there for rows that move. Returns whether there are new ones.
+    /// Evaluates the trial, and looks there for rows that move. Returns true if there are new ones.
     fn evaluate_trial(&mut self, problem: &mut impl Constrained) -> Result<bool, Infeasible> {
         problem.assess(&self.trial_x, &mut self.trial)?;
         self.trial.check()?;

@@ -19,7 +19,7 @@ use toml::Spanned;
 /// The most builds: their values are held in memory.
 const MOST_BUILDS: i64 = 100_000;
 
-/// The keys that name a part of the car and how far it moves.
+/// The keys that name a part of the car and its move.
 struct Written<'a> {
     place: Span<usize>,
     axle: Option<&'a Text>,

@@ -53,16 +53,11 @@ impl Strut {
         };
         let (mut line, mut tie_rod) = (None, None);
         for constraint in &mechanism.constraints {
-            match *constraint {
-                Constraint::StrutLine { top, lower, upper } => line = Some((top, lower, upper)),
-                Constraint::Link { inner, outer } if outer != arm.outer => {
-                    tie_rod = Some((inner, outer));
-                }
-                Constraint::Link { .. }
-                | Constraint::Revolute { .. }
-                | Constraint::BallJoint { .. }
-                | Constraint::AxleTravel { .. } => {}
+            if let Constraint::StrutLine { top, lower, upper } = *constraint {
+                line = Some((top, lower, upper));
             }
+            let rod = constraint.link().filter(|(_, outer)| *outer != arm.outer);
+            tie_rod = rod.or(tie_rod);
         }
         let at = |id: PointId| design[id.0];
         let ((top, lower, upper), (inner, outer)) = (line?, tie_rod?);

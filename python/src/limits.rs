@@ -133,6 +133,9 @@ fn of_axle(axle: &Axle) -> Result<Ranges, String> {
     let end = |end: &AxleEnd| {
         let (_, cause) = cause_of(&end.end);
         let cause = match axle.is_rigid() {
+            true if end.end == RangeEnd::FullTurn => {
+                "no limit by the links: the axle turns by a quarter".to_owned()
+            }
             true => cause,
             false => format!("{} wheel: {cause}", end.side.name()),
         };
@@ -162,6 +165,7 @@ fn cause_of(end: &RangeEnd) -> End {
     match end {
         RangeEnd::Fold(limit) => (end.value(), limit.cause.to_string()),
         RangeEnd::FullTurn => (f64::NAN, "turns right round".to_owned()),
+        RangeEnd::Toggle { rod, .. } => (end.value(), format!("the {rod} is at toggle")),
         RangeEnd::Unresolved(_) => {
             let cause = "the path could not be followed any further";
             (end.value(), cause.to_owned())

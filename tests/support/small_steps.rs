@@ -71,11 +71,7 @@ impl SmallSteps {
                     let first = along.cross(unit(k)).normalised();
                     lines.extend([(at(top), first), (at(top), along.cross(first))]);
                 }
-                Constraint::Revolute { .. }
-                | Constraint::BallJoint { .. }
-                | Constraint::AxleTravel { .. } => {
-                    panic!("struts only")
-                }
+                _ => panic!("struts only"),
             }
         }
         let arm = &mechanism.arms[0];

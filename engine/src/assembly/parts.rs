@@ -26,7 +26,7 @@ impl Member {
         });
         let rods = mechanism.rockers.iter().enumerate();
         let rods = rods.map(|(number, rocker)| {
-            let name = rocker.rod.to_string().replace(' ', "_");
+            let name = rocker.rod.key().to_owned();
             (name, Member::Rod(RockerId(number)))
         });
         links.chain(rods).collect()

@@ -22,6 +22,7 @@ use super::alignment::{Alignment, ROUNDING};
 use super::assembler::{Assembler, Linearised};
 use super::parts::Parts;
 use super::settle_series::SettlingSeries;
+use crate::mechanism::constraint::PartDimensions;
 use crate::mechanism::{Closure, Pose, Turn};
 use crate::number::{Each, Jet, Matrix3, Outlined, Real, SimdReal, Vector3};
 
@@ -230,7 +231,13 @@ impl Assembler {
             carrier.push(self.in_carrier(parts, number));
         }
         let mechanism = &self.suspension().mechanism;
-        Closure::of_parts(mechanism, &parts.points, carrier, &parts.lengths)
+        let parts = PartDimensions {
+            body: &parts.points,
+            knuckle: carrier,
+            drawn: &parts.drawn,
+            lengths: &parts.lengths,
+        };
+        Closure::of_parts(mechanism, parts)
     }
 }
 

@@ -219,14 +219,20 @@ fn certify<const N: usize>(
 ) {
     let certifier = AxleCertifier::new(axle);
     let stations: Vec<usize> = (0..placements.len()).collect();
-    for stations in stations.chunk_by(|a, b| placements[*a].rack() == placements[*b].rack()) {
-        let rack = placements[stations[0]].rack();
+    let is_rigid = solver.is_rigid();
+    let rack_of = |station: usize| match is_rigid {
+        true => placements[station].mean(),
+        false => placements[station].rack(),
+    };
+    for stations in stations.chunk_by(|a, b| rack_of(*a) == rack_of(*b)) {
+        let rack = rack_of(stations[0]);
         let known = stations.iter();
         let known = known.filter_map(|number| Some((*number, found.placed[*number].ok()?)));
         let (numbers, placed): (Vec<usize>, Vec<Placed>) = known.unzip();
         let branches = Side::ALL.map(|side| {
             let wheel = side as usize;
-            let travels: Vec<_> = placed.iter().map(|p| p.travels[wheel]).collect();
+            let drive = |p: &Placed| solver.coordinates(p.travels, p.rack)[wheel].0;
+            let travels: Vec<_> = placed.iter().map(drive).collect();
             let poses: Vec<_> = placed.iter().map(|p| p.poses()[wheel]).collect();
             solver.prove_branch(certifier.wheel(side), side, rack, (&travels, &poses))
         });

@@ -10,6 +10,7 @@ use crate::analyse::{Range, RangeEnd};
 use crate::mechanism::{DesignFault, Pose};
 use crate::model::{AxleTravel, Drive, Side};
 use crate::solve::Solver;
+use std::f64::consts::FRAC_PI_2;
 
 /// Limits of an axle's motion from its design position.
 #[derive(Clone, Debug, PartialEq)]
@@ -19,7 +20,8 @@ pub struct AxleLimits {
     /// The least and the largest displacement of the rack towards the left wheel's outside, at zero travel. `None` if
     /// nothing is on the rack.
     pub rack: Option<[AxleEnd; 2]>,
-    /// The least and the largest roll angle (radians) at zero heave, the rack in the middle. `None` if it is not known.
+    /// The least and the largest roll angle (radians) at zero heave, the rack in the middle; a quarter turn with
+    /// [`RangeEnd::FullTurn`] for a rigid axle whose links let it stand upright. `None` if it is not known.
     pub roll: [Option<AxleEnd>; 2],
 }
 
@@ -48,6 +50,8 @@ pub struct AxleEnd {
     pub end: RangeEnd,
 }
 
+/// Sine of the axle's turn about the car's x beyond which it stands upright.
+const UPRIGHT: f64 = 0.97;
 /// Share of the roll angle at the end that must be reached for the end to be believed.
 const BEFORE_END: f64 = 0.999;
 
@@ -80,8 +84,10 @@ impl<const N: usize> AxleSolver<'_, N> {
         // Rolled to the left, the left wheel is in droop.
         let mut roll = |ends: [&RangeEnd; 2]| {
             let end = nearer([(ends[0], 1.0), (ends[1], -1.0)]);
-            let value = self.roll_at(&end)?;
-            Some(AxleEnd { value, ..end })
+            match self.roll_at(&end) {
+                Some(value) => Some(AxleEnd { value, ..end }),
+                None => self.quarter_turn(&end),
+            }
         };
         let upper = roll([&left.lower, &right.upper]);
         let lower = roll([&left.upper, &right.lower]);
@@ -100,6 +106,19 @@ impl<const N: usize> AxleSolver<'_, N> {
         })
     }
 
+    /// The end of roll of a rigid axle that its links let turn until it stands upright; `None` if they do not.
+    fn quarter_turn(&self, end: &AxleEnd) -> Option<AxleEnd> {
+        let RangeEnd::Fold(limit) = &end.end else {
+            return None;
+        };
+        let sine = limit.pose.rotation.columns[1].z;
+        (self.is_rigid() && sine.abs() > UPRIGHT).then(|| AxleEnd {
+            value: -end.value.signum() * FRAC_PI_2,
+            side: end.side,
+            end: RangeEnd::FullTurn,
+        })
+    }
+
     /// The range of the mean travel of a rigid axle, with equal travels of both wheels.
     fn heave_range(&self) -> Result<Range, (Side, DesignFault)> {
         let [left, _] = self.designs();
@@ -114,6 +133,11 @@ impl<const N: usize> AxleSolver<'_, N> {
         let RangeEnd::Fold(limit) = &end.end else {
             return None;
         };
+        // Upright, the axle has no greater difference of travels: its links let it turn by a quarter, and no plane lies under
+        // both wheels.
+        if self.is_rigid() && limit.pose.rotation.columns[1].z.abs() > UPRIGHT {
+            return None;
+        }
         let other = match end.side {
             Side::Left => Side::Right,
             Side::Right => Side::Left,

@@ -65,6 +65,17 @@ impl Placement {
         }
     }
 
+    /// Mean travel of both wheel centres; of a placement at a load that of the level axle.
+    pub(super) fn mean(&self) -> f64 {
+        match *self {
+            Placement::Roll { heave, .. } | Placement::AtLoad { heave, .. } => heave,
+            Placement::Travels {
+                travels: [left, right],
+                ..
+            } => 0.5 * (left + right),
+        }
+    }
+
     /// Quantities that stay fixed in motions from this placement.
     pub fn hold(&self) -> Hold {
         match self {
@@ -765,7 +776,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
     }
 
     /// Drive and rack of each wheel, in its own frame, at these travels. A rigid axle has its two travels there.
-    fn coordinates(&self, travels: [f64; 2], rack: f64) -> [(f64, f64); 2] {
+    pub(super) fn coordinates(&self, travels: [f64; 2], rack: f64) -> [(f64, f64); 2] {
         let [left, right] = travels;
         match self.rigid() {
             None => [0, 1].each(|side| (travels[side], rack * self.corners[side].rack_sign)),
@@ -1233,8 +1244,8 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         Ok(())
     }
 
-    /// Proves that poses of one wheel, at these travels and one rack displacement, lie on the branch of its design
-    /// position.
+    /// Proves that poses of one wheel, at these values of its drive and one rack displacement, lie on the branch of its design
+    /// position. The mean travel of a rigid axle takes the place of the rack.
     pub(super) fn prove_branch(
         &mut self,
         certifier: &Certifier,

@@ -91,7 +91,7 @@ pub use parameters::{AxleParameter, BodyParameter, Parameter, Parameters};
 pub use rates::Solved;
 pub use solver::{CarSolver, Equilibrium};
 pub use templates::{CarTemplate, TEMPLATES};
-pub use tune::{CarTarget, CarVariable, Moves, body_key, moved, rate_key, tune};
+pub use tune::{CarRun, CarTarget, CarVariable, Moves, body_key, moved, rate_key, tune};
 
 use crate::axle::Axle;
 use crate::model::{LengthUnit, TorquePath};

@@ -224,8 +224,8 @@ impl<T: Scalar> Builder<'_, T> {
                 Constraint::StrutLine { top, lower, upper } => self.strut(top, lower, upper),
                 Constraint::Revolute { first, second } => self.hinge(first, second),
                 Constraint::BallJoint { at } => self.ball_joint(at),
-                // Studies refuse elastic parts of a rigid axle.
-                Constraint::AxleTravel { .. } => {}
+                // Studies refuse elastic parts of these.
+                Constraint::AxleTravel { .. } | Constraint::ArmJoint { .. } => {}
             }
         }
     }

@@ -156,7 +156,9 @@ pub fn bushing_points(mechanism: &Mechanism) -> Vec<PointId> {
             }
             Constraint::StrutLine { top, .. } => points.push(top),
             Constraint::Revolute { first, second } => points.extend([first, second]),
-            Constraint::BallJoint { .. } | Constraint::AxleTravel { .. } => {}
+            Constraint::BallJoint { .. }
+            | Constraint::AxleTravel { .. }
+            | Constraint::ArmJoint { .. } => {}
         }
     }
     points.sort();
@@ -179,7 +181,7 @@ pub fn link_members(mechanism: &Mechanism) -> Vec<(String, LinkMember)> {
             _ => None,
         })
     {
-        let name = mechanism.rocker(rocker).rod.to_string().replace(' ', "_");
+        let name = mechanism.rocker(rocker).rod.key().to_owned();
         members.push((name, LinkMember::RockerRod(rocker)));
     }
     members

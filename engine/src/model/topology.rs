@@ -2,8 +2,8 @@
 
 use super::rocker::{self, Carriers};
 use super::{
-    Body, Mechanism, Point, PointId, SpinAxis, Spring, double_wishbone, five_link, macpherson,
-    semi_trailing_arm, solid_axle, trailing_arm_two_links,
+    Body, Mechanism, Point, PointId, SpinAxis, Spring, double_wishbone, five_link, h_arm,
+    integral_link, macpherson, semi_trailing_arm, solid_axle, trailing_arm_two_links,
 };
 use crate::number::Vector3;
 
@@ -189,6 +189,8 @@ impl Topology {
         &five_link::FIVE_LINK,
         &semi_trailing_arm::SEMI_TRAILING_ARM,
         &trailing_arm_two_links::TRAILING_ARM_TWO_LINKS,
+        &integral_link::INTEGRAL_LINK,
+        &h_arm::H_ARM,
         &solid_axle::SOLID_AXLE,
     ];
 

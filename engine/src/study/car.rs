@@ -11,8 +11,8 @@ use super::{
 use crate::ask::Need;
 use crate::axle::Axle;
 use crate::car::{
-    Air, AirForce, Car, CarQuantity, CarTarget, CarVariable, Case, LateralShares, Longitudinal,
-    LongitudinalShares, Masses, Moves, Tyre, TyreAxes,
+    Air, AirForce, Car, CarQuantity, CarRun, CarTarget, CarVariable, Case, LateralShares,
+    Longitudinal, LongitudinalShares, Masses, Moves, Tyre, TyreAxes,
 };
 use crate::model::{Axis, AxlePosition, Frame, Side};
 use crate::number::Vector3;
@@ -68,8 +68,8 @@ pub struct GgMap {
 /// Tuning of a car.
 #[derive(Clone, Debug)]
 pub struct CarOptimise {
-    /// Cap on iterations.
-    pub max_iterations: u64,
+    /// Budget and starts.
+    pub run: CarRun,
     /// Design variables.
     pub variables: Vec<CarVariable>,
     /// Targets.

@@ -33,22 +33,18 @@ pub(super) fn members(suspension: &Suspension) -> Vec<(String, [PointId; 2])> {
     let mechanism = &suspension.mechanism;
     let mut members: Vec<(String, [PointId; 2])> = Vec::new();
     for constraint in &mechanism.constraints {
-        match *constraint {
-            Constraint::Link { inner, .. } if mechanism.is_far(inner) => {}
-            Constraint::Link { inner, outer } => {
-                let name = mechanism.link_name(inner);
-                members.push((name.to_owned(), [inner, outer]));
-            }
-            Constraint::StrutLine { top, lower, .. } => {
-                members.push(("strut".to_owned(), [top, lower]));
-            }
-            Constraint::Revolute { .. }
-            | Constraint::BallJoint { .. }
-            | Constraint::AxleTravel { .. } => {}
+        if let Some((inner, outer)) = constraint
+            .link()
+            .filter(|(inner, _)| !mechanism.is_far(*inner))
+        {
+            members.push((mechanism.link_name(inner).to_owned(), [inner, outer]));
+        }
+        if let Constraint::StrutLine { top, lower, .. } = *constraint {
+            members.push(("strut".to_owned(), [top, lower]));
         }
     }
     for rocker in &mechanism.rockers {
-        let name = rocker.rod.to_string().replace(' ', "_");
+        let name = rocker.rod.key().to_owned();
         members.push((name, [rocker.inner, rocker.outer]));
     }
     if let Some(spring) = mechanism.spring {

@@ -141,6 +141,24 @@ impl<'a> CarProblem<'a> {
         Ok(car)
     }
 
+    /// The nominal car as builds are made of it: both wheels of an axle whose parts scatter have the points of the assembly, a
+    /// point of the spin axis among them.
+    fn drawn(&self) -> Car {
+        let mut car = self.study.car.clone();
+        for (axle, problem) in self.axles.iter().enumerate() {
+            let mut wheels = problem.workshops.iter();
+            let mut next = || Some(wheels.next()?.assembler.suspension().clone());
+            if let (false, Some(left)) = (problem.tolerance.scatter.is_empty(), next()) {
+                car.axles[axle] = Axle {
+                    left,
+                    right: next(),
+                    setup: car.axles[axle].setup.clone(),
+                };
+            }
+        }
+        car
+    }
+
     /// The nominal results, as printed; NaN for missing results.
     ///
     /// # Errors
@@ -156,7 +174,8 @@ impl<'a> CarProblem<'a> {
     /// # Errors
     /// Axle and reason if the design of one cannot be put together.
     pub fn expansion(&self) -> Result<Vec<CarExpansion>, (usize, NoSetUp)> {
-        let gradients = self.request.gradients(&self.study.car);
+        let drawn = self.drawn();
+        let gradients = self.request.gradients(&drawn);
         let gradients = gradients.map_err(|(axle, _, fault)| (axle, NoSetUp::Fault(fault)))?;
         let mut ways: [Vec<Ways>; 2] = Default::default();
         for (axle, problem) in self.axles.iter().enumerate() {
@@ -186,7 +205,7 @@ impl<'a> CarProblem<'a> {
                         parts.sum()
                     }
                     CarContributor::Figure { moves, law, .. } => {
-                        let slope = moves.slope(&self.study.car, gradient);
+                        let slope = moves.slope(&drawn, gradient);
                         law.variance() * slope * slope
                     }
                 };

@@ -19,10 +19,10 @@ const STRIP: f64 = 44.0;
 /// Largest deviation that the strip shows, in tolerances.
 const MOST_DEVIATION: f64 = 2.0;
 /// Widths of letters: of labels, and of the title beside the plot.
-const LETTER: f64 = 6.4;
+const LETTER: f64 = 7.0;
 const TITLE_LETTER: f64 = 7.0;
 /// Longest label at the end of a curve, in letters.
-const LONGEST: usize = 16;
+const LONGEST: usize = 14;
 /// Height of a label.
 const LABEL: f64 = 13.0;
 
@@ -116,7 +116,16 @@ pub(in crate::report) struct EndLabel {
 impl Chart {
     /// The layout over these tables.
     pub(in crate::report) fn layout(self, tables: &[CurveTable]) -> Layout {
-        let points: Vec<_> = self.lines.iter().map(|l| l.source.points(tables)).collect();
+        // A logarithmic axis has no place for zero.
+        let can_stand =
+            |[x, y]: [f64; 2]| (!self.x.is_log || x > 0.0) && (!self.y.is_log || y > 0.0);
+        let of_line = |line: &Line| -> Vec<Option<[f64; 2]>> {
+            let points = line.source.points(tables).into_iter();
+            points
+                .map(|point| point.filter(|p| can_stand(*p)))
+                .collect()
+        };
+        let points: Vec<_> = self.lines.iter().map(of_line).collect();
         let fans: Vec<[Vec<_>; 2]> = (self.fans.iter())
             .map(|fan| fan.edges.each_ref().map(|edge| edge.points(tables)))
             .collect();
@@ -140,7 +149,7 @@ impl Chart {
         let (ends_x, ends_y) = ([plot[0], plot[2]], [plot[3], plot[1]]);
         let x = match self.x.is_log {
             true => Scale::logarithmic(along, ends_x),
-            false => Scale::showing(along.chain(zero()), x_ticks, ends_x),
+            false => Scale::within(along.chain(zero()), x_ticks, ends_x),
         };
         let values = own().map(|p| p[1]);
         let y = match self.y.is_log {
@@ -425,10 +434,17 @@ impl Layout {
         let failed = (!self.chart.failed.is_empty()).then(|| ("bad", "not solved".to_owned()));
         let notes = self.chart.notes.iter().cloned();
         for (class, text) in own.into_iter().chain(missed).chain(failed).chain(notes) {
+            let room = ((SIZE[0] - 8.0 - at) / LETTER) as usize;
+            let text = match text.chars().count() > room {
+                true if at > 10.0 => break,
+                true => text
+                    .chars()
+                    .take(room.saturating_sub(1))
+                    .chain(['…'])
+                    .collect(),
+                false => text,
+            };
             let width = LETTER * text.chars().count() as f64;
-            if at > 10.0 && at + width > SIZE[0] - 8.0 {
-                break;
-            }
             let class = format!("note {class}");
             lettering.write(
                 svg,

@@ -147,7 +147,7 @@ impl Chart {
                 let alone = record.designs.len() == 1;
                 let label = match (is_last, side, several) {
                     (true, Some(side), _) => family.is_present.then(|| side.to_owned()),
-                    (true, None, true) => own.as_ref().map(|own| without_unit(own)),
+                    (true, None, true) => moving.first().map(|name| in_short(name, family.place)),
                     (true, None, false) => (!alone).then(|| design.label.clone()),
                     (false, side, _) => {
                         (family.is_present && side != Some("right")).then(|| design.label.clone())
@@ -238,10 +238,13 @@ pub(in crate::report) fn in_words(column: &str, value: f64) -> String {
     .to_owned()
 }
 
-fn without_unit(told: &str) -> String {
-    told.rsplit_once(' ')
-        .map_or(told, |(name, _)| name)
-        .to_owned()
+/// The same as a label: `rack -30`, or `-270 °` if the name is long.
+fn in_short(column: &str, value: f64) -> String {
+    let quantity = Quantity::of_column(column);
+    match split(column).0 {
+        short if short.len() <= 5 => format!("{} {}", short.replace('_', " "), brief(value)),
+        _ => format!("{} {}", brief(value), quantity.unit),
+    }
 }
 
 /// Columns of the coordinates that move beside the abscissa: for a wheel the rack, for an axle all others.

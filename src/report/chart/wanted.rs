@@ -24,7 +24,8 @@ impl Wanted {
             Wanted::Values { tolerance, .. } => format!("target ± {} {unit}", brief(*tolerance))
                 .trim_end()
                 .to_owned(),
-            Wanted::Limits(_) => "shaded: wanted range".to_owned(),
+            Wanted::Limits(limits) if limits.len() > 1 => "shaded: wanted range".to_owned(),
+            Wanted::Limits(_) => "marks: wanted range".to_owned(),
         }
     }
 

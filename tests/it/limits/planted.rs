@@ -77,11 +77,10 @@ impl Planted {
                     let second = turned(axis, turn).cross(first);
                     rows.extend([first.dot(off), second.dot(off)].map(|r| r / first.norm()));
                 }
-                Constraint::Revolute { .. } => unreachable!("a hinge is never singular"),
                 Constraint::BallJoint { at } => {
                     rows.extend((now[at.0] - was[at.0]).to_array());
                 }
-                Constraint::AxleTravel { .. } => unreachable!("solid axles are planted elsewhere"),
+                _ => unreachable!("a hinge is never singular, and others are planted elsewhere"),
             }
         }
         rows.push(match self.quantity {

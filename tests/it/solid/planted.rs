@@ -187,3 +187,60 @@ fn roll_ends_where_the_links_fold() {
         );
     }
 }
+
+/// The end of roll is known. Either the links fold, and there are no positions beyond; or the axle can stand upright, where
+/// another formulation has it, too.
+#[test]
+fn roll_of_random_axles_has_a_known_end() {
+    use super::own::{own, random};
+    use hardpoint::axle::{AxleSolver, Placement};
+    let mut generator = Random(201);
+    let (mut folds, mut turns) = (0, 0);
+    for number in 0..40 {
+        let single = number % 2 == 0;
+        let points = random(&mut generator, single);
+        let study = axle(&text(&points, single, STILL));
+        let limits = study.axle.limits().unwrap();
+        let TravelRanges::OfAxle {
+            half_difference, ..
+        } = &limits.travels
+        else {
+            panic!("a solid axle");
+        };
+        let mut solver = AxleSolver::<1>::new(&study.axle, &[], false).unwrap();
+        for (end, half) in limits
+            .roll
+            .iter()
+            .zip([&half_difference.upper, &half_difference.lower])
+        {
+            let end = end
+                .as_ref()
+                .unwrap_or_else(|| panic!("{points:?}: no end of roll"));
+            let mut rolled = |share: f64| {
+                let placement = Placement::Roll {
+                    heave: 0.0,
+                    roll: share * end.value,
+                    rack: 0.0,
+                };
+                solver.place(&placement).is_ok()
+            };
+            match &end.end {
+                RangeEnd::Fold(_) => {
+                    folds += 1;
+                    assert!(rolled(0.99) && !rolled(1.01), "{points:?}: {}", end.value);
+                }
+                RangeEnd::FullTurn => {
+                    turns += 1;
+                    assert!((end.value.abs() - std::f64::consts::FRAC_PI_2).abs() < 1e-15);
+                    let half = 0.97 * half.value();
+                    let [left, right] = own(&points, single).at([half, -half]);
+                    let rise = (left[2] - right[2]).abs();
+                    let across = (left[0] - right[0]).hypot(left[1] - right[1]);
+                    assert!(rise > 2.0 * across, "{points:?}: {left:?} {right:?}");
+                }
+                other => panic!("{points:?}: {other:?}"),
+            }
+        }
+    }
+    println!("{folds} folds, {turns} quarter turns");
+}

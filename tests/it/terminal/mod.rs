@@ -4,6 +4,7 @@ mod escapes;
 mod formats;
 mod quiet;
 mod width;
+mod words;
 
 use assert_cmd::Command;
 use std::path::{Path, PathBuf};

@@ -8,12 +8,14 @@ use hardpoint::derive::MotionPoint;
 use hardpoint::model::{Drive, Suspension};
 use hardpoint::number::{Jet, Vector3};
 
-const TOPOLOGIES: [&str; 5] = [
+const TOPOLOGIES: [&str; 7] = [
     "macpherson",
     "double_wishbone",
     "five_link",
     "semi_trailing_arm",
     "double_wishbone_pushrod",
+    "integral_link",
+    "h_arm",
 ];
 
 /// Scatter of points and largest travel of wheels: a racing car's rocker is small, and goes no further.

@@ -104,6 +104,9 @@ pub(crate) fn wheel_load<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>, s
 
 /// Load that a wheel gains as its pad rises, by its spring alone: body level, the other wheel still, neither bar nor tyre.
 pub(crate) fn wheel_rate<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>, side: Side) -> T {
+    if state.carriers.is_rigid() {
+        return rigid::wheel_rate(state, side);
+    }
     let motion = match side {
         Side::Left => Motion::TravelLeft,
         Side::Right => Motion::TravelRight,
@@ -181,6 +184,10 @@ pub(crate) fn ride_frequency<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W
 /// Natural frequency of the wheels between springs and tyres, the body held.
 pub(crate) fn wheel_hop_frequency<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     let tyre = state.setup.tyre_rate.unwrap_or(f64::NAN);
-    let rate = (wheel_rate(state, Side::Left) + wheel_rate(state, Side::Right)).scaled(0.5);
+    // Both wheels of a solid axle hop together; an independent wheel has the same rate either way.
+    let rate = match state.carriers.is_rigid() {
+        true => axle_load(&state.on_pads().moving(Motion::Heave))[1].scaled(0.5),
+        false => (wheel_rate(state, Side::Left) + wheel_rate(state, Side::Right)).scaled(0.5),
+    };
     frequency(state, rate + rate.lit(tyre), state.setup.unsprung_mass)
 }

@@ -138,7 +138,7 @@ pub(crate) fn tolerance<'py>(
     answer.map_err(failure)?.into_dict(py)
 }
 
-/// Results of builds; an interrupted call is none.
+/// Results of builds; an interrupted call has none.
 fn scattered(
     own: &hardpoint::Study,
     tolerance: &Tolerance,

@@ -157,7 +157,7 @@ fn of_axle(axle: &Axle) -> Result<Ranges, String> {
     Ok(ranges)
 }
 
-/// The value of an end, NaN where there is none, and its cause.
+/// The value of an end, NaN without an end, and its cause.
 fn cause_of(end: &RangeEnd) -> End {
     match end {
         RangeEnd::Fold(limit) => (end.value(), limit.cause.to_string()),

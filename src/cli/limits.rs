@@ -41,7 +41,7 @@ pub(super) fn run(arguments: &LimitsArguments) -> Result<Exit, Stop> {
     }
 }
 
-/// The page that was asked for.
+/// The requested page.
 #[derive(Clone, Copy)]
 struct Page<'a> {
     path: &'a Path,
@@ -113,7 +113,7 @@ fn of_wheel(
     Ok(Exit::of(failures.is_empty()))
 }
 
-/// The limits of an axle: which wheel ends what.
+/// The limits of an axle, with the wheel that causes each.
 fn of_axle(
     arguments: &StudyArguments,
     study: &Study,

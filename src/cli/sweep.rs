@@ -31,7 +31,7 @@ pub(super) struct Ready<'s> {
     pub inputs: Vec<PathBuf>,
     /// Copies of the studies, by the name of the file, that are kept with the results.
     pub kept: &'s dyn Fn(&Path) -> Vec<(&'static str, String)>,
-    /// Writes what the page shows of single designs, at the end.
+    /// Writes the data of single designs that the page shows, at the end.
     pub draw: &'s dyn Fn(&Output, &SweepStatistics) -> Result<(), Stop>,
 }
 
@@ -87,7 +87,7 @@ pub(super) fn two_columns(path: &Path, name: &str) -> Stop {
     )
 }
 
-/// Whether the designs go to standard output. Refuses options that need a directory then.
+/// Returns true if the designs go to standard output. In that case it refuses options that need a directory.
 pub(super) fn is_to_stdout(arguments: &SweepArguments, format: FileFormat) -> Result<bool, Stop> {
     let to_stdout = arguments.out.as_deref() == Some(Path::new("-"));
     if to_stdout {
@@ -268,7 +268,7 @@ fn left_out(study: &Study) -> Vec<&'static str> {
         .collect()
 }
 
-/// Computes parts until all are complete or Ctrl-C stops it. Returns whether all are complete. It waits for a part of
+/// Computes parts until all are complete or Ctrl-C stops it. Returns true if all are complete. It waits for a part of
 /// another process, and computes the part itself if that process dies.
 fn sweep_parts(
     swept: Swept<'_>,

@@ -1,4 +1,4 @@
-//! Pictures of how values scatter in their bands, and of what each contributor is worth: SVG in the page.
+//! Pictures of the scatter of values in their bands, and of each contributor's effect: SVG in the page.
 
 use super::escape::html;
 use crate::report::bands::BandRecord;

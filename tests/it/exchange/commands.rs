@@ -170,7 +170,7 @@ fn shells_editors_and_man_get_theirs() {
     assert!(text(&new.get_output().stderr).contains("its strut is the spring"));
 }
 
-/// A run is enough: its points go out and are compared with what was overridden in it, with no study at hand.
+/// A run is enough without its study: its points are exported and compared with its overrides.
 #[test]
 fn a_run_keeps_its_study() {
     let directory = tempfile::tempdir().unwrap();
@@ -278,7 +278,8 @@ fn an_import_says_what_it_did_and_keeps_its_input() {
     }
 }
 
-/// `check` doubts what an import would refuse: columns in another order, and a wheel at the centre plane.
+/// `check` reports as doubtful the cases that an import would refuse: columns in another order, and a wheel at the
+/// centre plane.
 #[test]
 fn check_doubts_axes_and_a_wheel_at_the_centre_plane() {
     let directory = tempfile::tempdir().unwrap();

@@ -83,9 +83,6 @@ fn car(
 ) -> String {
     for (axle, file) in [(front, CAR_FILES[1]), (rear, CAR_FILES[2])] {
         let mut needs = Vec::new();
-        if axle.topology.carries_both_wheels() {
-            missing.push(format!("{file}: a car does not take a solid axle yet"));
-        }
         if axle.wheel_radius.is_none() {
             needs.push("radius in [wheel] (--radius)");
         }

@@ -190,14 +190,14 @@ fn open(arguments: &SweepArguments, ready: &Ready<'_>) -> Result<Output, Stop> {
     let (out, format) = (arguments.out.as_deref(), arguments.study.format);
     let destination = Destination::of(out, &record.study, arguments.force, format)?;
     let keeps_study = destination.keeps_study(&ready.inputs);
-    let kept = match keeps_study {
+    let kept = || match keeps_study {
         true => (ready.kept)(destination.path()),
         false => Vec::new(),
     };
     let mut files = SweepDirectory::files(record);
     files.extend(arguments.report.then(|| "report.html".to_owned()));
     let mut files: Vec<&str> = files.iter().map(String::as_str).collect();
-    files.extend(kept.iter().map(|(name, _)| *name));
+    files.extend(kept().into_iter().map(|(name, _)| name));
     let there = SweepDirectory::read(destination.path()).ok();
     let smaller = there.filter(|there| arguments.resume && record.continues(&there.record));
     let claim = Claim {
@@ -215,7 +215,8 @@ fn open(arguments: &SweepArguments, ready: &Ready<'_>) -> Result<Output, Stop> {
         ..Claim::default()
     };
     let output = Output::at(&destination, claim)?;
-    for (name, text) in kept {
+    // Only now does the directory exist, from which the copies name other files.
+    for (name, text) in kept() {
         output.file(name, text.as_bytes())?;
     }
     Ok(output)

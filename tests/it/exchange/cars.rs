@@ -16,7 +16,8 @@ fn studies() -> &'static Path {
 }
 
 fn study(text: &str) -> Study {
-    Study::from_text("s.toml", text, Path::new(".")).unwrap_or_else(|e| panic!("{e}\n{text}"))
+    Study::elastic_from_text("s.toml", text, Path::new("."))
+        .unwrap_or_else(|e| panic!("{e}\n{text}"))
 }
 
 fn car_of(path: &Path, radius: Option<f64>) -> Result<ImportedCar, String> {

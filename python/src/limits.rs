@@ -133,9 +133,6 @@ fn of_axle(axle: &Axle) -> Result<Ranges, String> {
     let end = |end: &AxleEnd| {
         let (_, cause) = cause_of(&end.end);
         let cause = match axle.is_rigid() {
-            true if end.end == RangeEnd::FullTurn => {
-                "no limit by the links: the axle turns by a quarter".to_owned()
-            }
             true => cause,
             false => format!("{} wheel: {cause}", end.side.name()),
         };
@@ -160,7 +157,7 @@ fn of_axle(axle: &Axle) -> Result<Ranges, String> {
     Ok(ranges)
 }
 
-/// The value of an end, NaN where there is none, and its cause.
+/// The value of an end, NaN without an end, and its cause.
 fn cause_of(end: &RangeEnd) -> End {
     match end {
         RangeEnd::Fold(limit) => (end.value(), limit.cause.to_string()),

@@ -41,7 +41,7 @@ pub(super) fn run(arguments: &LimitsArguments) -> Result<Exit, Stop> {
     }
 }
 
-/// The page that was asked for.
+/// The requested page.
 #[derive(Clone, Copy)]
 struct Page<'a> {
     path: &'a Path,
@@ -113,7 +113,7 @@ fn of_wheel(
     Ok(Exit::of(failures.is_empty()))
 }
 
-/// The limits of an axle: which wheel ends what.
+/// The limits of an axle, with the wheel that causes each.
 fn of_axle(
     arguments: &StudyArguments,
     study: &Study,
@@ -134,7 +134,6 @@ fn of_axle(
         let why = match &end.end {
             RangeEnd::Fold(limit) => because(limit, study),
             RangeEnd::Toggle { rod, .. } => at_toggle(*rod),
-            RangeEnd::FullTurn if axle.is_rigid() => QUARTER_TURN.to_owned(),
             _ => LOST.to_owned(),
         };
         let why = if axle.is_rigid() {
@@ -194,9 +193,6 @@ pub(super) fn travel_rows<'l>(axle: &Axle, limits: &'l AxleLimits) -> Vec<(Row, 
 
 /// Cause of a limit for which no singularity was found.
 const LOST: &str = "the path could not be followed further";
-
-/// Cause of the end of roll of a solid axle that its links do not end.
-const QUARTER_TURN: &str = "no limit by the links: the axle turns by a quarter";
 
 /// Cause of a limit at the toggle of a rod.
 fn at_toggle(rod: Rod) -> String {

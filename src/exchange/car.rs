@@ -151,7 +151,8 @@ fn car(
                      # cg = [..., 0.0, ...]         # in the front study's axes, design position\n";
         }
     }
-    text += "# brake_share_front = 0.6        # needed by cases that brake\n\
+    text += "drive_share_front = 0.0          # assumed: rear drive; it holds the car's speed in a turn\n\
+             # brake_share_front = 0.6        # needed by cases that brake\n\
              \n[[cases]]\nname = \"turn\"\nay = 0.5                         # g, to the left\n";
     text
 }

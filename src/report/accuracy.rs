@@ -36,7 +36,7 @@ fn unsupported(curves: &Curves) -> Option<String> {
     ))
 }
 
-/// Remarks on stations where a rocker has come to a toggle: one for each rod of each wheel.
+/// Remarks on stations at which a rocker has reached a toggle: one for each rod of each wheel.
 fn toggled(curves: &Curves) -> Vec<String> {
     let is_axle = curves.motion_index(Drive::Travel.key()).is_none();
     let mut said = Vec::new();
@@ -133,7 +133,7 @@ pub(super) struct CertificateSummary {
     proved: usize,
     /// Number of stations with a pose that could not be proved.
     unproved: usize,
-    /// Whether every station is proved, so that the whole curve is one branch.
+    /// True if every station is proved, so that the whole curve is one branch.
     one_branch: bool,
     /// The largest of the proved bounds on the position of points of the wheel carrier.
     largest_position_error: Option<f64>,

@@ -1,4 +1,4 @@
-//! The mechanism as a drawing: what is joined to what, by name.
+//! The mechanism as a drawing: connections of points by name.
 //!
 //! Positions along the motion come from [`crate::curves::frames`].
 

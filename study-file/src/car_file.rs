@@ -227,7 +227,7 @@ pub struct Tolerance {
     pub builds: Option<Whole>,
     /// Seed of the random numbers.
     pub seed: Option<Whole>,
-    /// What scatters.
+    /// Dimensions that scatter.
     pub scatter: Spanned<Vec<Spanned<Scatter>>>,
     /// Limits for the yield.
     pub bands: Option<Vec<Spanned<Band>>>,

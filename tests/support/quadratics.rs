@@ -198,8 +198,7 @@ impl Quadratics<f64> {
         jacobian.lu()
     }
 
-    /// What Newton's method comes to from anywhere, if it settles: a pose to within rounding, or a
-    /// reflection.
+    /// Result of Newton's method from any start, if it settles: a pose to within rounding, or a reflection.
     pub fn solve_from(&self, start: Pose<f64>, travel: f64, rack: f64) -> Option<Pose<f64>> {
         let mut pose = start;
         for _ in 0..80 {

@@ -35,7 +35,7 @@ pub struct Carrying<T = f64> {
     pub constraints: [Reaction<T>; 5],
     /// Tension of the rod of each rocker.
     pub rods: Vec<T>,
-    /// For each arm, the force that it passes on at its outer joint for what stands on it.
+    /// Force at the outer joint of each arm, from the known forces on the arm, such as those of a spring or a rod.
     pub passed: Vec<Vector3<T>>,
     /// Vertical force at the wheel centre that equilibrium lacks.
     pub lacking: T,
@@ -54,7 +54,7 @@ fn seat(mechanism: &Mechanism, id: PointId) -> Body {
     mechanism.body(last.map_or(id, |rocker| mechanism.rocker(rocker).outer))
 }
 
-/// Returns true if something stands on an arm: an end of a spring, a rod, or a link or a second joint to the knuckle.
+/// Returns true if an arm carries a spring, a rod, a link or a second joint to the knuckle.
 pub fn bears(mechanism: &Mechanism, arm: ArmId) -> bool {
     let rods = mechanism.rockers.iter().map(|rocker| rocker.outer);
     let spring = mechanism.spring.map(|spring| spring.lower);

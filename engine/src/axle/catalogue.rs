@@ -70,7 +70,7 @@ macro_rules! catalogue {
                 }
             }
 
-            /// Whether sweeps have it in lanes.
+            /// Returns true if sweeps compute the quantity in lanes.
             pub fn is_for_lanes(self) -> bool {
                 match self {
                     $(WheelQuantity::$wheel => catalogue!(@is_for $wlanes),)*
@@ -108,7 +108,7 @@ macro_rules! catalogue {
                 }
             }
 
-            /// Whether sweeps have it in lanes.
+            /// Returns true if sweeps compute the quantity in lanes.
             pub fn is_for_lanes(self) -> bool {
                 match self {
                     $(AxleQuantity::$axle => catalogue!(@is_for $lanes),)*
@@ -201,8 +201,8 @@ pub enum Quantity {
 }
 
 impl Quantity {
-    /// The quantities of a name, left before right; empty where there is none. `roll_steer` is of the wheels
-    /// and of the axle.
+    /// The quantities of a name, left before right; empty if no quantity has the name. Both the wheels and the axle
+    /// have a `roll_steer`.
     pub fn named(name: &str) -> Vec<Quantity> {
         let sides = Side::ALL;
         let mut found = Vec::new();
@@ -299,7 +299,7 @@ impl Quantity {
         }
     }
 
-    /// Whether it moves with a rocker of a side.
+    /// Returns true if the quantity moves with a rocker of a side.
     pub fn moves_with_rocker(self, side: Side) -> bool {
         let of_side = match self {
             Quantity::Corner(own, _) | Quantity::Wheel(own, _) => own == side,
@@ -308,10 +308,10 @@ impl Quantity {
         of_side && self.info().reads.iter().any(|slot| slot.may_turn())
     }
 
-    /// How far apart in height both contact points may be on one plane, in tracks.
+    /// Largest height difference of two contact points on one plane, in tracks.
     pub(super) const SAME_PLANE: f64 = 1e-9;
 
-    /// Whether it is a derivative along a motion on a plane ground.
+    /// Returns true if the quantity is a derivative along a motion on a plane ground.
     pub(super) fn is_of_the_plane(self) -> bool {
         matches!(
             self,
@@ -342,7 +342,7 @@ impl Quantity {
         void.or(plane).unwrap_or(NoValue::NotFinite).reason()
     }
 
-    /// The value in a state, or why there is none.
+    /// The value in a state, or the reason for its absence.
     pub fn value(self, state: &AxleState<f64>) -> Result<f64, NoValue> {
         let is_void = |void: &NoValue| match void {
             NoValue::StraightAhead => steering::is_straight_ahead(state),

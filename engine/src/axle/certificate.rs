@@ -1,4 +1,4 @@
-//! Proof of an axle's position: of both poses, and of what the ground asks of them.
+//! Proof of an axle's position: of both poses, and of the conditions at the ground.
 //!
 //! On a plane ground one number is a result: half the difference s of the travels, where the roll angle is given, or
 //! the roll angle, where both travels are. It is the root of f = h_l - h_r, the difference in height of the contact
@@ -20,7 +20,7 @@ use crate::mechanism::{Configuration, Failure, NoPose};
 use crate::model::{Mechanism, Side};
 use crate::number::{Interval, Jet, Real, Vector3};
 
-/// What is proved of an axle's position. Lengths and angles as in the study, the angles in radians.
+/// Proved bounds on an axle's position. Lengths and angles as in the study, the angles in radians.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxleProof {
     /// No point of the left or right wheel carrier is further than this from its exact position.
@@ -47,13 +47,13 @@ struct Wheel<'a> {
     prover: Prover<'a>,
     mechanism: &'a Mechanism,
     design: Vec<Vector3<Jet<Interval, 2>>>,
-    /// How far the wheel centre rises, at most, when no coordinate of the pose changes by more than 1.
+    /// Largest rise of the wheel centre when no coordinate of the pose changes by more than 1.
     rise: f64,
 }
 
-/// Times that an interval is made four times as short before nothing is proved.
+/// Number of times that an interval is cut to a quarter before the proof is given up.
 const MOST_QUARTERINGS: usize = 24;
-/// Share of an interval that is tried next, where nothing is proved in it. It changes the path, not the result.
+/// Share of an interval that is tried next when the proof fails in it. It changes the path, not the result.
 const NARROWER: f64 = 0.25;
 /// Half the widest interval in which a root is looked for, of a roll angle.
 const WIDEST_ROLL: f64 = 0.1;

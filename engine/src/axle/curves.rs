@@ -12,7 +12,7 @@ use crate::solve::{LEAST_DIGITS, rate_digits};
 use crate::study::Load;
 use crate::threads::on_large_stacks;
 
-/// What is computed for an axle.
+/// Results to compute for an axle, and the stations at which to compute them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AxlePlan {
     /// The stations.
@@ -23,11 +23,11 @@ pub struct AxlePlan {
     pub derivatives: usize,
     /// Hardpoints by which gradients are formed; empty for none.
     pub sensitivities: Vec<PointId>,
-    /// Whether each position is proved.
+    /// True if the program proves each position.
     pub certify: bool,
     /// Points whose coordinates are reported.
     pub points: Vec<PointId>,
-    /// Whether the angular velocities of the wheel carriers are reported.
+    /// True if results contain the angular velocities of the wheel carriers.
     pub knuckle: bool,
     /// Loads on the left and the right wheel, each in the kernel's frame of its side.
     pub loads: [Vec<Load>; 2],
@@ -72,7 +72,7 @@ impl AxlePlan {
 }
 
 impl Axle {
-    /// Whether the steering wheel, turned to the left, steers the wheels to the right.
+    /// Returns true if the steering wheel, turned to the left, steers the wheels to the right.
     pub fn turns_against(&self, plan: &AxlePlan) -> bool {
         if self.setup.c_factor.is_none() || self.setup.wheel_radius.is_none() {
             return false;
@@ -93,7 +93,7 @@ impl Axle {
 pub struct AxleCurves {
     /// The curves.
     pub curves: Curves,
-    /// For each station the position of both wheels, or the reason why there is none.
+    /// For each station the position of both wheels, or the reason for its absence.
     pub placed: Vec<Result<Placed, NoPose>>,
 }
 

@@ -1,7 +1,8 @@
-//! How far an axle goes: each wheel's travel, the rack that both are on, and roll.
+//! Limits of an axle: each wheel's travel, the rack that both are on, and roll.
 //!
-//! With the rack held and both wheel centres at travels heave +- s, roll goes on until the first wheel comes to
-//! the end of its travel. A rigid axle rolls until its links fold. The roll angle there is that of the plane under both wheels.
+//! With the rack held and both wheel centres at travels heave +- s, roll continues until the first wheel reaches the
+//! end of its travel. A rigid axle rolls until its links fold. The roll angle there is that of the plane under both
+//! wheels.
 
 use super::Axle;
 use super::solver::{AxleSolver, Placement};
@@ -9,9 +10,8 @@ use crate::analyse::{Range, RangeEnd};
 use crate::mechanism::{DesignFault, Pose};
 use crate::model::{AxleTravel, Drive, Side};
 use crate::solve::Solver;
-use std::f64::consts::FRAC_PI_2;
 
-/// How far an axle goes from its design position.
+/// Limits of an axle's motion from its design position.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AxleLimits {
     /// Ranges of the travels.
@@ -19,12 +19,11 @@ pub struct AxleLimits {
     /// The least and the largest displacement of the rack towards the left wheel's outside, at zero travel. `None` if
     /// nothing is on the rack.
     pub rack: Option<[AxleEnd; 2]>,
-    /// The least and the largest roll angle (radians) at zero heave, the rack in the middle; a quarter turn with
-    /// [`RangeEnd::FullTurn`] for a rigid axle whose links let it stand upright. `None` if it is not known.
+    /// The least and the largest roll angle (radians) at zero heave, the rack in the middle. `None` if it is not known.
     pub roll: [Option<AxleEnd>; 2],
 }
 
-/// How far the wheels of an axle travel from the design position.
+/// Limits of the travels of an axle's wheels, from the design position.
 #[derive(Clone, Debug, PartialEq)]
 pub enum TravelRanges {
     /// Travel of the left and of the right wheel, each by itself, the rack in the middle.
@@ -38,24 +37,22 @@ pub enum TravelRanges {
     },
 }
 
-/// The end of an axle's range: where the first wheel comes to an end.
+/// The end of an axle's range: the first wheel reaches an end there.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AxleEnd {
     /// The value at the end: a travel, a rack displacement or a roll angle in radians.
     pub value: f64,
-    /// The wheel that comes to its end.
+    /// The wheel that reaches its end.
     pub side: Side,
-    /// That wheel's own end, in its own frame.
+    /// End of that wheel's travel, in its own frame.
     pub end: RangeEnd,
 }
 
-/// Sine of the axle's turn about the car's x beyond which it stands upright.
-const UPRIGHT: f64 = 0.97;
 /// Share of the roll angle at the end that must be reached for the end to be believed.
 const BEFORE_END: f64 = 0.999;
 
 impl Axle {
-    /// How far the axle goes from its design position.
+    /// Returns the limits of the axle's motion from its design position.
     ///
     /// # Errors
     /// If the design position of a wheel is singular.
@@ -83,10 +80,8 @@ impl<const N: usize> AxleSolver<'_, N> {
         // Rolled to the left, the left wheel is in droop.
         let mut roll = |ends: [&RangeEnd; 2]| {
             let end = nearer([(ends[0], 1.0), (ends[1], -1.0)]);
-            match self.roll_at(&end) {
-                Some(value) => Some(AxleEnd { value, ..end }),
-                None => self.quarter_turn(&end),
-            }
+            let value = self.roll_at(&end)?;
+            Some(AxleEnd { value, ..end })
         };
         let upper = roll([&left.lower, &right.upper]);
         let lower = roll([&left.upper, &right.lower]);
@@ -105,19 +100,6 @@ impl<const N: usize> AxleSolver<'_, N> {
         })
     }
 
-    /// The end of roll of a rigid axle that its links let turn until it stands upright; `None` if they do not.
-    fn quarter_turn(&self, end: &AxleEnd) -> Option<AxleEnd> {
-        let RangeEnd::Fold(limit) = &end.end else {
-            return None;
-        };
-        let sine = limit.pose.rotation.columns[1].z;
-        (self.is_rigid() && sine.abs() > UPRIGHT).then(|| AxleEnd {
-            value: -end.value.signum() * FRAC_PI_2,
-            side: end.side,
-            end: RangeEnd::FullTurn,
-        })
-    }
-
     /// The range of the mean travel of a rigid axle, with equal travels of both wheels.
     fn heave_range(&self) -> Result<Range, (Side, DesignFault)> {
         let [left, _] = self.designs();
@@ -132,11 +114,6 @@ impl<const N: usize> AxleSolver<'_, N> {
         let RangeEnd::Fold(limit) = &end.end else {
             return None;
         };
-        // Upright, the axle has no greater difference of travels: its links let it turn by a quarter, and no plane lies under
-        // both wheels.
-        if self.is_rigid() && limit.pose.rotation.columns[1].z.abs() > UPRIGHT {
-            return None;
-        }
         let other = match end.side {
             Side::Left => Side::Right,
             Side::Right => Side::Left,

@@ -37,7 +37,7 @@ pub(super) type Matrix = [[f64; UNKNOWNS]; UNKNOWNS];
 pub struct CarSolver<'a> {
     /// The car.
     pub car: &'a Car,
-    /// Whether gradients contain the derivatives by the racks.
+    /// True if gradients contain the derivatives by the racks.
     pub(super) by_rack: bool,
     /// The car at rest on rigid and on elastic tyres, once it was solved.
     pub(super) rests: [Option<Result<Equilibrium, NoEquilibrium>>; 2],
@@ -66,12 +66,12 @@ struct Found {
 /// The wheels of a state as they were read.
 pub(super) struct Readings<'a> {
     pub placed: [Placed; 2],
-    /// Whether the wheels are known as functions of the racks.
+    /// True if the wheels are known as functions of the racks.
     pub by_rack: bool,
     pub axles: [Read<'a>; 2],
 }
 
-/// What a state is evaluated from: the wheels as they were read at their travels.
+/// Inputs of a state: the wheels as they were read at their travels.
 pub(super) struct Base<'h, 'r, R> {
     pub held: Held<'h>,
     /// Wheels in the frames of their sides: front left, front right, rear left, rear right.
@@ -80,7 +80,7 @@ pub(super) struct Base<'h, 'r, R> {
     pub travels: [f64; 4],
     /// Racks of both axles at which they were read, if they are known as functions of the racks.
     pub racks: Option<[f64; 2]>,
-    /// What carries the wheels of each axle.
+    /// Carriers of the wheels of each axle.
     pub carriers: [Carriers; 2],
 }
 
@@ -131,7 +131,7 @@ impl Readings<'_> {
         [a, b, c, d]
     }
 
-    /// What states nearby are evaluated from.
+    /// Returns the inputs from which nearby states are evaluated.
     pub(super) fn base<'h>(&self, held: Held<'h>) -> Base<'h, '_, Reading<f64>> {
         let [front, rear] = &self.placed;
         Base {
@@ -582,7 +582,7 @@ pub(super) fn held_inverse(tangent: &Matrix) -> Option<Matrix> {
     inverse(&matrix)
 }
 
-/// Stiffness of the body by (gamma, phi, theta): how the vertical force and the moments about -x and -e grow.
+/// Stiffness of the body by (gamma, phi, theta): growth of the vertical force and of the moments about -x and -e.
 pub(super) fn body_stiffness(tangent: &Matrix, held: &Matrix) -> [[f64; 3]; 3] {
     let rows = [(VERTICAL, 1.0), (ROLL_MOMENT, -1.0), (PITCH_MOMENT, -1.0)];
     // The change of all unknowns by one of gamma, phi, theta is a column of the inverse.

@@ -9,7 +9,7 @@ use crate::optimise::{
 };
 use nalgebra::DVector;
 
-/// What a variable moves.
+/// Quantity that a variable moves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Moves {
     /// A coordinate of a hardpoint of both wheels of an axle, 0 the front one; in the study's axes.
@@ -25,7 +25,7 @@ pub enum Moves {
     Rate {
         /// The axle.
         axle: usize,
-        /// Which rate.
+        /// The rate.
         parameter: AxleParameter,
     },
     /// A figure of the car, in the axes of the front study.
@@ -37,7 +37,7 @@ pub enum Moves {
 /// A number that moves a part of the car: an offset of a hardpoint, else a value.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CarVariable {
-    /// What it moves.
+    /// Quantity that the variable moves.
     pub moves: Moves,
     /// Lowest and highest value.
     pub range: [f64; 2],

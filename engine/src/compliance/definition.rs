@@ -1,4 +1,4 @@
-//! Elastic parts as a study names them: bushings at hardpoints, links with axial stiffness, and how they are relaxed.
+//! Elastic parts as a study names them: bushings at hardpoints, links with axial stiffness, and their relaxation.
 
 use super::law::Shape;
 use crate::axle::SpringLaw;
@@ -64,7 +64,7 @@ pub enum AxialStiffness<T = f64> {
 /// The elastic parts of a wheel's suspension.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Compliance<T = f64> {
-    /// How parts are relaxed.
+    /// Method by which parts are relaxed.
     pub relaxed: Relaxed,
     /// The bushings.
     pub bushings: Vec<BushingPart<T>>,

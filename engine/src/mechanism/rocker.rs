@@ -225,7 +225,7 @@ impl<B: SimdReal> Configuration<'_, B> {
         let [mut outer, mut rate] = self.moving_below_rockers(rocker.outer, motion);
         let mut least = outer.x.one();
         loop {
-            [outer, rate] = self.moving_into_base(rocker, [outer, rate], motion);
+            [outer, rate] = self.moving_in_base(rocker, [outer, rate], motion);
             let (first, inner) = (self.designed(rocker.first), self.designed(rocker.inner));
             let (second, designed) = (self.designed(rocker.second), self.designed(rocker.outer));
             let turn = Turn::of([first, second, inner, designed, outer]);
@@ -305,7 +305,7 @@ impl<B: SimdReal> Configuration<'_, B> {
 
     /// A point with its velocity, in the base of a rocker.
     #[inline(always)]
-    fn moving_into_base(
+    fn moving_in_base(
         &self,
         rocker: Rocker,
         [now, rate]: [Vector3<B>; 2],
@@ -316,12 +316,12 @@ impl<B: SimdReal> Configuration<'_, B> {
             true => {
                 let carried = motion.shift + motion.turn.cross(now - self.pose.origin);
                 let rate = self.pose.rotation.apply_transposed(rate - carried);
-                [self.in_base_axes(rocker, now), rate]
+                [self.in_base(rocker, now), rate]
             }
         }
     }
 
-    /// The inverse of [`Configuration::moving_into_base`].
+    /// The inverse of [`Configuration::moving_in_base`].
     #[inline(always)]
     fn moving_out_of_base(
         &self,
@@ -380,7 +380,7 @@ impl<T: Real> Configuration<'_, T> {
     /// Ends of a rod whose outer end is at `now`.
     #[inline(always)]
     fn ends_with(&self, rocker: Rocker, now: Vector3<T>) -> Ends<T> {
-        self.ends_in_base(rocker, self.in_base_axes(rocker, now))
+        self.ends_in_base(rocker, self.in_base(rocker, now))
     }
 
     /// Returns true for a rocker whose base is the knuckle of a solid axle.
@@ -391,7 +391,7 @@ impl<T: Real> Configuration<'_, T> {
 
     /// A place in the base of a rocker: y of (12).
     #[inline(always)]
-    fn in_base_axes(&self, rocker: Rocker, now: Vector3<T>) -> Vector3<T> {
+    fn in_base(&self, rocker: Rocker, now: Vector3<T>) -> Vector3<T> {
         match self.is_on_axle(rocker) {
             false => now,
             true => {
@@ -402,7 +402,7 @@ impl<T: Real> Configuration<'_, T> {
         }
     }
 
-    /// The inverse of [`Configuration::in_base_axes`]: x of (12).
+    /// The inverse of [`Configuration::in_base`]: x of (12).
     #[inline(always)]
     fn out_of_base(&self, rocker: Rocker, place: Vector3<T>) -> Vector3<T> {
         match self.is_on_axle(rocker) {

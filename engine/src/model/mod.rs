@@ -407,15 +407,15 @@ pub struct VehicleFigures {
     pub brake_share_front: Option<f64>,
     /// Share of the drive force at the front axle, 0 to 1.
     pub drive_share_front: Option<f64>,
-    /// Which axle the suspension is of.
+    /// Axle that has this suspension.
     pub position: Option<AxlePosition>,
-    /// What takes the torque of the brakes.
+    /// Part that takes the torque of the brakes.
     pub brakes: Option<TorquePath>,
-    /// What takes the torque of the drive.
+    /// Part that takes the torque of the drive.
     pub drive_torque: Option<TorquePath>,
 }
 
-/// Which axle of the car.
+/// Position of an axle in the car.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AxlePosition {
     /// The front axle.
@@ -424,7 +424,7 @@ pub enum AxlePosition {
     Rear,
 }
 
-/// What takes the torque of brakes or drive about the wheel's spin axis.
+/// Part that takes the torque of brakes or drive about the wheel's spin axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TorquePath {
     /// The wheel carrier: outboard brakes, hub motors.
@@ -442,7 +442,7 @@ pub struct Suspension {
     pub mechanism: Mechanism,
     /// Design position of every point, by [`PointId`].
     pub design: Vec<Vector3<f64>>,
-    /// How the study's axes map to the kernel's.
+    /// Map from the study's axes to the kernel's.
     pub frame: Frame,
     /// The unit of every length.
     pub length_unit: LengthUnit,

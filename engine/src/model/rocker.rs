@@ -1,8 +1,8 @@
-//! Rockers: what a rod turns about an axis in the body. The bell crank of a pushrod or pullrod is one,
-//! an anti-roll bar with its drop link another.
+//! Rockers: parts that a rod turns about an axis fixed in the body or in a solid axle. Examples are the bell crank of a
+//! pushrod or pullrod, an anti-roll bar with its drop link, and the rocker of a Watt linkage.
 //!
-//! Their hardpoints are groups that a topology offers beside its own; a study gives a group entire or not
-//! at all.
+//! Their hardpoints form groups that a topology offers in addition to its own. A study gives every hardpoint of a
+//! group, or none.
 
 use super::topology::{Group, optional};
 use super::{Body, Mechanism, PointId};
@@ -19,7 +19,7 @@ pub struct Rocker {
     pub rod: Rod,
     /// A point of the axis, on the chassis or on a solid axle.
     pub first: PointId,
-    /// Another one.
+    /// Another point of the axis.
     pub second: PointId,
     /// The rod's end on the rocker.
     pub inner: PointId,
@@ -27,7 +27,7 @@ pub struct Rocker {
     pub outer: PointId,
 }
 
-/// What turns a rocker.
+/// Kind of the rod that turns a rocker.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rod {
     /// Pushes the rocker of the spring in jounce.
@@ -41,7 +41,7 @@ pub enum Rod {
 }
 
 impl Rod {
-    /// What it turns.
+    /// Returns the name of the part that the rod turns.
     pub fn turns(self) -> &'static str {
         match self {
             Rod::Pushrod | Rod::Pullrod => "the rocker",
@@ -99,7 +99,7 @@ const DROP_LINK: [&str; 4] = [
     "anti_roll_bar_outer",
 ];
 
-/// A rocker with its pushrod or pullrod; the spring then stands on it.
+/// A rocker with its pushrod or pullrod. The spring then acts on the rocker.
 pub(super) static ROCKER: Group = Group {
     what: "the rocker",
     hardpoints: &[
@@ -298,7 +298,7 @@ impl Mechanism {
         Some(last.map_or(lower, |rocker| self.rocker(rocker).outer))
     }
 
-    /// The body the rod of a rocker stands on, in words.
+    /// Returns the name of the body on which the rod of a rocker is mounted.
     pub fn seat(&self, rocker: &Rocker) -> String {
         let body = self.body(rocker.outer);
         let found = self.bodies.iter().find(|(_, known)| *known == body);

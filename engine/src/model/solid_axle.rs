@@ -12,7 +12,7 @@ use super::{Body, Constraint, Mechanism, Point, PointId, RockerId, Topology};
 
 const NO_LENGTH: &str = "the link would have no length";
 
-/// A Panhard rod, of which a study gives both ends or none.
+/// A Panhard rod. A study gives both ends or none.
 static PANHARD: Group = Group {
     what: "the Panhard rod",
     hardpoints: &[

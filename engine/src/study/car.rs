@@ -1,4 +1,4 @@
-//! Studies of a car: `[car]` with two studies of axles, load cases, and what is asked of them.
+//! Studies of a car: `[car]` with two studies of axles, load cases, and outputs.
 
 mod asked;
 
@@ -38,11 +38,11 @@ pub struct CarStudy {
     pub car: Car,
     /// Load cases, the one at rest first.
     pub cases: Vec<Case>,
-    /// Results that are asked for.
+    /// Requested results.
     pub quantities: Vec<CarQuantity>,
-    /// Whether derivatives by parameters and hardpoints are asked for.
+    /// True if the study asks for derivatives by parameters and hardpoints.
     pub sensitivities: bool,
-    /// Whether forces in members are asked for.
+    /// True if the study asks for forces in members.
     pub member_loads: bool,
     /// States over ax and ay.
     pub gg_map: Option<GgMap>,

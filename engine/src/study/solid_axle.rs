@@ -1,4 +1,4 @@
-//! Solid axles: what a study must and must not say of them, and the differences of the right half.
+//! Solid axles: required and forbidden entries of a study, and the differences of the right half.
 
 use super::error::Problems;
 use super::file::{self, File};
@@ -11,7 +11,7 @@ use crate::solve::Solver;
 use std::ops::Range as Span;
 use toml::Spanned;
 
-/// Refuses what a solid axle does not have; true if there is nothing of it.
+/// Refuses entries that a solid axle does not support; true if there are none.
 pub(super) fn refuse(file: &File, suspension: &Suspension, problems: &mut Problems) -> bool {
     let mut refused: Vec<(Option<Span<usize>>, &str)> = Vec::new();
     let motions = std::iter::once(&file.motion).chain(file.motions.values());

@@ -1,4 +1,4 @@
-//! What targets and constraints name: characteristics, coordinates of points, lengths, members, motions.
+//! Subjects of targets and constraints: characteristics, coordinates of points, lengths, members, motions.
 
 use super::error::Problems;
 use super::members::axis;
@@ -68,7 +68,7 @@ pub(super) fn member(
     choose(text, "member", &options, problems)
 }
 
-/// A length: that of a member, or the distance of two points; with what it is called.
+/// A length, with its name: that of a member, or the distance of two points.
 pub(super) fn length(
     written: &Spanned<MemberName>,
     suspension: &Suspension,
@@ -97,8 +97,7 @@ pub(super) fn length(
     }
 }
 
-/// A force under a load, by the name of its column without the unit; with what it is multiplied by to be along the study's
-/// axes.
+/// A force under a load, by the name of its column without the unit; with its factor to the study's axes.
 pub(super) fn force(
     name: &Text,
     context: &Context,
@@ -132,7 +131,7 @@ pub(super) fn force(
     Some((force, sign))
 }
 
-/// What a target is about.
+/// Returns the subject of a target.
 pub(super) fn subject(
     target: &Spanned<file::Target>,
     context: &Context,

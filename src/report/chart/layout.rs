@@ -75,7 +75,7 @@ pub(in crate::report) struct AxisLayout {
     pub low: f64,
     /// Value at the other end.
     pub high: f64,
-    /// Whether equal lengths are equal factors.
+    /// True for a logarithmic scale.
     pub is_log: bool,
     /// Places on the picture, and labels.
     pub ticks: Vec<(f64, String)>,
@@ -88,7 +88,7 @@ pub(in crate::report) struct LineLayout {
     pub told: String,
     /// Colour and stroke.
     pub class: String,
-    /// Whether its value comes first.
+    /// True for the main curve: its value comes first, and its deviations are shown.
     pub is_main: bool,
     /// Number of the table.
     pub table: usize,
@@ -321,7 +321,7 @@ impl Layout {
         [self.scales[0].place(x), self.scales[1].place(y)]
     }
 
-    /// What the chart shows, in words.
+    /// Returns the content of the chart in words.
     pub(in crate::report) fn description(&self) -> String {
         format!("{} over {}", self.y_title(), self.chart.x.title())
     }
@@ -670,7 +670,7 @@ mod tests {
         }
     }
 
-    /// Of a line and a constant target the deviation is the difference over the tolerance, also between the rows.
+    /// For a line and a constant target, the deviation is the difference over the tolerance, also between the rows.
     #[test]
     fn deviations_are_in_tolerances() {
         let wanted = Wanted::Values {

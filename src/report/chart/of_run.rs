@@ -86,7 +86,7 @@ fn title_of(output: &OutputRecord, is_pair: bool) -> &str {
     }
 }
 
-/// Rows of a design with one value of what moves beside the abscissa.
+/// Rows of a design with one value of the coordinate that moves beside the abscissa.
 pub(in crate::report) struct Family {
     /// The value.
     pub place: f64,
@@ -94,7 +94,7 @@ pub(in crate::report) struct Family {
     pub rows: Vec<usize>,
     /// Its place in the sequential scale.
     shade: usize,
-    /// Whether it is nearest to zero.
+    /// True if it is nearest to zero.
     pub is_present: bool,
 }
 
@@ -247,7 +247,7 @@ fn in_short(column: &str, value: f64) -> String {
     }
 }
 
-/// Columns of what moves beside the abscissa: the rack of a wheel, of an axle what else it has.
+/// Columns of the coordinates that move beside the abscissa: for a wheel the rack, for an axle all others.
 fn moving_beside<'r>(record: &'r Record, abscissa: &str) -> Vec<&'r String> {
     let drive = (!record.further.is_empty()).then_some(&record.drive);
     let all = drive.into_iter().chain(&record.further).chain(&record.rack);

@@ -10,7 +10,7 @@ pub(in crate::report) struct Scale {
     /// Value at the other end.
     pub high: f64,
     step: f64,
-    /// Whether equal lengths are equal factors.
+    /// True for a logarithmic scale.
     pub is_log: bool,
     /// Positions of the two ends.
     ends: [f64; 2],

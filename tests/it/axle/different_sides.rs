@@ -247,7 +247,7 @@ impl<'a> Independent<'a> {
         Independent { axle, solver }
     }
 
-    /// Where a point of a carrier is that was at `designed`, in the kernel's frame of the side.
+    /// Position of a carrier's point that was at `designed`, in the kernel's frame of the side.
     fn carried(&self, placed: &Placed, side: Side, designed: Vector3<f64>) -> Vector3<f64> {
         let suspension = self.axle.suspension(side);
         let origin = suspension.design[suspension.mechanism.origin.0];

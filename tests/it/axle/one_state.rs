@@ -191,8 +191,8 @@ fn the_stiffness_at_a_load_is_that_of_an_independent_calculation() {
     }
 }
 
-/// Where both wheels stand on level pads at one height they stand on a plane: quantities along roll are those of the plane
-/// also if the axle's sides differ.
+/// Wheels on level pads at one height stand on a plane. Quantities along roll are then those of the plane, also if
+/// the axle's sides differ.
 #[test]
 fn level_pads_at_one_height_are_a_plane() {
     for (name, axle) in axles() {

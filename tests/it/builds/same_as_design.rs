@@ -1,4 +1,4 @@
-//! Where a build and a drawing are one.
+//! Tests in which a build equals the nominal design.
 
 use super::{assembler, parameter, study};
 use hardpoint::assembly::{Parts, Rest, built_curves};
@@ -16,7 +16,7 @@ const STUDIES: [&str; 6] = [
     "h_arm_solve",
 ];
 
-/// Parts as drawn go together as drawn.
+/// Nominal parts assemble to the nominal design.
 #[test]
 fn drawn_parts_make_the_drawing() {
     for name in STUDIES {
@@ -117,7 +117,8 @@ fn with_everything_recut_the_build_is_the_moved_drawing() {
     }
 }
 
-/// The derivative by a point of the drawing is that by the point of the part, and by the lengths that follow it.
+/// The derivative by a point of the nominal design is that by the point of the part, and by the lengths that follow
+/// it.
 #[test]
 fn derivatives_by_the_drawing_are_a_chain_rule_on_those_by_parts() {
     for name in [

@@ -1,4 +1,4 @@
-//! The whole car: against independent answers, and against what statics says.
+//! The whole car: against independent answers, and against statics.
 
 mod commands;
 mod comparison;

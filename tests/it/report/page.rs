@@ -1,4 +1,4 @@
-//! What is in the page.
+//! Content of the page.
 
 use super::*;
 
@@ -200,8 +200,8 @@ fn a_failed_station_is_a_gap_with_a_reason() {
     }
 }
 
-/// Where a drop link of an axle no longer reaches its lever nothing is drawn, with the reason; elsewhere every
-/// point has its place.
+/// If a drop link of an axle no longer reaches its lever, the page draws nothing there and gives the reason.
+/// Elsewhere every point has its place.
 #[test]
 fn an_axle_is_drawn_as_far_as_its_rockers_go() {
     let text = study("macpherson_axle.toml").replace(

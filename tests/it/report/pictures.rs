@@ -91,7 +91,7 @@ fn colour(png: &Pixmap, [x, y]: [f64; 2]) -> [u8; 3] {
     [pixel.red(), pixel.green(), pixel.blue()]
 }
 
-/// How many columns of pixels there are in a part of a PNG from the first with ink to the last.
+/// Number of columns of pixels in a part of a PNG, from the first with ink to the last.
 fn width_of_ink(png: &Pixmap, across: [u32; 2], down: [u32; 2]) -> u32 {
     let dark = |x: u32, y: u32| png.pixel(x, y).unwrap().red() < 0x80;
     let inked = |x: &u32| (down[0]..down[1]).any(|y| dark(*x, y));

@@ -11,7 +11,7 @@ use hardpoint::axle::{
 };
 use hardpoint::model::Rod;
 
-/// Where the rocker turns.
+/// Part that carries the pivot of the rocker.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Base {
     Axle,

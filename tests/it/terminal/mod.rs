@@ -1,4 +1,4 @@
-//! What reaches a terminal and what reaches a program: widths, quiet, colours, escapes and machine formats.
+//! Output to a terminal and to a program: widths, quiet, colours, escapes and machine formats.
 
 mod escapes;
 mod formats;

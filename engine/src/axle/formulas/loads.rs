@@ -1,4 +1,4 @@
-//! Wheel loads and stiffnesses: what springs and anti-roll bar ask of the wheels, by virtual work.
+//! Wheel loads and stiffnesses, from the forces of springs and anti-roll bars by virtual work.
 //!
 //! With U the energy of springs and bars, F_i = U_zi/(n.C_i') is the load of a wheel along the normal of the
 //! ground; parts weigh nothing. The bar adds k_b (b_l - b_r)^2/2, b the angles of its levers. Springs between the rockers

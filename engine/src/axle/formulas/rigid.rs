@@ -27,8 +27,8 @@
 //! dp_l = (n.C_l,h + n.C_l,d)/2 dz_l + (n.C_l,h - n.C_l,d)/2 dz_r, and the same for p_r with l and r exchanged   (3)
 //! ```
 //!
-//! Each wheel is read in its own frame, the right one in the mirror image, where its own difference is -d. So n.C_r,d is
-//! minus what is read there, and e.C_r,d is what is read outboard.
+//! Each wheel is read in its own frame, the right one in the mirror image, where its own difference is -d. So n.C_r,d
+//! is the negative of the reading there, and e.C_r,d is the outboard reading.
 
 use super::loads::{bar_torque, spring_force};
 use super::roll::FARTHEST_MEETING;

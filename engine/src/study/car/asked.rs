@@ -19,7 +19,7 @@ use toml::Spanned;
 /// The most builds: their values are held in memory.
 const MOST_BUILDS: i64 = 100_000;
 
-/// The keys that name a part of the car and how far it moves.
+/// The keys that name a part of the car and its move.
 struct Written<'a> {
     place: Span<usize>,
     axle: Option<&'a Text>,
@@ -484,7 +484,7 @@ impl Resolver<'_> {
         sound.then_some(Some(tolerance))
     }
 
-    /// Adds what an entry of `scatter` names.
+    /// Adds the contributors that an entry of `scatter` names.
     fn scatter(
         &mut self,
         car: &Car,

@@ -31,7 +31,7 @@ pub struct ComplianceStudy {
     pub tyre_rate: Option<f64>,
 }
 
-/// The elastic parts, if nothing is wrong with them; the inner `None` if there are none.
+/// The elastic parts, if they have no error; the inner `None` without elastic parts.
 pub(super) fn compliance(
     file: &File,
     suspension: &Suspension,

@@ -1,4 +1,4 @@
-//! What a tuning costs: a start under constraints, the way back towards the design, a front, an evaluation of builds.
+//! Cost of tuning: a start under constraints, the way back towards the design, a front, an evaluation of builds.
 //!
 //! `cargo bench --bench tuning`. The studies are those of `studies/`, eight variables and two curves at 41 stations.
 

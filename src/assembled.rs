@@ -18,8 +18,8 @@ const ANGLES: [Characteristic; 4] = [
     Characteristic::Caster,
 ];
 
-/// Ranges of the arm's angle as wide as this (rad) are left by a search that was given up; what intervals cannot
-/// decide is far narrower.
+/// Width of the ranges of the arm's angle (rad) that an abandoned search leaves; the ranges that intervals cannot
+/// decide are far narrower.
 const GIVEN_UP: f64 = 1e-6;
 
 /// The assemblies that were found.
@@ -58,7 +58,7 @@ impl Assembled {
         places.collect()
     }
 
-    /// Whether each wheel has an assembly and the search decided everywhere.
+    /// Returns true if each wheel has an assembly and the search decided everywhere.
     pub fn is_complete(&self) -> bool {
         let mut wheels = self.wheels.iter();
         wheels.all(|wheel| wheel.found > 0 && wheel.undecided.is_empty())
@@ -288,7 +288,7 @@ fn undecided(wheel: &Wheel, place: &Undecided) -> String {
     }
 }
 
-/// Whether two poses are one: assemblies differ by far more than this, and rounding by far less.
+/// Returns true if two poses are equal: assemblies differ by far more than the tolerance, and rounding by far less.
 fn same(a: &Pose<f64>, b: &Pose<f64>, size: f64) -> bool {
     let columns = a.rotation.columns.iter().zip(b.rotation.columns);
     let turned = columns.map(|(p, q)| (*p - q).norm()).fold(0.0, f64::max);

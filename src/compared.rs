@@ -71,8 +71,8 @@ fn is_over_travel(motion: &Motion) -> bool {
     motion.drive == Drive::Travel && motion.time.is_none()
 }
 
-/// The curves and points of a study, and whether every curve is complete. `first` is the motion of the first study, which
-/// this call sets if it has none.
+/// The curves and points of a study, and true if every curve is complete. `first` is the motion of the first study,
+/// which this call sets if it has none.
 ///
 /// # Errors
 /// The reason in words.

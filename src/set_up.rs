@@ -17,8 +17,8 @@ pub struct FoundSetUp {
 pub enum Refusal {
     /// A design that cannot be solved.
     Design(String),
-    /// Wanted values that cannot be met. The set-ups hold the effects of the adjustments on the design; there are none
-    /// if an effect cannot be computed.
+    /// Wanted values that cannot be met. The set-ups hold the effects of the adjustments on the design; they are
+    /// empty if an effect cannot be computed.
     NotMet(String, Vec<SetUpSummary>),
 }
 
@@ -39,7 +39,7 @@ pub enum SetUpRecord<'s> {
     One(&'s SetUpSummary),
     /// A set-up for each wheel of an axle.
     Wheels {
-        /// Whether the wanted values of both wheels are met.
+        /// True if the wanted values of both wheels are met.
         met: bool,
         /// The left and the right wheel.
         wheels: &'s [SetUpSummary],
@@ -47,7 +47,7 @@ pub enum SetUpRecord<'s> {
 }
 
 impl FoundSetUp {
-    /// Whether the wanted values of all wheels are met.
+    /// Returns true if the wanted values of all wheels are met.
     pub fn met(&self) -> bool {
         self.wheels.iter().all(|summary| summary.met)
     }

@@ -1,4 +1,4 @@
-//! Curves of a study, and what is made of them: files, tables, words and the record of a run.
+//! Curves of a study, and their uses: files, tables, words and the record of a run.
 
 use crate::ask::NoValue;
 use crate::axle::{AxleCurves, AxlePlan, Placed, axle_curves};

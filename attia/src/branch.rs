@@ -1,4 +1,4 @@
-//! Telling a mechanism's assemblies apart, and how far a position is from the singular ones.
+//! Distinguishes a mechanism's assemblies, and measures the distance of a position from the singular ones.
 
 use super::drive::{Drive, Driving};
 use super::equations::Fixed;
@@ -113,7 +113,7 @@ pub(crate) fn nearest_singularity(
     nearest.expect("there are margins").0
 }
 
-/// |a| / b, zero where that is not a number: points of which nothing is known are as good as singular.
+/// |a| / b, zero where that is not a number: unknown points count as singular.
 fn ratio(a: f64, b: f64) -> f64 {
     let ratio = a.abs() / b;
     if ratio.is_nan() { 0.0 } else { ratio }

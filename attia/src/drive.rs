@@ -28,7 +28,7 @@ impl Driver {
     }
 }
 
-/// The circle on which point 5 moves, and what the drives need besides.
+/// The circle on which point 5 moves, and further inputs of the drives.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Driving {
     kind: Drive,
@@ -156,8 +156,8 @@ impl Driving {
         self.d51 / self.wheel_centre.shares().map(f64::abs).iter().sum::<f64>()
     }
 
-    /// How fast the level of (15) rises against its left-hand side at fixed points: `-C_t`, for a unit
-    /// rate of the drive's value.
+    /// Rate of the level of (15) against its left-hand side at fixed points, for a unit rate of the drive's value:
+    /// `-C_t`.
     pub(crate) fn rate(&self, value: f64, moving: &Moving) -> f64 {
         match self.kind {
             Drive::ArmAngle => self.d51 * self.turned(value)[1].dot(moving[0] - self.centre),

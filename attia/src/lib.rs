@@ -37,9 +37,9 @@
 //! either side of the plane 3-4-5, and, with (15) as printed, the arm on either side. A pose is only
 //! returned when it continues the one it was started from; [`PointCoordinates::track`] says how.
 //!
-//! # Where it is singular
-//! Where the equations lose rank though the suspension may be sound ([`Singular`]), or where the branch
-//! ends, the answer is a [`Refusal`].
+//! # Singular positions
+//! The answer is a [`Refusal`] where the branch ends, or where the equations lose rank although the suspension may be
+//! sound ([`Singular`]).
 //!
 //! # Use in studies
 //! [`register`] makes `formulation = "point_coordinates"` available to the engine. The program `hardpoint` and the Python

@@ -5,7 +5,7 @@ use super::equations::{Column, DRIVE, quadratic, rack_column};
 use super::tracking::{PointCoordinates, Pose, moving_of};
 use super::{AngularMotion, Refusal};
 
-/// How the inputs change with time, or with whatever the rates are by.
+/// Rates of the inputs, by time or by another parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct Rates {
     /// First derivative of the drive's value.

@@ -22,7 +22,7 @@ pub enum Singular {
     BallJointOnArmAxis,
     /// The tie rod does not hold the knuckle.
     TieRodToggle,
-    /// The paper's drive at theta = k pi, or beyond what the arm reaches.
+    /// The paper's drive at theta = k pi, or beyond the reach of the arm.
     DeadCentre,
     /// The drive by travel at the end of the travel.
     TravelLimit,
@@ -63,21 +63,21 @@ impl std::error::Error for Singular {}
 /// Why a pose was not found.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum Refusal {
-    /// At the pose asked for, fewer than half of the digits would be left.
+    /// At the requested pose, fewer than half of the digits would be left.
     #[error("singular: {0}")]
     Singular(Singular),
-    /// The branch of the design position ends before the pose asked for.
+    /// The branch of the design position ends before the requested pose.
     #[error("unreachable: the motion ends where the drive is {value}; there, {limit}")]
     Unreachable {
         /// The value of the drive up to which the branch was followed.
         value: f64,
-        /// What ends it.
+        /// The singularity that ends the range.
         limit: Singular,
     },
-    /// The branch of the design position ends before the rack is where it was asked to be.
+    /// The branch of the design position ends before the rack reaches the requested displacement.
     #[error("unreachable: the rack does not get there; where it stops, {limit}")]
     RackUnreachable {
-        /// What ends it.
+        /// The singularity that stops the rack.
         limit: Singular,
     },
     /// A number in the input is not finite.

@@ -21,11 +21,11 @@ impl PointCoordinates {
         })
     }
 
-    /// Visits the drive's values outward from `start`, each from its neighbour; `visit` gets the
-    /// number of each with its pose or the reason there is none.
+    /// Visits the drive's values outward from `start`, each from its neighbour. `visit` gets the number of each with
+    /// its pose or the reason for its absence.
     ///
-    /// Outward is in what the drive's equation knows of its value: for the paper's angle its cosine, so
-    /// that values on both sides of a dead centre are visited in the order of the arm's positions.
+    /// The order follows the form of the value in the drive's equation: for the paper's angle its cosine. So values
+    /// on both sides of a dead centre are visited in the order of the arm's positions.
     pub fn for_each_pose(
         &self,
         start: &Pose,

@@ -29,9 +29,9 @@ pub struct Strut {
     pub wheel_centre: Vector3<f64>,
 }
 
-/// Which points of the strut's axis stand for 6, 7 and 9 in the equations.
+/// Points of the strut's axis that stand for 6, 7 and 9 in the equations.
 ///
-/// The pose does not depend on the choice, its rounding error does.
+/// The pose does not depend on the choice. Its rounding error does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum StrutPoints {
     /// Far apart, at fixed fractions of the strut's length: the equations are as well conditioned as
@@ -53,16 +53,11 @@ impl Strut {
         };
         let (mut line, mut tie_rod) = (None, None);
         for constraint in &mechanism.constraints {
-            match *constraint {
-                Constraint::StrutLine { top, lower, upper } => line = Some((top, lower, upper)),
-                Constraint::Link { inner, outer } if outer != arm.outer => {
-                    tie_rod = Some((inner, outer));
-                }
-                Constraint::Link { .. }
-                | Constraint::Revolute { .. }
-                | Constraint::BallJoint { .. }
-                | Constraint::AxleTravel { .. } => {}
+            if let Constraint::StrutLine { top, lower, upper } = *constraint {
+                line = Some((top, lower, upper));
             }
+            let rod = constraint.link().filter(|(_, outer)| *outer != arm.outer);
+            tie_rod = rod.or(tie_rod);
         }
         let at = |id: PointId| design[id.0];
         let ((top, lower, upper), (inner, outer)) = (line?, tie_rod?);
@@ -80,15 +75,15 @@ impl Strut {
         })
     }
 
-    /// What a turn of the arm that raises the ball joint is multiplied by to be one of
-    /// [`Drive::ArmAngle`](crate::Drive::ArmAngle), which is about the axis from front to rear.
+    /// Sign, 1 or -1, of a turn of [`Drive::ArmAngle`](crate::Drive::ArmAngle) that raises the ball joint. The drive
+    /// turns the arm about the axis from front to rear.
     pub fn raising_turn(&self) -> f64 {
         let axis = self.lower_arm_rear - self.lower_arm_front;
         let rise = axis.cross(self.lower_ball_joint - self.lower_arm_front).z;
         if rise <= 0.0 { -1.0 } else { 1.0 }
     }
 
-    /// Whether every coordinate is a number.
+    /// Returns true if every coordinate is a number.
     pub(crate) fn is_finite(&self) -> bool {
         let required = [
             self.lower_arm_front,

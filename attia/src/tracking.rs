@@ -238,16 +238,15 @@ impl PointCoordinates {
         (self.is_clear_of_rounding(&factors) && branch(&moving) == branch(start)).then_some(moving)
     }
 
-    /// Whether a position that satisfies the equations to rounding is one that satisfies them.
+    /// Returns true if a position that satisfies the equations to rounding is a true solution.
     ///
-    /// Next to the end of a branch the equations hold to rounding beyond the end as well. There a unit
-    /// vector v is nearly in the kernel of the Jacobian J, and with w = J^-T v the equations F = 0 are,
-    /// for a step t along it,
+    /// Near the end of a branch the equations hold to rounding beyond the end as well. There a unit vector v is
+    /// nearly in the kernel of the Jacobian J. With w = J^-T v, the equations F = 0 become, for a step t along v,
     ///
     /// - t + c t^2/2 + w.F = 0, where c = w.F''(v, v).
     ///
-    /// With r in every F, each with the worst sign, the two roots meet at h = |c| r sum|w| = 1/2, which is
-    /// Kantorovich's h. Asked for is 1/4.
+    /// With a rounding error r in every F, each with the worst sign, the two roots meet at h = |c| r sum|w| = 1/2.
+    /// This h is Kantorovich's. The test requires h <= 1/4.
     fn is_clear_of_rounding(&self, factors: &Factors) -> bool {
         // Where J is nearly singular, what solves it for any right-hand side is nearly v.
         let v = Column::from(factors.solve([1.0; 15])).normalize();
@@ -268,7 +267,7 @@ impl PointCoordinates {
         jacobian(&self.fixed.with_rack(rack), &pose.moving, &driver)
     }
 
-    /// What is nearly singular at a pose.
+    /// Returns the configuration that is nearly singular at a pose.
     pub(crate) fn diagnosis(&self, pose: &Pose) -> Singular {
         let fixed = self.fixed.with_rack(pose.station.rack);
         let arm = self.driving.along_the_arm(&pose.moving);
@@ -295,8 +294,8 @@ fn spread(lu: &Factors) -> f64 {
 
 /// Condition number of a Jacobian with these factors, in the Frobenius norm; infinite (or not a number) where singular.
 ///
-/// Every equation is a squared length and every unknown a length, so that it needs no scaling. Scaling
-/// the rows would hide two points that coincide: what is left of their row is rounding.
+/// Every equation is a squared length and every unknown a length, so that they need no scaling. Scaling the rows
+/// would hide two points that coincide, because their row then is only rounding.
 fn condition(jacobian: &Jacobian, factors: Option<&Factors>) -> f64 {
     let norm = |rows: &Jacobian| {
         rows.as_flattened()
@@ -308,7 +307,7 @@ fn condition(jacobian: &Jacobian, factors: Option<&Factors>) -> f64 {
     factors.map_or(f64::INFINITY, |lu| norm(&lu.inverse()) * norm(jacobian))
 }
 
-/// A bound on what rounding leaves of the equations at their solution.
+/// Returns a bound on the rounding error of the equations at their solution.
 ///
 /// With coordinates up to M and distances up to D: each coordinate difference carries eps M, which
 /// moves a squared distance or a component of a vector product by no more than 2 sqrt(3) D eps M; the

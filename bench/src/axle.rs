@@ -1,4 +1,4 @@
-//! Axle poses per second: designs of both wheels over the study's motion, as a sweep has them.
+//! Axle poses per second: designs of both wheels over the study's motion, as in a sweep.
 //!
 //! A design moves every hardpoint of both wheels, in mirror image, by up to ten millimetres. A pose is one position of
 //! the whole axle. The evaluators are those of sweeps and of [`DesignFunction`].

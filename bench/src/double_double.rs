@@ -1,5 +1,5 @@
-//! Numbers of twice the precision: an unevaluated sum of two doubles, about 32 digits. The measure of
-//! what doubles lose.
+//! Numbers of twice the precision: an unevaluated sum of two doubles, about 32 digits. They measure the errors of
+//! doubles.
 //!
 //! T. J. Dekker, A floating-point technique for extending the available precision, Numer. Math. 18,
 //! 1971; square root by one Newton step from the double's.

@@ -1,4 +1,4 @@
-//! What each effect costs, alone and added up, relative to positions alone.
+//! Cost of each effect, alone and in sum, relative to positions alone.
 
 use super::accuracy::{Subject, unchecked_and_checked};
 use super::{Clock, Job, Timing, Unmeasurable, wheel_travel};

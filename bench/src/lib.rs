@@ -1,8 +1,7 @@
-//! The program measures itself: poses per second, what a digit costs, and what an effect costs, on this
-//! machine.
+//! The program measures itself on this machine: poses per second, the cost of a digit, and the cost of an effect.
 //!
-//! Times are taken in rounds, so that what else the machine does falls on all alike; compare within one
-//! run. Finite differences live here and nowhere else in the library, as the thing to beat.
+//! Times are taken in rounds, so that other load on the machine falls on all alike; compare within one run. Finite
+//! differences exist only here in the library, as a reference for comparison.
 
 #![warn(clippy::allow_attributes_without_reason, unreachable_pub)]
 
@@ -35,9 +34,9 @@ pub enum Unmeasurable {
         "the motion has {solved} stations of different travel with a pose; it takes {needed} to measure a curve"
     )]
     FewStations {
-        /// How many have one.
+        /// Number of stations that have a pose.
         solved: usize,
-        /// How many it takes.
+        /// Number of stations that the measurement needs.
         needed: usize,
     },
     /// Two outputs of the study have one name.

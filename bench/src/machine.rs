@@ -14,11 +14,11 @@ pub struct Machine {
     pub system: &'static str,
     /// Version of the program.
     pub version: &'static str,
-    /// Whether the program was built without optimisation, so that times mean little.
+    /// True if the program was built without optimisation; its times then mean little.
     pub unoptimised: bool,
     /// Samples of each time.
     pub samples: usize,
-    /// Milliseconds that a sample takes at least.
+    /// Shortest duration of a sample, in milliseconds.
     pub shortest_sample_ms: f64,
 }
 

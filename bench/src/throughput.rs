@@ -1,5 +1,4 @@
-//! Poses per second, as a sweep has them: many designs, their preparation and the values written down
-//! included.
+//! Poses per second, as in a sweep: many designs, including their preparation and the output of the values.
 //!
 //! Designs are the study's own with every hardpoint moved by up to a hundredth of the mechanism's size,
 //! always the same ones. The seed paper's formulation solves the same designs at the same travels, in the
@@ -19,11 +18,11 @@ use std::hint::black_box;
 use std::ops::ControlFlow;
 use std::sync::Mutex;
 
-/// How far a hardpoint is moved, in sizes.
+/// Largest move of a hardpoint, in sizes.
 const SCATTER: f64 = 0.01;
 /// Number of blocks that one thread solves in a sample.
 const BLOCKS: usize = 32;
-/// Number of blocks for each of several threads: they take long compared with waking the threads.
+/// Number of blocks for each of several threads. Solving them takes long compared with waking the threads.
 const BLOCKS_OF_THREAD: usize = 512;
 /// Number of designs for slow methods.
 const FEW: usize = 16;
@@ -33,7 +32,7 @@ const FEW: usize = 16;
 pub struct Measurement {
     /// The quantities that are computed at each pose.
     pub asked: &'static str,
-    /// How it is found.
+    /// Method that finds the poses.
     pub method: String,
     /// Threads at work.
     pub threads: usize,
@@ -56,10 +55,10 @@ pub struct Throughput {
 }
 
 const ANGLES: &str = "four angles";
-/// What the method itself costs: one evaluation of the closed form at each pose, the angle of the arm being given,
-/// and the four angles read off it.
+/// Cost of the method itself: one evaluation of the closed form at each pose, for a given angle of the arm, and the
+/// four angles from it.
 const LIMIT: &str = "four angles at a given arm angle (the limit)";
-/// The farthest the arm is turned for that (rad).
+/// Largest angle of the arm for that measurement (rad).
 const LIMIT_ANGLE: f64 = 0.2;
 const ONE_BY_ONE: &str = "one by one";
 const GAINS: &str = "four angles and their gains";
@@ -241,7 +240,7 @@ impl Throughput {
 
 const PAPER: &str = "point coordinates (paper)";
 
-/// Those of these characteristics that the suspension has the parts and figures for.
+/// Returns those of the characteristics for which the suspension has the parts and figures.
 fn quantities(suspension: &Suspension, characteristics: &[Characteristic]) -> Vec<Quantity> {
     let possible = |c: &&Characteristic| c.info().needs.iter().all(|n| n.met_by(suspension));
     let possible = characteristics.iter().filter(possible);
@@ -283,7 +282,7 @@ struct Sweep<'a> {
 }
 
 impl<'a> Sweep<'a> {
-    /// Whether most of the designs do.
+    /// Returns true if most of the designs run in lanes.
     fn runs_in_lanes(&self, quantities: &[Quantity]) -> bool {
         let mut block = Block::new(quantities.len(), self.stations.count());
         Evaluator::new(self.suspension, self.stations, quantities)

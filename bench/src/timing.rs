@@ -26,13 +26,13 @@ impl Timing {
         }
     }
 
-    /// Half of what lies between the quartiles, in parts of the median.
+    /// Half of the distance between the quartiles, in parts of the median.
     pub fn spread(&self) -> f64 {
         0.5 * (self.upper - self.lower) / self.median
     }
 }
 
-/// How long is measured.
+/// Duration of the measurements.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Clock {
     /// Samples of each time.
@@ -78,7 +78,7 @@ impl Clock {
         samples.into_iter().map(Timing::of).collect()
     }
 
-    /// How often a job fits into a sample.
+    /// Returns the number of repetitions of a job that fill a sample.
     fn repeats(&self, job: &mut Job<'_>) -> u32 {
         let mut repeats = 1;
         while elapsed(job, repeats) < self.shortest && repeats < 1 << 24 {
@@ -90,7 +90,7 @@ impl Clock {
 
 /// Something to be timed.
 pub struct Job<'a> {
-    /// How many items it does.
+    /// Number of items that the job processes.
     pub items: usize,
     /// The work that is timed.
     pub work: Box<dyn FnMut() + 'a>,

@@ -1,4 +1,4 @@
-//! The equations on any number, with any tolerance and any start: for measuring what they cost.
+//! The equations on any number, with any tolerance and any start: for measuring their cost.
 //!
 //! Production is [`Solver`](hardpoint_engine::solve::Solver), which does more: it looks where it steps. Here the formulas
 //! of closed form and closure equations are run bare, so that one thing at a time can be changed.
@@ -17,7 +17,7 @@ pub(crate) trait Equations<T> {
     type Unknown: Copy;
     /// Its value in the design position.
     fn design(&self) -> Self::Unknown;
-    /// Makes one Newton step. Returns the unknown it leads to, and by how much the unknown before it missed the travel.
+    /// Makes one Newton step. Returns the next unknown, and the travel error of the unknown before it.
     fn step(&self, at: &Self::Unknown, travel: T) -> (Self::Unknown, f64);
     /// The weighted sum of earlier solutions.
     fn predicted(&self, earlier: &[Self::Unknown], weights: &[f64]) -> Self::Unknown;

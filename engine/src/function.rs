@@ -1,12 +1,11 @@
 //! Curves as a pure function of the design: offsets of variables in, values and exact Jacobians out.
 //!
-//! This is what an optimiser, a surrogate or a differentiable program takes. A [`DesignFunction`] owns what it
-//! uses, is `Send + Sync` and has no lifetime; every thread that evaluates takes an [`Evaluation`] of its own
-//! from it. Arrays are plain slices, the last index running fastest. Values are in the units of the column
-//! names, offsets in the study's length unit and axes. A value that does not exist is NaN, with a status that gives the
-//! reason; nothing is dropped.
+//! Optimisers, surrogate models and differentiable programs need such a function. A [`DesignFunction`] owns its data,
+//! is `Send + Sync` and has no lifetime. Every thread takes its own [`Evaluation`] from it. Arrays are plain slices;
+//! the last index runs fastest. Values are in the units of the column names. Offsets are in the study's length unit and
+//! axes. A value that does not exist is NaN, with a status that gives the reason. No row is dropped.
 //!
-//! A variable of an axle moves the same points of both wheels, each in the frame of its side, so that a derivative is the
+//! A variable of an axle moves the same points of both wheels, each in the frame of its side. So a derivative is the
 //! sum of both wheels' gradients along the variable's rates. A right wheel with hardpoints of its own moves as the left one
 //! does.
 
@@ -30,7 +29,7 @@ use nalgebra::DVector;
 use std::borrow::Cow;
 use std::sync::Arc;
 
-/// Curves of a study as a function of what its variables move.
+/// Curves of a study as a function of its variables.
 #[derive(Clone, Debug)]
 pub struct DesignFunction {
     /// The wheel of a corner, or the left wheel of an axle.
@@ -49,7 +48,7 @@ pub struct DesignFunction {
     moved: Vec<PointId>,
 }
 
-/// Whether a design could be evaluated.
+/// Status of the evaluation of a design.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum DesignStatus {
@@ -62,8 +61,8 @@ pub enum DesignStatus {
 }
 
 impl DesignFunction {
-    /// The outputs of a study over its motion, as a function of its variables ([`DesignVariable::of`]). Errors as
-    /// [`FunctionError`] says.
+    /// The outputs of a study over its motion, as a function of its variables ([`DesignVariable::of`]). Fails for the
+    /// reasons in [`FunctionError`].
     pub fn of(study: &Study) -> Result<Self, FunctionError> {
         DesignFunction::with_variables(study, DesignVariable::of(study))
     }

@@ -21,7 +21,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! | convention | of what goes in and comes out |
+//! | convention | meaning for inputs and outputs |
 //! |---|---|
 //! | axes | x forward, y left, z up (ISO 8855), a left wheel, unless [`SuspensionBuilder::frame`] and [`SuspensionBuilder::side`] say otherwise |
 //! | travel | height of the wheel centre above its design position, jounce positive |
@@ -31,9 +31,9 @@
 //! | kernel's frame | designs ([`Suspension::design`], [`Best::design`]), loads and the fields of targets are kept as those of a left wheel in ISO 8855 axes, angles in radians |
 //!
 //! [`Study::sweep`] and [`Study::tune`] have examples; [`DesignFunction`] gives exact Jacobians to an optimiser of one's own.
-//! `hardpoint` re-exports what is public here, and its first page has a map of the rooms behind it. A program that embeds
-//! the solver depends on this crate alone and begins with `use hardpoint_engine as hardpoint`; in the repository,
-//! `docs/rust.md` is the manual of both and says what a profile in development should have.
+//! `hardpoint` re-exports the public items of this crate, and its first page has a map of its modules. A program that
+//! embeds the solver depends on this crate alone and begins with `use hardpoint_engine as hardpoint`. In the
+//! repository, `docs/rust.md` is the manual of both crates. It also gives the settings of a development profile.
 
 // The engine prints nothing; only commands do.
 #![cfg_attr(not(test), warn(clippy::print_stdout, clippy::print_stderr))]

@@ -1,7 +1,10 @@
-//! The plan: what a study asks for, turned into what has to be computed. Nothing else is.
+//! The plan of a computation: the values that the outputs of a study need, and no others.
 //!
-//! Every decision on cost is made here: how many derivatives of a pose are taken, whether a Jacobian is
-//! factorised at all, to which hardpoints gradients are formed and of which outputs.
+//! The plan makes every decision on cost:
+//!
+//! - number of derivatives of a pose,
+//! - factorisation of a Jacobian, if one is needed,
+//! - hardpoints and outputs of gradients.
 
 mod effects;
 
@@ -15,50 +18,50 @@ use crate::study::{Drive, ElasticFigure, Formulation, Load, Optimise, Order, Tim
 /// One quantity with the derivatives asked for.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Output {
-    /// What.
+    /// The quantity.
     pub quantity: Quantity,
-    /// Name and unit of the value, as column names write them: `camber` and `deg`.
+    /// Name of the value, as column names write it: `camber`.
     pub name: String,
-    /// Unit; empty for a plain number.
+    /// Unit of the value, as column names write it: `deg`. Empty for a plain number.
     pub unit: String,
-    /// What a value in the kernel's frame, in radians or length units, is multiplied by to be printed.
+    /// Factor from a value in the kernel's frame (radians or length units) to the printed value.
     pub factor: f64,
     /// Highest derivative by the drive or by time.
     pub highest: usize,
 }
 
-/// What is computed.
+/// Everything that one computation of curves needs to know: motion, outputs, gradients, loads.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
-    /// What drives.
+    /// Input of the mechanism that the motion gives.
     pub drive: Drive,
-    /// How poses are found.
+    /// Equations that give the poses.
     pub formulation: Formulation,
     /// Drive values and the order in which they are visited.
     pub station_order: StationOrder,
     /// Rack displacements, in the study's axes.
     pub racks: Vec<f64>,
-    /// Whether the study moves the rack, so that results carry a column for it.
+    /// True if the study moves the rack. Results then have a column for it.
     pub rack_moves: bool,
-    /// What a rack displacement in the study's axes is multiplied by for the kernel's.
+    /// Factor from a rack displacement in the study's axes to one in the kernel's: 1 or -1.
     pub rack_sign: f64,
-    /// The drive over time, where derivatives are by time.
+    /// Drive as a function of time, if derivatives are by time.
     pub time: Option<TimeLaw>,
     /// Outputs.
     pub outputs: Vec<Output>,
-    /// What of wheel, steering axis and spring the outputs are made of.
+    /// Values of wheel, steering axis and spring that the outputs read.
     pub reads: Slots,
     /// Coefficients of the power series of a pose: 1 for positions alone.
     pub coefficients: usize,
-    /// Points by which gradients are formed; empty for none.
+    /// Hardpoints by which gradients are computed; empty for none.
     pub sensitivities: Vec<PointId>,
-    /// Whether each pose is proved.
+    /// True if each pose is proved.
     pub certify: bool,
-    /// Loads whose way through links and joints is followed.
+    /// Loads whose forces in links and joints are computed.
     pub loads: Vec<Load>,
-    /// Figures that formulas read.
+    /// Figures of the study that formulas read.
     pub constants: Constants,
-    /// Figures of tests on elastic parts, after the outputs.
+    /// Figures of tests on elastic parts. Their columns follow those of the outputs.
     pub figures: Vec<ElasticFigure>,
 }
 
@@ -68,7 +71,7 @@ impl Plan {
         Plan::with(own, &own.outputs.characteristics, &own.outputs.figures)
     }
 
-    /// The plan of the curves before and after an optimisation: those of the study, and the targets'.
+    /// The plan of the curves before and after an optimisation: outputs of the study, then quantities of its targets.
     pub fn with_targets(own: &WheelStudy, optimise: Option<&Optimise>) -> Plan {
         let mut characteristics = own.outputs.characteristics.clone();
         let targets = optimise.iter().flat_map(|o| &o.targets);
@@ -158,7 +161,7 @@ impl Plan {
         }
     }
 
-    /// Whether an output needs the steering axis.
+    /// Returns true if an output needs the steering axis.
     pub fn reads_steering_axis(&self) -> bool {
         self.reads.contain_steering_axis()
     }

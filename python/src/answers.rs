@@ -6,8 +6,8 @@ use crate::threads::{interruptible, on_threads};
 use hardpoint::assembled;
 use hardpoint::compared;
 use hardpoint::report::{
-    Comparison, FinishedRun, OtherProgram, Picture, ToleranceSummary, comparison_page, page,
-    pictures as drawn_pictures, rejected, sweep_page,
+    Comparison, FinishedRun, OtherProgram, Picture, ToleranceSummary, car_page, comparison_page,
+    page, pictures as drawn_pictures, rejected, sweep_page,
 };
 use hardpoint::results::RunDirectory;
 use hardpoint::rig::RigTests;
@@ -138,7 +138,7 @@ pub(crate) fn tolerance<'py>(
     answer.map_err(failure)?.into_dict(py)
 }
 
-/// Results of builds; an interrupted call is none.
+/// Results of builds; an interrupted call has none.
 fn scattered(
     own: &hardpoint::Study,
     tolerance: &Tolerance,
@@ -293,6 +293,10 @@ pub(crate) fn report<'py>(
                 );
             }
             FinishedRun::Sweep(sweep) => (sweep_page(sweep), Vec::new()),
+            FinishedRun::Car(_) if pictures => {
+                return Err("a run of a car has no pictures; its page has them".to_owned());
+            }
+            FinishedRun::Car(car) => (car_page(car), Vec::new()),
         };
         let written = claimed.write("report.html", html.as_bytes());
         written.map_err(|e| e.to_string())?;

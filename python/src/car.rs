@@ -212,8 +212,14 @@ pub(crate) fn car_optimise<'py>(
             ..Control::default()
         };
         let (variables, targets) = (&wanted.variables, &wanted.targets);
-        let most = wanted.max_iterations;
-        let tuned = tune(&study.car, &study.cases, variables, targets, most, control)?;
+        let tuned = tune(
+            &study.car,
+            &study.cases,
+            variables,
+            targets,
+            wanted.run,
+            control,
+        )?;
         let after = CarStudy {
             car: moved(&study.car, variables, tuned.x.as_slice()),
             ..study.clone()

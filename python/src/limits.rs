@@ -157,11 +157,12 @@ fn of_axle(axle: &Axle) -> Result<Ranges, String> {
     Ok(ranges)
 }
 
-/// The value of an end, NaN where there is none, and its cause.
+/// The value of an end, NaN without an end, and its cause.
 fn cause_of(end: &RangeEnd) -> End {
     match end {
         RangeEnd::Fold(limit) => (end.value(), limit.cause.to_string()),
         RangeEnd::FullTurn => (f64::NAN, "turns right round".to_owned()),
+        RangeEnd::Toggle { rod, .. } => (end.value(), format!("the {rod} is at toggle")),
         RangeEnd::Unresolved(_) => {
             let cause = "the path could not be followed any further";
             (end.value(), cause.to_owned())

@@ -1,4 +1,4 @@
-//! Codes of what happened at a station, or to a design.
+//! Codes of the result at a station, or of a design.
 
 use hardpoint::DesignStatus;
 

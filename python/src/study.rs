@@ -61,7 +61,7 @@ impl Study {
         self.study.wheel().length_unit.symbol()
     }
 
-    /// Names of what moves in functions and sweeps of the study, unless others are given.
+    /// Names of the coordinates that functions and sweeps of the study move, unless others are given.
     #[getter]
     fn variables(&self) -> Vec<String> {
         let variables = hardpoint::DesignVariable::of(&self.study);
@@ -237,7 +237,8 @@ pub(crate) fn schema(py: Python<'_>) -> &'static str {
     py.detach(|| SCHEMA.get_or_init(|| hardpoint::study::schema().to_string()))
 }
 
-/// Checks a study as `hardpoint check` does: doubts and remarks, each on a line, and what cannot be solved.
+/// Checks a study as `hardpoint check` does. Returns doubts and remarks, each on a line, and the stations that cannot
+/// be solved.
 #[pyfunction]
 pub(crate) fn check(py: Python<'_>, study: &Study) -> PyResult<(Vec<String>, Vec<String>)> {
     let own = &study.study;

@@ -37,7 +37,7 @@ struct Tuned {
     tuning: Tuning,
     summary: TuningSummary,
     front: Option<Vec<u8>>,
-    /// True if every curve of the tuned design was found, and a front where one was asked for.
+    /// True if every curve of the tuned design was found, and a front if one was requested.
     is_complete: bool,
     is_interrupted: bool,
 }
@@ -82,7 +82,7 @@ fn tune_study(
 }
 
 /// Tunes a study towards its targets. `callback(start, iteration, misfit)` is called on this thread; a true answer or
-/// `StopIteration` ends the tuning with what it has.
+/// `StopIteration` ends the tuning with its present result.
 #[pyfunction]
 #[pyo3(signature = (study, with_front=true, with_prices=false, threads=None, callback=None))]
 pub(crate) fn optimise<'py>(
@@ -289,7 +289,7 @@ impl Residuals {
     }
 }
 
-/// Values and their derivatives as arrays, or the reason why there are none.
+/// Values and their derivatives as arrays, or the reason for their absence.
 fn in_arrays(py: Python<'_>, found: Result<Linearisation, Infeasible>) -> PyResult<Evaluated<'_>> {
     let found = match found {
         Ok(found) => found,
@@ -306,7 +306,7 @@ fn in_arrays(py: Python<'_>, found: Result<Linearisation, Infeasible>) -> PyResu
     Ok(Evaluated::Found((values.into_pyarray(py), jacobian)))
 }
 
-/// Residuals with their Jacobian, or the reason why there are none.
+/// Residuals with their Jacobian, or the reason for their absence.
 #[derive(IntoPyObject)]
 enum Evaluated<'py> {
     Found((Bound<'py, PyArray1<f64>>, Bound<'py, PyArray2<f64>>)),

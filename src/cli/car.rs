@@ -276,7 +276,7 @@ pub(super) fn optimise(arguments: &RunArguments) -> Result<Exit, Stop> {
         &study.cases,
         variables,
         targets,
-        wanted.max_iterations,
+        wanted.run,
         control,
     );
     let tuned = tuned.map_err(|why| Stop::unsolved(path, why))?;

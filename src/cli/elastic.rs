@@ -12,7 +12,7 @@ use crate::study::{ComplianceStudy, Study};
 /// A rate above this is doubtful where lengths are in millimetres, N/mm: N/m may be meant.
 const DOUBTFUL_RATE: f64 = 1e6;
 
-/// Prints what is elastic, and the wheel in the design position.
+/// Prints the elastic parts, and the wheel in the design position.
 pub(super) fn check(
     arguments: &StudyArguments,
     study: &Study,

@@ -69,7 +69,7 @@ impl Stop {
         Stop::wrong_input(format!("{}: {reason}", path.display()))
     }
 
-    /// A study has nothing of a section that the command is about, which says `what`.
+    /// A study lacks a section that the command needs; `what` names its content.
     pub(super) fn no_section(path: &Path, section: &str, what: &str) -> Self {
         let reason = format!("the section [{section}] is missing: it gives {what}");
         Stop::in_file(path, reason)
@@ -88,7 +88,7 @@ impl Stop {
         Stop::not_met(format!("{}: {reason}", path.display()))
     }
 
-    /// The same message about a study whose input was accepted, and of which something is written.
+    /// The same message about a study whose input was accepted, and which has some results.
     pub(super) fn after_its_input(self) -> Self {
         match self {
             Stop::Failed { message, .. } => Stop::Failed {

@@ -124,7 +124,7 @@ impl Source {
         }
     }
 
-    /// Whether the source is the directory of a tuning.
+    /// Returns true if the source is the directory of a tuning.
     fn is_tuning(&self) -> bool {
         self.path.is_dir() && self.path.join(TUNED).is_file()
     }

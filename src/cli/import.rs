@@ -171,7 +171,8 @@ pub(super) struct Questions<'a> {
 }
 
 impl Questions<'_> {
-    /// Returns what `read` makes of the answers. A question is asked at a terminal, else it is the reason of a refusal.
+    /// Returns the result of `read` for the answers. At a terminal it asks the question; otherwise the question is
+    /// the reason of a refusal.
     pub(super) fn settle<T>(
         &mut self,
         said: &mut Said,

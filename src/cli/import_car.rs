@@ -121,6 +121,10 @@ fn summary(file: &Path, directory: &Path, car: &ImportedCar) -> String {
             }
         }
     }
+    notes.push(
+        "rear drive, since no file of points says more: drive_share_front = 0.0 in [car]"
+            .to_owned(),
+    );
     text += &listed("Read and assumed", &notes);
     text += &listed("Left out", &left_out);
     let shown = |file: &str| directory.join(file).display().to_string();

@@ -37,7 +37,7 @@ pub(super) fn flag() -> &'static AtomicBool {
     &FLAG
 }
 
-/// Whether a signal has come.
+/// Returns true if a signal has arrived.
 pub(super) fn is_raised() -> bool {
     FLAG.load(Ordering::SeqCst)
 }

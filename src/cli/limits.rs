@@ -11,7 +11,7 @@ use crate::checked::{NamedCurves, motion_alone};
 use crate::curves::{Curves, curves};
 use crate::derive::MotionPoint;
 use crate::mechanism::{DesignFault, LimitCause, Toggle};
-use crate::model::{self, Axis, PointId, RockerId, Side};
+use crate::model::{self, Axis, PointId, RockerId, Rod, Side};
 use crate::plan::Plan;
 use crate::report::{Cell, Column, FailureRange, Table, as_written, brief, limits_page};
 use crate::solve::Solver;
@@ -41,7 +41,7 @@ pub(super) fn run(arguments: &LimitsArguments) -> Result<Exit, Stop> {
     }
 }
 
-/// The page that was asked for.
+/// The requested page.
 #[derive(Clone, Copy)]
 struct Page<'a> {
     path: &'a Path,
@@ -113,7 +113,7 @@ fn of_wheel(
     Ok(Exit::of(failures.is_empty()))
 }
 
-/// The limits of an axle: which wheel ends what.
+/// The limits of an axle, with the wheel that causes each.
 fn of_axle(
     arguments: &StudyArguments,
     study: &Study,
@@ -133,6 +133,7 @@ fn of_axle(
     let end = |end: &AxleEnd| {
         let why = match &end.end {
             RangeEnd::Fold(limit) => because(limit, study),
+            RangeEnd::Toggle { rod, .. } => at_toggle(*rod),
             _ => LOST.to_owned(),
         };
         let why = if axle.is_rigid() {
@@ -193,6 +194,14 @@ pub(super) fn travel_rows<'l>(axle: &Axle, limits: &'l AxleLimits) -> Vec<(Row, 
 /// Cause of a limit for which no singularity was found.
 const LOST: &str = "the path could not be followed further";
 
+/// Cause of a limit at the toggle of a rod.
+fn at_toggle(rod: Rod) -> String {
+    format!(
+        "the {rod} is at toggle: it turns {} no further",
+        rod.turns()
+    )
+}
+
 /// Row of a quantity with its limits and causes. Values are multiplied by a factor; a negative factor swaps the
 /// limits.
 fn row(what: [&str; 2], factor: f64, ends: [(f64, String); 2]) -> [Cell; 6] {
@@ -238,6 +247,7 @@ impl Row {
         let end = |end: &RangeEnd, turn: f64| match end {
             RangeEnd::Fold(limit) => (limit.value, because(limit, study)),
             RangeEnd::FullTurn => (turn, beyond.to_owned()),
+            RangeEnd::Toggle { value, rod } => (*value, at_toggle(*rod)),
             RangeEnd::Unresolved(value) => (*value, LOST.to_owned()),
         };
         let turn = std::f64::consts::PI;

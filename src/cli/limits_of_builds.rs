@@ -92,7 +92,7 @@ struct LimitRanges {
     /// Margin from the study's motion to the nearest limit; negative beyond it. `None` with the paper's drive and for
     /// axles, whose motion has several numbers.
     margin: Option<f64>,
-    /// Whether the study's motion goes beyond the limits.
+    /// True if the study's motion goes beyond the limits.
     is_short: bool,
 }
 
@@ -161,7 +161,7 @@ impl LimitRanges {
         }
     }
 
-    /// Whether a limit is unknown.
+    /// Returns true if a limit is unknown.
     fn is_unknown(&self) -> bool {
         let mut ends = self.rows.iter().flat_map(|(.., ends)| ends);
         ends.any(|end| end.is_nan())

@@ -333,7 +333,7 @@ impl From<TableFormat> for crate::report::Format {
     }
 }
 
-/// Runs the command line and says how it ended.
+/// Runs the command line and returns its exit code.
 pub fn run() -> ExitCode {
     ExitCode::from(run_with(std::env::args_os()))
 }

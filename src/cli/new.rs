@@ -39,6 +39,8 @@ enum Part {
     Axle,
     /// Panhard rod and a single upper link of a solid axle
     Panhard,
+    /// Watt linkage and a single upper link of a solid axle
+    Watt,
 }
 
 /// Points of a part, with name and description.
@@ -70,6 +72,32 @@ const PANHARD: Points = &[
     ("panhard_axle", "Panhard rod at the axle"),
 ];
 
+const WATT: Points = &[
+    PANHARD[0],
+    PANHARD[1],
+    (
+        "watt_pivot",
+        "pivot of the Watt rocker, on the axle; true y",
+    ),
+    ("watt_axis", "a second point of its axis"),
+    ("watt_upper_chassis", "upper Watt link at the body; true y"),
+    ("watt_upper_rocker", "upper Watt link at the rocker"),
+    ("watt_lower_chassis", "lower Watt link at the body; true y"),
+    ("watt_lower_rocker", "lower Watt link at the rocker"),
+];
+
+/// Places of the points of [`WATT`].
+const WATT_PLACES: [[f64; 3]; WATT.len()] = [
+    PANHARD_PLACES[0],
+    PANHARD_PLACES[1],
+    [-150.0, 0.0, 340.0],
+    [-100.0, 0.0, 340.0],
+    [-150.0, 480.0, 400.0],
+    [-150.0, 0.0, 410.0],
+    [-150.0, -480.0, 280.0],
+    [-150.0, 0.0, 270.0],
+];
+
 /// Places of the points of [`PANHARD`] in the template of a solid axle.
 const PANHARD_PLACES: [[f64; 3]; PANHARD.len()] = [
     [420.0, 50.0, 470.0],
@@ -89,7 +117,7 @@ struct Fitting {
     anti_roll_bar: [[f64; 3]; ANTI_ROLL_BAR.len()],
 }
 
-const FITTINGS: [Fitting; 6] = [
+const FITTINGS: [Fitting; 8] = [
     Fitting {
         topology: "trailing_arm_two_links",
         steers: "lower_link_inner",
@@ -107,6 +135,44 @@ const FITTINGS: [Fitting; 6] = [
             [100.0, 570.0, 380.0],
             [300.0, 50.0, 380.0],
             [300.0, 560.0, 380.0],
+        ],
+    },
+    Fitting {
+        topology: "integral_link",
+        steers: "toe_link_inner",
+        carrier: "lower arm",
+        pushrod: Some([
+            [10.0, 580.0, 235.0],
+            [10.0, 410.0, 500.0],
+            [30.0, 330.0, 430.0],
+            [-10.0, 330.0, 430.0],
+            [10.0, 260.0, 520.0],
+            [10.0, 60.0, 380.0],
+        ]),
+        anti_roll_bar: [
+            [40.0, 560.0, 235.0],
+            [40.0, 550.0, 360.0],
+            [-160.0, 50.0, 360.0],
+            [-160.0, 540.0, 360.0],
+        ],
+    },
+    Fitting {
+        topology: "h_arm",
+        steers: "lower_arm_front",
+        carrier: "lower arm",
+        pushrod: Some([
+            [0.0, 590.0, 220.0],
+            [0.0, 410.0, 490.0],
+            [20.0, 330.0, 420.0],
+            [-20.0, 330.0, 420.0],
+            [0.0, 260.0, 510.0],
+            [0.0, 60.0, 370.0],
+        ]),
+        anti_roll_bar: [
+            [40.0, 560.0, 230.0],
+            [40.0, 550.0, 350.0],
+            [-160.0, 50.0, 350.0],
+            [-160.0, 540.0, 350.0],
         ],
     },
     Fitting {
@@ -292,22 +358,30 @@ fn study(topology: &Topology, parts: &[Part]) -> Result<String, String> {
     if is_axle && is_solid {
         return Err(format!("{} is an axle without this part", topology.name));
     }
-    if parts.contains(&Part::Panhard) {
+    let lateral = [
+        (Part::Panhard, "Panhard rod", PANHARD, &PANHARD_PLACES[..]),
+        (Part::Watt, "Watt linkage", WATT, &WATT_PLACES[..]),
+    ];
+    let lateral: Vec<_> = lateral
+        .into_iter()
+        .filter(|(part, ..)| parts.contains(part))
+        .collect();
+    if lateral.len() > 1 {
+        return Err("a Panhard rod or a Watt linkage holds an axle sideways, not both".to_owned());
+    }
+    for (_, name, points, places) in lateral {
         if !is_solid {
-            return Err(format!("{} has no Panhard rod", topology.name));
+            return Err(format!("{} has no {name}", topology.name));
         }
-        let single = "# single = [\"upper_link\"]        # with a Panhard rod";
-        text = text.replace(
-            single,
-            "single = [\"upper_link\"]          # with a Panhard rod",
-        );
-        let output = "jacking_force_ratio";
-        text = with_points(&text, PANHARD, &PANHARD_PLACES, "axle", output);
+        let single = "# single = [\"upper_link\"]        # with a Panhard rod or a Watt linkage";
+        let with = format!("single = [\"upper_link\"]          # with a {name}");
+        text = text.replace(single, &with);
+        text = with_points(&text, points, places, "axle", "jacking_force_ratio");
     }
     if is_axle {
         text = with_axle(&text);
     }
-    let is_done = |part: &Part| matches!(part, Part::Axle | Part::Panhard);
+    let is_done = |part: &Part| matches!(part, Part::Axle | Part::Panhard | Part::Watt);
     if parts.iter().all(is_done) {
         return Ok(text);
     }
@@ -483,7 +557,8 @@ mod tests {
     use crate::study::Study;
     use std::path::Path;
 
-    /// Each part, all parts together, and all parts of one wheel, over the whole motion.
+    /// Each part, all parts together, and all parts of one wheel, over the whole motion. A solid axle has a Panhard rod or a Watt
+    /// linkage.
     #[test]
     fn every_template_runs_with_every_part() {
         for topology in Topology::ALL {
@@ -493,9 +568,16 @@ mod tests {
                 .filter(|part| study(topology, &[*part]).is_ok())
                 .collect();
             let alone = all.iter().map(|part| vec![*part]);
-            let mut corner = all.clone();
-            corner.retain(|part| *part != Part::Axle);
-            for parts in alone.chain([corner, all.clone()]) {
+            let without = |left_out: &[Part]| {
+                let mut parts = all.clone();
+                parts.retain(|part| !left_out.contains(part));
+                parts
+            };
+            let mut together = vec![without(&[Part::Axle, Part::Watt]), without(&[Part::Watt])];
+            if topology.carries_both_wheels() {
+                together.push(without(&[Part::Panhard]));
+            }
+            for parts in alone.chain(together) {
                 let text = study(topology, &parts).unwrap();
                 let study = Study::from_text("new.toml", &text, Path::new(""));
                 let study = study.unwrap_or_else(|e| panic!("{} {parts:?}: {e}", topology.name));

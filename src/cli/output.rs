@@ -109,7 +109,7 @@ impl<'a> Destination<'a> {
         self.out.unwrap_or(&self.default)
     }
 
-    /// Whether the directory can hold a copy of the study: no, if an input of the run has that name.
+    /// Returns true if the directory can hold a copy of the study: no input of the run has that name.
     pub(super) fn keeps_study(&self, inputs: &[PathBuf]) -> bool {
         let copy = self.path().join(STUDY_COPY).canonicalize().ok();
         let is_input = |path: &PathBuf| copy.is_some() && path.canonicalize().ok() == copy;
@@ -270,12 +270,12 @@ impl Output {
         self.file(name, (text + "\n").as_bytes())
     }
 
-    /// Whether the summary is for reading.
+    /// Returns true if the summary is text for readers.
     pub(super) fn is_text(&self) -> bool {
         self.format == Format::Text
     }
 
-    /// Prints text of the summary. In other formats than text, standard output has tables only, for programs, and the
+    /// Prints text of the summary. In formats other than text, standard output has only tables for programs, and the
     /// rest goes to standard error.
     pub(super) fn say(&self, text: &str) -> Result<(), Stop> {
         if terminal::is_quiet() {

@@ -55,7 +55,7 @@ pub(super) struct ReportOptions {
 }
 
 impl ReportOptions {
-    /// Checks before the run whether the pictures can be written. `record` describes their curves.
+    /// Checks before the run that the pictures can be written. `record` describes their curves.
     pub(super) fn open(
         arguments: &RunArguments,
         study: &Study,
@@ -151,7 +151,7 @@ fn check_pictures(plots: &Path, names: &[String], force: bool) -> Result<(), Sto
     RunDirectory::check(plots, &claim_of_pictures(&names, force)).map_err(no_place_for_pictures)
 }
 
-/// Whether two paths lead to one directory.
+/// Returns true if two paths lead to one directory.
 fn is_same(one: &Path, other: &Path) -> bool {
     let real = |path: &Path| path.canonicalize().ok();
     one == other || (real(one).is_some() && real(one) == real(other))

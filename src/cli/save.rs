@@ -23,7 +23,7 @@ pub(super) fn save(out: &Path, bytes: &[u8], force: bool, inputs: &[PathBuf]) ->
         .map_err(|error| Stop::wrong_input(format!("cannot write {}: {error}", out.display())))
 }
 
-/// Whether two paths lead to one file: by their canonical paths, or as links to the same data.
+/// Returns true if two paths lead to one file: by their canonical paths, or as links to the same data.
 fn are_one_file(one: &Path, other: &Path) -> bool {
     let [a, b] = [one, other].map(|path| path.canonicalize().ok());
     (a.is_some() && a == b) || are_one_inode(one, other)

@@ -31,7 +31,7 @@ pub(super) struct Ready<'s> {
     pub inputs: Vec<PathBuf>,
     /// Copies of the studies, by the name of the file, that are kept with the results.
     pub kept: &'s dyn Fn(&Path) -> Vec<(&'static str, String)>,
-    /// Writes what the page shows of single designs, at the end.
+    /// Writes the data of single designs that the page shows, at the end.
     pub draw: &'s dyn Fn(&Output, &SweepStatistics) -> Result<(), Stop>,
 }
 
@@ -87,7 +87,7 @@ pub(super) fn two_columns(path: &Path, name: &str) -> Stop {
     )
 }
 
-/// Whether the designs go to standard output. Refuses options that need a directory then.
+/// Returns true if the designs go to standard output. In that case it refuses options that need a directory.
 pub(super) fn is_to_stdout(arguments: &SweepArguments, format: FileFormat) -> Result<bool, Stop> {
     let to_stdout = arguments.out.as_deref() == Some(Path::new("-"));
     if to_stdout {
@@ -190,14 +190,14 @@ fn open(arguments: &SweepArguments, ready: &Ready<'_>) -> Result<Output, Stop> {
     let (out, format) = (arguments.out.as_deref(), arguments.study.format);
     let destination = Destination::of(out, &record.study, arguments.force, format)?;
     let keeps_study = destination.keeps_study(&ready.inputs);
-    let kept = match keeps_study {
+    let kept = || match keeps_study {
         true => (ready.kept)(destination.path()),
         false => Vec::new(),
     };
     let mut files = SweepDirectory::files(record);
     files.extend(arguments.report.then(|| "report.html".to_owned()));
     let mut files: Vec<&str> = files.iter().map(String::as_str).collect();
-    files.extend(kept.iter().map(|(name, _)| *name));
+    files.extend(kept().into_iter().map(|(name, _)| name));
     let there = SweepDirectory::read(destination.path()).ok();
     let smaller = there.filter(|there| arguments.resume && record.continues(&there.record));
     let claim = Claim {
@@ -215,7 +215,8 @@ fn open(arguments: &SweepArguments, ready: &Ready<'_>) -> Result<Output, Stop> {
         ..Claim::default()
     };
     let output = Output::at(&destination, claim)?;
-    for (name, text) in kept {
+    // Only now does the directory exist, from which the copies name other files.
+    for (name, text) in kept() {
         output.file(name, text.as_bytes())?;
     }
     Ok(output)
@@ -268,7 +269,7 @@ fn left_out(study: &Study) -> Vec<&'static str> {
         .collect()
 }
 
-/// Computes parts until all are complete or Ctrl-C stops it. Returns whether all are complete. It waits for a part of
+/// Computes parts until all are complete or Ctrl-C stops it. Returns true if all are complete. It waits for a part of
 /// another process, and computes the part itself if that process dies.
 fn sweep_parts(
     swept: Swept<'_>,

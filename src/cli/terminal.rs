@@ -53,13 +53,13 @@ pub(super) fn width() -> usize {
     terminal.or_else(variable).unwrap_or(PAPER).max(LEAST)
 }
 
-/// Whether standard error takes colours: it is a terminal, not a dumb one, and `NO_COLOR` is not set.
+/// Returns true if standard error accepts colours: it is a terminal, it is not dumb, and `NO_COLOR` is not set.
 pub(super) fn has_colours() -> bool {
     let asked_for_none = std::env::var_os("NO_COLOR").is_some_and(|v| !v.is_empty());
     io::stderr().is_terminal() && !asked_for_none && !is_dumb()
 }
 
-/// Whether the terminal can do no more than write on.
+/// Returns true if the terminal can only print text, without moving the cursor.
 pub(super) fn is_dumb() -> bool {
     std::env::var_os("TERM").is_some_and(|term| term == "dumb")
 }

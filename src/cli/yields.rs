@@ -7,9 +7,9 @@ use crate::study::{Optimise, Study, Tolerance};
 use crate::tolerance::{MonteCarlo, Problem, monte_carlo};
 use std::ops::ControlFlow;
 
-/// For a robust tuning: yields of the design before it, of the optimum without scatter and of the tuned design, all of the
-/// same builds by Monte Carlo, as `hardpoint tolerance` has them. They are independent of the builds of the tuning. `None`
-/// if the tuning is not robust, without bands, or after an interruption.
+/// For a robust tuning: yields of the design before it, of the optimum without scatter and of the tuned design. All
+/// are of the same builds by Monte Carlo, as in `hardpoint tolerance`. They are independent of the builds of the
+/// tuning. `None` if the tuning is not robust, without bands, or after an interruption.
 pub(super) fn yields(
     study: &Study,
     optimise: &Optimise,

@@ -79,9 +79,9 @@ pub(super) struct SubsystemParameter {
 pub(super) struct Subsystem {
     /// The unit of length, where the file gives one.
     pub length: Option<LengthUnit>,
-    /// Whether angles are in degrees.
+    /// True if angles are in degrees.
     pub degrees: bool,
-    /// The template it is made for, where the file says so.
+    /// Name of its template, if the file gives one.
     pub template: Option<String>,
     /// The hardpoints.
     pub points: Vec<SubsystemPoint>,
@@ -89,7 +89,7 @@ pub(super) struct Subsystem {
     pub parameters: Vec<SubsystemParameter>,
 }
 
-/// Whether a text is such a file: it has a block of hardpoints.
+/// Returns true if a text is such a file: it has a block of hardpoints.
 pub(super) fn is_subsystem(text: &str) -> bool {
     text.lines()
         .any(|line| block(line) == Some("HARDPOINT".to_owned()))

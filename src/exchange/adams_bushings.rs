@@ -49,9 +49,9 @@ pub(super) struct AdamsBushing {
     pub usage: String,
     /// Its line in the subsystem.
     pub line: usize,
-    /// Whether it is one of the right wheel only.
+    /// True if the bushing is on the right wheel only.
     pub is_right: bool,
-    /// Its laws, or the reason why a study cannot have them.
+    /// Its laws, or the reason why a study cannot use them.
     pub laws: Result<Laws, String>,
 }
 

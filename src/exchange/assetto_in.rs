@@ -52,7 +52,7 @@ const RATES: &[&str] = &["SPRING_RATE", "DAMP_BUMP", "ROD_LENGTH", "TOE_OUT"];
 /// The most links of a live axle that are read.
 const MOST_LINKS: usize = 16;
 
-/// Whether a file is of this kind: by its name, or by sections that JSON has not.
+/// Returns true if a file is of this kind: by its name, or by sections that JSON does not have.
 pub(super) fn is_ini(path: &Path, text: &str) -> bool {
     let extension = path.extension().and_then(|extension| extension.to_str());
     let is_named = extension.is_some_and(|extension| extension.eq_ignore_ascii_case("ini"));

@@ -116,7 +116,7 @@ impl Axes {
         all.find(|convention| Axes::of(*convention) == self)
     }
 
-    /// Whether x, y and z make a right hand.
+    /// Returns true if x, y and z make a right-handed system.
     pub fn is_right_handed(self) -> bool {
         let [x, y, z] = self.0.map(Way::axis);
         // Even orders of the three axes keep the hand.
@@ -219,7 +219,7 @@ impl Declared {
         Axes::new([x?, y?, z?])
     }
 
-    /// Whether these axes agree with it.
+    /// Returns true if these axes agree with the declaration.
     pub(super) fn allows(self, axes: Axes) -> bool {
         let agrees = |(said, way): (&Coordinate, Way)| match said {
             Coordinate::Unknown => true,
@@ -229,7 +229,7 @@ impl Declared {
         self.0.iter().zip(axes.0).all(agrees)
     }
 
-    /// Whether it says anything.
+    /// Returns true if nothing is declared.
     pub(super) fn is_empty(self) -> bool {
         self == Declared::default()
     }

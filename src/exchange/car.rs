@@ -83,9 +83,6 @@ fn car(
 ) -> String {
     for (axle, file) in [(front, CAR_FILES[1]), (rear, CAR_FILES[2])] {
         let mut needs = Vec::new();
-        if axle.topology.carries_both_wheels() {
-            missing.push(format!("{file}: a car does not take a solid axle yet"));
-        }
         if axle.wheel_radius.is_none() {
             needs.push("radius in [wheel] (--radius)");
         }
@@ -154,7 +151,8 @@ fn car(
                      # cg = [..., 0.0, ...]         # in the front study's axes, design position\n";
         }
     }
-    text += "# brake_share_front = 0.6        # needed by cases that brake\n\
+    text += "drive_share_front = 0.0          # assumed: rear drive; it holds the car's speed in a turn\n\
+             # brake_share_front = 0.6        # needed by cases that brake\n\
              \n[[cases]]\nname = \"turn\"\nay = 0.5                         # g, to the left\n";
     text
 }

@@ -1,8 +1,8 @@
 //! Points and centre lines as a drawing for CAD: DXF of release 12 in text, which every reader takes.
 //!
-//! The file is a list of pairs, a number that says what follows and a value, each on a line of its own (Autodesk, DXF
-//! Reference). Each body has a layer with its centre lines (`LINE`), the points are on the layer `POINTS` (`POINT`), their
-//! names on `NAMES` (`TEXT`).
+//! The file is a list of pairs: a number that names the kind of value, and the value, each on a line of its own
+//! (Autodesk, DXF Reference). Each body has a layer with its centre lines (`LINE`), the points are on the layer
+//! `POINTS` (`POINT`), their names on `NAMES` (`TEXT`).
 
 use super::outgoing::Outgoing;
 use crate::model::{FrameConvention, LengthUnit, PointId, Side};

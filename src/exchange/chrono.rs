@@ -157,7 +157,7 @@ const LOWER_ENDS: [(&str, &str); 4] = [
     ("Location Link", "link"),
 ];
 
-/// The points of a suspension of Project Chrono; `None` if the map is none.
+/// The points of a suspension of Project Chrono; `None` if the map is not one.
 ///
 /// # Errors
 /// Its template has no counterpart.

@@ -26,7 +26,7 @@ struct Axle {
     place: [f64; 3],
 }
 
-/// The points of a vehicle of Project Chrono; `None` if the map is none.
+/// The points of a vehicle of Project Chrono; `None` if the map is not one.
 ///
 /// # Errors
 /// It has other than two axles, or a file of its parts cannot be read.

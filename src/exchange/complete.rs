@@ -1,4 +1,4 @@
-//! Completeness: groups of which something is missing, points that nothing uses, hardpoints that are not there.
+//! Completeness: groups with missing parts, points without use, missing hardpoints.
 
 use super::figure_names::{FigureKind, figure};
 use super::roles::{self, Letters};
@@ -6,7 +6,7 @@ use super::table::PointTable;
 use super::{Hardpoint, ImportOptions};
 use crate::model::Topology;
 
-/// Leaves out springs, rockers and bars of which something is missing, each with the reason.
+/// Leaves out springs, rockers and bars with missing parts, each with the reason.
 ///
 /// A spring's lower end is on the rocker where there is one. So it goes with an incomplete rocker, unless the file
 /// puts it on another body: on the lower arm its motion ratio would be another one.

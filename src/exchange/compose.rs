@@ -57,8 +57,8 @@ enum Part<'a> {
 const TRAVELS: [f64; 6] = [80.0, 60.0, 40.0, 30.0, 20.0, 10.0];
 
 impl Imported {
-    /// The text of a study of the wheel, or of the axle if it is a solid one. `name` is what the study goes by in messages,
-    /// `origin` the file the points are from.
+    /// The text of a study of the wheel, or of the axle if it is a solid one. `name` is the study's name in messages,
+    /// `origin` the file of the points.
     ///
     /// # Errors
     ///

@@ -243,7 +243,7 @@ pub fn under_names_of(tool: Tool, outgoing: &Outgoing<'_>, page: &Page) -> (Page
     (Page { name, rows }, left_out)
 }
 
-/// Whether a column holds a station or its status.
+/// Returns true if a column holds a station or its status.
 fn is_motion(stem: &str) -> bool {
     const MOTION: &str = "travel arm_angle theta time rack roll heave travel_left travel_right \
                           steering_wheel_angle side frame status";

@@ -10,13 +10,13 @@ pub(super) const LARGEST: f64 = 1e12;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Decimals {
     comma: bool,
-    /// Whether all coordinates carry the mark of inches.
+    /// True if all coordinates carry the mark of inches.
     pub(super) inches: bool,
 }
 
 impl Decimals {
-    /// Decimal notation of a table's coordinates. Refuses a table in which 1,250 may be a thousand or one and a
-    /// quarter.
+    /// Returns the decimal notation of a table's coordinates. Refuses a table in which 1,250 may be a thousand or one
+    /// and a quarter.
     pub(super) fn of(sheet: &Sheet, columns: &Columns) -> Result<Self, String> {
         let places = || columns.triples.iter().flat_map(|triple| triple.columns);
         let texts = || {
@@ -81,7 +81,7 @@ impl Decimals {
     }
 }
 
-/// Whether coordinates carry the mark of inches; some with and some without are refused.
+/// Returns true if all coordinates carry the mark of inches. Refuses a table in which only some carry it.
 fn inches(sheet: &Sheet, columns: &Columns) -> Result<bool, String> {
     let is_coordinate = |column: &u32| {
         let mut triples = columns.triples.iter();

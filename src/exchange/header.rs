@@ -60,7 +60,7 @@ pub(super) fn text(cell: &Cell) -> Option<&str> {
     }
 }
 
-/// Reads a row as a header; `None` if it is none.
+/// Reads a row as a header; `None` if it is not a header.
 pub(super) fn header(
     sheet: &Sheet,
     row: u32,

@@ -35,11 +35,11 @@ pub struct ImportOptions<'a> {
     pub half_track: Option<f64>,
     /// The loaded radius, in the file's unit.
     pub radius: Option<f64>,
-    /// Whether bushings of the file are taken.
+    /// True if bushings of the file are imported.
     pub bushings: bool,
-    /// Names in the file by hardpoint, where the table of usual names is not enough.
+    /// Names in the file by hardpoint, for names that the table of usual names lacks.
     pub names: &'a BTreeMap<String, String>,
-    /// Bodies by hardpoint, where the file does not say on which body an end sits.
+    /// Bodies by hardpoint, for ends whose body the file does not give.
     pub bodies: &'a BTreeMap<String, String>,
 }
 

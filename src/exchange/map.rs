@@ -83,7 +83,7 @@ impl<'de> Deserialize<'de> for Node {
     }
 }
 
-/// Whether a text is JSON.
+/// Returns true if a text is JSON.
 pub(super) fn is_json(text: &str) -> bool {
     let text = text.trim_start_matches('\u{feff}').trim_start();
     let begins = |text: &str| text.trim_start().starts_with(['{', '[']);

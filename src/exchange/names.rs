@@ -1,4 +1,4 @@
-//! Words of names: how a name is cut, what abbreviations stand for, and which hardpoint the words make.
+//! Words of names: splitting of a name, meaning of abbreviations, and the hardpoint of the words.
 //!
 //! A name is cut into words, abbreviations are spelt out (`LCA` is `lower arm`), and the words are compared with
 //! those of a table, in any order: `lca_front`, `Lower wishbone - front pivot` and `hpl_lca_front` are all
@@ -8,7 +8,7 @@
 use super::table::Marks;
 use crate::model::{AxlePosition, Side, Topology};
 
-/// A name longer than this is none.
+/// A text longer than this is not a name.
 const LONGEST: usize = 300;
 
 /// Words of names and their meanings; empty for words without meaning.
@@ -148,6 +148,10 @@ const PATTERNS: &[(&str, &str)] = &[
     ("lower_rear_link_outer", "lower rear outer ?rod ?arm"),
     ("toe_link_inner", "toe inner ?rod | tie inner ?rod"),
     ("toe_link_outer", "toe outer ?rod | tie outer ?rod"),
+    ("integral_link_inner", "integral inner ?rod ?arm ?lower"),
+    ("integral_link_outer", "integral outer ?rod ?upper"),
+    ("lower_joint_front", "lower arm front outer"),
+    ("lower_joint_rear", "lower arm rear outer"),
     ("arm_pivot", "arm ?trailing"),
     ("upper_link_inner", "upper inner rod ?lateral"),
     ("upper_link_outer", "upper outer rod ?lateral"),
@@ -282,7 +286,7 @@ impl Words {
         Words { words, unknown }
     }
 
-    /// Whether nothing is left that means anything.
+    /// Returns true if no meaningful part is left.
     pub(super) fn is_empty(&self) -> bool {
         self.words.is_empty() && self.unknown == 0
     }
@@ -301,7 +305,7 @@ impl Words {
         Some((axle, rest))
     }
 
-    /// Whether these are the words of one of some patterns.
+    /// Returns true if the words match one of the patterns.
     pub(super) fn fit(&self, patterns: &str) -> bool {
         patterns.split(" | ").any(|pattern| self.fits(pattern))
     }

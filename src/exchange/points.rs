@@ -240,7 +240,7 @@ impl Rows<'_> {
         Ok(())
     }
 
-    /// Wheel and axle of a row's own cells, and whether the row serves both wheels.
+    /// Wheel and axle of a row's own cells, and true if the row serves both wheels.
     fn marks(&self, row: u32, columns: &Columns) -> Result<(Marks, bool), String> {
         let mut marks = Marks::default();
         let mut both = false;

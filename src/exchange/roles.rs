@@ -73,7 +73,7 @@ const OPTIMUM: &[(&str, &str)] = &[
     ("chas piv pnt", "anti_roll_bar_outer"),
 ];
 
-/// Whether these points have the names of OptimumKinematics.
+/// Returns true if these points have the names of OptimumKinematics.
 pub(super) fn is_optimum(points: &[NamedPoint]) -> bool {
     points.iter().any(|point| {
         let words = cut(&point.read_as);

@@ -269,7 +269,7 @@ fn nearest_plane(problem: &Problem<'_>, at_design: &Linearisation, order: &[usiz
     steps
 }
 
-/// A flag for each coordinate, point by point: whether it is elsewhere in another design.
+/// A flag for each coordinate, point by point: true if it differs in another design.
 pub fn moved_coordinates(design: &[Vector3<f64>], other: &[Vector3<f64>]) -> Vec<bool> {
     let pairs = design.iter().zip(other);
     let differs = |(a, b): (&Vector3<f64>, &Vector3<f64>)| {
@@ -279,7 +279,7 @@ pub fn moved_coordinates(design: &[Vector3<f64>], other: &[Vector3<f64>]) -> Vec
     pairs.flat_map(differs).collect()
 }
 
-/// A flag for each coordinate, point by point: whether a variable of `[optimise]` moves it.
+/// A flag for each coordinate, point by point: true if a variable of `[optimise]` moves it.
 pub fn tuned_coordinates(study: &Study) -> Vec<bool> {
     let mut tuned = vec![false; 3 * study.wheel().design.len()];
     let variables = study.optimise.iter().flat_map(|o| &o.variables);

@@ -13,7 +13,7 @@ pub(super) struct Seat {
     usual: &'static str,
     /// The body it is mounted on.
     pub body: &'static str,
-    /// Whether that is assumed.
+    /// True if the body is assumed.
     is_assumed: bool,
 }
 

@@ -22,7 +22,7 @@ impl Marks {
         }
     }
 
-    /// Whether there are no marks.
+    /// Returns true if there are no marks.
     pub(super) fn is_empty(self) -> bool {
         self == Marks::default()
     }
@@ -37,11 +37,11 @@ pub(super) struct NamedPoint {
     pub read_as: String,
     /// Its wheel and axle, where the file says so beside the name.
     pub marks: Marks,
-    /// Whether it gives the left wheel and, mirrored, the right one.
+    /// True if the point gives the left wheel and, mirrored, the right one.
     pub mirrored: bool,
     /// Coordinates, or their fault.
     pub position: Result<[f64; 3], String>,
-    /// The body it sits on, where the file says so.
+    /// The body that carries it, if the file gives one.
     pub body: Option<String>,
     /// Its place in the file.
     pub place: String,
@@ -96,7 +96,7 @@ pub(super) struct AxleFigures {
 /// A mass with its centre of gravity, kg and the unit of the file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Mass {
-    /// Whether it is the sprung mass, and not that of the whole car.
+    /// True for the sprung mass, false for the mass of the whole car.
     pub is_sprung: bool,
     /// The mass.
     pub mass: f64,
@@ -170,7 +170,7 @@ impl PointTable {
         }
     }
 
-    /// Whether the file has points of both axles.
+    /// Returns true if the file has points of both axles.
     pub fn has_two_axles(&self) -> bool {
         let kinds = self.kinds.iter().map(|(axle, _)| Marks {
             side: None,

@@ -1,4 +1,4 @@
-//! YAML as a map: what `map` reads, from the events of the parser.
+//! YAML as a map: the input of `map`, from the events of the parser.
 //!
 //! Everything of YAML 1.2 is read but aliases, whose text may stand for gigabytes: they are refused with their line. A
 //! plain scalar that is a number by the core schema's decimal forms is one; all else is text, quoted numbers too. Of
@@ -11,7 +11,7 @@ use std::path::Path;
 /// The deepest nesting; no file of points has a tenth of it.
 const DEEPEST: usize = 100;
 
-/// Whether a file says by its name that it is YAML.
+/// Returns true if the file's name marks it as YAML.
 pub(super) fn is_named(path: &Path) -> bool {
     let extension = path.extension().and_then(|extension| extension.to_str());
     extension.is_some_and(|extension| {

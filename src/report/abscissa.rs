@@ -1,10 +1,10 @@
-//! The quantity that a curve is naturally drawn over.
+//! The quantity over which a curve is usually drawn.
 
 use super::record::Record;
 
 /// Beginnings of the names of quantities that steering changes more than anything else.
 const OF_STEERING: [&str; 4] = ["steer_", "mean_steer_", "ackermann", "steering_ratio"];
-/// Beginnings of the names of columns that say how far the axle is steered.
+/// Beginnings of the names of columns that measure the steering.
 const STEERED: [&str; 2] = ["steering_wheel_angle", "rack_"];
 
 impl Record {

@@ -36,7 +36,7 @@ fn unsupported(curves: &Curves) -> Option<String> {
     ))
 }
 
-/// Remarks on stations where a rocker has come to a toggle: one for each rod of each wheel.
+/// Remarks on stations at which a rocker has reached a toggle: one for each rod of each wheel.
 fn toggled(curves: &Curves) -> Vec<String> {
     let is_axle = curves.motion_index(Drive::Travel.key()).is_none();
     let mut said = Vec::new();
@@ -53,7 +53,7 @@ fn toggled(curves: &Curves) -> Vec<String> {
                 .filter_map(|key| s.at[curves.motion_index(key)?]);
             known.next().map_or(f64::INFINITY, f64::abs)
         };
-        for rod in [Rod::Pushrod, Rod::Pullrod, Rod::DropLink] {
+        for rod in [Rod::Pushrod, Rod::Pullrod, Rod::DropLink, Rod::WattLink] {
             let is_stuck = |(_, s): &(usize, &Station)| matches!(s.status, Status::Toggle(rods) if rods[side as usize] == Some(rod));
             let stuck = || curves.stations.iter().enumerate().filter(is_stuck);
             let nearest = stuck().min_by(|a, b| distance(a.1).total_cmp(&distance(b.1)));
@@ -133,7 +133,7 @@ pub(super) struct CertificateSummary {
     proved: usize,
     /// Number of stations with a pose that could not be proved.
     unproved: usize,
-    /// Whether every station is proved, so that the whole curve is one branch.
+    /// True if every station is proved, so that the whole curve is one branch.
     one_branch: bool,
     /// The largest of the proved bounds on the position of points of the wheel carrier.
     largest_position_error: Option<f64>,

@@ -23,7 +23,7 @@ pub struct BandRecord {
     /// For an axle: column of the number that `at` is a value of.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub over: Option<String>,
-    /// Lowest and highest value, in the column's unit; none where there is no limit.
+    /// Lowest and highest value, in the column's unit; `None` without a limit.
     #[serde(default)]
     pub low: Option<f64>,
     #[serde(default)]
@@ -57,7 +57,7 @@ impl BandRecord {
     }
 }
 
-/// Lowest and highest value of a band as printed; none where there is no limit.
+/// Lowest and highest value of a band as printed; `None` without a limit.
 pub(super) fn limits_of(band: &Band) -> [Option<f64>; 2] {
     let printed = |v: &f64| {
         // A limit is shown as it was written, not with the digits that degrees lose on the way to radians.

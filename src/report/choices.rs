@@ -17,8 +17,8 @@ fn column(variable: &Variable, unit: &str) -> String {
     format!("{}_{unit}", variable.label())
 }
 
-/// `front.csv`: a row for each point of the front, with the misfit of each goal in tolerances, the weights, the
-/// offsets of the variables, and whether the front is broken after it.
+/// `front.csv`: a row for each point of the front, with the misfit of each goal in tolerances, the weights and the
+/// offsets of the variables. The last column is "yes" if the front is broken after the point.
 pub fn front_csv(study: &Study, optimise: &Optimise, front: &Front) -> Vec<u8> {
     let unit = study.wheel().length_unit.symbol();
     csv_of(|writer| {
@@ -208,7 +208,7 @@ pub struct PriceRecord {
     pub most_by: Option<f64>,
     /// Offsets by variable.
     pub offsets: Vec<f64>,
-    /// Whether this is the design that is kept.
+    /// True if this is the design that is kept.
     pub kept: bool,
 }
 

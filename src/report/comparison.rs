@@ -86,7 +86,7 @@ pub struct Comparison {
 pub struct StationColumn {
     /// Name of the column, in the first design's unit.
     pub column: String,
-    /// Whether it has more than one value at the common stations.
+    /// True if it has more than one value at the common stations.
     pub moves: bool,
 }
 
@@ -103,20 +103,20 @@ pub struct ComparedOutput {
     pub values: Vec<Vec<Option<f64>>>,
 }
 
-/// A curve of each design that has it.
+/// A curve of each design with this output.
 #[derive(Clone, Debug, Serialize)]
 struct OwnOutput {
     column: String,
     title: String,
     unit: String,
-    /// Design by design, at its own stations; none where the design has no such column.
+    /// Design by design, at its own stations; `None` if the design has no such column.
     values: Vec<Option<Vec<Option<f64>>>>,
 }
 
-/// A point that is not where the first design has it.
+/// A point whose position differs from the first design's.
 #[derive(Clone, Debug)]
 struct Moved {
-    /// Which wheel, if the wheels of an axle differ.
+    /// The wheel, if the wheels of an axle differ.
     side: Option<Side>,
     point: String,
     label: String,
@@ -124,11 +124,11 @@ struct Moved {
 }
 
 impl Comparison {
-    /// Lays designs over each other; at least two.
+    /// Overlays designs; at least two.
     ///
     /// # Errors
     ///
-    /// That they have no station or no column in common.
+    /// If they have no station or no column in common.
     pub fn of(designs: &[Compared]) -> Result<Self, String> {
         let first = &designs[0];
         let tables: Vec<CurveTable> = designs.iter().map(|d| in_unit(d, first.unit)).collect();
@@ -339,7 +339,7 @@ impl Comparison {
         })
     }
 
-    /// Points that are not where the first design has them: in its axes and unit.
+    /// Points whose positions differ from the first design's: in its axes and unit.
     pub fn moved_table(&self) -> Table {
         let unit = self.unit.symbol();
         let axes = ["x", "y", "z"].map(|axis| format!("d{axis} {unit}"));

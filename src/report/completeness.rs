@@ -30,7 +30,7 @@ struct StatusCount {
 struct EmptyCells {
     columns: Vec<String>,
     stations: usize,
-    /// Whether no station has a value.
+    /// True if no station has a value.
     throughout: bool,
     reason: String,
 }

@@ -78,7 +78,7 @@ fn moves_on(curves: &Curves, first: usize, last: usize) -> Option<usize> {
         .filter(|k| curves.motion[*k].key != "rack" && moving.next().is_none())
 }
 
-/// Where neighbouring stations are, in words.
+/// Returns the place of neighbouring stations in words.
 fn place(curves: &Curves, first: usize, last: usize) -> String {
     let text = place_in_words(curves, first);
     let Some(k) = moves_on(curves, first, last) else {

@@ -1,13 +1,13 @@
-//! Which way the axes of points run, as the points of a suspension show it.
+//! Directions of the axes of points, derived from the points of a suspension.
 //!
-//! Three directions are read from a suspension, each as a sum of differences of points, so that long ones weigh
-//! most:
+//! A suspension gives three directions, each as a sum of differences of points, so that long ones have the largest
+//! weight:
 //!
 //! | direction | differences |
 //! |---|---|
 //! | forward | front pivot less rear pivot of an arm, front less rear link; pivots of a trailing arm less wheel centre |
 //! | outboard | joint at the wheel carrier less joint at the body; wheel centre less a point of the spin axis |
-//! | up | upper joint less lower joint; the spring's upper end less its lower end where no rocker stands between |
+//! | up | upper joint less lower joint; the spring's upper end less its lower end, if no rocker is between them |
 //!
 //! A [`Reading`] names a coordinate and a sign for each direction. There are 48. Its score is the sum of the three
 //! cosines between the directions and the coordinates it names. The best reading is believed only if it leads the
@@ -181,7 +181,7 @@ impl Directions {
         }
     }
 
-    /// Whether the points show clearly that a reading is wrong: another one leads it.
+    /// Returns the reading that clearly leads the given one, if the points show that the given one is wrong.
     pub(crate) fn contradict(&self, reading: &Reading) -> Option<Reading> {
         match self.judge(|_| true) {
             Verdict::Clear(other) if other != *reading => Some(other),

@@ -12,9 +12,7 @@ use crate::characteristics::{Characteristic, Constants, WheelReading};
 use crate::curves::Column;
 use crate::derive::{DesignSeries, MotionPoint};
 use crate::mechanism::DesignFault;
-use crate::model::{
-    Axis, Body, Constraint, Drive, PointId, Rod, Seat, Side, SteeringAxis, Suspension,
-};
+use crate::model::{Axis, Body, Constraint, Drive, PointId, Seat, Side, SteeringAxis, Suspension};
 use crate::number::{Jet, Vector3};
 use crate::solve::Solver;
 use crate::study::{AxleStudy, Designs, Move, Study};
@@ -305,12 +303,11 @@ impl<'a> PlausibilityRemarks<'a> {
             // Links of a solid axle may lead either way.
             return;
         }
-        let links = mechanism.constraints.iter().filter_map(|c| match *c {
-            Constraint::Link { inner, outer } => Some((inner, outer)),
-            _ => None,
-        });
-        let to_springs = |rod: Rod| rod != Rod::DropLink;
-        let rockers = mechanism.rockers.iter().filter(|r| to_springs(r.rod));
+        // The end of a link on an arm may be anywhere.
+        let to_body = |c: &&Constraint| mechanism.arm_under(c).is_none();
+        let links = mechanism.constraints.iter().filter(to_body);
+        let links = links.filter_map(Constraint::link);
+        let rockers = mechanism.rockers.iter().filter(|r| r.rod.is_of_spring());
         for (inner, outer) in links.chain(rockers.map(|r| (r.inner, r.outer))) {
             let rod = self.at(outer) - self.at(inner);
             if rod.y < -0.5 * rod.norm() {

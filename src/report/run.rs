@@ -18,7 +18,7 @@ pub struct Run {
     pub curves: Vec<CurveTable>,
     /// Summary of the run.
     pub summary: Summary,
-    /// Whether a signal ended the run early, so that it has only finished results.
+    /// True if a signal ended the run early, so that it has only finished results.
     pub interrupted: bool,
     /// The convergence history, of an optimisation.
     pub history: Option<CurveTable>,

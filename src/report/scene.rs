@@ -1,4 +1,4 @@
-//! The mechanism as a drawing: what is joined to what, by name.
+//! The mechanism as a drawing: connections of points by name.
 //!
 //! Positions along the motion come from [`crate::curves::frames`].
 
@@ -101,7 +101,16 @@ fn bodies(mechanism: &Mechanism) -> Vec<SceneBody> {
     };
     let named = |id: PointId| body_name(&mechanism.points[id.0].name);
     for arm in &mechanism.arms {
-        let line = [arm.front, arm.outer, arm.rear];
+        let second = mechanism
+            .constraints
+            .iter()
+            .filter_map(|constraint| match *constraint {
+                Constraint::ArmJoint { arm: of, at } if mechanism.arms[of.0] == *arm => Some(at),
+                _ => None,
+            });
+        let mut line = vec![arm.front, arm.outer];
+        line.extend(second);
+        line.push(arm.rear);
         add(BodyKind::Arm, named(arm.front), &[&line]);
     }
     let of_an_arm = |from, to| {
@@ -124,10 +133,9 @@ fn bodies(mechanism: &Mechanism) -> Vec<SceneBody> {
                 strut = Some((top, lower));
                 joints.push(lower);
             }
-            // The knuckle is the arm itself.
-            Constraint::Revolute { .. } => {}
-            Constraint::BallJoint { at } => joints.push(at),
-            Constraint::AxleTravel { .. } => {}
+            Constraint::BallJoint { at } | Constraint::ArmJoint { at, .. } => joints.push(at),
+            // With a hinge the knuckle is the arm itself.
+            Constraint::Revolute { .. } | Constraint::AxleTravel { .. } => {}
         }
     }
     if let Some(spring) = mechanism.spring
@@ -140,10 +148,12 @@ fn bodies(mechanism: &Mechanism) -> Vec<SceneBody> {
         let rod = [rocker.inner, rocker.outer];
         add(BodyKind::Link, rocker.rod.to_string(), &[&rod]);
         let ends = mechanism.spring.map(|spring| spring.lower);
+        let links = || mechanism.constraints.iter().filter_map(Constraint::link);
         let on_it = |id: &PointId| mechanism.body(*id) == Body::Rocker(RockerId(number));
         let further = ends
             .into_iter()
-            .chain(mechanism.rockers.iter().map(|r| r.outer));
+            .chain(mechanism.rockers.iter().map(|r| r.outer))
+            .chain(links().flat_map(|(inner, outer)| [inner, outer]));
         let mut through = vec![rocker.first, rocker.inner];
         through.extend(further.filter(on_it));
         through.extend([rocker.second, rocker.first]);

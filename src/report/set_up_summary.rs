@@ -48,7 +48,7 @@ pub struct SetUpSummary {
     /// The wheels that are set up, in the study of an axle.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub side: Option<SetUpSide>,
-    /// Whether every aim is met, with the computed and with the rounded amounts, but for half steps.
+    /// True if every aim is met, with the computed and with the rounded amounts, apart from half steps.
     pub met: bool,
     /// Static values.
     pub statics: Vec<StaticRecord>,
@@ -68,11 +68,11 @@ pub struct StaticRecord {
     pub set: Option<f64>,
     /// Wanted value, if there is one.
     pub wanted: Option<f64>,
-    /// Whether the study wants nothing and the set-up keeps the design's value, which then is `wanted`.
+    /// True if the study has no target here and the set-up keeps the design's value, which then is `wanted`.
     pub kept: bool,
     /// Computed value minus the wanted one.
     pub miss: Option<f64>,
-    /// Error that half steps of shims may leave: up to it `miss` counts as met.
+    /// Error that half steps of shims may cause: up to it `miss` counts as met.
     pub allowed: f64,
     /// Value with the rounded amounts.
     pub set_rounded: Option<f64>,
@@ -80,9 +80,9 @@ pub struct StaticRecord {
     pub miss_rounded: Option<f64>,
     /// Error that half steps of shims and half sixteenths of turns may leave: up to it `miss_rounded` counts as met.
     pub allowed_rounded: f64,
-    /// Whether `miss` counts as met.
+    /// True if `miss` counts as met.
     pub met: bool,
-    /// Whether `miss_rounded` counts as met.
+    /// True if `miss_rounded` counts as met.
     pub met_rounded: bool,
 }
 

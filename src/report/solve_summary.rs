@@ -20,7 +20,7 @@ pub struct SolveSummary {
     version: String,
     study: String,
     topology: String,
-    /// For an axle, what the right wheel has of its own: "mirrored" if it has nothing.
+    /// For an axle, the right wheel's own entries: "mirrored" if it has none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     axle: Option<String>,
     stations: usize,
@@ -57,7 +57,7 @@ struct Left {
 struct FailedStation {
     #[serde(default)]
     station: usize,
-    /// Where it is, in words.
+    /// Its place in words.
     #[serde(default)]
     at: String,
     /// Numbers of a corner's station.

@@ -6,7 +6,7 @@ use crate::curves::{Curves, MotionColumn};
 use crate::study::Drive;
 use serde::{Deserialize, Serialize};
 
-/// Where on the motion a station is: of a corner its numbers, of an axle words.
+/// Place of a station on the motion: numbers for a corner, words for an axle.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub(super) enum StationLabel {

@@ -86,7 +86,7 @@ pub struct Cell {
 }
 
 impl Cell {
-    /// A number, with six digits for a reader; what is rounding in this unit is 0 to a reader.
+    /// A number, with six digits for a reader; rounding in this unit is 0 to a reader.
     pub fn figure(value: f64, unit: &str) -> Self {
         Cell::shown(value, figure(value, unit))
     }
@@ -108,7 +108,7 @@ impl Cell {
         }
     }
 
-    /// A number, shown to a reader as this says; empty where there is none.
+    /// A number, shown to a reader by `show`; empty without a value.
     pub fn by<T: Into<String>>(value: impl Into<Option<f64>>, show: impl FnOnce(f64) -> T) -> Self {
         let value = value.into();
         value.map(|value| Cell::shown(value, show(value))).into()
@@ -141,7 +141,7 @@ impl Cell {
         &self.shown
     }
 
-    /// Whether it is drawn up like a number.
+    /// Returns true if the cell is aligned like a number.
     pub fn is_number(&self) -> bool {
         self.data.is_number()
             || self
@@ -228,7 +228,7 @@ impl Table {
         Table::with_columns(header)
     }
 
-    /// An empty table whose columns depend on what is shown, or on who reads it.
+    /// An empty table whose columns depend on its content, or on its reader.
     pub fn with_columns(columns: impl IntoIterator<Item: Into<Column>>) -> Self {
         Table {
             columns: columns.into_iter().map(Into::into).collect(),
@@ -279,7 +279,7 @@ impl Table {
         stacked
     }
 
-    /// Whether it has no rows.
+    /// Returns true if it has no rows.
     pub fn is_empty(&self) -> bool {
         self.rows.is_empty()
     }
@@ -389,7 +389,7 @@ impl Table {
 /// Layout of a column.
 struct Layout {
     to_the_right: bool,
-    /// Whether some cell has several words.
+    /// True if some cell has several words.
     prose: bool,
     natural: usize,
     /// Numbers are not broken, nor names up to half of the line's width.

@@ -122,7 +122,7 @@ pub(super) fn printable_json(json: &str) -> String {
     printable
 }
 
-/// Whether there is something in a text that [`printable`] changes.
+/// Returns true if a text has nothing that [`printable`] changes.
 pub fn is_printable(text: &str) -> bool {
     text.chars()
         .all(|c| "\n\t".contains(c) || !(c.is_control() || turns(c)))

@@ -22,9 +22,9 @@ pub struct ToleranceSummary {
     pub builds: u64,
     /// Seed they were drawn from.
     pub seed: u32,
-    /// Whether toe and camber were set again after assembly.
+    /// True if toe and camber were set again after assembly.
     pub aligned: bool,
-    /// Builds that could not be put together.
+    /// Builds that could not be assembled.
     pub rejected: u64,
     /// Number of rejected builds for each reason, with the first of each.
     pub rejects: Vec<RejectRecord>,
@@ -90,7 +90,7 @@ pub struct ValueRecord {
     pub sigma_linear: Option<f64>,
     /// Second-order term as a part of the first-order variance.
     pub second_order: Option<f64>,
-    /// Whether the linear answer holds; none where that is not known.
+    /// True if the linear answer holds; `None` if that is unknown.
     pub linear_holds: Option<bool>,
     /// See [`PERCENTILES`].
     pub percentiles: [Option<f64>; PERCENTILES.len()],
@@ -104,7 +104,7 @@ pub struct ValueRecord {
     pub remainder_error: Option<f64>,
     /// The same part by second order.
     pub remainder_second_order: Option<f64>,
-    /// Whether this is the drawn position.
+    /// True at the nominal position.
     at_rest: bool,
     /// Unit of the values.
     unit: String,
@@ -121,7 +121,7 @@ pub struct RankingRecord {
     pub yield_halved: f64,
     /// Predicted yield with twice its tolerance.
     pub yield_doubled: f64,
-    /// Whether doubling it costs next to nothing.
+    /// True if doubling it costs almost no yield.
     pub may_be_looser: bool,
 }
 

@@ -1,4 +1,4 @@
-//! What a tuning came to.
+//! Summary of a tuning.
 
 use super::accuracy::{CertificateSummary, ConditionSummary};
 use super::choices::{FrontPoint, FrontRecord, PriceRecord};
@@ -51,10 +51,10 @@ pub struct TuningSummary {
     /// The misfit below which no design was preferred to a nearer one.
     #[serde(default)]
     good_enough: f64,
-    /// How the constraints are kept.
+    /// State of each constraint.
     #[serde(default)]
     constraints: Vec<ConstraintSummary>,
-    /// Targets that are missed and that no variable moves.
+    /// Missed targets that no variable changes.
     #[serde(default)]
     unmoved: Vec<String>,
     /// Constraints that are violated and that no variable moves.
@@ -142,7 +142,7 @@ struct ConstraintSummary {
     price_not_determined: bool,
 }
 
-/// How a constraint is kept.
+/// Status of a constraint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 enum ConstraintStatus {
@@ -207,12 +207,12 @@ struct DeviationSummary {
 struct StartSummary {
     start: usize,
     offsets: Vec<f64>,
-    /// How it ended, or why it could not begin.
+    /// Reason for its end, or for the failure of its start.
     ended: String,
     iterations: Option<u64>,
     evaluations: Option<u64>,
     misfit: Option<f64>,
-    /// As `kkt_residual` of the summary, where this start ended.
+    /// As `kkt_residual` of the summary, at the end of this start.
     #[serde(default)]
     kkt_residual: Option<f64>,
 }
@@ -416,12 +416,12 @@ impl TuningSummary {
         [self.misfit_before, self.misfit_after].map(|m| m.map(hundredths))
     }
 
-    /// Whether some start came to a design.
+    /// Returns true if some start reached a design.
     pub fn has_design(&self) -> bool {
         self.misfit_after.is_some()
     }
 
-    /// Number of the point of a front that is the tuned design, to a thousandth of each range; none if there is none.
+    /// Number of the point of a front that is the tuned design, to a thousandth of each range; `None` if no point is.
     pub(super) fn kept_point(&self, front: &FrontRecord) -> Option<usize> {
         let is_same = |point: &FrontPoint| {
             let pairs = self.variables.iter().zip(&point.offsets);
@@ -439,7 +439,7 @@ impl TuningSummary {
         self.best_start
     }
 
-    /// How many of the variables ended at a bound, and how many there are.
+    /// Number of variables that ended at a bound, and number of all variables.
     pub fn at_bounds(&self) -> [usize; 2] {
         let active = self.variables.iter().filter(|v| v.at_bound.is_some());
         [active.count(), self.variables.len()]
@@ -452,7 +452,7 @@ impl TuningSummary {
         table
     }
 
-    /// What moved by how much.
+    /// Returns the table of the variables and their moves.
     pub fn variables_table(&self) -> Table {
         let columns = ["hardpoint", "axis", "design", "tuned", "moved"].map(Column::from);
         let range = Column::for_readers("range");
@@ -542,8 +542,8 @@ impl TuningSummary {
         table
     }
 
-    /// How well each target was and is met: for readers the largest deviation in the unit of the target, beside its tolerance;
-    /// for programs all deviations in tolerances.
+    /// Returns the table of the targets before and after. For readers it has the largest deviation in the unit of the
+    /// target, beside its tolerance. For programs it has all deviations in tolerances.
     pub fn targets_table(&self) -> Table {
         let columns = [
             Column::from("target"),
@@ -594,13 +594,13 @@ impl TuningSummary {
         table
     }
 
-    /// How many targets there are.
+    /// Number of targets.
     pub fn targets(&self) -> usize {
         self.targets.len()
     }
 
-    /// The targets that are missed by more than their tolerance somewhere: their numbers and columns, and by how
-    /// much and where.
+    /// Returns the targets that are missed by more than their tolerance somewhere: their numbers and columns, and
+    /// size and place of the deviation.
     pub fn missed(&self) -> Vec<(usize, &str, String)> {
         let targets = self.targets.iter().enumerate();
         let missed = targets.filter_map(|(number, t)| {
@@ -612,7 +612,7 @@ impl TuningSummary {
         missed.collect()
     }
 
-    /// How the constraints are kept; none where there are none.
+    /// Returns the table of the constraints; `None` without constraints.
     pub fn constraints_table(&self) -> Option<Table> {
         if self.constraints.is_empty() {
             return None;
@@ -654,7 +654,7 @@ impl TuningSummary {
         violated.map(|(row, _)| row).collect()
     }
 
-    /// What has to be said of targets and constraints, in sentences.
+    /// Returns remarks on targets and constraints, in sentences.
     pub fn remarks(&self) -> Vec<String> {
         let mut remarks = Vec::new();
         for added in &self.added_stations {
@@ -739,8 +739,8 @@ impl TuningSummary {
         remarks
     }
 
-    /// Whether something asked for cannot be had: a constraint is violated, or a target that nothing moves
-    /// is missed by more than its tolerance.
+    /// Returns true if a request cannot be met. A constraint is violated, or a target that no variable changes is
+    /// missed by more than its tolerance.
     pub fn falls_short(&self) -> bool {
         let missed = |target: &TargetSummary| {
             let rms = target.after.as_ref().map_or(0.0, |after| after.rms);
@@ -749,7 +749,7 @@ impl TuningSummary {
         !self.violated().is_empty() || self.targets.iter().any(missed)
     }
 
-    /// How each start ended.
+    /// Returns the table of the starts.
     pub fn starts_table(&self) -> Table {
         let columns = [
             Column::for_readers("start"),
@@ -776,14 +776,14 @@ impl TuningSummary {
         table
     }
 
-    /// How many starts were interrupted before their end, and how many there are.
+    /// Number of starts that were interrupted before their end, and number of all starts.
     pub fn interrupted(&self) -> [usize; 2] {
         let word = Termination::Interrupted.to_string();
         let interrupted = self.starts.iter().filter(|s| s.ended == word);
         [interrupted.count(), self.starts.len()]
     }
 
-    /// Of a tuning that was interrupted: how much of it there is.
+    /// Returns the completed share of an interrupted tuning, in words.
     pub fn interrupted_in_words(&self) -> String {
         let [interrupted, all] = self.interrupted();
         match interrupted {

@@ -1,10 +1,10 @@
-//! The claim of a run on a directory: who may replace what.
+//! The claim of a run on a directory: permissions to replace files.
 
 use super::manifest::{self, Manifest, RunRecord, matches};
 use super::{Refusal, TEMPORARY};
 use std::path::{Path, PathBuf};
 
-/// Whether others may write there at the same time.
+/// Permission for other runs to write in the directory at the same time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Sharing {
     /// This run alone.
@@ -30,15 +30,15 @@ pub struct Claim<'a> {
     pub files: &'a [&'a str],
     /// The files it has read.
     pub inputs: &'a [PathBuf],
-    /// Whether what is there may be replaced, whoever wrote it.
+    /// True if existing results may be replaced, whichever command wrote them.
     pub force: bool,
-    /// Whether an unfinished run of the same command and study is gone on with.
+    /// True if an unfinished run of the same command and study is continued.
     pub resume: bool,
-    /// Whether the results of other runs may be moved aside: nobody has asked for this very directory.
+    /// True if the results of other runs may be moved aside, because the user has not chosen this directory.
     pub set_aside: bool,
-    /// Whether others may write there at the same time.
+    /// Permission for others to write there at the same time.
     pub sharing: Sharing,
-    /// Whether the files are made of the results of a finished run, whose state stays as it is.
+    /// True if the files derive from the results of a finished run, whose state stays as it is.
     pub reopens: bool,
 }
 
@@ -104,7 +104,7 @@ pub(super) fn examine(path: &Path, claim: &Claim<'_>) -> Result<Manifest, Refusa
     taken.map_or(Ok(manifest), Err)
 }
 
-/// Whether all that a directory holds is of finished runs, and no input of this one.
+/// Returns true if a directory holds only files of finished runs, and no input of this one.
 pub(super) fn may_be_moved(path: &Path, claim: &Claim<'_>) -> bool {
     let Ok(manifest) = Manifest::read(path) else {
         return false;
@@ -120,7 +120,7 @@ pub(super) fn may_be_moved(path: &Path, claim: &Claim<'_>) -> bool {
     !manifest.runs.iter().any(unfinished) && names(path).iter().all(is_ours)
 }
 
-/// Whether a run will write a file of this name, or files of these names.
+/// Returns true if a run will write a file of this name, or files of these names.
 pub(super) fn is_wanted(claim: &Claim<'_>, name: &str) -> bool {
     let mut files = claim.files.iter();
     files.any(|file| *file == name || matches(file, name))

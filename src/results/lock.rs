@@ -142,7 +142,7 @@ fn holder(mut file: File) -> Option<Owner> {
     serde_json::from_str(&text).ok()
 }
 
-/// Whether a path still leads to an open file.
+/// Returns true if a path still leads to an open file.
 #[cfg(unix)]
 pub(super) fn is_at(file: &File, path: &Path) -> bool {
     use std::os::unix::fs::MetadataExt;
@@ -151,7 +151,7 @@ pub(super) fn is_at(file: &File, path: &Path) -> bool {
     open.ok().map(identity) == there.ok().map(identity)
 }
 
-/// Whether a path still leads to an open file. Elsewhere a file that is open cannot be removed.
+/// Returns true if a path still leads to an open file. On other systems than Unix an open file cannot be removed.
 #[cfg(not(unix))]
 pub(super) fn is_at(_: &File, path: &Path) -> bool {
     path.exists()

@@ -28,9 +28,9 @@ pub struct RunRecord {
     pub digest: String,
     /// The version of the program.
     pub version: String,
-    /// Whether the run has ended with all of its results.
+    /// True if the run has ended with all of its results.
     pub finished: bool,
-    /// Whether a signal ended the run before that.
+    /// True if a signal ended the run before that.
     #[serde(default)]
     pub interrupted: bool,
     /// Names of the files. A star stands for digits.
@@ -47,7 +47,7 @@ impl Default for Manifest {
 }
 
 impl Manifest {
-    /// Reads that of a directory: an empty one where there is none.
+    /// Reads that of a directory: an empty one if it does not exist.
     pub fn read(directory: &Path) -> Result<Self, String> {
         let bytes = match std::fs::read(directory.join(NAME)) {
             Ok(bytes) => bytes,
@@ -75,25 +75,25 @@ impl Manifest {
 }
 
 impl RunRecord {
-    /// Whether it is this command with this study.
+    /// Returns true if the run has this command and this study.
     pub fn is_of(&self, command: &str, digest: &str) -> bool {
         self.command == command && self.digest == digest
     }
 
-    /// Whether its digest can be compared with that of this command: that of a sweep is of its designs.
+    /// Returns true if its digest is comparable with that of this command: a sweep has a digest of its designs.
     pub fn digests_as(&self, command: &str) -> bool {
         let is_of_designs = |command| ["sweep", "merge"].contains(&command);
         is_of_designs(&self.command) == is_of_designs(command)
     }
 
-    /// Whether a file is one of its files.
+    /// Returns true if a file is one of its files.
     pub fn wrote(&self, name: &str) -> bool {
         let mut files = self.files.iter();
         files.any(|pattern| pattern == name || matches(pattern, name))
     }
 }
 
-/// Whether a name is as the pattern says, in which a star stands for digits.
+/// Returns true if a name matches the pattern, in which a star stands for digits.
 pub(super) fn matches(pattern: &str, name: &str) -> bool {
     let Some((before, after)) = pattern.split_once('*') else {
         return pattern == name;

@@ -1,15 +1,14 @@
-//! The directories that hold the results of runs, and the rules by which one run may replace what another
-//! has left there.
+//! The directories that hold the results of runs, and the rules by which one run may replace the files of another.
 //!
 //! A run records in `run.json` who wrote which files: the command, the digest of the study and the version
 //! of the program ([`RunRecord`]). From then on
 //!
 //! 1. a file may be replaced by the same command with the same study, by nothing else;
 //! 2. a file that no run has recorded belongs to someone else and is never touched, nor is an input;
-//! 3. an unfinished sweep is gone on with or, where that is said, begun anew;
+//! 3. an unfinished sweep is continued or, on request, started anew;
 //! 4. files appear whole or not at all: they are written under another name and renamed;
 //! 5. while a run writes it holds a [`Lock`], which the operating system takes from it when it dies;
-//! 6. what a run that died has left under other names is cleared by the next.
+//! 6. the next run removes the temporary files of a run that died.
 //!
 //! `--force` lifts the first three.
 
@@ -35,7 +34,7 @@ use std::path::Path;
 /// Beginning of the names of all temporary files.
 pub const TEMPORARY: &str = ".hardpoint-";
 
-/// The file in which a run says what came of it.
+/// The file in which a run records its results.
 pub const SUMMARY: &str = "summary.json";
 
 /// A `summary.json` with its first two keys, which say whether the run has finished and whether a signal ended it.
@@ -52,8 +51,8 @@ fn restated(text: &str, finished: bool, interrupted: bool) -> String {
     format!("{{{}{body}", head(finished, interrupted))
 }
 
-/// SHA-256 of all that a study says: its text, with what `--set` changed and curves from files in it, and
-/// the file of its designs.
+/// SHA-256 of the whole content of a study: its text, with the changes by `--set` and the curves from files in it,
+/// and the file of its designs.
 pub fn study_digest(study: &Study) -> String {
     let mut hash = hmac_sha256::Hash::new();
     hash.update(study.text.as_bytes());

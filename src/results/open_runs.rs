@@ -12,15 +12,16 @@ pub(super) struct OpenRun {
     pub(super) path: PathBuf,
     pub(super) command: String,
     pub(super) digest: String,
-    /// Whether it computes results. False for files that are made of a finished run.
+    /// True if it computes results, false if it makes files from a finished run.
     pub(super) computes: bool,
-    /// Whether the command writes `summary.json`.
+    /// True if the command writes `summary.json`.
     pub(super) has_summary: bool,
-    /// Whether no other process writes to the directory.
+    /// True if no other process writes to the directory.
     pub(super) is_alone: bool,
 }
 
-/// Whoever holds this lock may write results. A signal takes it before it ends the process, so that no write is cut.
+/// Lock that permits its holder to write results. A signal takes it before it ends the process, so that no write is
+/// cut.
 static OPEN: Mutex<Vec<OpenRun>> = Mutex::new(Vec::new());
 
 fn open() -> MutexGuard<'static, Vec<OpenRun>> {

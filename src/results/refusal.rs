@@ -66,9 +66,9 @@ pub enum Refusal {
         command: String,
         /// The name of their study.
         study: String,
-        /// Whether it is the same study, if known: sweeps and other commands use different digests.
+        /// True for the same study, if known: sweeps and other commands use different digests.
         same_study: Option<bool>,
-        /// Whether that run has ended.
+        /// True if that run has ended.
         is_finished: bool,
         /// One of its files.
         file: String,

@@ -31,12 +31,12 @@ struct RunState {
     replaced: Vec<RunRecord>,
     /// The names this run has written.
     written: BTreeSet<String>,
-    /// Whether a signal has ended the work before its end.
+    /// True if a signal stopped the work before its end.
     interrupted: bool,
 }
 
 impl RunDirectory {
-    /// Claims a directory, before anything is computed; makes it where there is none.
+    /// Claims a directory before any computation, and creates it if it does not exist.
     pub fn claim(path: &Path, claim: &Claim<'_>) -> Result<Self, Refusal> {
         let failed = |error| Refusal::Unwritable(unwritten(path)(error));
         std::fs::create_dir_all(path).map_err(failed)?;
@@ -223,7 +223,7 @@ impl RunDirectory {
         run.is_of(&self.command, &self.digest)
     }
 
-    /// Whether a file is recorded as this run's own.
+    /// Returns true if a file is recorded as this run's own.
     fn wrote(&self, manifest: &Manifest, name: &str) -> bool {
         manifest.author(name).is_some_and(|run| self.is_own(run))
     }
@@ -323,7 +323,7 @@ impl RunDirectory {
         self.put(SUMMARY, text.as_bytes())
     }
 
-    /// Records an interrupted run that a later one goes on with: all of its files stay.
+    /// Records an interrupted run that a later one continues: all of its files stay.
     pub fn leave_unfinished(&self) -> Result<(), WriteError> {
         let mut state = self.state();
         let interrupted = state.interrupted;
@@ -367,8 +367,8 @@ impl RunDirectory {
         Ok(())
     }
 
-    /// Ends the run: what earlier runs have left that this one replaces, and did not write again, goes. Records it as
-    /// finished, or as interrupted where [`RunDirectory::mark_interrupted`] was called.
+    /// Ends the run. Removes files of earlier runs that this run replaces and did not write again. Records it as
+    /// finished, or as interrupted if [`RunDirectory::mark_interrupted`] was called.
     pub fn finish(&self) -> Result<(), WriteError> {
         let mut state = self.state();
         self.restate_summary(&state)?;
@@ -408,7 +408,7 @@ impl RunDirectory {
         self.store_last(&state)
     }
 
-    /// Removes what runs that died have left under temporary names.
+    /// Removes the temporary files of runs that died.
     fn clear_leftovers(&self) {
         let Ok(entries) = std::fs::read_dir(&self.path) else {
             return;
@@ -447,7 +447,7 @@ pub fn temporary(directory: &Path) -> io::Result<tempfile::NamedTempFile> {
     temporary_of(directory, "file")
 }
 
-/// The same, with what it is of in its name, so that those of the dead can be told from those of the living.
+/// The same, with its owner in its name, so that those of dead runs can be told from those of living ones.
 pub fn temporary_of(directory: &Path, stem: &str) -> io::Result<tempfile::NamedTempFile> {
     tempfile::Builder::new()
         .prefix(&format!("{TEMPORARY}{stem}-"))

@@ -35,12 +35,12 @@ impl Access {
         is_same(token.as_bytes(), self.token.as_bytes()).then_some(rest)
     }
 
-    /// Whether a `Host` is this server's.
+    /// Returns true if a `Host` is this server's.
     pub(super) fn is_host(&self, host: &str) -> bool {
         self.hosts.iter().any(|own| own.eq_ignore_ascii_case(host))
     }
 
-    /// Whether an `Origin` is this server's page.
+    /// Returns true if an `Origin` is this server's page.
     pub(super) fn is_origin(&self, origin: &str) -> bool {
         let host = origin.strip_prefix("http://");
         host.is_some_and(|host| self.is_host(host))

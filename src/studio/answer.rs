@@ -36,7 +36,7 @@ pub(super) fn asking_for(own: &WheelStudy, names: &[String]) -> Result<WheelStud
 /// The most stations that are drawn while a point is dragged.
 const MOST_STATIONS: usize = 2000;
 
-/// Answers a dragged point. An error says what is wrong with the design or the request.
+/// Answers a dragged point. An error names the fault of the design or the request.
 pub(super) fn solved(opened: &Opened, request: &SolveRequest) -> Result<SolvedAnswer, String> {
     let moved = opened.moved(&request.of.design)?;
     match &moved.vehicle {

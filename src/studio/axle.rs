@@ -1,4 +1,4 @@
-//! Both wheels: what sliders an axle has, its curves, and where its wheels are.
+//! Both wheels: the sliders of an axle, its curves, and the positions of its wheels.
 //!
 //! The points that move are the left wheel's. Where the right one has hardpoints of its own they go the mirrored
 //! way, as they do with a variable of a tuning.

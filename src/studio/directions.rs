@@ -83,6 +83,10 @@ fn ends(range: &Range, sign: f64) -> [LimitEnd; 2] {
             value: None,
             because: "no limit: it turns all the way round".to_owned(),
         },
+        RangeEnd::Toggle { value, rod } => LimitEnd {
+            value: Some(sign * value),
+            because: format!("the {rod} is at toggle"),
+        },
         RangeEnd::Unresolved(value) => LimitEnd {
             value: Some(sign * value),
             because: "the path could not be followed further".to_owned(),

@@ -42,7 +42,7 @@ pub(super) struct Connection {
     stream: TcpStream,
     /// Read, and not used yet.
     ahead: Vec<u8>,
-    /// Whether an earlier request has shown the token.
+    /// True if an earlier request has shown the token.
     is_admitted: bool,
 }
 

@@ -115,7 +115,7 @@ impl Job {
         self.number
     }
 
-    /// Asks it to end after the iteration under way, with what it has.
+    /// Asks it to end after the iteration under way, with its present result.
     pub(super) fn cancel(&self) {
         self.interrupt.store(true, Ordering::SeqCst);
     }

@@ -89,8 +89,7 @@ pub(super) struct SaveRequest {
     pub of: Designed,
     /// A plain file name beside the study; the study itself without it.
     pub name: Option<String>,
-    /// Whether a file that was changed meanwhile gets the coordinates that were moved, or a file of that name is
-    /// replaced.
+    /// True to write the moved coordinates to a file that changed meanwhile, or to replace a file of that name.
     pub anyway: bool,
 }
 
@@ -99,7 +98,7 @@ pub(super) struct SaveRequest {
 pub(super) struct Overview {
     pub name: String,
     pub file: String,
-    /// Path of the file, so that a browser does not mistake what it has stored of one study for another's.
+    /// Path of the file, so that a browser does not confuse its stored data of one study with another's.
     pub place: String,
     pub digest: String,
     /// SHA-256 of the file's text before changes that are not saved.
@@ -150,9 +149,9 @@ pub(super) struct CharacteristicOverview {
     pub name: &'static str,
     pub unit: String,
     pub positive: &'static str,
-    /// Whether the study asks for it, itself or by a target.
+    /// True if the study asks for it, by itself or through a target.
     pub asked: bool,
-    /// Whether the study has what it needs.
+    /// True if the study has the inputs that it needs.
     pub available: bool,
 }
 
@@ -175,7 +174,7 @@ pub(super) struct TargetOverview {
 #[derive(Serialize)]
 pub(super) struct VariableOverview {
     pub name: String,
-    /// Point, axis, and how far it moves per unit.
+    /// Point, axis, and displacement per unit.
     pub moves: Vec<(usize, usize, f64)>,
     pub is_turn: bool,
     pub range: [f64; 2],
@@ -232,7 +231,7 @@ impl ColumnValues {
 #[derive(Serialize)]
 pub(super) struct Misfit {
     pub value: Option<f64>,
-    /// Reason why there is none.
+    /// Reason for its absence.
     pub reason: Option<String>,
     pub gradient: Coordinates,
     pub targets: Vec<TargetMisfit>,

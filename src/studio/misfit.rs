@@ -6,13 +6,13 @@
 //! dM/dx = r . J / (m M)                                                     (1)
 //! ```
 //!
-//! and of one target, whose n residuals are s times its deviations in tolerances,
+//! For one target, whose n residuals are s times its deviations in tolerances, the gradient is
 //!
 //! ```text
 //! d rms/dx = r . J / (s^2 n rms),    over its own rows.                     (2)
 //! ```
 //!
-//! Where a misfit vanishes it has no gradient. Zero is reported, since its square is at its minimum there.
+//! A misfit of zero has no gradient. Zero is reported, since its square is at its minimum there.
 
 use super::message::{ConstraintRoom, Coordinates, Misfit, TargetMisfit};
 use super::study_file::Opened;

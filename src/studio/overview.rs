@@ -151,7 +151,7 @@ fn of_corner(study: &Study) -> (Vec<Slider>, usize) {
     (sliders, 0)
 }
 
-/// The slider of the rack: as far as the motion goes, or what an ordinary rack does.
+/// The slider of the rack: over the range of the motion, or of an ordinary rack.
 pub(super) fn rack_slider(suspension: &Suspension, home: f64, racks: &[f64]) -> Slider {
     let unit = suspension.length_unit;
     let mut slider = Slider::over("rack", "rack", unit.symbol(), home, racks);

@@ -19,7 +19,8 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
-/// Number of texts of the study that are remembered, so that tabs opened before a save go on and changes can be undone.
+/// Number of texts of the study that are remembered, so that tabs opened before a save keep working and changes can
+/// be undone.
 const TEXTS: usize = 40;
 /// Number of report pages that are remembered.
 const REPORTS: usize = 3;
@@ -27,7 +28,7 @@ const REPORTS: usize = 3;
 /// The state of the server.
 pub(super) struct Workshop {
     pub access: Access,
-    /// Whether a request with the token has come.
+    /// True after the first request with the token.
     pub visited: AtomicBool,
     /// Folder in which a new study is written.
     directory: PathBuf,
@@ -233,7 +234,7 @@ impl Workshop {
         json(&overview::overview(self.file()?, &edited))
     }
 
-    /// Answers what is asked of a design.
+    /// Answers a request about a design.
     fn with_text<R: DeserializeOwned, A: Serialize>(
         &self,
         body: &[u8],

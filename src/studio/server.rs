@@ -13,10 +13,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 use thiserror::Error;
 
-/// The port that is tried where none is asked for: the same every time, so that a browser finds what it kept of
-/// an earlier session.
+/// Default port: the same every time, so that a browser finds its data of an earlier session.
 const USUAL_PORT: u16 = 7353;
-/// Interval between checks whether to stop.
+/// Interval between checks for a request to stop.
 const LOOK: Duration = Duration::from_millis(100);
 
 /// Reason why a study is not served.
@@ -28,12 +27,12 @@ pub enum NotServed {
     /// There is no such port to be had.
     #[error("cannot listen on port {port} of this machine: {source}")]
     Port {
-        /// The port that was asked for.
+        /// The requested port.
         port: u16,
         /// Error of the system.
         source: std::io::Error,
     },
-    /// The system does not give what a server needs.
+    /// The system refuses a resource that the server needs.
     #[error("cannot serve: {0}")]
     System(#[from] std::io::Error),
 }

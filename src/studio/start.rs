@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 pub(super) struct Choice {
     name: &'static str,
     summary: &'static str,
-    /// Names of its hardpoints, and whether a study must give them.
+    /// Names of its hardpoints, and true for those that a study must give.
     hardpoints: Vec<(&'static str, bool)>,
     scene: Scene,
     design: Coordinates,

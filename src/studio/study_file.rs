@@ -15,7 +15,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
-/// A text of the study that was read, and what it means.
+/// A text of the study that was read, and its meaning.
 pub(super) struct Opened {
     /// SHA-256 of the study text.
     pub digest: String,
@@ -93,7 +93,7 @@ pub(super) struct StudyFile {
 }
 
 impl StudyFile {
-    /// A link is followed now, so that what is written later is the file it led to.
+    /// Follows a link now, so that later writes go to the file it led to.
     pub(super) fn at(path: &Path) -> io::Result<Self> {
         Ok(StudyFile {
             path: fs::canonicalize(path)?,
@@ -110,7 +110,7 @@ impl StudyFile {
         name.to_string_lossy().into_owned()
     }
 
-    /// Reads it as it is now; or what is wrong with it, in words.
+    /// Reads it as it is now, or returns its fault in words.
     pub(super) fn read(&self) -> Result<Opened, String> {
         // Read once, so that the digest is of what was understood.
         let text = self.text()?;
@@ -147,8 +147,8 @@ impl StudyFile {
         Ok([self.text()?, edited(&opened.study, &opened.text, design)])
     }
 
-    /// Writes a design into the study. Where the file is no longer the text that was opened, it is left alone, or
-    /// gets the coordinates that differ from what was opened `anyway`.
+    /// Writes a design into the study. If the file no longer has the text that was opened, it stays as it is. With
+    /// `anyway` it gets the coordinates that differ from the opened text.
     pub(super) fn save(
         &self,
         opened: &Opened,
@@ -264,7 +264,7 @@ fn replace(temporary: NamedTempFile, path: &Path, text: &str) -> io::Result<()> 
     })
 }
 
-/// Whether a file has further names.
+/// Returns true if a file has further names.
 #[cfg(unix)]
 fn has_other_names(path: &Path) -> bool {
     use std::os::unix::fs::MetadataExt;
@@ -282,7 +282,7 @@ fn edited(study: &Study, text: &str, design: &[Vector3<f64>]) -> String {
     study.text_with_points_of(text, &study.at_design(design.to_vec()))
 }
 
-/// The design of a text with the coordinates of another that differ from what was opened.
+/// The design of a text with the coordinates of another that differ from the opened text.
 fn moved_in(
     opened: &Opened,
     design: &[Vector3<f64>],
@@ -313,7 +313,7 @@ fn moved_in(
     Ok(merged)
 }
 
-/// Whether a name is one of a study in the folder itself, on every system.
+/// Checks that a name is valid on every system for a study in the folder itself.
 pub(super) fn check_name(name: &str) -> Result<(), String> {
     let is_plain = |c: char| !c.is_control() && !"/\\:*?\"<>|".contains(c);
     let is_name = Path::new(name).file_name() == Some(name.as_ref());
@@ -337,7 +337,7 @@ pub(super) fn check_name(name: &str) -> Result<(), String> {
     Ok(())
 }
 
-/// Whether Windows takes a name for a device, whatever follows its first dot.
+/// Returns true if Windows takes a name for a device, whatever follows its first dot.
 fn is_reserved(name: &str) -> bool {
     let stem = name.split('.').next().unwrap_or("").trim_end();
     let stem = stem.to_ascii_uppercase();

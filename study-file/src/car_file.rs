@@ -205,7 +205,7 @@ pub struct SweepVariable {
     pub hardpoint: Option<Text>,
     /// and `x`, `y` or `z`;
     pub axis: Option<Text>,
-    /// or `spring`, `anti_roll_bar` or `tyre`;
+    /// or a rate of the axle;
     pub rate: Option<Text>,
     /// or a figure of the car.
     pub car: Option<Text>,
@@ -227,7 +227,7 @@ pub struct Tolerance {
     pub builds: Option<Whole>,
     /// Seed of the random numbers.
     pub seed: Option<Whole>,
-    /// What scatters.
+    /// Dimensions that scatter.
     pub scatter: Spanned<Vec<Spanned<Scatter>>>,
     /// Limits for the yield.
     pub bands: Option<Vec<Spanned<Band>>>,
@@ -312,6 +312,10 @@ pub struct Band {
 pub struct Optimise {
     /// Cap on iterations.
     pub max_iterations: Option<Whole>,
+    /// Number of starts.
+    pub starts: Option<Whole>,
+    /// Seed of the starts.
+    pub seed: Option<Whole>,
     /// Design variables.
     pub variables: Spanned<Vec<Spanned<Variable>>>,
     /// Targets.
@@ -328,7 +332,7 @@ pub struct Variable {
     pub hardpoint: Option<Text>,
     /// and `x`, `y` or `z`;
     pub axis: Option<Text>,
-    /// or `spring`, `anti_roll_bar` or `tyre`;
+    /// or a rate of the axle;
     pub rate: Option<Text>,
     /// or a figure of the car.
     pub car: Option<Text>,

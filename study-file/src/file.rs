@@ -283,7 +283,7 @@ pub struct ComplianceTest {
     pub stations: Option<Text>,
     /// Loading of both wheels; refused with an explanation.
     pub mode: Option<Spanned<IgnoredAny>>,
-    /// What is locked; refused with an explanation.
+    /// Lock of the steering; refused with an explanation.
     pub steering: Option<Spanned<IgnoredAny>>,
 }
 
@@ -508,9 +508,9 @@ pub struct Optimise {
     pub fit: Option<Spanned<bool>>,
     /// Number of builds of `[tolerance]` over which the misfit is averaged.
     pub scatter: Option<Whole>,
-    /// What a robust tuning improves: the misfit of the builds or the share of those within the bands.
+    /// Objective of a robust tuning: the misfit of the builds, or the share of builds within the bands.
     pub robust: Option<Text>,
-    /// Names of the targets that are traded.
+    /// Names of the targets whose trade-off is traced.
     pub front: Option<Spanned<Vec<Text>>>,
     /// False if changes that no target asks for are not reported.
     pub side_effects: Option<Spanned<bool>>,

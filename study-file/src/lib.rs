@@ -11,7 +11,7 @@
 //! | [`parse`] | from text to the file, the parser's messages in plain words |
 //! | [`overrides`] | `--set path=value` |
 //! | [`error`] | mistakes with file, line, key and help |
-//! | [`names`] | looking names up, and what was probably meant |
+//! | [`names`] | look-up of names, and suggestions for misspelt ones |
 //! | [`source`] | texts from disk |
 //! | [`schema`] | the JSON schema of studies, found by asking the reader |
 

@@ -1,10 +1,10 @@
 //! The JSON schema of studies, for editors.
 //!
-//! It is found by asking the reader: the types of [`file`](mod@crate::file) are read from a source that has no
-//! text, notes what each of them asks for (a text, a list, a table with these keys) and hands out
-//! something of that kind. Where a type takes what comes, every kind is offered; whether a key is needed
-//! shows where it is withheld. So the schema knows the keys the reader knows, and there is no second list
-//! of them. The descriptions of keys come from `keys.md`, which the manual (`docs/study.md`) contains.
+//! The reader itself gives the schema. The types of [`file`](mod@crate::file) are read from a source that has no
+//! text. The source notes the kind of value that each type asks for (a text, a list, a table with these keys) and
+//! returns one. If a type accepts any kind, the source offers every kind. It withholds each key to find out if the
+//! key is required. So the schema has the keys that the reader has, and no second list of them exists. The
+//! descriptions of keys come from `keys.md`, which the manual (`docs/study.md`) contains.
 //!
 //! A study of one wheel or an axle and the study of a car are two kinds of file ([`Root`]). The schema offers both.
 //!
@@ -21,7 +21,7 @@ use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 
-/// What a value may be.
+/// Kind of a value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Kind {
     Number,
@@ -35,7 +35,7 @@ enum Kind {
     Table,
 }
 
-/// What a type that takes what comes is offered.
+/// Offers to a type that accepts any kind of value.
 const OFFERS: [Kind; 5] = [
     Kind::Number,
     Kind::Truth,
@@ -44,32 +44,32 @@ const OFFERS: [Kind; 5] = [
     Kind::Table,
 ];
 
-/// What is known of a place.
+/// Known properties of a place.
 #[derive(Clone, Debug, Default)]
 struct Place {
     kinds: BTreeSet<Kind>,
     keys: Vec<&'static str>,
-    /// Whether the type there takes what comes.
+    /// True if the type there accepts any kind of value.
     takes_any: bool,
 }
 
-/// What one reading is offered, and what it notes.
+/// Offers to one reading, and its notes.
 #[derive(Debug, Default)]
 struct Notes {
     places: BTreeMap<String, Place>,
-    /// What is offered where any kind may be; a number where nothing is said.
+    /// Offers for places that accept any kind; a number if there is no entry.
     offers: BTreeMap<String, Kind>,
-    /// Keys of tables whose type did not say them beforehand.
+    /// Keys of tables whose type did not announce them.
     keys: BTreeMap<String, Vec<&'static str>>,
     /// A key that is withheld.
     withheld: Option<String>,
     /// The place of the offer that was refused.
     refused: Option<String>,
-    /// Whether keys were learnt, so that the same offer may come through now.
+    /// True if the reading found new keys, so that the same offer may now succeed.
     has_learnt: bool,
 }
 
-/// Why a reading ended.
+/// Reason for the end of a reading.
 #[derive(Debug)]
 enum Refusal {
     /// A key is unknown; these are known.
@@ -199,7 +199,7 @@ impl<'de> Deserializer<'de> for Key {
     }
 }
 
-/// What the type of such a value calls itself (the crate `serde_spanned`).
+/// Name by which the type of such a value announces itself (the crate `serde_spanned`).
 const SPANNED: &str = "$__serde_spanned_private";
 
 /// A value between its first and its last byte, as the reader of TOML hands it over.
@@ -505,9 +505,9 @@ fn manual(root: Root) -> BTreeMap<(String, String), String> {
     said
 }
 
-/// The JSON schema (draft 4) of studies: their keys, which of them are needed, and of what type their values
-/// are. In later drafts 8.0 is an integer, which it is not in TOML. Names that a text may be, or the keys of a table,
-/// as far as there is a list of them, are asked for by the kind of study and the place.
+/// The JSON schema (draft 4) of studies: their keys, the required ones, and the types of their values. In later
+/// drafts 8.0 is an integer, which it is not in TOML. `names` returns the list of allowed names or table keys, if
+/// there is one, by the kind of study and the place.
 pub fn schema(names: fn(Root, &str) -> Option<Vec<String>>) -> Value {
     let kinds = Root::ALL.map(|root| {
         let (places, needed) = places(root);

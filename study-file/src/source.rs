@@ -10,7 +10,7 @@ pub const LONGEST_TEXT: u64 = 64 << 20;
 /// The longest file of designs, in bytes: some ten million designs, which a sweep keeps in memory.
 pub const LONGEST_TABLE: u64 = 1 << 30;
 
-/// Content of a text file of at most so many bytes, or why there is none. See [`read_bytes`].
+/// Content of a text file of at most so many bytes, or the reason for its absence. See [`read_bytes`].
 pub fn read_text(path: &Path, longest: u64) -> Result<String, String> {
     text_of(read_bytes(path, longest)?)
 }
@@ -23,8 +23,9 @@ pub fn read_regular_text(path: &Path, longest: u64) -> Result<String, String> {
     }
 }
 
-/// Content of a file of at most so many bytes, or why there is none. A pipe of this process (`/dev/stdin`, `<(...)` of a
-/// shell) is read to its end. A device may have no end, and a named pipe may have no writer: both are refused.
+/// Content of a file of at most so many bytes, or the reason for its absence. A pipe of this process (`/dev/stdin`,
+/// `<(...)` of a shell) is read to its end. A device may have no end, and a named pipe may have no writer: both are
+/// refused.
 pub fn read_bytes(path: &Path, longest: u64) -> Result<Vec<u8>, String> {
     let failed = |e: std::io::Error| match e.kind() {
         ErrorKind::NotFound => "the file does not exist".to_owned(),

@@ -1,5 +1,5 @@
-//! Anti-dive, anti-lift and anti-squat against statics: what the spring feels of a longitudinal force, beside what it
-//! feels of the load transfer alone.
+//! Anti-dive, anti-lift and anti-squat against statics: the spring's force from a longitudinal force, and its force
+//! from the load transfer alone.
 //!
 //! The forces in the spring come from the balance of the links (`analyse::loads`), which knows no velocities. A shaft
 //! that takes the torque about the spin axis is that torque, taken off the wheel carrier.
@@ -22,7 +22,7 @@ struct Case {
     axle: &'static str,
     /// This axle's part of the force, forward.
     share: f64,
-    /// Whether the axle is loaded or unloaded.
+    /// Sign of the load transfer: 1 if the axle is loaded, -1 if it is unloaded.
     transfer: f64,
     shafts: bool,
 }
@@ -159,7 +159,7 @@ fn the_spring_feels_what_the_percentages_leave_to_it() {
     }
 }
 
-/// What an axle has not is refused, with what it has instead.
+/// The program refuses an anti-effect that the axle does not have, and names those that it has.
 #[test]
 fn an_axle_is_told_what_it_does_not_have() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/macpherson_solve.toml");

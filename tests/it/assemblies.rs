@@ -116,7 +116,7 @@ fn all(mechanism: &Mechanism, design: &[Vector3<f64>], travel: f64, rack: f64) -
     solver.assemblies(travel, rack).unwrap()
 }
 
-/// How far two poses are from each other, in sizes.
+/// Distance of two poses from each other, in sizes.
 fn apart(a: &Pose<f64>, b: &Pose<f64>, size: f64) -> f64 {
     let columns = a.rotation.columns.iter().zip(b.rotation.columns);
     let turned = columns.map(|(p, q)| (*p - q).norm()).fold(0.0, f64::max);
@@ -134,8 +134,8 @@ fn any_rotation(random: &mut Random) -> Matrix3<f64> {
     }
 }
 
-/// Newton's method on other equations, from thousands of poses all over the place, comes to no assembly
-/// that is not among those found; and each of these has the design's lengths and is proved.
+/// Newton's method on other equations, from thousands of random poses, finds no other assembly. Each assembly found
+/// has the design's lengths and is proved.
 fn compare_with_newton(mechanism: &Mechanism, design: &[Vector3<f64>], travel: f64, rack: f64) {
     let found = all(mechanism, design, travel, rack);
     let equations = Quadratics::new(mechanism, design);

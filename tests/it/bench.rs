@@ -1,4 +1,4 @@
-//! What `hardpoint bench` measures, its times left aside: the errors are the same on every machine.
+//! Results of `hardpoint bench`, without its times: the errors are the same on every machine.
 
 use assert_cmd::Command;
 use hardpoint::bench::accuracy::{Accuracy, Family, Measurement};

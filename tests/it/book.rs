@@ -1,4 +1,4 @@
-//! The book says what the program does: its commands run as printed, its pictures are made by them, its links hold.
+//! The book agrees with the program: its commands run as printed, they make its pictures, its links hold.
 //!
 //! A block of `sh` is run line by line, in a folder that holds `studies`. A line ``Save as `FILE`:`` or ``Add to `FILE`:`` before
 //! another block writes that file. A comment `<!-- made: FILE -->` before a picture names the file that a command made.

@@ -146,7 +146,7 @@ fn the_front_sample_meets_its_camber_and_kingpin_curves() {
     assert!(moved(&json(&other, "summary.json")) > moved(&summary));
 }
 
-/// Of the tuned design: how well its equations are conditioned, and what is proved.
+/// A tuning reports the condition of the tuned design's equations and the proved bounds.
 #[test]
 fn a_tuning_says_what_is_known_of_its_accuracy() {
     let certify = ["--set", "outputs.certify=true"];
@@ -243,12 +243,12 @@ fn tables_come_as_csv_and_json_too() {
     assert_eq!(table["design"][0]["output"], "camber_deg");
     let assert = hardpoint(&["check", study, "--format", "csv"]).success();
     let tables = text(&assert.get_output().stdout);
-    assert!(tables.starts_with("table,effect,state,cost,because_of,what\neffects,position,on,"));
-    assert!(tables.contains("\n\ntable,output,at_design,unit\ndesign,camber_deg,-0.5"));
+    assert!(tables.starts_with("table,output,at_design,unit\ndesign,camber_deg,-0.5"));
+    assert!(tables.contains("\n\ntable,effect,state,cost,because_of,what\neffects,position,on,"));
 }
 
-/// A travel beyond the mechanism's reach: the rest is written, the reason is given, and no cell of
-/// what could not be computed holds a number.
+/// A travel beyond the mechanism's reach: the other stations are written, the reason is given, and no cell without a
+/// result holds a number.
 #[test]
 fn what_cannot_be_reached_is_reported_and_left_empty() {
     let directory = tempfile::tempdir().unwrap();
@@ -342,7 +342,7 @@ fn assemblies_are_listed_and_the_connected_one_is_named() {
     assert_eq!(connected[0]["strut"], "upright");
 }
 
-/// Where there is none there is no table, and not done.
+/// If the design has no assembly, the command says so in one sentence and exits with code 1.
 #[test]
 fn no_assembly_is_said_in_a_sentence() {
     let study = studies().join("macpherson_solve.toml");
@@ -388,7 +388,7 @@ fn assemblies_of_every_topology_are_listed_with_their_branch() {
     }
 }
 
-/// Each mistake: exit code 2, one message that says where and what, nothing written.
+/// Each mistake: exit code 2, one message with place and fault, nothing written.
 #[test]
 fn mistakes_are_named_and_nothing_is_written() {
     let good = fs::read_to_string(studies().join("macpherson_front.toml")).unwrap();
@@ -522,8 +522,7 @@ fn an_unreachable_target_travel_is_a_reason_not_a_crash() {
     assert!(summary["misfit_after"].is_null());
 }
 
-/// Every station of an ordinary study is proved, to rounding, as one branch; `check` says what asked for
-/// it.
+/// Every station of an ordinary study is proved, to rounding, as one branch; `check` names the request for it.
 #[test]
 fn a_certificate_covers_the_whole_curve() {
     let certify = ["--set", "outputs.certify=true"];
@@ -606,7 +605,7 @@ fn stations_at_a_fold_are_flagged_or_not_proved() {
     assert!(said.contains("2 of 3 stations proved"), "{said}");
 }
 
-/// What nothing can carry is said, and the exit code says that something is missing.
+/// The program reports loads without support, and its exit code is that of incomplete results.
 #[test]
 fn loads_without_support_are_reported() {
     let study = studies().join("semi_trailing_arm_solve.toml");
@@ -722,7 +721,7 @@ fn doubtful_studies_are_called_so() {
     }
 }
 
-/// A wish out of reach is named, with what each adjustment does.
+/// An unreachable wanted value is named, with the effect of each adjustment.
 #[test]
 fn a_set_up_out_of_reach_names_the_wish() {
     let directory = tempfile::tempdir().unwrap();
@@ -833,7 +832,7 @@ fn a_set_up_is_printed_for_a_mechanic() {
     assert_eq!(rows.len(), 6);
 }
 
-/// Where not one build exists nothing is said of them; limits that leave no length are a mistake.
+/// If no build exists, the program reports nothing about builds. Limits that leave no length are a mistake.
 #[test]
 fn no_builds_have_no_linear_answer() {
     let short = "tolerance.scatter=[{ length = \"tie_rod\", limits = [-300.0, -250.0] }]";
@@ -875,7 +874,7 @@ fn no_builds_have_no_linear_answer() {
     );
 }
 
-/// To a reader the ranking says what share it has; to a program the key is `share`.
+/// The heading names the share for a reader; for a program the key is `share`.
 #[test]
 fn the_share_of_a_ranking_is_the_largest() {
     let few = ["--set", "tolerance.builds=300"];
@@ -897,7 +896,7 @@ fn the_share_of_a_ranking_is_the_largest() {
     );
 }
 
-/// A number of one thing is said as one.
+/// Counts of one use the singular.
 #[test]
 fn one_is_singular() {
     let one = "sweep={ method = \"sobol\", samples = 1, variables = [ { hardpoint = \"tie_rod_inner\", axis = \"z\", range = [-1.0, 1.0] } ] }";

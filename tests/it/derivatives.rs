@@ -300,7 +300,7 @@ fn derivatives_by_every_hardpoint_coordinate_are_those_of_the_values() {
     }
 }
 
-/// What drives the mechanism must not matter for what is measured by wheel travel.
+/// Outputs measured by wheel travel do not depend on the drive of the mechanism.
 #[test]
 fn gains_and_centres_do_not_depend_on_the_drive() {
     let (mechanism, design) = with_extra_points();

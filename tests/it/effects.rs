@@ -1,4 +1,4 @@
-//! Only the effects a study asks for are computed: the counts of what was done say so.
+//! Only the requested effects of a study are computed, as the counts of the work show.
 
 use hardpoint::characteristics::{Characteristic, Constants, Slots, WheelReading};
 use hardpoint::curves::{Curves, curves};
@@ -24,7 +24,7 @@ fn run(study: &Study) -> Curves {
     found
 }
 
-/// What a sample study does for these characteristics at 41 travels and nothing else.
+/// Work of a sample study for these characteristics alone at 41 travels.
 fn work(name: &str, characteristics: &str, more: &[&str]) -> Work {
     let characteristics = format!("outputs.characteristics={characteristics}");
     let mut overrides = vec![
@@ -44,8 +44,8 @@ const WISHBONE: &str = "double_wishbone_solve.toml";
 const FIVE_LINK: &str = "five_link_solve.toml";
 const STATIONS: u64 = 41;
 
-/// With the closed form a position takes no linear algebra at all: what there is belongs to the design
-/// position, which is looked at once.
+/// With the closed form a position takes no linear algebra at all. The counted work belongs to the design position,
+/// which is evaluated once.
 #[test]
 fn camber_alone_takes_no_velocity_analysis() {
     for name in [STRUT, WISHBONE] {
@@ -112,7 +112,7 @@ fn orders_are_right_hand_sides_of_one_jacobian() {
     );
 }
 
-/// An adjoint costs what it does whatever the variables; what follows it is as much as they need.
+/// The cost of an adjoint does not depend on the variables; the work after it is as much as they need.
 #[test]
 fn sensitivities_to_one_point_do_not_cost_those_of_nine() {
     let by = |points: &str| {

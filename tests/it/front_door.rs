@@ -1,5 +1,5 @@
-//! The front door for Rust programs, where they ask for what cannot be: every answer is an error with words, and no
-//! thread of a program that was compiled without optimisation runs out of stack.
+//! The front door for Rust programs with impossible requests. Every answer is an error with words, and no thread of a
+//! program compiled without optimisation overflows its stack.
 
 use hardpoint::{
     Axis, BuildError, Characteristic, Control, Error, Iteration, Motion, Order, Sampling, Study,
@@ -310,8 +310,8 @@ fn the_builder_refuses_figures_that_are_none() {
     }
 }
 
-/// What the builder lets pass has a pose: an end of the tie rod on the steering axis, in line with it or in one
-/// plane with it does not hold the wheel's heading.
+/// Every design that the builder accepts has a pose. It refuses a tie rod with an end on the steering axis, in line
+/// with it or in one plane with it: such a rod does not hold the wheel's heading.
 #[test]
 fn a_design_position_that_cannot_be_solved_is_none() {
     let between = [-10.0, 680.0, 295.0];

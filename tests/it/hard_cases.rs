@@ -18,8 +18,8 @@ use serde_json::Value;
 use std::ops::ControlFlow;
 use std::path::Path;
 
-/// Whether a state lies on the path from the design position with this drive: the reference lists the
-/// other assemblies of the same drive value as well.
+/// Returns true if a state lies on the path from the design position with this drive. The reference lists the other
+/// assemblies of the same drive value as well.
 fn is_connected(case: &Case, state: &Value) -> bool {
     let label = state["label"].as_str().unwrap_or("");
     let other_mode = state["drive"]["kind"] == "arm_delta" && state["drive"]["tierod_mode"] == -1;
@@ -239,8 +239,8 @@ fn what_has_no_solution_is_refused_with_the_limit() {
     }
 }
 
-/// What a closed form says of its condition number is right to within a factor of ten, over designs that
-/// are scattered by up to a sixth of the size; above 1000 it is not asked.
+/// Condition numbers estimated by a closed form are right to within a factor of ten. The designs are scattered by up
+/// to a sixth of the size. Numbers above 1000 are not compared.
 #[test]
 fn estimated_condition_numbers_hold_to_a_factor_of_ten() {
     for (name, reach) in [
@@ -385,7 +385,7 @@ fn limits_at_the_toggle_of_the_tie_rod_are_exact() {
     }
 }
 
-/// What lies a nanometre (or nanoradian) beyond a fold is refused, and the limit is the fold.
+/// A target a nanometre (or nanoradian) beyond a fold is refused, and the limit is the fold.
 #[test]
 fn a_nanometre_beyond_a_fold_is_refused() {
     for name in ["travel-limit", "tie-rod-toggle"] {

@@ -41,7 +41,7 @@ fn by_arm_angle(name: &str) -> Study {
 const FINE: &str = "{ from = -80.0, to = 80.0, steps = 41 }";
 const COARSE: &str = "[-90.0, -30.0, 55.0, 120.0]";
 
-/// What is usually asked for.
+/// The usual outputs.
 const ANGLES: [Characteristic; 4] = [
     Characteristic::Camber,
     Characteristic::Toe,
@@ -70,7 +70,7 @@ fn quantities(study: &Study) -> Vec<Quantity> {
     characteristics.chain(points).chain(turns).collect()
 }
 
-/// What of it can be differentiated in lanes: no velocities, no instantaneous steering axis.
+/// Quantities of the study that lanes can differentiate: no velocities, no instantaneous steering axis.
 fn differentiable(study: &Study) -> Vec<Quantity> {
     let is_through = matches!(
         study.wheel().mechanism.steering_axis,
@@ -103,20 +103,20 @@ impl Scatter {
     }
 }
 
-/// What a comparison of two evaluators found.
+/// Result of a comparison of two evaluators.
 #[derive(Debug, Default)]
 struct Found {
     designs: usize,
     /// Designs with a station that cannot be reached.
     unreachable: usize,
-    /// Designs the lanes left to be solved one by one.
+    /// Designs that the lanes left to be solved one by one.
     left: usize,
     /// Deviation of angles (rad), of lengths (in sizes) and of rates, and of what.
     worst: f64,
     of: Option<(Quantity, f64)>,
     /// Values that are ill-conditioned in themselves: the continuation varies as much, or does so by rounding.
     ill: usize,
-    /// Of slopes by the travel in the design position.
+    /// Largest error of slopes by the travel in the design position.
     worst_slope: f64,
 }
 
@@ -206,8 +206,8 @@ fn compare(study: &Study, quantities: &[Quantity], by: f64, seed: u64, designs: 
     found
 }
 
-/// By how much each value of a design varies when the design is moved along the vehicle, which should change
-/// nothing: what the continuation itself loses.
+/// Variation of each value of a design when the design is moved along the vehicle, which should change nothing: the
+/// loss of the continuation itself.
 fn spread(
     careful: &mut Evaluator<'_>,
     design: &[Vector3<f64>],
@@ -269,7 +269,7 @@ fn swing_arm(quantity: Quantity) -> Option<Quantity> {
     Some(Quantity::Characteristic(arm))
 }
 
-/// What a quantity is measured in; an angular velocity is by the drive itself.
+/// Unit of a quantity's error; an angular velocity is by the drive itself.
 fn scale_of(quantity: Quantity, size: f64, unit_of_drive: f64) -> f64 {
     let c = match quantity {
         Quantity::Characteristic(c) => c,
@@ -325,15 +325,15 @@ fn all(designs: usize) -> Vec<(f64, Found)> {
     found
 }
 
-/// What lanes leave of a residual is rounding. They come as close to folds and toggles as to an angle of
-/// sine 1/4, where the knuckle turns four times as fast: a factor of 4 for a position, of its cube for a rate,
-/// which this allows for with the roundings of both paths. What is left are quotients of which both parts all
-/// but vanish, such as the roll centre of a wheel that turns about its contact point.
+/// The residual that lanes leave is rounding. They approach folds and toggles up to an angle of sine 1/4, where the
+/// knuckle turns four times as fast. That gives a factor of 4 for a position and of its cube for a rate. The bound
+/// allows for these factors and for the roundings of both paths. The remaining errors occur in quotients of two
+/// almost vanishing parts, such as the roll centre of a wheel that turns about its contact point.
 const BOUND: f64 = 1e-12;
 
-/// Rates lose twice the digits of the condition number, which is below 1e3 where a station's condition is called
-/// ordinary: six digits of sixteen, with a factor of ten for the roundings of both paths. Of designs that are left
-/// to be solved one by one alone.
+/// Rates lose twice the digits of the condition number, which is below 1e3 where a station's condition counts as
+/// ordinary. That leaves ten digits of sixteen, with a factor of ten for the roundings of both paths. Only for
+/// designs that are solved one by one.
 const BESIDE_FOLDS: f64 = 1e-9;
 
 fn check(all: Vec<(f64, Found)>) {
@@ -489,8 +489,8 @@ fn ordinary_designs_stay_in_the_lanes() {
     }
 }
 
-/// How many of a thousand scattered designs lanes leave to be solved one by one; a block of them is compared with the
-/// continuation.
+/// Number of designs, of a thousand scattered ones, that lanes leave to be solved one by one. A block of them is
+/// compared with the continuation.
 fn left_of_a_thousand(study: &Study, by: f64) -> usize {
     let suspension = study.wheel();
     let stations = Stations::of(study.motion(), &suspension.frame, &[]);
@@ -582,7 +582,8 @@ fn a_degenerate_design_leaves_its_lane_as_it_was() {
     }
 }
 
-/// What the evaluator of gradients finds in lanes is what it finds one by one; what it cannot solve has a reason.
+/// The evaluator of gradients finds the same values in lanes as one by one. It gives a reason for every design that
+/// it cannot solve.
 #[test]
 fn the_evaluator_of_gradients_falls_back_one_by_one() {
     let mut left_of_all = 0;
@@ -811,7 +812,7 @@ fn gradients_in_lanes_are_those_of_the_closure_equations() {
     }
 }
 
-/// Of each design the value and the gradient of each angle at each station.
+/// Value and gradient of each angle at each station, for each design.
 fn collected(
     lanes: &mut Gradients<'_>,
     designs: &[Vector3<f64>],

@@ -1,5 +1,5 @@
-//! Loads of a study, as a user meets them: what `curves.csv` says of links, joints and spring holds the
-//! wheel carrier in equilibrium and does the work of the load.
+//! Loads of a study for a user: the forces of links, joints and spring in `curves.csv` hold the wheel carrier in
+//! equilibrium and do the work of the load.
 
 use crate::support::Worst;
 use hardpoint::curves::{Curves, Status, curves};
@@ -209,7 +209,7 @@ fn the_wheel_carrier_is_in_equilibrium_and_the_spring_takes_the_work() {
     }
 }
 
-/// The legs of an arm without a spring pull at its joint with what is reported there.
+/// The legs of an arm without a spring add up to the reported force in its joint.
 #[test]
 fn the_legs_of_an_arm_add_up_to_the_force_in_its_joint() {
     let study = loaded("double_wishbone", "left", "iso8855", [1.0; 3]);

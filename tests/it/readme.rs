@@ -1,4 +1,4 @@
-//! The README and the manual say what the program does.
+//! The README and the manual agree with the program.
 
 use hardpoint::characteristics::Characteristic;
 use std::fs;
@@ -59,7 +59,7 @@ fn every_sample_study_is_listed() {
     }
 }
 
-/// The README's first command prints what the README says that it prints.
+/// The README's first command prints the text that the README shows.
 #[test]
 fn the_first_command_prints_what_the_readme_shows() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));

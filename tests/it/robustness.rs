@@ -70,7 +70,7 @@ struct Trial {
     drive: Drive,
     values: Vec<f64>,
     rack: f64,
-    /// Whether nothing degenerate was done to it.
+    /// True if no degenerate change was made to it.
     ordinary: bool,
 }
 
@@ -280,8 +280,7 @@ impl Tally {
     }
 }
 
-/// How badly a pose violates the closure, in sizes: lengths of links, strut mount off its line, the
-/// rotation's shape.
+/// Closure error of a pose, in sizes: lengths of links, strut mount off its line, the rotation's shape.
 fn violation(trial: &Trial, pose: &Pose<f64>, rack: f64) -> f64 {
     let m = &trial.mechanism;
     let d = &trial.design;
@@ -410,7 +409,7 @@ fn examine(number: u64, tally: &mut Tally) {
     }
 }
 
-/// What a study with `certify = true` gets where there is a pose: the pose's values and a proof, or
+/// Checks a study with `certify = true` at a station with a pose. It must give the pose's values and a proof, or
 /// neither and a reason.
 fn examine_certified(
     number: u64,
@@ -458,7 +457,7 @@ fn examine_certified(
     }
 }
 
-/// How far apart two poses are in the norm of a certificate.
+/// Distance of two poses in the norm of a certificate.
 fn apart(a: &Pose<f64>, b: &Pose<f64>, size: f64) -> f64 {
     let largest = |v: Vector3<f64>| v.to_array().map(f64::abs).into_iter().fold(0.0, f64::max);
     let scale = size.log2().round().exp2();

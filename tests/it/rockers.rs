@@ -1,4 +1,4 @@
-//! Studies with rockers as a user meets them: where they end, what is computed, what is refused.
+//! Studies with rockers for a user: their limits, outputs and refusals.
 
 use assert_cmd::Command;
 use hardpoint::curves::{Curves, Status, curves};
@@ -323,7 +323,7 @@ fn rockers_are_computed_where_they_are_asked_for() {
     assert_eq!(states("[\"camber\"]", load), [true, false, false]);
 }
 
-/// A sweep finds what `solve` does, and says of designs with a toggle what stops them.
+/// A sweep finds the same as `solve`, and names the toggles that stop designs.
 #[test]
 fn sweeps_and_solves_agree() {
     let directory = tempfile::tempdir().unwrap();
@@ -723,8 +723,8 @@ fn statuses(points: &[(&str, [f64; 3])], motion: &str) -> Vec<Status> {
         .collect()
 }
 
-/// Where an arm goes past its lowest point the wheel comes back, and where the rack moves the rocker may be at
-/// its toggle before the wheel has travelled: neither brings the rocker back, whatever the stations are.
+/// If an arm goes past its lowest point, the wheel comes back. If the rack moves the rocker, it may reach its toggle
+/// before the wheel has travelled. Neither brings the rocker back, whatever the stations are.
 #[test]
 fn nothing_comes_back_from_beyond_a_toggle() {
     let toggle = Status::Toggle([Some(Rod::Pushrod), None]);

@@ -1,4 +1,4 @@
-//! Side effects of tunings against the curves of both designs, their rules, and what programs and people are told.
+//! Side effects of tunings against the curves of both designs, their rules, and the reports to programs and people.
 
 use hardpoint::characteristics::Characteristic;
 use hardpoint::side_effects::side_effects;
@@ -178,7 +178,7 @@ fn a_rocker_leaves_the_wheel_alone() {
     assert!(effects.iter().all(|e| e.output != "scrub_radius"));
 }
 
-/// Units do not change what is flagged: in inches every length and its tolerance are 1/25.4 of those in millimetres.
+/// Units do not change the flags: in inches every length and its tolerance are 1/25.4 of those in millimetres.
 #[test]
 fn inches_flag_what_millimetres_flag() {
     let text = std::fs::read_to_string(path("double_wishbone_front")).unwrap();

@@ -1,5 +1,5 @@
-//! Every mistake in a study is named with its file, line and key, what was found and what was
-//! expected: a table of mistakes, each made by one edit of a good study.
+//! Every mistake in a study is named with its file, line and key, the value found and the expected one. A table holds
+//! the mistakes, each made by one edit of a good study.
 
 use hardpoint::study::{Study, StudyErrors};
 use std::fs;

@@ -147,7 +147,7 @@ fn the_whole_corpus_is_tested() {
     assert_eq!(files, listed);
 }
 
-/// Solves an axle in its design position. Whether there was anything to solve.
+/// Solves an axle in its design position. Returns true if there was anything to solve.
 fn judge_axle(both: &AxleStudy) -> bool {
     match axle_curves(&both.axle, &both.plan.at_design()) {
         Ok(found) => found.curves.stations[0].status.word() == "ok",
@@ -158,8 +158,7 @@ fn judge_axle(both: &AxleStudy) -> bool {
     }
 }
 
-/// Solves a study, thinned to a few stations, and looks at all that comes of it. Whether there was
-/// anything to solve.
+/// Solves a study, thinned to a few stations, and checks all results. Returns true if there was anything to solve.
 fn judge(study: &Study) -> bool {
     let own = match &study.vehicle {
         Vehicle::Wheel(own) => own,

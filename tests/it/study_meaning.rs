@@ -1,4 +1,4 @@
-//! What a study means: units, frames, defaults, overrides, and studies written back.
+//! Meaning of a study: units, frames, defaults, overrides, and studies written back.
 
 use hardpoint::characteristics::Characteristic;
 use hardpoint::model::{Body, PointId, SpinAxis, Topology};
@@ -309,7 +309,7 @@ fn only_moved_coordinates_are_rewritten() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
-    /// Reading what was written gives the design to the last bit, in every frame.
+    /// Reading a written design gives it back to the last bit, in every frame.
     #[test]
     fn designs_survive_being_written(
         offsets in prop::collection::vec(-10.0..10.0f64, 30),

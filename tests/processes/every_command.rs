@@ -1,6 +1,5 @@
-//! Every command over mutilated studies, as processes: none panics, hangs or takes much memory, what is refused says
-//! why, and what is written has no number that is not finite, and no empty cell in a row that is `ok` but for a reason
-//! that is counted.
+//! Every command over mutilated studies, as processes. None panics, hangs or takes much memory, and every refusal has
+//! a reason. No written number is infinite or NaN. An empty cell in an `ok` row has a counted reason.
 
 use crate::support::bounded::wait_within_bounds;
 use crate::support::mutants::mutilated;
@@ -25,7 +24,7 @@ struct Mutant<'a> {
     size: Option<Size>,
 }
 
-/// What a study asks for that takes time.
+/// Outputs of a study that take time.
 #[derive(Clone, Copy)]
 struct Size {
     stations: usize,
@@ -126,7 +125,7 @@ fn counted_cells(summary: &serde_json::Value) -> BTreeMap<String, usize> {
     counted
 }
 
-/// Every command on one mutant; what must not be, if anything is.
+/// Runs every command on one mutant. Returns the first violation as an error.
 fn examine(
     number: u64,
     samples: &Path,
@@ -312,8 +311,8 @@ fn a_signal_ends_every_command_often() {
     interrupted(10_000..11_000);
 }
 
-/// The first signal ends every command, whatever it is at, and what it leaves says so. `SIGNALS=3` has the forty
-/// tries of seed 3, and so on.
+/// The first signal ends every command at any point, and its files record that. `SIGNALS=3` has the forty tries of
+/// seed 3, and so on.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_signal_ends_every_command() {

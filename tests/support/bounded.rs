@@ -4,10 +4,10 @@ use std::process::{Child, ExitStatus};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-/// What a command on a study of an ordinary size may take of the processors, all its threads together. Not of the
-/// clock: on a loaded machine that measures the load.
+/// Processor time allowed for a command on a study of ordinary size, over all its threads. The test does not use the
+/// clock, which would measure the load of the machine.
 const MOST_SECONDS: f64 = 10.0;
-/// By the clock, for what waits without computing; and where only the clock can be read.
+/// Limit by the clock, for processes that wait without computing, and for systems where only the clock can be read.
 const MOST_SECONDS_ELAPSED: f64 = if cfg!(target_os = "linux") {
     120.0
 } else {
@@ -49,7 +49,7 @@ pub fn wait_within_bounds(child: &mut Child, stations: u64) -> Result<ExitStatus
     }
 }
 
-/// What a process has taken of the processors so far, in user and system mode; `None` where that cannot be read.
+/// Processor time of a process so far, in user and system mode; `None` if it cannot be read.
 fn seconds_of_processor(id: u32) -> Option<f64> {
     let stat = std::fs::read_to_string(format!("/proc/{id}/stat")).ok()?;
     // proc(5): fields 14 and 15; the second is the name in parentheses and may hold anything.

@@ -1,10 +1,12 @@
 //! A knuckle on five rods as twelve quadratic equations: position of its origin, nine entries of its
 //! rotation. Written down anew, with none of the library's constraint rows, and solved by Newton's
 //! method in doubles (to track) and in double-doubles (to have the answer to 30 digits).
+//!
+//! A rod or a joint may end on an arm, whose points follow from the triad of its axis and its outer joint.
 
 use hardpoint::bench::DoubleDouble as Dd;
 use hardpoint::mechanism::Pose;
-use hardpoint::model::{Body, Constraint, Mechanism};
+use hardpoint::model::{ArmId, Body, Constraint, Mechanism, PointId};
 use hardpoint::number::{Matrix3, Real, Scalar, Vector3};
 use nalgebra::{LU, SMatrix, SVector};
 
@@ -13,10 +15,65 @@ type Factors = LU<f64, nalgebra::Const<12>, nalgebra::Const<12>>;
 /// The equations of one design.
 #[derive(Clone)]
 pub struct Quadratics<T> {
-    /// Chassis end, whether the rack moves it, lever on the knuckle, squared length.
-    rods: Vec<(Vector3<T>, bool, Vector3<T>, T)>,
+    rods: Vec<Equation<T>>,
     wheel: Vector3<T>,
     wheel_height: T,
+}
+
+/// One of the five equations.
+#[derive(Clone, Copy)]
+enum Equation<T> {
+    /// A rod: its end on the body, lever on the knuckle, squared length.
+    Rod(End<T>, Vector3<T>, T),
+    /// A joint with an arm, by this component of its position: end on the arm, lever on the knuckle.
+    Joint(End<T>, Vector3<T>, usize),
+}
+
+/// An end that is not on the knuckle.
+#[derive(Clone, Copy)]
+enum End<T> {
+    Body(Vector3<T>),
+    Rack(Vector3<T>),
+    Arm(OnArm<T>),
+}
+
+/// A point of an arm.
+#[derive(Clone, Copy)]
+struct OnArm<T> {
+    front: Vector3<T>,
+    rear: Vector3<T>,
+    /// Lever of the arm's outer joint on the knuckle.
+    lever: Vector3<T>,
+    /// The point by the triad of the arm.
+    by_triad: [T; 3],
+}
+
+/// The way of an arm's axis, the way across it and the joint, and the normal of both.
+fn triad<T: Real>(front: Vector3<T>, rear: Vector3<T>, joint: Vector3<T>) -> [Vector3<T>; 3] {
+    let along = (rear - front).normalised();
+    let across = along.cross(joint - front).normalised();
+    [along, across, along.cross(across)]
+}
+
+impl<T: Real> OnArm<T> {
+    fn new(mechanism: &Mechanism, design: &[Vector3<T>], arm: ArmId, point: PointId) -> Self {
+        let arm = mechanism.arms[arm.0];
+        let [front, rear, joint] = [arm.front, arm.rear, arm.outer].map(|id| design[id.0]);
+        let lever = design[point.0] - front;
+        OnArm {
+            front,
+            rear,
+            lever: joint - design[mechanism.origin.0],
+            by_triad: triad(front, rear, joint).map(|axis| axis.dot(lever)),
+        }
+    }
+
+    fn place(&self, pose: &Pose<T>) -> Vector3<T> {
+        let joint = pose.origin + pose.rotation.apply(self.lever);
+        let [a, b, c] = triad(self.front, self.rear, joint);
+        let [x, y, z] = self.by_triad;
+        self.front + a * x + b * y + c * z
+    }
 }
 
 pub fn design_pose(mechanism: &Mechanism, design: &[Vector3<f64>]) -> Pose<f64> {
@@ -29,15 +86,30 @@ pub fn design_pose(mechanism: &Mechanism, design: &[Vector3<f64>]) -> Pose<f64> 
 impl<T: Real> Quadratics<T> {
     pub fn new(mechanism: &Mechanism, design: &[Vector3<T>]) -> Self {
         let origin = design[mechanism.origin.0];
-        let rods = mechanism.constraints.iter().map(|constraint| {
-            let Constraint::Link { inner, outer } = *constraint else {
-                panic!("rods only")
-            };
-            let (c, o) = (design[inner.0], design[outer.0]);
-            let length = o - c;
-            let on_rack = mechanism.body(inner) == Body::Rack;
-            (c, on_rack, o - origin, length.dot(length))
-        });
+        let rods = mechanism
+            .constraints
+            .iter()
+            .flat_map(|constraint| match *constraint {
+                Constraint::Link { inner, outer } => {
+                    let (c, o) = (design[inner.0], design[outer.0]);
+                    let length = o - c;
+                    let end = match mechanism.body(inner) {
+                        Body::Rack => End::Rack(c),
+                        Body::Arm(arm) => End::Arm(OnArm::new(mechanism, design, arm, inner)),
+                        _ => End::Body(c),
+                    };
+                    vec![Equation::Rod(end, o - origin, length.dot(length))]
+                }
+                Constraint::ArmJoint { arm, at } => {
+                    let end = End::Arm(OnArm::new(mechanism, design, arm, at));
+                    let lever = design[at.0] - origin;
+                    // The line of both joints is nearly along x.
+                    [1, 2]
+                        .map(|axis| Equation::Joint(end, lever, axis))
+                        .to_vec()
+                }
+                _ => panic!("rods only"),
+            });
         let centre = design[mechanism.wheel_centre.0];
         Quadratics {
             rods: rods.collect(),
@@ -46,19 +118,29 @@ impl<T: Real> Quadratics<T> {
         }
     }
 
+    /// The way from the inner to the outer end.
     fn rod(&self, i: usize, pose: &Pose<T>, rack: T) -> Vector3<T> {
-        let (mut inner, on_rack, lever, _) = self.rods[i];
-        if on_rack {
-            inner.y = inner.y + rack;
-        }
+        let (Equation::Rod(end, lever, _) | Equation::Joint(end, lever, _)) = self.rods[i];
+        let inner = match end {
+            End::Body(inner) => inner,
+            End::Rack(inner) => Vector3::new(inner.x, inner.y + rack, inner.z),
+            End::Arm(point) => point.place(pose),
+        };
         pose.origin + pose.rotation.apply(lever) - inner
+    }
+
+    fn residual(&self, i: usize, pose: &Pose<T>, rack: T) -> T {
+        let d = self.rod(i, pose, rack);
+        match self.rods[i] {
+            Equation::Rod(_, _, squared) => d.dot(d) - squared,
+            Equation::Joint(_, _, axis) => d.to_array()[axis],
+        }
     }
 
     fn residuals(&self, pose: &Pose<T>, travel: T, rack: T) -> [T; 12] {
         let mut all = [travel.zero(); 12];
-        for (i, (.., squared)) in self.rods.iter().enumerate() {
-            let d = self.rod(i, pose, rack);
-            all[i] = d.dot(d) - *squared;
+        for (i, residual) in all[..5].iter_mut().enumerate() {
+            *residual = self.residual(i, pose, rack);
         }
         let wheel = pose.origin + pose.rotation.apply(self.wheel);
         all[5] = wheel.z - self.wheel_height - travel;
@@ -77,8 +159,23 @@ impl Quadratics<f64> {
     pub fn factorise(&self, pose: &Pose<f64>, rack: f64) -> Factors {
         let mut jacobian = SMatrix::<f64, 12, 12>::zeros();
         for i in 0..5 {
+            let lever = match self.rods[i] {
+                Equation::Rod(End::Body(_) | End::Rack(_), lever, _) => lever.to_array(),
+                // Differences serve Newton's method as well.
+                _ => {
+                    for j in 0..12 {
+                        let mut unit = SVector::<f64, 12>::zeros();
+                        unit[j] = if j < 3 { 1e-3 } else { 1e-5 };
+                        let at = |sign: f64| {
+                            let moved = apply(pose, &unit, |a, b| a + sign * b);
+                            self.residual(i, &moved, rack)
+                        };
+                        jacobian[(i, j)] = (at(1.0) - at(-1.0)) / (2.0 * unit[j]);
+                    }
+                    continue;
+                }
+            };
             let d = self.rod(i, pose, rack).to_array();
-            let lever = self.rods[i].2.to_array();
             for a in 0..3 {
                 jacobian[(i, a)] = 2.0 * d[a];
                 for k in 0..3 {
@@ -101,8 +198,7 @@ impl Quadratics<f64> {
         jacobian.lu()
     }
 
-    /// What Newton's method comes to from anywhere, if it settles: a pose to within rounding, or a
-    /// reflection.
+    /// Result of Newton's method from any start, if it settles: a pose to within rounding, or a reflection.
     pub fn solve_from(&self, start: Pose<f64>, travel: f64, rack: f64) -> Option<Pose<f64>> {
         let mut pose = start;
         for _ in 0..80 {
@@ -118,7 +214,12 @@ impl Quadratics<f64> {
 
     /// The largest error of a rod's length, relative to it.
     pub fn length_error(&self, pose: &Pose<f64>, rack: f64) -> f64 {
-        let error = |i: usize| (self.rod(i, pose, rack).norm() / self.rods[i].3.sqrt() - 1.0).abs();
+        let error = |i: usize| match self.rods[i] {
+            Equation::Rod(_, _, squared) => {
+                (self.rod(i, pose, rack).norm() / squared.sqrt() - 1.0).abs()
+            }
+            Equation::Joint(..) => panic!("rods only"),
+        };
         (0..5).map(error).fold(0.0, f64::max)
     }
 

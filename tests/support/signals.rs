@@ -46,18 +46,18 @@ const PARTIAL: [(&str, &[&str]); 3] = [
     ("sweep", &["pareto.csv"]),
 ];
 
-/// What is run: the arguments in a directory of its own, and what they leave there.
+/// A case: the arguments in a directory of its own, and the files that they leave there.
 #[derive(Clone)]
 struct Case {
     command: &'static str,
     arguments: Vec<String>,
     /// Directory of the results, if there is one.
     out: Option<&'static str>,
-    /// Whether the results are the same each time.
+    /// True if the results are the same each time.
     is_exact: bool,
 }
 
-/// What a whole run came to.
+/// Result of a complete run.
 #[derive(Clone)]
 struct Reference {
     code: Option<i32>,
@@ -221,7 +221,7 @@ impl Signals {
         })
     }
 
-    /// Interrupts a command chosen by a number; what must not be, if anything is.
+    /// Interrupts a command chosen by a number. Returns the first violation as an error.
     pub fn interrupt(&self, number: u64, worst: &Mutex<Worst>) -> Result<(), String> {
         let random = &mut Random(number.wrapping_mul(0x9E6C_63D0_876A_3F35) ^ 1871);
         let mut share = || 0.5 + 0.5 * random.signed();
@@ -279,7 +279,7 @@ impl Signals {
             .map_err(&told)
     }
 
-    /// Claims about what a signal has left.
+    /// Checks the files that a signal has left.
     fn check(
         &self,
         case: &Case,

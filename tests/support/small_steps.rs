@@ -26,25 +26,25 @@ type Factors = nalgebra::LU<f64, nalgebra::Const<12>, nalgebra::Const<12>>;
 
 /// The longest step, in sizes and radians.
 const LONGEST: f64 = 0.02;
-/// How far a step along the tangent may miss, as a part of it.
+/// Largest relative error of a step along the tangent.
 const STRAIGHT: f64 = 0.05;
-/// The shortest step, as a part of the way.
+/// The shortest step, as a part of the path.
 const SHORTEST: f64 = 1e-9;
-/// Ways are seldom more than a hundred steps long; close to another assembly it may be thousands.
+/// Largest number of steps. Paths seldom need more than a hundred; close to another assembly they may need thousands.
 const MOST: usize = 20_000;
 
 /// The equations of one design.
 pub struct SmallSteps {
     origin: V,
     scale: f64,
-    /// Chassis end, whether the rack moves it, lever.
+    /// Chassis end, true if the rack moves it, lever.
     rods: Vec<(V, bool, V)>,
     /// Mount and normal.
     lines: Vec<(V, V)>,
     wheel: V,
     /// From the arm's axis to its outer joint, the direction of that and the one across in its circle.
     arm: [V; 3],
-    /// Whether the joint goes level at first, so that neither direction of a turn is the positive one.
+    /// True if the joint moves level at first, so that neither direction of a turn is the positive one.
     is_at_dead_centre: bool,
 }
 
@@ -71,11 +71,7 @@ impl SmallSteps {
                     let first = along.cross(unit(k)).normalised();
                     lines.extend([(at(top), first), (at(top), along.cross(first))]);
                 }
-                Constraint::Revolute { .. }
-                | Constraint::BallJoint { .. }
-                | Constraint::AxleTravel { .. } => {
-                    panic!("struts only")
-                }
+                _ => panic!("struts only"),
             }
         }
         let arm = &mechanism.arms[0];
@@ -105,7 +101,7 @@ impl SmallSteps {
         }
     }
 
-    /// What belongs to a motion point: value of the drive and rack, in scales or radians.
+    /// Goal for a motion point: value of the drive and rack, in scales or radians.
     fn goal(&self, point: &MotionPoint<f64>) -> [f64; 2] {
         let value = match point.drive {
             Drive::Travel => point.value / self.scale,

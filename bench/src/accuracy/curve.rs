@@ -1,4 +1,4 @@
-//! Curves through few exact poses: how many it takes, and how to run between them.
+//! Curves through few exact poses: number of poses, and interpolation between them.
 
 use super::poses::lagrange;
 use super::subject::Subject;
@@ -39,7 +39,7 @@ impl Between {
         (0..count).map(|i| low + (high - low) * share(i)).collect()
     }
 
-    /// What the value at `x` is made of: the first of some consecutive stations, and their weights.
+    /// Returns the first of the consecutive stations that give the value at `x`, and their weights.
     fn weights(self, stations: &[f64], x: f64) -> (usize, Vec<f64>) {
         let count = stations.len();
         let width = match self {

@@ -51,7 +51,7 @@ impl Gradients {
     }
 }
 
-/// A quantity and what it is differentiated by.
+/// A quantity and the coordinates by which it is differentiated.
 struct Task<'t> {
     subject: &'t Subject<'t>,
     outputs: Vec<Characteristic>,
@@ -230,7 +230,7 @@ const QUOTIENTS: [Quotient; 4] = [
 /// The name of the quotient that is used most.
 const CENTRAL: &str = "central difference";
 
-/// How far a coordinate is moved.
+/// Size of the move of a coordinate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Step {
     /// A part of the mechanism's size.

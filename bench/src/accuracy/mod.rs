@@ -1,4 +1,4 @@
-//! Work and precision: what a digit costs.
+//! Work and precision: the cost of a digit.
 //!
 //! Every way to a number is measured by its time and by its true error, against the same number in
 //! twice the precision: the six closure equations solved in pairs of doubles (see
@@ -18,9 +18,9 @@ use hardpoint_engine::study::WheelStudy;
 /// One way to a number.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Measurement {
-    /// Which kind of choices is compared.
+    /// Kind of choices that are compared.
     pub family: Family,
-    /// The way.
+    /// The method.
     pub method: String,
     /// The setting that is varied.
     pub setting: String,
@@ -37,7 +37,7 @@ pub struct Measurement {
 pub enum Family {
     /// Poses by formulation, arithmetic and tolerance; error in degrees of camber.
     Pose,
-    /// Where Newton's method starts; error in degrees of camber.
+    /// Start of Newton's method; error in degrees of camber.
     Start,
     /// Curves through few exact poses; error in degrees of camber.
     Curve,

@@ -13,12 +13,12 @@ use hardpoint_engine::solve::{Solver, StationOrder};
 use std::cell::{Cell, RefCell};
 use std::hint::black_box;
 
-/// Where Newton's method starts at a station.
+/// Start of Newton's method at a station.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Start {
-    /// In the design position.
+    /// The design position.
     Cold,
-    /// On the polynomial of this order through the stations before; order 0 is the last one.
+    /// The polynomial of this order through the stations before; order 0 is the last one.
     Predicted(usize),
 }
 
@@ -321,7 +321,7 @@ pub(crate) fn unchecked_and_checked<'s>(
     ]))
 }
 
-/// What the equation is solved to, in metres: where the program, too, ends.
+/// Tolerance of the equation, in metres. The program ends its iteration at the same one.
 const UNCHECKED: f64 = 1e-13;
 
 /// Poses as the program finds them, every check on the way included.

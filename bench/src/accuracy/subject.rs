@@ -1,4 +1,4 @@
-//! What is measured: a study's suspension over its travels, with the exact answers.
+//! Subject of the measurements: a study's suspension over its travels, with the exact answers.
 
 use crate::DoubleDouble;
 use crate::Unmeasurable;

@@ -4,7 +4,7 @@
 //! wrench on the carrier, and the constraints balance the sum of all. The forces are in equilibrium along the suspension's
 //! motion if the support, a vertical force at the wheel centre, is left with nothing.
 
-use super::loads::{Balance, Balanced, Factors, Reaction};
+use super::loads::{Balance, Balanced, Factors, Reaction, tension};
 use crate::mechanism::Wrench;
 use crate::mechanism::pose::Sink;
 use crate::model::{ArmId, Body, Mechanism, PointId, RockerId, Rod};
@@ -31,14 +31,21 @@ pub enum Applied<T = f64> {
 /// Forces that balance known forces.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Carrying<T = f64> {
-    /// Forces of the constraints, in the order of the mechanism's constraints.
+    /// Forces of the equations of the constraints; some constraints have two.
     pub constraints: [Reaction<T>; 5],
     /// Tension of the rod of each rocker.
     pub rods: Vec<T>,
-    /// For each arm, the force that it passes on at its outer joint for what stands on it.
+    /// Force at the outer joint of each arm, from the known forces on the arm, such as those of a spring or a rod.
     pub passed: Vec<Vector3<T>>,
     /// Vertical force at the wheel centre that equilibrium lacks.
     pub lacking: T,
+}
+
+impl<T: Copy> Carrying<T> {
+    /// Tension of the rod between two points.
+    pub fn tension(&self, from: PointId, to: PointId) -> Option<T> {
+        tension(&self.constraints, from, to)
+    }
 }
 
 /// The body, no rocker, on which a point stands or on which the rods stand that turn its rocker.
@@ -47,12 +54,14 @@ fn seat(mechanism: &Mechanism, id: PointId) -> Body {
     mechanism.body(last.map_or(id, |rocker| mechanism.rocker(rocker).outer))
 }
 
-/// Returns true if something stands on an arm: an end of a spring, or a rod.
+/// Returns true if an arm carries a spring, a rod, a link or a second joint to the knuckle.
 pub fn bears(mechanism: &Mechanism, arm: ArmId) -> bool {
     let rods = mechanism.rockers.iter().map(|rocker| rocker.outer);
     let spring = mechanism.spring.map(|spring| spring.lower);
     let mut points = rods.chain(spring);
+    let mut constraints = mechanism.constraints.iter();
     points.any(|id| mechanism.body(id) == Body::Arm(arm))
+        || constraints.any(|constraint| mechanism.arm_under(constraint) == Some(arm))
 }
 
 impl<T: Balanced> Balance<'_, T> {
@@ -163,6 +172,8 @@ impl<T: Balanced> Balance<'_, T> {
                 } if outer == point => {
                     sum = sum + (place(inner) - place(outer)).normalised() * tension;
                 }
+                Reaction::ArmEnd { joint, passed, .. } if joint == point => sum = sum + passed,
+                Reaction::ArmEnd { outer, force, .. } if outer == point => sum = sum + force,
                 Reaction::Force { point: at, force } if at == point => sum = sum + force,
                 _ => {}
             }
@@ -184,5 +195,5 @@ impl<T: Balanced> Balance<'_, T> {
 
 /// Name of the rod of a rocker, as a member.
 pub fn rod_name(rod: Rod) -> String {
-    rod.to_string().replace(' ', "_")
+    rod.key().to_owned()
 }

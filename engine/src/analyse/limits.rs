@@ -51,6 +51,13 @@ pub enum RangeEnd {
     Fold(Limit),
     /// The arm can be turned right round: there is no limit before +-pi.
     FullTurn,
+    /// A rod that turns a rocker of the mechanism itself, such as a Watt rocker, is in line with its lever and the axis.
+    Toggle {
+        /// The value there.
+        value: f64,
+        /// The rod.
+        rod: Rod,
+    },
     /// The path could not be followed beyond this value.
     Unresolved(f64),
 }
@@ -61,7 +68,7 @@ impl RangeEnd {
         match self {
             RangeEnd::Fold(limit) => limit.value,
             RangeEnd::FullTurn => std::f64::consts::PI,
-            RangeEnd::Unresolved(value) => *value,
+            RangeEnd::Toggle { value, .. } | RangeEnd::Unresolved(value) => *value,
         }
     }
 }
@@ -261,12 +268,77 @@ impl Solver<'_> {
                 })
             }
         };
-        Ok(Range {
+        let range = Range {
             lower: end(-farthest),
             upper: end(farthest),
-        })
+        };
+        match moving {
+            Moving::Drive => self.with_toggles(range, drive, rack),
+            Moving::Rack => Ok(range),
+        }
+    }
+
+    /// Names the rod of a Watt rocker at an end beyond which the path could not be followed, if the rod is at its toggle
+    /// there: beyond it the rocker has no position.
+    fn with_toggles(
+        &mut self,
+        mut range: Range,
+        drive: Drive,
+        rack: f64,
+    ) -> Result<Range, DesignFault> {
+        let rockers = self.mechanism().rockers.iter();
+        let turned = rockers
+            .clone()
+            .position(|rocker| rocker.rod == Rod::WattLink);
+        let Some(rocker) = turned.map(RockerId) else {
+            return Ok(range);
+        };
+        let rod = self.mechanism().rocker(rocker).rod;
+        for end in [&mut range.lower, &mut range.upper] {
+            let RangeEnd::Unresolved(value) = *end else {
+                continue;
+            };
+            if self.least_leverage(rocker, drive, [value, rack])? < AT_TOGGLE {
+                *end = RangeEnd::Toggle { value, rod };
+            }
+        }
+        Ok(range)
+    }
+
+    /// Leverage of a rod in the last pose that is found on the way to a value of the drive.
+    fn least_leverage(
+        &mut self,
+        rocker: RockerId,
+        drive: Drive,
+        [value, rack]: [f64; 2],
+    ) -> Result<f64, DesignFault> {
+        let places = BEFORE_END.map(|share| value * share);
+        let mut leverage = f64::INFINITY;
+        self.for_each_pose(
+            drive,
+            &StationOrder::through(&places),
+            rack,
+            |solver, _, pose| {
+                let Ok(pose) = pose else {
+                    return ControlFlow::Break(());
+                };
+                let found = solver.configuration(pose, rack).leverage(rocker);
+                leverage = if found.is_finite() {
+                    leverage.min(found)
+                } else {
+                    leverage
+                };
+                ControlFlow::Continue(())
+            },
+        )?;
+        Ok(leverage)
     }
 }
+
+/// Places on the way to an end at which the leverage of a rod is looked at, as shares of the way.
+const BEFORE_END: [f64; 4] = [0.99, 0.9999, 0.999_999, 0.999_999_99];
+/// A rod whose leverage is below this is at its toggle: its line passes the axis at half a degree.
+const AT_TOGGLE: f64 = 0.01;
 
 impl Curve<'_> {
     /// The outer end of the link with the largest multiplier w of (1), the force that holds the mechanism at the fold.

@@ -12,6 +12,9 @@
 //! vertical force at the wheel centre. A spring on a rocker acts through the rod, whose tension follows from the moments
 //! about the rocker's axis.
 //!
+//! A rigid axle has two supports, one at each wheel. The far one stands in the row of the held travel, which is no part of
+//! the mechanism.
+//!
 //! All of it is generic over the number. On series along a design variable, a force comes with its derivative by that
 //! variable. The factors of the matrix are those of its constant part.
 
@@ -19,9 +22,16 @@ use crate::linear::lu::{Lu6, Matrix6, Vector6};
 use crate::mechanism::constraint::Row;
 use crate::mechanism::pose::Sink;
 use crate::mechanism::{Closure, Configuration, Failure, Pose, WorkCounter, Wrench};
-use crate::model::{Arm, Axis, Body, Constraint, Mechanism, PointId, RockerId, Spring};
+use crate::model::{
+    Arm, Axis, Body, Constraint, Mechanism, PointId, RigidAxle, RockerId, Rod, Spring,
+};
 use crate::number::{Each, Jet, Scalar, Vector3};
 use crate::solve::{Conditioning, Solver};
+
+/// Start of the names of members of the far half of a rigid axle.
+pub const FAR: &str = "right_";
+/// The row of a rigid axle's held travel: its last constraint.
+const FAR_ROW: usize = 4;
 
 /// Point at which a load acts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -103,6 +113,21 @@ pub enum Reaction<T = f64> {
         /// Force in the rod; negative in compression.
         tension: T,
     },
+    /// A link between an arm and the knuckle, or a second joint of both. The arm holds against it at its own outer joint.
+    ArmEnd {
+        /// End of the link on the arm.
+        inner: PointId,
+        /// End of the link on the knuckle, or the joint.
+        outer: PointId,
+        /// Tension of the link; without meaning for a joint.
+        tension: T,
+        /// Force on the knuckle at the outer end.
+        force: Vector3<T>,
+        /// The arm's outer joint.
+        joint: PointId,
+        /// Force of the arm on the knuckle at its outer joint.
+        passed: Vector3<T>,
+    },
     /// A force on the knuckle at a point of the body: the side force of a strut at its mount, one of two
     /// components, or the force in a hinge at one of its points, one of three or two.
     Force {
@@ -120,6 +145,8 @@ pub struct Reactions<T = f64> {
     pub constraints: [Reaction<T>; 5],
     /// Force of the support: that of the spring, positive in compression, or the upward force at the wheel centre.
     pub support: T,
+    /// The same of the far wheel of a rigid axle.
+    pub far_support: Option<T>,
     /// Tension in the pushrod or pullrod, if the spring is on a rocker.
     pub rod: Option<T>,
     /// The force of the support on the knuckle. If the spring, or the rod of its rocker, is mounted on an arm, it is the force
@@ -173,7 +200,11 @@ impl<'a, T: Balanced> Balance<'a, T> {
                 at.push_point(at.mechanism.wheel_centre, up, &mut rows[5]);
             }
         }
-        let support = rows[5];
+        let support_row = rows[5];
+        if let Some(rigid) = &at.mechanism.rigid_axle {
+            rows[FAR_ROW] = far_support(rigid, support, &at);
+        }
+        let support = support_row;
         work.note(|w| w.factorisations += 1);
         let rows = rows.map(Wrench::to_row);
         let factors = Lu6::new(rows.each(|row| row.map(T::value)), size)?;
@@ -221,6 +252,7 @@ impl<'a, T: Balanced> Balance<'a, T> {
         Reactions {
             constraints,
             support: multipliers[5],
+            far_support: (self.at.mechanism.rigid_axle.is_some()).then(|| multipliers[FAR_ROW]),
             rod: self.rod_per_spring.map(|ratio| ratio * multipliers[5]),
             support_force: self.support.force * multipliers[5],
         }
@@ -229,9 +261,11 @@ impl<'a, T: Balanced> Balance<'a, T> {
     /// Value of one reaction; `None` if it names nothing in the mechanism.
     pub fn force(&self, carried: &Reactions<T>, what: Carried) -> Option<T> {
         match what {
-            Carried::Tension(inner, outer) => tension(inner, outer, carried),
+            Carried::Tension(inner, outer) => tension(&carried.constraints, inner, outer),
             Carried::Support(_) => Some(carried.support),
+            Carried::FarSupport(_) => carried.far_support,
             Carried::Rod => carried.rod,
+            Carried::WattRod(rocker) => self.watt_rod(rocker, carried),
             Carried::Force(point, axis) => {
                 let [x, y, z] = self.force_at(point, carried).to_array();
                 Some(match axis {
@@ -241,6 +275,29 @@ impl<'a, T: Balanced> Balance<'a, T> {
                 })
             }
         }
+    }
+
+    /// Tension of the rod of a Watt rocker: it balances the other link about the rocker's axis.
+    fn watt_rod(&self, rocker: RockerId, carried: &Reactions<T>) -> Option<T> {
+        let is_on_it = |id: PointId| self.at.mechanism.body(id) == Body::Rocker(rocker);
+        carried.constraints.iter().find_map(|reaction| {
+            let Reaction::Rod {
+                inner,
+                outer,
+                tension,
+            } = *reaction
+            else {
+                return None;
+            };
+            let (on_it, off_it) = match (is_on_it(inner), is_on_it(outer)) {
+                (true, _) => (inner, outer),
+                (false, true) => (outer, inner),
+                (false, false) => return None,
+            };
+            let place = self.at.point(on_it);
+            let pull = (self.at.point(off_it) - place).normalised() * tension;
+            Some(self.at.rod_tension(rocker, place, pull))
+        })
     }
 
     /// Everything that acts on the wheel carrier at a point.
@@ -258,6 +315,8 @@ impl<'a, T: Balanced> Balance<'a, T> {
                     let pull = (outer == point).then(|| (place(inner) - place(outer)).normalised());
                     pull.map(|pull| pull * tension)
                 }
+                Reaction::ArmEnd { joint, passed, .. } if joint == point => Some(passed),
+                Reaction::ArmEnd { outer, force, .. } => (outer == point).then_some(force),
                 Reaction::Force { point: at, force } => (at == point).then_some(force),
             });
         let none = self.at.rack.zero();
@@ -269,19 +328,26 @@ impl<'a, T: Balanced> Balance<'a, T> {
     }
 }
 
-/// The tension of the rod between two points.
-fn tension<T: Copy>(inner: PointId, outer: PointId, carried: &Reactions<T>) -> Option<T> {
-    carried
-        .constraints
-        .iter()
-        .find_map(|reaction| match *reaction {
-            Reaction::Rod {
-                inner: from,
-                outer: to,
-                tension,
-            } => ((from, to) == (inner, outer)).then_some(tension),
-            Reaction::Force { .. } => None,
-        })
+/// Tension of the rod between two points, if one of the equations is its length.
+pub(super) fn tension<T: Copy>(
+    constraints: &[Reaction<T>; 5],
+    from: PointId,
+    to: PointId,
+) -> Option<T> {
+    constraints.iter().find_map(|reaction| match *reaction {
+        Reaction::Rod {
+            inner,
+            outer,
+            tension,
+        }
+        | Reaction::ArmEnd {
+            inner,
+            outer,
+            tension,
+            ..
+        } => ((inner, outer) == (from, to)).then_some(tension),
+        Reaction::Force { .. } => None,
+    })
 }
 
 impl<T: Scalar> Row<T> {
@@ -289,6 +355,11 @@ impl<T: Scalar> Row<T> {
     pub(super) fn reaction(&self, at: &Configuration<T>, multiplier: T) -> Reaction<T> {
         match self {
             Row::Link(row) => Reaction::Rod {
+                inner: row.inner,
+                outer: row.outer,
+                tension: -multiplier,
+            },
+            Row::RockerEnd(row) => Reaction::Rod {
                 inner: row.inner,
                 outer: row.outer,
                 tension: -multiplier,
@@ -301,6 +372,17 @@ impl<T: Scalar> Row<T> {
                 point: row.point,
                 force: row.direction * multiplier,
             },
+            Row::ArmEnd(row) => {
+                let [force, passed] = row.forces(at).each(|force| force * multiplier);
+                Reaction::ArmEnd {
+                    inner: row.inner,
+                    outer: row.outer,
+                    tension: -multiplier,
+                    force,
+                    joint: row.joint_of_arm(at),
+                    passed,
+                }
+            }
             // The far wheel's support; no part of the mechanism carries it.
             Row::AxleTravel(row) => Reaction::Force {
                 point: row.far(),
@@ -333,20 +415,28 @@ pub enum Carried {
     Force(PointId, Axis),
     /// The force with which the support keeps the suspension from moving.
     Support(Support),
+    /// The same at the far wheel of a rigid axle.
+    FarSupport(Support),
     /// Tension of the rod of the spring's rocker.
     Rod,
+    /// Tension of the rod that turns the rocker of a Watt linkage.
+    WattRod(RockerId),
 }
 
 impl Carried {
     /// When it is positive.
     pub fn positive(&self) -> &'static str {
         match self {
-            Carried::Tension(..) | Carried::Rod => "tension",
+            Carried::Tension(..) | Carried::Rod | Carried::WattRod(_) => "tension",
             Carried::Force(_, Axis::X) => "on the wheel carrier along +x",
             Carried::Force(_, Axis::Y) => "on the wheel carrier along +y",
             Carried::Force(_, Axis::Z) => "on the wheel carrier along +z",
-            Carried::Support(Support::Spring(_)) => "compression",
-            Carried::Support(Support::WheelCentre) => "upward on the wheel carrier",
+            Carried::Support(Support::Spring(_)) | Carried::FarSupport(Support::Spring(_)) => {
+                "compression"
+            }
+            Carried::Support(Support::WheelCentre) | Carried::FarSupport(Support::WheelCentre) => {
+                "upward on the wheel carrier"
+            }
         }
     }
 
@@ -380,8 +470,8 @@ pub fn members(mechanism: &Mechanism, support: Support) -> Vec<Member> {
     };
     for constraint in &mechanism.constraints {
         match *constraint {
-            // The legs of an arm with a spring on it are bent, and no force along them is the whole.
-            Constraint::Link { outer, .. } if sprung_joint(mechanism) == Some(outer) => {}
+            // The legs of an arm with a spring or a link on it are bent, and no force along them is the whole.
+            Constraint::Link { outer, .. } if is_joint_of_bent_arm(mechanism, outer) => {}
             Constraint::Link { inner, outer } => {
                 members.push(Member {
                     name: mechanism.link_name(inner).to_owned(),
@@ -393,7 +483,9 @@ pub fn members(mechanism: &Mechanism, support: Support) -> Vec<Member> {
                 members.extend(force(mechanism.name(first), first));
                 members.extend(force(mechanism.name(second), second));
             }
-            Constraint::BallJoint { at } => members.extend(force(mechanism.name(at), at)),
+            Constraint::BallJoint { at } | Constraint::ArmJoint { at, .. } => {
+                members.extend(force(mechanism.name(at), at));
+            }
             Constraint::AxleTravel { .. } => {}
         }
     }
@@ -405,20 +497,64 @@ pub fn members(mechanism: &Mechanism, support: Support) -> Vec<Member> {
     for arm in mechanism.arms.iter().filter(ends_a_link) {
         members.extend(force(mechanism.name(arm.outer), arm.outer));
     }
+    let rockers = mechanism.rockers.iter().enumerate();
+    members.extend(
+        rockers
+            .filter(|(_, rocker)| rocker.rod == Rod::WattLink)
+            .map(|(number, rocker)| Member {
+                name: rocker.rod.key().to_owned(),
+                what: Carried::WattRod(RockerId(number)),
+            }),
+    );
     if let Some(rocker) = support.rocker(mechanism) {
         members.push(Member {
-            name: mechanism.rocker(rocker).rod.to_string().replace(' ', "_"),
+            name: mechanism.rocker(rocker).rod.key().to_owned(),
             what: Carried::Rod,
         });
     }
+    let name = match support {
+        Support::Spring(_) => "spring",
+        Support::WheelCentre => "support",
+    };
     members.push(Member {
-        name: match support {
-            Support::Spring(_) => "spring".to_owned(),
-            Support::WheelCentre => "support".to_owned(),
-        },
+        name: name.to_owned(),
         what: Carried::Support(support),
     });
+    if mechanism.rigid_axle.is_some() {
+        members.push(Member {
+            name: format!("{FAR}{name}"),
+            what: Carried::FarSupport(support),
+        });
+    }
     members
+}
+
+/// The support of the far wheel of a rigid axle.
+fn far_support<T: Scalar>(rigid: &RigidAxle, support: Support, at: &Configuration<T>) -> Wrench<T> {
+    let like = at.rack;
+    let mut row = Wrench::zero(like);
+    let far = |id: PointId| rigid.far_of(id).unwrap_or(id);
+    match support {
+        Support::Spring(spring) => {
+            let [lower, upper] = [spring.lower, spring.upper].map(far);
+            let along = (at.point(lower) - at.point(upper)).normalised();
+            at.push_point(lower, along, &mut row);
+            at.push_point(upper, -along, &mut row);
+        }
+        Support::WheelCentre => {
+            let up = Vector3::new(like.zero(), like.zero(), like.one());
+            at.push_point(rigid.far_centre, up, &mut row);
+        }
+    }
+    row
+}
+
+/// Returns true for the outer joint of an arm that carries the spring, the rod of its rocker, or a link or a second joint
+/// to the knuckle.
+fn is_joint_of_bent_arm(mechanism: &Mechanism, joint: PointId) -> bool {
+    let arms = mechanism.constraints.iter();
+    let mut arms = arms.filter_map(|constraint| mechanism.arm_under(constraint));
+    sprung_joint(mechanism) == Some(joint) || arms.any(|arm| mechanism.arms[arm.0].outer == joint)
 }
 
 /// The outer joint of the arm that carries the spring or the rod of its rocker; `None` if no arm carries them.

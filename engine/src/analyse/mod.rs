@@ -11,6 +11,6 @@ pub use assemblies::{Assemblies, Assembly, AssemblyMode, Undecided};
 pub use certificate::{Certificate, Certifier, Inclusion};
 pub use limits::{Limit, Limits, Range, RangeEnd, RockerRange};
 pub use loads::{
-    Balance, Balanced, Carried, Factors, Load, LoadPoint, Member, Reaction, Reactions, Support,
-    members,
+    Balance, Balanced, Carried, FAR, Factors, Load, LoadPoint, Member, Reaction, Reactions,
+    Support, members,
 };

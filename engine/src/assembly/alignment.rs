@@ -1,13 +1,14 @@
 //! Toe and camber set again after assembly.
 //!
-//! Adjustments a hold wanted values w of the resting position. With M the pseudo-inverse of dw/da of the drawing,
+//! Adjustments a hold wanted values w of the resting position. With M the pseudo-inverse of dw/da of the nominal
+//! design,
 //!
 //! ```text
 //! a <- a - M (w(parts + a) - wanted)
 //! ```
 //!
-//! contracts as fast as parts differ from the drawing; over derivative numbers it mends order by order. Pose and
-//! adjustments settle together (module `settle`), with what the pose follows an adjustment by.
+//! converges faster, the closer the parts are to nominal. In derivative numbers it corrects order by order. Pose and
+//! adjustments settle together (module `settle`), by the derivative of the pose by each adjustment.
 
 use super::assembler::{Assembler, Reject};
 use super::parts::{BuildParameter, Parts};
@@ -22,29 +23,29 @@ use crate::number::{Real, Vector3};
 use crate::study::Adjustment;
 use nalgebra::DMatrix;
 
-/// Toe and camber.
+/// Largest number of held characteristics: toe and camber.
 pub(super) const MOST_HELD: usize = 2;
-/// The most corrections of a build.
+/// Maximum number of corrections of a build.
 const MOST_ROUNDS: usize = 30;
 /// Corrections below this, in parts of the size, are rounding.
 pub(super) const ROUNDING: f64 = 1e-14;
 
-/// Adjustments that keep toe and camber at their drawn values.
+/// Adjustments that keep toe and camber at their nominal values.
 #[derive(Clone, Debug)]
 pub(crate) struct Alignment {
     adjust: Vec<(BuildParameter, f64)>,
-    /// Characteristics that keep their drawn values.
+    /// Characteristics that keep their nominal values.
     held: Vec<Characteristic>,
     /// M, a row for each adjustment.
     inverse: DMatrix<f64>,
-    /// The carrier's twist by each adjustment, at the drawing.
+    /// Derivative of the carrier's pose by each adjustment, at the nominal design.
     follow: Vec<Vector6<f64>>,
     size: f64,
 }
 
 impl Alignment {
-    /// Toe and camber of the drawing by the adjustments of the set-up; toe alone where there is one. Wanted values of the set-up
-    /// that are neither are not held.
+    /// Holds toe and camber at nominal by the adjustments of the set-up. A single adjustment holds toe alone. No other
+    /// wanted value of the set-up is held.
     pub(crate) fn of(adjust: &[Adjustment], assembler: &Assembler) -> Result<Self, NoSetUp> {
         let suspension = assembler.suspension();
         let held: &[Characteristic] = match adjust.len() {
@@ -73,7 +74,7 @@ impl Alignment {
         }
     }
 
-    /// dw/da of a build: a row for each characteristic held, a column for each adjustment.
+    /// dw/da of a build: a row for each held characteristic, a column for each adjustment.
     fn by(&self, assembler: &Assembler, built: &Built) -> DMatrix<f64> {
         let mut by = DMatrix::zeros(self.held.len(), self.adjust.len());
         for (k, change) in self.adjust.iter().enumerate() {
@@ -94,7 +95,7 @@ impl Alignment {
         })
     }
 
-    /// Adds to the changes of the parts what the adjustments have to be.
+    /// Corrects the adjustments of the parts once. Returns the corrections.
     fn adjust<T: Real>(
         &self,
         mechanism: &Mechanism,
@@ -130,7 +131,7 @@ impl Alignment {
             *parts = aligned;
             return assembler.place_checked(parts, &pose, into);
         }
-        // Farther from the drawing: put together for every correction anew.
+        // Far from nominal: put the parts together anew for every correction.
         let mechanism = &assembler.suspension().mechanism;
         for _ in 0..MOST_ROUNDS {
             assembler.assemble(parts, 0.0, into)?;
@@ -148,7 +149,7 @@ impl Alignment {
         Err(Reject::Unaligned)
     }
 
-    /// The values that the drawing has of the characteristics that are held.
+    /// The nominal values of the held characteristics.
     #[inline(always)]
     pub(super) fn wanted<T: Real>(
         &self,
@@ -163,7 +164,7 @@ impl Alignment {
         wanted
     }
 
-    /// Corrects the adjustments, and the pose with them. `apply` gets every correction and says what is done.
+    /// Corrects the adjustments, and the pose with them. `apply` gets every correction and returns the one to make.
     #[inline(always)]
     pub(super) fn correct<T: Real>(
         &self,
@@ -196,7 +197,7 @@ impl Alignment {
         *pose = pose.moved(shift, turn * zero.lit(0.5));
     }
 
-    /// The built design along a direction of the drawing, aligned throughout, to as many orders as the number has.
+    /// Returns the built design of parts that are derivative numbers with `orders` orders, aligned to all orders.
     pub(crate) fn design<T: Real>(
         &self,
         assembler: &Assembler,
@@ -212,7 +213,7 @@ impl Alignment {
         design
     }
 
-    /// The direction with the changes of the adjustments added that keep the held characteristics.
+    /// Returns the direction with the changes of the adjustments that keep the held characteristics.
     pub(crate) fn aligned_direction(
         &self,
         assembler: &Assembler,

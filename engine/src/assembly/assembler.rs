@@ -1,20 +1,25 @@
 //! Putting parts together.
 //!
-//! The knuckle's pose q obeys the closure equations with the parts' own lengths and shapes, and a sixth: the
-//! wheel centre is at a height. With A the inverse of the Jacobian in the drawn position,
+//! The knuckle's pose q obeys the closure equations with the lengths and shapes of the parts. A sixth equation gives
+//! the height of the wheel centre. With A the inverse of the Jacobian in the nominal position,
 //!
 //! ```text
 //! q <- q - A F(q, parts)
 //! ```
 //!
-//! contracts as fast as the parts differ from the drawing, a thousandth or so each time (module `settle`). The same few
-//! lines serve plain numbers, SIMD lanes and derivative numbers, whose parts it mends order by order. Where it contracts by less
-//! than a half, the parts are changed from the drawn to the built ones step by step, with the Jacobian of
-//! each step, and the determinant keeps its sign: so a build is always the assembly connected to the drawn one.
+//! reduces the error in proportion to the deviation of the parts, to about a thousandth each time (module `settle`).
+//! The same few lines serve plain numbers, SIMD lanes and derivative numbers; they correct derivatives order by order.
+//! If the error does not halve, the assembler changes the nominal parts to the built ones step by step, with the
+//! Jacobian of each step. The determinant keeps its sign. So a build is always the assembly connected to the nominal
+//! one.
 //!
-//! Carriers then follow. A point of an arm keeps its place in the frame of arm axis and outer joint (origin at
-//! the joint, one axis along the pivots, one from them to the joint); a point of a rocker its place along and about the rocker's
-//! axis, the rod with its own length turning it; the upper part of a strut turns with the knuckle about its mount.
+//! Other carriers then follow:
+//!
+//! - A point of an arm keeps its place in the frame of arm axis and outer joint. The origin is at the joint, one axis
+//!   along the pivots, one from them to the joint.
+//! - A point of a rocker keeps its place along and about the rocker's axis. The rod, with its own length, turns the
+//!   rocker.
+//! - The upper part of a strut turns with the knuckle about its mount.
 
 use super::alignment::Alignment;
 use super::parts::{BuildParameter, Member, Parts, is_of_body};
@@ -28,32 +33,32 @@ use crate::model::{PointId, RockerId, SPINDLE_INNER};
 use crate::number::{Dual, Matrix3, Outlined, Real, Vector3};
 use crate::solve::Solver;
 
-/// The shortest step from the drawn to the built parts.
+/// The shortest step from the nominal to the built parts.
 const SHORTEST_STEP: f64 = 1.0 / 1024.0;
 
-/// Why parts cannot be put together.
+/// Reason why parts cannot be put together.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Reject {
-    /// On the way from the drawn parts to these the mechanism comes to a singular position, beyond which the links
-    /// cannot reach.
+    /// Between the nominal parts and these, the mechanism reaches a singular position. Beyond it, the links cannot
+    /// reach.
     #[error(
         "the links cannot reach: the mechanism can be assembled with up to {:.0} % of these deviations",
         100.0 * share
     )]
     OutOfReach {
-        /// Part of the way up to which it can be put together, from 0 to 1.
+        /// Share of the deviations with which it can still be put together, from 0 to 1.
         share: f64,
     },
     /// The rod of a rocker cannot reach, or is at toggle.
     #[error("the {0} cannot reach, or is at toggle")]
     Rod(Rod),
-    /// A member, by its name, would be of no length, or of less.
+    /// The named member would have a length of zero or less.
     #[error("{0} would have no length")]
     NoLength(String),
     /// The spring cannot be given its length at any height nearby.
     #[error("at no height nearby does the spring have its length")]
     Spring,
-    /// Toe and camber cannot be set to what they were drawn.
+    /// Toe and camber cannot be set to their nominal values.
     #[error("toe and camber cannot be set to their design values")]
     Unaligned,
     /// The parts can be put together, but the result cannot move.
@@ -62,7 +67,7 @@ pub enum Reject {
 }
 
 impl Reject {
-    /// One word for counting.
+    /// Returns the name of the reason, for counts.
     pub fn word(&self) -> &'static str {
         match self {
             Reject::OutOfReach { .. } => "out_of_reach",
@@ -80,7 +85,7 @@ impl Reject {
 pub struct Assembler {
     suspension: Suspension,
     drawn: Parts<f64>,
-    /// The pose of the drawing and the inverse of the Jacobian there.
+    /// The pose of the nominal design and the inverse of the Jacobian there.
     home: Linearised,
     size: f64,
     /// Rounding of positions, as a length.
@@ -96,7 +101,7 @@ pub(crate) struct Linearised {
 }
 
 impl Assembler {
-    /// Prepares to put builds of a suspension together. Errors if its drawing cannot move.
+    /// Prepares to put builds of a suspension together. Fails if its nominal design cannot move.
     pub fn new(suspension: &Suspension) -> Result<Self, DesignFault> {
         let suspension = with_spindle(suspension);
         let (mechanism, design) = (&suspension.mechanism, &suspension.design);
@@ -119,7 +124,7 @@ impl Assembler {
         Ok(assembler)
     }
 
-    /// Takes another drawing of the same suspension. Errors if it cannot move.
+    /// Takes another nominal design of the same suspension. Fails if it cannot move.
     pub fn redraw(&mut self, design: &[Vector3<f64>]) -> Result<(), DesignFault> {
         self.suspension.design.copy_from_slice(design);
         self.drawn = Parts::of_drawing(&self.suspension.mechanism, design);
@@ -134,13 +139,13 @@ impl Assembler {
         Ok(())
     }
 
-    /// The suspension as drawn. Its spin axis always runs through a point of the carrier: where the study gives
-    /// static camber and toe instead, `spindle_inner` is added.
+    /// The nominal suspension. Its spin axis always runs through a point of the carrier. If the study gives static
+    /// camber and toe instead, the assembler adds `spindle_inner`.
     pub fn suspension(&self) -> &Suspension {
         &self.suspension
     }
 
-    /// The parts as drawn.
+    /// The nominal parts.
     pub fn drawn(&self) -> &Parts<f64> {
         &self.drawn
     }
@@ -159,7 +164,7 @@ impl Assembler {
         self.rounding
     }
 
-    /// Puts parts together with the wheel centre `height` above its drawn height, and writes the built design.
+    /// Puts parts together with the wheel centre `height` above its nominal height, and writes the built design.
     pub fn assemble(
         &self,
         parts: &Parts<f64>,
@@ -182,11 +187,11 @@ impl Assembler {
         self.check_rods(into)
     }
 
-    /// Names the member that would have no length. The equations have squares of lengths, so that they would be content
-    /// with one of less than none.
+    /// Checks that every member has a positive length, and names one that has not. The equations contain squares of
+    /// lengths, so they would accept a negative length.
     fn check_lengths(&self, parts: &Parts<f64>) -> Result<(), Reject> {
         let mut pairs = parts.lengths.iter().zip(&self.drawn.lengths);
-        // What is no rod has none.
+        // Only rods have a length; other constraints store 0.
         let Some(place) = pairs.position(|(length, drawn)| *drawn > 0.0 && *length <= 0.0) else {
             return Ok(());
         };
@@ -198,7 +203,7 @@ impl Assembler {
         ))
     }
 
-    /// The twist of the carrier by a dimension of the parts, at the drawing: shift, then turn.
+    /// The derivative of the carrier's pose by a dimension of the parts, at the nominal design: shift, then turn.
     pub(super) fn twist_by(&self, (parameter, share): (BuildParameter, f64)) -> Vector6<f64> {
         let mut parts = self.drawn.map(Dual::<f64, 1>::constant);
         let along = Dual {
@@ -214,7 +219,7 @@ impl Assembler {
         correction.map(|c| c.partials[0])
     }
 
-    /// The pose of the carrier, from that of the drawing.
+    /// Returns the pose of the carrier, starting from the nominal pose.
     pub(crate) fn pose(&self, parts: &Parts<f64>, height: f64) -> Result<Pose<f64>, Reject> {
         match self.settle(&mut parts.clone(), None, height, &self.home) {
             Some(pose) => Ok(pose),
@@ -222,7 +227,7 @@ impl Assembler {
         }
     }
 
-    /// Changes the drawn parts to these step by step, and follows the pose.
+    /// Changes the nominal parts to these step by step, and follows the pose.
     fn approach(&self, parts: &Parts<f64>, height: f64) -> Result<Pose<f64>, Reject> {
         let (mut reached, mut step) = (0.0, 0.25_f64);
         let mut place = self.home;
@@ -269,8 +274,8 @@ impl Assembler {
         }
     }
 
-    /// The pose of parts by corrections from a known one, aligned where that is asked for: then the parts come to
-    /// have the adjustments.
+    /// Returns the pose of parts by corrections from a known pose. If there is an alignment, the parts receive the
+    /// adjustments.
     pub(super) fn settle(
         &self,
         parts: &mut Parts<f64>,
@@ -320,7 +325,7 @@ impl Assembler {
         )
     }
 
-    /// The wheel centre at a height above its drawn one, whatever its place in the carrier.
+    /// The wheel centre at a height above its nominal height, for any place of it in the carrier.
     #[inline(always)]
     fn driver<T: Real>(&self, parts: &Parts<T>, height: T) -> Driver<T> {
         let centre = self.suspension.mechanism.wheel_centre.0;
@@ -347,7 +352,8 @@ impl Assembler {
         self.closure_in(parts, &mut Vec::new())
     }
 
-    /// Position of a point in the undisplaced carrier: for a point of the body, the counterpart where it was drawn.
+    /// Position of a point in the undisplaced carrier. For a point of the body it is the nominal position of its
+    /// counterpart.
     #[inline(always)]
     pub(super) fn in_carrier<T: Real>(&self, parts: &Parts<T>, number: usize) -> Vector3<T> {
         match is_of_body(&self.suspension.mechanism, PointId(number)) {
@@ -356,7 +362,7 @@ impl Assembler {
         }
     }
 
-    /// A pose with the inverse of its Jacobian; `None` where it is singular.
+    /// Returns a pose with the inverse of its Jacobian; `None` if the Jacobian is singular.
     pub(crate) fn linearise(
         &self,
         closure: &Closure<f64>,
@@ -381,7 +387,7 @@ impl Assembler {
         })
     }
 
-    /// The pose over another kind of number, its derivatives mended in as many corrections as they have orders.
+    /// Returns the pose in another kind of number. One correction per order makes its derivatives exact.
     pub(crate) fn pose_series<T: Real>(
         &self,
         parts: &Parts<T>,

@@ -12,10 +12,10 @@ use crate::plan::Plan;
 pub struct BuiltCurves {
     /// The curves; they carry no sensitivities.
     pub curves: Curves,
-    /// How fast the height of rest changes along each direction.
+    /// Derivative of the resting height along each direction.
     pub height: Vec<f64>,
-    /// By direction, station and column: derivatives of what the columns say, value or rate or curvature, in the
-    /// column's unit per length unit.
+    /// Derivatives of the columns by direction, station and column, in the column's unit per length unit. A column is a
+    /// value, a rate or a curvature.
     derivatives: Vec<f64>,
 }
 
@@ -28,8 +28,8 @@ impl BuiltCurves {
     }
 }
 
-/// The curves of a built mechanism under a plan, with their derivatives along directions among its parts. Where a
-/// station has no pose its derivatives are NaN.
+/// Returns the curves of a built mechanism under a plan, with their derivatives along directions of its parts.
+/// The derivatives at a station without a pose are NaN.
 pub fn built_curves(
     assembler: &Assembler,
     built: &Built,

@@ -1,22 +1,26 @@
-//! Mechanisms as they are built: what holds a suspension together is its parts, not its drawing.
+//! Mechanisms as built: the actual parts hold a suspension together, not the nominal design.
 //!
-//! A drawing gives points, from which lengths and shapes follow. What is built has parts that are what they
-//! are: points of the body, lengths of members, shapes of carriers, each off by a little ([`Parts`]). Put
-//! together ([`Assembler`]) with the wheel centre at its height, they come to lie somewhere near the drawing. Where
-//! they lie is a design again, the *built design*: the drawing of a mechanism with just these parts, at rest where this
-//! one rests. So everything the crate knows of designs (poses, lanes, derivatives, limits, certificates) holds
-//! of built mechanisms without a formula of its own.
+//! The nominal design gives points, and these define lengths and shapes. The actual parts deviate a little: points of
+//! the body, lengths of members, shapes of carriers ([`Parts`]). The [`Assembler`] puts the parts together with the
+//! wheel centre at its height. Their points then lie near the nominal ones. These positions are a design, too, the
+//! *built design*: the nominal design of a mechanism with exactly these parts in this resting position. So all methods
+//! for designs (poses, lanes, derivatives, limits, certificates) apply to built mechanisms without further formulas.
 //!
-//! With x the parts and p(x) the built design, whatever is read off the mechanism has
+//! With x the parts and p(x) the built design, every output y of the mechanism has
 //!
 //! ```text
 //! dy/dx = dy/dp dp/dx
 //! ```
 //!
-//! dy/dp is the adjoint of designs ([`mod@crate::derive`]), dp/dx the derivative of the assembly. What a build holds:
-//! travel 0 is the wheel centre at its drawn height, the rack is at 0, points of the body are where they are, the
-//! spindle is fixed in its carrier. Changes "since the design position" (half-track change, angles of arms and rockers) are
-//! counted from where the built mechanism rests.
+//! dy/dp is the adjoint of designs ([`mod@crate::derive`]), dp/dx the derivative of the assembly. A build keeps these:
+//!
+//! - the wheel centre is at its nominal height at travel 0,
+//! - the rack is at 0,
+//! - points of the body do not move,
+//! - the spindle is fixed in its carrier.
+//!
+//! Changes "since the design position" (half-track change, angles of arms and rockers) count from the resting position
+//! of the built mechanism.
 
 mod alignment;
 mod assembler;

@@ -1,4 +1,4 @@
-//! The parts of a suspension: their dimensions, held apart.
+//! The parts of a suspension, with a separate dimension for each.
 
 use crate::model::{Axis, Body, Constraint, Mechanism, PointId, RockerId, Suspension};
 use crate::number::{Real, SimdReal, Vector3};
@@ -26,13 +26,13 @@ impl Member {
         });
         let rods = mechanism.rockers.iter().enumerate();
         let rods = rods.map(|(number, rocker)| {
-            let name = rocker.rod.to_string().replace(' ', "_");
+            let name = rocker.rod.key().to_owned();
             (name, Member::Rod(RockerId(number)))
         });
         links.chain(rods).collect()
     }
 
-    /// Its two ends, the one nearer to the body first.
+    /// The two ends of the member, the end nearer to the body first.
     pub fn ends(self, mechanism: &Mechanism) -> Option<(PointId, PointId)> {
         match self {
             Member::Link(number) => match mechanism.constraints[number] {
@@ -46,7 +46,7 @@ impl Member {
         }
     }
 
-    /// Writes the length that a drawing gives it.
+    /// Writes the length of the member in a design.
     fn cut<T: Real>(self, mechanism: &Mechanism, design: &[Vector3<T>], lengths: &mut [T]) {
         if let Some((inner, outer)) = self.ends(mechanism) {
             lengths[self.place(mechanism)] = (design[outer.0] - design[inner.0]).norm();
@@ -66,8 +66,8 @@ impl Member {
 /// A dimension of the parts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BuildParameter {
-    /// A coordinate of a point in the part that has it: of the body, or of a carrier in the axes it was drawn in.
-    /// The ends of members are points of what they are fixed to. In the kernel's frame.
+    /// A coordinate of a point in its part, in the kernel's frame. The part is the body, or a carrier in its nominal
+    /// position. The end of a member is a point of the part that it is fixed to.
     Coordinate(PointId, Axis),
     /// The length of a member.
     Length(Member),
@@ -76,16 +76,16 @@ pub enum BuildParameter {
 /// The dimensions of all parts, over any number.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Parts<T> {
-    /// Every point as its part has it: in the body, or in its carrier as that was drawn.
+    /// Position of every point in its part: the body, or its carrier in nominal position.
     pub points: Vec<Vector3<T>>,
     /// Lengths of members, by the place of the constraint; 0 for a constraint that is no rod.
     pub lengths: Vec<T>,
-    /// Drawn position of every point; carriers are made in the axes of the drawing.
+    /// Nominal position of every point. Carriers are defined in their nominal position.
     pub drawn: Vec<Vector3<T>>,
 }
 
 impl Parts<f64> {
-    /// The parts as drawn.
+    /// The nominal parts.
     pub fn drawn(suspension: &Suspension) -> Self {
         Parts::of_drawing(&suspension.mechanism, &suspension.design)
     }
@@ -122,7 +122,7 @@ impl Parts<f64> {
 }
 
 impl<T: Real> Parts<T> {
-    /// The parts that a drawing has, over any number.
+    /// Returns the parts of a design, over any kind of number.
     pub fn of_drawing(mechanism: &Mechanism, design: &[Vector3<T>]) -> Self {
         let none = design[0].x.zero();
         let mut lengths = vec![none; mechanism.constraints.len() + mechanism.rockers.len()];
@@ -162,9 +162,9 @@ impl<T: Real> Parts<T> {
 }
 
 impl<B: SimdReal> Parts<B> {
-    /// Makes these the parts of a drawing that scatter, of a build in each lane: what changes with each number that is
-    /// drawn, by how much per unit; and of the numbers, `[source][build]`, the first build's place and the distance from
-    /// source to source.
+    /// Sets these parts to the nominal parts `drawn` plus scatter, one build per lane. Each source lists the dimensions
+    /// that change with one random number, with the change per unit. `draws` holds the random numbers,
+    /// `[source][build]`. `first` is the place of the first build, and `stride` the distance from source to source.
     #[inline(always)]
     pub(crate) fn scatter<'c>(
         &mut self,
@@ -187,7 +187,7 @@ impl<B: SimdReal> Parts<B> {
     }
 }
 
-/// Whether a point is one of the body; the rack's are.
+/// Returns true if a point belongs to the vehicle body. Points of the rack count as points of the body.
 #[inline(always)]
 pub(crate) fn is_of_body(mechanism: &Mechanism, id: PointId) -> bool {
     matches!(mechanism.body(id), Body::Chassis | Body::Rack)

@@ -5,13 +5,13 @@ use super::parts::{BuildParameter, Parts};
 use crate::model::Suspension;
 use crate::number::{Dual, Jet, Real, Vector3};
 
-/// What defines the height of the wheel centre at travel 0.
+/// Definition of the height of the wheel centre at travel 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Rest {
-    /// The workshop sets the height, to this much above the drawn one.
+    /// The workshop sets the height. The value is the difference from the nominal height, positive upwards.
     Height(f64),
-    /// The spring's length sets the height: it is this much longer than drawn, seat to seat. A change of its pushrod
-    /// amounts to this.
+    /// The spring's length sets the height. The value is the difference from the nominal length, seat to seat. It is 0
+    /// if only parts between spring and arm change, such as a pushrod.
     Spring(f64),
 }
 
@@ -22,17 +22,17 @@ pub struct Built {
     pub suspension: Suspension,
     /// The parts.
     pub parts: Parts<f64>,
-    /// What defines the resting height.
+    /// Definition of the resting height.
     pub rest: Rest,
-    /// Height of the wheel centre above its drawn height.
+    /// Height of the wheel centre above its nominal height.
     pub height: f64,
     at: Linearised,
 }
 
-/// Some dimensions that change together, each with its part of the change: a direction among all parts.
+/// Direction of a change of parts: dimensions that change together, each with its share of the change.
 pub type Direction = [(BuildParameter, f64)];
 
-/// The most steps to the height at which the spring has its length.
+/// Maximum number of steps in the search for the height at which the spring has its length.
 const MOST_STEPS: usize = 30;
 
 impl Assembler {
@@ -132,8 +132,8 @@ impl Assembler {
         design
     }
 
-    /// The built design of parts over a derivative number with this number of orders. The values of the parts must be
-    /// the build's own; its height is held.
+    /// Returns the built design of parts that are derivative numbers with `orders` orders. The values of the parts must
+    /// equal those of the build. The height does not change.
     pub fn design_of<T: Real>(
         &self,
         built: &Built,
@@ -144,8 +144,8 @@ impl Assembler {
         self.placed_series(built, parts, height, orders)
     }
 
-    /// How every point of the built design moves as the parts change along a direction, and how much the height
-    /// changes.
+    /// Returns derivatives along a direction of the parts: of every point of the built design, and of the resting
+    /// height.
     pub fn design_by(&self, built: &Built, direction: &Direction) -> (Vec<Vector3<f64>>, f64) {
         let rise = match built.rest {
             Rest::Height(_) => 0.0,
@@ -164,7 +164,7 @@ impl Assembler {
         (slopes.collect(), rise)
     }
 
-    /// The built design as a series to second order along a direction, the height held.
+    /// Returns the built design as a series to second order along a direction, at constant height.
     pub fn design_series(&self, built: &Built, direction: &Direction) -> Vec<Vector3<Jet<f64, 3>>> {
         let number = |value, by| Jet([value, by, 0.0]);
         self.design_along(built, number, 2, direction, 0.0)

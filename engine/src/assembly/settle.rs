@@ -1,4 +1,4 @@
-//! Corrections with one inverse, of one build or of one in each lane.
+//! Corrections with one inverse, for one build or for one build per lane.
 //!
 //! With A the inverse of the Jacobian in a known position, q the pose and F the closure equations of the parts,
 //!
@@ -6,39 +6,40 @@
 //! q <- q - A F(q, parts)                                                                       (1)
 //! ```
 //!
-//! contracts as fast as the parts differ from those of that position. Where toe and camber are set again, adjustments a
-//! of the parts are unknowns beside the pose ([`Alignment`]): after (1), with M and T those of the drawing,
+//! converges faster, the closer the parts are to those of that position. If toe and camber are set again, adjustments a
+//! of the parts are further unknowns ([`Alignment`]). Then (2) follows (1), with M and T of the nominal design:
 //!
 //! ```text
 //! da = -M (w(q, parts) - wanted),   parts <- parts + da,   q <- q + T da                       (2)
 //! ```
 //!
-//! T being how the pose follows an adjustment; so that is Newton's method with one inverse in all unknowns. It goes on as
-//! long as each correction is at most half of the one before; or, with adjustments, whose corrections are no lengths of the
-//! pose's kind, at most a fourth of the one before that. A lane stays as it is once it has settled, so that it depends on
-//! its own build alone.
+//! T is the derivative of the pose by an adjustment. So this is Newton's method in all unknowns, with one inverse. The
+//! method continues as long as each correction is at most half of the previous one. With adjustments, a quarter of the
+//! correction before the previous one also suffices. A lane that has settled no longer changes, so it depends on its
+//! own build alone.
 
 use super::alignment::{Alignment, ROUNDING};
 use super::assembler::{Assembler, Linearised};
 use super::parts::Parts;
 use super::settle_series::SettlingSeries;
+use crate::mechanism::constraint::PartDimensions;
 use crate::mechanism::{Closure, Pose, Turn};
 use crate::number::{Each, Jet, Matrix3, Outlined, Real, SimdReal, Vector3};
 
-/// The most corrections; what contracts by a half each time has long settled.
+/// Maximum number of corrections. A build whose corrections halve each time settles much earlier.
 const MOST_ROUNDS: usize = 40;
-/// The farthest the carrier may move at once, relative to the size, and the most it may turn (rad).
+/// Largest move of the carrier in one correction, relative to the size, and largest turn in rad.
 const FARTHEST: f64 = 0.2;
-/// The least squared leverage of a rocker of a build in lanes: a toggle is far then.
+/// Smallest squared leverage of a rocker of a build in lanes. Above it, a toggle is far away.
 const LEAST_LEVERAGE: f64 = 0.0625;
 
 /// Settles a pose.
 pub(super) struct Settling<'s, B> {
     pub(super) assembler: &'s Assembler,
-    /// The parts; where they are aligned, they come to have the adjustments.
+    /// The parts. If they are aligned, they receive the adjustments.
     pub(super) parts: &'s mut Parts<B>,
     pub(super) alignment: Option<&'s Alignment>,
-    /// Height of the wheel centre above its drawn height.
+    /// Height of the wheel centre above its nominal height.
     pub(super) height: f64,
     pub(super) from: &'s Linearised,
     /// Room for the points of the undisplaced carrier.
@@ -46,7 +47,7 @@ pub(super) struct Settling<'s, B> {
 }
 
 impl<B: SimdReal> Outlined for Settling<'_, B> {
-    /// The pose, and the lanes in which it has settled. In the others pose and adjustments are anything.
+    /// The pose, and the lanes in which it has settled. Poses and adjustments of other lanes are undefined.
     type Output = (Pose<B>, B::Mask);
 
     #[inline(always)]
@@ -98,7 +99,7 @@ impl<B: SimdReal> Outlined for Settling<'_, B> {
                 );
             }
             pose = selected(open, &next, &pose);
-            // What the next correction would be, if it is again this much smaller.
+            // The next correction, if it shrinks by the same ratio again.
             let ratio = moved / before;
             let ahead = moved * B::select(ratio.less(one), ratio, one);
             let ends = open & ahead.less(rounding) & !before.less(moved);
@@ -142,7 +143,7 @@ impl<B: SimdReal> Outlined for Placing<'_, B> {
         let least = like.lit(LEAST_LEVERAGE);
         let mut accepted = like.everywhere();
         for (length, drawn) in self.parts.lengths.iter().zip(&assembler.drawn().lengths) {
-            // What is no rod has none.
+            // Only rods have a length; other constraints store 0.
             if *drawn > 0.0 {
                 accepted = accepted & like.zero().less(*length);
             }
@@ -161,13 +162,13 @@ impl<B: SimdReal> Outlined for Placing<'_, B> {
 #[derive(Clone, Copy)]
 pub(crate) struct InLanes<B: SimdReal> {
     pose: Pose<B>,
-    /// The accepted lanes; the others are left to be put together one by one.
+    /// The accepted lanes. The caller puts the builds of other lanes together one by one.
     pub(crate) accepted: B::Mask,
 }
 
 impl Assembler {
-    /// Puts the parts of a build in each lane together with the wheel centre at its drawn height, aligns them where that is
-    /// asked for, and writes the built designs. `carrier` is room, of any content.
+    /// Puts parts together, one build per lane, with the wheel centre at its nominal height. Aligns them if there is an
+    /// `alignment`. Writes the built designs. `carrier` is working memory with any content.
     #[inline(always)]
     pub(crate) fn assemble_in_lanes<B: SimdReal>(
         &self,
@@ -197,8 +198,8 @@ impl Assembler {
         }
     }
 
-    /// The built designs of such builds as series, from parts as series with the values they have come to have. Says which
-    /// lanes are accepted.
+    /// Writes the built designs of such builds as series. The values of `parts` must be those after assembly. Returns
+    /// the accepted lanes.
     #[inline(always)]
     pub(crate) fn series_in_lanes<B: SimdReal>(
         &self,
@@ -218,7 +219,7 @@ impl Assembler {
         })
     }
 
-    /// The closure equations of parts; `carrier` is room.
+    /// Returns the closure equations of parts. `carrier` is working memory.
     #[inline(always)]
     pub(super) fn closure_in<T: Real>(
         &self,
@@ -230,7 +231,13 @@ impl Assembler {
             carrier.push(self.in_carrier(parts, number));
         }
         let mechanism = &self.suspension().mechanism;
-        Closure::of_parts(mechanism, &parts.points, carrier, &parts.lengths)
+        let parts = PartDimensions {
+            body: &parts.points,
+            knuckle: carrier,
+            drawn: &parts.drawn,
+            lengths: &parts.lengths,
+        };
+        Closure::of_parts(mechanism, parts)
     }
 }
 

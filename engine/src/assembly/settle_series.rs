@@ -1,8 +1,8 @@
-//! How built designs move with the drawing, of a build in each lane.
+//! Derivatives of built designs by the nominal design, one build per lane.
 //!
-//! Parts as series p + p' e in one variable of the drawing settle as plain ones do (module `settle`): each correction
-//! with the drawing's inverse mends the pose's derivative by as much as the parts differ from the drawing. Values are
-//! settled already.
+//! The parts are series p + p' e in one variable of the nominal design. They settle as plain parts do (module
+//! `settle`). Each correction uses the inverse of the nominal design. The closer the parts are to nominal, the more a
+//! correction reduces the error of the pose's derivative. The values are already settled.
 
 use super::alignment::Alignment;
 use super::assembler::Assembler;
@@ -11,11 +11,12 @@ use super::settle::larger;
 use crate::mechanism::Pose;
 use crate::number::{Jet, Matrix3, Outlined, SimdReal, Vector3};
 
-/// The most corrections.
+/// Maximum number of corrections.
 const MOST_ROUNDS: usize = 40;
-/// What is left of a derivative, relative to the fastest point of the drawing or the largest correction: where the next
-/// correction would be below the first it is settled, where corrections shrink no more below the second.
+/// A derivative has settled if its next correction would be below this limit. The limit is relative to the fastest
+/// nominal point or to the largest correction.
 const FINE: f64 = 1e-15;
+/// If corrections no longer shrink, a derivative has settled if its last correction is below this limit.
 const COARSE: f64 = 1e-12;
 
 /// A series.
@@ -25,7 +26,7 @@ type Series<B> = Jet<B, 2>;
 pub(super) struct SettlingSeries<'s, B> {
     pub(super) assembler: &'s Assembler,
     pub(super) alignment: Option<&'s Alignment>,
-    /// The parts as series; where they are aligned, they come to have the derivatives of the adjustments.
+    /// The parts as series. If they are aligned, they receive the derivatives of the adjustments.
     pub(super) parts: &'s mut Parts<Series<B>>,
     pub(super) pose: &'s Pose<B>,
     /// Room for the points of the undisplaced carrier.
@@ -132,7 +133,7 @@ fn constant<B: SimdReal>(pose: &Pose<B>) -> Pose<Series<B>> {
     }
 }
 
-/// The values of the second, the derivatives of either.
+/// The values of `no`, with the derivatives of `yes` in the lanes of the mask and of `no` in the others.
 #[inline(always)]
 fn selected<B: SimdReal>(
     mask: B::Mask,

@@ -12,7 +12,7 @@ pub struct AxleMotion {
     pub wheels: WheelMotion,
     /// Displacements of the rack.
     pub racks: Vec<f64>,
-    /// Whether results have a column for the rack.
+    /// True if results have a column for the rack.
     pub shows_rack: bool,
     /// Angles of the steering wheel that make these displacements, if the study gives angles.
     pub steering_wheel: Option<Vec<f64>>,
@@ -40,7 +40,7 @@ pub enum WheelMotion {
         heave: Vec<f64>,
         /// Roll angles.
         roll: Vec<f64>,
-        /// Whether the mean travel follows from the load: it then is such that the axle carries what it carries when it
+        /// True if the mean travel follows from the load. The axle then carries the load that it carries when it
         /// stands level at this heave.
         at_load: bool,
     },
@@ -50,13 +50,13 @@ pub enum WheelMotion {
         left: Vec<f64>,
         /// Travels of the right wheel.
         right: Vec<f64>,
-        /// Whether both wheels stand on one plane, rather than each on a level pad.
+        /// True if both wheels stand on one plane, false if each stands on a level pad.
         on_plane: bool,
     },
 }
 
 impl AxleMotion {
-    /// Whether results have a column for the roll angle.
+    /// Returns true if results have a column for the roll angle.
     pub fn shows_roll(&self) -> bool {
         !matches!(
             self.wheels,
@@ -68,7 +68,7 @@ impl AxleMotion {
         )
     }
 
-    /// Whether results have a column for heave.
+    /// Returns true if results have a column for heave.
     pub fn shows_heave(&self) -> bool {
         !matches!(self.wheels, WheelMotion::Travels { .. })
     }
@@ -136,7 +136,7 @@ impl AxleMotion {
         placements
     }
 
-    /// The position of which a run says "design" alone: everything at zero, on the same ground.
+    /// The design position of a run: everything at zero, on the same ground.
     pub fn at_design(&self) -> AxleMotion {
         let zero = || vec![0.0];
         AxleMotion {

@@ -70,7 +70,7 @@ macro_rules! catalogue {
                 }
             }
 
-            /// Whether sweeps have it in lanes.
+            /// Returns true if sweeps compute the quantity in lanes.
             pub fn is_for_lanes(self) -> bool {
                 match self {
                     $(WheelQuantity::$wheel => catalogue!(@is_for $wlanes),)*
@@ -108,7 +108,7 @@ macro_rules! catalogue {
                 }
             }
 
-            /// Whether sweeps have it in lanes.
+            /// Returns true if sweeps compute the quantity in lanes.
             pub fn is_for_lanes(self) -> bool {
                 match self {
                     $(AxleQuantity::$axle => catalogue!(@is_for $lanes),)*
@@ -142,7 +142,7 @@ catalogue! {
         RollCamber, "roll_camber", Unit::AnglePerAngle, "camber grows with the roll angle", "d camber/d phi, mean travel and rack held", "derivative along roll on a plane ground", [WheelRadius], [], 1, lanes, roll::roll_camber;
         RollCamberToRoad, "roll_camber_to_road", Unit::AnglePerAngle, "camber to the road grows with the roll angle", "d camber_to_road/d phi, mean travel and rack held", "derivative along roll on a plane ground", [WheelRadius], [], 1, lanes, roll::roll_camber_to_road;
         WheelLoad, "wheel_load", Unit::Force, "pressed to the ground; below 0 the wheel would lift", "U_z/(n.C'), U the energy of springs and bars", VIRTUAL_WORK, [WheelRadius, Springs], [SpringLength, BarAngle, RockerAngle, HeaveSpring], 1, one_by_one, loads::wheel_load;
-        WheelRate, "wheel_rate", Unit::ForcePerLength, "the load grows as the wheel's pad rises", "load by height of its level pad, by the spring alone: body, rack and the other wheel held, without anti-roll bar and tyre", VIRTUAL_WORK, [WheelRadius, SpringForce], [SpringLength], 2, one_by_one, loads::wheel_rate;
+        WheelRate, "wheel_rate", Unit::ForcePerLength, "the load grows as the wheel's pad rises", "load by height of its level pad, by the springs alone: body, rack and the other wheel's pad held, without anti-roll bar and tyre", VIRTUAL_WORK, [WheelRadius, SpringForce], [SpringLength], 2, one_by_one, loads::wheel_rate;
         SpringForce, "spring_force", Unit::Force, "compressed", "force of the spring, bump stop included", "the spring's law", [SpringForce], [SpringLength], 0, one_by_one, loads::spring_force;
         WheelRollSteer, "roll_steer", Unit::AnglePerAngle, "steers to the left when rolled as in a left turn", "d steer/d phi, mean travel and rack held", "derivative along roll on a plane ground; other tools take left jounce as positive roll", [WheelRadius], [], 1, lanes, steering::roll_steer;
     }
@@ -178,14 +178,14 @@ catalogue! {
         RideRate, "ride_rate", Unit::ForcePerLength, "always", "d(F_l + F_r)/d heave/2, per wheel, in series with the tyre where [tyre] gives its rate: rack held, on a plane ground the roll angle too, on pads equal travels", VIRTUAL_WORK, [WheelRadius, Springs], [SpringLength, BarAngle, RockerAngle, HeaveSpring], 2, false, one_by_one, loads::ride_rate, None;
         RideFrequency, "ride_frequency", Unit::Frequency, "always", "sqrt(2 ride_rate/sprung mass)/(2 pi)", "natural frequency of the sprung mass in heave", [WheelRadius, Springs, SprungMass], [SpringLength, BarAngle, RockerAngle, HeaveSpring], 2, false, one_by_one, loads::ride_frequency, None;
         AxleSteer, "axle_steer", ANGLE, "to the left", "atan2(-a_x, a_y), a the line of a solid axle", "kinematics of a solid axle", [], [], 0, false, one_by_one, rigid::axle_steer, None;
-        AxleLateral, "axle_lateral", LENGTH, "to the left", "y of the middle of both wheel centres, from the design position of a solid axle", "kinematics of a solid axle", [], [], 0, false, one_by_one, rigid::axle_lateral, None;
-        AxleLongitudinal, "axle_longitudinal", LENGTH, "forward", "x of the middle of both wheel centres, from the design position of a solid axle", "kinematics of a solid axle", [], [], 0, false, one_by_one, rigid::axle_longitudinal, None;
+        AxleLateral, "axle_lateral", LENGTH, "to the left", "y of the middle of both wheel centres, from the design position of a solid axle", "kinematics of a solid axle", [], [], 0, false, lanes, rigid::axle_lateral, None;
+        AxleLongitudinal, "axle_longitudinal", LENGTH, "forward", "x of the middle of both wheel centres, from the design position of a solid axle", "kinematics of a solid axle", [], [], 0, false, lanes, rigid::axle_longitudinal, None;
         PinionAngle, "pinion_angle", ANGLE, "nose up", "atan2(R_zx, R_xx), R the rotation of a solid axle from the design position", "kinematics of a solid axle", [], [], 0, false, one_by_one, rigid::pinion_angle, None;
-        RigidAntiSquat, "anti_squat", PERCENT, "the rear resists squatting under drive", "of a solid axle: 100 d (L/h)(f_l + f_r), f the loads that balance a unit drive force, half at each wheel", LINK_LOADS, [WheelRadius, Wheelbase, CgHeight, RearDrive], [], 1, false, one_by_one, rigid::anti_squat, None;
-        RigidAntiLift, "anti_lift", PERCENT, "the rear resists lifting in braking, or a driven front under drive", "of a solid axle: 100 p (L/h)(f_l + f_r) at the rear, -100 d (L/h)(f_l + f_r) in front", LINK_LOADS, [WheelRadius, Wheelbase, CgHeight, RearBrakingOrFrontDrive], [], 1, false, one_by_one, rigid::anti_lift, None;
-        RigidAntiDive, "anti_dive", PERCENT, "the front resists diving in braking", "of a solid axle: -100 p (L/h)(f_l + f_r)", LINK_LOADS, [WheelRadius, Wheelbase, CgHeight, FrontBraking], [], 1, false, one_by_one, rigid::anti_dive, None;
-        DriveLoadTransfer, "drive_load_transfer", RATIO, "the right wheel gains load under drive", "of a solid axle: (f_r - f_l)/2 for a unit drive force; the torque of the propeller shaft is left out", LINK_LOADS, [WheelRadius, RearDrive], [], 1, false, one_by_one, rigid::drive_load_transfer, None;
-        WheelHopFrequency, "wheel_hop_frequency", Unit::Frequency, "always", "sqrt(2 (wheel_rate + tyre rate)/unsprung mass)/(2 pi), wheel_rate the mean of both", "natural frequency of the wheels, the body held", [WheelRadius, SpringForce, TyreRate, UnsprungMass], [SpringLength, BarAngle], 2, false, one_by_one, loads::wheel_hop_frequency, None;
+        RigidAntiSquat, "anti_squat", PERCENT, "the rear resists squatting under drive", "of a solid axle: 100 d (L/h)(f_l + f_r), f the loads that balance a unit drive force, half at each wheel", LINK_LOADS, [WheelRadius, Wheelbase, CgHeight, RearDrive], [], 1, false, lanes, rigid::anti_squat, None;
+        RigidAntiLift, "anti_lift", PERCENT, "the rear resists lifting in braking, or a driven front under drive", "of a solid axle: 100 p (L/h)(f_l + f_r) at the rear, -100 d (L/h)(f_l + f_r) in front", LINK_LOADS, [WheelRadius, Wheelbase, CgHeight, RearBrakingOrFrontDrive], [], 1, false, lanes, rigid::anti_lift, None;
+        RigidAntiDive, "anti_dive", PERCENT, "the front resists diving in braking", "of a solid axle: -100 p (L/h)(f_l + f_r)", LINK_LOADS, [WheelRadius, Wheelbase, CgHeight, FrontBraking], [], 1, false, lanes, rigid::anti_dive, None;
+        DriveLoadTransfer, "drive_load_transfer", RATIO, "the right wheel gains load under drive", "of a solid axle: (f_r - f_l)/2 for a unit drive force; the torque of the propeller shaft is left out", LINK_LOADS, [WheelRadius, RearDrive], [], 1, false, lanes, rigid::drive_load_transfer, None;
+        WheelHopFrequency, "wheel_hop_frequency", Unit::Frequency, "always", "sqrt(2 (wheel_rate + tyre rate)/unsprung mass)/(2 pi), wheel_rate the mean of both; of a solid axle the rate of both wheels together", "natural frequency of the wheels, the body held", [WheelRadius, SpringForce, TyreRate, UnsprungMass], [SpringLength, BarAngle], 2, false, one_by_one, loads::wheel_hop_frequency, None;
     }
 }
 
@@ -201,8 +201,8 @@ pub enum Quantity {
 }
 
 impl Quantity {
-    /// The quantities of a name, left before right; empty where there is none. `roll_steer` is of the wheels
-    /// and of the axle.
+    /// The quantities of a name, left before right; empty if no quantity has the name. Both the wheels and the axle
+    /// have a `roll_steer`.
     pub fn named(name: &str) -> Vec<Quantity> {
         let sides = Side::ALL;
         let mut found = Vec::new();
@@ -227,7 +227,7 @@ impl Quantity {
         match self {
             Quantity::Corner(_, c) => !rigid || c.info().rate_order == 0,
             Quantity::Wheel(_, q) => {
-                let by_own_travel = [W::JackingCoefficient, W::SideForceJacking, W::WheelRate];
+                let by_own_travel = [W::JackingCoefficient, W::SideForceJacking];
                 !(rigid && by_own_travel.contains(&q))
             }
             Quantity::Axle(
@@ -236,8 +236,7 @@ impl Quantity {
                 | A::AckermannByInner
                 | A::AckermannByCotangents
                 | A::TurningCircle
-                | A::SteeringRatio
-                | A::WheelHopFrequency,
+                | A::SteeringRatio,
             ) => !rigid,
             Quantity::Axle(
                 A::AxleSteer
@@ -300,7 +299,7 @@ impl Quantity {
         }
     }
 
-    /// Whether it moves with a rocker of a side.
+    /// Returns true if the quantity moves with a rocker of a side.
     pub fn moves_with_rocker(self, side: Side) -> bool {
         let of_side = match self {
             Quantity::Corner(own, _) | Quantity::Wheel(own, _) => own == side,
@@ -309,10 +308,10 @@ impl Quantity {
         of_side && self.info().reads.iter().any(|slot| slot.may_turn())
     }
 
-    /// How far apart in height both contact points may be on one plane, in tracks.
+    /// Largest height difference of two contact points on one plane, in tracks.
     pub(super) const SAME_PLANE: f64 = 1e-9;
 
-    /// Whether it is a derivative along a motion on a plane ground.
+    /// Returns true if the quantity is a derivative along a motion on a plane ground.
     pub(super) fn is_of_the_plane(self) -> bool {
         matches!(
             self,
@@ -343,7 +342,7 @@ impl Quantity {
         void.or(plane).unwrap_or(NoValue::NotFinite).reason()
     }
 
-    /// The value in a state, or why there is none.
+    /// The value in a state, or the reason for its absence.
     pub fn value(self, state: &AxleState<f64>) -> Result<f64, NoValue> {
         let is_void = |void: &NoValue| match void {
             NoValue::StraightAhead => steering::is_straight_ahead(state),

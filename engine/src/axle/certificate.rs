@@ -1,4 +1,4 @@
-//! Proof of an axle's position: of both poses, and of what the ground asks of them.
+//! Proof of an axle's position: of both poses, and of the conditions at the ground.
 //!
 //! On a plane ground one number is a result: half the difference s of the travels, where the roll angle is given, or
 //! the roll angle, where both travels are. It is the root of f = h_l - h_r, the difference in height of the contact
@@ -18,9 +18,9 @@ use crate::analyse::{Certifier, Inclusion};
 use crate::curves::Prover;
 use crate::mechanism::{Configuration, Failure, NoPose};
 use crate::model::{Mechanism, Side};
-use crate::number::{Interval, Jet, Vector3};
+use crate::number::{Interval, Jet, Real, Vector3};
 
-/// What is proved of an axle's position. Lengths and angles as in the study, the angles in radians.
+/// Proved bounds on an axle's position. Lengths and angles as in the study, the angles in radians.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxleProof {
     /// No point of the left or right wheel carrier is further than this from its exact position.
@@ -38,6 +38,8 @@ pub struct AxleProof {
 pub struct AxleCertifier<'a> {
     wheels: [Wheel<'a>; 2],
     radius: f64,
+    /// One body carries both wheels: the difference of the travels drives it, and the mean takes the rack's place.
+    is_rigid: bool,
 }
 
 /// One wheel of the axle, in the kernel's frame of its side.
@@ -45,13 +47,13 @@ struct Wheel<'a> {
     prover: Prover<'a>,
     mechanism: &'a Mechanism,
     design: Vec<Vector3<Jet<Interval, 2>>>,
-    /// How far the wheel centre rises, at most, when no coordinate of the pose changes by more than 1.
+    /// Largest rise of the wheel centre when no coordinate of the pose changes by more than 1.
     rise: f64,
 }
 
-/// Times that an interval is made four times as short before nothing is proved.
+/// Number of times that an interval is cut to a quarter before the proof is given up.
 const MOST_QUARTERINGS: usize = 24;
-/// Share of an interval that is tried next, where nothing is proved in it. It changes the path, not the result.
+/// Share of an interval that is tried next when the proof fails in it. It changes the path, not the result.
 const NARROWER: f64 = 0.25;
 /// Half the widest interval in which a root is looked for, of a roll angle.
 const WIDEST_ROLL: f64 = 0.1;
@@ -101,9 +103,19 @@ impl<'a> Wheel<'a> {
         let mechanism = &suspension.mechanism;
         let [centre, origin] = [mechanism.wheel_centre, mechanism.origin].map(|id| id.0);
         let lever = suspension.design[centre] - suspension.design[origin];
-        let [x, y, z] = lever.to_array().map(f64::abs);
         let prover = Prover::new(suspension);
-        let rise = 1.0 + (x + y + z) / prover.certifier.scale();
+        let scale = prover.certifier.scale();
+        let rise = |lever: Vector3<f64>| {
+            let [x, y, z] = lever.to_array().map(f64::abs);
+            1.0 + (x + y + z) / scale
+        };
+        // The travel that drives a rigid axle is half of the rise of both wheel centres.
+        let far = mechanism
+            .rigid_axle
+            .as_ref()
+            .map_or(centre, |rigid| rigid.far_centre.0);
+        let far_lever = suspension.design[far] - suspension.design[origin];
+        let rise = rise(lever).max(rise(far_lever));
         let exact = |p: &Vector3<f64>| p.map(|c| Jet::constant(Interval::point(c)));
         Wheel {
             prover,
@@ -140,6 +152,7 @@ impl<'a> AxleCertifier<'a> {
         AxleCertifier {
             wheels: Side::ALL.map(|side| Wheel::new(axle, side)),
             radius: axle.setup.wheel_radius.unwrap_or(f64::NAN),
+            is_rigid: axle.is_rigid(),
         }
     }
 
@@ -154,9 +167,7 @@ impl<'a> AxleCertifier<'a> {
     /// [`NoPose::Wheel`] if a pose is not proved, [`NoPose::Unproven`] if the poses are, but not that travels
     /// or roll angle are right for the ground.
     pub fn prove(&self, placement: &Placement, placed: &Placed) -> Result<AxleProof, NoPose> {
-        let over = |side: Side, travel: Interval| {
-            // In its own frame the rack of the right wheel moves the other way.
-            let rack = placement.rack() * side.sign();
+        let over = |side: Side, travel: Interval, rack: f64| {
             let pose = &placed.poses()[side as usize];
             let found = self.wheel(side).over_travels(pose, travel, rack);
             found.map_err(|reason| NoPose::Wheel {
@@ -165,8 +176,19 @@ impl<'a> AxleCertifier<'a> {
                 failure: Failure::Uncertified(reason),
             })
         };
-        let over =
-            |[left, right]: [Interval; 2]| Ok([over(Side::Left, left)?, over(Side::Right, right)?]);
+        let over = |[left, right]: [Interval; 2]| {
+            // In its own frame the rack of the right wheel moves the other way.
+            let rack = placement.rack();
+            let coordinates = match self.is_rigid {
+                false => [(left, rack), (right, -rack)],
+                true => {
+                    let half = (left - right).scaled(0.5);
+                    [(half, placement.mean()), (-half, placement.mean())]
+                }
+            };
+            let [(left, one), (right, two)] = coordinates;
+            Ok([over(Side::Left, left, one)?, over(Side::Right, right, two)?])
+        };
         match *placement {
             // A load is not enclosed.
             Placement::AtLoad { .. } => Err(NoPose::Unproven),
@@ -178,7 +200,16 @@ impl<'a> AxleCertifier<'a> {
             } => {
                 let wheels = over(travels.map(Interval::point))?;
                 let roll = on_plane.then_some(placed.roll);
-                self.at_travels(&wheels, roll)
+                let proof = self.at_travels(&wheels, roll)?;
+                // The mean of both travels is rounded.
+                let rounding = match self.is_rigid {
+                    true => f64::EPSILON * (travels[0].abs() + travels[1].abs()),
+                    false => 0.0,
+                };
+                Ok(AxleProof {
+                    travel_error: rounding,
+                    ..proof
+                })
             }
         }
     }

@@ -1,4 +1,4 @@
-//! Columns of an axle's curves: names that say what a number is and in what unit.
+//! Columns of an axle's curves: names with quantity and unit.
 
 use super::reading::WheelParts;
 use super::state::{AxleState, Motion};
@@ -14,28 +14,28 @@ use crate::number::Jet;
 pub struct AxleColumn {
     /// Name with unit.
     pub name: String,
-    /// What the column contains.
+    /// Content of the column.
     pub of: Of,
     /// The motion along which it is a derivative; `None` for a value.
     pub by: Option<Motion>,
-    /// Whether it is the derivative by time of a motion along `by`.
+    /// True if the column is the derivative by time, in a motion along `by`.
     pub is_by_time: bool,
     /// Order of the derivative; 0 for a value.
     pub order: usize,
     /// Unit alone; empty for a plain number.
     pub unit: String,
-    /// What a value in radians, length units and newtons is multiplied by to be printed.
+    /// Factor from radians, length units and newtons to the unit of the column.
     pub factor: f64,
 }
 
-/// What a column of an axle's curves contains.
+/// Content of a column of an axle's curves.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Of {
     /// A quantity.
     Quantity(Quantity),
     /// A coordinate of a point of one wheel's suspension.
     Point {
-        /// Which wheel.
+        /// The wheel.
         side: Side,
         /// Number of the point among those of the plan.
         number: usize,
@@ -45,7 +45,7 @@ pub enum Of {
         axis: Axis,
         /// Its name without the unit.
         name: String,
-        /// Whether it stands on a rocker.
+        /// True if the point is on a rocker.
         on_rocker: bool,
     },
     /// A component of the angular velocity of one wheel carrier.
@@ -68,8 +68,8 @@ impl AxleColumn {
         }
     }
 
-    /// The column's number in a position, in radians, length units, newtons and seconds, or why there is none. `None` for a
-    /// force, which cannot be read off the position alone.
+    /// The column's number in a position, in radians, length units, newtons and seconds, or the reason for its
+    /// absence. `None` for a force, which cannot be read off the position alone.
     pub(super) fn evaluate(&self, read: &Read, time: ByTime) -> Option<Result<f64, NoValue>> {
         if !self.is_by_time {
             return self.along(read, self.order);
@@ -174,7 +174,7 @@ impl AxleColumn {
         }
     }
 
-    /// Name of what the column contains, without motion and unit.
+    /// Name of the column's content, without motion and unit.
     pub fn output(&self) -> String {
         match &self.of {
             Of::Quantity(quantity) => quantity.name(),
@@ -252,7 +252,7 @@ impl From<&AxleColumn> for Column {
     }
 }
 
-/// A motion, its name and unit in columns, and what a derivative along it is multiplied by to be printed.
+/// A motion, its name and unit in columns, and the factor from a derivative along it to its printed value.
 type ByMotion = (Motion, &'static str, String, f64);
 
 /// Three components of the left wheel, three of the right one.
@@ -370,7 +370,7 @@ impl AxlePlan {
         columns
     }
 
-    /// The loads on one wheel, and what carries them.
+    /// The loads on one wheel, and the parts that carry them.
     pub(super) fn carried<'a>(&'a self, axle: &'a Axle, side: Side) -> Loads<'a> {
         let mechanism = &axle.suspension(side).mechanism;
         Loads::of(mechanism, axle.frame(side), &self.loads[side as usize])

@@ -99,7 +99,7 @@ impl Coordinate {
 }
 
 impl Placement {
-    /// The value of a coordinate, as a course has it; 0 for a coordinate that this placement is not given by.
+    /// The value of a coordinate in the form of a course; 0 for a coordinate that does not define this placement.
     pub fn along(&self, coordinate: Coordinate) -> f64 {
         match (coordinate, *self) {
             (Coordinate::Rack | Coordinate::SteeringWheel, placement) => placement.rack(),

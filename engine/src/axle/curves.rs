@@ -12,7 +12,7 @@ use crate::solve::{LEAST_DIGITS, rate_digits};
 use crate::study::Load;
 use crate::threads::on_large_stacks;
 
-/// What is computed for an axle.
+/// Results to compute for an axle, and the stations at which to compute them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AxlePlan {
     /// The stations.
@@ -23,11 +23,11 @@ pub struct AxlePlan {
     pub derivatives: usize,
     /// Hardpoints by which gradients are formed; empty for none.
     pub sensitivities: Vec<PointId>,
-    /// Whether each position is proved.
+    /// True if the program proves each position.
     pub certify: bool,
     /// Points whose coordinates are reported.
     pub points: Vec<PointId>,
-    /// Whether the angular velocities of the wheel carriers are reported.
+    /// True if results contain the angular velocities of the wheel carriers.
     pub knuckle: bool,
     /// Loads on the left and the right wheel, each in the kernel's frame of its side.
     pub loads: [Vec<Load>; 2],
@@ -72,7 +72,7 @@ impl AxlePlan {
 }
 
 impl Axle {
-    /// Whether the steering wheel, turned to the left, steers the wheels to the right.
+    /// Returns true if the steering wheel, turned to the left, steers the wheels to the right.
     pub fn turns_against(&self, plan: &AxlePlan) -> bool {
         if self.setup.c_factor.is_none() || self.setup.wheel_radius.is_none() {
             return false;
@@ -93,7 +93,7 @@ impl Axle {
 pub struct AxleCurves {
     /// The curves.
     pub curves: Curves,
-    /// For each station the position of both wheels, or the reason why there is none.
+    /// For each station the position of both wheels, or the reason for its absence.
     pub placed: Vec<Result<Placed, NoPose>>,
 }
 
@@ -219,14 +219,20 @@ fn certify<const N: usize>(
 ) {
     let certifier = AxleCertifier::new(axle);
     let stations: Vec<usize> = (0..placements.len()).collect();
-    for stations in stations.chunk_by(|a, b| placements[*a].rack() == placements[*b].rack()) {
-        let rack = placements[stations[0]].rack();
+    let is_rigid = solver.is_rigid();
+    let rack_of = |station: usize| match is_rigid {
+        true => placements[station].mean(),
+        false => placements[station].rack(),
+    };
+    for stations in stations.chunk_by(|a, b| rack_of(*a) == rack_of(*b)) {
+        let rack = rack_of(stations[0]);
         let known = stations.iter();
         let known = known.filter_map(|number| Some((*number, found.placed[*number].ok()?)));
         let (numbers, placed): (Vec<usize>, Vec<Placed>) = known.unzip();
         let branches = Side::ALL.map(|side| {
             let wheel = side as usize;
-            let travels: Vec<_> = placed.iter().map(|p| p.travels[wheel]).collect();
+            let drive = |p: &Placed| solver.coordinates(p.travels, p.rack)[wheel].0;
+            let travels: Vec<_> = placed.iter().map(drive).collect();
             let poses: Vec<_> = placed.iter().map(|p| p.poses()[wheel]).collect();
             solver.prove_branch(certifier.wheel(side), side, rack, (&travels, &poses))
         });

@@ -17,9 +17,9 @@ pub enum ForcePart {
 /// The position that is farthest beyond an end of a force curve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BeyondCurve {
-    /// Which wheel.
+    /// The wheel.
     pub side: Side,
-    /// Which part.
+    /// The part.
     pub part: ForcePart,
     /// Length or compression, in the study's unit.
     pub value: f64,

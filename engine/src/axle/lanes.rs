@@ -106,7 +106,8 @@ impl<B: SimdReal> LaneWheel<'_, B> {
 }
 
 impl Quantity {
-    /// Whether lanes can provide the quantity: every characteristic of a wheel, and what the axle's catalogue marks.
+    /// Returns true if lanes can provide the quantity. They provide every characteristic of a wheel, and the
+    /// quantities that the axle's catalogue marks.
     pub fn is_for_lanes(self) -> bool {
         match self {
             Quantity::Corner(..) => true,

@@ -1,7 +1,8 @@
-//! How far an axle goes: each wheel's travel, the rack that both are on, and roll.
+//! Limits of an axle: each wheel's travel, the rack that both are on, and roll.
 //!
-//! With the rack held and both wheel centres at travels heave +- s, roll goes on until the first wheel comes to
-//! the end of its travel. A rigid axle rolls until its links fold. The roll angle there is that of the plane under both wheels.
+//! With the rack held and both wheel centres at travels heave +- s, roll continues until the first wheel reaches the
+//! end of its travel. A rigid axle rolls until its links fold. The roll angle there is that of the plane under both
+//! wheels.
 
 use super::Axle;
 use super::solver::{AxleSolver, Placement};
@@ -10,7 +11,7 @@ use crate::mechanism::{DesignFault, Pose};
 use crate::model::{AxleTravel, Drive, Side};
 use crate::solve::Solver;
 
-/// How far an axle goes from its design position.
+/// Limits of an axle's motion from its design position.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AxleLimits {
     /// Ranges of the travels.
@@ -22,7 +23,7 @@ pub struct AxleLimits {
     pub roll: [Option<AxleEnd>; 2],
 }
 
-/// How far the wheels of an axle travel from the design position.
+/// Limits of the travels of an axle's wheels, from the design position.
 #[derive(Clone, Debug, PartialEq)]
 pub enum TravelRanges {
     /// Travel of the left and of the right wheel, each by itself, the rack in the middle.
@@ -36,14 +37,14 @@ pub enum TravelRanges {
     },
 }
 
-/// The end of an axle's range: where the first wheel comes to an end.
+/// The end of an axle's range: the first wheel reaches an end there.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AxleEnd {
     /// The value at the end: a travel, a rack displacement or a roll angle in radians.
     pub value: f64,
-    /// The wheel that comes to its end.
+    /// The wheel that reaches its end.
     pub side: Side,
-    /// That wheel's own end, in its own frame.
+    /// End of that wheel's travel, in its own frame.
     pub end: RangeEnd,
 }
 
@@ -51,7 +52,7 @@ pub struct AxleEnd {
 const BEFORE_END: f64 = 0.999;
 
 impl Axle {
-    /// How far the axle goes from its design position.
+    /// Returns the limits of the axle's motion from its design position.
     ///
     /// # Errors
     /// If the design position of a wheel is singular.

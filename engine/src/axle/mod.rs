@@ -84,7 +84,7 @@ impl Axle {
         side.about(&fault.describe(mechanism))
     }
 
-    /// The study's axes as the kernel's frame of a side has them.
+    /// The study's axes in the kernel's frame of a side.
     pub fn frame(&self, side: Side) -> Frame {
         match side {
             Side::Left => self.left.frame,
@@ -189,7 +189,7 @@ impl Axle {
         }
     }
 
-    /// The quantities of a name that this axle has, left before right; empty where there is none.
+    /// The quantities of a name that this axle has, left before right; empty if it has none.
     pub fn quantities(&self, name: &str) -> Vec<Quantity> {
         let mut found = Quantity::named(name);
         found.retain(|quantity| quantity.is_of(self.is_rigid()));

@@ -1,4 +1,4 @@
-//! The numbers that say where the stations of an axle's motion are, and what is proved of them, as they are printed.
+//! The numbers that locate the stations of an axle's motion, and the proved bounds, as they are printed.
 
 use super::certificate::AxleProof;
 use super::solver::{Placed, Placement};
@@ -78,7 +78,7 @@ fn degrees(angle: f64) -> f64 {
     }
 }
 
-/// Whether the travels follow from the position, and whether the roll angle does.
+/// Returns two flags: true if the travels follow from the position, and true if the roll angle does.
 fn follows(plan: &AxlePlan) -> [bool; 2] {
     let rolls = matches!(plan.course.wheels, WheelMotion::Roll { .. });
     [rolls, plan.course.shows_roll() && !rolls]

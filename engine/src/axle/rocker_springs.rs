@@ -77,7 +77,7 @@ impl RockerSprings {
         self.heave_spring.is_some() || self.heave_bar.is_some()
     }
 
-    /// Returns true if there are none.
+    /// Returns true if the axle has none of these springs.
     pub fn are_none(&self) -> bool {
         *self == RockerSprings::default()
     }

@@ -12,7 +12,7 @@ pub struct Setup {
     pub wheel_radius: Option<f64>,
     /// Distance between the axles.
     pub wheelbase: Option<f64>,
-    /// Whether this is the front or the rear axle; `None` counts as front.
+    /// Position of this axle, front or rear; `None` counts as front.
     pub position: Option<AxlePosition>,
     /// Rack displacement towards the kernel's +y per turn (2 pi) of the steering wheel to the left.
     pub c_factor: Option<f64>,

@@ -1,4 +1,4 @@
-//! Finding the position of an axle: both corners, and what the ground asks of them.
+//! Solver for the position of an axle: both corners, and the conditions at the ground.
 //!
 //! On a plane ground both contact points are at one height, f = h_l(z_l) - h_r(z_r) = 0 with h = n.C. With
 //! the roll angle given and z_l, z_r = heave +- s this is one equation in s. Its slope n.C_l' + n.C_r' is
@@ -34,8 +34,8 @@ pub enum Placement {
         /// Displacement of the rack.
         rack: f64,
     },
-    /// The body rolled on a plane ground, with a mean travel that follows from the load: the axle carries what it
-    /// carries when it stands level at `heave`, with the rack in the middle.
+    /// The body rolled on a plane ground, with a mean travel that follows from the load. The axle carries the same
+    /// load as when it stands level at `heave`, with the rack in the middle.
     AtLoad {
         /// Mean travel of the wheel centres at which the level axle carries the same load.
         heave: f64,
@@ -50,7 +50,7 @@ pub enum Placement {
         travels: [f64; 2],
         /// Displacement of the rack.
         rack: f64,
-        /// Whether both wheels stand on one plane; otherwise the body is level, and each wheel stands on a level pad.
+        /// True if both wheels stand on one plane. Otherwise the body is level, and each wheel stands on a level pad.
         on_plane: bool,
     },
 }
@@ -65,7 +65,18 @@ impl Placement {
         }
     }
 
-    /// What stays held in motions from this placement.
+    /// Mean travel of both wheel centres; of a placement at a load that of the level axle.
+    pub(super) fn mean(&self) -> f64 {
+        match *self {
+            Placement::Roll { heave, .. } | Placement::AtLoad { heave, .. } => heave,
+            Placement::Travels {
+                travels: [left, right],
+                ..
+            } => 0.5 * (left + right),
+        }
+    }
+
+    /// Quantities that stay fixed in motions from this placement.
     pub fn hold(&self) -> Hold {
         match self {
             Placement::Roll { .. } | Placement::AtLoad { .. } => Hold::MeanTravel,
@@ -128,7 +139,7 @@ pub struct Placed {
     pub roll: f64,
     /// Displacement of the rack towards the left wheel's outside.
     pub rack: f64,
-    /// What stays held in motions from this position.
+    /// Quantities that stay fixed in motions from this position.
     pub hold: Hold,
     /// Only if the mean travel followed from a load: the heave at which the level axle carries that load.
     pub(super) at_load: Option<f64>,
@@ -200,7 +211,7 @@ const MOST_ROUNDS: usize = 4;
 /// The farthest a pose is moved along its series, in sizes: four terms then leave less than rounding.
 const NEAR: f64 = 1e-4;
 
-/// A wheel in a pose: how it moves on with its travel, and the height of its contact point over the origin.
+/// A wheel in a pose: its rate of motion by travel, and the height of its contact point over the origin.
 struct Standing {
     pose: Pose<Jet<f64, TERMS>>,
     height: Jet<f64, TERMS>,
@@ -613,7 +624,7 @@ pub struct Read<'a> {
 }
 
 impl Read<'_> {
-    /// The value of a quantity, or why there is none.
+    /// The value of a quantity, or the reason for its absence.
     pub fn value(&self, quantity: Quantity) -> Result<f64, NoValue> {
         match self.is_stuck(quantity) {
             true => Err(NoValue::Toggle),
@@ -632,7 +643,7 @@ impl Read<'_> {
         })
     }
 
-    /// Whether a quantity moves with a rocker that is at toggle or beyond.
+    /// Returns true if a quantity moves with a rocker that is at toggle or beyond.
     pub fn is_stuck(&self, quantity: Quantity) -> bool {
         let mut sides = Side::ALL.into_iter();
         sides.any(|side| self.toggles[side as usize].is_some() && quantity.moves_with_rocker(side))
@@ -640,9 +651,8 @@ impl Read<'_> {
 }
 
 impl<'a, const N: usize> AxleSolver<'a, N> {
-    /// A solver for positions in which these quantities are read. `by_rack` says whether derivatives by the rack are
-    /// formed beyond those that the quantities need themselves. Errors if the design position of a wheel cannot be
-    /// solved.
+    /// A solver for positions in which these quantities are read. `by_rack` requests derivatives by the rack beyond
+    /// those that the quantities themselves need. Errors if the design position of a wheel cannot be solved.
     pub fn new(
         axle: &'a Axle,
         quantities: &[Quantity],
@@ -766,7 +776,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
     }
 
     /// Drive and rack of each wheel, in its own frame, at these travels. A rigid axle has its two travels there.
-    fn coordinates(&self, travels: [f64; 2], rack: f64) -> [(f64, f64); 2] {
+    pub(super) fn coordinates(&self, travels: [f64; 2], rack: f64) -> [(f64, f64); 2] {
         let [left, right] = travels;
         match self.rigid() {
             None => [0, 1].each(|side| (travels[side], rack * self.corners[side].rack_sign)),
@@ -1151,7 +1161,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
     /// The gradients of quantities in a position by every hardpoint coordinate of each side, in the frame of
     /// that side. `receive` gets the number of the quantity and both gradients, by point.
     ///
-    /// What a series does not know (because `N` is too small) makes a gradient NaN.
+    /// A gradient is NaN if its quantity needs terms that the series lack because `N` is too small.
     pub fn gradients(
         &mut self,
         placed: &Placed,
@@ -1234,8 +1244,8 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         Ok(())
     }
 
-    /// Proves that poses of one wheel, at these travels and one rack displacement, lie on the branch of its design
-    /// position.
+    /// Proves that poses of one wheel, at these values of its drive and one rack displacement, lie on the branch of its design
+    /// position. The mean travel of a rigid axle takes the place of the rack.
     pub(super) fn prove_branch(
         &mut self,
         certifier: &Certifier,
@@ -1266,7 +1276,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         proved.into_iter().zip(travels).map(wheel).collect()
     }
 
-    /// How far one wheel goes by itself, in the frame of its side.
+    /// Returns the limits of one wheel alone, in the frame of its side.
     pub(super) fn limits_of(&mut self, side: Side) -> Result<Limits, (Side, DesignFault)> {
         let limits = self.corners[side as usize].solver.limits();
         limits.map_err(|fault| (side, fault))

@@ -21,16 +21,16 @@ pub enum Law<T = f64> {
 pub struct SpringLaw<T = f64> {
     /// The spring.
     pub spring: Law<T>,
-    /// The bump stop, over how far it is compressed.
+    /// The bump stop, over its compression.
     pub bump_stop: Option<BumpStop>,
-    /// The rebound stop, over how far it is stretched or pressed by the spring's lengthening.
+    /// The rebound stop, over its deformation by the lengthening of the spring.
     pub rebound_stop: Option<BumpStop>,
 }
 
 /// A bump stop; of a rebound stop "shortened" reads "lengthened".
 #[derive(Clone, Debug, PartialEq)]
 pub struct BumpStop {
-    /// How far the spring is shortened from the design position when the stop is met.
+    /// Compression of the spring from the design position at which it meets the stop.
     pub gap: f64,
     /// Its force over its own compression, from 0 at 0.
     pub curve: ForceCurve,

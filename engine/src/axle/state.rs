@@ -21,9 +21,9 @@
 //! heave       z_l' = 1 + D,  z_r' = 1 - D        D = -(n.C_l,h - n.C_r,h)/F
 //! ```
 //!
-//! A position on a plane may be asked for by its roll angle and mean travel, by both travels, or at a load. Derivatives
-//! along [`Motion::Rack`] depend on that, since they hold what the station gives. Formulas of the catalogue must not: they
-//! use the other motions.
+//! A position on a plane may be given by its roll angle and mean travel, by both travels, or at a load. Derivatives
+//! along [`Motion::Rack`] depend on that, since they hold the given numbers of the station. Formulas of the catalogue
+//! must not depend on it: they use the other motions.
 
 use super::reading::{Moving, Reading, WheelParts};
 use super::setup::Setup;
@@ -32,7 +32,7 @@ use crate::mechanism::Ground;
 use crate::model::{AxleTravel, Side};
 use crate::number::{Each, Jet, Real, Vector3, outlined};
 
-/// What is held, so that a displacement of the rack, a heave or a roll means one motion.
+/// Quantities that stay fixed, so that a displacement of the rack, a heave or a roll defines one motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Hold {
     /// Roll angle and mean travel of the wheel centres, on a plane ground.
@@ -130,7 +130,7 @@ pub struct WheelState<'s, T, W = Reading<T>> {
     pub ground: Ground<T>,
     /// Its loaded radius; NaN where the study gives none.
     pub radius: f64,
-    /// What carries it.
+    /// Carriers of the wheels.
     pub carriers: Carriers,
 }
 
@@ -143,16 +143,16 @@ pub struct AxleState<'a, T, W = Reading<T>> {
     pub ground: Ground<T>,
     /// Roll angle.
     pub roll: T,
-    /// What a motion holds.
+    /// Quantities that stay fixed in a motion.
     pub hold: Hold,
-    /// What carries the wheels.
+    /// Carriers of the wheels.
     pub carriers: Carriers,
     /// Figures of the study.
     pub setup: &'a Setup,
 }
 
 impl AxleState<'_, f64> {
-    /// Whether both wheels stand on one plane.
+    /// Returns true if both wheels stand on one plane.
     pub fn is_on_plane(&self) -> bool {
         self.hold != Hold::TravelsOnPads
             || self.mismatch().abs() <= Quantity::SAME_PLANE * self.track()
@@ -302,8 +302,8 @@ impl<'a, T: Real, W: WheelParts<T>> AxleState<'a, T, W> {
         }
     }
 
-    /// The same wheels on the plane under both, whatever numbers the station gives: the roll angle and the mean travel
-    /// are what motions hold.
+    /// The same wheels on the plane under both, with any numbers of the station. Motions then hold the roll angle and
+    /// the mean travel.
     #[inline(always)]
     pub fn on_plane(&self) -> Self {
         AxleState {
@@ -312,15 +312,14 @@ impl<'a, T: Real, W: WheelParts<T>> AxleState<'a, T, W> {
         }
     }
 
-    /// How much higher the left contact point is than the right one, along the normal of the ground: 0 on a
-    /// plane.
+    /// Height of the left contact point above the right one, along the normal of the ground: 0 on a plane.
     #[inline(always)]
     pub fn mismatch(&self) -> T {
         let [left, right] = self.wheels();
         left.height() - right.height()
     }
 
-    /// How fast both contact points rise by the travels of their own wheels.
+    /// Rises of both contact points by the travels of their own wheels.
     #[inline(always)]
     fn rises(&self) -> [T; 2] {
         let [left, right] = self.wheels();

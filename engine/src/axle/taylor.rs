@@ -74,7 +74,7 @@ impl<T: Real> Taylor<T> {
         Taylor(coefficients)
     }
 
-    /// A polynomial of which nothing is known: all NaN, in the shape of `like`.
+    /// A polynomial with unknown coefficients: all NaN, in the shape of `like`.
     pub fn unknown(like: T) -> Self {
         Taylor([like.lit(f64::NAN); COEFFICIENTS])
     }
@@ -107,7 +107,7 @@ impl<T: Real> Taylor<T> {
         taylor
     }
 
-    /// The coefficient with these powers of travel and rack; NaN beyond what is known.
+    /// The coefficient with these powers of travel and rack; NaN beyond the known orders.
     #[inline(always)]
     pub fn coefficient(&self, [travel, rack]: [usize; 2]) -> T {
         match travel + rack {

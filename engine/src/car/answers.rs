@@ -61,7 +61,7 @@ impl<'c> CarRequest<'c> {
         CarRequest { cases, results }
     }
 
-    /// Place of a result that is asked for.
+    /// Place of a requested result.
     pub fn place(&self, case: usize, quantity: CarQuantity) -> Option<usize> {
         let wanted = CaseResult { case, quantity };
         self.results.iter().position(|result| *result == wanted)
@@ -80,8 +80,8 @@ impl<'c> CarRequest<'c> {
         (from, &self.results[from..to])
     }
 
-    /// Fills in the results of a design, as printed; NaN where there is none. Every case is solved from the design position,
-    /// so that the numbers are those of the case alone.
+    /// Fills in the results of a design, as printed; NaN for missing results. Every case is solved from the design
+    /// position, so that the numbers are those of the case alone.
     ///
     /// # Errors
     /// The reason if the design position cannot be solved.

@@ -21,16 +21,16 @@ pub struct Case {
     pub yaw_acceleration: f64,
     /// Displacements of the racks towards the left wheels, front and rear.
     pub racks: [f64; 2],
-    /// How the case is held by the tyres.
+    /// Settings of the case.
     pub setting: Setting,
 }
 
 /// Choices of a load case.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Setting {
-    /// Whether tyres act as springs, if the car has tyre springs.
+    /// True if tyres act as springs, provided that the car has tyre springs.
     pub elastic_tyres: bool,
-    /// What carries longitudinal forces.
+    /// Source of longitudinal forces.
     pub longitudinal: Longitudinal,
     /// Shares of the wheels in the lateral force of their axle.
     pub lateral_shares: LateralShares,
@@ -40,7 +40,7 @@ pub struct Setting {
     pub tyre_axes: TyreAxes,
 }
 
-/// What carries longitudinal forces.
+/// Source of longitudinal forces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Longitudinal {
     /// The brakes.
@@ -105,7 +105,7 @@ impl Case {
 pub enum NoEquilibrium {
     /// A wheel has no pose on the way.
     NoPose {
-        /// Which axle, 0 the front one.
+        /// The axle; 0 is the front one.
         axle: usize,
         /// Reason.
         failure: NoPose,
@@ -118,14 +118,14 @@ pub enum NoEquilibrium {
     NoContactSet {
         /// A wheel that neither stands nor lifts.
         wheel: WheelPlace,
-        /// Whether an axle shares its force equally, which may be the cause.
+        /// True if an axle shares its force equally, which may be the cause.
         equal_shares: bool,
     },
     /// All wheels have lifted.
     AllLifted,
     /// Both wheels of an axle have lifted, and it carries a force.
     AxleLifted {
-        /// Which axle, 0 the front one.
+        /// The axle; 0 is the front one.
         axle: usize,
     },
     /// The state was found, but the body would leave it by itself.

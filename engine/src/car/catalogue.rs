@@ -108,7 +108,7 @@ impl CarNeed {
         }
     }
 
-    /// What a study must give.
+    /// Keys of the study that meet the need.
     pub fn key(self) -> &'static str {
         match self {
             CarNeed::RideHeight | CarNeed::RideHeights => {
@@ -301,16 +301,16 @@ catalogue! {
 /// A result of a car.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum CarQuantity {
-    /// Of a wheel.
+    /// A result of a wheel.
     Wheel(WheelPlace, WheelResult),
-    /// Of an axle.
+    /// A result of an axle.
     Axle(AxleEnd, AxleResult),
-    /// Of the whole car.
+    /// A result of the whole car.
     Whole(WholeResult),
 }
 
 impl CarQuantity {
-    /// All of them: the car's, those of each wheel, those of each axle.
+    /// All quantities: the car's, those of each wheel, those of each axle.
     pub fn all() -> Vec<CarQuantity> {
         let whole = WholeResult::ALL.iter().copied().map(CarQuantity::Whole);
         let wheels = WheelPlace::ALL.into_iter().flat_map(|place| {
@@ -468,7 +468,7 @@ impl CarQuantity {
         crate::ask::with_unit(self.name(), &self.info().unit.suffix(length))
     }
 
-    /// Whether a car has all that it needs.
+    /// Returns true if a car has all that the quantity needs.
     pub fn is_met_by(self, car: &Car) -> bool {
         let has_height = |axle: usize| car.ride_height_points[axle].is_some();
         self.info().needs.iter().all(|need| match (need, self) {

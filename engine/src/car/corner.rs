@@ -52,7 +52,7 @@ pub(super) struct Steps<T> {
     pub own: T,
     /// In the other wheel's travel.
     pub other: T,
-    /// Of the rack in the wheel's frame; `None` where the wheel was read at one rack only.
+    /// Displacement of the rack in the wheel's frame; `None` if the wheel was read at one rack only.
     pub rack: Option<T>,
 }
 

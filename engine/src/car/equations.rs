@@ -32,7 +32,7 @@ pub(super) const PITCH_MOMENT: usize = 12;
 /// Places of gamma, phi and theta among the held unknowns of the body, which stand for its equations.
 pub(super) const HELD_ROWS: [usize; 3] = [2, 0, 1];
 
-/// What stays fixed while the unknowns are sought.
+/// Inputs that stay fixed while the solver seeks the unknowns.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Held<'a> {
     pub car: &'a Car,
@@ -93,7 +93,7 @@ pub struct Balance<T> {
     pub design_contact: Vector3<T>,
     /// Downforces near the front and the rear axle, and the drag.
     pub air: [T; 3],
-    /// Heights of the ride-height points; NaN where there is none.
+    /// Heights of the ride-height points; NaN without such a point.
     pub ride_heights: [T; 2],
     /// Torques of the anti-roll bars.
     pub bars: [T; 2],

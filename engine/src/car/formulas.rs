@@ -145,7 +145,7 @@ pub(super) mod wheel {
         beyond(-spring_travel(state, place), stop)
     }
 
-    /// How far a number is beyond an end; NaN without an end.
+    /// Returns the excess of a number over an end; NaN without an end.
     fn beyond<T: Scalar>(number: T, end: Option<f64>) -> T {
         match end {
             None => number.lit(f64::NAN),
@@ -439,7 +439,7 @@ pub(super) mod car {
         mid_contact(state, 0) - mid_contact(state, 1)
     }
 
-    /// How far ahead of the rear axle the sprung mass is, in wheelbases.
+    /// Distance of the sprung mass ahead of the rear axle, in wheelbases.
     pub(in super::super) fn front_share_at_cg<T: Scalar>(state: &Balance<T>) -> T {
         (state.road.forward.dot(state.sprung.1) - mid_contact(state, 1)) / wheelbase(state)
     }

@@ -89,7 +89,9 @@ impl<'a> CarSolver<'a> {
                     *sum += at_rest.parameters[place];
                 }
             }
-            for (into, by) in gradient.hardpoints.iter_mut().zip(&at_rest.hardpoints) {
+            let points = gradient.hardpoints.iter_mut().chain(&mut gradient.wheels);
+            let of_rest = at_rest.hardpoints.iter().chain(&at_rest.wheels);
+            for (into, by) in points.zip(of_rest) {
                 for (sum, by) in into.iter_mut().zip(by) {
                     *sum = *sum + *by;
                 }

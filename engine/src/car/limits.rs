@@ -20,7 +20,7 @@ const MOST: f64 = 5.0;
 const STEP: f64 = 0.1;
 /// Factors closer than this, in g, are the same.
 const SAME: f64 = 1e-9;
-/// Loads below this part of the largest one are none.
+/// Loads below this part of the largest one count as zero.
 const NO_LOAD: f64 = 1e-9;
 /// Budget of states for each search within a bracket.
 const MOST_STATES: usize = 80;
@@ -32,7 +32,7 @@ pub struct RayLimits {
     pub lift: Option<Lift>,
     /// Largest acceleration with an equilibrium, g.
     pub end: f64,
-    /// Reason why there is none beyond; `None` if there is one up to 5 g.
+    /// Reason why no equilibrium exists beyond; `None` if there is one up to 5 g.
     pub why: Option<NoEquilibrium>,
 }
 
@@ -43,11 +43,11 @@ pub struct Lift {
     pub acceleration: f64,
     /// The wheel.
     pub wheel: WheelPlace,
-    /// Whether all other wheels carry load there.
+    /// True if all other wheels carry load there.
     pub others_loaded: bool,
 }
 
-/// Accelerations along the ground as a direction: all else is the case's.
+/// Direction of the accelerations along the ground; the case gives all other inputs.
 struct Ray<'c> {
     case: &'c Case,
     /// Factor of the case's accelerations for 1 g.
@@ -216,7 +216,7 @@ impl CarSolver<'_> {
         step.is_finite().then_some(at.g + step)
     }
 
-    /// The lift at a state, if its least load is none.
+    /// The lift at a state, if its least load is zero.
     fn lift(&mut self, at: &At) -> Option<Lift> {
         let (part, wheel) = at.least();
         let none = 1e3 * NO_LOAD;

@@ -7,7 +7,7 @@
 use super::equations::Balance;
 use super::solver::{CarSolver, Equilibrium};
 use super::{Car, Case, GRAVITY, NoEquilibrium, WheelPlace};
-use crate::analyse::{Applied, Reaction, Support, bears, rod_name};
+use crate::analyse::{Applied, Support, bears, rod_name};
 use crate::mechanism::NoPose;
 use crate::model::{ArmId, Axis, Constraint, Mechanism, PointId, RockerId, Side};
 use crate::number::Vector3;
@@ -15,8 +15,8 @@ use crate::number::Vector3;
 /// A member of one wheel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum What {
-    /// Tension of the link with this number among the constraints.
-    Link(usize),
+    /// Tension of the link between two points.
+    Link(PointId, PointId),
     /// Force of the constraints at a point on the wheel carrier.
     Point(PointId, Axis),
     /// Force at the outer joint of an arm on the wheel carrier.
@@ -70,7 +70,7 @@ impl CarMember {
     /// Meaning of a positive value.
     pub fn positive(&self) -> &'static str {
         match self.what {
-            What::Link(_) | What::Rod(_) => "tension",
+            What::Link(..) | What::Rod(_) => "tension",
             What::Spring => "compression",
             What::Point(_, Axis::X) | What::Joint(_, Axis::X) => "on the wheel carrier along +x",
             What::Point(_, Axis::Y) | What::Joint(_, Axis::Y) => "on the wheel carrier along +y",
@@ -91,13 +91,13 @@ fn members(mechanism: &Mechanism) -> Vec<(String, What)> {
         let all = Axis::ALL.map(|axis| (format!("{name}_{}", axis.name()), what(axis)));
         found.extend(all);
     };
-    for (number, constraint) in mechanism.constraints.iter().enumerate() {
+    for constraint in &mechanism.constraints {
         match *constraint {
             // The legs of an arm with something on it are bent, and no force along them is the whole.
             Constraint::Link { outer, .. } if borne(outer).is_some() => {}
-            Constraint::Link { inner, .. } => {
+            Constraint::Link { inner, outer } => {
                 let name = mechanism.link_name(inner).to_owned();
-                found.push((name, What::Link(number)));
+                found.push((name, What::Link(inner, outer)));
             }
             Constraint::StrutLine { top, .. } => {
                 add("strut_side", &|axis| What::Point(top, axis), &mut found);
@@ -108,7 +108,7 @@ fn members(mechanism: &Mechanism) -> Vec<(String, What)> {
                     add(name, &|axis| What::Point(point, axis), &mut found);
                 }
             }
-            Constraint::BallJoint { at } => {
+            Constraint::BallJoint { at } | Constraint::ArmJoint { at, .. } => {
                 add(
                     mechanism.name(at),
                     &|axis| What::Point(at, axis),
@@ -211,10 +211,7 @@ impl CarSolver<'_> {
         let frame = of_axle.frame(side);
         let along = |force: Vector3<f64>, axis: Axis| frame.sign(axis) * force[axis];
         let value = |(_, what): (String, What)| match what {
-            What::Link(link) => match carried.constraints[link] {
-                Reaction::Rod { tension, .. } => tension,
-                Reaction::Force { .. } => f64::NAN,
-            },
+            What::Link(inner, outer) => carried.tension(inner, outer).unwrap_or(f64::NAN),
             What::Point(point, axis) => {
                 along(balance.constraint_force(point, &carried.constraints), axis)
             }

@@ -91,7 +91,7 @@ pub use parameters::{AxleParameter, BodyParameter, Parameter, Parameters};
 pub use rates::Solved;
 pub use solver::{CarSolver, Equilibrium};
 pub use templates::{CarTemplate, TEMPLATES};
-pub use tune::{CarTarget, CarVariable, Moves, body_key, moved, rate_key, tune};
+pub use tune::{CarRun, CarTarget, CarVariable, Moves, body_key, moved, rate_key, tune};
 
 use crate::axle::Axle;
 use crate::model::{LengthUnit, TorquePath};
@@ -107,9 +107,9 @@ pub struct Car {
     pub axles: [Axle; 2],
     /// Place of the rear axle's origin.
     pub rear_offset: Vector3<f64>,
-    /// How mass and centre of gravity are given.
+    /// Masses that `mass` and `cg` include.
     pub masses: Masses,
-    /// The mass that [`Masses`] says, kg.
+    /// Mass, kg: of the whole car or sprung, as `masses` says.
     pub mass: f64,
     /// The centre of gravity of that mass, design position.
     pub cg: Vector3<f64>,
@@ -170,7 +170,7 @@ pub struct AirForce {
 }
 
 impl Car {
-    /// Whether the torque of brakes or drive of an axle is taken by the carrier.
+    /// Returns true if the carrier takes the torque of an axle's brakes or drive.
     pub fn carrier_takes_torque(&self, axle: usize, longitudinal: Longitudinal) -> bool {
         let vehicle = &self.axles[axle].left.vehicle;
         let path = match longitudinal {

@@ -28,7 +28,7 @@ pub enum AxleParameter {
     TyreRate,
     /// Radius of the wheels.
     Radius,
-    /// Mass of both wheels with what moves with them.
+    /// Mass of both wheels and of the parts that move with them.
     UnsprungMass,
     /// Place of the axle's origin, forward.
     OffsetX,
@@ -114,9 +114,9 @@ impl AxleParameter {
 /// A parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Parameter {
-    /// Of an axle, 0 the front one.
+    /// Parameter of an axle, 0 the front one.
     Axle(usize, AxleParameter),
-    /// Of the body or the case.
+    /// Parameter of the body or the case.
     Body(BodyParameter),
 }
 

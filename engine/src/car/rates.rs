@@ -108,8 +108,8 @@ impl Direction {
         moved
     }
 
-    /// What is left of the equations along the direction, from the rates of the residuals; `level` is the work of the
-    /// couple by the roll angle.
+    /// Residual rates of the equations along the direction, from `rates`; `level` is the work of the couple by the
+    /// roll angle.
     fn defect<T: Real>(self, mut rates: [T; UNKNOWNS], level: T) -> [T; UNKNOWNS] {
         match self {
             Direction::Parameter(_) => {}

@@ -37,7 +37,7 @@ pub(super) type Matrix = [[f64; UNKNOWNS]; UNKNOWNS];
 pub struct CarSolver<'a> {
     /// The car.
     pub car: &'a Car,
-    /// Whether gradients contain the derivatives by the racks.
+    /// True if gradients contain the derivatives by the racks.
     pub(super) by_rack: bool,
     /// The car at rest on rigid and on elastic tyres, once it was solved.
     pub(super) rests: [Option<Result<Equilibrium, NoEquilibrium>>; 2],
@@ -57,15 +57,21 @@ pub struct Equilibrium {
     pub placed: [Placed; 2],
 }
 
+/// A state with the tangent of its equations.
+struct Found {
+    state: Equilibrium,
+    tangent: Matrix,
+}
+
 /// The wheels of a state as they were read.
 pub(super) struct Readings<'a> {
     pub placed: [Placed; 2],
-    /// Whether the wheels are known as functions of the racks.
+    /// True if the wheels are known as functions of the racks.
     pub by_rack: bool,
     pub axles: [Read<'a>; 2],
 }
 
-/// What a state is evaluated from: the wheels as they were read at their travels.
+/// Inputs of a state: the wheels as they were read at their travels.
 pub(super) struct Base<'h, 'r, R> {
     pub held: Held<'h>,
     /// Wheels in the frames of their sides: front left, front right, rear left, rear right.
@@ -74,7 +80,7 @@ pub(super) struct Base<'h, 'r, R> {
     pub travels: [f64; 4],
     /// Racks of both axles at which they were read, if they are known as functions of the racks.
     pub racks: Option<[f64; 2]>,
-    /// What carries the wheels of each axle.
+    /// Carriers of the wheels of each axle.
     pub carriers: [Carriers; 2],
 }
 
@@ -125,7 +131,7 @@ impl Readings<'_> {
         [a, b, c, d]
     }
 
-    /// What states nearby are evaluated from.
+    /// Returns the inputs from which nearby states are evaluated.
     pub(super) fn base<'h>(&self, held: Held<'h>) -> Base<'h, '_, Reading<f64>> {
         let [front, rear] = &self.placed;
         Base {
@@ -223,7 +229,7 @@ impl<'a> CarSolver<'a> {
         }
         let start = self.start(case);
         let first = match self.with_contact(case, start, [false; 4]) {
-            Ok(found) => return self.stable(case, found),
+            Ok(found) => return Self::stable(found),
             Err(failure) => failure,
         };
         // Along the load from rest; the failure of the direct way says more if this fails, too.
@@ -234,11 +240,11 @@ impl<'a> CarSolver<'a> {
             let partial = case.scaled(part);
             match self.with_contact(&partial, at.0, at.1) {
                 Ok(mut found) => {
-                    at = (found.unknowns, found.lifted);
-                    evaluations += found.evaluations;
+                    at = (found.state.unknowns, found.state.lifted);
+                    evaluations += found.state.evaluations;
                     if step == RAMP {
-                        found.evaluations = evaluations;
-                        return self.stable(case, found);
+                        found.state.evaluations = evaluations;
+                        return Self::stable(found);
                     }
                 }
                 Err(_) => return Err(first),
@@ -254,7 +260,7 @@ impl<'a> CarSolver<'a> {
         from: &Equilibrium,
     ) -> Result<Equilibrium, NoEquilibrium> {
         match self.with_contact(case, from.unknowns, from.lifted) {
-            Ok(found) => self.stable(case, found),
+            Ok(found) => Self::stable(found),
             Err(_) => self.solve(case),
         }
     }
@@ -268,7 +274,7 @@ impl<'a> CarSolver<'a> {
         let mut start = self.start(case);
         start[..7].copy_from_slice(&attitude);
         match self.with_contact(case, start, [false; 4]) {
-            Ok(found) => self.stable(case, found),
+            Ok(found) => Self::stable(found),
             Err(_) => self.solve(case),
         }
     }
@@ -310,7 +316,7 @@ impl<'a> CarSolver<'a> {
         case: &Case,
         start: [f64; UNKNOWNS],
         lifted: [bool; 4],
-    ) -> Result<Equilibrium, NoEquilibrium> {
+    ) -> Result<Found, NoEquilibrium> {
         let mut seen: Vec<[bool; 4]> = Vec::new();
         let mut lifted = lifted;
         let mut x = start;
@@ -319,14 +325,14 @@ impl<'a> CarSolver<'a> {
             seen.push(lifted);
             self.refuse_lifted_axles(case, &lifted)?;
             let mut found = self.newton(case, x, lifted)?;
-            evaluations += found.evaluations;
-            let gaps = self.gaps(case, &found)?;
+            evaluations += found.state.evaluations;
+            let gaps = self.gaps(case, &found.state)?;
             let next = [0, 1, 2, 3].map(|number| match lifted[number] {
                 true => gaps[number] >= 0.0,
-                false => found.unknowns[LOADS + number] < 0.0,
+                false => found.state.unknowns[LOADS + number] < 0.0,
             });
             if next == lifted {
-                found.evaluations = evaluations;
+                found.state.evaluations = evaluations;
                 return Ok(found);
             }
             if seen.contains(&next) {
@@ -338,7 +344,7 @@ impl<'a> CarSolver<'a> {
                         || setting.longitudinal_shares != LongitudinalShares::ByLoad,
                 });
             }
-            x = found.unknowns;
+            x = found.state.unknowns;
             lifted = next;
         }
         Err(NoEquilibrium::NotFound)
@@ -407,7 +413,7 @@ impl<'a> CarSolver<'a> {
         case: &Case,
         start: [f64; UNKNOWNS],
         lifted: [bool; 4],
-    ) -> Result<Equilibrium, NoEquilibrium> {
+    ) -> Result<Found, NoEquilibrium> {
         let held = Held {
             car: self.car,
             case,
@@ -462,11 +468,14 @@ impl<'a> CarSolver<'a> {
                 return Err(NoEquilibrium::Singular);
             }
             if longest <= 2.0 * f64::EPSILON || longest >= smallest && smallest <= 1e-10 {
-                return Ok(Equilibrium {
-                    unknowns: x,
-                    lifted,
-                    evaluations,
-                    placed: readings.placed,
+                return Ok(Found {
+                    state: Equilibrium {
+                        unknowns: x,
+                        lifted,
+                        evaluations,
+                        placed: readings.placed,
+                    },
+                    tangent,
                 });
             }
             smallest = smallest.min(longest);
@@ -485,11 +494,8 @@ impl<'a> CarSolver<'a> {
 
     /// The state, if springs turn and lift the body back to it: the symmetric part of the body's stiffness is positive
     /// definite, travels and loads free, A and B held.
-    fn stable(&mut self, case: &Case, found: Equilibrium) -> Result<Equilibrium, NoEquilibrium> {
-        let readings = self.readings(&found)?;
-        let held = self.held(case, &found);
-        let parameters = Parameters::of(self.car, case);
-        let (_, tangent) = tangent(&readings.base(held), &parameters, &found.unknowns);
+    fn stable(found: Found) -> Result<Equilibrium, NoEquilibrium> {
+        let Found { state, tangent } = found;
         let inverse = held_inverse(&tangent).ok_or(NoEquilibrium::Singular)?;
         let stiffness = body_stiffness(&tangent, &inverse);
         let k = |i: usize, j: usize| 0.5 * (stiffness[i][j] + stiffness[j][i]);
@@ -498,7 +504,7 @@ impl<'a> CarSolver<'a> {
             - k(0, 1) * (k(0, 1) * k(2, 2) - k(1, 2) * k(0, 2))
             + k(0, 2) * (k(0, 1) * k(1, 2) - k(1, 1) * k(0, 2));
         match k(0, 0) > 0.0 && minor > 0.0 && determinant > 0.0 {
-            true => Ok(found),
+            true => Ok(state),
             false => Err(NoEquilibrium::Tips),
         }
     }
@@ -576,7 +582,7 @@ pub(super) fn held_inverse(tangent: &Matrix) -> Option<Matrix> {
     inverse(&matrix)
 }
 
-/// Stiffness of the body by (gamma, phi, theta): how the vertical force and the moments about -x and -e grow.
+/// Stiffness of the body by (gamma, phi, theta): growth of the vertical force and of the moments about -x and -e.
 pub(super) fn body_stiffness(tangent: &Matrix, held: &Matrix) -> [[f64; 3]; 3] {
     let rows = [(VERTICAL, 1.0), (ROLL_MOMENT, -1.0), (PITCH_MOMENT, -1.0)];
     // The change of all unknowns by one of gamma, phi, theta is a column of the inverse.

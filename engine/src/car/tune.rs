@@ -5,11 +5,11 @@ use super::{Car, CarGradient, CarQuantity, CarSolver, Case};
 use crate::axle::Law;
 use crate::model::{Axis, PointId, Side};
 use crate::optimise::{
-    Bounds, Control, Fit, Infeasible, LeastSquares, Linearisation, Options, fit,
+    Bounds, Control, Fit, Infeasible, LeastSquares, Linearisation, Options, multistart,
 };
 use nalgebra::DVector;
 
-/// What a variable moves.
+/// Quantity that a variable moves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Moves {
     /// A coordinate of a hardpoint of both wheels of an axle, 0 the front one; in the study's axes.
@@ -25,7 +25,7 @@ pub enum Moves {
     Rate {
         /// The axle.
         axle: usize,
-        /// Which rate.
+        /// The rate.
         parameter: AxleParameter,
     },
     /// A figure of the car, in the axes of the front study.
@@ -37,7 +37,7 @@ pub enum Moves {
 /// A number that moves a part of the car: an offset of a hardpoint, else a value.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CarVariable {
-    /// What it moves.
+    /// Quantity that the variable moves.
     pub moves: Moves,
     /// Lowest and highest value.
     pub range: [f64; 2],
@@ -206,7 +206,9 @@ impl Moves {
         match self {
             Moves::Hardpoint { .. } | Moves::Wheelbase => length.to_owned(),
             Moves::Rate { parameter, .. } => match parameter {
-                AxleParameter::BarRate => format!("N_{length}_per_rad"),
+                AxleParameter::BarRate | AxleParameter::TBarRate | AxleParameter::HeaveBarRate => {
+                    format!("N_{length}_per_rad")
+                }
                 _ => format!("N_per_{length}"),
             },
             Moves::Body(BodyParameter::Mass) => "kg".to_owned(),
@@ -347,13 +349,25 @@ impl LeastSquares for Objective<'_> {
     }
 }
 
-/// Tunes a car. Errors if the cases cannot be solved in the study's design, or a range is empty.
+/// Budget and starts of a tuning.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct CarRun {
+    /// Cap on iterations of each start.
+    pub max_iterations: u64,
+    /// Number of starts: the design, then points spread over the ranges.
+    pub starts: usize,
+    /// Seed of the points.
+    pub seed: u32,
+}
+
+/// Tunes a car, and returns the best of several starts. Errors if the cases cannot be solved in the study's design, or a range
+/// is empty.
 pub fn tune(
     car: &Car,
     cases: &[Case],
     variables: &[CarVariable],
     targets: &[CarTarget],
-    max_iterations: u64,
+    run: CarRun,
     control: Control<'_>,
 ) -> Result<Fit, String> {
     let ranges: Vec<[f64; 2]> = variables.iter().map(|variable| variable.range).collect();
@@ -363,15 +377,22 @@ pub fn tune(
         .map(|variable| variable.moves.value(car).unwrap_or(0.0));
     let start = DVector::from_iterator(variables.len(), start);
     let options = Options {
-        max_iterations,
-        max_evaluations: 10 * max_iterations,
+        max_iterations: run.max_iterations,
+        max_evaluations: 10 * run.max_iterations,
         ..Options::default()
     };
-    let objective = Objective {
+    let objective = || Objective {
         car,
         cases,
         variables,
         targets,
     };
-    fit(0, objective, &bounds, &start, &options, control).map_err(|fault| fault.to_string())
+    let starts = run.starts.max(1);
+    let found = multistart(
+        objective, &bounds, &start, starts, run.seed, &options, control,
+    );
+    let mut starts = found.starts;
+    // Without a best start the reason is that of the design.
+    let best = starts.swap_remove(found.best.unwrap_or(0));
+    best.outcome.map_err(|fault| fault.to_string())
 }

@@ -1,14 +1,17 @@
-//! What targets and constraints are about: quantities of the catalogue, forces under loads, and the geometry of parts.
+//! Measures that targets and constraints apply to: quantities of the catalogue, forces under loads, geometry of parts.
 //!
-//! A [`Measure`] has a value in every pose. Those of geometry are formulas of up to six vectors, each the
-//! position of a point or a direction, now or in the design position. A formula is written once, over
-//! [`Scalar`]; its derivatives by what it reads come from running it on derivative numbers, and from there
-//! the adjoint leads to the hardpoints.
+//! A [`Measure`] has a value in every pose. Geometric measures are formulas of up to six vectors. Each vector is a
+//! position or a direction, in the current pose or in the design position. Each formula is written once, over
+//! [`Scalar`]. Run on derivative numbers, it gives its derivatives by its vectors. The adjoint turns these into
+//! derivatives by the hardpoints.
 //!
-//! Values are smooth but for these places, where a derivative is that of one of the sides: the edges and
-//! the inside of what a box or a tube must keep clear of, a member's end taking over from its middle as
-//! the nearest place, members that are parallel (the middle of where they overlap is taken), members
-//! that cut one another: their distance is 0 there and grows again beyond; and a member's end on the edge of a rim.
+//! Values are smooth except at these kinks, where the derivative is that of one side:
+//!
+//! - edges and inside of a box or tube that a point must keep clear of,
+//! - change of the nearest place of a member from its middle to its end,
+//! - parallel members; the formula takes the middle of their overlap,
+//! - members that intersect: their distance is 0 there and grows again beyond,
+//! - end of a member on the edge of a rim.
 
 use super::{CarriedForce, Quantity, Slot};
 use crate::compliance::KcValue;
@@ -17,14 +20,14 @@ use crate::mechanism::Configuration;
 use crate::model::{Mechanism, PointId, RockerId};
 use crate::number::{Dual, Jet, Scalar, Vector3};
 
-/// Something that has a value in every pose. In the kernel's frame.
+/// Measure of a pose, in the kernel's frame.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Measure {
     /// A quantity of the catalogue.
     Quantity(Quantity),
     /// A force in a link, a joint or the spring under a load.
     Carried(CarriedForce),
-    /// A value of a wheel with elastic parts. It is read off equilibria, so a pose has none.
+    /// A value of a wheel with elastic parts. It comes from equilibria, so a single pose does not have it.
     Elastic(KcValue),
     /// The distance of two points.
     Length([PointId; 2]),
@@ -72,11 +75,11 @@ pub enum Measure {
     },
     /// The distance of a point from the spin axis.
     FromSpinAxis(PointId),
-    /// How far outboard of the wheel centre a point is along the spin axis.
+    /// Distance of a point outboard of the wheel centre, along the spin axis.
     AlongSpinAxis(PointId),
-    /// The distance from the spin axis at which a member crosses a plane normal to that axis, so far outboard of the
-    /// wheel centre. The member is given by its outer and its inner end. If it does not cross the plane, the distance
-    /// of its end nearer to the plane.
+    /// The distance from the spin axis at which a member crosses a plane normal to that axis. The points are the outer
+    /// and the inner end of the member. The number is the distance of the plane outboard of the wheel centre. If the
+    /// member does not cross the plane, the value is that of its end nearer to the plane.
     FromSpinAxisAt([PointId; 2], f64),
     /// The distance of two members' centre lines, each between two points.
     Clearance([[PointId; 2]; 2]),
@@ -100,14 +103,15 @@ pub enum Measure {
     /// Joint at the outer end of a drive shaft, given by the shaft's inner and outer end: 1 minus the cosine of the
     /// angle between shaft and spin axis.
     OuterShaftJoint([PointId; 2]),
-    /// Joint at the inner end of a drive shaft, given likewise: 1 minus the cosine of the angle between shaft and y
-    /// axis.
+    /// Joint at the inner end of a drive shaft, given by the same two points: 1 minus the cosine of the angle between
+    /// shaft and y axis.
     InnerShaftJoint([PointId; 2]),
-    /// By how much two points are further apart than in the design position.
+    /// Change of the distance between two points since the design position.
     Plunge([PointId; 2]),
-    /// How far the fourth point is from the plane through the other three.
+    /// Signed distance of the fourth point from the plane through the other three, in the design position.
     OffPlane([PointId; 4]),
-    /// How far the third point is from the line through the other two, along the axis with this index.
+    /// Offset of the third point from the line through the other two, along the axis with this index. All three are in
+    /// the design position.
     OffLine([PointId; 3], usize),
 }
 
@@ -179,8 +183,8 @@ impl Measure {
         points.collect()
     }
 
-    /// Whether the value is the same in every pose: the distance of two points of one part, or of the ends of a rod or
-    /// of a leg of an arm.
+    /// Returns true if the value is the same in every pose. Examples are the distance between two points of one part,
+    /// and the length of a rod or of a leg of an arm.
     pub fn is_fixed(&self, mechanism: &Mechanism) -> bool {
         match self {
             Measure::Length([a, b]) => mechanism.are_rigidly_joined(*a, *b),
@@ -189,7 +193,7 @@ impl Measure {
         }
     }
 
-    /// Whether the value is 1 less the cosine of an angle.
+    /// Returns true if the value is 1 minus the cosine of an angle.
     pub(crate) fn is_versine(&self) -> bool {
         matches!(
             self,
@@ -266,7 +270,7 @@ impl Measure {
         self.formula(&vectors)
     }
 
-    /// Seeds the adjoint of a geometric measure with its derivatives by what it reads.
+    /// Seeds the adjoint of a geometric measure with its derivatives by the vectors that it reads.
     pub fn seed<const N: usize>(
         &self,
         at: &Configuration<Jet<f64, N>>,
@@ -422,8 +426,8 @@ fn outside<T: Scalar>(excess: &[T]) -> T {
     }
 }
 
-/// The distance of two segments. The nearest places are found on plain numbers: to first order they need
-/// not move with what the distance is differentiated by, since there it is least.
+/// Returns the distance of two segments. It finds the nearest places in plain numbers. The distance is least there, so
+/// to first order the derivative does not depend on a move of these places.
 fn between_segments<T: Scalar>(first: [Vector3<T>; 2], second: [Vector3<T>; 2]) -> T {
     let plain = |v: Vector3<T>| v.map(|c| c.value());
     let (p, q) = (plain(first[0]), plain(second[0]));
@@ -541,7 +545,7 @@ mod tests {
         assert_eq!(at(4.0, 6.0, 0.0), 5.0);
     }
 
-    /// Of all places of a member beyond the edge of a rim, one of two is the farthest from the spin axis.
+    /// Beyond the edge of a rim, a member is farthest from the spin axis at its outer end or in the plane of that edge.
     #[test]
     fn a_member_is_inside_of_a_rim_where_its_outer_end_and_its_entry_are() {
         let mut seed = 1_u64;
@@ -574,9 +578,13 @@ mod tests {
         }
     }
 
-    /// At kinks derivatives are those of either side: an edge and the middle of a box, the rim of a tube's end, a member's end
-    /// that takes over as the nearest place, members that pass through being parallel, a member that comes to the edge of a
-    /// rim. Each is passed at t = 0.
+    /// Derivatives beside a kink are those of their own side. The test passes each of these kinks at t = 0:
+    ///
+    /// - edge and middle of a box,
+    /// - rim of the end of a tube,
+    /// - change of the nearest place of a member to its end,
+    /// - parallel members,
+    /// - end of a member on the edge of a rim.
     #[test]
     fn derivatives_beside_kinks_are_those_of_their_side() {
         let ids = [PointId(0); 2];

@@ -199,7 +199,7 @@ pub struct Inputs<T> {
     pub constants: Constants,
 }
 
-/// The slots, a line each: whether it is a vector or a number, and where it is in [`Inputs`].
+/// The slots, one per line: kind (vector or number) and place in [`Inputs`].
 macro_rules! slots {
     ($($slot:ident: $kind:ident $($place:ident).+;)*) => {
         /// A part of [`Inputs`] that a formula may read; a number is its first component. The plan computes the parts behind the slots

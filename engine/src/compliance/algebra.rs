@@ -121,7 +121,7 @@ impl<T: Real> Matrix3<T> {
     }
 }
 
-/// Position of a rigid body: how it differs from the design position.
+/// Position of a rigid body: its difference from the design position.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Placed<T> {
     /// Displacement of its reference point.

@@ -13,7 +13,7 @@ use crate::derive::DesignedSpinAxis;
 use crate::model::{Arm, Body, Constraint, Mechanism, PointId};
 use crate::number::{Matrix3, Scalar, Vector3};
 
-/// Where a bushing of the definition is in the system.
+/// Place of one of the definition's bushings in the system.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum BushingPlace {
     /// An end of a part with inner unknowns.
@@ -29,7 +29,7 @@ pub(super) enum BushingPlace {
     Carrier(usize),
 }
 
-/// Where a link of the definition is in the system.
+/// Place of one of the definition's links in the system.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum LinkPlace {
     /// A rod of the carrier's.
@@ -224,8 +224,8 @@ impl<T: Scalar> Builder<'_, T> {
                 Constraint::StrutLine { top, lower, upper } => self.strut(top, lower, upper),
                 Constraint::Revolute { first, second } => self.hinge(first, second),
                 Constraint::BallJoint { at } => self.ball_joint(at),
-                // Studies refuse elastic parts of a rigid axle.
-                Constraint::AxleTravel { .. } => {}
+                // Studies refuse elastic parts of these.
+                Constraint::AxleTravel { .. } | Constraint::ArmJoint { .. } => {}
             }
         }
     }

@@ -12,7 +12,7 @@ use crate::number::{Dual, Jet, Scalar};
 const INSTEAD: &str = "with [compliance] ask jacking_by_lateral_force, jacking_by_braking, compliant_wheel_rate or \
                        compliant_ride_rate";
 
-/// The reason why an equilibrium does not have a characteristic, and what to ask instead; `None` if it has it.
+/// The reason why an equilibrium does not have a characteristic, and the alternatives; `None` if it has it.
 pub fn not_of_equilibrium(of: Characteristic) -> Option<[&'static str; 2]> {
     use Characteristic as C;
     match of {

@@ -1,4 +1,4 @@
-//! Elastic parts as a study names them: bushings at hardpoints, links with axial stiffness, and how they are relaxed.
+//! Elastic parts as a study names them: bushings at hardpoints, links with axial stiffness, and their relaxation.
 
 use super::law::Shape;
 use crate::axle::SpringLaw;
@@ -64,7 +64,7 @@ pub enum AxialStiffness<T = f64> {
 /// The elastic parts of a wheel's suspension.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Compliance<T = f64> {
-    /// How parts are relaxed.
+    /// Method by which parts are relaxed.
     pub relaxed: Relaxed,
     /// The bushings.
     pub bushings: Vec<BushingPart<T>>,
@@ -156,7 +156,9 @@ pub fn bushing_points(mechanism: &Mechanism) -> Vec<PointId> {
             }
             Constraint::StrutLine { top, .. } => points.push(top),
             Constraint::Revolute { first, second } => points.extend([first, second]),
-            Constraint::BallJoint { .. } | Constraint::AxleTravel { .. } => {}
+            Constraint::BallJoint { .. }
+            | Constraint::AxleTravel { .. }
+            | Constraint::ArmJoint { .. } => {}
         }
     }
     points.sort();
@@ -179,7 +181,7 @@ pub fn link_members(mechanism: &Mechanism) -> Vec<(String, LinkMember)> {
             _ => None,
         })
     {
-        let name = mechanism.rocker(rocker).rod.to_string().replace(' ', "_");
+        let name = mechanism.rocker(rocker).rod.key().to_owned();
         members.push((name, LinkMember::RockerRod(rocker)));
     }
     members

@@ -1,4 +1,4 @@
-//! How an equilibrium changes: with loads, travel and rack, and with the design.
+//! Changes of an equilibrium: with loads, travel and rack, and with the design.
 //!
 //! With G(x, p) the equations of balance, x the unknowns, p an input and y an output,
 //!
@@ -19,7 +19,8 @@ use super::wheel::{Change, ElasticWheel, Equilibrium, HeldQuantity};
 use crate::linear::square::{MOST, SquareLu};
 use crate::number::{Dual, Jet, Scalar, Vector3};
 
-/// The equations in an equilibrium and their factors, with one quantity held: what all derivatives by loads share.
+/// The equations in an equilibrium and their factors, with one quantity held: the common part of all derivatives by
+/// loads.
 #[derive(Clone, Debug)]
 pub struct Tangent<T = f64> {
     pub(super) state: State<T>,

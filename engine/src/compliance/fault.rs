@@ -26,7 +26,7 @@ pub enum ElasticFault {
         /// Axis, 0 to 2.
         axis: usize,
     },
-    /// The spring has no leverage on the wheel, or there is none.
+    /// The spring has no leverage on the wheel, or does not exist.
     NoLeverage,
 }
 

@@ -1,6 +1,6 @@
 //! Parts between the body and the wheel carrier that move in their own right, eliminated from the equations.
 //!
-//! Each part has inner unknowns y beside the displacement x of what holds it outside (the joint of an arm, or the whole
+//! Each part has inner unknowns y beside the displacement x of its outer support (the joint of an arm, or the whole
 //! carrier). With the derivatives f, m of the energy by x and y,
 //!
 //! ```text
@@ -147,7 +147,7 @@ impl<T: Scalar> LimbState<T> {
     }
 }
 
-/// How inner unknowns follow: dy = -(rest + by dx). Equation (1).
+/// Response of the inner unknowns: dy = -(rest + by dx). Equation (1).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Followers<T> {
     pub(super) count: usize,
@@ -241,7 +241,7 @@ impl<T: Scalar> Followers<T> {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Evaluated<T> {
     pub(super) followers: Followers<T>,
-    /// Forces on the inner unknowns, and the moment about a rocker's axis: what is out of balance.
+    /// Residual forces on the inner unknowns, and the residual moment about a rocker's axis.
     pub(super) inner: [T; 7],
     /// False if the inner unknowns move away by themselves.
     pub(super) is_stable: bool,

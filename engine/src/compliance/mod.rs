@@ -1,4 +1,4 @@
-//! Elasto-kinematics of a wheel: equilibrium with bushings and stretching links, and how it changes with loads.
+//! Elasto-kinematics of a wheel: equilibrium with bushings and stretching links, and its change with loads.
 //!
 //! Bodies are the wheel carrier, arms on bushings, links with bushings, the mount of a strut and the rocker of a spring;
 //! everything else is rigid. All bodies are displaced from the design position, and deflections are formed from these

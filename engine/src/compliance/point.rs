@@ -29,7 +29,7 @@ use crate::number::{Dual, Matrix3, Scalar, Vector3};
 pub(super) struct PointForce<T> {
     /// The derivative of the energy.
     pub(super) force: Vector3<T>,
-    /// The same after inner unknowns are eliminated: what the equations of balance take.
+    /// The same after inner unknowns are eliminated, as the equations of balance take it.
     pub(super) condensed: Vector3<T>,
     /// Second derivative, inner unknowns eliminated.
     pub(super) stiffness: Matrix3<T>,
@@ -137,7 +137,7 @@ pub(super) struct Seat<T> {
     pub(super) rocker: Option<RockerSeat<T>>,
 }
 
-/// How the rocker follows: dtheta = -(rest + by.dp). Equation (3).
+/// Response of the rocker: dtheta = -(rest + by.dp). Equation (3).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Slide<T> {
     pub(super) by: Vector3<T>,
@@ -192,9 +192,9 @@ impl<T: Scalar> Seat<T> {
         (lower - self.upper).norm()
     }
 
-    /// Force by a displacement of the point. `balance_only` leaves out what depends on deflection: for the forces at
-    /// the design load. `slide` is tan(theta/2) of a rocker whose rod is elastic, `held` the moment about its axis that
-    /// is carried from outside.
+    /// Force by a displacement of the point. `balance_only` leaves out the terms that depend on deflection: for the
+    /// forces at the design load. `slide` is tan(theta/2) of a rocker whose rod is elastic. `held` is the moment
+    /// about its axis that an outer part carries.
     pub(super) fn force(
         &self,
         displacement: Vector3<T>,

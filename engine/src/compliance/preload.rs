@@ -8,8 +8,8 @@
 //! f0 = K B' v,   B K B' v + C' l - q F = -r,   C v = 0,   q.v = 0                                 (1)
 //! ```
 //!
-//! so v is how the parts would move if they had no torsion and the contact point kept its height. The same elimination
-//! solves it as an equilibrium. A link's spin, which no force feels, is held.
+//! so v is the velocity that the parts would have without torsion and at constant height of the contact point. The
+//! same elimination solves it as an equilibrium. A link's spin, which no force affects, is held.
 
 use super::build::{Built, BushingPlace, LinkPlace};
 use super::limb::Conditions;

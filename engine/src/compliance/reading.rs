@@ -182,5 +182,5 @@ impl<T: Scalar> WheelGeometry<T> {
     }
 }
 
-/// A vector of which nothing is known.
+/// An unknown vector.
 const NOTHING: Vector3<f64> = Vector3::new(f64::NAN, f64::NAN, f64::NAN);

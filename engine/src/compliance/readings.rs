@@ -198,7 +198,7 @@ impl<T: Scalar> ElasticWheel<T> {
     }
 }
 
-/// Force of a link on the rack, along +y. A ball joint at the rack passes on what the bushing at the carrier has.
+/// Force of a link on the rack, along +y. A ball joint at the rack transmits the force of the bushing at the carrier.
 fn rack_force_of<T: Scalar>(
     link: &Floating<T>,
     states: &[Option<BushingState<T>>; 2],

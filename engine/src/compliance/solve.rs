@@ -7,9 +7,9 @@
 //! - a correction is above 0.8 of the one before: the method does not contract,
 //! - the state that is found is not stable.
 //!
-//! A state is stable where the symmetric part of the tangent is positive definite on the motions that the rigid joints
-//! and the held height leave: first in every part that was eliminated, then in what is left of the carrier.
-//! The share that is reached is known to 1e-6.
+//! A state is stable if the symmetric part of the tangent is positive definite on the free motions. Rigid joints and
+//! the held height leave these motions. This is checked first in every eliminated part, then in the rest of the
+//! carrier. The share that is reached is known to 1e-6.
 
 use super::limb::is_positive;
 use super::system::{Equations, Held, Hold, Singular, State, System, Task};
@@ -26,8 +26,8 @@ const CONTRACTION: f64 = 0.8;
 const LAST_SHIFT: f64 = 1e-11;
 /// Last correction of an equilibrium: rad.
 const LAST_TURN: f64 = 1e-13;
-/// A correction below this, mm, that does not contract any more is rounding: Newton's method would square it. Near the
-/// end of what a wheel holds, forces that are rounded move it further than the last correction.
+/// A correction below this, mm, that no longer contracts is rounding: Newton's method would square it. Near the end
+/// of a wheel's capacity, rounded forces move it further than the last correction.
 const ROUNDING: f64 = 1e-8;
 /// Least share of the way by which the loads are raised.
 const LEAST_SHARE: f64 = 1e-6;
@@ -62,7 +62,7 @@ pub(super) struct Stuck {
     /// Share of the way that was reached.
     pub(super) share: f64,
     pub(super) obstacle: Obstacle,
-    /// The last equilibrium on the way, with its task; `None` if even the start is none.
+    /// The last equilibrium on the way, with its task; `None` if even the start is not one.
     pub(super) last: Option<(State<f64>, Task<f64>)>,
 }
 

@@ -156,7 +156,7 @@ struct Pivot<T> {
     open: [T; 2],
 }
 
-/// How well inner equations are held.
+/// Stability of inner equations.
 struct Firmness {
     is_stable: bool,
     least_pivot: f64,

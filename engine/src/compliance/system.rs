@@ -110,7 +110,7 @@ impl<T: Scalar> Step<T> {
     }
 }
 
-/// What stays while loads change.
+/// Quantity that stays fixed while loads change.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Hold<T> {
     /// The height of the wheel centre above its design position.

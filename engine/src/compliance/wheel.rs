@@ -1,4 +1,4 @@
-//! An elastic wheel: its equilibria, and how they change.
+//! An elastic wheel: its equilibria, and their changes.
 
 use super::build::Built;
 use super::definition::{Compliance, Relaxed};
@@ -20,7 +20,7 @@ const SOFT_STEPS: usize = 8;
 /// A wheel load below this share of the spring's force is no leverage.
 const LEAST_LEVERAGE: f64 = 1e-6;
 
-/// What stays while a load changes.
+/// Quantity that stays fixed while a load changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum HeldQuantity {
     /// The height of the wheel centre.

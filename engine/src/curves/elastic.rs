@@ -17,7 +17,7 @@ struct Read {
     undefined: NoValue,
 }
 
-/// The columns of a plan's characteristics, then those of figures, each with what it reads.
+/// Returns the columns of a plan's characteristics, then those of its figures, each with its source.
 fn columns(length: LengthUnit, plan: &Plan) -> Vec<(Column, Read)> {
     let mut found = Vec::new();
     for column in Column::all(plan, length) {

@@ -1,8 +1,8 @@
 //! Forces in links, joints and spring in every pose of a motion.
 
 use super::Column;
-use crate::analyse::{self, Balance, Member, Support, members};
-use crate::model::{Frame, Mechanism, RockerId};
+use crate::analyse::{self, Balance, Carried, FAR, Member, Support, members};
+use crate::model::{Frame, Mechanism, RockerId, Side};
 use crate::number::Vector3;
 use crate::study::Load;
 
@@ -16,6 +16,32 @@ pub(crate) struct Loads<'a> {
     members: Vec<Member>,
 }
 
+/// A member under the name of its side, if it is one of a rigid axle's halves. Both halves bear a load on one wheel. A member
+/// that the axle has once keeps its name.
+fn with_side(member: Member, mechanism: &Mechanism, frame: Frame) -> Member {
+    let Some(rigid) = &mechanism.rigid_axle else {
+        return member;
+    };
+    let near = frame.meaning().1;
+    let far = match near {
+        Side::Left => Side::Right,
+        Side::Right => Side::Left,
+    };
+    let is_single = match member.what {
+        Carried::Tension(inner, outer) => {
+            [inner, outer].iter().any(|id| rigid.singles.contains(id))
+        }
+        Carried::WattRod(_) => true,
+        _ => false,
+    };
+    let name = match member.name.strip_prefix(FAR) {
+        Some(name) => format!("{}_{name}", far.name()),
+        None if is_single => member.name,
+        None => format!("{}_{}", near.name(), member.name),
+    };
+    Member { name, ..member }
+}
+
 impl<'a> Loads<'a> {
     /// Prepares loads on a mechanism. `frame` maps between the study's axes and the mechanism's own frame.
     pub(crate) fn of(mechanism: &'a Mechanism, frame: Frame, loads: &'a [Load]) -> Self {
@@ -27,7 +53,10 @@ impl<'a> Loads<'a> {
             support,
             members: match loads.is_empty() {
                 true => Vec::new(),
-                false => members(mechanism, support),
+                false => {
+                    let members = members(mechanism, support).into_iter();
+                    members.map(|m| with_side(m, mechanism, frame)).collect()
+                }
             },
         }
     }

@@ -129,11 +129,11 @@ impl MotionColumn {
 /// A station with its values, in the units they are printed in.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Station {
-    /// A value for each column of [`Curves::motion`]; `None` for a number that follows from a position which does not exist.
+    /// Value of each column of [`Curves::motion`]; `None` if it depends on a position that does not exist.
     pub at: Vec<Option<f64>>,
     /// Status of the station.
     pub status: Status,
-    /// For each column of [`Curves::columns`] its value, or the reason why there is none.
+    /// Value of each column of [`Curves::columns`], or the reason why it has none.
     pub values: Vec<Result<f64, NoValue>>,
     /// Condition number of the equations, of an axle that of the worse wheel; to within a factor of ten where the closed
     /// form gave the pose and the number is below 1000. `None` where there is no pose.

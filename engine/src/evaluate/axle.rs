@@ -1,7 +1,6 @@
-//! Designs of an axle: both wheels of each are moved, and solved at every position of the motion.
+//! Designs of an axle. The evaluator moves points of both wheels and solves both at every position of the motion.
 //!
-//! A variable moves the same point of both wheels, one as the mirror image of the other, also where the right
-//! wheel has hardpoints of its own.
+//! A variable moves the same point of both wheels as mirror images, even if the right wheel has hardpoints of its own.
 
 use super::axle_lanes::AxleLanes;
 use super::evaluator::{Evaluator, FindsSlopes, Pairs, SolvesOneByOne};
@@ -19,11 +18,11 @@ use std::borrow::Cow;
 pub(crate) struct AxleStations<'s> {
     pub axle: Cow<'s, Axle>,
     pub quantities: Vec<Quantity>,
-    /// The derivatives in the design position that are asked for, quantity by quantity.
+    /// The derivatives in the design position that the study requests, quantity by quantity.
     pub gains: Vec<AxleColumn>,
-    /// Whether some of these derivatives are by the rack.
+    /// True if some of these derivatives are by the rack.
     pub steers: bool,
-    /// Positions of the motion, then the design position and those of targets, unless they are among them.
+    /// Positions of the motion, then the design position and positions of targets that the motion does not contain.
     pub placements: Vec<Placement>,
     of_motion: usize,
     design: usize,

@@ -34,17 +34,25 @@ struct Group {
 }
 
 /// Heave, rack displacement and the number that moves (roll angle, or travel of both wheels) of a placement. `None` for
-/// a placement that lanes cannot solve.
-fn parts(placement: &Placement) -> Option<[f64; 3]> {
-    match *placement {
-        Placement::Roll { heave, roll, rack } => Some([heave, rack, roll]),
+/// a placement that lanes cannot solve. The mean travel of a rigid axle takes the place of the rack, and half the difference of
+/// its travels that of the travel.
+fn parts(placement: &Placement, is_rigid: bool) -> Option<[f64; 3]> {
+    let [heave, rack, value] = match *placement {
+        Placement::Roll { heave, roll, rack } => [heave, rack, roll],
         Placement::Travels {
             travels: [left, right],
             rack,
             on_plane: false,
-        } if left == right => Some([0.0, rack, left]),
-        Placement::AtLoad { .. } | Placement::Travels { .. } => None,
-    }
+        } if left == right => match is_rigid {
+            true => [left, 0.0, 0.0],
+            false => [0.0, rack, left],
+        },
+        Placement::AtLoad { .. } | Placement::Travels { .. } => return None,
+    };
+    Some(match is_rigid {
+        true => [0.0, heave, value],
+        false => [heave, rack, value],
+    })
 }
 
 impl<'a> AxleLanes<'a> {
@@ -52,15 +60,13 @@ impl<'a> AxleLanes<'a> {
     pub(super) fn new(stations: &'a AxleStations<'a>, width: Width) -> Result<Self, NotInLanes> {
         let axle: &Axle = &stations.axle;
         let quantities = &stations.quantities[..];
-        if axle.is_rigid() {
-            return Err(NotInLanes::Mechanism);
-        }
         if !quantities.iter().all(|q| q.is_for_lanes()) {
             return Err(NotInLanes::Reading);
         }
         let mut grouped: Vec<([f64; 2], Vec<f64>, Vec<usize>)> = Vec::new();
         for (number, placement) in stations.placements.iter().enumerate() {
-            let [heave, rack, value] = parts(placement).ok_or(NotInLanes::Travels)?;
+            let found = parts(placement, axle.is_rigid());
+            let [heave, rack, value] = found.ok_or(NotInLanes::Travels)?;
             let known = grouped.iter_mut().find(|g| g.0 == [heave, rack]);
             match known {
                 Some((_, values, numbers)) => {
@@ -97,7 +103,8 @@ impl<'a> AxleLanes<'a> {
             return Err(NotInLanes::Stations);
         }
         let rates = quantities.iter().any(|q| q.rate_order() > 0);
-        let by_rack = quantities.iter().any(|q| q.info().by_rack);
+        // Each wheel of a rigid axle moves with both travels.
+        let by_rack = axle.is_rigid() || quantities.iter().any(|q| q.info().by_rack);
         let reader = |side: Side| {
             let slots = quantities.iter().map(|q| q.lane_slots(side));
             let slots = slots.fold(Slots::default(), Slots::and);
@@ -175,7 +182,13 @@ impl SimdTask for AxleBlockTask<'_, '_> {
         while first < count && !interrupt.is_raised() {
             let lanes = (count - first).min(B::LANES);
             gather(designs, points, first, lanes, &mut group_left);
-            gather(rights, points, first, lanes, &mut group_right);
+            match &solver.stations.axle.left.mechanism.rigid_axle {
+                None => gather(rights, points, first, lanes, &mut group_right),
+                Some(rigid) => {
+                    rigid.complete(&solver.stations.axle.left.design, &mut group_left);
+                    rigid.turn_over(&group_left, &mut group_right);
+                }
+            }
             let left_design = batch.wheel(0).design(&group_left);
             let right_design = batch.wheel(1).design(&group_right);
             let left_wheels = readers[0].wheels(&left_design, &group_left);
@@ -247,6 +260,7 @@ impl<B: SimdReal> VisitPair<B> for Reading<'_, '_, B> {
     ) {
         let AxleLanes {
             readers,
+            batch,
             rates,
             hold,
             quantities,
@@ -258,7 +272,8 @@ impl<B: SimdReal> VisitPair<B> for Reading<'_, '_, B> {
         let (rack, inputs) = (self.rack, &mut *self.left_inputs);
         let left_known = readers[0].read(left_wheels, left, rack, *rates, inputs);
         let inputs = &mut *self.right_inputs;
-        let right_known = readers[1].read(right_wheels, right, -rack, *rates, inputs);
+        let right_rack = rack.scaled(batch.right_rack());
+        let right_known = readers[1].read(right_wheels, right, right_rack, *rates, inputs);
         self.accepted = self.accepted & left_known & right_known;
         let state = AxleState {
             readings: [
@@ -268,7 +283,7 @@ impl<B: SimdReal> VisitPair<B> for Reading<'_, '_, B> {
             ground: stand.ground,
             roll: stand.roll,
             hold: *hold,
-            carriers: Carriers::Independent,
+            carriers: Carriers::of(&stations.axle),
             setup,
         };
         let count = stations.placements.len();

@@ -122,8 +122,8 @@ impl Block {
         });
     }
 
-    /// Room for the values and the slopes of the designs from one on, as many as are solved together: those
-    /// of the next station [`SIDE_BY_SIDE`] numbers on, those of the next output after all stations.
+    /// Returns the places for values and slopes of the designs that are solved together, from `design` on. The next
+    /// station follows [`SIDE_BY_SIDE`] numbers later, the next output after all stations.
     #[inline(always)]
     pub(super) fn from(&mut self, design: usize) -> (&mut [f64], &mut [f64]) {
         let (value, slope) = (self.place(design, 0, 0), self.slope_place(design, 0));

@@ -1,8 +1,8 @@
-//! A block of designs in, their values out.
+//! Evaluation of a block of designs: hardpoints in, values out.
 //!
-//! This is the seam between a sweep and the solver: what is above it knows of samples, threads and
-//! files, what is below it of poses. A design's values depend on that design alone, never on its
-//! neighbours in the block, and nothing is allocated from block to block but for failures.
+//! This module separates a sweep from the solver. A sweep handles samples, threads and files. The solver handles poses.
+//! The values of a design depend on that design alone, never on its neighbours in the block. From block to block, only
+//! failures allocate memory.
 
 use super::lanes::{LaneSolver, NotInLanes};
 use super::one_by_one::OneByOne;

@@ -1,11 +1,14 @@
 //! Gradients of several designs at a time, one in each SIMD lane.
 //!
-//! For programs that move many designs at once, such as a descent from several starts: quantities by every
-//! hardpoint coordinate or along directions that several move in, or a sum of their squared deviations over all stations
-//! with its gradient. The last costs one adjoint a pose, the others one for each angle.
+//! Programs that move many designs at once use it, such as a descent from several starts. It gives either of these:
 //!
-//! Jacobians are handed over pose by pose, not kept: 864 bytes a pose for a strut, so that to write those of
-//! a whole curve to memory takes as long as to find them.
+//! - derivatives of quantities by every hardpoint coordinate, or along directions that move several hardpoints,
+//! - the sum of squared deviations over all stations, with its gradient.
+//!
+//! The sum costs one adjoint per pose. The derivatives cost one adjoint per pose and angle.
+//!
+//! The caller receives Jacobians pose by pose; they are not stored. A strut needs 864 bytes per pose. Writing the
+//! Jacobians of a whole curve to memory would take as long as computing them.
 
 use super::Stations;
 use super::aligned::Aligned;
@@ -22,12 +25,12 @@ use crate::solve::{
 };
 use std::ops::Range;
 
-/// A wanted value of an angle (radians) at a station, and the weight of the squared deviation from it.
+/// Target value of an angle (radians) at a station, with the weight of the squared deviation from it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct AngleTarget {
     /// Value.
     pub value: f64,
-    /// Weight; 0 where nothing is wanted.
+    /// Weight; 0 if the angle has no target.
     pub weight: f64,
 }
 
@@ -37,7 +40,7 @@ pub struct Gradients<'a> {
     width: Width,
     batch: Batch<'a>,
     reader: LaneReader<'a>,
-    /// What gradients of quantities made of velocities need; `None` if there are no such quantities.
+    /// Equations for gradients of quantities made of velocities; `None` if there are no such quantities.
     along_travel: Option<AlongTravel>,
     stations: Stations,
     accepted: [bool; MOST_LANES],
@@ -48,7 +51,7 @@ pub struct Gradients<'a> {
     history: Vec<f64>,
 }
 
-/// What has been found, side by side in the lanes.
+/// Results of an evaluation, one value per lane.
 #[derive(Clone)]
 struct Found {
     /// The stations of a single design, group by group.
@@ -94,8 +97,8 @@ impl Found {
     }
 }
 
-/// The angles of several designs at a station, and their derivatives by hardpoints and along directions. Designs are
-/// numbered as they were given, angles as those that gradients were asked of.
+/// The angles of several designs at a station, and their derivatives by hardpoints and along directions. Designs and
+/// angles are numbered in the order in which the caller gave them.
 pub struct Jacobians<'f> {
     station: usize,
     found: &'f Found,
@@ -121,12 +124,12 @@ impl Deviations<'_> {
 }
 
 impl Jacobians<'_> {
-    /// The number of the station of designs, as [`Stations::number`] returns it.
+    /// The number of the station that the designs share, as [`Stations::number`] returns it.
     pub fn station(&self) -> usize {
         self.station
     }
 
-    /// The stations of a single design that are in the lanes in place of designs.
+    /// The stations of a single design, one per lane, if the lanes hold stations instead of designs.
     pub fn side_by_side(&self) -> &[usize] {
         &self.found.groups[self.station]
     }
@@ -209,15 +212,15 @@ impl<'a> Gradients<'a> {
         self.width.lanes()
     }
 
-    /// Visits the stations of designs, as many as fit into the lanes at most, in the order in which they are solved.
-    /// Afterwards [`Gradients::is_accepted`] tells which designs were accepted. The numbers of others may be anything, NaN
-    /// included.
+    /// Visits the stations of designs in the order of their solution. There must not be more designs than lanes.
+    /// Afterwards, [`Gradients::is_accepted`] tells the accepted designs. Values of other designs are undefined and may
+    /// be NaN.
     pub fn jacobians(&mut self, designs: &[Vector3<f64>], mut visit: impl FnMut(&Jacobians<'_>)) {
         self.evaluate(designs, None, Task::Jacobians(&mut visit));
     }
 
-    /// As [`Gradients::jacobians`], along directions: `along` says how fast every coordinate moves in each,
-    /// `[direction][point][axis][lane]`, with as many lanes as designs fit in.
+    /// As [`Gradients::jacobians`], along directions. `along` holds the rate of every coordinate in each direction,
+    /// `[direction][point][axis][lane]`, with [`at_once`](Self::at_once) lanes.
     pub fn slopes(
         &mut self,
         designs: &[Vector3<f64>],
@@ -229,9 +232,9 @@ impl<'a> Gradients<'a> {
         self.evaluate(designs, None, Task::Slopes { along, visit });
     }
 
-    /// As [`Gradients::jacobians`] for a single design, whose stations are side by side in the lanes: the visitor gets
-    /// those of [`Jacobians::side_by_side`] as if they were designs. Returns whether the design was accepted; if not, what
-    /// was visited must not be used. It never is if [`Gradients::takes_one`] is false.
+    /// As [`Gradients::jacobians`] for a single design, with one station per lane. The visitor gets the stations of
+    /// [`Jacobians::side_by_side`] in place of designs. Returns true if the design was accepted. If not, the visited
+    /// values must not be used. No design is accepted if [`Gradients::takes_one`] is false.
     pub fn jacobians_of_one(
         &mut self,
         design: &[Vector3<f64>],
@@ -294,14 +297,15 @@ impl<'a> Gradients<'a> {
         self.is_accepted(0)
     }
 
-    /// Whether the stations of a single design can be side by side: not where rods of rockers are watched from one to the
-    /// next.
+    /// Returns true if the lanes can hold the stations of a single design. They cannot if rods of rockers are watched
+    /// from one station to the next.
     pub fn takes_one(&self) -> bool {
         !self.reader.watches_rods()
     }
 
-    /// Forms the sums of weighted squared deviations of designs, as many as fit into the lanes at most;
-    /// `wanted` angle by angle and station by station. Which designs were accepted is known from then on.
+    /// Computes the sum of weighted squared deviations of each design. There must not be more designs than lanes.
+    /// `wanted` lists the targets angle by angle and station by station. Afterwards,
+    /// [`is_accepted`](Self::is_accepted) tells the accepted designs.
     pub fn deviations(
         &mut self,
         designs: &[Vector3<f64>],
@@ -324,22 +328,22 @@ impl<'a> Gradients<'a> {
         });
     }
 
-    /// Whether a design of the last evaluation is accepted; if not, it is to be solved one by one.
+    /// Returns true if the last evaluation accepted a design. The caller must solve a rejected design on its own.
     pub fn is_accepted(&self, design: usize) -> bool {
         self.accepted[design]
     }
 }
 
-/// What an evaluation forms.
+/// Result that an evaluation computes.
 enum Task<'t> {
-    /// Every angle's derivatives, to be handed over.
+    /// Derivatives of every angle by hardpoint coordinates, passed to a visitor.
     Jacobians(&'t mut dyn FnMut(&Jacobians<'_>)),
-    /// Every angle's derivatives along directions, to be handed over.
+    /// Derivatives of every angle along directions, passed to a visitor.
     Slopes {
         along: &'t [f64],
         visit: &'t mut dyn FnMut(&Jacobians<'_>),
     },
-    /// A sum of deviations, with its derivatives.
+    /// Sum of weighted squared deviations, with its derivatives.
     Deviations(&'t [AngleTarget]),
 }
 
@@ -459,8 +463,8 @@ fn clear<B: SimdReal>(zero: B, row: &mut [f64]) {
     }
 }
 
-/// The derivatives along directions, from those by the hardpoints; a few directions at a time, since sums would have to wait
-/// for one another.
+/// The derivatives along directions, from those by the hardpoints; a few directions at a time, since sums would have to
+/// wait for one another.
 #[inline(always)]
 fn chain<B: SimdReal>(like: B, gradient: &[f64], along: &[f64], slopes: &mut [f64]) {
     const TOGETHER: usize = 3;

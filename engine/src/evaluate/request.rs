@@ -1,4 +1,4 @@
-//! Requests: what is evaluated of each design.
+//! Requests: the quantities and stations to evaluate for each design.
 
 use super::elastic::ElasticQuantities;
 use super::gradient_evaluator::GradientEvaluator;

@@ -24,7 +24,7 @@ impl Motion {
         })
     }
 
-    /// Travels from one end of a range to the other, both included, as many as `stations`, the rack straight ahead.
+    /// Evenly spaced travels over a range, both ends included, with the rack straight ahead.
     ///
     /// # Errors
     /// If an end is not finite, the range is empty, or there are fewer than two stations.
@@ -286,8 +286,8 @@ impl Target {
         })
     }
 
-    /// A value of a characteristic at one travel, which is solved whether or not the motion has a station there;
-    /// units and `tolerance` as those of [`Target::curve`].
+    /// A value of a characteristic at one travel. The motion need not have a station there. Units and `tolerance` are
+    /// those of [`Target::curve`].
     ///
     /// # Errors
     /// [`Error::Lacking`]; or a figure is not finite, or the tolerance is not above 0.
@@ -306,7 +306,7 @@ impl Target {
         })
     }
 
-    /// Wanted values of a characteristic, and the travels of comparison beside those of the motion.
+    /// Wanted values of a characteristic, and the travels of comparison in addition to those of the motion.
     fn of(
         suspension: &Suspension,
         characteristic: Characteristic,
@@ -356,7 +356,7 @@ fn ends(what: &str, range: &RangeInclusive<f64>) -> Result<[f64; 2], Error> {
     Ok([low, high])
 }
 
-/// The number of values of each variable in a grid of so many points, if there is one.
+/// Returns the number of values of each variable in a grid of `points` points, if there is such a grid.
 fn steps_of_grid(points: u64, variables: usize) -> Option<u64> {
     let variables = u32::try_from(variables).ok().filter(|n| *n > 0)?;
     // Below 2^53 the nearest whole number is the exact root, if there is one. Larger numbers are refused anyway.

@@ -7,11 +7,11 @@ use crate::plan::Plan;
 use crate::study::WheelStudy;
 
 impl SuspensionBuilder {
-    /// The suspension. Its design position has been solved: it has a pose there, and the drive can move the wheel
+    /// Returns the suspension after solving its design position. It has a pose there, and the drive can move the wheel
     /// from it.
     ///
     /// # Errors
-    /// What is wrong with the hardpoints and figures, the first of several faults.
+    /// Returns the first fault of the hardpoints and figures, or of the design position.
     pub fn build(self) -> Result<Suspension, BuildError> {
         let own = WheelStudy::of(self.assemble()?);
         let suspension = &own.suspension;

@@ -64,14 +64,15 @@ impl Suspension {
     /// let design = suspension.pose_at(0.0, 0.0)?;
     /// assert!((design.characteristic(Characteristic::Camber).unwrap() + 1.0).abs() < 1e-12);
     ///
-    /// // Where the wheel cannot be, the reason is said.
+    /// // If the wheel cannot reach a travel, the error gives the reason.
     /// let error = suspension.pose_at(4000.0, 0.0).unwrap_err();
     /// assert!(error.to_string().starts_with("no pose at travel 4000 mm, rack 0 mm: the wheel travel ends at"));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///
     /// # Errors
-    /// [`Error::NoPose`] where the wheel cannot be, [`Error::Design`] if the design position itself cannot be solved.
+    /// [`Error::NoPose`] if the wheel cannot get there, [`Error::Design`] if the design position itself cannot be
+    /// solved.
     pub fn pose_at(&self, travel: f64, rack: f64) -> Result<SuspensionPose, Error> {
         let mut own = WheelStudy::of(self.clone());
         own.motion = Motion::at(travel, rack)?;

@@ -15,9 +15,9 @@ use std::sync::atomic::AtomicBool;
 /// The threads of a sweep, and a switch to end it early.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct SweepControl<'a> {
-    /// Threads to work on; as many as there are cores if `None`. Results do not depend on it.
+    /// Number of threads; one per core if `None`. Results do not depend on it.
     pub threads: Option<NonZeroUsize>,
-    /// Once true, the sweep ends after the designs under way.
+    /// Once it is true, the sweep ends after the current designs.
     pub interrupt: Option<&'a AtomicBool>,
 }
 

@@ -4,7 +4,7 @@ use crate::model::Suspension;
 use crate::study::{Designs, Study, SweepVariable, Variable, nearest};
 use thiserror::Error;
 
-/// Why there is no function.
+/// Reason why a study has no function.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum FunctionError {
@@ -13,7 +13,7 @@ pub enum FunctionError {
         "DesignFunction does not support formulation = \"point_coordinates\" or drive = \"paper_theta\""
     )]
     Formulation,
-    /// The study has elastic parts, whose equilibria are no function of positions alone.
+    /// The study has elastic parts. Their equilibria depend on more than positions.
     #[error("DesignFunction is of the rigid mechanism; the study has [compliance]")]
     Elastic,
     /// The study asks for nothing that is a function of position.
@@ -30,7 +30,7 @@ pub enum FunctionError {
     UnknownVariable(String, String),
 }
 
-/// One of the numbers that a design is a function of.
+/// A number that a design depends on.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DesignVariable {
     /// Unique: `tie_rod_inner_dz`, `lower_arm_front+lower_arm_rear_dz`, `tie_rod_inner_z` of a coordinate,
@@ -39,7 +39,7 @@ pub struct DesignVariable {
     /// The points it moves and its range: an offset from the design in the study's length unit and axes, or degrees of
     /// a turn.
     pub(super) moved: Variable,
-    /// Whether the number is the coordinate itself rather than an offset.
+    /// True if the number is the coordinate itself, false if it is an offset.
     pub(super) absolute: bool,
 }
 

@@ -89,7 +89,7 @@ fn meant(fault: &HardpointFault) -> String {
 ///     .build()?;
 /// assert!(suspension.size() > 400.0);
 ///
-/// // What is wrong is said.
+/// // The error names the fault.
 /// let error = Suspension::builder("semi_trailing_arm").build().unwrap_err();
 /// assert!(error.to_string().starts_with("missing for semi_trailing_arm: arm_pivot_inner"));
 /// # Ok::<(), hardpoint::BuildError>(())

@@ -4,7 +4,7 @@
 //! Their Jacobian J by the pose has the constraints' lines as rows, so it is singular exactly where the
 //! mechanism is.
 
-use super::constraint::{ArmAngle, Row, TravelRow};
+use super::constraint::{ArmAngle, PartDimensions, Row, TravelRow};
 use super::pose::{Configuration, Pose, Sink, Twist, Wrench};
 use crate::linear::lu::{Lu6, Matrix6, Vector6};
 use crate::model::{Mechanism, PointId};
@@ -68,12 +68,7 @@ pub struct Closure<T> {
 #[derive(Clone, Copy)]
 enum Dimensions<'a, T> {
     Design(&'a [Vector3<T>]),
-    /// `points`: the points of the body, and every point where the undisplaced knuckle carries it. `lengths`: one for
-    /// each constraint, read if it is a rod.
-    Parts {
-        points: [&'a [Vector3<T>]; 2],
-        lengths: &'a [T],
-    },
+    Parts(PartDimensions<'a, T>),
 }
 
 /// A row to be made, by the number of its constraint and its own number among that constraint's rows.
@@ -95,12 +90,11 @@ impl<T: Real> Outlined for RowToMake<'_, T> {
             number,
             ..
         } = self;
-        let (kind, origin) = (mechanism.constraints[constraint], mechanism.origin);
         match self.dimensions {
-            Dimensions::Design(design) => Row::of(kind, number, design, origin),
-            Dimensions::Parts { points, lengths } => {
-                Row::of_parts(kind, number, points, lengths[constraint], origin)
+            Dimensions::Design(design) => {
+                Row::of(mechanism, mechanism.constraints[constraint], number, design)
             }
+            Dimensions::Parts(parts) => Row::of_parts(mechanism, constraint, number, parts),
         }
     }
 }
@@ -112,17 +106,10 @@ impl<T: Real> Closure<T> {
         Closure::of_rows(mechanism, Dimensions::Design(design))
     }
 
-    /// The equations of parts with dimensions of their own: the points of the body, every point where the undisplaced
-    /// knuckle carries it, and a length for each constraint, read if it is a rod.
+    /// The equations of parts with dimensions of their own.
     #[inline(always)]
-    pub(crate) fn of_parts(
-        mechanism: &Mechanism,
-        body: &[Vector3<T>],
-        knuckle: &[Vector3<T>],
-        lengths: &[T],
-    ) -> Self {
-        let points = [body, knuckle];
-        Closure::of_rows(mechanism, Dimensions::Parts { points, lengths })
+    pub(crate) fn of_parts(mechanism: &Mechanism, parts: PartDimensions<T>) -> Self {
+        Closure::of_rows(mechanism, Dimensions::Parts(parts))
     }
 
     /// Makes the five rows.
@@ -130,7 +117,7 @@ impl<T: Real> Closure<T> {
     fn of_rows(mechanism: &Mechanism, dimensions: Dimensions<T>) -> Self {
         let like = match dimensions {
             Dimensions::Design(design) => design[0].x,
-            Dimensions::Parts { lengths, .. } => lengths[0],
+            Dimensions::Parts(parts) => parts.lengths[0],
         };
         let mut next = RowToMake {
             mechanism,

@@ -36,8 +36,8 @@ pub enum Failure {
     PointCoordinates(FormulationFailure),
 }
 
-/// Why a formulation beside the knuckle pose (see [`crate::solve::Formulation`]) has no pose. A cause is a clause about a
-/// part, like "the strut is horizontal".
+/// Reason why a formulation other than the knuckle pose (see [`crate::solve::Formulation`]) has no pose. A `cause` is a
+/// clause about a part, such as "the strut is horizontal".
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FormulationFailure {
     /// At the pose asked for, fewer than half of the digits would be left.
@@ -47,21 +47,21 @@ pub enum FormulationFailure {
     },
     /// The branch of the design position ends before the drive value.
     DriveEnds {
-        /// What drives.
+        /// The drive.
         drive: Drive,
-        /// The drive value up to which the branch was followed, as the study counts it.
+        /// The last drive value that the solver reached on the branch, as the study counts it.
         value: f64,
         /// The part that is singular there.
         cause: &'static str,
     },
     /// The branch of the design position ends before the paper's angle theta.
     ThetaEnds {
-        /// The angle up to which the branch was followed.
+        /// The last angle that the solver reached on the branch.
         value: f64,
         /// The part that is singular there.
         cause: &'static str,
     },
-    /// The branch of the design position ends before the rack is where it was asked to be.
+    /// The branch of the design position ends before the requested displacement of the rack.
     RackEnds {
         /// The part that is singular there.
         cause: &'static str,

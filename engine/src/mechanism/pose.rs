@@ -303,7 +303,13 @@ impl<'a, T: Real> Configuration<'a, T> {
 
     /// Adds the derivative of `gradient . on_arm(arm, id)` to the sink. Out of line, since it is rare and large.
     #[inline(always)]
-    fn push_arm_point(&self, arm: Arm, id: PointId, gradient: Vector3<T>, sink: &mut impl Sink<T>) {
+    pub(crate) fn push_arm_point(
+        &self,
+        arm: Arm,
+        id: PointId,
+        gradient: Vector3<T>,
+        sink: &mut impl Sink<T>,
+    ) {
         let by = outlined!(
             [T: Real] self.rack;
             inputs: arm::Inputs<T> = self.arm_inputs(arm, id), gradient: Vector3<T> = gradient

@@ -1,6 +1,7 @@
 //! The angle to which a rod turns a rocker.
 //!
-//! A rocker turns about a line fixed in the vehicle, along the unit vector e. A rod of constant length turns it; the
+//! A rocker turns about a line fixed in its base, along the unit vector e. The base is the vehicle, or a solid axle: then
+//! everything below is in the axle's frame in the design position, with (12) between both frames. A rod of constant length turns it; the
 //! rod is the vector l in the design position. c is the foot of the rod's inner end on the axis, r the lever from c to
 //! that end in the design position, and t = e x r. d is the displacement of the rod's outer end, and q runs from this
 //! end to c. The angle obeys
@@ -40,6 +41,13 @@
 //! ```text
 //! by x: R'g    by n: k (l - R's')    by o: -k l    by o': k s'                                  (10)
 //! by f: h - R'h    by de: sin M + (1 - cos) M x e                                               (11)
+//! ```
+//!
+//! A point y of the axle's frame is at x = p + Q (y - p0), with the pose p, Q of the axle's origin p0. With a gradient g
+//! at x, Q'g at y, and the twist (v, w),
+//!
+//! ```text
+//! g.dx = Q'g.(dy - dp0) + g.v + (x - p) x g.w,   g.dy of a point at x: dx = v + w x (x - p) + Q (dy - dp0)   (12)
 //! ```
 
 use super::pose::{Configuration, Sink, Twist};
@@ -152,7 +160,7 @@ impl<T: Real> Turn<T> {
     #[inline(always)]
     fn sense(&self, rod: Rod) -> T {
         match rod {
-            Rod::Pushrod | Rod::DropLink => self.pushed,
+            Rod::Pushrod | Rod::DropLink | Rod::WattLink => self.pushed,
             Rod::Pullrod => -self.pushed,
         }
     }
@@ -217,6 +225,7 @@ impl<B: SimdReal> Configuration<'_, B> {
         let [mut outer, mut rate] = self.moving_below_rockers(rocker.outer, motion);
         let mut least = outer.x.one();
         loop {
+            [outer, rate] = self.moving_in_base(rocker, [outer, rate], motion);
             let (first, inner) = (self.designed(rocker.first), self.designed(rocker.inner));
             let (second, designed) = (self.designed(rocker.second), self.designed(rocker.outer));
             let turn = Turn::of([first, second, inner, designed, outer]);
@@ -242,6 +251,9 @@ impl<B: SimdReal> Configuration<'_, B> {
             rocker = mechanism.rocker(before(depth).unwrap_or(id));
             outer = turn.moved(self.designed(rocker.outer));
             rate = turn.axis.cross(outer - first) * speed;
+            // The rocker that this one turns may have another base.
+            [outer, rate] =
+                self.moving_out_of_base(before(depth + 1).unwrap_or(id), [outer, rate], motion);
         }
     }
 
@@ -257,9 +269,11 @@ impl<B: SimdReal> Configuration<'_, B> {
                     ..
                 } = self.turning(rocker, motion);
                 let now = turn.moved(self.designed(id));
+                let rate = turn.axis.cross(now - turn.first) * speed;
+                let [now, rate] = self.moving_out_of_base(rocker, [now, rate], motion);
                 MovingPoint {
                     now,
-                    rate: turn.axis.cross(now - turn.first) * speed,
+                    rate,
                     leverage_squared,
                 }
             }
@@ -286,7 +300,44 @@ impl<B: SimdReal> Configuration<'_, B> {
     #[inline(always)]
     pub fn designed_rod(&self, id: RockerId) -> RodReach<B> {
         let rocker = self.mechanism.rocker(id);
-        RodReach::of(self.ends_with(rocker, self.designed(rocker.outer)))
+        RodReach::of(self.ends_in_base(rocker, self.designed(rocker.outer)))
+    }
+
+    /// A point with its velocity, in the base of a rocker.
+    #[inline(always)]
+    fn moving_in_base(
+        &self,
+        rocker: Rocker,
+        [now, rate]: [Vector3<B>; 2],
+        motion: &Twist<B>,
+    ) -> [Vector3<B>; 2] {
+        match self.is_on_axle(rocker) {
+            false => [now, rate],
+            true => {
+                let carried = motion.shift + motion.turn.cross(now - self.pose.origin);
+                let rate = self.pose.rotation.apply_transposed(rate - carried);
+                [self.in_base(rocker, now), rate]
+            }
+        }
+    }
+
+    /// The inverse of [`Configuration::moving_in_base`].
+    #[inline(always)]
+    fn moving_out_of_base(
+        &self,
+        id: RockerId,
+        [now, rate]: [Vector3<B>; 2],
+        motion: &Twist<B>,
+    ) -> [Vector3<B>; 2] {
+        let rocker = self.mechanism.rocker(id);
+        match self.is_on_axle(rocker) {
+            false => [now, rate],
+            true => {
+                let now = self.out_of_base(rocker, now);
+                let carried = motion.shift + motion.turn.cross(now - self.pose.origin);
+                [now, carried + self.pose.rotation.apply(rate)]
+            }
+        }
     }
 
     /// Angle of a rocker and its derivative.
@@ -329,6 +380,43 @@ impl<T: Real> Configuration<'_, T> {
     /// Ends of a rod whose outer end is at `now`.
     #[inline(always)]
     fn ends_with(&self, rocker: Rocker, now: Vector3<T>) -> Ends<T> {
+        self.ends_in_base(rocker, self.in_base(rocker, now))
+    }
+
+    /// Returns true for a rocker whose base is the knuckle of a solid axle.
+    #[inline(always)]
+    fn is_on_axle(&self, rocker: Rocker) -> bool {
+        self.mechanism.body(rocker.first) == Body::Knuckle
+    }
+
+    /// A place in the base of a rocker: y of (12).
+    #[inline(always)]
+    fn in_base(&self, rocker: Rocker, now: Vector3<T>) -> Vector3<T> {
+        match self.is_on_axle(rocker) {
+            false => now,
+            true => {
+                let from_origin = now - self.pose.origin;
+                let lever = self.pose.rotation.apply_transposed(from_origin);
+                self.designed(self.mechanism.origin) + lever
+            }
+        }
+    }
+
+    /// The inverse of [`Configuration::in_base`]: x of (12).
+    #[inline(always)]
+    fn out_of_base(&self, rocker: Rocker, place: Vector3<T>) -> Vector3<T> {
+        match self.is_on_axle(rocker) {
+            false => place,
+            true => {
+                let lever = place - self.designed(self.mechanism.origin);
+                self.pose.origin + self.pose.rotation.apply(lever)
+            }
+        }
+    }
+
+    /// Ends of a rod whose outer end is at `now` in the base.
+    #[inline(always)]
+    fn ends_in_base(&self, rocker: Rocker, now: Vector3<T>) -> Ends<T> {
         [
             self.designed(rocker.first),
             self.designed(rocker.second),
@@ -344,7 +432,8 @@ impl<T: Real> Configuration<'_, T> {
         outlined!(
             [T: Real] self.rack;
             at: &'p Configuration<'p, T> = self, id: RockerId = id, designed: Vector3<T> = designed => Vector3<T> {
-                Turn::of(at.ends(at.mechanism.rocker(id))).moved(designed)
+                let rocker = at.mechanism.rocker(id);
+                at.out_of_base(rocker, Turn::of(at.ends(rocker)).moved(designed))
             }
         )
     }
@@ -387,6 +476,7 @@ impl<T: Real> Configuration<'_, T> {
         seed: RockerSeed<T>,
         sink: &mut impl Sink<T>,
     ) -> Vector3<T> {
+        let seed = self.seed_in_base(self.mechanism.rocker(id), seed, sink);
         let (by, by_point) = outlined!(
             [T: Real] self.rack;
             at: &'p Configuration<'p, T> = self, id: RockerId = id, seed: RockerSeed<T> = seed
@@ -397,8 +487,42 @@ impl<T: Real> Configuration<'_, T> {
         for (k, id) in designed.iter().enumerate() {
             sink.hardpoint(*id, by[k]);
         }
-        self.push_point(rocker.outer, by[4], sink);
+        let by_outer = match self.is_on_axle(rocker) {
+            false => by[4],
+            // (12), the other way.
+            true => {
+                let pull = self.pose.rotation.apply(by[4]);
+                let lever = self.point(rocker.outer) - self.pose.origin;
+                sink.wrench(-pull, -lever.cross(pull));
+                sink.hardpoint(self.mechanism.origin, by[4]);
+                pull
+            }
+        };
+        self.push_point(rocker.outer, by_outer, sink);
         by_point
+    }
+
+    /// A seed in the base of the rocker, after the parts of (12) that are not of the point there.
+    #[inline(always)]
+    fn seed_in_base(
+        &self,
+        rocker: Rocker,
+        seed: RockerSeed<T>,
+        sink: &mut impl Sink<T>,
+    ) -> RockerSeed<T> {
+        match seed {
+            RockerSeed::Point { designed, gradient } if self.is_on_axle(rocker) => {
+                let place = self.out_of_base(rocker, Turn::of(self.ends(rocker)).moved(designed));
+                let in_base = self.pose.rotation.apply_transposed(gradient);
+                sink.wrench(gradient, (place - self.pose.origin).cross(gradient));
+                sink.hardpoint(self.mechanism.origin, -in_base);
+                RockerSeed::Point {
+                    designed,
+                    gradient: in_base,
+                }
+            }
+            seed => seed,
+        }
     }
 
     /// Derivatives of the seed by the rod's ends, and by the design position of its point.
@@ -430,6 +554,12 @@ enum RockerSeed<T> {
 }
 
 impl Configuration<'_, f64> {
+    /// Leverage of the rod of a rocker: 1 if it is square to its lever, 0 at toggle, NaN beyond it.
+    pub(crate) fn leverage(&self, id: RockerId) -> f64 {
+        let turn = Turn::of(self.ends(self.mechanism.rocker(id)));
+        turn.leverage_squared.sqrt()
+    }
+
     /// The rod that keeps a rocker from turning here: its own, or that of a rocker which turns it.
     pub(crate) fn toggle(&self, id: RockerId) -> Option<Rod> {
         let before = self
@@ -446,7 +576,8 @@ impl<T: Scalar> Configuration<'_, T> {
     /// Tension in the rod of a rocker for a force of one at a point of the rocker: moments about the axis.
     pub(crate) fn rod_tension(&self, id: RockerId, at: Vector3<T>, force: Vector3<T>) -> T {
         let rocker = self.mechanism.rocker(id);
-        let [first, second] = [rocker.first, rocker.second].each(|id| self.designed(id));
+        let ends = [rocker.first, rocker.second].each(|id| self.designed(id));
+        let [first, second] = ends.each(|end| self.out_of_base(rocker, end));
         let axis = second - first;
         let [inner, outer] = [rocker.inner, rocker.outer].each(|id| self.point(id));
         let moment = |at: Vector3<T>, force: Vector3<T>| axis.dot((at - first).cross(force));

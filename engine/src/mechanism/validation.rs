@@ -73,7 +73,7 @@ impl HardpointFault {
         })
     }
 
-    /// Returns the fault of a group of which only a part is given.
+    /// Returns the fault of a group if the study gives only a part of it.
     pub fn of_group(
         topology: &'static Topology,
         group: &'static Group,

@@ -7,6 +7,8 @@
 mod double_wishbone;
 mod five_link;
 mod frame;
+mod h_arm;
+mod integral_link;
 mod macpherson;
 mod rigid_axle;
 mod rocker;
@@ -72,10 +74,10 @@ pub struct Arm {
 /// A constraint on the knuckle. Together the constraints of a mechanism remove five of its six degrees of freedom.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Constraint {
-    /// A rod of fixed length between a chassis (or rack) point and a knuckle point. Takes one freedom;
+    /// A rod of fixed length between a point of the chassis, the rack or an arm, and a knuckle point. Takes one freedom;
     /// a two-legged arm is two of them with the same outer point.
     Link {
-        /// The chassis or rack end.
+        /// The end on the chassis, the rack or an arm.
         inner: PointId,
         /// The knuckle end.
         outer: PointId,
@@ -104,6 +106,14 @@ pub enum Constraint {
         /// The chassis point.
         at: PointId,
     },
+    /// A second joint of an arm and the knuckle, which then turns about the line through both joints. Takes two
+    /// freedoms beside the two legs of the arm.
+    ArmJoint {
+        /// The arm.
+        arm: ArmId,
+        /// The point of both.
+        at: PointId,
+    },
     /// One of the two travels of a rigid axle has the value that stands where other mechanisms have the rack's
     /// displacement. Takes one freedom.
     AxleTravel {
@@ -121,9 +131,17 @@ impl Constraint {
     pub fn freedoms(&self) -> usize {
         match self {
             Constraint::Link { .. } | Constraint::AxleTravel { .. } => 1,
-            Constraint::StrutLine { .. } => 2,
+            Constraint::StrutLine { .. } | Constraint::ArmJoint { .. } => 2,
             Constraint::BallJoint { .. } => 3,
             Constraint::Revolute { .. } => 5,
+        }
+    }
+
+    /// Inner and outer end of a link; `None` for another constraint.
+    pub fn link(&self) -> Option<(PointId, PointId)> {
+        match *self {
+            Constraint::Link { inner, outer } => Some((inner, outer)),
+            _ => None,
         }
     }
 }
@@ -275,7 +293,7 @@ impl Mechanism {
     /// The name of a link, from that of its end at the body.
     pub fn link_name(&self, inner: PointId) -> &str {
         let name = self.name(inner);
-        let of_body = ["_inner", "_chassis"];
+        let of_body = ["_inner", "_chassis", "_rocker"];
         let stripped = of_body.iter().find_map(|end| name.strip_suffix(end));
         stripped.unwrap_or(name)
     }
@@ -317,6 +335,7 @@ impl Mechanism {
                 Constraint::Link { inner, outer } => Some((inner, outer)),
                 Constraint::StrutLine { top, lower, upper } => Some((lower, upper.unwrap_or(top))),
                 Constraint::Revolute { first, second } => Some((first, second)),
+                Constraint::ArmJoint { arm, at } => Some((self.arms[arm.0].outer, at)),
                 Constraint::BallJoint { .. } | Constraint::AxleTravel { .. } => None,
             });
         let spin_axis = match self.spin_axis {
@@ -343,6 +362,10 @@ impl Mechanism {
                 let carried = |id| self.body(id) == Body::Knuckle;
                 a == at && carried(b) || b == at && carried(a)
             }
+            Constraint::ArmJoint { arm, at } => {
+                let Arm { front, rear, .. } = self.arms[arm.0];
+                are(front, at) || are(rear, at)
+            }
             Constraint::StrutLine { .. } | Constraint::AxleTravel { .. } => false,
         });
         let rods = self
@@ -350,6 +373,18 @@ impl Mechanism {
             .iter()
             .any(|rocker| are(rocker.outer, rocker.inner));
         links || rods || self.body(a) == self.body(b) || on_ground(a) && on_ground(b)
+    }
+
+    /// The arm on which a constraint ends, besides its own legs: an arm with a link or a second joint to the knuckle.
+    pub fn arm_under(&self, constraint: &Constraint) -> Option<ArmId> {
+        match *constraint {
+            Constraint::ArmJoint { arm, .. } => Some(arm),
+            Constraint::Link { inner, .. } => match self.body(inner) {
+                Body::Arm(arm) => Some(arm),
+                _ => None,
+            },
+            _ => None,
+        }
     }
 
     /// The body a point sits on.
@@ -372,15 +407,15 @@ pub struct VehicleFigures {
     pub brake_share_front: Option<f64>,
     /// Share of the drive force at the front axle, 0 to 1.
     pub drive_share_front: Option<f64>,
-    /// Which axle the suspension is of.
+    /// Axle that has this suspension.
     pub position: Option<AxlePosition>,
-    /// What takes the torque of the brakes.
+    /// Part that takes the torque of the brakes.
     pub brakes: Option<TorquePath>,
-    /// What takes the torque of the drive.
+    /// Part that takes the torque of the drive.
     pub drive_torque: Option<TorquePath>,
 }
 
-/// Which axle of the car.
+/// Position of an axle in the car.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AxlePosition {
     /// The front axle.
@@ -389,7 +424,7 @@ pub enum AxlePosition {
     Rear,
 }
 
-/// What takes the torque of brakes or drive about the wheel's spin axis.
+/// Part that takes the torque of brakes or drive about the wheel's spin axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TorquePath {
     /// The wheel carrier: outboard brakes, hub motors.
@@ -407,7 +442,7 @@ pub struct Suspension {
     pub mechanism: Mechanism,
     /// Design position of every point, by [`PointId`].
     pub design: Vec<Vector3<f64>>,
-    /// How the study's axes map to the kernel's.
+    /// Map from the study's axes to the kernel's.
     pub frame: Frame,
     /// The unit of every length.
     pub length_unit: LengthUnit,

@@ -68,6 +68,12 @@ impl RigidAxle {
         self.pairs.iter().any(|[_, far]| *far == id)
     }
 
+    /// The partner in the far half of a point of the near half.
+    pub fn far_of(&self, id: PointId) -> Option<PointId> {
+        let pair = self.pairs.iter().find(|[near, _]| *near == id);
+        pair.map(|[_, far]| *far)
+    }
+
     /// Moves the far half as the near half moves. `own` is a design that has both halves: where its far half is no mirror
     /// image, the difference stays.
     #[inline(always)]

@@ -1,8 +1,8 @@
-//! Rockers: what a rod turns about an axis in the body. The bell crank of a pushrod or pullrod is one,
-//! an anti-roll bar with its drop link another.
+//! Rockers: parts that a rod turns about an axis fixed in the body or in a solid axle. Examples are the bell crank of a
+//! pushrod or pullrod, an anti-roll bar with its drop link, and the rocker of a Watt linkage.
 //!
-//! Their hardpoints are groups that a topology offers beside its own; a study gives a group entire or not
-//! at all.
+//! Their hardpoints form groups that a topology offers in addition to its own. A study gives every hardpoint of a
+//! group, or none.
 
 use super::topology::{Group, optional};
 use super::{Body, Mechanism, PointId};
@@ -12,22 +12,22 @@ use std::fmt;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RockerId(pub usize);
 
-/// A body hinged about a line fixed in the vehicle and turned by a rod of fixed length.
+/// A body hinged about a line fixed in its base, the vehicle or a solid axle, and turned by a rod of fixed length.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Rocker {
     /// The rod that turns it.
     pub rod: Rod,
-    /// A chassis point of the axis.
+    /// A point of the axis, on the chassis or on a solid axle.
     pub first: PointId,
-    /// Another one.
+    /// Another point of the axis.
     pub second: PointId,
     /// The rod's end on the rocker.
     pub inner: PointId,
-    /// The rod's other end: on an arm, the knuckle or an earlier rocker.
+    /// The rod's other end: on an arm, the knuckle or an earlier rocker; on the chassis for a rocker on a solid axle.
     pub outer: PointId,
 }
 
-/// What turns a rocker.
+/// Kind of the rod that turns a rocker.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rod {
     /// Pushes the rocker of the spring in jounce.
@@ -36,14 +36,32 @@ pub enum Rod {
     Pullrod,
     /// Turns the lever of an anti-roll bar.
     DropLink,
+    /// The upper link of a Watt linkage, which turns its rocker.
+    WattLink,
 }
 
 impl Rod {
-    /// What it turns.
+    /// Returns the name of the part that the rod turns.
     pub fn turns(self) -> &'static str {
         match self {
             Rod::Pushrod | Rod::Pullrod => "the rocker",
             Rod::DropLink => "the anti-roll bar",
+            Rod::WattLink => "the Watt rocker",
+        }
+    }
+
+    /// Returns true for the rods that turn the rocker of the spring.
+    pub fn is_of_spring(self) -> bool {
+        matches!(self, Rod::Pushrod | Rod::Pullrod)
+    }
+
+    /// Its name in keys and columns.
+    pub fn key(self) -> &'static str {
+        match self {
+            Rod::Pushrod => "pushrod",
+            Rod::Pullrod => "pullrod",
+            Rod::DropLink => "drop_link",
+            Rod::WattLink => "watt_upper",
         }
     }
 }
@@ -54,6 +72,7 @@ impl fmt::Display for Rod {
             Rod::Pushrod => "pushrod",
             Rod::Pullrod => "pullrod",
             Rod::DropLink => "drop link",
+            Rod::WattLink => "upper Watt link",
         })
     }
 }
@@ -80,7 +99,7 @@ const DROP_LINK: [&str; 4] = [
     "anti_roll_bar_outer",
 ];
 
-/// A rocker with its pushrod or pullrod; the spring then stands on it.
+/// A rocker with its pushrod or pullrod. The spring then acts on the rocker.
 pub(super) static ROCKER: Group = Group {
     what: "the rocker",
     hardpoints: &[
@@ -141,6 +160,21 @@ pub(super) static ANTI_ROLL_BAR: Group = Group {
     ],
 };
 
+/// Watt linkage with its rocker on a solid axle: the upper link's end on the body and on the rocker, pivot and axis.
+const WATT_ON_AXLE: [&str; 4] = [
+    "watt_upper_chassis",
+    "watt_upper_rocker",
+    "watt_pivot",
+    "watt_axis",
+];
+/// The same with the rocker on the body.
+const WATT_ON_CHASSIS: [&str; 4] = [
+    "watt_upper_axle",
+    "watt_upper_rocker",
+    "watt_pivot",
+    "watt_axis",
+];
+
 /// The bodies that the rods are mounted on unless a study says otherwise.
 #[derive(Clone, Copy)]
 pub(super) struct Carriers {
@@ -189,6 +223,8 @@ pub(super) fn rockers(find: impl Fn(&str) -> Option<PointId>) -> Vec<Rocker> {
         (Rod::Pushrod, PUSHROD),
         (Rod::Pullrod, PULLROD),
         (Rod::DropLink, DROP_LINK),
+        (Rod::WattLink, WATT_ON_AXLE),
+        (Rod::WattLink, WATT_ON_CHASSIS),
     ];
     let given = rods
         .into_iter()
@@ -210,6 +246,7 @@ pub(super) fn bodies(rockers: &[Rocker]) -> impl Iterator<Item = (&'static str, 
         let name = match rocker.rod {
             Rod::Pushrod | Rod::Pullrod => "rocker",
             Rod::DropLink => "anti_roll_bar",
+            Rod::WattLink => "watt_rocker",
         };
         (name, Body::Rocker(RockerId(number)))
     })
@@ -226,7 +263,7 @@ impl Mechanism {
     #[inline]
     pub fn spring_rocker(&self) -> Option<RockerId> {
         let mut rods = self.rockers.iter().map(|rocker| rocker.rod);
-        rods.position(|rod| rod != Rod::DropLink).map(RockerId)
+        rods.position(Rod::is_of_spring).map(RockerId)
     }
 
     /// The anti-roll bar, which a drop link turns.
@@ -261,7 +298,7 @@ impl Mechanism {
         Some(last.map_or(lower, |rocker| self.rocker(rocker).outer))
     }
 
-    /// The body the rod of a rocker stands on, in words.
+    /// Returns the name of the body on which the rod of a rocker is mounted.
     pub fn seat(&self, rocker: &Rocker) -> String {
         let body = self.body(rocker.outer);
         let found = self.bodies.iter().find(|(_, known)| *known == body);
@@ -288,7 +325,8 @@ impl Mechanism {
     /// The bodies a hardpoint may sit on: of the ends of springs and rods that stand on the suspension, by
     /// the study's choice. Empty for every other hardpoint.
     pub fn possible_bodies(&self, id: PointId) -> Vec<(&'static str, Body)> {
-        let turns = self.rockers.iter().position(|rocker| rocker.outer == id);
+        let is_turned = |rocker: &Rocker| rocker.outer == id && rocker.rod != Rod::WattLink;
+        let turns = self.rockers.iter().position(is_turned);
         let is_spring =
             self.spring.is_some_and(|s| s.lower == id) && self.name(id) == "spring_lower";
         let allowed = |body: Body| match (body, turns) {

@@ -1,17 +1,18 @@
-//! Solid axle: one body carries both wheels, on four links or on three links and a Panhard rod.
+//! Solid axle: one body carries both wheels, on four links, or on three links and a Panhard rod or a Watt linkage.
 //!
-//! A study gives the left half, which is mirrored. Points of the Panhard rod, and of a single upper link, have their true y.
+//! A study gives the left half, which is mirrored. Points of the Panhard rod, of the Watt linkage, and of a single upper link
+//! have their true y.
 
 use super::rigid_axle::{AxleTravel, RigidAxle};
 use super::rocker::{ANTI_ROLL_BAR, Carriers};
 use super::topology::{
     Given, Group, SPINDLE, SPINDLE_INNER, SPRING, SPRING_UPPER, WHEEL_CENTRE, optional, required,
 };
-use super::{Body, Constraint, Mechanism, Point, PointId, Topology};
+use super::{Body, Constraint, Mechanism, Point, PointId, RockerId, Topology};
 
 const NO_LENGTH: &str = "the link would have no length";
 
-/// A Panhard rod, of which a study gives both ends or none.
+/// A Panhard rod. A study gives both ends or none.
 static PANHARD: Group = Group {
     what: "the Panhard rod",
     hardpoints: &[
@@ -23,10 +24,55 @@ static PANHARD: Group = Group {
     distinct: &[("panhard_chassis", "panhard_axle", NO_LENGTH)],
 };
 
+/// The Watt linkage: a rocker on the axle with two links to the body, or a rocker on the body with two links to the axle.
+static WATT: Group = Group {
+    what: "the Watt linkage",
+    beside: &[],
+    hardpoints: &[
+        optional("watt_pivot", "pivot of the Watt rocker; true y"),
+        optional("watt_axis", "a second point of the rocker's axis; true y"),
+        optional("watt_upper_chassis", "upper Watt link at the body; true y"),
+        optional("watt_upper_axle", "upper Watt link at the axle; true y"),
+        optional("watt_upper_rocker", "upper Watt link at the rocker; true y"),
+        optional("watt_lower_chassis", "lower Watt link at the body; true y"),
+        optional("watt_lower_axle", "lower Watt link at the axle; true y"),
+        optional("watt_lower_rocker", "lower Watt link at the rocker; true y"),
+    ],
+    complete: &[
+        &[
+            "watt_pivot",
+            "watt_axis",
+            "watt_upper_chassis",
+            "watt_upper_rocker",
+            "watt_lower_chassis",
+            "watt_lower_rocker",
+        ],
+        &[
+            "watt_pivot",
+            "watt_axis",
+            "watt_upper_axle",
+            "watt_upper_rocker",
+            "watt_lower_axle",
+            "watt_lower_rocker",
+        ],
+    ],
+    distinct: &[
+        (
+            "watt_pivot",
+            "watt_axis",
+            "they define the axis of the Watt rocker",
+        ),
+        ("watt_upper_chassis", "watt_upper_rocker", NO_LENGTH),
+        ("watt_upper_axle", "watt_upper_rocker", NO_LENGTH),
+        ("watt_lower_chassis", "watt_lower_rocker", NO_LENGTH),
+        ("watt_lower_axle", "watt_lower_rocker", NO_LENGTH),
+    ],
+};
+
 /// The solid axle.
 pub(super) static SOLID_AXLE: Topology = Topology {
     name: "solid_axle",
-    summary: "Solid axle: one body with both wheels on four links, or on three links and a Panhard rod",
+    summary: "Solid axle: one body with both wheels on four links, or on three and a Panhard rod or Watt linkage",
     hardpoints: &[
         required("lower_link_chassis", "lower link at the body"),
         required("lower_link_axle", "lower link at the axle"),
@@ -46,7 +92,7 @@ pub(super) static SOLID_AXLE: Topology = Topology {
             "lower end of spring and damper, on the axle",
         ),
     ],
-    groups: &[&SPRING, &PANHARD, &ANTI_ROLL_BAR],
+    groups: &[&SPRING, &PANHARD, &WATT, &ANTI_ROLL_BAR],
     distinct: &[
         ("lower_link_chassis", "lower_link_axle", NO_LENGTH),
         ("upper_link_chassis", "upper_link_axle", NO_LENGTH),
@@ -56,19 +102,54 @@ pub(super) static SOLID_AXLE: Topology = Topology {
     template: include_str!("../../templates/solid_axle.toml"),
 };
 
+/// The part that holds the axle sideways.
+#[derive(Clone, Copy)]
+enum Lateral {
+    /// Two splayed upper links.
+    UpperLinks,
+    Panhard,
+    WattOnAxle,
+    WattOnChassis,
+}
+
+impl Lateral {
+    fn of(given: &Given) -> Lateral {
+        let has = |name| given.find(name).is_some();
+        if has("panhard_axle") {
+            Lateral::Panhard
+        } else if has("watt_upper_axle") {
+            Lateral::WattOnChassis
+        } else if has("watt_upper_chassis") {
+            Lateral::WattOnAxle
+        } else {
+            Lateral::UpperLinks
+        }
+    }
+}
+
 fn build(topology: &'static Topology, given: &[&'static str]) -> Mechanism {
+    let watt_rocker = RockerId(usize::from(given.contains(&"drop_link_outer")));
+    let is_watt_on_chassis = given.contains(&"watt_upper_axle");
     let mut given = Given::of(
         topology,
         given,
         Carriers::all(Body::Knuckle),
         |name| match name {
+            "watt_upper_rocker" | "watt_lower_rocker" => Body::Rocker(watt_rocker),
+            "watt_pivot" | "watt_axis" if is_watt_on_chassis => Body::Chassis,
             _ if name.ends_with("_chassis") => Body::Chassis,
             _ => Body::Knuckle,
         },
     );
-    let has_panhard = given.find("panhard_axle").is_some();
-    let is_single =
-        |name: &str| name.starts_with("panhard_") || has_panhard && name.starts_with("upper_link_");
+    let lateral = Lateral::of(&given);
+    let is_single = |name: &str| match lateral {
+        Lateral::UpperLinks => false,
+        Lateral::Panhard | Lateral::WattOnAxle | Lateral::WattOnChassis => {
+            ["panhard_", "watt_", "upper_link_"]
+                .iter()
+                .any(|of| name.starts_with(of))
+        }
+    };
     let near: Vec<PointId> = (0..given.0.len()).map(PointId).collect();
     let (singles, near): (Vec<_>, Vec<_>) = near
         .into_iter()
@@ -97,9 +178,11 @@ fn build(topology: &'static Topology, given: &[&'static str]) -> Mechanism {
         link("right_lower_link_chassis", "right_lower_link_axle"),
         link("upper_link_chassis", "upper_link_axle"),
     ];
-    constraints.push(match has_panhard {
-        true => link("panhard_chassis", "panhard_axle"),
-        false => link("right_upper_link_chassis", "right_upper_link_axle"),
+    constraints.push(match lateral {
+        Lateral::UpperLinks => link("right_upper_link_chassis", "right_upper_link_axle"),
+        Lateral::Panhard => link("panhard_chassis", "panhard_axle"),
+        Lateral::WattOnAxle => link("watt_lower_chassis", "watt_lower_rocker"),
+        Lateral::WattOnChassis => link("watt_lower_rocker", "watt_lower_axle"),
     });
     let (near_centre, far_centre) = (id("wheel_centre"), id("right_wheel_centre"));
     let held = AxleTravel::Mean;

@@ -2,8 +2,8 @@
 
 use super::rocker::{self, Carriers};
 use super::{
-    Body, Mechanism, Point, PointId, SpinAxis, Spring, double_wishbone, five_link, macpherson,
-    semi_trailing_arm, solid_axle, trailing_arm_two_links,
+    Body, Mechanism, Point, PointId, SpinAxis, Spring, double_wishbone, five_link, h_arm,
+    integral_link, macpherson, semi_trailing_arm, solid_axle, trailing_arm_two_links,
 };
 use crate::number::Vector3;
 
@@ -14,7 +14,7 @@ pub struct Hardpoint {
     pub name: &'static str,
     /// Description of the hardpoint, for messages and templates.
     pub about: &'static str,
-    /// Whether a study must give it.
+    /// True if a study must give it.
     pub required: bool,
 }
 
@@ -36,23 +36,23 @@ pub(super) const fn optional(name: &'static str, about: &'static str) -> Hardpoi
     }
 }
 
-/// The centre of the wheel, in the words of every topology.
+/// The centre of the wheel. Every topology has this hardpoint.
 pub(super) const WHEEL_CENTRE: Hardpoint =
     required("wheel_centre", "centre of the wheel on its spin axis");
 
-/// The second point of the spin axis, in the words of every topology.
+/// The second point of the spin axis. Every topology has this hardpoint.
 pub(super) const SPINDLE_INNER: Hardpoint = optional(
     "spindle_inner",
     "a point of the spin axis inboard of the wheel; without it [wheel] gives static_camber and static_toe",
 );
 
-/// The upper end of spring and damper, where the topology does not have it anyway.
+/// The upper end of spring and damper, for topologies that can do without it.
 pub(super) const SPRING_UPPER: Hardpoint = optional(
     "spring_upper",
     "upper end of spring and damper, on the body",
 );
 
-/// Spring and damper, of which a study gives both ends or none.
+/// Spring and damper. A study gives both ends or none.
 pub(super) static SPRING: Group = Group {
     what: "the spring",
     hardpoints: &[],
@@ -65,7 +65,7 @@ pub(super) static SPRING: Group = Group {
     )],
 };
 
-/// The pair of them that must be distinct.
+/// Two points of the spin axis that must be distinct, and the reason.
 pub(super) const SPINDLE: (&str, &str, &str) = (
     "wheel_centre",
     "spindle_inner",
@@ -81,13 +81,13 @@ pub(super) const CANNOT_STEER: &str = "the tie rod could not steer the wheel";
 
 /// Hardpoints that a study gives together.
 pub struct Group {
-    /// What they make, as in "the rocker".
+    /// Name of the part that they form, such as "the rocker".
     pub what: &'static str,
-    /// Hardpoints that topologies with this group have beside their own.
+    /// Hardpoints that a topology with this group has in addition to its own.
     pub hardpoints: &'static [Hardpoint],
-    /// The names that make it up: all of one of these lists, or none of any.
+    /// Alternative lists of names. A study gives every name of one list, or none of any.
     pub complete: &'static [&'static [&'static str]],
-    /// Names that a study may give beside a complete list, and not without one.
+    /// Further names that a study may give, but only together with a complete list.
     pub beside: &'static [&'static str],
     /// Pairs of hardpoints that must not coincide, and why.
     pub distinct: &'static [(&'static str, &'static str, &'static str)],
@@ -128,8 +128,8 @@ impl Given {
         self.find(name).expect("a required hardpoint is given")
     }
 
-    /// What mechanisms of all topologies have in common: wheel, spring and rockers, with these bodies beside the
-    /// rockers. Nothing holds the knuckle yet, whose origin is the centre of the wheel.
+    /// Returns a mechanism with the parts that all topologies share: wheel, spring and rockers. Its bodies are `bodies`
+    /// and the rockers. No constraint holds the knuckle yet. The knuckle's origin is the wheel centre.
     pub(super) fn mechanism(
         self,
         topology: &'static Topology,
@@ -167,11 +167,11 @@ impl Given {
 pub struct Topology {
     /// Name in the study.
     pub name: &'static str,
-    /// One line on what it is.
+    /// Description in one line.
     pub summary: &'static str,
     /// Its hardpoints, in the order they are printed.
     pub hardpoints: &'static [Hardpoint],
-    /// Groups of hardpoints that are given together, and of further ones that it may have.
+    /// Optional groups of hardpoints. A study gives the hardpoints of a group together.
     pub groups: &'static [&'static Group],
     /// Pairs of hardpoints that must not coincide, and why.
     pub distinct: &'static [(&'static str, &'static str, &'static str)],
@@ -189,6 +189,8 @@ impl Topology {
         &five_link::FIVE_LINK,
         &semi_trailing_arm::SEMI_TRAILING_ARM,
         &trailing_arm_two_links::TRAILING_ARM_TWO_LINKS,
+        &integral_link::INTEGRAL_LINK,
+        &h_arm::H_ARM,
         &solid_axle::SOLID_AXLE,
     ];
 

@@ -3,7 +3,7 @@
 //! `Jet([c0, c1, c2])` stands for `c0 + c1 e + c2 e^2 + O(e^3)`; the k-th derivative is `k! c_k`.
 //! The recurrences are the usual ones for power series (A. Griewank, A. Walther, *Evaluating
 //! Derivatives*, 2nd ed., SIAM 2008, tables 13.1 and 13.2). Plain loops: `array::map` and `from_fn` cost
-//! the compiler ten times as much. The shortest series are written out, of which there are thousands of products.
+//! the compiler ten times as much. The code multiplies the shortest series most often, so these are written out.
 
 #![allow(
     clippy::needless_range_loop,

@@ -1,9 +1,8 @@
 //! Numbers the formulas are written over: plain `f64`, Taylor series in the drive ([`Jet`]), first
 //! derivatives by a handful of inputs ([`Dual`]), SIMD registers ([`Lanes`]).
 //!
-//! Every formula of the crate is written once, generic over [`Real`]; what it yields (a value, its
-//! derivatives by wheel travel, its gradient, the same for many designs) is decided by the number it is
-//! run on. The numbers
+//! Every formula of the crate is written once, generic over [`Real`]. The kind of number decides the result: a
+//! value, its derivatives by wheel travel, its gradient, or the same for many designs. The numbers
 //! nest: a `Dual<Jet<f64, 3>, 4>` carries the gradient of a value together with the gradient's own
 //! first and second derivative by the drive.
 

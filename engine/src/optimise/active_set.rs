@@ -44,7 +44,7 @@ pub struct Rows<'a> {
     pub normals: &'a [f64],
     /// c.
     pub offsets: &'a [f64],
-    /// How many of the rows must vanish; the others must not be positive.
+    /// Number of the rows that must vanish; the others must not be positive.
     pub equalities: usize,
     /// Violation, in the unit of the rows, up to which a row counts as kept when its gradient depends on the gradients
     /// of the constraints held. Duplicate rows agree up to rounding only; without this they exclude one another.
@@ -75,7 +75,7 @@ pub struct ActiveSet {
     held: Vec<Held>,
     sign: Vec<f64>,
     multipliers: Vec<f64>,
-    /// Whether a row, a lower or an upper bound is held, in this order.
+    /// True for each row, lower bound or upper bound that is held, in this order.
     is_held: Vec<bool>,
     step: Vec<f64>,
     /// n, v, z and w of (2).
@@ -250,7 +250,7 @@ impl ActiveSet {
         worst.1
     }
 
-    /// Takes in a constraint that is violated, letting go of those that come to push the wrong way.
+    /// Adds a violated constraint. Releases the constraints whose multipliers get the wrong sign.
     fn add(&mut self, constraint: Held, slack: f64, rows: Rows<'_>) -> Result<(), Outcome> {
         let n = self.variables;
         match constraint {
@@ -315,7 +315,7 @@ impl ActiveSet {
         Err(Outcome::Stalled)
     }
 
-    /// The sum of the sizes of what makes up a constraint's value.
+    /// The sum of the sizes of the terms of a constraint's value.
     fn terms(&self, constraint: Held, rows: Rows<'_>) -> f64 {
         match constraint {
             Held::Row(row) => {
@@ -327,7 +327,7 @@ impl ActiveSet {
         }
     }
 
-    /// Where `is_held` has a constraint.
+    /// Position of a constraint in `is_held`.
     fn place_of(&self, constraint: Held) -> usize {
         let n = self.variables;
         let rows = self.is_held.len() - 2 * n;
@@ -371,8 +371,7 @@ impl ActiveSet {
         back_substitute(&self.triangle[..q * n], n, &mut self.change);
     }
 
-    /// By how much the constraint's value rises per length of the way, and how much it would if nothing
-    /// were held.
+    /// Rise of the constraint's value per length of the step direction, and its rise without held constraints.
     fn gain(&self) -> (f64, f64) {
         let free = &self.projected[self.held.len()..];
         (dot(free, free), dot(&self.projected, &self.projected))
@@ -390,8 +389,8 @@ impl ActiveSet {
         }
     }
 
-    /// Holds the constraint whose v is in `projected`: rotates the columns of J that span what is free
-    /// so that only the first of them sees it.
+    /// Holds the constraint whose v is in `projected`. Rotates the columns of J that span the free directions, so
+    /// that only the first of them has a component along its gradient.
     fn hold(&mut self, constraint: Held, sign: f64, multiplier: f64) {
         let n = self.variables;
         let q = self.held.len();
@@ -442,8 +441,8 @@ impl ActiveSet {
     }
 }
 
-/// Whether a gradient depends on the gradients held: `gain` of its squared `size` is outside of them, and its constraint
-/// lacks `lack`.
+/// Returns true if a gradient depends on the gradients held. `gain` is the part of its squared `size` outside of
+/// them, and its constraint lacks `lack`.
 fn depends(gain: f64, size: f64, lack: f64, rows: Rows<'_>) -> bool {
     let share = match lack <= rows.slack {
         true => NEARLY_DEPENDENT,
@@ -551,7 +550,7 @@ mod tests {
             0.5 * (&self.triangle * d + &self.offset).norm_squared()
         }
 
-        /// How far a point is from obeying rows and bounds.
+        /// Largest violation of rows and bounds at a point.
         fn violation(&self, d: &DVector<f64>) -> f64 {
             let rows = &self.normals * d + &self.offsets;
             let rows = rows

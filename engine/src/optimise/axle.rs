@@ -15,7 +15,7 @@ use crate::number::{Each, Vector3};
 use crate::study::{Optimise, Variable};
 use nalgebra::DVector;
 
-/// A position, and what is wanted there.
+/// A position, and the wanted value there.
 #[derive(Clone, Debug)]
 pub(super) struct AxleStation {
     pub placement: Placement,

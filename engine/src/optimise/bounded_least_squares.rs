@@ -19,7 +19,7 @@
 use super::qr::{back_substitute, dot, scale_columns, triangularise, triangularise_within};
 use nalgebra::{DMatrix, DVector};
 
-/// Where a variable is.
+/// Position of a variable relative to its bounds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ActiveBound {
     /// Between its bounds.
@@ -142,7 +142,7 @@ impl BoundedLeastSquares {
         &self.step
     }
 
-    /// Where each variable of the solution is.
+    /// Position of each variable of the solution relative to its bounds.
     pub fn active_bounds(&self) -> &[ActiveBound] {
         &self.active_bounds
     }
@@ -359,7 +359,7 @@ mod tests {
             (&self.jacobian * s + &self.residuals).norm_squared() + self.damping * s.norm_squared()
         }
 
-        /// The least objective over all ways to hold variables, where what is free is feasible.
+        /// The least objective over all ways to hold variables in which the free ones are feasible.
         fn by_enumeration(&self) -> f64 {
             let n = self.lower.len();
             let mut least = f64::INFINITY;

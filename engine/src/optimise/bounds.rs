@@ -15,7 +15,7 @@ pub struct Bounds {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("variable {variable}: the range {lower} to {upper} is empty or not finite")]
 pub struct EmptyRange {
-    /// Which variable.
+    /// The variable.
     pub variable: usize,
     /// Its lowest value.
     pub lower: f64,
@@ -73,7 +73,7 @@ impl Bounds {
         })
     }
 
-    /// Which variables of `x` are at a bound.
+    /// Position of each variable of `x` relative to its bounds.
     pub fn active_bounds(&self, x: &DVector<f64>) -> Vec<ActiveBound> {
         let of = |j: usize| match x[j] {
             x if x <= self.lower[j] => ActiveBound::Lower,

@@ -1,7 +1,7 @@
 //! Designs as they are built: the scattered builds of a robust tuning, with their derivatives by the variables.
 //!
-//! At x the drawing is p(x), its parts are a(p), and build number s, whose scatter is the same at every x, is put
-//! together from a(p(x)) + z_s. What comes of it is a design b_s again (see [`crate::assembly`]), and
+//! At x the nominal design is p(x), and its parts are a(p). Build number s, whose scatter is the same at every x, is
+//! assembled from a(p(x)) + z_s. The result is a design b_s again (see [`crate::assembly`]), and
 //!
 //! ```text
 //! db_s/dx = db/da da/dp dp/dx + db/dp dp/dx
@@ -30,7 +30,7 @@ pub(super) struct Builds<'a> {
     /// The numbers drawn, `[build][source]`.
     draws: Vec<Vec<f64>>,
     moved: Vec<Vector3<Dual<f64, AT_ONCE>>>,
-    /// How the variables move the points of the latest build, by rising number of the point.
+    /// Rates at which the variables move the points of the latest build, by rising number of the point.
     pub point_rates: Vec<PointRate>,
 }
 
@@ -48,7 +48,7 @@ impl<'a> Builds<'a> {
         })
     }
 
-    /// The assembler of builds of the latest drawing.
+    /// The assembler of builds of the latest nominal design.
     pub(super) fn assembler(&self) -> &Assembler {
         &self.assembler
     }
@@ -73,7 +73,7 @@ impl<'a> Builds<'a> {
         self.draws.len()
     }
 
-    /// Makes these the builds of a drawing. Returns their alignment, if they are aligned.
+    /// Makes these the builds of a nominal design. Returns their alignment, if they are aligned.
     pub(super) fn redraw(
         &mut self,
         design: &[Vector3<f64>],
@@ -87,7 +87,8 @@ impl<'a> Builds<'a> {
         })
     }
 
-    /// Puts a build together, and writes its design and [`Builds::point_rates`]. `drawn` are the rates of the drawing.
+    /// Assembles a build, and writes its design and [`Builds::point_rates`]. `drawn` are the rates of the nominal
+    /// design.
     pub(super) fn build(
         &mut self,
         number: usize,

@@ -1,4 +1,4 @@
-//! What could be chosen instead of the design kept: the front of a study's goals, and its price list.
+//! Alternatives to the design kept: the front of a study's goals, and its price list.
 
 use super::constrained::Constrained;
 use super::front::{Found, Tracer};
@@ -10,8 +10,8 @@ use crate::mechanism::DesignFault;
 use crate::study::{Optimise, Scatter, Vehicle};
 use nalgebra::DVector;
 
-/// Targets outside of the front are held to their tolerances, or to this ratio of what the tuning of all made of
-/// them.
+/// Targets outside of the front are held to their tolerances, or to this multiple of their misfit after the tuning of
+/// all targets.
 const AS_GOOD: f64 = 1.01;
 /// Steps of a price list.
 const STEPS: usize = 10;
@@ -51,8 +51,8 @@ pub fn front(
     Ok(Tuner::new(&asked)?.front(tuning))
 }
 
-/// The least misfit by how far the design is moved: some ten designs from the study's own on, up to the one of
-/// least misfit. An error says why the design itself cannot be solved.
+/// The least misfit over the size of the change: some ten designs from the study's own to the one of least misfit. An
+/// error gives the reason why the design itself cannot be solved.
 pub fn price_list(
     vehicle: &Vehicle,
     optimise: &Optimise,
@@ -154,7 +154,7 @@ impl Tuner<'_> {
         all.into_iter().map(|found| self.choice(found)).collect()
     }
 
-    /// Whether the study's own design keeps the constraints.
+    /// Returns true if the study's own design keeps the constraints.
     fn keeps_constraints(&self) -> bool {
         let mut problem = self.problem();
         let shape = problem.shape();

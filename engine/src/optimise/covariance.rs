@@ -14,7 +14,7 @@ pub(super) struct Covariance {
     pub spread: DMatrix<f64>,
     /// The diagonal of A^-1.
     inverse: Vec<f64>,
-    /// Whether the measurements do not see the variable.
+    /// True for each variable that the measurements do not determine.
     pub unseen: Vec<bool>,
 }
 
@@ -58,7 +58,7 @@ impl Covariance {
         })
     }
 
-    /// The ratio k_j of the variance of a variable to that of weights 1/variance: 1 where there is none.
+    /// The ratio k_j of the variance of a variable to that of weights 1/variance; 1 if it is not known.
     pub(super) fn ratio(&self, variable: usize) -> f64 {
         let Some(j) = self.variables.iter().position(|v| *v == variable) else {
             return 0.0;

@@ -1,7 +1,7 @@
 //! Targets of a wheel with elastic parts: rows of the least-squares problem from equilibria and figures of tests.
 //!
-//! Hardpoints and rates move together. The gradient of a value by the coordinates and rates that move comes from the
-//! tape of its station; its slope along a variable is the sum over what the variable moves.
+//! Hardpoints and rates move together. The tape of a station gives the gradient of a value by the moving coordinates
+//! and rates. Its slope along a variable is the sum over the coordinates and rates that the variable moves.
 
 use super::axle::{Moved, RowsBeside};
 use super::layout::{Check, TargetSample};
@@ -24,7 +24,7 @@ struct LimitedValue {
     check: Check,
 }
 
-/// A station, and what is wanted there.
+/// A station, and the wanted value there.
 #[derive(Clone, Debug)]
 struct ElasticStation {
     travel: f64,
@@ -219,7 +219,7 @@ struct Rows<'a> {
     slopes: Vec<f64>,
 }
 
-/// Writes the slopes of a value along the variables, from its gradient by what moves.
+/// Writes the slopes of a value along the variables, from its gradient by the moving coordinates and rates.
 fn along_variables(
     moved: &Moved<'_>,
     parameters: &[Parameter],

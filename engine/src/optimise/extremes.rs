@@ -15,8 +15,8 @@ pub(super) const SEARCHES: usize = 8;
 /// The place of an extreme is known when a step of the search is shorter than this share of the distance
 /// between stations: the value then is exact to the square of it.
 const PLACED: f64 = 1e-9;
-/// An extreme that rises above its station by less than this, in units of the rows, is that of the station: a hundredth
-/// of what counts as kept.
+/// An extreme that rises above its station by less than this, in units of the rows, counts as that of the station. It
+/// is a hundredth of the violation that counts as kept.
 const FLAT: f64 = 1e-9;
 /// A row this far from its limit, in the same units, is not looked at more closely, nor where it rises by a few times as
 /// much as the parabola does.
@@ -28,18 +28,18 @@ pub(super) struct Search {
     pub of: usize,
     /// The row that takes the extreme.
     pub row: usize,
-    /// That row's value at the station.
+    /// Value of that row at the station.
     pub at_station: f64,
-    /// The drive value to look at next.
+    /// Drive value at which to evaluate next.
     pub place: f64,
-    /// Whether the search has ended.
+    /// True if the search has ended.
     pub is_found: bool,
     ends: [f64; 2],
     /// The latest place and slope.
     before: Option<(f64, f64)>,
-    /// The second derivative, as the parabola through three stations has it.
+    /// Second derivative of the parabola through three stations.
     curvature: f64,
-    /// How far the extreme of the parabola is beyond the station's value.
+    /// Rise of the parabola's extreme above the station's value.
     rise: f64,
 }
 
@@ -113,7 +113,7 @@ impl Search {
         })
     }
 
-    /// Takes a step by the slope found at the place. Returns whether the place was near enough.
+    /// Takes a step by the slope found at the place. Returns true if the place was near enough.
     pub(super) fn advance(&mut self, slope: f64) -> bool {
         if let Some((place, before)) = self.before
             && place != self.place

@@ -1,4 +1,4 @@
-//! A minimum from one start, and the story of how it was found.
+//! A minimum from one start, and the history of the search.
 
 use super::constrained::KEPT;
 use super::fit_record::{evaluations, execute};
@@ -14,7 +14,7 @@ use std::sync::atomic::AtomicBool;
 /// Means to stop a run, and to watch it.
 #[derive(Clone, Copy, Default)]
 pub struct Control<'a> {
-    /// Once true, the run ends before its next evaluation, with what it has.
+    /// Once true, the run ends before its next evaluation, with its present result.
     pub interrupt: Option<&'a AtomicBool>,
     /// Called after each iteration; where several starts run in parallel, from their threads.
     pub watch: Option<&'a ProgressCallback<'a>>,
@@ -47,12 +47,12 @@ pub struct Iteration {
     pub held: usize,
     /// Points evaluated on the way.
     pub evaluations: u32,
-    /// How many of those had no residuals.
+    /// Number of those evaluations without residuals.
     pub infeasible: u32,
 }
 
 impl Iteration {
-    /// The start, or an iteration that has not got anywhere: its end has this evaluation.
+    /// Returns the start, or an iteration without progress: it ends with this evaluation.
     pub(super) fn at(end: &Linearisation) -> Self {
         Iteration {
             iteration: 0,
@@ -109,7 +109,7 @@ pub enum Termination {
 }
 
 impl Termination {
-    /// Whether the run ended at what it takes for a minimum.
+    /// Returns true if the run ended for a reason that counts as a minimum.
     pub fn at_minimum(&self) -> bool {
         match self {
             Termination::MisfitReached
@@ -182,27 +182,27 @@ impl fmt::Display for Termination {
     }
 }
 
-/// Where a run ended.
+/// End of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fit {
     /// The variables, within their bounds.
     pub x: DVector<f64>,
     /// Residuals and Jacobian at `x`.
     pub evaluation: Linearisation,
-    /// Which variables are at a bound.
+    /// Position of each variable relative to its bounds.
     pub active_bounds: Vec<ActiveBound>,
-    /// Why it ended.
+    /// Reason for the end.
     pub termination: Termination,
-    /// Residual of the optimality conditions of what was minimised last, relative to the sizes of their terms: the
-    /// misfit, or the distance from the design at a limited misfit. 0 at a minimum.
+    /// Residual of the optimality conditions of the last minimisation, relative to the sizes of their terms. The run
+    /// minimised the misfit, or the distance from the design at a limited misfit. 0 at a minimum.
     pub residual: f64,
     /// The start and every iteration after it.
     pub history: Vec<Iteration>,
-    /// How the constraints are kept, if there are any.
+    /// State of the constraints, if there are any.
     pub constraints: Option<ConstraintState>,
 }
 
-/// How constraints are kept at the end of a run.
+/// State of constraints at the end of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ConstraintState {
     /// The rows.
@@ -226,12 +226,13 @@ impl Fit {
         self.constraints.as_ref().map_or(0.0, |c| c.violation)
     }
 
-    /// Whether the constraints, if there are any, are kept.
+    /// Returns true if the constraints, if there are any, are kept.
     pub fn is_feasible(&self) -> bool {
         self.violation() <= KEPT
     }
 
-    /// Why it ended, in words, with the residual of the optimality conditions where it did not converge.
+    /// Returns the reason for the end in words, with the residual of the optimality conditions if the run did not
+    /// converge.
     pub fn ended(&self) -> String {
         let is_short = matches!(
             self.termination,

@@ -1,11 +1,11 @@
-//! What every method here has in common: argmin runs it, its iterations are recorded and watched, and it ends
-//! for a reason. The only place that knows how argmin is called.
+//! Common parts of every method here. argmin runs the method, and the record keeps its iterations and the reason for
+//! its end. Only this module calls argmin.
 
 use super::{ActiveBound, Bounds, Control, Infeasible, Iteration, Options, Termination};
 use argmin::core::{Executor, IterState, Problem, Solver, TerminationReason, TerminationStatus};
 use nalgebra::DVector;
 
-/// What argmin keeps of a run: the variables and the cost.
+/// State of a run in argmin: the variables and the cost.
 pub type ArgminState = IterState<DVector<f64>, (), (), (), (), f64>;
 
 /// Runs a solver from the point of the box nearest to `start`; an error says why there are no residuals even
@@ -39,7 +39,7 @@ pub(super) fn of<P>(problem: &mut Problem<P>) -> &mut P {
         .expect("argmin gives the problem back")
 }
 
-/// Where a run began, how it went and why it ended.
+/// Record of a run: its start, its iterations and the reason for its end.
 pub(super) struct FitRecord<'a> {
     pub bounds: &'a Bounds,
     pub options: &'a Options,
@@ -69,8 +69,8 @@ impl<'a> FitRecord<'a> {
         }
     }
 
-    /// Whether one evaluation more may be made. Every evaluation is counted here, and a request to stop is heard here:
-    /// if none may be made, the run has ended.
+    /// Returns true if one more evaluation is allowed. It counts every evaluation and obeys requests to stop. If it
+    /// returns false, the run has ended.
     pub(super) fn may_evaluate(&mut self) -> bool {
         if self.control.is_interrupted() {
             self.termination = Some(Termination::Interrupted);
@@ -84,7 +84,7 @@ impl<'a> FitRecord<'a> {
         true
     }
 
-    /// Whether the run has ended.
+    /// Returns true if the run has ended.
     pub(super) fn has_ended(&self) -> bool {
         self.termination.is_some()
     }
@@ -100,8 +100,8 @@ impl<'a> FitRecord<'a> {
         (reason.checked(residual), self.history)
     }
 
-    /// Records an iteration that ended at `x`, for the history and for who watches; argmin's own log would be for its
-    /// observers, of which there are none.
+    /// Records an iteration that ended at `x`, in the history and for the control. argmin's own log would be for its
+    /// observers, and there are none.
     pub(super) fn add(&mut self, x: &DVector<f64>, mut iteration: Iteration) {
         let active_bounds = self.bounds.active_bounds(x);
         let held = active_bounds
@@ -114,7 +114,7 @@ impl<'a> FitRecord<'a> {
         self.history.push(iteration);
     }
 
-    /// Whether the run goes on: argmin asks after every iteration.
+    /// Tells argmin after every iteration if the run continues.
     pub(super) fn status(&mut self, state: &ArgminState) -> TerminationStatus {
         if self.termination.is_none() {
             if self.control.is_interrupted() {

@@ -22,7 +22,7 @@ pub(super) const UNMOVED: f64 = 1e-9;
 /// A residual above this, in tolerances, is missed.
 const MISSED: f64 = 1.0;
 
-/// Whether a move across the range of some variable changes a residual.
+/// Returns true if a move across the range of some variable changes a residual.
 pub(super) fn moves(at: &Linearisation, row: usize, bounds: &Bounds) -> bool {
     let entries = at.jacobian.row(row);
     let mut entries = entries.iter().zip(bounds.width().iter());
@@ -32,7 +32,7 @@ pub(super) fn moves(at: &Linearisation, row: usize, bounds: &Bounds) -> bool {
 /// Residuals that are missed and that no variable moves.
 #[derive(Debug, Default)]
 pub(super) struct FixedRows {
-    /// Row, value, and whether it was seen to move.
+    /// Row, value, and a flag that is true if it was seen to move.
     rows: Vec<(usize, f64, AtomicBool)>,
 }
 
@@ -56,7 +56,7 @@ impl FixedRows {
         self.rows.iter().map(|(_, value, _)| value * value).sum()
     }
 
-    /// Those that were never seen to move; `None` if these are all.
+    /// Returns the rows that were never seen to move; `None` if these are all.
     pub(super) fn without_moved(&self) -> Option<Self> {
         let has_moved = |moved: &AtomicBool| moved.load(Ordering::Relaxed);
         if !self.rows.iter().any(|(.., moved)| has_moved(moved)) {

@@ -1,29 +1,29 @@
-//! How far several goals can be met at once: the front of two or three, and the price list of the move.
+//! Trade-off between goals: the front of two or three goals, and the price list of the move.
 //!
-//! A design is on the *front* of some aims f_1, f_2, ... if nothing within the ranges and constraints is better in
-//! one and no worse in the others. It is traced by minima with bounds on the others (Y. Haimes, L. Lasdon,
-//! D. Wismer, On a bicriterion formulation of the problems of integrated system identification and system
-//! optimization, IEEE Trans. Systems, Man, Cybernetics 1, 1971),
+//! A design is on the *front* of some aims f_1, f_2, ... if no design within ranges and constraints is better in one
+//! and no worse in the others. Minima of one aim with bounds on the others trace the front (Y. Haimes, L. Lasdon, D.
+//! Wismer, On a bicriterion formulation of the problems of integrated system identification and system optimization,
+//! IEEE Trans. Systems, Man, Cybernetics 1, 1971):
 //!
 //! ```text
 //! minimise f_g(x)   subject to   f_h(x) <= level_h,  h != g,  and the constraints            (1)
 //! ```
 //!
-//! which reaches concave stretches as well, where no weighted sum has a minimum. Of two aims, the two ends come
-//! first: the least of one, and of all designs that have it the least of the other. Then the widest gap is halved:
-//! in the direction in which it is wider one aim is held to the middle and the other lowered, from the points on
-//! either side. If that finds nothing better than the point that has it already, no design is there, and the
-//! gap is a smaller one: so a front that is broken is known to be. Of three aims the bounds are a grid, each aim
-//! lowered in turn, and of what is found the points farthest apart are kept.
+//! This also reaches concave parts, where no weighted sum has a minimum. For two aims, the search first finds the two
+//! ends: the least of one aim and, among the designs with it, the least of the other. Then it halves the widest gap.
+//! In the wider direction of the gap, it holds one aim to the middle. Starting from the points on either side, it
+//! lowers the other aim. If this finds nothing better than a known point, no design lies in that part, and the gap
+//! shrinks. In this way the search detects a broken front. For three aims the bounds are a grid, and each aim is
+//! lowered in turn. The points farthest apart are kept.
 //!
-//! With the multipliers L_h of (1), half the squares of the norms r_h = u_h f_h being what it is about,
+//! With the multipliers L_h of (1), which minimises and bounds half the squares of the norms r_h = u_h f_h,
 //!
 //! ```text
 //! sum_h m_h df_h = 0 along the front,   m_g = u_g^2 f_g,   m_h = L_h u_h^2 f_h                (2)
 //! ```
 //!
-//! The m, made to add up to 1, are what each aim weighs there: to have a tolerance less of one costs m_1/m_2 of the
-//! other.
+//! The m, scaled to a sum of 1, are the weights of the aims there. A reduction of aim 1 by one tolerance costs
+//! m_1/m_2 tolerances of aim 2.
 
 use super::constrained::{Assessment, Constrained, constrained_fit};
 use super::trade::{Aim, Distance, Trade};
@@ -76,8 +76,8 @@ pub(super) struct Tracer<'a, F> {
 }
 
 impl<P: Constrained, F: Fn() -> P + Sync> Tracer<'_, F> {
-    /// The least of an aim while others are held, from several starts. `None` if none of them comes to keep the levels
-    /// and constraints.
+    /// The least of an aim while others are held, from several starts. `None` if none of them ends with the levels
+    /// and constraints kept.
     pub(super) fn lower(
         &self,
         aim: usize,

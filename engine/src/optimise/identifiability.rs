@@ -1,4 +1,4 @@
-//! What the residuals at a solution can tell apart.
+//! Directions that the residuals at a solution can tell apart.
 
 use super::{Bounds, Linearisation};
 use nalgebra::{DMatrix, DVector};
@@ -9,20 +9,19 @@ pub struct Direction {
     /// The change of each variable in its own unit, scaled so that the variable with the longest way
     /// to go, relative to its range, goes across the whole of it, upwards.
     pub change: DVector<f64>,
-    /// By how much (root mean square, in tolerances) the residuals change along `change`, to first
-    /// order.
+    /// Change of the residuals (root mean square, in tolerances) along `change`, to first order.
     pub effect: f64,
-    /// How much of `change`, up and down, keeps within the ranges and really raises the misfit by no more
-    /// than [`Direction::RISE`]; nothing until that was tried.
+    /// Shares of `change`, up and down, that stay within the ranges and raise the misfit by at most
+    /// [`Direction::RISE`]; 0 until tried.
     pub free: [f64; 2],
 }
 
 impl Direction {
-    /// The rise of the misfit, in tolerances, that is not felt.
+    /// Rise of the misfit, in tolerances, that counts as no change.
     pub const RISE: f64 = 0.1;
 
-    /// Finds out how much of the change is free, from `x` with a misfit: `misfit_at` tells that of another
-    /// point, where there is one.
+    /// Finds the share of the change that is free, from `x` with a misfit. `misfit_at` returns the misfit at another
+    /// point, if it has one.
     pub fn try_out(
         &mut self,
         x: &DVector<f64>,
@@ -63,7 +62,7 @@ impl Direction {
     }
 }
 
-/// The singular value decomposition of the Jacobian scaled by the ranges, and what it means.
+/// The singular value decomposition of the Jacobian scaled by the ranges, and its interpretation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Identifiability {
     /// Singular values, falling: change of the residuals (norm, in tolerances) per fraction of the
@@ -271,7 +270,8 @@ mod tests {
         assert_eq!(tried.free, [0.0; 2]);
     }
 
-    /// The range counts: the same Jacobian sees what moves far, not what hardly moves.
+    /// The range counts: variables with wide ranges have effects in the same Jacobian, variables with narrow ones
+    /// hardly any.
     #[test]
     fn effects_are_those_of_the_whole_range() {
         let jacobian = DMatrix::from_element(4, 1, 1.0);

@@ -1,14 +1,14 @@
 //! Builds of a robust tuning in SIMD lanes: their designs, with the derivatives by the variables.
 //!
-//! The parts of the drawing have the same derivatives by a variable in every build: they are formed once, and each group
-//! of builds settles about them. Builds that do not settle here are left to go one by one.
+//! The parts of the nominal design have the same derivatives by a variable in every build. They are formed once, and
+//! each group of builds settles about them. Builds that do not settle here are assembled one by one.
 
 use super::builds::Builds;
 use super::moves::PointRate;
 use crate::assembly::{Alignment, Parts};
 use crate::number::{Jet, MOST_LANES, SimdReal, SimdTask, Vector3, Width};
 
-/// Puts the builds of a drawing together.
+/// Assembles the builds of a nominal design.
 pub(super) struct LaneBuilds {
     width: Width,
     at_once: usize,
@@ -51,7 +51,7 @@ impl LaneBuilds {
         }
     }
 
-    /// Numbers of the builds that are put together at once, group by group.
+    /// Numbers of the builds that are assembled at once, group by group.
     pub(super) fn groups(&self) -> impl Iterator<Item = std::ops::Range<usize>> + use<> {
         let (count, at_once) = (self.accepted.len(), self.at_once);
         let firsts = (0..count).step_by(at_once);
@@ -63,23 +63,23 @@ impl LaneBuilds {
         &self.designs[group.start * self.points..group.end * self.points]
     }
 
-    /// How every coordinate of the designs of a group moves with each variable, `[variable][point][axis][lane]`.
+    /// Rates of every coordinate of a group's designs by each variable, `[variable][point][axis][lane]`.
     pub(super) fn point_rates(&self, group: &std::ops::Range<usize>) -> &[f64] {
         let length = self.variables * self.points * 3 * self.at_once;
         &self.point_rates[group.start / self.at_once * length..][..length]
     }
 
-    /// Whether a build is accepted; if not, it is to be put together one by one.
+    /// Returns true if a build is accepted. Builds that are not accepted are assembled one by one.
     pub(super) fn is_accepted(&self, build: usize) -> bool {
         self.accepted[build]
     }
 
-    /// Leaves a build to go one by one.
+    /// Marks a build for separate assembly.
     pub(super) fn reject(&mut self, build: usize) {
         self.accepted[build] = false;
     }
 
-    /// Puts the builds of a drawing together; `drawn` are the rates of the drawing.
+    /// Assembles the builds of a nominal design; `drawn` are the rates of the nominal design.
     pub(super) fn assemble(
         &mut self,
         builds: &Builds<'_>,
@@ -113,7 +113,7 @@ struct Assembling<'s, 'b> {
     lanes: &'s mut LaneBuilds,
     builds: &'s Builds<'b>,
     alignment: Option<&'s Alignment>,
-    /// The parts of the drawing with their derivatives by each variable.
+    /// The parts of the nominal design with their derivatives by each variable.
     along: &'s [Parts<Jet<f64, 2>>],
 }
 

@@ -1,7 +1,7 @@
 //! Constraints of designs that are solved in SIMD lanes.
 //!
-//! Lanes tell where points are and how they move with the variables, as coordinates, and the spin axis by its angles. From
-//! these a formula's derivatives lead to the variables by the chain rule, station by station.
+//! Lanes give the positions of points and their rates by the variables as coordinates, and the spin axis by its
+//! angles. From these a formula's derivatives lead to the variables by the chain rule, station by station.
 
 use super::carried_triangle::CarriedTriangle;
 use crate::characteristics::{Characteristic, Input, Measure, Quantity, Stud, Vectors};
@@ -9,7 +9,7 @@ use crate::evaluate::{Jacobians, place_of};
 use crate::model::{Axis, Body, PointId, Suspension};
 use crate::number::Vector3;
 
-/// A measure, made of what lanes tell.
+/// A measure, made of quantities that lanes compute.
 #[derive(Clone)]
 pub(super) enum LanePart {
     /// The value of a quantity, by its number among those that are read.
@@ -18,7 +18,7 @@ pub(super) enum LanePart {
     Formula(Measure, Vec<Source>),
 }
 
-/// Where a vector comes from: from quantities, given by their numbers, or from the design.
+/// Origin of a vector: quantities, given by their numbers, or the design.
 #[derive(Clone, Copy)]
 pub(super) enum Source {
     /// The coordinates of a point.
@@ -109,7 +109,7 @@ impl Moving<'_> {
         }
     }
 
-    /// How a stud in the design position changes with a variable.
+    /// Derivative by a variable of a stud in the design position.
     fn stud_along(&self, column: usize, stud: Stud) -> Vector3<f64> {
         match stud {
             Stud::Between(from, to) => self.along(column, to) - self.along(column, from),

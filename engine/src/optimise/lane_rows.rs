@@ -14,13 +14,13 @@ use crate::number::{Vector3, Width};
 /// Evaluates the targets of one wheel.
 #[derive(Clone)]
 pub(super) struct LaneRows<'a> {
-    /// For each leg what evaluates it; `None` if nothing is read there.
+    /// Evaluator of each leg; `None` if nothing is read there.
     legs: Vec<Option<Gradients<'a>>>,
     /// The parts of constraints; `None` if lanes cannot provide all of them.
     parts: Option<Vec<LanePart>>,
-    /// How every coordinate of a design moves with each variable, `[variable][point][axis]`.
+    /// Rates of every coordinate of a design by each variable, `[variable][point][axis]`.
     along: Vec<f64>,
-    /// Room for the derivatives of a part.
+    /// Buffer for the derivatives of a part.
     slopes: Vec<f64>,
 }
 
@@ -75,12 +75,12 @@ impl<'a> LaneRows<'a> {
         Some(rows)
     }
 
-    /// Whether lanes tell all constraints.
+    /// Returns true if lanes evaluate all constraints.
     pub(super) fn has_parts(&self) -> bool {
         self.parts.is_some()
     }
 
-    /// Takes the ways in which `variables` variables move a design of `points` points.
+    /// Takes the rates at which `variables` variables move a design of `points` points.
     pub(super) fn begin(&mut self, points: usize, point_rates: &[PointRate], variables: usize) {
         let one = 3 * points;
         self.slopes.resize(variables, 0.0);
@@ -98,7 +98,8 @@ impl<'a> LaneRows<'a> {
     }
 
     /// Writes the residuals of a leg of a design, and with `checked` the rows of its constraints, with their
-    /// derivatives. Returns whether the tracker accepted every station; if not, what is written must not be used.
+    /// derivatives. Returns true if the tracker accepted every station; otherwise the written values must not be
+    /// used.
     pub(super) fn of_leg(
         &mut self,
         number: usize,

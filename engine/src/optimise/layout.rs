@@ -1,4 +1,4 @@
-//! What is looked at where: targets and constraints laid out over the stations of the motions.
+//! Layout of targets and constraints over the stations of the motions.
 
 use super::Linearisation;
 use super::axle::AxleLayout;
@@ -11,21 +11,22 @@ use crate::solve::StationOrder;
 use crate::study::{Limited, Motion, Optimise, Sample, Site, Target, Vehicle};
 use nalgebra::DVector;
 
-/// What a target wants at one station of a leg or of an axle.
+/// A target at one station of a leg or of an axle.
 #[derive(Clone, Debug)]
 pub(super) struct TargetSample {
     pub row: usize,
     pub target: usize,
     /// Index of the target's measure among [`TargetLayout::measures`], or of its quantity among those of the axle.
     pub of: usize,
-    /// What is wanted. For an axle its `drive` is the place on the target's curve as the study writes it.
+    /// Wanted value. For an axle its `drive` is the place on the target's curve as the study writes it.
     pub wanted: Sample,
     /// Residual per deviation in the unit of the measure.
     pub scale: f64,
 }
 
 impl TargetSample {
-    /// Writes the residual in a row. Returns whether it has slopes: within a band nothing pulls, and they are written as zeros.
+    /// Writes the residual in a row. Returns true if it has slopes. Within a band it has none, and they are written
+    /// as zeros.
     #[inline]
     pub(super) fn write_residual(&self, row: usize, found: f64, into: &mut Linearisation) -> bool {
         let deviation = self.wanted.deviation(found);
@@ -76,7 +77,7 @@ pub(super) struct Extremes {
     pub rows: Vec<(usize, usize)>,
 }
 
-/// The stations of one motion at one rack displacement, with what is looked at there.
+/// The stations of one motion at one rack displacement, with the targets and constraints there.
 #[derive(Clone, Debug)]
 pub(super) struct Leg {
     pub drive: Drive,
@@ -92,37 +93,38 @@ pub(super) struct Leg {
 #[derive(Clone, Debug)]
 pub(super) struct Part {
     pub constraint: usize,
-    /// Whether it is looked at in the design position alone.
+    /// True if the limit applies in the design position alone.
     is_at_design: bool,
     pub limited: Limited,
 }
 
-/// What a row of the constraints stands for.
+/// Meaning of a row of the constraints.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RowLabel {
     /// Number of the constraint.
     pub constraint: usize,
     /// Number of its part.
     pub part: usize,
-    /// Whether it is the upper limit.
+    /// True for the upper limit.
     pub is_upper: bool,
     /// Number of the leg: a motion at one rack displacement. The number after the last leg stands for elastic parts.
     pub leg: usize,
-    /// Number of the station. If the part has an extreme between it and its neighbours, the row is about that instead.
+    /// Number of the station. If the part has an extreme between it and its neighbours, the row applies to that
+    /// extreme instead.
     pub station: usize,
 }
 
 /// Targets beside those of a rigid wheel.
 #[derive(Clone, Debug)]
 pub(super) enum Beside {
-    /// Those of an axle.
+    /// Rows of an axle.
     Axle(Box<AxleLayout>),
-    /// Those of a wheel with elastic parts.
+    /// Rows of a wheel with elastic parts.
     Elastic(Box<ElasticLayout>),
 }
 
 impl Beside {
-    /// Weighs the rows: the residual of each target per deviation in tolerances.
+    /// Weights the rows: the residual of each target per deviation in tolerances.
     fn weigh(&mut self, shares: &[f64]) {
         match self {
             Beside::Axle(axle) => axle.weigh(shares),
@@ -131,7 +133,7 @@ impl Beside {
     }
 }
 
-/// Targets and constraints laid out: which row of the problem is about what, where.
+/// Layout of targets and constraints: subject and place of each row of the problem.
 #[derive(Clone, Debug)]
 pub struct TargetLayout {
     pub(super) legs: Vec<Leg>,
@@ -148,7 +150,7 @@ pub struct TargetLayout {
     /// For each target, the residual per deviation in tolerances.
     shares: Vec<f64>,
     rate_order: usize,
-    /// What is read of wheel and steering axis.
+    /// Quantities of wheel and steering axis that the outputs read.
     pub(super) reads: Slots,
 }
 
@@ -157,7 +159,7 @@ struct Draft {
     drive: Drive,
     rack: f64,
     values: Vec<f64>,
-    /// Row, target, station and what is wanted.
+    /// Row, target, station and wanted value.
     targets: Vec<(usize, usize, usize, Sample)>,
     /// Part and station.
     checks: Vec<(usize, usize)>,
@@ -169,7 +171,7 @@ impl Draft {
         place_of(&mut self.values, drive)
     }
 
-    /// Leaves out the stations nobody wants anything of, which are not visited.
+    /// Leaves out the stations that no target or constraint uses; they are not visited.
     fn leave_out_unused(&mut self) {
         let of_targets = self.targets.iter_mut().map(|(_, _, station, _)| station);
         let of_checks = self.checks.iter_mut().map(|(_, station)| station);
@@ -183,8 +185,8 @@ impl Draft {
     }
 }
 
-/// Number of the draft with this drive, this rack displacement and stations that begin with these; it is added if there
-/// is none.
+/// Number of the draft with this drive, this rack displacement and stations that begin with these; a missing draft is
+/// added.
 fn draft_of(drafts: &mut Vec<Draft>, drive: Drive, rack: f64, values: &[f64]) -> usize {
     let same = |d: &Draft| d.drive == drive && d.rack == rack && d.values.starts_with(values);
     drafts.iter().position(same).unwrap_or_else(|| {
@@ -493,12 +495,12 @@ impl TargetLayout {
         self.labels.iter().map(limit).collect()
     }
 
-    /// What the rows of the constraints stand for, equalities first.
+    /// Returns the meaning of each row of the constraints, equalities first.
     pub fn labels(&self) -> &[RowLabel] {
         &self.labels
     }
 
-    /// Number of rows of the constraints that are equalities, which come first.
+    /// Number of equality rows of the constraints, which come first.
     pub fn equalities(&self) -> usize {
         self.equalities
     }
@@ -616,7 +618,7 @@ fn parts(optimise: &Optimise, mechanism: &Mechanism) -> Vec<Part> {
     parts.collect()
 }
 
-/// How far a target is missed, in its tolerances.
+/// Deviation from a target, in its tolerances.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Deviation {
     /// Root mean square over the target's stations.

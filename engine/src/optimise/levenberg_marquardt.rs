@@ -7,36 +7,32 @@
 //! damping = max( mu |r|^2, drift |J W| |r| )                                               (2)
 //! ```
 //!
-//! (1) is solved exactly (`BoundedLeastSquares`). Damping in proportion to |r|^2 makes the method
-//! converge quadratically to a zero of r even where zeros are not isolated, so that J has no full
-//! rank (Ch. Kanzow, N. Yamashita, M. Fukushima, Levenberg-Marquardt methods with strong local
-//! convergence properties for solving nonlinear equations with convex constraints, J. Comput. Appl.
-//! Math. 172, 2004); mu follows the ratio of the reduction found to the one predicted (J. Fan,
-//! Y. Yuan, On the quadratic convergence of the Levenberg-Marquardt method without nonsingularity
-//! assumption, Computing 74, 2005). No rank has to be decided: directions the residuals do not see
-//! have no gradient, and damping leaves them alone.
+//! (1) is solved exactly (`BoundedLeastSquares`). With damping in proportion to |r|^2 the method converges
+//! quadratically to a zero of r. It does so even if zeros are not isolated and J lacks full rank (Ch. Kanzow, N.
+//! Yamashita, M. Fukushima, Levenberg-Marquardt methods with strong local convergence properties for solving
+//! nonlinear equations with convex constraints, J. Comput. Appl. Math. 172, 2004). mu follows the ratio of the actual
+//! reduction to the predicted one (J. Fan, Y. Yuan, On the quadratic convergence of the Levenberg-Marquardt method
+//! without nonsingularity assumption, Computing 74, 2005). The method needs no decision about the rank: directions
+//! that leave the residuals unchanged have no gradient, and damping does not move them.
 //!
-//! The second term of (2) sees to it that they are left alone in finite precision as well. Rounding
-//! turns the zero singular value of such a direction into one of about e |J W|, e being the machine
-//! precision, with a left vector that may well see r: the step along it is up to e |J W| |r| /
-//! damping. The term bounds that by [`DRIFT`] of the range. It vanishes with r, too, and so does not
-//! spoil the convergence.
+//! The second term of (2) keeps them still in finite precision as well. Rounding turns the zero singular value of
+//! such a direction into one of about e |J W|, with e the machine precision. Its left vector may have a component
+//! along r, so the step along the direction is up to e |J W| |r| / damping. The term limits that step to [`DRIFT`] of
+//! the range. It vanishes with r, so it does not spoil the convergence.
 //!
-//! Where singular values spread over many decades, the run would soon be confined to the floor of a
-//! narrow, curved valley: a step along it, far too short to matter, already raises the cost, because
-//! curvature takes it up the steep walls. So a trial that does not descend is corrected before it is
-//! given up: Newton steps, with Jacobians that came with the trials anyway, take it to where the
-//! residuals are those the model promised,
+//! If singular values spread over many decades, the floor of a narrow, curved valley would soon confine the run. A
+//! step along the floor, far too short to matter, already raises the cost, because curvature takes it up the steep
+//! walls. So a trial that does not descend is corrected before it is rejected. Newton steps, with Jacobians that the
+//! trials computed anyway, take it to the residuals that the model predicted,
 //!
 //! ```text
 //! e = argmin |J' W e + r' - (r + J W s)|^2 + damping |e|^2     at the trial, r' and J' being there  (3)
 //! ```
 //!
-//! as long as each is at most half as long as the one before. That is the mark of Newton's method
-//! converging, and unlike the cost it does not depend on how steep the walls are (P. Deuflhard, Newton
-//! methods for nonlinear problems, 2004, sections 3.3 and 4.3; the corrections are those against the
-//! Maratos effect, as in J. Nocedal, S. Wright, Numerical optimization, 2nd ed., section 18.3). What
-//! is accepted in the end has descended.
+//! as long as each step is at most half as long as the one before. Such steps show that Newton's method converges.
+//! Unlike the cost, this test does not depend on the steepness of the walls (P. Deuflhard, Newton methods for
+//! nonlinear problems, 2004, sections 3.3 and 4.3). The corrections are those against the Maratos effect (J. Nocedal,
+//! S. Wright, Numerical optimization, 2nd ed., section 18.3). Every trial that is finally accepted has descended.
 
 use super::fit_record::{ArgminState, FitRecord, of};
 use super::local_model::LocalModel;
@@ -71,8 +67,8 @@ pub struct LevenbergMarquardt<'a> {
     model: LocalModel<'a>,
     trial_x: DVector<f64>,
     trial: Linearisation,
-    /// The residuals the model promises at the trial, what those found there exceed them by, the
-    /// model (3) of that, and where it leads.
+    /// The residuals that the model promises at the trial, the excess of the actual residuals there, the model (3) of
+    /// that excess, and its step.
     promised: DVector<f64>,
     excess: DVector<f64>,
     correction: LocalModel<'a>,
@@ -102,7 +98,7 @@ impl<'a> LevenbergMarquardt<'a> {
         }
     }
 
-    /// What the run came to.
+    /// Turns the finished run into its result.
     pub(super) fn into_fit(self, state: ArgminState) -> Fit {
         let x = state.param.expect("the state was given its start");
         let active_bounds = self.record.bounds.active_bounds(&x);
@@ -124,7 +120,7 @@ impl<'a> LevenbergMarquardt<'a> {
         between_bounds(at, x, self.record.bounds, 0.5 * self.model.scale())
     }
 
-    /// Prepares the model at the current point and tests whether that is a minimum.
+    /// Prepares the model at the current point and tests that point for a minimum.
     fn rebuild_model(&mut self, x: &DVector<f64>) {
         let Linearisation {
             residuals,
@@ -157,8 +153,8 @@ impl<'a> LevenbergMarquardt<'a> {
         self.trial.check()
     }
 
-    /// Corrects a trial reached from `x` as long as the corrections halve, until the cost is at most
-    /// `goal`. Returns how many points it evaluated; an error ends it at a point without residuals.
+    /// Corrects a trial reached from `x` as long as the corrections halve, until the cost is at most `goal`. Returns
+    /// the number of evaluated points; a point without residuals ends it with an error.
     fn correct(
         &mut self,
         problem: &mut impl LeastSquares,

@@ -3,7 +3,7 @@
 use super::{ActiveBound, BoundedLeastSquares, Bounds};
 use nalgebra::{DMatrix, DVector};
 
-/// Residuals and Jacobian at a point, reduced, with the room there is to the bounds.
+/// Residuals and Jacobian at a point, reduced, with the distances to the bounds.
 ///
 /// Steps are in fractions of the ranges.
 pub(super) struct LocalModel<'a> {
@@ -75,7 +75,7 @@ impl<'a> LocalModel<'a> {
         step.iter().fold(0.0, |largest, s| s.abs().max(largest))
     }
 
-    /// By how much the step lowers half the sum of squares, says the model.
+    /// Reduction of half the sum of squares by the step, from the model.
     pub(super) fn predicted_reduction(&self) -> f64 {
         0.5 * self.subproblem.predicted_reduction()
     }
@@ -93,8 +93,8 @@ impl<'a> LocalModel<'a> {
         }
     }
 
-    /// Whether the residuals, of norm `size`, are at right angles to all columns whose variable is
-    /// free to descend, to within the cosine `cosine`.
+    /// Returns true if the residuals are at right angles to all columns whose variable is free to descend, to within
+    /// `cosine`. Their norm is `size`.
     pub(super) fn is_stationary(&self, size: f64, cosine: f64) -> bool {
         let columns = self.subproblem.column_norms().iter().enumerate();
         columns.into_iter().all(|(j, column)| {

@@ -1,9 +1,9 @@
-//! How variables move the design, and the derivatives of that.
+//! Moves of the design by the variables, and their derivatives.
 //!
-//! Points that are turned as one body go to c + R(w) (p - c), c being their centroid in the design and w the rotation
-//! vector; everything else is added to that. With the angle a = |w|, R is Cayley's rotation of the Rodrigues vector w
-//! tan(a/2)/a. The factor tan(a/2)/a is a power series in w.w. It is summed to double precision up to the largest turn
-//! that a study may ask for.
+//! Points that turn as one body go to c + R(w) (p - c). Here c is their centroid in the design and w the rotation
+//! vector. All other moves are added to that. With the angle a = |w|, R is Cayley's rotation of the Rodrigues vector
+//! w tan(a/2)/a. The factor tan(a/2)/a is a power series in w.w. It is summed to double precision up to the largest
+//! turn that a study may request.
 
 use crate::model::{Axis, Frame, Suspension};
 use crate::number::{Dual, Matrix3, Real, Vector3};
@@ -126,7 +126,7 @@ impl Study {
     }
 }
 
-/// How a variable moves a point.
+/// Rate at which a variable moves a point.
 #[derive(Clone, Copy, Debug)]
 pub struct PointRate {
     /// The variable.
@@ -137,7 +137,7 @@ pub struct PointRate {
     pub by: Vector3<f64>,
 }
 
-/// How the variables move the points at `x`, by rising number of the point.
+/// Rates at which the variables move the points at `x`, by rising number of the point.
 pub fn point_rates(
     design: &[Vector3<f64>],
     frame: &Frame,

@@ -14,9 +14,9 @@ const SAME_MISFIT: f64 = 1e-9;
 /// One start and its outcome.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Start {
-    /// Where it began.
+    /// The start point.
     pub x: DVector<f64>,
-    /// The fit at which it ended, or why there are no residuals at its beginning.
+    /// The final fit, or the reason why the start point has no residuals.
     pub outcome: Result<Fit, Infeasible>,
 }
 

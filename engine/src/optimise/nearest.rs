@@ -32,20 +32,21 @@ const AS_NEAR: f64 = 1e-9;
 #[derive(Clone, Copy)]
 pub(super) struct Level<'l> {
     pub misfit: f64,
-    /// Whether designs at the level are good enough; otherwise they are as good as the best.
+    /// True if designs at the level are good enough; otherwise they are as good as the best.
     pub is_good_enough: bool,
     pub fixed: &'l FixedRows,
     pub options: &'l Options,
 }
 
-/// Runs of a way back.
+/// Runs of a search for the nearest design.
 struct Search<'s, 'a> {
     tuner: &'s Tuner<'a>,
     index: usize,
     level: Level<'s>,
     distance: Distance<'s>,
     history: Vec<Iteration>,
-    /// The nearest design found that keeps the level and the constraints, and whether it is known to be the nearest.
+    /// The nearest design found that keeps the level and the constraints, and a flag that is true if no nearer one
+    /// exists.
     best: Option<(f64, ConstrainedFit, bool)>,
     /// Why the last run ended.
     ended: Option<Termination>,
@@ -110,7 +111,7 @@ impl Search<'_, '_> {
         Some(x)
     }
 
-    /// Whether the nearest design is known, or the search has to stop.
+    /// Returns true if the nearest design is known, or if the search has to stop.
     fn is_over(&self, most: f64) -> bool {
         let near = self.best.as_ref();
         near.is_some_and(|(distance, _, known)| *known && *distance <= most + AS_NEAR * most)

@@ -53,7 +53,8 @@ pub struct Objective<'a> {
     reader: Box<dyn ReadStations + 'a>,
     /// Reader with one more derivative by the drive, needed to search for extremes.
     sloped: Option<Reader<3>>,
-    /// How forces under loads change with the variables; `None` if no target or constraint is about one.
+    /// Rates at which forces under loads change with the variables; `None` if no target or constraint is about a
+    /// force.
     moving: Option<AlongVariables>,
     /// The rows of targets of an axle or of elastic parts; `None` if there are none.
     beside: Option<Box<dyn RowsBeside + 'a>>,
@@ -148,7 +149,7 @@ impl<'a> Objective<'a> {
         self
     }
 
-    /// Whether the design at `x` is evaluated in lanes.
+    /// Returns true if the design at `x` is evaluated in lanes.
     pub fn is_in_lanes(&mut self, x: &DVector<f64>) -> bool {
         self.move_to(x);
         let mut into = Linearisation::new(self.layout.residuals(), x.len());
@@ -156,12 +157,12 @@ impl<'a> Objective<'a> {
         matches!(self.evaluate_in_lanes(&mut into, Some(&mut rows)), Ok(true))
     }
 
-    /// Number of builds whose residuals these are; 1 for the drawing.
+    /// Number of builds whose residuals these are; 1 for the nominal design.
     pub(super) fn build_count(&self) -> usize {
         self.layout.builds
     }
 
-    /// How many builds were evaluated in lanes.
+    /// Number of builds that were evaluated in lanes.
     pub fn builds_in_lanes(&self) -> usize {
         let Some(robust) = self.robust.as_ref().filter(|_| self.lanes.is_some()) else {
             return 0;
@@ -170,7 +171,7 @@ impl<'a> Objective<'a> {
         (0..robust.builds.count()).filter(is_accepted).count()
     }
 
-    /// Moves the design, or the drawing of builds, to `x`.
+    /// Moves the design, or the nominal design of builds, to `x`.
     fn move_to(&mut self, x: &DVector<f64>) {
         let (frame, variables) = (&self.frame, self.variables);
         moved_design(self.design, frame, variables, x, &mut self.moved);
@@ -224,7 +225,7 @@ impl<'a> Objective<'a> {
     }
 
     /// Evaluates the moved design of one wheel in lanes. Returns false if lanes cannot provide everything, or if the
-    /// tracker rejects the design; what has been written then is to be overwritten.
+    /// tracker rejects the design; the caller must then overwrite the written values.
     fn evaluate_in_lanes(
         &mut self,
         into: &mut Linearisation,
@@ -272,7 +273,8 @@ impl<'a> Objective<'a> {
         Ok(true)
     }
 
-    /// Writes the residuals of all builds of the moved drawing: in lanes where possible, the others one by one.
+    /// Writes the residuals of all builds of the moved nominal design: in lanes where possible, the others one by
+    /// one.
     fn evaluate_builds(
         &mut self,
         robust: &mut Robust<'a>,

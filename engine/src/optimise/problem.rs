@@ -1,4 +1,4 @@
-//! What is minimised.
+//! Problems to minimise.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -93,7 +93,7 @@ pub enum Infeasible {
     Residual {
         /// Index of the residual.
         row: usize,
-        /// What it is.
+        /// Its value.
         value: f64,
     },
     /// A derivative is not a usable number.
@@ -103,7 +103,7 @@ pub enum Infeasible {
         row: usize,
         /// Index of the variable.
         column: usize,
-        /// What it is.
+        /// Its value.
         value: f64,
     },
 }

@@ -98,12 +98,12 @@ pub(super) struct Solved<'a> {
     pub bounds: &'a Bounds,
     /// The distribution of the errors.
     pub student: Student,
-    /// Standard errors with all variables free; `None` where there is none.
+    /// Standard errors with all variables free; `None` where unknown.
     pub errors: &'a [Option<f64>],
     pub simulated: SimulatedFits<'a>,
 }
 
-/// Writes the residuals of a point, and says whether there are any.
+/// Writes the residuals of a point. Returns true if the point has any.
 type Evaluate<'e> = dyn FnMut(&DVector<f64>, &mut Linearisation) -> bool + 'e;
 
 impl Solved<'_> {

@@ -23,9 +23,9 @@ pub(super) fn scale_columns(jacobian: &DMatrix<f64>, by: &[f64], rows: usize, to
 
 /// Applies the reflections that make the matrix `a` upper triangular to `a` and to `b`.
 ///
-/// `a` holds columns of `rows` entries, at most `rows` of them; `b` has `rows` entries. Afterwards
-/// the upper triangle of `a` is R and `b` is Q^T b; what is left below the diagonal means nothing.
-/// Backward stable whatever the rank: dependent columns show as small diagonal entries.
+/// `a` holds columns of `rows` entries, at most `rows` of them; `b` has `rows` entries. Afterwards the upper triangle
+/// of `a` is R and `b` is Q^T b; the entries below the diagonal mean nothing. Backward stable for any rank: dependent
+/// columns show as small diagonal entries.
 pub(super) fn triangularise(a: &mut [f64], rows: usize, b: &mut [f64]) {
     triangularise_within(a, rows, |_| rows, b);
 }

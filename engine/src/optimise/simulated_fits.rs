@@ -1,8 +1,8 @@
 //! Fits of a linear model to simulated errors, the variables within their ranges.
 //!
-//! Errors e of the measurements, normal and independent, with the scatter s, move the residuals of the model
-//! r(x) = J (x - x0) + w e about a truth x0. Each simulated fit yields what (2) of
-//! [`profile_interval`](super::profile_interval) has of the true one:
+//! The errors e of the measurements are normal and independent, with the scatter s. They move the residuals of the
+//! model r(x) = J (x - x0) + w e about a truth x0. Each simulated fit yields the same quantities as the true one in
+//! (2) of [`profile_interval`](super::profile_interval):
 //!
 //! ```text
 //! T = (min { |r(x)|^2 : in the box, x_j = x0_j } - min { |r(x)|^2 : in the box }) / s*^2      (1)

@@ -52,7 +52,7 @@ pub struct StandardErrors {
 
 impl StandardErrors {
     /// Standard errors and intervals of a fit that ended at `x`. `weights` are the square roots of w, by residual.
-    /// `evaluate` writes the residuals of a point and says whether there are any. `None` if there are no more
+    /// `evaluate` writes the residuals of a point, and returns true if it has any. `None` if there are no more
     /// residuals than free variables.
     pub fn of(
         x: &DVector<f64>,

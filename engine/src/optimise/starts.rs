@@ -18,7 +18,7 @@ use rayon::prelude::*;
 const AS_GOOD: f64 = 1.01;
 /// The most times that starts are run again because a residual moves that stood still at the design.
 const ROUNDS: usize = 3;
-/// Number of starts that are tried before constraints are said to exclude one another.
+/// Number of starts that are tried before the program reports that constraints exclude one another.
 pub(super) const STARTS_BEFORE_REFUSAL: usize = 4;
 
 impl<'a> Tuner<'a> {

@@ -15,7 +15,7 @@ use std::ops::ControlFlow;
 /// Values of the parts of a leg, by part and station.
 pub(super) type PartValues = Vec<Vec<f64>>;
 
-/// What is read at the stations of a leg, and with what.
+/// Reading of the stations of a leg, with its inputs.
 pub(super) struct Visit<'v, 'a> {
     pub(super) leg: &'v Leg,
     pub(super) layout: &'v TargetLayout,
@@ -38,7 +38,7 @@ pub(super) trait ReadStations: Send {
     fn visit(&mut self, visit: Visit<'_, '_>) -> Result<(), Infeasible>;
 }
 
-/// A reader of points' sensitivities, for what a layout reads.
+/// A reader of points' sensitivities, for the quantities that a layout reads.
 pub(super) fn reader(
     suspension: &Suspension,
     layout: &TargetLayout,
@@ -153,7 +153,7 @@ pub(super) struct Slopes<const N: usize> {
     pub(super) by_variable: Vec<f64>,
 }
 
-/// A measure in a pose, and how the design moves.
+/// A measure in a pose, and the rates of the design.
 pub(super) struct Reading<'r, 'a, const N: usize> {
     pub(super) measure: &'r Measure,
     pub(super) view: &'r WheelReading<N>,

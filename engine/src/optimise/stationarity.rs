@@ -10,8 +10,8 @@
 //! (1), and the largest slope that the squared residuals could have (largest pivot of their scaled Jacobian times their
 //! norm). It is 0 at a minimum and of order one elsewhere; a run has converged where it is below [`CONVERGED`].
 //!
-//! A slope is a sum of products, so it is never exactly zero. Residuals have the rounding [`Options::misfit_below`], and
-//! no method takes steps below its resolution of the variables; what these leave of the slope counts as zero.
+//! A slope is a sum of products, so it is never exactly zero. Residuals have the rounding [`Options::misfit_below`],
+//! and no method takes steps below its resolution of the variables. A slope that both can explain counts as zero.
 //!
 //! Multipliers come from non-negative least squares: they leave the least of (1). Where gradients depend on one another
 //! several sets of multipliers do; the smallest is taken. At a kink a row has several gradients, and the same least
@@ -60,7 +60,7 @@ impl Scale {
         }
     }
 
-    /// The residual of the optimality conditions, of which `left` is left and `most` is the largest term.
+    /// The residual of the optimality conditions, from the remaining imbalance `left` and the largest term `most`.
     pub(super) fn residual(self, left: f64, most: f64) -> f64 {
         let size = most.max(self.steepest).max(f64::MIN_POSITIVE);
         match left.is_nan() {
@@ -102,11 +102,11 @@ pub(super) fn between_bounds(
     Scale::new(sizes).residual(left, most)
 }
 
-/// Gradients of what binds, in half ranges.
+/// Gradients of the binding constraints and bounds, in half ranges.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Pushes {
     gradients: Vec<f64>,
-    /// Whether the multiplier may have either sign.
+    /// True for each multiplier that may have either sign.
     is_free: Vec<bool>,
 }
 
@@ -211,7 +211,7 @@ mod tests {
         }
     }
 
-    /// Of |x| + |y| in a corner each kink has two gradients, and 0 is among their mixtures.
+    /// In a corner of |x| + |y| each kink has two gradients, and 0 is among their mixtures.
     #[test]
     fn gradients_on_both_sides_of_a_kink_balance_together() {
         let scale = plain(2);

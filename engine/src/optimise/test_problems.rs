@@ -33,7 +33,7 @@ pub(super) fn vector(entries: &[f64]) -> DVector<f64> {
 /// Values with their gradients.
 pub(super) type Values = Vec<(f64, Vec<f64>)>;
 
-/// Each residual with its gradient, or why there are none.
+/// Each residual with its gradient, or the reason for their absence.
 pub(super) type Rows = Result<Values, Infeasible>;
 
 /// Writes values with their gradients.

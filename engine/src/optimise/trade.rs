@@ -38,7 +38,7 @@ impl Aim {
     }
 }
 
-/// How far variables are from the design.
+/// Distance of variables from the design.
 #[derive(Clone, Debug)]
 pub(super) struct Distance<'a> {
     design: &'a DVector<f64>,

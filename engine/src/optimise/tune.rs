@@ -53,12 +53,12 @@ pub struct Tuning {
     pub expected_yield: Option<Result<ExpectedYield, Infeasible>>,
 }
 
-/// How well the targets are met.
+/// Deviations of a design from the targets.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fulfilment {
     /// Root of the weighted mean of the targets' squared deviations, in tolerances.
     pub misfit: f64,
-    /// Target by target.
+    /// Deviation from each target.
     pub targets: Vec<Deviation>,
 }
 
@@ -70,36 +70,37 @@ pub struct Best {
     /// The tuned hardpoints, in the kernel's frame and in the order of the suspension's: the study of them, to be posed,
     /// asked and swept like the first, is [`Study::at_design`](crate::study::Study::at_design).
     pub design: Vec<Vector3<f64>>,
-    /// How well it meets the targets.
+    /// Its deviations from the targets.
     pub after: Fulfilment,
-    /// Which directions of the variables the targets see at that design.
+    /// Directions of the variables that the targets determine at that design.
     pub identifiability: Identifiability,
-    /// How it keeps each constraint.
+    /// Its outcome for each constraint.
     pub constraints: Vec<ConstraintOutcome>,
     /// Standard errors of the variables; only if the targets are measurements.
     pub errors: Option<StandardErrors>,
 }
 
-/// How a constraint is kept.
+/// Outcome of a constraint.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ConstraintOutcome {
-    /// Room to the nearest limit, in the constraint's unit; negative if it is violated.
+    /// Margin to the nearest limit, in the constraint's unit; negative if it is violated.
     pub room: f64,
-    /// Drive value of the station with the least room, or next to it; `None` if the constraint does not change along
-    /// the motion.
+    /// Drive value of the station with the least margin, or next to it; `None` if the constraint does not change
+    /// along the motion.
     pub at: Option<f64>,
     /// Price of its limits.
     pub price: Price,
 }
 
-/// By how much, in tolerances, the misfit would fall if a limit were one unit further.
+/// Reduction of the misfit, in tolerances, if a limit were one unit further.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Price {
     /// The limit does not bind, or the misfit is good enough anyway.
     Nothing,
     /// Tolerances per unit of the constraint.
     PerUnit(f64),
-    /// The limit binds together with others whose gradients depend on one another: how they share the price is open.
+    /// The limit binds together with others whose gradients depend on one another: their shares of the price are not
+    /// determined.
     NotDetermined,
 }
 
@@ -133,7 +134,7 @@ pub fn tune(
     })
 }
 
-/// A tuning that is asked for.
+/// A requested tuning.
 pub(super) struct Asked<'a> {
     vehicle: &'a Vehicle,
     /// The suspension as `Assembler` extends it (with a spindle point); only for a robust tuning.
@@ -329,7 +330,8 @@ impl<'a> Tuner<'a> {
         }
     }
 
-    /// Which directions the targets see at a fit. Directions that they do not see are tried out by moving along them.
+    /// Returns the directions that the targets determine at a fit. It moves along directions without effect on the
+    /// targets to test them.
     fn identifiability(&self, fit: &Fit) -> Identifiability {
         let mut found = Identifiability::new(&fit.evaluation, &self.bounds, UNSEEN);
         let mut problem = self.problem();
@@ -360,7 +362,7 @@ impl<'a> Tuner<'a> {
         StandardErrors::of(&fit.x, &fit.evaluation, &self.bounds, &weights, evaluate)
     }
 
-    /// How each constraint is kept.
+    /// Returns the outcome for each constraint.
     fn outcomes(&self, fit: &Fit) -> Vec<ConstraintOutcome> {
         let Some(state) = &fit.constraints else {
             return Vec::new();
@@ -464,7 +466,7 @@ impl<'a> Tuner<'a> {
         blamed
     }
 
-    /// Whether some start comes to keep these constraints.
+    /// Returns true if some start ends with these constraints kept.
     fn can_be_kept(&self, constraints: &[usize], starts: &Multistart) -> bool {
         let some = Optimise {
             constraints: constraints

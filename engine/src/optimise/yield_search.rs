@@ -16,12 +16,14 @@
 //! r = sqrt(H/(1 + H)),     dr = (sum h dh) / (sqrt(H) (1 + H)^(3/2)),     r = dr = 0 where H = 0      (4)
 //! ```
 //!
-//! Where most builds are far outside, (3) is flat. Then a first step lowers the mean of H itself: r = sqrt(H)           (5)
+//! If most builds are far outside, (3) is flat. Then a first step lowers the mean of H itself: r = sqrt(H)
+//! (5)
 //!
 //! tau is a share of the standard deviation of the band's values over the builds, at most a quarter of the band. The
-//! search begins at the optimum without scatter, with wide tau, and narrows it ([`WIDTHS`]). Each end is judged by
-//! [`JUDGED`] further builds, which the search has not seen; the end with the most builds within all bands is kept. The
-//! optimum without scatter is one of them, so that the yield does not fall below its yield but by the chance of the sample.
+//! search starts at the optimum without scatter, with wide tau, and narrows it ([`WIDTHS`]). [`JUDGED`] further
+//! builds, which the search has not seen, judge each end. The end with the most builds within all bands is kept. The
+//! optimum without scatter is one of the ends. So the yield can fall below that optimum's yield only by the chance of
+//! the sample.
 
 use super::constrained::{Assessment, Constrained, Shape, constrained_fit};
 use super::station_reader::refused;
@@ -305,9 +307,9 @@ impl<'a> YieldSearch<'a> {
 /// The residual of a build.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Residual {
-    /// That of (4).
+    /// The residual of (4).
     Share,
-    /// That of (5).
+    /// The residual of (5).
     Distance,
 }
 
@@ -371,7 +373,7 @@ impl Constrained for SmoothYield<'_> {
     }
 }
 
-/// Tunes the drawing towards the targets, then raises the yield from there.
+/// Tunes the nominal design towards the targets, then raises the yield from there.
 pub(super) fn tune_for_yield(
     vehicle: &Vehicle,
     optimise: &Optimise,

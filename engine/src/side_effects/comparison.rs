@@ -154,7 +154,7 @@ impl Wanted {
         Wanted { shifts }
     }
 
-    /// The change asked for at the station nearest to this one; 0 if there is none.
+    /// The wanted change at the station nearest to this one; 0 without a target.
     fn shift_at(&self, stations: &[Station], number: usize) -> f64 {
         let here = &stations[number].position;
         let start = self.shifts.partition_point(|shift| shift.0 < here[0]);

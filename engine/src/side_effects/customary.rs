@@ -1,4 +1,4 @@
-//! Customs of engineers: tolerances of changes that nobody asked for, and what a target asks for besides its quantity.
+//! Customs of engineers: tolerances of changes that nobody asked for, and quantities that belong to a target.
 
 use crate::ask::Unit;
 use crate::characteristics::Characteristic;

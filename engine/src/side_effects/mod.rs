@@ -1,8 +1,8 @@
 //! Side effects of a tuning: changes that no target asks for.
 //!
-//! A target says what a quantity shall be at the stations where it is compared. A change there is wanted. At all other
-//! stations, and for every other quantity, a change is a side effect. With b(s) and a(s) the values before and after the
-//! tuning at station s, the side effect is
+//! A target gives wanted values of a quantity at the stations of its comparison. A change there is wanted. At all
+//! other stations, and for every other quantity, a change is a side effect. With b(s) and a(s) the values before and
+//! after the tuning at station s, the side effect is
 //!
 //! ```text
 //! c(s) = a(s) - b(s)                              if no target is about the quantity,           (1)
@@ -49,7 +49,7 @@ pub struct SideEffect {
     pub at: Vec<PlaceCoordinate>,
     /// Wheel of an axle that changes most, `left` or `right`; `None` for other outputs.
     pub wheel: Option<String>,
-    /// Customary tolerance; `None` if there is none for the output.
+    /// Customary tolerance; `None` if the output has none.
     pub tolerance: Option<f64>,
     /// True if the change exceeds the tolerance, or if stations have lost their values.
     pub flagged: bool,

@@ -162,15 +162,8 @@ pub(crate) fn dependent_links(
 
 /// For each of the five equations, the outer end of its link; `None` if it is not a link's.
 pub(crate) fn outer_ends(mechanism: &Mechanism) -> Vec<Option<PointId>> {
-    use crate::model::Constraint;
     let ends = mechanism.constraints.iter().flat_map(|constraint| {
-        let end = match *constraint {
-            Constraint::Link { outer, .. } => Some(outer),
-            Constraint::StrutLine { .. }
-            | Constraint::Revolute { .. }
-            | Constraint::BallJoint { .. }
-            | Constraint::AxleTravel { .. } => None,
-        };
+        let end = constraint.link().map(|(_, outer)| outer);
         std::iter::repeat_n(end, constraint.freedoms())
     });
     ends.collect()

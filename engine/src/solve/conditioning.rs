@@ -1,7 +1,7 @@
-//! How much of double precision is left in a pose.
+//! Loss of digits in a pose, computed in double precision.
 //!
 //! With lengths measured in sizes of the mechanism, the Jacobian J of the closure equations has entries
-//! of about one and k = |J| |J^-1| (maximum norm) is its condition number. Residuals are computed to a
+//! of about one. Its condition number is k = |J| |J^-1| (maximum norm). Residuals are accurate to a
 //! few rounding units e, hence
 //!
 //! ```text
@@ -9,10 +9,10 @@
 //! |relative error of J^-1|           ~ k |dJ| ~ k (k e)
 //! ```
 //!
-//! since J moves with the pose. Rates and sensitivities are J^-1 applied to something, so their relative
+//! since J changes with the pose. Rates and sensitivities are products with J^-1, so their relative
 //! error is of the order of k^2 e. By the theorem of Eckart and Young, 1/|J^-1| is the distance of J from
-//! the nearest singular matrix; times the size it is a length: the mechanism is singular no closer than
-//! that.
+//! the nearest singular matrix. Multiplied by the size of the mechanism, it is a length. The mechanism
+//! has no singularity closer than this length.
 
 use super::path::Solver;
 use crate::derive::Linearised;
@@ -38,7 +38,7 @@ impl Conditioning {
         distance: 0.0,
     };
 
-    /// Numbers above this are never estimates, and so neither is any statement about lost digits.
+    /// Condition numbers above this value are computed, never estimated. So no report of lost digits is an estimate.
     pub const ESTIMATED: f64 = 1e3;
 
     /// Decimal digits that rates and sensitivities can be trusted to, at most 15.

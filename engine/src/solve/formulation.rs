@@ -1,11 +1,11 @@
-//! Formulations beside the pose of the knuckle. A crate of its own implements one, and the program registers it.
+//! Formulations other than the pose of the knuckle. A separate crate implements one, and the program registers it.
 
 use crate::mechanism::{DesignFault, Failure, Pose, Work};
 use crate::model::Suspension;
 use crate::number::Jet;
 use std::sync::OnceLock;
 
-/// What drives the mechanism.
+/// Input that drives the mechanism.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Drive {
     /// The height of the wheel centre above its design position.
@@ -19,7 +19,7 @@ pub enum Drive {
 /// A motion to solve: every drive value at every rack displacement.
 #[derive(Clone, Copy, Debug)]
 pub struct FormulationMotion<'a> {
-    /// Quantity that is given.
+    /// Input that drives the mechanism.
     pub drive: Drive,
     /// Its values, in length units or radians.
     pub values: &'a [f64],
@@ -32,7 +32,7 @@ pub struct FormulationMotion<'a> {
 /// A solved pose.
 #[derive(Clone, Copy, Debug)]
 pub struct FormulationPose {
-    /// Pose of the knuckle as a series along the drive. Coefficients that are not asked for are 0.
+    /// Pose of the knuckle as a series along the drive. Coefficients that are not requested are 0.
     pub pose: Pose<Jet<f64, 3>>,
     /// Displacement of the rack, towards the kernel's +y.
     pub rack: f64,
@@ -42,7 +42,7 @@ pub struct FormulationPose {
     pub drive: f64,
 }
 
-/// A step of the way through a motion.
+/// A step through a motion.
 #[derive(Clone, Copy, Debug)]
 pub enum FormulationVisit {
     /// The design position with the rack displaced, before the stations of this displacement.
@@ -58,15 +58,15 @@ pub enum FormulationVisit {
         rack: usize,
         /// Index of the drive value.
         number: usize,
-        /// The pose, or why there is none.
+        /// The pose, or the reason why there is none.
         found: Result<FormulationPose, Failure>,
     },
 }
 
-/// Equations of their own for the poses of some topology.
+/// Separate equations for the poses of a topology.
 pub trait Formulation: Sync {
-    /// Visits the stations of a motion, at each displacement of the rack outward from the design position. Returns the
-    /// work that it took.
+    /// Visits the stations of a motion. At each displacement of the rack, the visit goes outward from the design
+    /// position. Returns the work of the solver.
     ///
     /// # Errors
     /// If the equations cannot describe the design.

@@ -1,4 +1,4 @@
-//! `[axle]` and what goes with it: both wheels, steering, springs, the motions of an axle.
+//! `[axle]` and the sections that belong to it: both wheels, steering, springs, the motions of an axle.
 
 use super::error::Problems;
 use super::file::{self, File};
@@ -20,12 +20,12 @@ use crate::characteristics::Constants;
 use crate::model::{Axis, Side, Suspension};
 use toml::Spanned;
 
-/// What a study asks of an axle.
+/// Study of an axle.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AxleStudy {
     /// Both wheels and the figures of the study.
     pub axle: Axle,
-    /// What is computed.
+    /// Results to compute.
     pub plan: AxlePlan,
     /// Further motions of the axle by name, in the order of the names.
     pub motions: Vec<(String, AxleMotion)>,
@@ -47,7 +47,7 @@ pub(super) fn moves_axle(motion: &file::Motion) -> bool {
     !keys_of_axles(motion).is_empty()
 }
 
-/// What a motion, a target or a band as written says of each coordinate, in the order of [`Coordinate::ALL`].
+/// Entries of a motion, a target or a band as written, for each coordinate in the order of [`Coordinate::ALL`].
 macro_rules! coordinates {
     ($written:expr) => {
         [
@@ -74,7 +74,7 @@ fn keys_of_axles(motion: &file::Motion) -> Vec<(&'static str, std::ops::Range<us
     places
 }
 
-/// Refuses what is of an axle in a study of one wheel.
+/// Refuses entries for an axle in a study of one wheel.
 pub(super) fn refuse_without_axle(file: &File, problems: &mut Problems) {
     let motions = std::iter::once(&file.motion).chain(file.motions.values());
     let mut places: Vec<_> = motions.flat_map(|m| keys_of_axles(m.get_ref())).collect();
@@ -164,7 +164,7 @@ pub(super) fn axle(
     })
 }
 
-/// Refuses what is of one wheel, or does not work for an axle; whether there was nothing of it.
+/// Refuses entries for one wheel, and those that do not work for an axle. Returns true if there are none.
 fn refuse_corner_keys(file: &File, problems: &mut Problems) -> bool {
     let mut sound = refuse_wheel_keys(file.motion.get_ref(), problems);
     let solver = [
@@ -257,7 +257,7 @@ fn setup(file: &File, left: &Suspension, problems: &mut Problems) -> Option<Setu
     })
 }
 
-/// The laws of both springs; the inner `None` where there are none.
+/// The laws of both springs; the inner `None` without springs.
 pub(super) fn springs(
     file: &File,
     left: &Suspension,
@@ -403,7 +403,7 @@ fn track_agrees(file: &File, axle: &Axle, problems: &mut Problems) -> Option<()>
     None
 }
 
-/// Whether roll holds the load in place of the mean travel.
+/// Returns true if roll holds the load instead of the mean travel.
 fn at_load(
     file: &File,
     section: &file::Motion,
@@ -584,7 +584,7 @@ fn course(
     Some(course)
 }
 
-/// What of these stations is computed, if nothing is wrong with it.
+/// Returns the results to compute at these stations, if the study has no error in them.
 fn plan(
     file: &File,
     axle: &Axle,
@@ -661,7 +661,7 @@ pub(super) fn lacks_nothing(
     false
 }
 
-/// What each quantity and the motion need must be given.
+/// Checks that the study gives all inputs that each quantity and the motion need.
 fn check_needs(file: &File, axle: &Axle, plan: &AxlePlan, problems: &mut Problems) -> Option<()> {
     let mut sound = true;
     let texts = file.outputs.iter().flat_map(|o| &o.characteristics);

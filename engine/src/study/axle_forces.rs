@@ -1,10 +1,10 @@
-//! Braking and drive in `[vehicle]`: what the anti-features need of it, and which of them an axle has.
+//! Braking and drive in `[vehicle]`: the inputs of the anti-features, and those features that an axle has.
 
 use crate::ask::Need;
 use crate::model::{AxlePosition, VehicleFigures};
 
-/// What braking or drive needs, and whether it is the braking or the drive that is meant; `None` for another need,
-/// and where that takes a position which the study does not give.
+/// Returns true if a need concerns the drive, false if it concerns braking. `None` for another need, or if the need
+/// depends on a position that the study does not give.
 fn of_drive(need: &Need, vehicle: &VehicleFigures) -> Option<bool> {
     match need {
         Need::FrontBraking => Some(false),
@@ -38,7 +38,7 @@ pub(super) fn missing(need: &Need, vehicle: &VehicleFigures) -> Vec<&'static str
     keys
 }
 
-/// Why the axle of a study, which gives what is needed, has no such feature; and what it has instead.
+/// The reason why the axle of a study with all inputs has no such feature, and the feature that it has instead.
 pub(super) fn refusal(
     need: &Need,
     vehicle: &VehicleFigures,

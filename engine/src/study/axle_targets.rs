@@ -1,4 +1,4 @@
-//! Targets of an axle: what of it is wanted, over which number of its motion, and where the rest is held.
+//! Targets of an axle: wanted quantity, number of the motion that it is over, and values of the others.
 
 use super::axle::{AxleStudy, coordinates, lacks_nothing, quantities};
 use super::error::Problems;
@@ -14,21 +14,21 @@ use crate::model::Side;
 use std::ops::Range as Span;
 use toml::Spanned;
 
-/// Where a target of an axle is looked at: along one number of the motion, with the others held.
+/// Place of an axle's target: one number of the motion varies, and the others are held.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AxleSite {
-    /// The number that it is over.
+    /// The number that varies.
     pub over: Coordinate,
     /// Its values in the motion, as the study writes them: degrees, lengths along the study's axes.
     pub values: Vec<f64>,
     /// The other numbers, held at these values: every combination.
     pub held: AxleMotion,
-    /// What the study says of the other numbers, in words.
+    /// Words of the study about the other numbers.
     pub words: String,
 }
 
 impl AxleStudy {
-    /// The plan with what these targets are about besides.
+    /// Returns the plan, extended by the quantities of these targets.
     pub fn plan_with(&self, targets: &[Target]) -> AxlePlan {
         let mut plan = self.plan.clone();
         for target in targets {
@@ -94,12 +94,12 @@ impl<'w> Where<'w> {
         self.held().find(|(c, _)| *c == coordinate)?.1
     }
 
-    /// Whether it says anything of the place.
+    /// Returns true if the study gives some coordinate of the place.
     fn is_given(&self) -> bool {
         self.over.is_some() || self.held.iter().any(|given| given.is_some())
     }
 
-    /// Refuses what is of an axle in something of one wheel; a target's rack is not.
+    /// Refuses entries for an axle in a section for one wheel; a target's rack is allowed.
     pub(super) fn refuse(&self, rack_too: bool, problems: &mut Problems) {
         let places = self
             .held()
@@ -141,7 +141,7 @@ fn moved(motion: &file::Motion, coordinate: Coordinate, problems: &mut Problems)
     given.unwrap_or_else(|| vec![0.0])
 }
 
-/// What a target of an axle is about and where, and the motion that it is a curve over.
+/// Returns the quantity of an axle's target, its place, and the motion that its curve is over.
 pub(super) fn target(
     spanned: &Spanned<file::Target>,
     study: &AxleStudy,

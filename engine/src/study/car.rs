@@ -1,4 +1,4 @@
-//! Studies of a car: `[car]` with two studies of axles, load cases, and what is asked of them.
+//! Studies of a car: `[car]` with two studies of axles, load cases, and outputs.
 
 mod asked;
 
@@ -11,8 +11,8 @@ use super::{
 use crate::ask::Need;
 use crate::axle::Axle;
 use crate::car::{
-    Air, AirForce, Car, CarQuantity, CarTarget, CarVariable, Case, LateralShares, Longitudinal,
-    LongitudinalShares, Masses, Moves, Tyre, TyreAxes,
+    Air, AirForce, Car, CarQuantity, CarRun, CarTarget, CarVariable, Case, LateralShares,
+    Longitudinal, LongitudinalShares, Masses, Moves, Tyre, TyreAxes,
 };
 use crate::model::{Axis, AxlePosition, Frame, Side};
 use crate::number::Vector3;
@@ -38,11 +38,11 @@ pub struct CarStudy {
     pub car: Car,
     /// Load cases, the one at rest first.
     pub cases: Vec<Case>,
-    /// Results that are asked for.
+    /// Requested results.
     pub quantities: Vec<CarQuantity>,
-    /// Whether derivatives by parameters and hardpoints are asked for.
+    /// True if the study asks for derivatives by parameters and hardpoints.
     pub sensitivities: bool,
-    /// Whether forces in members are asked for.
+    /// True if the study asks for forces in members.
     pub member_loads: bool,
     /// States over ax and ay.
     pub gg_map: Option<GgMap>,
@@ -68,8 +68,8 @@ pub struct GgMap {
 /// Tuning of a car.
 #[derive(Clone, Debug)]
 pub struct CarOptimise {
-    /// Cap on iterations.
-    pub max_iterations: u64,
+    /// Budget and starts.
+    pub run: CarRun,
     /// Design variables.
     pub variables: Vec<CarVariable>,
     /// Targets.

@@ -16,14 +16,14 @@ pub(super) struct WantedColumns<'a> {
     pub rack: &'a str,
     /// The displacements.
     pub racks: &'a [f64],
-    /// Whether points stay as they were measured. If not, they are sorted, and the ways there and back of a
-    /// loop averaged.
+    /// True if points stay as they were measured. If not, they are sorted, and the two directions of a loop are
+    /// averaged.
     pub as_measured: bool,
 }
 
-/// Reads a curve from a file with a column of drive values and one of values; its path is relative to the
-/// study's directory. Columns are parted by commas, semicolons or tabs; other columns are left alone, rows
-/// without a value left out.
+/// Reads a curve from a file with a column of drive values and one of values; its path is relative to the study's
+/// directory. Commas, semicolons or tabs separate columns. Other columns are ignored, and rows without a value are
+/// left out.
 pub(super) fn read(
     path: &Text,
     directory: &Path,

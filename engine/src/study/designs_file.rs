@@ -36,7 +36,7 @@ impl DesignTable {
         Self::from_text(&name, text, suspension)
     }
 
-    /// Reads the designs of a study's sweep; where the file cannot be read it is said where the study names it.
+    /// Reads the designs of a study's sweep. If the file cannot be read, the error points to its name in the study.
     pub(crate) fn of_study(path: &Path, study: &Study) -> Result<Self, StudyErrors> {
         let name = path.display().to_string();
         let text = read_text(path, LONGEST_TABLE).map_err(|reason| {

@@ -171,8 +171,8 @@ impl Study {
     }
 }
 
-/// The path of a file as it is written in a directory; of two that have nothing in common, in full. `None` of what
-/// does not exist, or has no name in Unicode.
+/// The path of a file as it is written in a directory; in full if the two have nothing in common. `None` for a path
+/// that does not exist, or has no name in Unicode.
 fn path_from(directory: &Path, file: &Path) -> Option<String> {
     let [directory, file] = [directory, file].map(|path| path.canonicalize());
     let (directory, file) = (directory.ok()?, file.ok()?);

@@ -81,7 +81,7 @@ impl ElasticQuantity {
         }
     }
 
-    /// The quantity as what a target or a band is about.
+    /// The quantity as the subject of a target or a band.
     pub(super) fn subject(&self, length: LengthUnit) -> Subject {
         match self {
             ElasticQuantity::Characteristic(of) => Subject {

@@ -1,4 +1,4 @@
-//! Where in the file the geometry is wrong, and what to do about it.
+//! Errors of the geometry, with their place in the file and the fix.
 
 use super::error::Problems;
 use super::file;
@@ -20,7 +20,7 @@ pub(super) fn check(
     faults.is_empty().then_some(())
 }
 
-/// Where the file names a hardpoint.
+/// Place where the file names a hardpoint.
 fn place(section: &file::Suspension, name: &str) -> Span<usize> {
     let hardpoints = &section.hardpoints;
     let mut names = hardpoints.get_ref().keys();

@@ -1,4 +1,4 @@
-//! `loads` of `[outputs]`: what acts on the wheel.
+//! `loads` of `[outputs]`: forces and moments on the wheel.
 
 use super::error::Problems;
 use super::file::{self, Coordinates};

@@ -8,7 +8,7 @@ use crate::assembly::{BuildParameter, Member};
 use crate::model::{Axis, Suspension};
 use toml::Spanned;
 
-/// A dimension and how much it changes, in the kernel's frame, per unit in the study's.
+/// A dimension and its change, in the kernel's frame, per unit in the study's.
 pub(super) type Change = (BuildParameter, f64);
 
 /// The member of this name, or between two points, with its name.

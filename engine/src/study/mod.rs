@@ -1,11 +1,11 @@
-//! Studies: what the file as written (`hardpoint-study-file`) means.
+//! Studies: the meaning of the file as written (`hardpoint-study-file`).
 //!
 //! [`Study`] is resolved: names have become ids, lengths and angles are in the kernel's frame and
 //! units (see the fields), defaults are filled in, and nothing is left to interpret.
 //!
-//! Reading goes from the text to the file as written, each value with its place, and from there to the
-//! [`Study`]. Degrees become radians, and the study's axes the kernel's, here and nowhere else.
-//! Whatever is wrong becomes a [`StudyError`] with file, line, key, value and what was expected.
+//! Reading goes from the text to the file as written, each value with its place, and from there to the [`Study`].
+//! Only this module turns degrees into radians, and the study's axes into the kernel's. Every mistake becomes a
+//! [`StudyError`] with file, line, key, value and the expected value.
 
 mod axle;
 mod axle_forces;
@@ -76,7 +76,7 @@ use crate::number::Vector3;
 /// The most stations of one motion, and of an axle's: results of all of them are held in memory.
 pub(crate) const MOST_STATIONS: usize = 100_000;
 
-/// A number as a study may say it, or what was expected instead.
+/// A number in the range that a study allows, or the expected range.
 pub fn checked_number(number: f64) -> Result<f64, String> {
     value::Number::checked(number)
 }
@@ -92,7 +92,7 @@ pub struct Study {
     pub text: String,
     /// The files it names: target curves and designs.
     pub inputs: Vec<std::path::PathBuf>,
-    /// What it describes, with its motion and what is asked of it.
+    /// The vehicle that the study describes, with its motion and outputs.
     pub vehicle: Vehicle,
     /// Further motions of a wheel by name, in the order of the names; of an axle's left wheel.
     pub motions: Vec<(String, Motion)>,
@@ -120,13 +120,13 @@ pub enum Formulation {
 /// The motion: every combination of a drive value and a rack displacement.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Motion {
-    /// What drives.
+    /// The coordinate that drives the motion.
     pub drive: Drive,
     /// Drive values, in length units or radians, in the order they are reported.
     pub values: Vec<f64>,
     /// Rack displacements along the study's +y.
     pub rack: Vec<f64>,
-    /// Whether the study gives the rack a range, so that results carry a column for it.
+    /// True if the study gives the rack a range, so that results have a column for it.
     pub rack_moves: bool,
     /// The drive as a function of time. `values` are then its values at `times`.
     pub time: Option<TimeLaw>,
@@ -152,20 +152,20 @@ pub enum Order {
     Acceleration,
 }
 
-/// What a study asks for. A study without `[outputs]` asks for the angles of wheel and steering axis.
+/// Outputs of a study. A study without `[outputs]` asks for the angles of wheel and steering axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outputs {
     /// Characteristics, in the order asked.
     pub characteristics: Vec<Characteristic>,
     /// Points whose positions are reported.
     pub points: Vec<PointId>,
-    /// Whether the knuckle's angular velocity and acceleration are reported (from velocity order up).
+    /// True if results contain the knuckle's angular velocity and acceleration (from velocity order up).
     pub knuckle: bool,
     /// Highest derivative.
     pub order: Order,
     /// Hardpoints for which sensitivities are reported; empty for none.
     pub sensitivities: Vec<PointId>,
-    /// Whether each pose is to be proved.
+    /// True if each pose is to be proved.
     pub certify: bool,
     /// Loads for which the forces in links and joints are reported.
     pub loads: Vec<Load>,
@@ -212,7 +212,7 @@ impl Outputs {
 pub struct Load {
     /// Beginning of the names of its columns.
     pub name: String,
-    /// Where the force acts.
+    /// Point at which the force acts.
     pub at: LoadPoint,
     /// Force, in newtons.
     pub force: Vector3<f64>,
@@ -235,20 +235,20 @@ impl Load {
 /// A sweep.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sweep {
-    /// Where the designs come from.
+    /// Source of the designs.
     pub designs: Designs,
-    /// Whether the curves of every design are kept.
+    /// True if the curves of every design are kept.
     pub curves: bool,
     /// The file format of the results.
     pub format: FileFormat,
 }
 
-/// Where the designs of a sweep come from.
+/// Source of the designs of a sweep.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Designs {
     /// Variables over their ranges.
     Sampled(Sampled),
-    /// The rows of a CSV file, which is read by [`DesignTable::read`].
+    /// The rows of a CSV file, which [`DesignTable::read`] reads.
     File(std::path::PathBuf),
     /// Rows that a program gives.
     Given(DesignTable),
@@ -257,7 +257,7 @@ pub enum Designs {
 /// Designs sampled from ranges.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sampled {
-    /// How the samples are chosen.
+    /// Method that chooses the samples.
     pub method: Sampling,
     /// Number of samples; in a grid, number of its points.
     pub samples: u64,
@@ -267,7 +267,7 @@ pub struct Sampled {
     pub variables: Vec<SweepVariable>,
 }
 
-/// How designs are sampled.
+/// Sampling method of designs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sampling {
     /// Every combination of evenly spaced values, the last variable running fastest.
@@ -298,11 +298,11 @@ pub enum FileFormat {
 pub struct SweepVariable {
     /// Name, without unit: `tie_rod_inner_dz` for an offset, `tie_rod_inner_z` for a coordinate.
     pub name: String,
-    /// What it moves.
+    /// Coordinates that it moves.
     pub moves: Vec<Move>,
     /// The rate of an elastic part that it sets instead. Its values are rates, or factors of the rate.
     pub rate: Option<Rate>,
-    /// Whether its values are coordinates rather than offsets from the design.
+    /// True if its values are coordinates, false if they are offsets from the design.
     pub absolute: bool,
     /// Lowest and highest value, in the study's axes.
     pub range: [f64; 2],
@@ -317,7 +317,7 @@ pub struct Move {
     pub point: PointId,
     /// The coordinate, in the study's axes.
     pub axis: Axis,
-    /// How far it moves per unit of the variable.
+    /// Displacement per unit of the variable.
     pub factor: f64,
 }
 
@@ -343,20 +343,20 @@ pub struct Optimise {
     pub seed: u32,
     /// Cap on the iterations of one start.
     pub max_iterations: u64,
-    /// What may move.
+    /// Quantities that may change.
     pub variables: Vec<Variable>,
-    /// What is wanted.
+    /// Wanted values and curves.
     pub targets: Vec<Target>,
-    /// What must hold.
+    /// Limits that the design must keep.
     pub constraints: Vec<Constraint>,
-    /// The misfit below which no design is better than another, so that the one that moves least is
-    /// taken; 0 for the least misfit.
+    /// Misfit below which designs count as equally good, so that the one that moves least is taken; 0 for the least
+    /// misfit.
     pub good_enough: f64,
-    /// Whether the targets are measurements, so that standard errors mean something.
+    /// True if the targets are measurements, so that standard errors mean something.
     pub fit: bool,
-    /// What is traded on the front: two or three goals, or none.
+    /// Two or three goals to trade on the front, or none.
     pub front: Vec<FrontGoal>,
-    /// The builds whose mean squared misfit is lowered; `None` to lower the misfit of the drawing.
+    /// The builds whose mean squared misfit is lowered; `None` to lower the misfit of the nominal design.
     pub scatter: Option<Scatter>,
     /// True if changes that no target asks for are reported beside the tuned design.
     pub side_effects: bool,
@@ -367,13 +367,13 @@ pub struct Optimise {
 pub struct Scatter {
     /// Number of builds.
     pub builds: usize,
-    /// Seed they are drawn from.
+    /// Seed of the random builds.
     pub seed: u32,
-    /// What scatters.
+    /// Dimensions that scatter.
     pub contributors: Vec<Contributor>,
-    /// Adjustments by which toe and camber are set again after assembly; `None` if they are not.
+    /// Adjustments that set toe and camber again after assembly; `None` without them.
     pub adjust: Option<Vec<Adjustment>>,
-    /// What the tuning improves.
+    /// Objective that the tuning improves.
     pub aim: RobustAim,
 }
 
@@ -384,7 +384,7 @@ impl Scatter {
     }
 }
 
-/// What a robust tuning improves.
+/// Objective of a robust tuning.
 #[derive(Clone, Debug, PartialEq)]
 pub enum RobustAim {
     /// The mean squared misfit of the builds.
@@ -415,7 +415,7 @@ impl Optimise {
     }
 }
 
-/// What may move: a coordinate, several together, or the direction of a group of points.
+/// A design variable: a coordinate, several together, or the direction of a group of points.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Variable {
     /// The names of the hardpoints, as in `lower_arm_front+lower_arm_rear`.
@@ -434,8 +434,7 @@ pub struct Variable {
 }
 
 impl Variable {
-    /// A name that no other variable has, with how it moves: `tie_rod_inner_dz`,
-    /// `lower_arm_front+lower_arm_rear_turn_x`.
+    /// A name that no other variable has, with its move: `tie_rod_inner_dz`, `lower_arm_front+lower_arm_rear_turn_x`.
     pub fn label(&self) -> String {
         if let Some(rate) = &self.rate {
             return match rate.axis_name() {
@@ -456,7 +455,7 @@ impl Variable {
         self.moves.iter().all(|m| m.axis == first).then_some(first)
     }
 
-    /// How it moves: `z`, `along` a direction, `turn about z`.
+    /// Returns the kind of move: `z`, `along` a direction, `turn about z`.
     pub fn way(&self) -> String {
         if let Some(rate) = &self.rate {
             return match rate.axis_name() {
@@ -578,12 +577,12 @@ pub struct Turn {
     pub axis: Axis,
 }
 
-/// What a target is about, as the study speaks of it.
+/// Quantity of a target, with its name and unit in the study.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Subject {
     /// The quantities, in the kernel's frame.
     pub about: About,
-    /// Name, with the unit, as a column has it.
+    /// Name with the unit, as in a column heading.
     pub column: String,
     /// Kind of quantity, from which its unit follows.
     pub unit: Unit,
@@ -593,7 +592,7 @@ pub struct Subject {
     pub sign: f64,
 }
 
-/// What a target is about.
+/// Kind of quantity of a target.
 #[derive(Clone, Debug, PartialEq)]
 pub enum About {
     /// A measure of one wheel.
@@ -616,13 +615,12 @@ impl Subject {
         }
     }
 
-    /// What a value in the kernel's frame, in radians, length units and newtons, is multiplied by to be
-    /// printed.
+    /// Factor from a value in the kernel's frame, in radians, length units and newtons, to a printed one.
     pub fn factor(&self) -> f64 {
         self.unit.printed_factor(self.length) * self.sign
     }
 
-    /// The value in the kernel's frame of a printed one.
+    /// Converts a printed value into one in the kernel's frame.
     pub fn from_printed(&self, printed: f64) -> f64 {
         self.unit.from_printed(printed, self.length) * self.sign
     }
@@ -659,13 +657,13 @@ impl Subject {
     }
 }
 
-/// Where a target or a constraint is looked at: in which motion, and with the rack where.
+/// Place of a target or a constraint: its motion, and the positions of the rack.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Site {
     /// Name of a motion; the study's `[motion]` without it.
     pub motion: Option<(String, Motion)>,
-    /// Rack displacements along the study's +y. If empty, the rack is where the motion has it, or straight ahead if the
-    /// motion moves it.
+    /// Rack displacements along the study's +y. If empty, the rack is at the motion's displacement, or straight ahead
+    /// if the motion moves it.
     pub racks: Vec<f64>,
     /// For an axle: the number of the motion that it is over, and where the others are held.
     pub axle: Option<AxleSite>,
@@ -677,13 +675,13 @@ pub struct Site {
 pub struct Target {
     /// The quantity that the target is about.
     pub of: Subject,
-    /// What is wanted of that quantity.
+    /// Wanted value, curve or band of that quantity.
     pub wanted: Wanted,
-    /// The deviation that still is acceptable, in the unit of the values.
+    /// Acceptable deviation, in the unit of the values.
     pub tolerance: f64,
     /// Weight against the other targets.
     pub weight: f64,
-    /// Where it is looked at.
+    /// Place where the target applies.
     pub site: Site,
     /// Further drive values at which it is compared, beside those of the motion.
     pub stations: Vec<f64>,
@@ -713,8 +711,8 @@ impl Target {
         values.iter().chain(added).copied().collect()
     }
 
-    /// A drive value (for an axle, a value of the number that the target is over) as it is printed. `drive` is what
-    /// drives the study's own motion.
+    /// A drive value (for an axle, a value of the number that the target is over) as it is printed. `drive` is the
+    /// drive of the study's own motion.
     pub fn printed_at(&self, drive: Drive, at: f64) -> f64 {
         match (&self.site.axle, &self.site.motion) {
             (Some(_), _) => at,
@@ -732,28 +730,28 @@ impl Target {
         }
     }
 
-    /// Whether it is about a characteristic in the study's own motion: what sweeps compare.
+    /// Returns true if it is about a characteristic in the study's own motion. Sweeps compare only such targets.
     pub fn is_in_motion(&self) -> bool {
         let of = &self.of;
         let is_curve = of.as_characteristic().is_some() || of.as_figure().is_some();
         self.site == Site::default() && is_curve
     }
 
-    /// Whether it wants a value or a curve of a characteristic in the study's own motion, so that a picture can show it
-    /// as a line.
+    /// Returns true if a picture can show the target as a line: a value or curve of a characteristic in the study's
+    /// own motion.
     pub fn is_plain(&self) -> bool {
         !matches!(self.wanted, Wanted::Band { .. }) && self.is_in_motion()
     }
 }
 
-/// What a target wants.
+/// Wanted value, curve or band of a target.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Wanted {
     /// A curve over the drive, compared at the stations of the motion between its ends.
     Curve {
         /// Drive value (as in [`Motion::values`]) and wanted value, by rising drive value.
         points: Vec<[f64; 2]>,
-        /// How to read it between its points.
+        /// Interpolation between its points.
         interpolation: Interpolation,
     },
     /// A single value at one drive value.
@@ -785,19 +783,19 @@ pub enum Limit {
     Curve {
         /// Drive value and limit, by rising drive value.
         points: Vec<[f64; 2]>,
-        /// How to read it between its points.
+        /// Interpolation between its points.
         interpolation: Interpolation,
     },
 }
 
-/// What must hold.
+/// Limits that a design must keep.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Constraint {
-    /// What it is, in words.
+    /// Description in words.
     pub name: String,
-    /// What must be within limits; all of them.
+    /// Measures that must all be within limits.
     pub parts: Vec<Limited>,
-    /// Where it must hold; `None` for the design position alone.
+    /// Place where it must hold; `None` for the design position alone.
     pub site: Option<Site>,
 }
 
@@ -832,7 +830,7 @@ impl Limited {
     }
 }
 
-/// How a curve runs between its points.
+/// Interpolation of a curve between its points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Interpolation {
     /// Straight lines.
@@ -859,7 +857,7 @@ pub struct Setup {
 pub struct Adjustment {
     /// Its name: `tie_rod`, `upper_ball_joint y`.
     pub name: String,
-    /// The dimension, and how much it changes in the kernel's frame per unit of the adjustment.
+    /// The dimension, and its change in the kernel's frame per unit of the adjustment.
     pub change: (BuildParameter, f64),
     /// Sizes in which it comes.
     pub increment: Increment,
@@ -891,18 +889,18 @@ pub struct Want {
     pub value: f64,
 }
 
-/// How builds scatter and what they are to keep to.
+/// Scatter of builds, and the bands that they must keep.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tolerance {
     /// Number of builds.
     pub builds: u64,
-    /// Seed they are drawn from.
+    /// Seed of the random builds.
     pub seed: u32,
-    /// Whether toe and camber are set again after assembly.
+    /// True if toe and camber are set again after assembly.
     pub aligned: bool,
-    /// What scatters; at least one.
+    /// Dimensions that scatter; at least one.
     pub scatter: Vec<Contributor>,
-    /// What builds are to keep to.
+    /// Bands that builds must keep.
     pub bands: Vec<Band>,
 }
 
@@ -920,20 +918,20 @@ pub struct Contributor {
 pub struct Source {
     /// Its name.
     pub name: String,
-    /// Dimensions it changes, each by how much per unit, in the kernel's frame.
+    /// Dimensions that it changes, each with its change per unit, in the kernel's frame.
     pub changes: Vec<(BuildParameter, f64)>,
     /// The rate of an elastic part that it changes instead.
     pub rate: Option<Rate>,
-    /// How it scatters.
+    /// Distribution of the scatter.
     pub law: Law,
     /// For an axle: the wheel whose dimensions these are, in the kernel's frame of its side.
     pub side: Option<Side>,
 }
 
-/// How a number scatters.
+/// Distribution of a number.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Law {
-    /// Normally, about 0.
+    /// Normal distribution about 0.
     Normal {
         /// Standard deviation.
         sigma: f64,
@@ -950,13 +948,15 @@ pub enum Law {
 /// A band that a quantity of builds is to keep to, in radians or length units.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Band {
-    /// What must keep to the band: a characteristic, or a quantity of an axle (of both wheels if no side is named).
+    /// Quantity that must keep the band: a characteristic, or a quantity of an axle (of both wheels if no side is
+    /// named).
     pub of: Subject,
-    /// Drive value, or value of the number that [`Band::site`] is over, at which the band holds; `None` for everywhere.
+    /// Drive value, or value of the number that [`Band::site`] is over, at which the band holds; `None` for all
+    /// stations.
     pub at: Option<f64>,
-    /// For an axle: the number of the motion that `at` is a value of, and where the others are held; without it the
+    /// For an axle: the number of the motion that `at` is a value of, and the values of the others. Without it the
     /// band holds everywhere in the motion.
     pub site: Option<AxleSite>,
-    /// Lowest and highest value; infinite where there is none.
+    /// Lowest and highest value; infinite without a limit.
     pub between: [f64; 2],
 }

@@ -30,7 +30,7 @@ impl Drive {
         }
     }
 
-    /// Whether its values are angles.
+    /// Returns true if its values are angles.
     pub fn is_angle(self) -> bool {
         self != Drive::Travel
     }
@@ -186,7 +186,7 @@ fn drive_values(
     }
 }
 
-/// Checks that the topology has what the motion needs.
+/// Checks that the topology has the parts that the motion needs.
 pub(super) fn check_drive(
     section: &Spanned<file::Motion>,
     motion: &Motion,
@@ -273,7 +273,7 @@ pub(super) fn values(written: &Spanned<Values>, problems: &mut Problems) -> Opti
     }
 }
 
-/// Refuses sensitivities that do not fit in memory: a station counts for each hardpoint that they are asked for.
+/// Refuses sensitivities that do not fit in memory: a station counts once for each requested hardpoint.
 pub(super) fn check_sensitivities(
     place: Span<usize>,
     stations: usize,

@@ -1,4 +1,4 @@
-//! Which coordinates a variable of `[sweep]` or `[optimise]` moves.
+//! Coordinates that a variable of `[sweep]` or `[optimise]` moves.
 
 use super::Move;
 use super::error::Problems;
@@ -19,15 +19,15 @@ pub(super) struct Written<'a> {
     pub hardpoint: &'a Option<Text>,
     /// Names of several hardpoints that move together.
     pub hardpoints: &'a Option<Spanned<Vec<Text>>>,
-    /// How far each of them moves per unit of the variable.
+    /// Displacement of each of them per unit of the variable.
     pub factors: &'a Option<Spanned<Vec<Number>>>,
     /// `x`, `y` or `z`; this or `direction` is given.
     pub axis: Option<&'a Text>,
-    /// The direction in which they move.
+    /// Direction of the move.
     pub direction: Option<&'a Coordinates>,
 }
 
-/// The coordinates, if nothing is wrong with what is written.
+/// The coordinates, if the entries have no error.
 pub(super) fn moves(
     written: &Written<'_>,
     suspension: &Suspension,
@@ -46,7 +46,7 @@ pub(super) fn moves(
     Some(points.into_iter().flat_map(moved).collect())
 }
 
-/// How far it moves along each axis per unit of the variable: along one of them alone, or as a unit vector does.
+/// Displacement along each axis per unit of the variable: 1 along a single axis, or the components of a unit vector.
 fn shares(written: &Written<'_>, problems: &mut Problems) -> Option<Vec<(Axis, f64)>> {
     match (written.axis, written.direction) {
         (Some(axis), None) => Some(vec![(members::axis(axis, problems)?, 1.0)]),
@@ -72,7 +72,7 @@ fn shares(written: &Written<'_>, problems: &mut Problems) -> Option<Vec<(Axis, f
     }
 }
 
-/// The lowest and the highest value of a variable; `what` they are, in words.
+/// The lowest and the highest value of a variable; `what` names them in messages.
 pub(super) fn range(
     written: &Spanned<Vec<Number>>,
     what: &str,
@@ -99,7 +99,7 @@ pub(super) fn range(
     Some([low, high])
 }
 
-/// The names of what moves: `lower_arm_front+lower_arm_rear`.
+/// The names of the moving points: `lower_arm_front+lower_arm_rear`.
 pub(super) fn names(moves: &[Move], suspension: &Suspension) -> String {
     let names = moves.iter().map(|m| suspension.mechanism.name(m.point));
     let mut names: Vec<&str> = names.collect();
@@ -108,7 +108,7 @@ pub(super) fn names(moves: &[Move], suspension: &Suspension) -> String {
     names.join("+")
 }
 
-/// The hardpoints a variable moves, and how far.
+/// The hardpoints that a variable moves, and their displacements.
 fn points(
     written: &Written<'_>,
     suspension: &Suspension,

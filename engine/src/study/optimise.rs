@@ -1,4 +1,4 @@
-//! `[optimise]`: what may move, and how.
+//! `[optimise]`: design variables and their moves.
 
 use super::constraints::constraints;
 use super::elastic_targets::{self, RateKeys};
@@ -338,7 +338,7 @@ fn cost(written: &file::Variable, problems: &mut Problems) -> Option<f64> {
     }
 }
 
-/// The six variables of a body: three shifts and three turns, or those of them that are asked for.
+/// The six variables of a body, three shifts and three turns, or the requested ones.
 fn rigid(
     variable: &Spanned<file::Variable>,
     points: &Spanned<Vec<Text>>,

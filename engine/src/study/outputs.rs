@@ -1,4 +1,4 @@
-//! `[outputs]`: what is asked for.
+//! `[outputs]`: requested results.
 
 use super::axle_forces;
 use super::elastic_targets::{self, ElasticQuantity};
@@ -15,8 +15,7 @@ use crate::axle::Quantity;
 use crate::characteristics::Characteristic;
 use crate::model::{PointId, SteeringAxis, Suspension};
 
-/// What a study without `[outputs]` gets: the angles of the wheel and of the steering axis, if there is
-/// one.
+/// Default outputs of a study without `[outputs]`: the angles of the wheel and of the steering axis, if there is one.
 const DEFAULT: [Characteristic; 4] = [
     Characteristic::Camber,
     Characteristic::Toe,
@@ -24,7 +23,7 @@ const DEFAULT: [Characteristic; 4] = [
     Characteristic::Caster,
 ];
 
-/// What is asked for, if nothing is wrong with it.
+/// Returns the outputs of the study, if they have no error.
 pub(super) fn outputs(
     file: &File,
     suspension: &Suspension,
@@ -118,7 +117,7 @@ pub(super) fn sensitivities(
     }
 }
 
-/// Whether angular rates of the knuckle are wanted, which want an order that has any.
+/// Returns true if the study asks for angular rates of the knuckle. They need an order above position.
 pub(super) fn knuckle(section: &file::Outputs, order: Order, problems: &mut Problems) -> bool {
     let knuckle = section.knuckle.as_ref();
     if let Some(knuckle) = knuckle.filter(|k| *k.get_ref() && order == Order::Position) {
@@ -129,7 +128,7 @@ pub(super) fn knuckle(section: &file::Outputs, order: Order, problems: &mut Prob
     knuckle.is_some_and(|k| *k.get_ref())
 }
 
-/// Whether each pose is to be proved.
+/// Returns true if each pose is to be proved.
 pub(super) fn certify(section: &file::Outputs) -> bool {
     section.certify.as_ref().is_some_and(|c| *c.get_ref())
 }
@@ -143,7 +142,7 @@ pub(super) fn order(section: &file::Outputs, problems: &mut Problems) -> Option<
     choose_or(&section.order, Order::Position, "order", &orders, problems)
 }
 
-/// What each name stands for; each may stand there once.
+/// Resolves each name; a name may occur only once.
 pub(super) fn distinct<T>(
     names: &[Text],
     problems: &mut Problems,
@@ -219,7 +218,7 @@ fn refuses_axle_quantity(
     true
 }
 
-/// The characteristic of this name, for which the study must give what it needs.
+/// The characteristic of this name. The study must give its inputs.
 pub(super) fn characteristic(
     text: &Text,
     suspension: &Suspension,

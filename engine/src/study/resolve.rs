@@ -12,11 +12,11 @@ use std::path::Path;
 use std::sync::Arc;
 use toml::Spanned;
 
-/// What later sections of the file refer to.
+/// Parts of the study to which later sections of the file refer.
 pub(super) struct Context<'a> {
     /// The suspension.
     pub suspension: &'a Suspension,
-    /// The motion, if nothing is wrong with it.
+    /// The motion, if it has no error.
     pub motion: Option<&'a Motion>,
     /// Further motions by name.
     pub motions: &'a [(String, Motion)],
@@ -28,7 +28,7 @@ pub(super) struct Context<'a> {
     pub elastic: Option<&'a ComplianceStudy>,
     /// The file as written.
     pub file: &'a super::file::File,
-    /// Where the study file is.
+    /// Directory of the study file.
     pub directory: &'a Path,
 }
 
@@ -41,7 +41,7 @@ pub(super) fn each<W, T>(
     read.into_iter().collect()
 }
 
-/// The elements of a list, of which there must be some; `what` one of them is, in words.
+/// The elements of a list that must not be empty; `what` names an element in messages.
 pub(super) fn some<'w, T>(
     list: &'w Spanned<Vec<T>>,
     what: &str,
@@ -61,7 +61,8 @@ impl Study {
         Study::read_parts(path, overrides, Parts::Rigid)
     }
 
-    /// The same as [`Study::read`], for what knows elastic parts: [`WheelStudy::compliance`] may be there.
+    /// The same as [`Study::read`], for callers that support elastic parts: [`WheelStudy::compliance`] may be
+    /// present.
     pub fn read_elastic(path: &Path, overrides: &[String]) -> Result<Study, StudyErrors> {
         Study::read_parts(path, overrides, Parts::Elastic)
     }
@@ -101,7 +102,7 @@ impl Study {
         resolve(path, shown, text.to_owned(), directory, Parts::Rigid)
     }
 
-    /// The same as [`Study::from_text`], for what knows elastic parts.
+    /// The same as [`Study::from_text`], for callers that support elastic parts.
     pub fn elastic_from_text(
         name: &str,
         text: &str,

@@ -9,7 +9,7 @@ use crate::model::{PointId, SpinAxis, Suspension};
 use crate::solve::Solver;
 use toml::Spanned;
 
-/// What the study says of the right wheel; none where it is the mirror image.
+/// Entries of the study for the right wheel; `None` if it is the mirror image.
 pub(super) fn own(file: &File) -> Option<&file::OwnRight> {
     match file.axle.as_ref()?.get_ref().right.as_ref()?.get_ref() {
         RightWheel::Own(own) => Some(own),
@@ -76,7 +76,7 @@ fn extra_point(text: &Text, left: &Suspension) -> Option<PointId> {
     }
 }
 
-/// Static camber and toe of its own; what is not given is the left wheel's.
+/// Its own static camber and toe; a missing value is the left wheel's.
 fn spin_axis(
     file: &File,
     own: &file::OwnRight,

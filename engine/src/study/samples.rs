@@ -1,47 +1,47 @@
-//! What a target wants at each drive value: its curve is read between its points.
+//! Wanted values of a target at each drive value, read from its curve between the points.
 
 use super::{About, Interpolation, Limit, Target, Wanted};
 use crate::axle::{Axle, Placement, Quantity};
 
-/// What is wanted at a drive value: anything from `low` to `high`.
+/// Wanted range at a drive value: from `low` to `high`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
     /// The drive value.
     pub drive: f64,
-    /// The least that is wanted.
+    /// The least wanted value.
     pub low: f64,
     /// The most that is wanted; the same for a value.
     pub high: f64,
 }
 
 impl Sample {
-    /// Whether anything between two limits will do.
+    /// Returns true if any value between two limits meets the target.
     #[inline]
     pub fn is_band(&self) -> bool {
         self.low < self.high
     }
 
-    /// How far a value is from what is wanted: 0 within the limits.
+    /// Deviation of a value from the wanted range: 0 within the limits.
     #[inline]
     pub fn deviation(&self, found: f64) -> f64 {
         found - found.clamp(self.low, self.high)
     }
 }
 
-/// What a target wants of a quantity of an axle in one position.
+/// Wanted range of a quantity of an axle in one position.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxleSample {
     /// The position.
     pub placement: Placement,
     /// The quantity.
     pub quantity: Quantity,
-    /// What is wanted of the quantity. Its `drive` is the place on the target's curve as the study writes it.
+    /// Wanted range of the quantity. Its `drive` is the place on the target's curve as the study writes it.
     pub wanted: Sample,
 }
 
 impl Target {
-    /// What the target wants of an axle: for each place of its curve, each held position and each quantity it is about.
-    /// Empty for a target of one wheel.
+    /// Wanted ranges of the target for an axle: one for each place of its curve, each held position and each of its
+    /// quantities. Empty for a target of one wheel.
     pub fn axle_samples(&self, axle: &Axle) -> Vec<AxleSample> {
         let (About::Axle(quantities), Some(site)) = (&self.of.about, &self.site.axle) else {
             return Vec::new();
@@ -61,7 +61,7 @@ impl Target {
 }
 
 impl Wanted {
-    /// What is wanted at those stations that the target covers, or at its own drive values.
+    /// Wanted ranges at those stations that the target covers, or at its own drive values.
     pub fn samples(&self, stations: &[f64]) -> Vec<Sample> {
         let value = |(drive, value)| Sample {
             drive,
@@ -89,8 +89,8 @@ impl Wanted {
         }
     }
 
-    /// What a value or a curve wants, as (drive value, value): at those stations that lie on the curve, or at its own
-    /// drive values. Empty for a band.
+    /// Wanted values of a value or a curve, as (drive value, value): at those stations that lie on the curve, or at
+    /// its own drive values. Empty for a band.
     pub fn at_stations(&self, stations: &[f64]) -> Vec<(f64, f64)> {
         match self {
             Wanted::At { drive, value } => vec![(*drive, *value)],

@@ -5,8 +5,8 @@ use crate::characteristics::Characteristic;
 use crate::model::{FrameConvention, LengthUnit, Side, Topology};
 use hardpoint_study_file::schema::{self, Root};
 
-/// The JSON schema (draft 4) of studies, for editors: its keys, which of them are needed, of what type their values
-/// are, and the names that there is a list of.
+/// The JSON schema (draft 4) of studies, for editors: its keys, the required ones, the types of their values, and the
+/// names from lists.
 pub fn schema() -> serde_json::Value {
     schema::schema(names)
 }

@@ -1,4 +1,4 @@
-//! `[setup]`: what may be adjusted and what is wanted.
+//! `[setup]`: adjustments and wanted values.
 
 use super::error::Problems;
 use super::file;

@@ -32,7 +32,7 @@ pub(super) struct SheetTarget {
     pub weight: f64,
 }
 
-/// Reads the file of a target if it is a sheet; `None` if it is none.
+/// Reads the file of a target if it is a sheet; otherwise `None`.
 fn sheet(path: &Text, context: &Context) -> Option<Arc<Source>> {
     let full = context.directory.join(path.get_ref());
     // A file that cannot be read is reported by the reader of curves.
@@ -51,8 +51,8 @@ fn sheet(path: &Text, context: &Context) -> Option<Arc<Source>> {
     })
 }
 
-/// The targets of a measured sheet; `None` if the target's file is none. With a figure or characteristic the rows of that
-/// figure count alone.
+/// The targets of a measured sheet; `None` if the target's file is not a sheet. With a figure or characteristic the
+/// rows of that figure count alone.
 pub(super) fn targets(
     spanned: &Spanned<Written>,
     context: &Context,

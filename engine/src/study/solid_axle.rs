@@ -1,4 +1,4 @@
-//! Solid axles: what a study must and must not say of them, and the differences of the right half.
+//! Solid axles: required and forbidden entries of a study, and the differences of the right half.
 
 use super::error::Problems;
 use super::file::{self, File};
@@ -11,7 +11,7 @@ use crate::solve::Solver;
 use std::ops::Range as Span;
 use toml::Spanned;
 
-/// Refuses what a solid axle does not have; true if there is nothing of it.
+/// Refuses entries that a solid axle does not support; true if there are none.
 pub(super) fn refuse(file: &File, suspension: &Suspension, problems: &mut Problems) -> bool {
     let mut refused: Vec<(Option<Span<usize>>, &str)> = Vec::new();
     let motions = std::iter::once(&file.motion).chain(file.motions.values());
@@ -28,18 +28,14 @@ pub(super) fn refuse(file: &File, suspension: &Suspension, problems: &mut Proble
     }
     let outputs = file.outputs.as_ref();
     let certify = outputs.and_then(|o| o.certify.as_ref());
-    let certify = certify.filter(|certify| *certify.get_ref());
-    let loads = outputs.and_then(|o| o.loads.as_ref());
+    let has_rocker = suspension.mechanism.point("watt_pivot").is_some();
+    let certify = certify.filter(|certify| has_rocker && *certify.get_ref());
     let parts = file.bushings.values().map(Spanned::span);
     let parts = parts.chain(file.links.values().map(Spanned::span));
     refused.extend([
         (
             certify.map(Spanned::span),
-            "certify is not available for a solid axle yet; leave it out",
-        ),
-        (
-            loads.map(Spanned::span),
-            "loads are not available for a solid axle yet; leave them out",
+            "certify proves quadratic equations, and the rocker of a Watt linkage obeys others; leave certify out",
         ),
         (
             file.steering.as_ref().map(Spanned::span),
@@ -47,7 +43,8 @@ pub(super) fn refuse(file: &File, suspension: &Suspension, problems: &mut Proble
         ),
         (
             file.tolerance.as_ref().map(Spanned::span),
-            "[tolerance] is not available for a solid axle yet; leave it out",
+            "[tolerance] of a solid axle needs derivatives by both halves apart, and those of a solid axle move both halves \
+             together; leave it out",
         ),
         (
             file.setup.as_ref().map(|setup| setup.adjust.span()),
@@ -72,9 +69,18 @@ pub(super) fn refuse(file: &File, suspension: &Suspension, problems: &mut Proble
     sound
 }
 
-/// Four links hold the axle: two pairs, or a pair of lower links, a single upper link and a Panhard rod.
+/// Four links hold the axle: two pairs, or a pair of lower links, a single upper link and a Panhard rod or a Watt linkage.
 fn links(section: &file::Suspension, suspension: &Suspension, problems: &mut Problems) -> bool {
-    let has_panhard = suspension.mechanism.point("panhard_axle").is_some();
+    let has = |name: &str| suspension.mechanism.point(name).is_some();
+    let (has_panhard, has_watt) = (has("panhard_axle"), has("watt_pivot"));
+    if has_panhard && has_watt {
+        let message =
+            "a Panhard rod and a Watt linkage both hold the axle sideways: expected one of them";
+        return problems
+            .refuse::<()>(section.hardpoints.span(), message)
+            .is_some();
+    }
+    let has_lateral = has_panhard || has_watt;
     let single = section.single.as_ref();
     let names = single.map_or(&[][..], |names| names.get_ref());
     for name in names {
@@ -87,26 +93,36 @@ fn links(section: &file::Suspension, suspension: &Suspension, problems: &mut Pro
             return false;
         }
     }
-    match (names.is_empty(), has_panhard) {
+    match (names.is_empty(), has_lateral) {
         (true, false) | (false, true) => true,
         (true, true) => {
             let written = section.hardpoints.get_ref().keys();
             let panhard = written
-                .filter(|text| text.get_ref().starts_with("panhard_"))
+                .filter(|text| {
+                    ["panhard_", "watt_"]
+                        .iter()
+                        .any(|of| text.get_ref().starts_with(of))
+                })
                 .map(Text::span)
                 .next();
             let place = panhard.unwrap_or(section.hardpoints.span());
-            let message = "five links: with two upper links and a Panhard rod the axle binds in roll, and only the rubber of \
-                           its joints lets it move";
+            let message = format!(
+                "five links: with two upper links and a {} the axle binds in roll, and only the rubber of its joints lets it move",
+                if has_watt {
+                    "Watt linkage"
+                } else {
+                    "Panhard rod"
+                }
+            );
             let error = problems.add(place, message);
             error.help(
                 "give the upper links as one in the middle (single = [\"upper_link\"] in [suspension]), or leave the Panhard \
-                 rod out",
+                 rod or the Watt linkage out",
             );
             false
         }
         (false, false) => {
-            let message = "three links leave the axle free sideways: expected panhard_chassis and panhard_axle";
+            let message = "three links leave the axle free sideways: expected panhard_chassis and panhard_axle, or a Watt linkage";
             let place = single.map_or(section.hardpoints.span(), Spanned::span);
             problems.add(place, message);
             false

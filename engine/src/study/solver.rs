@@ -1,4 +1,4 @@
-//! `[solver]`: how poses are found, and what the choice leaves to ask for.
+//! `[solver]`: the formulation that finds poses, and the outputs that it supports.
 
 use super::error::Problems;
 use super::file::File;
@@ -63,7 +63,7 @@ pub(super) fn refuse_accuracy(file: &File, problems: &mut Problems) {
     }
 }
 
-/// Refuses what the formulation or the drive cannot give.
+/// Refuses outputs that the formulation or the drive cannot give.
 pub(super) fn check_outputs(
     file: &File,
     formulation: Formulation,
@@ -104,7 +104,7 @@ pub(super) fn check_outputs(
     }
 }
 
-/// Refuses to prove what has no certificates.
+/// Refuses proofs for outputs without certificates.
 fn check_certificate(
     file: &File,
     formulation: Formulation,

@@ -1,4 +1,4 @@
-//! What targets and constraints name: characteristics, coordinates of points, lengths, members, motions.
+//! Subjects of targets and constraints: characteristics, coordinates of points, lengths, members, motions.
 
 use super::error::Problems;
 use super::members::axis;
@@ -33,22 +33,18 @@ pub(super) fn members(suspension: &Suspension) -> Vec<(String, [PointId; 2])> {
     let mechanism = &suspension.mechanism;
     let mut members: Vec<(String, [PointId; 2])> = Vec::new();
     for constraint in &mechanism.constraints {
-        match *constraint {
-            Constraint::Link { inner, .. } if mechanism.is_far(inner) => {}
-            Constraint::Link { inner, outer } => {
-                let name = mechanism.link_name(inner);
-                members.push((name.to_owned(), [inner, outer]));
-            }
-            Constraint::StrutLine { top, lower, .. } => {
-                members.push(("strut".to_owned(), [top, lower]));
-            }
-            Constraint::Revolute { .. }
-            | Constraint::BallJoint { .. }
-            | Constraint::AxleTravel { .. } => {}
+        if let Some((inner, outer)) = constraint
+            .link()
+            .filter(|(inner, _)| !mechanism.is_far(*inner))
+        {
+            members.push((mechanism.link_name(inner).to_owned(), [inner, outer]));
+        }
+        if let Constraint::StrutLine { top, lower, .. } = *constraint {
+            members.push(("strut".to_owned(), [top, lower]));
         }
     }
     for rocker in &mechanism.rockers {
-        let name = rocker.rod.to_string().replace(' ', "_");
+        let name = rocker.rod.key().to_owned();
         members.push((name, [rocker.inner, rocker.outer]));
     }
     if let Some(spring) = mechanism.spring {
@@ -72,7 +68,7 @@ pub(super) fn member(
     choose(text, "member", &options, problems)
 }
 
-/// A length: that of a member, or the distance of two points; with what it is called.
+/// A length, with its name: that of a member, or the distance of two points.
 pub(super) fn length(
     written: &Spanned<MemberName>,
     suspension: &Suspension,
@@ -101,8 +97,7 @@ pub(super) fn length(
     }
 }
 
-/// A force under a load, by the name of its column without the unit; with what it is multiplied by to be along the study's
-/// axes.
+/// A force under a load, by the name of its column without the unit; with its factor to the study's axes.
 pub(super) fn force(
     name: &Text,
     context: &Context,
@@ -136,7 +131,7 @@ pub(super) fn force(
     Some((force, sign))
 }
 
-/// What a target is about.
+/// Returns the subject of a target.
 pub(super) fn subject(
     target: &Spanned<file::Target>,
     context: &Context,

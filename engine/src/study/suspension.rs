@@ -139,7 +139,7 @@ fn hardpoints<'a>(
     sound.then_some(given)
 }
 
-/// Notes what is wrong with a group, where the first of what makes it up is written.
+/// Reports the fault of a group at the place of its first part.
 fn add_group_fault(
     group: &Group,
     fault: &HardpointFault,
@@ -207,7 +207,7 @@ pub(super) fn position(coordinates: &Coordinates, problems: &mut Problems) -> Op
     three(coordinates, "coordinates [x, y, z]", problems)
 }
 
-/// The three numbers of a list, in the study's axes; `what` they are, in words.
+/// The three numbers of a list, in the study's axes; `what` names them in messages.
 pub(super) fn three(
     list: &Coordinates,
     what: &str,

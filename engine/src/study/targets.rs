@@ -28,10 +28,10 @@ pub(super) enum FromFile {
     Sheet(Vec<SheetTarget>),
 }
 
-/// Targets, and what of them came from files, by the place of the target as written.
+/// Targets, and the data that came from files, by the place of the target as written.
 type ReadTargets = (Vec<Target>, Vec<(usize, FromFile)>);
 
-/// The targets, if nothing is wrong with them, and what came from files, by the place of the target as written.
+/// The targets, if they have no error, and the data that came from files, by the place of the target as written.
 pub(super) fn targets(
     section: &file::Optimise,
     context: &Context,
@@ -190,8 +190,8 @@ fn rack_displacements(site: &Site, motion: &Motion) -> Vec<f64> {
     }
 }
 
-/// Stations beside those of the motion: a curve with fewer stations between its ends than it has points
-/// within the motion would be judged by less than was asked for.
+/// Stations beside those of the motion. They are needed if a curve has fewer stations between its ends than points
+/// within the motion: otherwise too few stations would judge it.
 fn added_stations(wanted: &Wanted, motion: &Motion) -> Vec<f64> {
     let (lowest, highest) = ends(&motion.values);
     let curves: Vec<&[[f64; 2]]> = match wanted {
@@ -295,7 +295,7 @@ fn curve(
     }
 }
 
-/// Where a target is, and what it is about.
+/// Place of a target, its subject and its motion.
 struct TargetContext<'a> {
     motion: &'a Motion,
     place: Span<usize>,

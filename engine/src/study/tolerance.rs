@@ -92,8 +92,8 @@ fn whole(
     problems.refuse(written.span(), message)
 }
 
-/// What scatters of both wheels by an entry of `scatter`: the parts of each by themselves, those of the right one as the mirror
-/// images of the left one's; what is made to one tolerance is one contributor.
+/// Contributors of both wheels from an entry of `scatter`. The parts of each wheel scatter by themselves, those of
+/// the right one as mirror images of the left one's. Parts made to one tolerance are one contributor.
 pub(super) fn contributors_of_axle(
     written: &Spanned<file::Scatter>,
     study: &AxleStudy,
@@ -145,7 +145,7 @@ pub(super) fn contributors_of_axle(
     Some(found)
 }
 
-/// What scatters by an entry of `scatter`: each hardpoint named is a contributor of its own, a jig is one.
+/// Contributors from an entry of `scatter`: each named hardpoint is a contributor of its own, a jig is one.
 fn contributors(
     written: &Spanned<file::Scatter>,
     suspension: &Suspension,

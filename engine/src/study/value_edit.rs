@@ -234,7 +234,7 @@ fn set_table(tables: &mut ArrayOfTables, at: usize, value: Option<&Json>) -> Opt
     }
 }
 
-/// Entries of a table with the keys first that say what it is about.
+/// Entries of a table; the keys that identify its subject come first.
 fn in_usual_order(values: &serde_json::Map<String, Json>) -> Vec<(&String, &Json)> {
     const FIRST: [&str; 5] = ["hardpoint", "characteristic", "side", "over", "axis"];
     let mut entries: Vec<_> = values.iter().collect();

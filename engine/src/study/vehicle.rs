@@ -1,10 +1,10 @@
-//! The vehicle of a study: one wheel or an axle, each with its motion and what is asked of it.
+//! The vehicle of a study: one wheel or an axle, each with its motion and outputs.
 
 use super::{AxleStudy, ComplianceStudy, Formulation, Motion, Outputs, Study};
 use crate::model::Suspension;
 use std::sync::LazyLock;
 
-/// What a study describes.
+/// Vehicle part that a study describes.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Vehicle {
     /// One wheel.
@@ -13,23 +13,23 @@ pub enum Vehicle {
     Axle(Box<AxleStudy>),
 }
 
-/// One wheel, its motion and what is asked of it.
+/// One wheel, its motion and outputs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WheelStudy {
     /// The suspension.
     pub suspension: Suspension,
     /// The motion.
     pub motion: Motion,
-    /// How poses are found.
+    /// Formulation that finds the poses.
     pub formulation: Formulation,
-    /// What is asked for.
+    /// Outputs of the study.
     pub outputs: Outputs,
     /// The elastic parts and their tests, if there are any.
     pub compliance: Option<ComplianceStudy>,
 }
 
 impl WheelStudy {
-    /// The design position of a suspension. Nothing is asked for.
+    /// The design position of a suspension, without outputs.
     pub fn of(suspension: Suspension) -> Self {
         WheelStudy {
             suspension,

@@ -1,31 +1,30 @@
 //! Main effects: which variable matters for which output.
 //!
-//! Only designs that have a value for every output count. Two views are given. The *change* is that of the plane of
-//! least squares through all designs, from the low end of a variable's range to its high end: it has a sign and a unit,
-//! and `r2` says how far the plane is the truth. The *share* is the first-order Sobol index S = Var(E[y|x]) / Var(y):
-//! the part of the output's variance that goes when this variable is known; it sees curved responses too. Shares need
-//! variables that are sampled independently, so there are none of designs from a file.
+//! Only designs that have a value for every output count. There are two measures. The *change* follows the
+//! least-squares plane through all designs, from the low end of a variable's range to its high end. It has a sign and
+//! a unit, and `r2` is the quality of the plane. The *share* is the first-order Sobol index S = Var(E[y|x]) / Var(y):
+//! the part of the output's variance that vanishes when this variable is known. It includes curved responses. Shares
+//! need variables that are sampled independently, so designs from a file have none.
 //!
-//! From a grid a share is the exact ratio of sums of squares over the grid (levels beyond 32 are taken
-//! together). From other samples the plane's part of it is known, and only what is left of the output when
-//! the plane is taken away, r, has to be told from chance:
+//! From a grid a share is the exact ratio of sums of squares over the grid (levels beyond 32 are taken together).
+//! From other samples the plane gives its part of the share exactly. Only the part from r, the residual of the output
+//! from the plane, must be separated from chance:
 //!
 //! ```text
 //! n Var(E[y|x_j]) = n b_j^2 Var(u_j) + between levels of x_j of r,   y = mean + sum b_i u_i + r
 //! ```
 //!
-//! each of the two less what chance alone would make of it; the second is the correlation ratio by levels of
-//! equal width (T. L. Kelley, An unbiased correlation ratio measure, PNAS 21, 1935), and what is lost within a
-//! level is about 1/levels^2 of it. The nearer the plane is to the truth, the less is left to chance.
-//! Where designs fail, or lack an output, the variables of those that are left are no longer independent. Then the
-//! plane's part of an output can no longer be told by variable, and the share is the second term of all of y alone:
-//! still the part of the variance that goes when this variable is known, but shares may sum up to more than one.
+//! Each of the two terms is reduced by the value that chance alone would give. The second is the correlation ratio by
+//! levels of equal width (T. L. Kelley, An unbiased correlation ratio measure, PNAS 21, 1935). About 1/levels^2 of it
+//! is lost within the levels. A better plane leaves less to chance. If designs fail, or lack an output, the variables
+//! of the remaining designs are no longer independent. Then the plane's part of an output cannot be split by
+//! variable, and the share is the second term of the whole of y. It is still the part of the variance that vanishes
+//! when this variable is known, but shares may sum up to more than one.
 //!
-//! From Saltelli's samples it is the mean of
-//! (y_B - mean) (y_C - y_A) (A. Saltelli et al., Computer Physics Communications 181, 2010), with the total index
-//! as half the mean of (y_A - y_C)^2 (M. J. W. Jansen, Computer Physics Communications 117, 1999): that
-//! part of the variance that stays when everything but this variable is known. Chance may take these out of
-//! the interval from 0 to 1; they are put back to its ends.
+//! From Saltelli's samples it is the mean of (y_B - mean) (y_C - y_A) (A. Saltelli et al., Computer Physics
+//! Communications 181, 2010). The total index is half the mean of (y_A - y_C)^2 (M. J. W. Jansen, Computer Physics
+//! Communications 117, 1999). It is the part of the variance that remains when all other variables are known. Chance
+//! may take both out of the interval from 0 to 1; they are then set to its ends.
 
 use super::{SweepRecord, SweepStatistics};
 use nalgebra::{DMatrix, DVector};

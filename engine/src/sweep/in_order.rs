@@ -7,9 +7,9 @@ use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 /// Pieces of work per thread that may have been begun and not yet been taken.
 const AHEAD: u64 = 8;
 
-/// Does the pieces of work numbered `range` on the threads of the current rayon pool, each thread with
-/// a worker of its own, and hands the results to `take` in order: by whichever thread is free, while the others go on. No
-/// more than some pieces for each thread wait in memory, however long the range is.
+/// Processes the pieces of work numbered `range` on the threads of the current rayon pool. Each thread has its own
+/// worker. Any free thread hands the results to `take` in order, while the others continue. Only a few pieces per
+/// thread wait in memory, however long the range is.
 ///
 /// Ends early when `take` fails, or when `work` returns `None`; then every piece before that one has
 /// been taken.

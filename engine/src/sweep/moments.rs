@@ -14,9 +14,9 @@ pub(super) struct Span {
 }
 
 impl Span {
-    /// The spans of a sweep's variables. A grid's levels are its own, or as many in a row as it takes
-    /// for there to be no more than [`MOST_LEVELS`]; elsewhere there are as many as the cube root of
-    /// the number of designs, so that what is lost within a level shrinks as the noise does.
+    /// The spans of a sweep's variables. A grid's levels are its own, or groups of neighbouring levels so that there
+    /// are at most [`MOST_LEVELS`]. For other samples there are as many levels as the cube root of the number of
+    /// designs. The loss within a level then shrinks as the noise does.
     pub(super) fn all(record: &SweepRecord) -> Vec<Span> {
         let levels = (record.designs as f64).cbrt().floor() as u64;
         let span = |v: &super::VariableRecord| Span {

@@ -120,7 +120,7 @@ mod tests {
         }
     }
 
-    /// Of each run of 2^16 points, 2^k in a row fill 2^k equal strata; also beyond the first run.
+    /// In each run of 2^16 points, 2^k in a row fill 2^k equal strata; also beyond the first run.
     #[test]
     fn sobol_points_fill_strata_beyond_the_first_run_too() {
         for start in [0, 1 << 16, 5 << 16] {

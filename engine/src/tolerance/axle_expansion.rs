@@ -1,7 +1,7 @@
 //! The first-order answer of an axle, exact.
 //!
-//! Each side's parts move its built design alone ([`crate::assembly`]), and what is read of the axle has gradients by
-//! every hardpoint coordinate of either side, with what the ground asks of both travels
+//! Each side's parts move its built design alone ([`crate::assembly`]). Readings of the axle have gradients by every
+//! hardpoint coordinate of either side, with the conditions of the ground on both travels
 //! ([`AxleSolver::gradients`]):
 //!
 //! ```text
@@ -17,11 +17,10 @@ use crate::model::Side;
 use crate::number::Vector3;
 use crate::study::Source;
 
-/// How every point of a wheel moves with a source.
+/// Rates at which a source moves every point of a wheel.
 pub(super) type Moves = Vec<Vector3<f64>>;
 
-/// Derivatives of every value by each source, `[cell][source]`: NaN where there is no value, or none that can be
-/// differentiated.
+/// Derivatives of every value by each source, `[cell][source]`: NaN without a value, or without a derivative.
 pub(super) fn gradients(problem: &Problem, sources: &[&Source]) -> Result<Vec<f64>, NoSetUp> {
     let moves = moves(problem, sources)?;
     let drawn = |side: Side| {
@@ -57,7 +56,7 @@ pub(super) fn gradients(problem: &Problem, sources: &[&Source]) -> Result<Vec<f6
     Ok(gradients)
 }
 
-/// How both wheels' built designs move with each source.
+/// Rates at which each source moves both wheels' built designs.
 pub(super) fn moves(problem: &Problem, sources: &[&Source]) -> Result<Vec<[Moves; 2]>, NoSetUp> {
     let mut all: Vec<[Moves; 2]> = vec![Default::default(); sources.len()];
     for (side, workshop) in problem.workshops.iter().enumerate() {

@@ -1,8 +1,8 @@
 //! The second-order answer of an axle, exact.
 //!
-//! Along a direction of the parts both built designs, their poses and what is read of them are series in one number, as
-//! of one wheel (module `expansion`), but for what the ground asks: f = h_l - h_r = 0 holds order by order. With the
-//! roll angle given the travels z +- s(e) follow, with both travels given the roll angle:
+//! Along a direction of the parts, both built designs, their poses and the readings are series in one number, as for
+//! one wheel (module `expansion`). In addition, the ground condition f = h_l - h_r = 0 holds order by order. If the
+//! roll angle is given, the travels z +- s(e) follow; if both travels are given, the roll angle follows:
 //!
 //! ```text
 //! s_k = -f_k/(n.C_l' + n.C_r')        phi_k = -f_k/track
@@ -28,7 +28,7 @@ type Series = Jet<f64, 3>;
 /// The most series of poses of both wheels: seconds of work.
 const MOST_SERIES: usize = 300_000;
 
-/// By cell, what second order adds to the mean and to the variance.
+/// Second-order terms of the mean and of the variance, by cell.
 pub(super) fn second(problem: &Problem, stations: &AxleStations) -> Result<Vec<[f64; 2]>, NoSetUp> {
     let mechanism = &stations.axle.left.mechanism;
     let is_readable = |quantity: &Quantity| {
@@ -47,7 +47,7 @@ pub(super) fn second(problem: &Problem, stations: &AxleStations) -> Result<Vec<[
     Ok(combined(problem, &readable, bends))
 }
 
-/// The positions of the drawn axle.
+/// The positions of the nominal axle.
 struct DrawnPositions<'p> {
     problem: &'p Problem<'p>,
     stations: &'p AxleStations<'p>,
@@ -56,7 +56,7 @@ struct DrawnPositions<'p> {
     positions: Vec<Option<DrawnPosition>>,
 }
 
-/// A position, and what moves from it.
+/// A position, and its sources of motion.
 struct DrawnPosition {
     travels: [f64; 2],
     roll: f64,

@@ -1,4 +1,4 @@
-//! Builds by number: drawn, put together, solved.
+//! Builds by number: drawn at random, assembled, solved.
 
 use super::lanes::LaneBuilder;
 use super::workshop::Workshop;
@@ -16,7 +16,7 @@ impl Problem<'_> {
         builder.evaluator.not_in_lanes()
     }
 
-    /// The values of the suspension as drawn, by cell.
+    /// The values of the nominal suspension, by cell.
     pub fn drawn(&self) -> Result<Vec<f64>, DesignFault> {
         let mut builder = Builder::new(self, None)?;
         // Nothing drawn: the numbers are 0. A drawing that cannot be put together is left without values.
@@ -29,15 +29,15 @@ impl Problem<'_> {
         Ok(values.collect())
     }
 
-    /// A build by its number: its built design, at rest, as drawn by the seed and aligned where that is asked for. Of an axle
-    /// the left wheel.
+    /// A build by its number: its built design, at rest, from the random numbers of the seed, and aligned if the
+    /// study says so. For an axle the left wheel.
     pub fn built(&self, number: u64) -> Result<Suspension, Reject> {
         let built = self.built_wheels(number).map_err(|(_, reject)| reject);
         built.map(|mut wheels| wheels.swap_remove(0))
     }
 
-    /// The study of the build of this number, as text: its built design at rest, and its rates. An error names the wheel
-    /// that cannot be put together.
+    /// The study of the build of this number, as text: its built design at rest, and its rates. An error names the
+    /// wheel that cannot be assembled.
     pub fn built_text(&self, number: u64) -> Result<String, (Option<Side>, Reject)> {
         let built = self.built_wheels(number)?;
         let text = match &built[..] {
@@ -59,7 +59,7 @@ impl Problem<'_> {
     }
 
     /// Every wheel of the build of this number: for an axle left and right, each in the frame of a left one. An error
-    /// names the wheel that cannot be put together.
+    /// names the wheel that cannot be assembled.
     pub fn built_wheels(&self, number: u64) -> Result<Vec<Suspension>, (Option<Side>, Reject)> {
         let mut draws = vec![0.0; self.tolerance.sources()];
         self.tolerance.draw(number, &mut draws);
@@ -75,10 +75,10 @@ impl Problem<'_> {
     }
 }
 
-/// A build that could not be put together: its number, the wheel of an axle, and why not.
+/// A build that could not be assembled: its number, the wheel of an axle, and the reason.
 type Unbuilt = (u64, Option<Side>, Reject);
 
-/// What became of the builds of a block that failed.
+/// Failed builds of a block.
 pub(super) struct Outcome {
     pub(super) rejects: Vec<Unbuilt>,
     /// Number of builds without a pose somewhere in the motion, and number of the first of them.
@@ -87,14 +87,14 @@ pub(super) struct Outcome {
 
 /// Solves blocks of builds. One for each thread.
 ///
-/// Builds are put together in SIMD lanes; those that do not settle there, and those of rockers near a toggle, one by one.
-/// Which of the two depends on the build alone.
+/// Builds are assembled in SIMD lanes. Those that do not settle there, and those of rockers near a toggle, are
+/// assembled one by one. The choice depends on the build alone.
 pub(super) struct Builder<'a> {
     problem: &'a Problem<'a>,
     /// One, or left and right.
     wheels: Vec<WheelBuilder<'a>>,
     evaluator: Evaluator<'a>,
-    /// The values of the builds that go together, in the order of their numbers.
+    /// The values of the builds assembled together, in the order of their numbers.
     pub(super) block: Block,
     draws: Vec<f64>,
     /// `[source][build]`
@@ -187,7 +187,7 @@ impl<'a> Builder<'a> {
         self.rates.clear();
     }
 
-    /// Puts every wheel of a build together, those that the lanes have not, as was drawn for it; all or none.
+    /// Assembles every wheel of a build that the lanes did not assemble, from its random numbers; all or none.
     fn build(&mut self, place: usize) -> Result<(), (Option<Side>, Reject)> {
         let (tolerance, draws) = (self.problem.tolerance, &self.draws);
         let built = self.wheels.iter_mut().try_for_each(|wheel| {
@@ -223,7 +223,7 @@ impl<'a> Builder<'a> {
         built
     }
 
-    /// Solves what was put together of a block that begins with a build of this number.
+    /// Solves the assembled builds of a block that begins with a build of this number.
     fn finish(&mut self, first: u64, mut rejects: Vec<Unbuilt>) -> Outcome {
         let wheels = &self.wheels;
         let designs = [0, 1].map(|k| wheels.get(k).map_or(&[][..], |wheel| &wheel.designs));

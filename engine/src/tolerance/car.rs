@@ -1,8 +1,8 @@
 //! Scatter of a car: parts of both axles, rates and figures, in every load case.
 //!
-//! Each axle's parts are put together as in a study of the axle ([`crate::assembly`]), and the car stands on its springs with
-//! them. First-order answers are exact: derivatives of every result by the hardpoints of each wheel times derivatives of the
-//! built designs by each source, and derivatives by rates and figures.
+//! Each axle's parts are assembled as in a study of the axle ([`crate::assembly`]), and the car stands on its springs
+//! with them. First-order answers are exact: derivatives of every result by the hardpoints of each wheel times
+//! derivatives of the built designs by each source, and derivatives by rates and figures.
 
 use super::axle_expansion::{Moves as PointMoves, moves};
 use super::monte_carlo::moments;
@@ -41,7 +41,7 @@ pub struct CarBuilds {
     pub builds: u64,
     /// Spread of each result, as printed.
     pub spreads: Vec<Spread>,
-    /// Builds that cannot be put together or solved in every case, with number and reason of the first.
+    /// Builds that cannot be assembled or solved in every case, with number and reason of the first.
     pub failed: u64,
     /// Number and reason of the first of these.
     pub first_failed: Option<(u64, String)>,
@@ -69,7 +69,7 @@ impl CarExpansion {
         self.variances[contributor] / self.variances.iter().sum::<f64>()
     }
 
-    /// Whether the builds confirm the first-order standard deviation; `None` where nothing scatters.
+    /// Returns true if the builds confirm the first-order standard deviation; `None` if nothing scatters.
     pub fn holds(&self, spread: &Spread) -> Option<bool> {
         let sigma = self.sigma();
         let scatters = sigma > 0.0 && spread.count > 0;
@@ -105,7 +105,7 @@ impl<'a> CarProblem<'a> {
         })
     }
 
-    /// The car of a build. Errors say in words which wheel cannot be put together.
+    /// The car of a build. An error names the wheel that cannot be assembled.
     pub fn built(&self, number: u64) -> Result<Car, String> {
         let mut car = self.study.car.clone();
         for (axle, problem) in self.axles.iter().enumerate() {
@@ -141,7 +141,25 @@ impl<'a> CarProblem<'a> {
         Ok(car)
     }
 
-    /// The nominal results, as printed; NaN where there is none.
+    /// The nominal car as builds are made of it: both wheels of an axle whose parts scatter have the points of the assembly, a
+    /// point of the spin axis among them.
+    fn drawn(&self) -> Car {
+        let mut car = self.study.car.clone();
+        for (axle, problem) in self.axles.iter().enumerate() {
+            let mut wheels = problem.workshops.iter();
+            let mut next = || Some(wheels.next()?.assembler.suspension().clone());
+            if let (false, Some(left)) = (problem.tolerance.scatter.is_empty(), next()) {
+                car.axles[axle] = Axle {
+                    left,
+                    right: next(),
+                    setup: car.axles[axle].setup.clone(),
+                };
+            }
+        }
+        car
+    }
+
+    /// The nominal results, as printed; NaN for missing results.
     ///
     /// # Errors
     /// The reason if the design position cannot be solved.
@@ -156,7 +174,8 @@ impl<'a> CarProblem<'a> {
     /// # Errors
     /// Axle and reason if the design of one cannot be put together.
     pub fn expansion(&self) -> Result<Vec<CarExpansion>, (usize, NoSetUp)> {
-        let gradients = self.request.gradients(&self.study.car);
+        let drawn = self.drawn();
+        let gradients = self.request.gradients(&drawn);
         let gradients = gradients.map_err(|(axle, _, fault)| (axle, NoSetUp::Fault(fault)))?;
         let mut ways: [Vec<Ways>; 2] = Default::default();
         for (axle, problem) in self.axles.iter().enumerate() {
@@ -186,7 +205,7 @@ impl<'a> CarProblem<'a> {
                         parts.sum()
                     }
                     CarContributor::Figure { moves, law, .. } => {
-                        let slope = moves.slope(&self.study.car, gradient);
+                        let slope = moves.slope(&drawn, gradient);
                         law.variance() * slope * slope
                     }
                 };
@@ -266,7 +285,7 @@ impl<'a> CarProblem<'a> {
         all
     }
 
-    /// Fills in the results of a build. Returns the reason if it cannot be put together, or a case has no equilibrium.
+    /// Fills in the results of a build. Returns the reason if it cannot be assembled, or a case has no equilibrium.
     fn build(&self, number: u64, row: &mut [f64]) -> Option<String> {
         row.fill(f64::NAN);
         let car = match self.built(number) {

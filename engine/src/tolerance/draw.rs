@@ -71,8 +71,8 @@ impl Tolerance {
         self.scatter.iter().flat_map(|c| &c.sources)
     }
 
-    /// The sources, each with the number of the stream that its numbers are of and its place among the sources of that. A
-    /// wheel of an axle has a stream of its own: what scatters at the other does not change its numbers.
+    /// The sources, each with the number of its random stream and its place in that stream. A wheel of an axle has a
+    /// stream of its own: contributors of the other wheel do not change its numbers.
     fn streams(&self) -> impl Iterator<Item = (&Source, Option<Side>, usize)> {
         let mut counts = [0; 3];
         self.each_source().map(move |source| {

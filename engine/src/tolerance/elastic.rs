@@ -1,4 +1,4 @@
-//! Builds of a wheel with elastic parts: parts are put together without load, and rates scatter beside them.
+//! Builds of a wheel with elastic parts: parts are assembled without load, and rates scatter beside them.
 //!
 //! The parts of a build go together as those of the rigid mechanism, in the position where elastic parts are relaxed. The
 //! built design is the design of an elastic wheel, whose equilibria are read. With p the built design and k the rates,
@@ -117,7 +117,7 @@ pub(super) fn problem<'a>(
     })
 }
 
-/// How fast every value changes with each source (`[cell][source]`); NaN where there is no value.
+/// Derivatives of every value by each source (`[cell][source]`); NaN without a value.
 pub(super) fn gradients(problem: &Problem, sources: &[&Source]) -> Result<Vec<f64>, NoSetUp> {
     let workshop = &problem.workshops[0];
     let assembler = &workshop.assembler;

@@ -1,9 +1,9 @@
 //! The first- and second-order answer, exact.
 //!
-//! g comes from the adjoint of the built design ([`crate::assembly::built_curves`]), for values and gains alike. H comes from
-//! power series: along d_j + d_k a built design, its poses and what is read off them are series in one number,
-//! whose second coefficient is (H_jj + 2 H_jk + H_kk)/2. Quantities made of velocities (gains, roll centres,
-//! anti-features, swing arms, motion ratios) have no second-order part here: their series would have to be in travel as well.
+//! The adjoint of the built design ([`crate::assembly::built_curves`]) gives g, for values and gains alike. Power
+//! series give H. Along d_j + d_k a built design, its poses and the readings are series in one number. Their second
+//! coefficient is (H_jj + 2 H_jk + H_kk)/2. Quantities made of velocities (gains, roll centres, anti-features, swing
+//! arms, motion ratios) have no second-order part here: their series would have to be in travel as well.
 
 use super::{Problem, Spread, axle_expansion, axle_second, elastic};
 use crate::assembly::{BuildParameter, NoSetUp, Rest, built_curves};
@@ -25,22 +25,22 @@ pub const HOLDS: f64 = 0.02;
 /// The most sources whose products are looked at.
 const MOST_SOURCES: usize = 120;
 
-/// Mean and variance by the derivatives at the drawing.
+/// Mean and variance by the derivatives at the nominal design.
 #[derive(Clone, Debug)]
 pub struct Expansion {
     /// `[cell][source]`: g.
     pub gradient: Vec<f64>,
     /// By cell: the first-order variance.
     pub variance: Vec<f64>,
-    /// By cell: mean by first order, less the drawn value. Laws that are not centred on 0 cause it.
+    /// By cell: mean by first order, less the nominal value. Laws that are not centred on 0 cause it.
     pub shift: Vec<f64>,
-    /// By cell: what second order adds to the mean, and to the variance. NaN where it is not known.
+    /// Second-order terms of the mean and of the variance, by cell. NaN where unknown.
     pub second: Vec<[f64; 2]>,
     sources: usize,
 }
 
 impl Expansion {
-    /// Expands every value of a study about the drawn design. Errors if that cannot be built or aligned.
+    /// Expands every value of a study about the nominal design. Errors if that cannot be built or aligned.
     pub fn of(problem: &Problem) -> Result<Self, NoSetUp> {
         let sources: Vec<_> = problem.tolerance.each_source().collect();
         let (count, cells) = (sources.len(), problem.cells());
@@ -75,7 +75,7 @@ impl Expansion {
         })
     }
 
-    /// How fast a value changes with each source.
+    /// Derivatives of a value by each source.
     pub fn gradient(&self, cell: usize) -> &[f64] {
         &self.gradient[cell * self.sources..(cell + 1) * self.sources]
     }
@@ -86,7 +86,7 @@ impl Expansion {
         (mean * mean).max(variance) / self.variance[cell]
     }
 
-    /// Whether the linear answer holds; `None` where that is not known.
+    /// Returns true if the linear answer holds; `None` if that is unknown.
     pub fn holds(&self, cell: usize) -> Option<bool> {
         let bend = self.bend(cell);
         (!bend.is_nan()).then_some(bend < HOLDS)
@@ -130,8 +130,8 @@ pub struct Remainder {
     pub second: f64,
 }
 
-/// For a study of one wheel: how fast every value changes with each source (`[cell][source]`), and what second order
-/// adds to its mean and variance (`[cell]`).
+/// For a study of one wheel: the rate of every value by each source (`[cell][source]`), and the second-order terms of
+/// its mean and variance (`[cell]`).
 fn of_wheel(problem: &Problem, sources: &[&Source]) -> Result<(Vec<f64>, Vec<[f64; 2]>), NoSetUp> {
     let workshop = &problem.workshops[0];
     let assembler = &workshop.assembler;
@@ -175,7 +175,7 @@ fn plan(problem: &Problem) -> Plan {
     plan
 }
 
-/// By cell, what second order adds to the mean and to the variance of one wheel.
+/// Second-order terms of the mean and of the variance of one wheel, by cell.
 fn second(problem: &Problem, built: &crate::assembly::Built) -> Vec<[f64; 2]> {
     let mechanism = &problem.workshops[0].assembler.suspension().mechanism;
     let readable: Vec<bool> = problem
@@ -191,8 +191,8 @@ fn second(problem: &Problem, built: &crate::assembly::Built) -> Vec<[f64; 2]> {
     combined(problem, &readable, bends)
 }
 
-/// What second order adds to mean and variance of each cell, from the second derivatives of all cells along sums of
-/// sources, each in its standard deviation. NaN for cells that are not `readable`.
+/// Second-order terms of the mean and variance of each cell. They come from the second derivatives of all cells along
+/// sums of sources, each in its standard deviation. NaN for cells that are not `readable`.
 pub(super) fn combined(
     problem: &Problem,
     readable: &[bool],
@@ -240,7 +240,7 @@ pub(super) fn combined(
     second
 }
 
-/// The poses of the drawn design, each with the factors of its Jacobian.
+/// The poses of the nominal design, each with the factors of its Jacobian.
 struct Poses<'p> {
     readable: &'p [bool],
     slots: Slots,

@@ -12,7 +12,7 @@ pub(super) struct LaneBuilder<'a> {
     width: Width,
     /// The built designs of the block, a build's points after another's.
     pub(super) designs: Vec<Vector3<f64>>,
-    /// Which builds are accepted; the others are left to be put together one by one.
+    /// True for each accepted build; the others are assembled one by one.
     pub(super) accepted: [bool; BLOCK],
 }
 
@@ -28,7 +28,7 @@ impl<'a> LaneBuilder<'a> {
         }
     }
 
-    /// Puts together the first `count` builds of those that have been drawn, `[source][build]`.
+    /// Assembles the first `count` builds of those that have been drawn, `[source][build]`.
     pub(super) fn assemble(&mut self, draws: &[f64], count: usize) {
         self.width.run(Assembling {
             builder: self,

@@ -10,9 +10,9 @@
 //! sigma^2 grows by tr((H S)^2)/2      of normal z; a uniform z_k adds H_kk^2 s_k^4 (1.8 - 3)/4
 //! ```
 //!
-//! g and H are exact ([`crate::assembly`]), of one wheel as of an axle: no difference quotients. Beside them a Monte Carlo puts builds together
-//! and solves them over the motion. The linear answer is said to hold where mean shift squared and growth of the variance are
-//! below 2 % of sigma^2.
+//! g and H are exact ([`crate::assembly`]), for one wheel and for an axle: no difference quotients. In addition, a
+//! Monte Carlo analysis assembles builds and solves them over the motion. The linear answer holds if the mean shift
+//! squared and the growth of the variance are below 2 % of sigma^2.
 
 mod axle_expansion;
 mod axle_second;
@@ -58,7 +58,7 @@ pub struct Problem<'a> {
     /// Quantities and stations: those of the study's outputs and motion, the design position, then those of bands. Of an
     /// axle each wheel has hardpoints of its own.
     request: Request<'static>,
-    /// By band: the output and the station of each value, and between what they are to be.
+    /// By band: the output and the station of each value, and its limits.
     bands: Vec<Banded>,
     /// The workshop of each wheel: left, then right.
     workshops: Vec<Workshop>,
@@ -68,7 +68,7 @@ pub struct Problem<'a> {
     interrupt: Interrupt<'a>,
 }
 
-/// The values of a band: output and station of each, and between what they are to be.
+/// The values of a band: output and station of each, and their limits.
 type Banded = (Vec<[usize; 2]>, [f64; 2]);
 
 impl<'a> Problem<'a> {

@@ -22,9 +22,9 @@ pub struct MonteCarlo {
     pub builds: u64,
     /// The spread of each cell.
     pub spreads: Vec<Spread>,
-    /// Builds that cannot be put together, by word.
+    /// Builds that cannot be assembled, by word.
     pub rejects: BTreeMap<&'static str, Rejected>,
-    /// Builds put together that have no pose somewhere in the motion.
+    /// Assembled builds that have no pose somewhere in the motion.
     pub incomplete: u64,
     /// Number of the first of these.
     pub first_incomplete: Option<u64>,
@@ -34,20 +34,20 @@ pub struct MonteCarlo {
     pub in_bands: Vec<u64>,
 }
 
-/// Builds that cannot be put together.
+/// Builds that cannot be assembled.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rejected {
     /// Number of builds that were rejected for this reason.
     pub builds: u64,
     /// Number of the first of these builds.
     pub first: u64,
-    /// For an axle: the wheel of the first that cannot be put together.
+    /// For an axle: the wheel of the first that cannot be assembled.
     pub side: Option<Side>,
-    /// Why the first cannot be put together.
+    /// The reason why the first cannot be assembled.
     pub why: Reject,
 }
 
-/// How a value scatters over builds. In radians and length units.
+/// Scatter of a value over builds. In radians and length units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spread {
     /// Builds that have the value.
@@ -65,18 +65,18 @@ pub struct Spread {
 }
 
 impl MonteCarlo {
-    /// Number of builds that could not be put together.
+    /// Number of builds that could not be assembled.
     pub fn rejected(&self) -> u64 {
         self.rejects.values().map(|rejected| rejected.builds).sum()
     }
 
-    /// The share of builds that keep to every band. Those that cannot be put together do not.
+    /// The share of builds that keep every band. Those that cannot be assembled do not.
     pub fn yield_of_all(&self) -> f64 {
         self.in_all_bands as f64 / self.builds as f64
     }
 }
 
-/// Sums of a block, about the drawn values.
+/// Sums of a block, about the nominal values.
 struct Sums {
     /// By cell: count, powers one to four.
     powers: Vec<[f64; 5]>,
@@ -164,8 +164,8 @@ fn powers<'v>(pieces: impl Iterator<Item = &'v [f64]>, about: f64) -> ([f64; 5],
     (sums.map(|side_by_side| side_by_side.iter().sum()), range)
 }
 
-/// Draws, puts together and solves the builds of a problem on the threads of the current rayon pool. `drawn` are the
-/// values of the drawing; `note` is told how many builds are done, and may end the work there.
+/// Draws, assembles and solves the builds of a problem on the threads of the current rayon pool. `drawn` are the
+/// nominal values. `note` gets the number of finished builds, and may end the work there.
 pub fn monte_carlo(
     problem: &Problem,
     drawn: &[f64],

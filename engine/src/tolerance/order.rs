@@ -32,7 +32,7 @@ type Windows = Vec<[[f64; 2]; MOST]>;
 /// The contribution of some builds.
 pub(super) struct Sifted {
     windows: Arc<Windows>,
-    /// `[cell]`: how many values are below the first window, between the first and the second, and so on.
+    /// `[cell]`: number of values below the first window, between the first and the second, and so on.
     between: Vec<[u32; MOST + 1]>,
     /// Values within windows, cell after cell.
     kept: Vec<f64>,
@@ -97,7 +97,7 @@ impl Order {
 }
 
 impl Sifted {
-    /// Adds the values of the next cell; NaN is none.
+    /// Adds the values of the next cell; NaN counts as missing.
     pub(super) fn cell<'v>(&mut self, values: impl Iterator<Item = &'v [f64]>) {
         let windows = &self.windows[self.between.len()];
         let used = windows.iter().take_while(|w| **w != NONE).count();
@@ -123,7 +123,7 @@ impl Sifted {
 }
 
 impl Gathered {
-    /// Takes what some builds add; `builds` are those so far.
+    /// Takes the values of some builds; `builds` is the number of builds so far.
     pub(super) fn take(&mut self, sifted: &Sifted, builds: u64, order: &Order) {
         let mut first = 0;
         for (number, cell) in self.cells.iter_mut().enumerate() {
@@ -181,7 +181,7 @@ impl Cell {
         }
     }
 
-    /// Sorts what is kept; equal values become one.
+    /// Sorts the stored values and merges equal ones.
     fn compact(&mut self) {
         self.kept.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
         self.kept.dedup_by(|next, last| {
@@ -192,7 +192,7 @@ impl Cell {
         self.compact_at = 2 * self.kept.len() + FEW;
     }
 
-    /// Narrows the windows to what can still be a percentile.
+    /// Narrows the windows to values that can still be a percentile.
     fn narrow(&mut self, windows: &[[f64; 2]; MOST]) -> [[f64; 2]; MOST] {
         self.compact();
         let ranks = Ranks::of(self, windows);
@@ -276,7 +276,7 @@ impl<'c> Ranks<'c> {
         }
     }
 
-    /// The value of a number; none where it lies in no window.
+    /// The value of a number; `None` if it lies in no window.
     fn at(&self, number: u64) -> Option<f64> {
         let (mut below, mut first) = (0, 0);
         for (between, [_, greatest]) in self.cell.between.iter().zip(self.windows) {
@@ -301,8 +301,8 @@ mod tests {
 
     const BLOCK: usize = 128;
 
-    /// What normal, few-valued, rising and missing values come to, block by block; every third block is sifted by windows
-    /// that are two blocks old.
+    /// Statistics of normal, few-valued, rising and missing values, block by block; windows that are two blocks old
+    /// sift every third block.
     fn gathered(builds: usize) -> (Vec<Vec<f64>>, Order, Gathered) {
         let value = |cell: usize, build: usize| {
             let fraction = uniform(build as u64, cell, 9);

@@ -1,4 +1,4 @@
-//! Builds one wheel: parts are changed by the numbers drawn at random, and put together.
+//! Builds one wheel: changes the parts by random numbers, and assembles them.
 
 use crate::assembly::{Alignment, Assembler, BuildParameter, Built, NoSetUp, Parts, Reject};
 use crate::model::{Side, Suspension};
@@ -15,7 +15,7 @@ pub(super) struct Workshop {
 }
 
 impl Workshop {
-    /// Prepares to build a wheel from its drawing.
+    /// Prepares to build a wheel from its nominal design.
     pub(super) fn of(
         study: &Study,
         tolerance: &Tolerance,
@@ -70,7 +70,7 @@ impl Workshop {
         }
     }
 
-    /// Makes these the parts of a build, of what was drawn for it.
+    /// Makes these the parts of a build, from the numbers drawn for it.
     pub(super) fn change_parts(
         &self,
         tolerance: &Tolerance,

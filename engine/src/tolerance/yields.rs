@@ -1,14 +1,14 @@
-//! Yield, and which tolerances it is worth spending money on.
+//! Yield, and the tolerances that are worth spending money on.
 //!
-//! What a tighter tolerance is worth is found with the first-order answer over a fixed sample of draws: each contributor's
-//! part of each banded value is kept apart, so that halving or doubling it costs an addition. Predicted yields are
-//! the Monte Carlo's, moved by what the linear ones move.
+//! The first-order answer over a fixed sample of draws gives the gain from a tighter tolerance. Each contributor's
+//! part of each banded value is stored, so that a tolerance is halved or doubled with one addition. Predicted yields
+//! are those of the Monte Carlo analysis, changed by the difference of the linear ones.
 
 use super::{Expansion, MonteCarlo, Problem};
 
 /// Draws of the sample.
 const SAMPLE: u64 = 20_000;
-/// A tolerance may be looser where doubling it costs less than this of the yield.
+/// A tolerance may be looser if doubling it costs less than this part of the yield.
 const LITTLE: f64 = 0.001;
 /// Nothing is called loose if the yield is below this, or if the contributor has more than this share of a variance.
 const SMALL: f64 = 0.05;
@@ -22,7 +22,7 @@ pub struct BandYield {
     pub linear: f64,
 }
 
-/// Yields, and what each contributor is worth.
+/// Yields, and the effect of each contributor on them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Yields {
     /// Yield of each band.
@@ -33,7 +33,7 @@ pub struct Yields {
     pub ranking: Vec<Ranking>,
 }
 
-/// What a contributor is worth.
+/// Effects of a contributor's tolerance on variance and yield.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ranking {
     /// Its number among those of the study.
@@ -44,7 +44,7 @@ pub struct Ranking {
     pub halved: f64,
     /// The yield if it were double.
     pub doubled: f64,
-    /// Whether it may be looser: doubling it costs next to nothing.
+    /// True if the tolerance may be looser: doubling it costs almost no yield.
     pub may_be_looser: bool,
 }
 
@@ -173,7 +173,7 @@ impl Forecast {
         })
     }
 
-    /// Yields and ranking: the builds' yields, moved by what the forecast moves.
+    /// Yields and ranking: the builds' yields, changed by the difference of the forecast.
     pub fn rank(&self, builds: &MonteCarlo) -> Yields {
         let total = builds.yield_of_all();
         let predicted = |moved: f64| (total + moved).clamp(0.0, 1.0);

@@ -15,7 +15,7 @@ pub(crate) struct Workbook {
     /// Names, and members of the archive.
     sheets: Vec<(String, String)>,
     shared: Vec<String>,
-    /// For each cell style, whether it shows a date.
+    /// For each cell style, true if it shows a date.
     dates: Vec<bool>,
 }
 
@@ -239,7 +239,7 @@ fn shared_texts(archive: &Archive) -> Result<Vec<String>, String> {
     Ok(texts)
 }
 
-/// For each cell style, whether its number format is one of dates or times.
+/// For each cell style, true if its number format is one of dates or times.
 fn date_styles(archive: &Archive) -> Result<Vec<bool>, String> {
     let Some(part) = archive.member("xl/styles.xml") else {
         return Ok(Vec::new());
@@ -274,7 +274,7 @@ fn date_styles(archive: &Archive) -> Result<Vec<bool>, String> {
     Ok(styles)
 }
 
-/// Whether a format code has a letter of dates or times outside of quoted text and brackets.
+/// Returns true if a format code has a letter of dates or times outside of quoted text and brackets.
 fn shows_a_date(code: &str) -> bool {
     let mut quoted = false;
     let mut bracketed = false;

@@ -141,7 +141,7 @@ impl CarResults<'_> {
     }
 }
 
-/// Whether values differ by more than rounding in their unit.
+/// Returns true if values differ by more than rounding in their unit.
 fn differ(values: &[Option<f64>], unit: &str) -> bool {
     let mut known = values.iter().flatten();
     let Some(first) = known.next() else {

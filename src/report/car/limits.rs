@@ -18,7 +18,7 @@ pub struct CarLimits {
 }
 
 impl CarLimits {
-    /// Whether the car has an equilibrium without acceleration, so that there are limits.
+    /// Returns true if the car has an equilibrium without acceleration, so that there are limits.
     pub fn has_start(&self) -> bool {
         self.found
             .as_ref()

@@ -22,7 +22,7 @@ use crate::car::{
 };
 use crate::study::CarStudy;
 
-/// The state of a case, or the reason why there is none.
+/// The state of a case, or the reason for its absence.
 pub enum CarState<'s> {
     /// Solved.
     Solved {
@@ -40,7 +40,7 @@ pub struct CarResults<'s> {
     study: &'s CarStudy,
     /// The states, in the order of the cases.
     pub states: Vec<CarState<'s>>,
-    /// For each case, the forces in the members; empty where they are not known or not asked for.
+    /// For each case, the forces in the members; empty if unknown or not requested.
     members: Vec<Vec<f64>>,
 }
 
@@ -110,7 +110,7 @@ impl<'s> CarResults<'s> {
             .collect()
     }
 
-    /// Whether every case is solved.
+    /// Returns true if every case is solved.
     pub fn is_complete(&self) -> bool {
         self.failures().is_empty()
     }

@@ -27,7 +27,7 @@ pub struct CarRecord {
     pub study: String,
     /// Unit of all lengths.
     pub length_unit: String,
-    /// Whether tyres act as springs.
+    /// True if tyres act as springs.
     pub elastic_tyres: bool,
     /// Warnings and notes.
     pub remarks: Vec<String>,
@@ -107,7 +107,7 @@ pub struct CarMap {
     pub ax: Vec<f64>,
     /// Accelerations to the left, g.
     pub ay: Vec<f64>,
-    /// Largest friction demand of a wheel; none where there is no equilibrium.
+    /// Largest friction demand of a wheel; `None` without an equilibrium.
     pub friction: Vec<Option<f64>>,
     /// Number of lifted wheels.
     pub lifted: Vec<usize>,
@@ -300,7 +300,7 @@ impl CarStateRecord {
 }
 
 impl CarTargetRecord {
-    /// Whether the deviation is within the tolerance.
+    /// Returns true if the deviation is within the tolerance.
     pub fn is_met(&self) -> bool {
         self.deviation
             .is_some_and(|deviation| deviation.abs() <= 1.0)

@@ -15,7 +15,7 @@ pub struct CarToleranceSummary {
     study: String,
     builds: u64,
     seed: u32,
-    /// Builds that cannot be put together or solved in every case.
+    /// Builds that cannot be assembled or solved in every case.
     failed: u64,
     first_failed: Option<u64>,
     reason: Option<String>,
@@ -39,13 +39,13 @@ struct CarValue {
     sigma_error: Option<f64>,
     /// First-order standard deviation.
     sigma_linear: Option<f64>,
-    /// Whether the builds confirm it.
+    /// True if the builds confirm the first-order standard deviation.
     linear_holds: Option<bool>,
     percentiles: [Option<f64>; PERCENTILES.len()],
     range: [Option<f64>; 2],
     /// Share of each contributor in the first-order variance.
     shares: Vec<Option<f64>>,
-    /// Whether a band is about it.
+    /// True if the value has a band.
     has_band: bool,
 }
 

@@ -19,10 +19,10 @@ const STRIP: f64 = 44.0;
 /// Largest deviation that the strip shows, in tolerances.
 const MOST_DEVIATION: f64 = 2.0;
 /// Widths of letters: of labels, and of the title beside the plot.
-const LETTER: f64 = 6.4;
+const LETTER: f64 = 7.0;
 const TITLE_LETTER: f64 = 7.0;
 /// Longest label at the end of a curve, in letters.
-const LONGEST: usize = 16;
+const LONGEST: usize = 14;
 /// Height of a label.
 const LABEL: f64 = 13.0;
 
@@ -75,7 +75,7 @@ pub(in crate::report) struct AxisLayout {
     pub low: f64,
     /// Value at the other end.
     pub high: f64,
-    /// Whether equal lengths are equal factors.
+    /// True for a logarithmic scale.
     pub is_log: bool,
     /// Places on the picture, and labels.
     pub ticks: Vec<(f64, String)>,
@@ -88,7 +88,7 @@ pub(in crate::report) struct LineLayout {
     pub told: String,
     /// Colour and stroke.
     pub class: String,
-    /// Whether its value comes first.
+    /// True for the main curve: its value comes first, and its deviations are shown.
     pub is_main: bool,
     /// Number of the table.
     pub table: usize,
@@ -116,7 +116,16 @@ pub(in crate::report) struct EndLabel {
 impl Chart {
     /// The layout over these tables.
     pub(in crate::report) fn layout(self, tables: &[CurveTable]) -> Layout {
-        let points: Vec<_> = self.lines.iter().map(|l| l.source.points(tables)).collect();
+        // A logarithmic axis has no place for zero.
+        let can_stand =
+            |[x, y]: [f64; 2]| (!self.x.is_log || x > 0.0) && (!self.y.is_log || y > 0.0);
+        let of_line = |line: &Line| -> Vec<Option<[f64; 2]>> {
+            let points = line.source.points(tables).into_iter();
+            points
+                .map(|point| point.filter(|p| can_stand(*p)))
+                .collect()
+        };
+        let points: Vec<_> = self.lines.iter().map(of_line).collect();
         let fans: Vec<[Vec<_>; 2]> = (self.fans.iter())
             .map(|fan| fan.edges.each_ref().map(|edge| edge.points(tables)))
             .collect();
@@ -140,7 +149,7 @@ impl Chart {
         let (ends_x, ends_y) = ([plot[0], plot[2]], [plot[3], plot[1]]);
         let x = match self.x.is_log {
             true => Scale::logarithmic(along, ends_x),
-            false => Scale::showing(along.chain(zero()), x_ticks, ends_x),
+            false => Scale::within(along.chain(zero()), x_ticks, ends_x),
         };
         let values = own().map(|p| p[1]);
         let y = match self.y.is_log {
@@ -312,7 +321,7 @@ impl Layout {
         [self.scales[0].place(x), self.scales[1].place(y)]
     }
 
-    /// What the chart shows, in words.
+    /// Returns the content of the chart in words.
     pub(in crate::report) fn description(&self) -> String {
         format!("{} over {}", self.y_title(), self.chart.x.title())
     }
@@ -425,10 +434,17 @@ impl Layout {
         let failed = (!self.chart.failed.is_empty()).then(|| ("bad", "not solved".to_owned()));
         let notes = self.chart.notes.iter().cloned();
         for (class, text) in own.into_iter().chain(missed).chain(failed).chain(notes) {
+            let room = ((SIZE[0] - 8.0 - at) / LETTER) as usize;
+            let text = match text.chars().count() > room {
+                true if at > 10.0 => break,
+                true => text
+                    .chars()
+                    .take(room.saturating_sub(1))
+                    .chain(['…'])
+                    .collect(),
+                false => text,
+            };
             let width = LETTER * text.chars().count() as f64;
-            if at > 10.0 && at + width > SIZE[0] - 8.0 {
-                break;
-            }
             let class = format!("note {class}");
             lettering.write(
                 svg,
@@ -654,7 +670,7 @@ mod tests {
         }
     }
 
-    /// Of a line and a constant target the deviation is the difference over the tolerance, also between the rows.
+    /// For a line and a constant target, the deviation is the difference over the tolerance, also between the rows.
     #[test]
     fn deviations_are_in_tolerances() {
         let wanted = Wanted::Values {

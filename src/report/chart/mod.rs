@@ -31,7 +31,7 @@ pub(super) struct Quantity {
     pub name: String,
     /// Unit for reading; empty for a plain number.
     pub unit: String,
-    /// Whether equal lengths are equal factors.
+    /// True for a logarithmic scale.
     pub is_log: bool,
 }
 
@@ -101,9 +101,9 @@ pub(super) struct Line {
     pub told: String,
     /// Colour and stroke, as classes.
     pub class: String,
-    /// Whether deviations are shown of this curve.
+    /// True if the chart shows deviations of this curve.
     pub is_main: bool,
-    /// Whether every point has a dot.
+    /// True if every point has a dot.
     pub has_dots: bool,
     /// Its values.
     pub source: Source,
@@ -139,6 +139,6 @@ pub(super) struct Chart {
     pub missed: Vec<[f64; 2]>,
     /// Places along the chart without a value.
     pub failed: Vec<f64>,
-    /// Whether both axes begin at 0.
+    /// True if both axes begin at 0.
     pub from_zero: bool,
 }

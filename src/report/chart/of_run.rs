@@ -86,7 +86,7 @@ fn title_of(output: &OutputRecord, is_pair: bool) -> &str {
     }
 }
 
-/// Rows of a design with one value of what moves beside the abscissa.
+/// Rows of a design with one value of the coordinate that moves beside the abscissa.
 pub(in crate::report) struct Family {
     /// The value.
     pub place: f64,
@@ -94,7 +94,7 @@ pub(in crate::report) struct Family {
     pub rows: Vec<usize>,
     /// Its place in the sequential scale.
     shade: usize,
-    /// Whether it is nearest to zero.
+    /// True if it is nearest to zero.
     pub is_present: bool,
 }
 
@@ -147,7 +147,7 @@ impl Chart {
                 let alone = record.designs.len() == 1;
                 let label = match (is_last, side, several) {
                     (true, Some(side), _) => family.is_present.then(|| side.to_owned()),
-                    (true, None, true) => own.as_ref().map(|own| without_unit(own)),
+                    (true, None, true) => moving.first().map(|name| in_short(name, family.place)),
                     (true, None, false) => (!alone).then(|| design.label.clone()),
                     (false, side, _) => {
                         (family.is_present && side != Some("right")).then(|| design.label.clone())
@@ -238,13 +238,16 @@ pub(in crate::report) fn in_words(column: &str, value: f64) -> String {
     .to_owned()
 }
 
-fn without_unit(told: &str) -> String {
-    told.rsplit_once(' ')
-        .map_or(told, |(name, _)| name)
-        .to_owned()
+/// The same as a label: `rack -30`, or `-270 °` if the name is long.
+fn in_short(column: &str, value: f64) -> String {
+    let quantity = Quantity::of_column(column);
+    match split(column).0 {
+        short if short.len() <= 5 => format!("{} {}", short.replace('_', " "), brief(value)),
+        _ => format!("{} {}", brief(value), quantity.unit),
+    }
 }
 
-/// Columns of what moves beside the abscissa: the rack of a wheel, of an axle what else it has.
+/// Columns of the coordinates that move beside the abscissa: for a wheel the rack, for an axle all others.
 fn moving_beside<'r>(record: &'r Record, abscissa: &str) -> Vec<&'r String> {
     let drive = (!record.further.is_empty()).then_some(&record.drive);
     let all = drive.into_iter().chain(&record.further).chain(&record.rack);

@@ -10,7 +10,7 @@ pub(in crate::report) struct Scale {
     /// Value at the other end.
     pub high: f64,
     step: f64,
-    /// Whether equal lengths are equal factors.
+    /// True for a logarithmic scale.
     pub is_log: bool,
     /// Positions of the two ends.
     ends: [f64; 2],
@@ -43,6 +43,22 @@ impl Scale {
             step,
             is_log: false,
             ends,
+        }
+    }
+
+    /// A scale that ends where the values end, with ticks at round numbers between.
+    pub(super) fn within(values: impl Iterator<Item = f64>, ticks: f64, ends: [f64; 2]) -> Self {
+        let values: Vec<f64> = values.collect();
+        let least = values.iter().copied().fold(f64::INFINITY, f64::min);
+        let most = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let round = Scale::showing(values.into_iter(), ticks, ends);
+        match most - least > 1e-6 * least.abs().max(most.abs()) {
+            true => Scale {
+                low: least,
+                high: most,
+                ..round
+            },
+            false => round,
         }
     }
 
@@ -102,12 +118,14 @@ impl Scale {
                 .map(|power| (self.place(10f64.powf(power)), label(power)))
                 .collect();
         }
-        let count = ((self.high - self.low) / self.step).round() as usize;
+        let [first, last] = [self.low / self.step - 1e-6, self.high / self.step + 1e-6];
+        let (first, last) = (first.ceil(), last.floor());
+        let count = (last - first).max(0.0) as usize;
         let unit = 10f64.powi(self.power());
         let decimals = (-(self.step / unit).log10().floor()).clamp(0.0, 12.0) as usize;
         (0..=count)
             .map(|i| {
-                let value = self.low + i as f64 * self.step;
+                let value = (first + i as f64) * self.step;
                 // Rounding must not leave a negative zero.
                 let value = if value.abs() < 0.5 * self.step {
                     0.0
@@ -143,6 +161,19 @@ mod tests {
             ["−80", "−60", "−40", "−20", "0", "20", "40", "60", "80"]
         );
         assert_eq!(scale.place(0.0), 200.0);
+    }
+
+    /// Such a scale wastes no room: its ends are the values' own, and its ticks lie between them.
+    #[test]
+    fn a_scale_can_end_where_the_values_end() {
+        let scale = Scale::within([-75.0, 82.0].into_iter(), 5.0, [0.0, 157.0]);
+        assert_eq!((scale.place(-75.0), scale.place(82.0)), (0.0, 157.0));
+        let ticks = scale.ticks();
+        let labels: Vec<&str> = ticks.iter().map(|t| t.1.as_str()).collect();
+        assert_eq!(labels, ["\u{2212}50", "0", "50"]);
+        assert!((ticks[1].0 - 75.0).abs() < 1e-9);
+        let constant = Scale::within([3.0, 3.0].into_iter(), 5.0, [0.0, 1.0]);
+        assert!(constant.low < 3.0 && constant.high > 3.0);
     }
 
     #[test]

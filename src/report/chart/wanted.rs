@@ -6,14 +6,14 @@ use crate::report::figure::brief;
 /// A target.
 #[derive(Clone, Debug)]
 pub(in crate::report) enum Wanted {
-    /// Motion and value, and what may be missed.
+    /// Motion and value, and tolerance.
     Values {
         /// The points.
         points: Vec<[f64; 2]>,
         /// The tolerance.
         tolerance: f64,
     },
-    /// Motion, the least and the most value there; none where there is no limit.
+    /// Motion, the least and the most value there; `None` without a limit.
     Limits(Vec<(f64, Option<f64>, Option<f64>)>),
 }
 
@@ -24,11 +24,12 @@ impl Wanted {
             Wanted::Values { tolerance, .. } => format!("target ± {} {unit}", brief(*tolerance))
                 .trim_end()
                 .to_owned(),
-            Wanted::Limits(_) => "shaded: wanted range".to_owned(),
+            Wanted::Limits(limits) if limits.len() > 1 => "shaded: wanted range".to_owned(),
+            Wanted::Limits(_) => "marks: wanted range".to_owned(),
         }
     }
 
-    /// Place, lower and upper limit of what the tolerance allows.
+    /// Place, lower and upper limit of the tolerance.
     pub(super) fn limits(&self) -> Vec<(f64, Option<f64>, Option<f64>)> {
         match self {
             Wanted::Values { points, tolerance } => {

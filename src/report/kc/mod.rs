@@ -20,7 +20,7 @@ use crate::compliance::{
 use crate::model::{Axis, LengthUnit, Suspension};
 use names::{OtherFigure, StationMatrix};
 
-/// Results of the tests of a study, with what they are written in.
+/// Results of the tests of a study, with their units.
 pub struct KcResults<'a> {
     /// The suspension.
     pub suspension: &'a Suspension,

@@ -38,7 +38,7 @@ pub(super) struct OtherFigure {
     pub(super) unit: &'static str,
 }
 
-/// The matrix of a station of a wheel, with what its entries are in.
+/// The matrix of a station of a wheel, with the units of its entries.
 pub(super) struct StationMatrix<'a> {
     /// In the study's axes and length unit.
     pub(super) matrix: &'a [[f64; 6]; 6],

@@ -3,7 +3,7 @@
 use super::super::table::{Cell, Table};
 use crate::study::Study;
 
-/// What is elastic in a study, a line each.
+/// Returns the elastic parts of a study, one in a row.
 pub fn elastic_parts(study: &Study) -> Table {
     let mut table = Table::new(["part", "elastic", "rates", "torsional rates", "unit"]);
     let Some(elastic) = study.compliance() else {

@@ -19,7 +19,7 @@ struct Input {
 }
 
 impl KcResults<'_> {
-    /// The inputs of a suspension: the coordinates of these points, and what its elastic parts have.
+    /// The inputs of a suspension: the coordinates of these points, and the inputs of its elastic parts.
     fn inputs(&self, parts: &Compliance, points: &[PointId]) -> Vec<Input> {
         let suspension = self.suspension;
         let u = suspension.length_unit.symbol();
@@ -93,7 +93,7 @@ impl KcResults<'_> {
         inputs
     }
 
-    /// `sensitivities.csv`: a row for each station, test, figure and input; `None` if no points are asked for.
+    /// `sensitivities.csv`: a row for each station, test, figure and input; `None` if no points are requested.
     pub fn sensitivities_csv(
         &self,
         run: &KcRun<'_>,

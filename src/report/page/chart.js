@@ -17,7 +17,9 @@ class LiveChart {
     this.lines = this.layout.lines.map((line) => {
       const table = run.curves[line.table];
       const [xs, ys] = [line.x, line.y].map((name) => column(table, name));
-      const points = line.rows.map((row) => [xs[row], ys[row]]).filter(([x, y]) => x !== null && y !== null);
+      const { x: { is_log: logX }, y: { is_log: logY } } = this.layout;
+      const can = (v, isLog) => v !== null && (!isLog || v > 0);
+      const points = line.rows.map((row) => [xs[row], ys[row]]).filter(([x, y]) => can(x, logX) && can(y, logY));
       return { ...line, points: points.sort((a, b) => a[0] - b[0]), design: line.table };
     });
     this.cross = this.svg.appendChild(svg('g', { class: 'cross', 'aria-hidden': 'true' }));

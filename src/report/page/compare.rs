@@ -28,7 +28,7 @@ struct Data<'a> {
     charts: &'a [Layout],
 }
 
-/// What a chart shows.
+/// Content of a chart.
 #[derive(Clone, Copy, PartialEq)]
 enum Kind {
     Curves,
@@ -113,7 +113,8 @@ fn figures(comparison: &Comparison, moving: &[String], charts: &mut Charts) -> S
     figures
 }
 
-/// Curves of a design, without their columns: one for each value of what moves beside the abscissa, and its rows.
+/// Curves of a design, without their columns: one for each value of the coordinate that moves beside the abscissa,
+/// and its rows.
 fn lines_of_design(
     table: &CurveTable,
     apart: &[&String],

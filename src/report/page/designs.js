@@ -73,7 +73,7 @@ const drawScatter = (state) => {
   const given = [columns[state.x].at_design, columns[state.y].at_design];
   if (given.every((v) => v !== null)) {
     const [a, b] = [left + shareOn(x, given[0]) * (right - left), bottom - shareOn(y, given[1]) * (bottom - top)];
-    parts.push(svg('path', { class: 'line name', d: `M${(a - 6).toFixed(1)} ${b.toFixed(1)}h12m-6 -6v12` }), svg('text', { class: 'end name', x: (a + 8).toFixed(1), y: (b - 6).toFixed(1), text: 'as given' }));
+    parts.push(svg('path', { class: 'line ink', d: `M${(a - 6).toFixed(1)} ${b.toFixed(1)}h12m-6 -6v12` }), svg('text', { class: 'end name', x: (a + 8).toFixed(1), y: (b - 6).toFixed(1), text: 'as given' }));
   }
   const picked = state.picked === null ? null : scatterPlaces[state.picked];
   if (picked) parts.push(svg('path', { class: 'ring', d: `M${picked.map((c) => c.toFixed(1)).join(' ')}h.01` }));

@@ -2,7 +2,7 @@
 // Rows and columns with a text and a strength from -1 to 1 in each cell; a click on a column ranks the rows by it.
 const drawShades = (element, { rows, columns, cell, pick, picked }) => {
   const table = html('table', { class: 'shades' });
-  const head = html('tr', {}, html('th'));
+  const head = html('tr', {}, html('td'));
   columns.forEach((title, k) => head.append(html('th', { scope: 'col' }, html('button', {
     type: 'button', text: title, title: 'Rank by this column', 'aria-pressed': picked === k ? 'true' : 'false', on: { click: () => pick(k) },
   }))));

@@ -67,6 +67,7 @@ class ReportView extends MechanismView {
     const all = this.designs.flatMap((design) => record.designs[design].frames).map((frame) => frame.pose.Ok).filter(Boolean);
     // The same part of space for every place of the motion.
     this.fitTo(all.flatMap((p) => [...p.points, ...wheelsOf(p).flatMap(rimOf)]));
+    if (!this.basis) this.scale *= 0.86;
   }
 
   show(name) {

@@ -36,7 +36,7 @@ const drawParallel = (state) => {
   }).join('');
   const groups = groupsOf(state);
   const parts = groups.map(({ look, rows }) => svg('path', { class: `thread ${look}${['main', 'target'].includes(look) ? ' strong' : ''}`, d: lines(rows) }));
-  if (state.picked !== null) parts.push(svg('path', { class: 'thread name strong picked', d: lines([state.picked]) }));
+  if (state.picked !== null) parts.push(svg('path', { class: 'thread ink strong picked', d: lines([state.picked]) }));
   axes.forEach((k, i) => {
     const x = placeOfAxis(i, axes.length).toFixed(1);
     const { ticks: marks } = axisOf(k, false);

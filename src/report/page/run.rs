@@ -31,7 +31,7 @@ const SCRIPTS: [&str; 9] = [
 ];
 
 /// The most numbers of curves in a page. Beyond, stations are left out evenly, and the page says so.
-const MOST_NUMBERS: usize = 30_000;
+const MOST_NUMBERS: usize = 25_000;
 
 /// The data that the page's script reads.
 #[derive(Serialize)]
@@ -327,14 +327,14 @@ fn sections(run: &Run) -> Vec<(&'static str, &'static str)> {
     shown.map(|(id, name, _)| (id, name)).collect()
 }
 
-/// Whether there is a turn to be seen from above.
+/// Returns true if the page can show a turn from above.
 fn has_turn(run: &Run) -> bool {
     let frames = run.record.designs.iter().flat_map(|d| &d.frames);
     let mut poses = frames.filter_map(|frame| frame.pose.as_ref().ok());
     poses.any(|pose| pose.turn.as_ref().is_some_and(|turn| turn.centre.is_some()))
 }
 
-/// Targets that are missed: column, and by how much and where.
+/// Missed targets: column, and size and place of the deviation.
 fn missed(tuning: &TuningSummary) -> Vec<(&str, String)> {
     let missed = tuning.missed().into_iter();
     missed.map(|(_, column, by)| (column, by)).collect()
@@ -397,7 +397,7 @@ fn side_effects(effects: &[SideEffect]) -> String {
     )
 }
 
-/// The section on how the constraints are kept, with remarks on constraints and targets.
+/// The section on the constraints, with remarks on constraints and targets.
 fn constraints(tuning: &TuningSummary) -> String {
     let violated = tuning.violated();
     let mark = |row| violated.contains(&row).then_some("unmet");

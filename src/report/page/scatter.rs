@@ -1,4 +1,4 @@
-//! Pictures of how values scatter in their bands, and of what each contributor is worth: SVG in the page.
+//! Pictures of the scatter of values in their bands, and of each contributor's effect: SVG in the page.
 
 use super::escape::html;
 use crate::report::bands::BandRecord;
@@ -125,8 +125,9 @@ fn row(svg: &mut String, top: f64, band: &BandRecord, value: &ValueRecord) {
         middle + 4.0,
         100.0 * band.kept
     );
-    let words = capability(band, value);
-    if !words.is_empty() {
+    let known = value.mean.zip(value.sigma);
+    if let Some((mean, sigma)) = known.filter(|(_, sigma)| *sigma > 0.0) {
+        let words = capability([band.low, band.high], mean, sigma);
         let _ = write!(
             svg,
             "<text class=\"small\" x=\"{WIDTH}\" y=\"{:.1}\" text-anchor=\"end\">{words}</text>",
@@ -137,16 +138,10 @@ fn row(svg: &mut String, top: f64, band: &BandRecord, value: &ValueRecord) {
 
 /// Capability of a value in its band: `Cp 1.33, Cpk 1.10`. Cp is the width of the band in six standard deviations, Cpk the
 /// distance from the mean to the nearer limit in three. A band with one limit has only Cpk.
-fn capability(band: &BandRecord, value: &ValueRecord) -> String {
-    let (Some(mean), Some(sigma)) = (value.mean, value.sigma.filter(|sigma| *sigma > 0.0)) else {
-        return String::new();
-    };
-    let width = band.low.zip(band.high).map(|(low, high)| high - low);
+fn capability([low, high]: [Option<f64>; 2], mean: f64, sigma: f64) -> String {
+    let width = low.zip(high).map(|(low, high)| high - low);
     let cp = width.map(|width| format!("Cp {:.2}, ", width / (6.0 * sigma)));
-    let margins = [
-        band.low.map(|low| mean - low),
-        band.high.map(|high| high - mean),
-    ];
+    let margins = [low.map(|low| mean - low), high.map(|high| high - mean)];
     let nearer = margins.into_iter().flatten().reduce(f64::min);
     let cpk = nearer.map(|margin| format!("Cpk {:.2}", margin / (3.0 * sigma)));
     cp.unwrap_or_default() + &cpk.unwrap_or_default()
@@ -223,24 +218,10 @@ mod tests {
     /// A band of eight standard deviations whose middle is one standard deviation from the mean: Cp is 8/6, Cpk 3/3.
     #[test]
     fn capability_counts_standard_deviations() {
-        let value: ValueRecord = serde_json::from_value(serde_json::json!({
-            "output": "toe_deg", "builds": 100, "drawn": 0.0, "mean": 0.5, "mean_error": null, "sigma": 0.5,
-            "sigma_error": null, "sigma_linear": null, "second_order": null, "linear_holds": null,
-            "percentiles": [null, null, null, null, null, null, null], "range": [null, null], "shares": [],
-            "remainder": null, "remainder_error": null
-        }))
-        .unwrap();
-        let band = |low: Option<f64>, high: Option<f64>| -> BandRecord {
-            serde_json::from_value(serde_json::json!({
-                "band": "toe", "kept": 1.0, "kept_linear": 1.0, "low": low, "high": high
-            }))
-            .unwrap()
-        };
-        assert_eq!(
-            capability(&band(Some(-2.0), Some(2.0)), &value),
-            "Cp 1.33, Cpk 1.00"
-        );
-        assert_eq!(capability(&band(None, Some(2.0)), &value), "Cpk 1.00");
-        assert_eq!(capability(&band(None, None), &value), "");
+        let of = |low, high| capability([low, high], 0.5, 0.5);
+        assert_eq!(of(Some(-2.0), Some(2.0)), "Cp 1.33, Cpk 1.00");
+        assert_eq!(of(None, Some(2.0)), "Cpk 1.00");
+        assert_eq!(of(Some(-1.0), None), "Cpk 1.00");
+        assert_eq!(of(None, None), "");
     }
 }

@@ -46,7 +46,7 @@ impl Sight {
         }
     }
 
-    /// Axes to the right and up: the axis, and whether it points the other way.
+    /// Axes to the right and up: the axis, and true if it points the other way.
     fn axes(self) -> [(usize, f64); 2] {
         match self {
             Sight::Front => [(1, 1.0), (2, 1.0)],

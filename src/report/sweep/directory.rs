@@ -1,4 +1,4 @@
-//! The directory of a sweep: what it is, in `sweep.json`, and its parts.
+//! The directory of a sweep: its description, in `sweep.json`, and its parts.
 
 use super::part::{FORM as PART_FORM, PartRecord};
 use super::summary::{SweepSummary, pareto_csv};
@@ -102,7 +102,7 @@ impl SweepDirectory {
         })
     }
 
-    /// Writes what follows from the statistics of parts: `pareto.csv`, where there is a front, and
+    /// Writes the files that follow from the statistics of parts: `pareto.csv`, if there is a front, and
     /// `summary.json`.
     pub fn write_summary(
         directory: &RunDirectory,
@@ -117,7 +117,7 @@ impl SweepDirectory {
         directory.write("summary.json", (json + "\n").as_bytes())
     }
 
-    /// Reads what a directory holds.
+    /// Reads the content of a directory.
     pub fn read(path: &Path) -> Result<Self, NotARun> {
         Ok(SweepDirectory {
             path: path.to_owned(),
@@ -130,12 +130,12 @@ impl SweepDirectory {
         &self.path
     }
 
-    /// Whether the rows of a part are there: they come last.
+    /// Returns true if the rows of a part exist; they are written last.
     pub fn has_rows(&self, part: u64) -> bool {
         self.path.join(self.record.rows_name(part)).is_file()
     }
 
-    /// The record of a part, where it is whole.
+    /// The record of a part, if it is complete.
     pub fn part(&self, part: u64) -> Result<Option<PartRecord>, NotARun> {
         if !self.has_rows(part) {
             return Ok(None);

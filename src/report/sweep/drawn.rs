@@ -1,7 +1,6 @@
 //! `drawn.json`: some designs of a sweep with their curves and their mechanism, for its page.
 //!
-//! They are solved when the sweep ends, while its study is at hand: where
-//! directories are joined there is none.
+//! They are solved when the sweep ends, while its study is at hand; a merge of directories has no study.
 
 use crate::report::curve_table::CurveTable;
 use crate::report::record::{FORM, Record};
@@ -21,7 +20,7 @@ pub struct DrawnDesigns {
 }
 
 impl DrawnDesigns {
-    /// Whether it can be shown as it is.
+    /// Returns true if the files have the present form and agree in their number of designs.
     pub(super) fn is_whole(&self) -> bool {
         let count = self.designs.len();
         self.record.form == FORM && self.record.designs.len() == count && self.curves.len() == count

@@ -33,7 +33,7 @@ pub enum MergeError {
 }
 
 impl Parts {
-    /// Reads what the directories hold, and sees whether together they have every part of one sweep.
+    /// Reads the directories, and checks that together they have every part of one sweep.
     pub fn read(paths: &[PathBuf]) -> Result<Self, NotARun> {
         let directories: Result<Vec<_>, _> = paths
             .iter()

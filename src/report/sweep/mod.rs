@@ -1,4 +1,4 @@
-//! The files of a sweep, and what it came to.
+//! The files of a sweep, and its results.
 //!
 //! A sweep is divided into parts of 1,024 blocks ([`crate::sweep::BLOCKS_OF_PART`]). Its directory has `sweep.json`
 //! ([`SweepRecord`](crate::sweep::SweepRecord): what the columns are, how designs were sampled, targets), for each

@@ -174,7 +174,7 @@ impl ParquetFile {
         Ok(())
     }
 
-    /// Writes what is left, and the file's end.
+    /// Writes the remaining rows, and the file's end.
     pub(super) fn finish(mut self) -> io::Result<()> {
         if self.rows > 0 {
             self.write_group().map_err(failed)?;

@@ -26,8 +26,8 @@ pub struct SweepRun {
 }
 
 impl SweepRun {
-    /// Reads a sweep's directory, in constant memory: what it came to from the statistics of its parts, the
-    /// designs that are shown from their rows.
+    /// Reads a sweep's directory, in constant memory: its results from the statistics of its parts, the designs that
+    /// are shown from their rows.
     pub fn read(path: &Path) -> Result<Self, NotARun> {
         let directory = SweepDirectory::read(path)?;
         let record = directory.record.clone();

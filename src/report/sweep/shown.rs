@@ -42,7 +42,7 @@ impl Choice {
         }
     }
 
-    /// Whether a design is shown.
+    /// Returns true if a design is shown.
     pub fn has(&self, design: u64) -> bool {
         design.is_multiple_of(self.every) || self.always.contains(&design)
     }

@@ -138,7 +138,7 @@ impl SweepSummary {
         }
     }
 
-    /// Whether every design was done.
+    /// Returns true if every design was evaluated.
     pub fn is_done(&self) -> bool {
         self.done == self.designs
     }
@@ -148,7 +148,7 @@ impl SweepSummary {
         &self.notes
     }
 
-    /// Whether every design was done and solved at every station, and every output has a value.
+    /// Returns true if every design was evaluated and solved at every station, and every output has a value.
     pub fn is_complete(&self) -> bool {
         let is_empty = |output: &OutputSummary| output.count == 0;
         let lacks = self.solved > 0 && self.outputs.iter().any(is_empty);
@@ -264,7 +264,7 @@ impl SweepSummary {
     }
 }
 
-/// Outputs that designs lack although they were solved, by reason; and what shares mean where designs fail.
+/// Outputs that solved designs lack, by reason; and the meaning of shares if designs fail.
 fn notes(record: &SweepRecord, statistics: &SweepStatistics) -> Vec<String> {
     let mut notes = Vec::new();
     for (output, range) in record.outputs.iter().zip(&statistics.ranges) {
@@ -382,13 +382,13 @@ fn output(
     }
 }
 
-/// Whether a range is only rounding error in its unit.
+/// Returns true if a range is only rounding error in its unit.
 fn is_rounding(range: f64, unit: &str) -> bool {
     range < resolution(unit)
 }
 
 impl OutputSummary {
-    /// Whether no design moves it by more than rounding does.
+    /// Returns true if no design changes it by more than rounding error.
     pub(in crate::report) fn is_unmoved(&self) -> bool {
         let range = self.min.zip(self.max);
         range.is_none_or(|(min, max)| is_rounding(max - min, &self.unit))

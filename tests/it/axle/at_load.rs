@@ -17,7 +17,8 @@ fn at(heave: f64, roll: f64, rack: f64) -> Placement {
     Placement::AtLoad { heave, roll, rack }
 }
 
-/// The wheels carry together what they carry level, whatever the roll and the rack; and the body sinks or rises for it.
+/// The sum of the wheel loads is the same as in the level position, for any roll and rack. The body sinks or rises
+/// for it.
 #[test]
 fn the_sum_of_the_wheel_loads_is_held() {
     for name in ["macpherson_axle", "five_link_axle"] {
@@ -137,7 +138,7 @@ fn gradients_follow_the_load() {
     }
 }
 
-/// As a user asks for it, and what it does not go with.
+/// The option as a user writes it, and its refused combinations.
 #[test]
 fn a_load_is_held_where_the_motion_says_so() {
     let path = sample("macpherson_axle.toml");

@@ -162,7 +162,7 @@ fn absurd_adjustments_of_a_wheel_are_refused() {
     );
 }
 
-/// Both wheels of a build are drawn by themselves, and no build goes farther than the one that is named.
+/// Both wheels of a build are drawn at random by themselves, and no build goes farther than the one that is named.
 #[test]
 fn builds_of_an_axle_have_limits_of_both_wheels() {
     let path = study("five_link_axle_tolerance.toml");
@@ -196,7 +196,7 @@ fn builds_of_an_axle_have_limits_of_both_wheels() {
     assert!((own - number(&rows[0], "nearest")).abs() < 1e-6, "{own}");
 }
 
-/// Lanes are measured where sweeps of the axle run in them; what takes one wheel apart is refused.
+/// Lanes are measured if sweeps of the axle run in them; entries for one wheel are refused.
 #[test]
 fn an_axle_is_timed_by_its_positions() {
     let path = study("five_link_axle.toml");

@@ -18,7 +18,7 @@ fn study(name: &str, overrides: &[&str]) -> Study {
     Study::read(&path, &overrides).unwrap_or_else(|e| panic!("{e}"))
 }
 
-/// Where the wheel centres are, in the kernel's frame of each side.
+/// Positions of the wheel centres, in the kernel's frame of each side.
 fn centres(both: &hardpoint::axle::Axle, placed: &Placed) -> [Vector3<f64>; 2] {
     [Side::Left, Side::Right].map(|side| {
         let suspension = both.suspension(side);
@@ -193,7 +193,7 @@ fn a_false_root_is_not_proved_to_be_near() {
     );
 }
 
-/// The enclosure of poses over an interval of travel contains what is solved in it, and its derivative that of the
+/// The enclosure of poses over an interval of travel contains the solved poses, and its derivative that of the
 /// series.
 #[test]
 fn poses_over_an_interval_of_travel_are_enclosed() {

@@ -29,7 +29,7 @@ fn hardpoint(arguments: &[&str]) -> assert_cmd::assert::Assert {
         .assert()
 }
 
-/// Runs a command that is to end with this code, and gives what it wrote to standard output and error.
+/// Runs a command that is to end with this code, and returns its output on standard output and error.
 pub(super) fn run(arguments: &[&str], code: i32) -> (String, String) {
     let output = hardpoint(arguments).code(code).get_output().clone();
     let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
@@ -310,7 +310,7 @@ fn the_page_shows_both_wheels_on_the_ground() {
     }
 }
 
-/// What a workbook has of a study's curves is what `hardpoint solve` writes.
+/// The workbook of a study has the curves that `hardpoint solve` writes.
 #[test]
 fn the_workbook_of_an_axle_has_its_curves() {
     let path = study("five_link_axle.toml");
@@ -520,7 +520,7 @@ fn what_an_axle_lacks_is_said_with_the_wheel() {
     assert!(found.contains(why), "{found}");
 }
 
-/// What would show one wheel, or one place of many, as if it were the axle, is refused or said.
+/// Commands that show one wheel, or one place of many, either refuse an axle or say that they show only one.
 #[test]
 fn what_knows_one_wheel_does_not_pass_for_the_axle() {
     let path = study("five_link_axle.toml");
@@ -557,7 +557,8 @@ fn a_right_hardpoint_at_the_left_is_doubted() {
     assert!(own.contains(doubt), "{own}");
 }
 
-/// Parts made to one tolerance scatter both wheels alike, in mirror image; what one side has more shows there alone.
+/// Parts made to one tolerance scatter both wheels alike, in mirror image; further scatter of one side shows there
+/// alone.
 #[test]
 fn the_wheels_of_the_sample_scatter_alike_but_for_the_slotted_hole() {
     let out = folder("tolerance");

@@ -85,6 +85,7 @@ fn is_odd(quantity: Quantity) -> bool {
                 | A::JackingForceRatio
                 | A::MeanSteer
                 | A::BarTorque
+                | A::TBarTorque
                 | A::RollMoment
         ),
     }
@@ -179,7 +180,16 @@ fn assert_all_compared(compared: &BTreeMap<&str, usize>) {
         A::RigidAntiDive,
         A::DriveLoadTransfer,
     ];
-    let axle = A::ALL.iter().filter(|q| !of_solid.contains(q));
+    // Springs between the rockers are compared with their energies in `rocker_springs`.
+    let between = [
+        A::HeaveSpringForce,
+        A::HeaveSpringLength,
+        A::HeaveSpringMotionRatio,
+        A::TBarTorque,
+        A::HeaveBarTorque,
+    ];
+    let elsewhere = |q: &A| of_solid.contains(q) || between.contains(q);
+    let axle = A::ALL.iter().filter(|q| !elsewhere(q));
     let axle = axle.map(|q| q.info().name);
     for name in wheel.chain(axle) {
         assert!(compared.contains_key(name), "{name} is compared nowhere");
@@ -247,7 +257,7 @@ impl<'a> Independent<'a> {
         Independent { axle, solver }
     }
 
-    /// Where a point of a carrier is that was at `designed`, in the kernel's frame of the side.
+    /// Position of a carrier's point that was at `designed`, in the kernel's frame of the side.
     fn carried(&self, placed: &Placed, side: Side, designed: Vector3<f64>) -> Vector3<f64> {
         let suspension = self.axle.suspension(side);
         let origin = suspension.design[suspension.mechanism.origin.0];

@@ -127,7 +127,7 @@ fn lanes_have_the_values_of_designs_one_by_one() {
     }
 }
 
-/// What is not for lanes is said with its reason.
+/// A quantity that lanes cannot evaluate is refused with its reason.
 #[test]
 fn what_is_not_for_lanes_is_said() {
     let of = |motion: &str, name: &str| {

@@ -1,4 +1,4 @@
-//! How far axles go.
+//! Limits of the motion of axles.
 
 use super::{axle, reference::read};
 use hardpoint::axle::{AxleSolver, Placement, TravelRanges};
@@ -38,7 +38,7 @@ fn the_first_wheel_to_end_is_the_end() {
     assert!(at(1.001).is_err());
 }
 
-/// What is known of a travel's end from other positions changes no position and no reason, wherever the ends are found first.
+/// Refusals and reasons of positions beyond the ends do not depend on the order in which the ends are found.
 #[test]
 fn positions_beyond_the_ends_are_refused_the_same_in_any_order() {
     let axle = axle(&read("macpherson_front"));

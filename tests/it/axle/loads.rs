@@ -125,8 +125,8 @@ fn mirrored_loads_are_carried_alike() {
     assert!(seen > 8, "{seen}");
 }
 
-/// A load along the normal of the ground that is what spring and motion give the wheel is carried by just that force of
-/// the spring, also in roll; and the spring takes the work of any load.
+/// A load along the normal of the ground may equal the wheel load from spring and motion. Then just that force of the
+/// spring carries it, also in roll. The spring takes the work of any load.
 #[test]
 fn the_spring_takes_the_work() {
     let quantities = "outputs.characteristics=[\"wheel_load\", \"spring_force\", \"motion_ratio\"]";

@@ -1,4 +1,4 @@
-//! Axles: against independent answers, and against what symmetry and statics say.
+//! Axles: against independent answers, symmetry and statics.
 
 mod acceleration;
 mod at_load;

@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 pub(super) type Named = (&'static str, Axle);
 
 /// Axles of struts, links and wishbones with rockers, the first as its mirror image, all others with different sides.
-pub(super) fn axles() -> [Named; 4] {
+pub(super) fn axles() -> [Named; 5] {
     let of = |name, changes: &[(&str, &str)]| study(name, changes).axle().unwrap().clone().axle;
     let lopsided = "[axle.right.hardpoints]\ntie_rod_outer = [-133.0, -687.0, 244.0]\n\
         lower_ball_joint = [9.0, -701.0, 193.0]\nstrut_top = [-31.0, -579.0, 846.0]\n\
@@ -65,6 +65,16 @@ pub(super) fn axles() -> [Named; 4] {
             ),
         ),
         ("different wishbones", wishbone.axle().unwrap().clone().axle),
+        (
+            "monoshock",
+            of(
+                "double_wishbone_monoshock",
+                &[(
+                    "[tyre]",
+                    "[heave_bar]\nrate = 1.5e5\ntorque = 2.0e4\n\n[tyre]",
+                )],
+            ),
+        ),
     ]
 }
 
@@ -191,8 +201,8 @@ fn the_stiffness_at_a_load_is_that_of_an_independent_calculation() {
     }
 }
 
-/// Where both wheels stand on level pads at one height they stand on a plane: quantities along roll are those of the plane
-/// also if the axle's sides differ.
+/// Wheels on level pads at one height stand on a plane. Quantities along roll are then those of the plane, also if
+/// the axle's sides differ.
 #[test]
 fn level_pads_at_one_height_are_a_plane() {
     for (name, axle) in axles() {

@@ -35,8 +35,8 @@ pub fn placement(motion: &Value) -> Placement {
     }
 }
 
-/// Quantities of the catalogue by their names in the reference, with what they are measured against: a
-/// length, or 1 for angles and plain numbers.
+/// Quantities of the catalogue by their names in the reference, with the scale of their errors: a length, or 1 for
+/// angles and plain numbers.
 fn quantities() -> Vec<(String, Quantity, f64)> {
     let mut all = Vec::new();
     for (side, name) in [(Left, "left"), (Right, "right")] {
@@ -98,7 +98,7 @@ fn quantities() -> Vec<(String, Quantity, f64)> {
     all
 }
 
-/// By which factor a quotient is worse known than what it is made of.
+/// Factor by which a quotient is less exact than its parts.
 pub(super) fn condition(name: &str, state: &AxleState<f64>) -> f64 {
     let value = |q| Quantity::Axle(q).evaluate(state);
     let jacking = [Left, Right].map(|s| Quantity::Wheel(s, W::JackingCoefficient).evaluate(state));
@@ -118,7 +118,7 @@ pub(super) fn condition(name: &str, state: &AxleState<f64>) -> f64 {
     }
 }
 
-/// What the numbers of an array of the states are, in their order.
+/// Names of the numbers in an array of the states, in their order.
 pub(super) fn names<'c>(case: &'c Value, of: &str) -> Vec<&'c str> {
     let names = case["names"][of].as_array().unwrap().iter();
     names.map(|name| name.as_str().unwrap()).collect()

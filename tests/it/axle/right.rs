@@ -102,7 +102,7 @@ fn each_side_is_that_of_the_mirrored_axle_with_its_figures() {
     }
 }
 
-/// The right wheel is the mirror image where nothing is said of it.
+/// Without entries for the right wheel it is the mirror image.
 #[test]
 fn without_right_the_axle_is_mirrored() {
     let (axle, _, found) = solved(&text(STEEP, "[axle]\n", SOFT));

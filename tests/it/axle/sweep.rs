@@ -33,8 +33,8 @@ variables = [
     Study::from_text("swept.toml", &text, Path::new(".")).unwrap_or_else(|e| panic!("{e}"))
 }
 
-/// A row of a sweep is what `solve` finds of the design's own study, on whose right wheel the hardpoints that are given
-/// have moved as the left ones have.
+/// A row of a sweep equals the result of `solve` for the design's own study. On the study's right wheel the given
+/// hardpoints have moved as the left ones have.
 #[test]
 fn rows_are_what_the_designs_own_curves_have() {
     let own = "[axle.right.hardpoints]\ntoe_link_inner = [-180.0, -347.0, 262.0]";

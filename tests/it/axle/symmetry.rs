@@ -1,4 +1,4 @@
-//! What holds without an oracle: mirror images, the corner's own curves, statics.
+//! Tests without an oracle: mirror images, the corner's own curves, statics.
 
 use super::{axle, reference::read};
 use hardpoint::analyse::{Load, Support};
@@ -128,7 +128,7 @@ fn an_axle_in_heave_is_two_corners() {
     }
 }
 
-/// Jacking coefficients and wheel loads, from velocities, are what the links carry in statics.
+/// Jacking coefficients and wheel loads, from velocities, equal the forces of the links in statics.
 #[test]
 fn jacking_and_wheel_loads_are_those_of_the_links() {
     for name in ["macpherson_front", "double_wishbone_front"] {

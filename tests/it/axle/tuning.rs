@@ -1,4 +1,4 @@
-//! Targets of an axle: rows and their derivatives, and that tuned axles do what was asked.
+//! Targets of an axle: rows and their derivatives, and tuned axles that meet their targets.
 
 use hardpoint::axle::{AxleQuantity, AxleSolver, Placement, Quantity};
 use hardpoint::characteristics::Characteristic;
@@ -58,8 +58,8 @@ pub(super) fn own_right(shift: f64) -> String {
     format!("[axle.right.hardpoints]\n{}", points.join("\n"))
 }
 
-/// Residuals are deviations of what the axle's solver reads; a wheel quantity without a side makes a row for each wheel; the
-/// derivatives are the slopes of the residuals, with mirrored and with own hardpoints on the right.
+/// Residuals are deviations of the readings of the axle's solver. A wheel quantity without a side makes a row for
+/// each wheel. The derivatives are the slopes of the residuals, with mirrored and with own hardpoints on the right.
 #[test]
 fn rows_are_deviations_and_their_derivatives_are_slopes() {
     let mirrored = ("[axle]\nright = \"mirrored\"", own_right(1.5));
@@ -152,8 +152,8 @@ fn tuned(study: &Study, quantity: AxleQuantity, placements: &[Placement]) -> (f6
     (best.after.misfit, values.collect())
 }
 
-/// What limits a motion of the left wheel is kept all along it by the tuned axle's wheel alone, also between the stations at
-/// which it was looked at; and it binds.
+/// A constraint on a motion of the left wheel holds for the tuned axle's wheel alone, all along the motion. It holds
+/// between the tuning's stations too, and it binds.
 #[test]
 fn constraints_hold_through_a_motion_of_the_wheel() {
     let edits = [

@@ -16,7 +16,7 @@ const SCATTER: &str = "scatter=[\
     {length=\"tie_rod\",sigma=0.2},\
     {jig=[\"lower_arm_front\",\"lower_arm_rear\"],turn=0.1}]";
 
-/// The left wheel of a sample study of an axle, up to what makes it one.
+/// The left wheel of a sample study of an axle, without the entries that make it one.
 fn wheel() -> String {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/macpherson_axle_front.toml");
     let text = std::fs::read_to_string(path).unwrap();
@@ -54,14 +54,14 @@ fn solved(problem: &Problem) -> (Vec<f64>, MonteCarlo) {
     (drawn, found)
 }
 
-/// The place of a column among what is looked at.
+/// The place of a column among the outputs.
 fn output(problem: &Problem, column: &str) -> usize {
     let found = problem.outputs().iter().position(|o| o.name == column);
     found.unwrap_or_else(|| panic!("no {column}"))
 }
 
-/// The wheels of build n are what single wheels are as builds 2 n and 2 n + 1: functions of seed, build and side, whatever
-/// scatters at the other side.
+/// The wheels of build n equal single wheels as builds 2 n and 2 n + 1: functions of seed, build and side, for any
+/// scatter at the other side.
 #[test]
 fn each_wheel_is_a_build_of_its_own() {
     let both = axle("builds=2", &[]);
@@ -172,7 +172,7 @@ fn a_printed_build_has_its_extra_points() {
     }
 }
 
-/// What a built axle reads in one position, its sources moved by so much each.
+/// Readings of a built axle in one position, with each source moved by a given amount.
 struct Moved<'s> {
     sources: Vec<&'s Source>,
     assemblers: [Assembler; 2],
@@ -223,7 +223,7 @@ impl<'s> Moved<'s> {
     }
 }
 
-/// The derivatives by everything that scatters, either side's, are the slopes of what the built axle reads, to differences of
+/// The derivatives by all contributors of either side are the slopes of the built axle's readings, to differences of
 /// order four.
 #[test]
 fn gradients_are_slopes_of_built_axles() {
@@ -254,8 +254,9 @@ fn gradients_are_slopes_of_built_axles() {
     assert!(looked_at > 2 * moved.sources.len(), "{looked_at}");
 }
 
-/// The second-order part is half the second derivative times the variance, products of both wheels' sources too: against
-/// differences of order four, in roll, on a plane with given travels and on pads. Of what is made of velocities it is not known.
+/// The second-order part is half the second derivative times the variance, with products of both wheels' sources. It
+/// agrees with differences of order four, in roll, on a plane with given travels and on pads. It is unknown for
+/// quantities made of velocities.
 #[test]
 fn second_order_is_that_of_built_axles() {
     let two = "tolerance.scatter=[{length=\"tie_rod\",sigma=2.0,side=\"left\"},\
@@ -352,7 +353,7 @@ fn first_order_is_the_monte_carlo_where_scatter_is_small() {
     assert!((variance("mean_steer_deg") / left - 0.5).abs() < 1e-3);
 }
 
-/// What scatters at one side alone moves nothing of the other wheel on pads.
+/// On pads, a contributor of one side does not move the other wheel.
 #[test]
 fn a_side_scatters_by_itself() {
     let motion = "motion={heave=[-20.0,0.0,20.0]}";
@@ -451,7 +452,7 @@ fn results_are_the_same_however_they_are_found() {
     );
 }
 
-/// Which wheel of which build does not go together is said; no build without it is counted.
+/// The program names the wheel and the build that cannot be assembled, and leaves that build out of the count.
 #[test]
 fn a_wheel_that_cannot_be_put_together_is_named() {
     let wide = "tolerance.scatter=[{length=\"lower_arm_front\",sigma=150.0,side=\"right\"}]";
@@ -467,7 +468,7 @@ fn a_wheel_that_cannot_be_put_together_is_named() {
     assert_eq!(side, Some(Side::Right));
 }
 
-/// As a user runs it: the places of an axle in its files, a build that solves, and what is refused.
+/// The command as a user runs it: the places of an axle in its files, a build that solves, and refusals.
 #[test]
 fn tolerance_of_an_axle_as_a_command() {
     let directory = tempfile::tempdir().unwrap();
@@ -548,7 +549,7 @@ fn tolerance_of_an_axle_as_a_command() {
     );
 }
 
-/// A study of one wheel that asks for what is of an axle.
+/// A study of one wheel with entries for an axle.
 fn study_of_one_wheel() -> String {
     wheel()
         + "[motion]\ntravel = 0.0\n[outputs]\ncharacteristics = [\"toe\"]\n[tolerance]\n\

@@ -91,11 +91,11 @@ const REST: Motion = Motion {
     travel: 0.0,
     rack: 0.0,
 };
-/// Of the wheel.
+/// Travels of the wheel.
 const TRAVELS: [f64; 3] = [0.0, 25.0, -20.0];
-/// Of the rack, where there is one.
+/// Displacements of the rack, if there is one.
 const RACKS: [f64; 2] = [0.0, 6.0];
-/// The most by which a coordinate or a length is off.
+/// Largest deviation of a coordinate or a length.
 const OFF: f64 = 2.0;
 /// The step of differences.
 const STEP: f64 = 1.0 / 131_072.0;
@@ -217,13 +217,13 @@ fn distance(a: Vector3<f64>, b: Vector3<DoubleDouble>) -> f64 {
 #[derive(Clone, Copy, Debug, Default)]
 struct Errors {
     builds: usize,
-    /// Of points at rest and moved, relative to the size.
+    /// Error of points at rest and moved, relative to the size.
     position: f64,
-    /// Of camber and toe, in radians.
+    /// Error of camber and toe, in radians.
     angle: f64,
-    /// Of the derivative of a point along the direction, relative to that.
+    /// Error of the derivative of a point along the direction, relative to that derivative.
     slope: f64,
-    /// Of the derivatives of camber and toe together, likewise.
+    /// Error of the derivatives of camber and toe together, likewise.
     angle_slope: f64,
 }
 
@@ -387,8 +387,8 @@ fn ten_thousand_random_builds_are_those_of_other_equations() {
     random_builds(10_000);
 }
 
-/// With one length far off many builds cannot be put together: by neither, and where they can both find the same. Among them
-/// are rods of less than no length, whose squares would do.
+/// With one length far off many builds cannot be assembled. Both programs reject the same ones, and find the same
+/// result for the others. Among the rejects are rods of negative length, whose squares would fit.
 #[test]
 fn what_cannot_be_put_together_cannot_by_other_equations() {
     let (mut built, mut rejected) = (0, BTreeMap::new());

@@ -1,4 +1,4 @@
-//! Mechanisms as they are built: what holds of them, and what is read off them.
+//! Built mechanisms: their properties and their readings.
 
 mod axle;
 mod independent;

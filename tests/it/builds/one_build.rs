@@ -1,4 +1,4 @@
-//! One build as a study of its own, and how far builds go.
+//! One build as a study of its own, and limits of builds.
 
 use super::{plan, study};
 use hardpoint::curves::curves;
@@ -96,7 +96,7 @@ fn a_printed_build_is_the_build_and_can_be_proved() {
     }
 }
 
-/// A build that cannot be put together is no study: it says so, with exit code 1.
+/// A build that cannot be assembled is no study: the command says so, with exit code 1.
 #[test]
 fn a_rejected_build_is_said_to_be_one() {
     let directory = tempfile::tempdir().unwrap();
@@ -123,7 +123,7 @@ fn a_rejected_build_is_said_to_be_one() {
     );
 }
 
-/// What builds reach at least is the least of what each reaches.
+/// The limit that all builds reach is the nearest of the limits of each.
 #[test]
 fn limits_of_builds_are_the_nearest_of_each() {
     let (name, count) = ("double_wishbone_tolerance", 4);

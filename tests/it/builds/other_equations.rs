@@ -34,10 +34,10 @@ const DEGREES: DoubleDouble = DoubleDouble {
 const LEVER: f64 = 300.0;
 /// No correction of Newton's method moves anything farther than this.
 const FARTHEST: f64 = 60.0;
-/// The shortest step on the way from the drawn parts.
+/// The shortest step on the way from the nominal parts.
 const SHORTEST: f64 = 1.0 / 8192.0;
 
-/// What a point is fixed to.
+/// Body to which a point is fixed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum On {
     Body,
@@ -48,7 +48,7 @@ enum On {
     Rocker(usize),
 }
 
-/// A drawn suspension.
+/// A nominal suspension.
 pub struct Drawing {
     /// Hardpoints and extra points.
     pub names: Vec<String>,
@@ -91,9 +91,9 @@ pub struct Solved {
     factors: Option<Factors>,
 }
 
-/// What is read off a solution.
+/// Values read off a solution.
 pub struct Reading {
-    /// Of every point.
+    /// Positions of all points.
     pub places: Vec<V<DoubleDouble>>,
     /// Camber and toe in degrees.
     pub angles: [DoubleDouble; 2],
@@ -123,7 +123,7 @@ fn vector(value: &Value) -> V<f64> {
 }
 
 impl Drawing {
-    /// Of a study's text, with `path=value` for what it has besides.
+    /// Reads a study's text, with further `path=value` entries.
     pub fn read(text: &str, further: &[&str]) -> Drawing {
         let mut study: Table = text.parse().unwrap();
         for entry in further {
@@ -238,12 +238,12 @@ impl Drawing {
         }
     }
 
-    /// Whether its rack can be moved.
+    /// Returns true if its rack can be moved.
     pub fn has_rack(&self) -> bool {
         self.on.contains(&On::Rack)
     }
 
-    /// The parts as drawn.
+    /// The parts of the nominal design.
     pub fn drawn(&self) -> Parts<DoubleDouble> {
         let points: Vec<_> = self
             .points
@@ -257,7 +257,7 @@ impl Drawing {
         }
     }
 
-    /// Where every point has come to lie.
+    /// Positions of all points in a pose.
     fn places<T: Scalar>(&self, parts: &Parts<T>, rack: f64, x: &[T]) -> Vec<V<T>> {
         let drawn = |id: usize| self.points[id].map(|c| x[0].lit(c));
         let carried = |p: V<T>| self.carried(parts, x, p);
@@ -437,7 +437,7 @@ impl Drawing {
         Some(x)
     }
 
-    /// Puts parts together, at rest, from the drawn ones.
+    /// Assembles parts, at rest, from the nominal ones.
     pub fn put_together(&self, parts: &Parts<DoubleDouble>) -> Option<Solved> {
         let (drawn, built) = (self.drawn().plain(), parts.plain());
         let centre = self.points[self.centre];
@@ -465,7 +465,7 @@ impl Drawing {
         self.refined(parts, rest, x.into_iter().map(DoubleDouble::from).collect())
     }
 
-    /// Moves what is at rest.
+    /// Moves a solution at rest.
     pub fn moved(&self, parts: &Parts<DoubleDouble>, rest: &Solved, to: Motion) -> Option<Solved> {
         let plain = parts.plain();
         let x = rest.x.iter().map(|x| x.value()).collect();
@@ -476,7 +476,7 @@ impl Drawing {
         self.refined(parts, to, x.into_iter().map(DoubleDouble::from).collect())
     }
 
-    /// Of parts that hardly differ from those of a solution.
+    /// Solves for parts that differ little from those of a solution.
     pub fn beside(
         &self,
         parts: &Parts<DoubleDouble>,

@@ -21,7 +21,7 @@ fn value(found: &SetUp, of: Static) -> f64 {
     found.last().values[place]
 }
 
-/// As many adjustments as wanted values: all are met to rounding, and the spring has its drawn length.
+/// With as many adjustments as wanted values, all are met to rounding, and the spring has its nominal length.
 #[test]
 fn wishes_are_met_exactly_where_there_are_as_many_adjustments() {
     let found = solved(
@@ -48,7 +48,8 @@ fn wishes_are_met_exactly_where_there_are_as_many_adjustments() {
     assert!(off.abs() < 1e-10, "{off}");
 }
 
-/// What a length unit of an adjustment does is the slope of the static values, that of the ride height with it: the negative of the wheel's.
+/// The effect of a length unit of an adjustment is the slope of the static values. The slope of the ride height is
+/// the negative of the wheel's.
 #[test]
 fn effects_are_slopes_of_the_static_values() {
     let name = "double_wishbone_tolerance";
@@ -426,8 +427,8 @@ fn planted_set_ups_are_recovered() {
     }
 }
 
-/// What is said of the rounded amounts is true of them: sixteenths of turns and whole shims, put together by hand, give
-/// the values that are reported, and these are within half of what they were rounded to.
+/// Reported values of the rounded amounts are true. Sixteenths of turns and whole shims, assembled by hand, give the
+/// reported values. These are within half of the step to which they were rounded.
 #[test]
 fn rounded_amounts_are_reported_as_they_assemble() {
     let mut random = Random(21);

@@ -21,7 +21,7 @@ fn built(problem: &Problem) -> (Vec<f64>, Expansion, MonteCarlo) {
     (drawn, expansion, builds)
 }
 
-/// Where the linear answer says it holds its standard deviation is the builds', to 2 % and four standard errors.
+/// If the linear answer claims to hold, its standard deviation equals the builds', to 2 % and four standard errors.
 #[test]
 fn first_order_is_the_monte_carlo_where_it_says_so() {
     for (name, travel) in [
@@ -115,8 +115,8 @@ fn second_order_tells_where_the_linear_answer_does_not_hold() {
     assert_eq!(expansion.holds(problem.cell(0, 0)), Some(false));
 }
 
-/// Where tolerances are so wide that curvature and interaction count, first-order parts of the builds' variance and what
-/// second order says of the rest make 1 within the standard error; without that rest they do not.
+/// With wide tolerances, curvature and interaction count. First-order parts of the builds' variance and the
+/// second-order remainder then sum to 1 within the standard error. Without the remainder they do not.
 #[test]
 fn shares_and_their_remainder_make_one() {
     let study = study(
@@ -152,7 +152,7 @@ fn shares_and_their_remainder_make_one() {
     assert!(needed > 0);
 }
 
-/// Aligned builds have the drawn toe and camber at rest, to rounding, and the same scatter elsewhere by both ways.
+/// Aligned builds have the nominal toe and camber at rest, to rounding, and the same scatter elsewhere by both ways.
 #[test]
 fn aligned_builds_have_the_drawn_toe_and_camber() {
     let study = study(
@@ -228,7 +228,7 @@ fn the_tolerances_that_cost_the_yield_are_named_first() {
     assert!(loose >= 1, "{:?}", yields.ranking);
 }
 
-/// The same bits for any number of threads, with builds that cannot be put together among them.
+/// The same bits for any number of threads, with builds that cannot be assembled among them.
 #[test]
 fn results_are_the_same_on_any_number_of_threads() {
     let study = study(
@@ -258,7 +258,7 @@ fn on(_: u64) -> std::ops::ControlFlow<()> {
     std::ops::ControlFlow::Continue(())
 }
 
-/// Ended early, what was done stays, and it is said how much that was.
+/// An interrupted run keeps the finished builds, and reports their number.
 #[test]
 fn builds_can_be_ended_early() {
     let study = study("macpherson_tolerance", &["tolerance.builds=100000"]);

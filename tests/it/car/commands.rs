@@ -199,3 +199,40 @@ fn changes_reach_the_axles() {
     let stiff = share("front.anti_roll_bar.rate=1200000.0");
     assert!(stiff > soft + 3.0, "{soft} {stiff}");
 }
+
+/// Member loads are columns of `cases.csv`, a tension of the tie rod for each front wheel among them.
+#[test]
+fn member_loads_are_written() {
+    let directory = tempfile::tempdir().unwrap();
+    hardpoint(directory.path(), &["new", "car"]).success();
+    let set = "outputs.member_loads=true";
+    let said = hardpoint(
+        directory.path(),
+        &["solve", "car.toml", "--out", "-", "--set", set],
+    );
+    let csv = text(&said.success().get_output().stdout);
+    let mut rows = csv.lines();
+    let header: Vec<&str> = rows.next().unwrap().split(',').collect();
+    let columns = ["front_left_tie_rod_N", "rear_right_toe_link_N"];
+    for name in columns {
+        let column = header.iter().position(|column| *column == name).unwrap();
+        let force = |row: &str| row.split(',').nth(column).unwrap().parse::<f64>();
+        assert!(csv.lines().skip(1).all(|row| force(row).unwrap() != 0.0));
+    }
+    assert_eq!(header[header.len() - 2..], ["reason", "status"]);
+}
+
+/// Several starts are accepted, and numbers out of range are refused.
+#[test]
+fn starts_of_a_tuning_are_checked() {
+    let directory = tempfile::tempdir().unwrap();
+    hardpoint(directory.path(), &["new", "car"]).success();
+    let check = |starts: &str, code: i32| {
+        let set = format!("optimise.starts={starts}");
+        let said = hardpoint(directory.path(), &["check", "car.toml", "--set", &set]);
+        text(&said.code(code).get_output().stderr)
+    };
+    check("3", 0);
+    let said = check("0", 2);
+    assert!(said.contains("expected 1 to 10000 starts"), "{said}");
+}

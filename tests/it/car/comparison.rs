@@ -3,7 +3,7 @@
 use super::commands::{hardpoint, text};
 use std::fs;
 
-/// A comparison lists what was changed, and its differences are those of both solutions.
+/// A comparison lists the changes, and its differences are those of both solutions.
 #[test]
 fn changes_and_differences_are_listed() {
     let directory = tempfile::tempdir().unwrap();

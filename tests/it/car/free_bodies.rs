@@ -90,7 +90,7 @@ fn sense(mechanism: &Mechanism, design: &[V], id: RockerId) -> f64 {
     let sign = about(first, second, &[press]).signum();
     match rocker.rod {
         Rod::Pullrod => -sign,
-        Rod::Pushrod | Rod::DropLink => sign,
+        Rod::Pushrod | Rod::DropLink | Rod::WattLink => sign,
     }
 }
 
@@ -342,7 +342,7 @@ fn free_bodies_of_many_cars_balance() {
     balance(18, 100, 100);
 }
 
-/// Axes of the study, so that the file's frame is what the test supposes.
+/// The car's studies have ISO axes, as the other tests assume of the file's frame.
 #[test]
 fn the_car_is_in_iso_axes() {
     let mut random = Random(1);

@@ -118,6 +118,9 @@ fn the_command_prints_a_table() {
     let header = "case,direction_deg,g,ax_g,ay_g,wheel,others_loaded,end_g,reason,status";
     assert!(csv.contains(header), "{csv}");
     for case in ["turn,90", "braking,180", "trail_braking,", "fast,90"] {
-        assert!(csv.contains(&format!("\n{case}")), "{case}: {csv}");
+        assert!(
+            csv.contains(&format!("\nlift_limits,{case}")),
+            "{case}: {csv}"
+        );
     }
 }

@@ -4,8 +4,8 @@ use super::{car, reference};
 use crate::support::random::Random;
 use hardpoint::axle::{AxleSolver, Placement, Quantity, WheelQuantity};
 use hardpoint::car::{
-    AxleParameter, Car, CarQuantity, CarSolver, CarTarget, CarVariable, Case, Equilibrium, GRAVITY,
-    Longitudinal, Moves, NoEquilibrium, WholeResult, tune,
+    AxleParameter, Car, CarQuantity, CarRun, CarSolver, CarTarget, CarVariable, Case, Equilibrium,
+    GRAVITY, Longitudinal, Moves, NoEquilibrium, WholeResult, tune,
 };
 use hardpoint::model::{Axis, Side};
 use hardpoint::number::Vector3;
@@ -366,7 +366,12 @@ fn planted_targets_are_met() {
             }
         }
         assert!(targets.len() >= 10);
-        let tuned = tune(&car, &cases, &variables, &targets, 100, Default::default()).unwrap();
+        let run = CarRun {
+            max_iterations: 100,
+            starts: 1,
+            seed: 1,
+        };
+        let tuned = tune(&car, &cases, &variables, &targets, run, Default::default()).unwrap();
         println!(
             "{seed}: misfit {:e}, {} evaluations",
             tuned.misfit(),

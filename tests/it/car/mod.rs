@@ -1,4 +1,4 @@
-//! The whole car: against independent answers, and against what statics says.
+//! The whole car: against independent answers, and against statics.
 
 mod commands;
 mod comparison;
@@ -7,7 +7,9 @@ mod limits;
 mod mechanics;
 mod page;
 mod reference;
+mod solid;
 mod sweep;
+mod textbook;
 mod tolerance;
 
 use hardpoint::axle::{Axle, BumpStop, ForceCurve, Law, Setup, SpringLaw};

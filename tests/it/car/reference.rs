@@ -1,7 +1,7 @@
 //! Every state of `tests/data/reference/car/road_car.json`, which an independent program solved at 90 digits.
 
 use super::{car, case, number, reference};
-use hardpoint::car::{AxleParameter, BodyParameter, CarQuantity, CarSolver, Parameter};
+use hardpoint::car::{AxleParameter, BodyParameter, CarMember, CarQuantity, CarSolver, Parameter};
 use serde_json::Value;
 use std::collections::HashMap;
 
@@ -142,6 +142,39 @@ fn every_value_of_every_state_agrees() {
     let (error, text) = &worst[0];
     assert!(*error < 1e-12, "{error:e} {text}");
     assert!(compared > 1800);
+}
+
+/// Forces in links, rods and struts of every state, which the reference found from free bodies.
+#[test]
+fn every_member_load_agrees() {
+    let file = reference();
+    let car = car(&file);
+    let names = texts(&file["names"]);
+    let members = CarMember::all(&car);
+    let mut solver = CarSolver::new(&car).unwrap();
+    let mut worst: Vec<(f64, String)> = Vec::new();
+    for state in file["states"].as_array().unwrap() {
+        let case = case(&state["case"]);
+        let found = solver.solve(&case).unwrap();
+        let forces = solver.members(&case, &found).unwrap();
+        let forces = forces.iter().flat_map(|wheel| &wheel.forces);
+        for (member, force) in members.iter().zip(forces) {
+            let label = member.label();
+            let Some(place) = names.iter().position(|name| *name == label) else {
+                continue;
+            };
+            let expected = number(&state["values"][place]);
+            let error = (force - expected).abs() / expected.abs().max(4000.0);
+            let text = format!("{} {label}: {force} {expected}", case.name);
+            worst.push((error, text));
+        }
+    }
+    worst.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let (error, text) = &worst[0];
+    println!("{} compared, worst {error:e} {text}", worst.len());
+    // 12 states, 26 members.
+    assert!(worst.len() >= 12 * 24, "{}", worst.len());
+    assert!(*error < 1e-12, "{error:e} {text}");
 }
 
 /// The parameter or hardpoint coordinate that a path of the reference means: its derivative in a gradient.

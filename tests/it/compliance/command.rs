@@ -251,7 +251,7 @@ fn figure(path: &Path, quantity: &str) -> f64 {
     figures.iter().find(is_wanted).unwrap()[10].parse().unwrap()
 }
 
-/// The file of sensitivities holds, for a hardpoint and a rate, what figures change by between two runs.
+/// The file of sensitivities holds, for a hardpoint and a rate, the changes of figures between two runs.
 #[test]
 fn sensitivities_are_changes_of_figures() {
     let directory = tempfile::tempdir().unwrap();

@@ -41,7 +41,7 @@ fn slope(values: &[f64], step: f64) -> f64 {
     (8.0 * (values[3] - values[1]) - (values[4] - values[0])) / (12.0 * step)
 }
 
-/// Curves are what is read off the equilibria, in printed units.
+/// Curves equal the readings of the equilibria, in printed units.
 #[test]
 fn curves_are_read_off_equilibria() {
     let study = elastic(&with("double_wishbone_compliance.toml", OUTPUTS));
@@ -221,7 +221,7 @@ fn sensitivities_are_changes_of_the_curves() {
     assert_eq!(curves.sensitivities.len(), 5 * 3 * 6);
 }
 
-/// A station beyond what the wheel holds has a status and no values; the others keep theirs.
+/// A station beyond the wheel's capacity has a status and no values; the others keep theirs.
 #[test]
 fn a_station_without_equilibrium_is_said() {
     let mut study = elastic(&with(
@@ -236,7 +236,7 @@ fn a_station_without_equilibrium_is_said() {
     assert_eq!(curves.stations[1].value(0), None);
 }
 
-/// Quantities of the rigid mechanism are refused by name, with what to ask instead.
+/// Quantities of the rigid mechanism are refused by name, with the alternatives.
 #[test]
 fn quantities_of_the_rigid_mechanism_are_refused_by_name() {
     let dw = "double_wishbone_compliance.toml";

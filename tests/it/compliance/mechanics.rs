@@ -1,4 +1,4 @@
-//! What mechanics says of elastic wheels: limits, identities, two descriptions of one mechanism.
+//! Mechanics of elastic wheels: limits, identities, two descriptions of one mechanism.
 
 use super::reference::unit;
 use super::{case, compliance, suspension};

@@ -1,4 +1,4 @@
-//! Elasto-kinematics: against answers computed independently at 120 digits, and against what mechanics says.
+//! Elasto-kinematics: against answers computed independently at 120 digits, and against mechanics.
 
 mod command;
 mod curves;

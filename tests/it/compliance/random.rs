@@ -1,4 +1,4 @@
-//! Random loads on random bushed designs: what is called an equilibrium is one, and what is refused has none.
+//! Random loads on random bushed designs: every reported equilibrium is one, and refused loads have none.
 
 use super::support::{elastic, with};
 use crate::support::random::Random;
@@ -17,7 +17,7 @@ const FINE: usize = 40;
 /// Bisections of the end of a continuation.
 const BISECTIONS: usize = 12;
 
-/// Counts of what was seen.
+/// Counts of the cases.
 #[derive(Debug, Default)]
 struct Seen {
     loads: usize,

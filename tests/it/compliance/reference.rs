@@ -17,7 +17,7 @@ pub const CASES: [&str; 6] = [
     "formula_student_links",
 ];
 
-/// The equilibrium of a state, and what is held in it.
+/// The equilibrium of a state, with its held quantity.
 pub fn solved(wheel: &ElasticWheel, state: &Value, design_load: f64) -> Equilibrium {
     let load = &state["load"];
     let rack = load["rack"].as_f64().unwrap_or(0.0);

@@ -30,7 +30,7 @@ variables = [
 ]
 "#;
 
-/// Rows of a sweep are what each design has by itself.
+/// Rows of a sweep equal the results of each design alone.
 #[test]
 fn rows_of_a_sweep_are_those_of_single_designs() {
     let study = elastic(&with(NAME, SWEEP));

@@ -111,7 +111,8 @@ fn rates_are_identified_from_a_sheet_with_noise() {
     assert!((0.15..3.0).contains(&mean), "{mean}");
 }
 
-/// The stiffness of an arm along its axis is the sum of both bushings': a sheet cannot tell them apart, and that is said.
+/// The stiffness of an arm along its axis is the sum of both bushings'. A sheet cannot tell them apart, and the
+/// program says so.
 #[test]
 fn rates_that_a_sheet_cannot_separate_are_named() {
     let names = [

@@ -1,5 +1,5 @@
-//! Studies with elastic parts: what is wrong in them is said by line and key, and commands that would leave the parts
-//! out refuse them.
+//! Studies with elastic parts: mistakes are named by line and key, and commands that would leave the parts out refuse
+//! them.
 
 use crate::support::mutants::mutilated;
 use crate::support::random::Random;

@@ -180,7 +180,7 @@ fn the_tuned_text_is_the_tuned_study() {
     assert_eq!(read.parts, moved.parts);
 }
 
-/// What tuning does not know of elastic parts is refused by name.
+/// Tuning names and refuses outputs that it cannot compute for elastic parts.
 #[test]
 fn what_is_of_the_rigid_mechanism_is_refused() {
     let path =

@@ -204,7 +204,7 @@ fn table(
     text
 }
 
-/// Whether an import has the points of a suspension, seen in the frame of its own wheel.
+/// Returns true if an import has the points of a suspension, seen in the frame of its own wheel.
 fn is_the_same(imported: &Imported, points: &Points) -> bool {
     let frame = Frame::new(imported.frame, imported.side);
     points.iter().all(|(name, position)| {

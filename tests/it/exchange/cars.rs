@@ -16,7 +16,8 @@ fn studies() -> &'static Path {
 }
 
 fn study(text: &str) -> Study {
-    Study::from_text("s.toml", text, Path::new(".")).unwrap_or_else(|e| panic!("{e}\n{text}"))
+    Study::elastic_from_text("s.toml", text, Path::new("."))
+        .unwrap_or_else(|e| panic!("{e}\n{text}"))
 }
 
 fn car_of(path: &Path, radius: Option<f64>) -> Result<ImportedCar, String> {
@@ -52,7 +53,7 @@ fn kept(directory: &Path, car: &ImportedCar) -> CarStudy {
     CarStudy::read(&directory.join(CAR_FILES[0]), &[]).unwrap_or_else(|e| panic!("{e}"))
 }
 
-/// A double wishbone of Project Chrono, made up.
+/// An invented double wishbone of Project Chrono.
 const WISHBONES: &str = r#"{ "Type": "Suspension", "Template": "DoubleWishbone",
 "Spindle": { "Mass": 1.5, "COM": [0.0, 0.8, 0.02] },
 "Upright": { "Mass": 2.5 },
@@ -332,7 +333,7 @@ fn solid_axles_come_back_from_tables() {
     }
 }
 
-/// Links that are none of a solid axle are refused with the reason, and names settle it.
+/// Links that a solid axle does not have are refused with the reason, and names settle it.
 #[test]
 fn other_links_of_assetto_corsa_are_named() {
     let directory = tempfile::tempdir().unwrap();

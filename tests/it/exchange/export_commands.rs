@@ -1,4 +1,4 @@
-//! `hardpoint export` as a user meets it: what is rounded, what is overwritten, which curves go with which points.
+//! `hardpoint export` for a user: rounded coordinates, overwritten files, curves and their points.
 
 use super::{Said, imported};
 use assert_cmd::Command;
@@ -167,7 +167,7 @@ fn a_run_has_its_own_curves() {
     );
 }
 
-/// Rounding moves what a tuning may move or has moved, and nothing else; with --round-all everything.
+/// Rounding moves the coordinates that a tuning may move or has moved, and no others; with --round-all all of them.
 #[test]
 fn rounding_moves_what_was_tuned() {
     let directory = tempfile::tempdir().unwrap();
@@ -264,7 +264,7 @@ fn rounding_moves_what_was_tuned() {
     assert_eq!(changed[0].1[2] % 7.0, 0.0);
 }
 
-/// What a command reads it never writes over, by whatever name.
+/// A command never overwrites its inputs, by whatever name.
 #[test]
 fn inputs_are_never_written_over() {
     let directory = tempfile::tempdir().unwrap();

@@ -253,7 +253,7 @@ fn other_files_are_told_from_tables() {
     );
 }
 
-/// A map in JSON is the same table, and what is wrong with it is as clear.
+/// A map in JSON is the same table, and its errors are as clear.
 #[test]
 fn maps_in_json_are_tables_too() {
     let rows = TABLE.lines().skip(1);

@@ -20,7 +20,7 @@ use hardpoint::model::{AxlePosition, FrameConvention, LengthUnit, Side, Topology
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// What is said of a file on the command line.
+/// Options for a file on the command line.
 #[derive(Clone, Default)]
 struct Said {
     unit: Option<LengthUnit>,

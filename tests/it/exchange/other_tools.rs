@@ -1,4 +1,4 @@
-//! Files of OptimumKinematics and Assetto Corsa: what stands in them, and through the reader of such files to a study.
+//! Files of OptimumKinematics and Assetto Corsa: their content, and the way back through their readers to a study.
 
 use super::parsers::{cells, close, of_text, sample, template};
 use super::round_trips::studies;

@@ -4,7 +4,8 @@ use hardpoint::study::{CarStudy, Study, schema};
 use serde_json::Value;
 use std::path::Path;
 
-/// What of JSON schema ours uses: type, properties, required, additionalProperties, items, anyOf, enum.
+/// Checks a value against the parts of JSON schema that ours uses: type, properties, required, additionalProperties,
+/// items, anyOf, enum.
 fn is_valid(schema: &Value, value: &Value) -> bool {
     if let Some(any) = schema.get("anyOf") {
         return any
@@ -93,7 +94,7 @@ fn broken(value: &toml::Value) -> Vec<toml::Value> {
     }
 }
 
-/// Whether the reader refuses a text as the study of a car, beside the axles of `directory`.
+/// Returns true if the reader refuses a text as the study of a car, beside the axles of `directory`.
 fn refuses_car(text: &str, directory: &Path) -> bool {
     let own = tempfile::tempdir().unwrap();
     for name in ["car", "formula_student_car"] {

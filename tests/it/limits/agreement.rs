@@ -1,4 +1,4 @@
-//! What `check`, `solve` and `limits` say of one motion is the same, and so are their exit codes.
+//! `check`, `solve` and `limits` report the same for one motion, and have the same exit codes.
 
 use std::path::Path;
 use std::process::{Command, Output};
@@ -22,7 +22,7 @@ fn run(command: &str, study: &str, set: &[&str]) -> Output {
         .unwrap()
 }
 
-/// What a command says, on either stream, in one line.
+/// Output of a command on both streams, in one line.
 fn said(output: &Output) -> String {
     let both = [&output.stdout, &output.stderr].map(|s| String::from_utf8_lossy(s).into_owned());
     both.concat()
@@ -215,7 +215,7 @@ fn a_rack_out_of_reach_has_no_range() {
     );
 }
 
-/// Where nothing is on a rack, one that moves is doubted.
+/// If no part is on a rack, a moving rack is reported as doubtful.
 #[test]
 fn a_rack_that_nothing_is_on_is_doubted() {
     let moved = "motion.rack=[-10.0, 0.0, 10.0]";

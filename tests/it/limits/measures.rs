@@ -1,4 +1,4 @@
-//! How far a strut, an upper arm and a tie rod are from being singular by themselves, from points alone: volumes.
+//! Distances of a strut, an upper arm and a tie rod from their own singularities, from points alone: volumes.
 
 use hardpoint::mechanism::{LimitCause, Pose};
 use hardpoint::model::{Body, Mechanism};
@@ -13,7 +13,7 @@ pub struct Points<'a> {
 }
 
 impl Points<'_> {
-    /// Where a point is; of the carrier, the rack or the body.
+    /// Position of a point of the carrier, the rack or the body.
     pub fn at(&self, name: &str) -> Vector3<f64> {
         let id = self.mechanism.point(name).unwrap();
         let designed = self.design[id.0];
@@ -27,7 +27,7 @@ impl Points<'_> {
         }
     }
 
-    /// What is singular, and by what sine each part is not.
+    /// Singular configurations, each with the sine of the part's distance from it.
     pub fn measures(&self) -> Vec<(LimitCause, f64)> {
         let ball_joint = self.at("lower_ball_joint");
         let (upper, part) = if self.mechanism.point("strut_top").is_some() {

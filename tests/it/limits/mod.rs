@@ -1,7 +1,8 @@
 //! Causes of limits, by measures of the parts that are written down here once more.
 //!
-//! - of random designs ([`random`]): what is named is singular by its own measure, and what is not named is not;
-//! - ([`agreement`]) what is said of a motion by `check`, `solve` and `limits`;
+//! - of random designs ([`random`]): a named part is singular by its own measure, and a part that is not named is
+//!   not;
+//! - ([`agreement`]) the reports of `check`, `solve` and `limits` on a motion;
 //! - of designs that are led away from a toggle that was planted ([`planted`]): it is found again, and named.
 
 mod agreement;

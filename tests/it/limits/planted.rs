@@ -15,7 +15,7 @@ use nalgebra::{DMatrix, DVector};
 
 type Points = Vec<Vector3<f64>>;
 
-/// What moves until the fold.
+/// Quantity that moves up to the fold.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Quantity {
     Travel,
@@ -23,7 +23,7 @@ enum Quantity {
     Rack,
 }
 
-/// A design in its planted fold, with what is to be named there.
+/// A design in its planted fold, with the name of the limit.
 struct Planted {
     mechanism: Mechanism,
     folded: Points,
@@ -77,11 +77,10 @@ impl Planted {
                     let second = turned(axis, turn).cross(first);
                     rows.extend([first.dot(off), second.dot(off)].map(|r| r / first.norm()));
                 }
-                Constraint::Revolute { .. } => unreachable!("a hinge is never singular"),
                 Constraint::BallJoint { at } => {
                     rows.extend((now[at.0] - was[at.0]).to_array());
                 }
-                Constraint::AxleTravel { .. } => unreachable!("solid axles are planted elsewhere"),
+                _ => unreachable!("a hinge is never singular, and others are planted elsewhere"),
             }
         }
         rows.push(match self.quantity {
@@ -165,7 +164,7 @@ impl Planted {
         Some(self.moved(&x)).filter(|_| self.residuals(&x).rows(0, 5).norm() < 1e-13)
     }
 
-    /// Whether the fold is found and named, from `far` away; `None` where there is no such design.
+    /// Returns true if the fold is found and named, from `far` away; `None` if there is no such design.
     fn is_found(&self, far: f64) -> Option<bool> {
         let design = self.led_away(far)?;
         let mut solver = Solver::new(&self.mechanism, &design).ok()?;

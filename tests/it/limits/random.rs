@@ -41,7 +41,7 @@ fn examine(designs: u64, scatter: f64) -> Count {
                             count.turns += 1;
                             continue;
                         }
-                        RangeEnd::Unresolved(_) => {
+                        RangeEnd::Toggle { .. } | RangeEnd::Unresolved(_) => {
                             count.unresolved += 1;
                             continue;
                         }

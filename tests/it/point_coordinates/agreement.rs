@@ -118,8 +118,8 @@ fn agreement_of(struts: u32) {
     assert!(50 * unfit < struts, "{unfit}");
 }
 
-/// Where the paper's equations are singular though the suspension is sound, it refuses by name and the
-/// production formulation solves: every length and the strut's line hold at +-80 mm.
+/// If the suspension is sound but the paper's equations are singular, the paper's formulation refuses it by name. The
+/// production formulation solves it: every length and the strut's line hold at +-80 mm.
 #[test]
 fn production_solves_what_the_paper_s_equations_cannot_describe() {
     for (what, strut) in unsuitable() {

@@ -111,7 +111,7 @@ fn nominal() -> Strut {
     strut(&reference("angular-velocity-in-plane"))
 }
 
-/// Bound on the rounding error of a derivative of this order. `largest` is the size of what is computed.
+/// Bound on the rounding error of a derivative of this order. `largest` is the size of the terms.
 ///
 /// At a solution each of the fifteen equations holds to 8 D M eps, with D the largest distance and M the
 /// largest coordinate (the solver's own bound). The unknowns are off by no more than the norm of the

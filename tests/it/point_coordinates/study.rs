@@ -58,7 +58,7 @@ impl Table {
     }
 }
 
-/// Solves a study and gives its curves with the exit code and what was said besides.
+/// Solves a study and returns its curves with the exit code and the messages.
 fn solve(study: &str, overrides: &[&str]) -> (Table, i32, String) {
     let mut command = Command::cargo_bin("hardpoint").unwrap();
     command.args(["solve", &study_file(study), "--out", "-"]);
@@ -292,7 +292,7 @@ fn check_differentiates_by_theta() {
     }
 }
 
-/// What the formulation or the drive cannot give is refused before anything is solved, by line.
+/// Outputs that the formulation or the drive cannot give are refused by line, before the program solves anything.
 #[test]
 fn what_cannot_be_given_is_refused_by_line() {
     let paper = "solver.formulation=point_coordinates";

@@ -21,7 +21,7 @@ fn browser() -> Option<PathBuf> {
     all.find(|path| path.is_file())
 }
 
-/// What a browser makes of a page: attributes of its root element, and what it wrote to the console.
+/// Result of a page in a browser: attributes of its root element, and its messages to the console.
 struct Shown {
     root: String,
     console: Vec<String>,

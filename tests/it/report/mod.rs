@@ -1,4 +1,4 @@
-//! The page and the pictures of a run: what is in them, what must not be, and what a browser shows.
+//! The page and the pictures of a run: required content, forbidden content, and the display in a browser.
 
 mod browser;
 mod page;
@@ -91,7 +91,7 @@ fn study(name: &str) -> String {
     fs::read_to_string(studies().join(name)).unwrap()
 }
 
-/// Travel beyond what the strut allows, at several places of the rack.
+/// Travel beyond the reach of the strut, at several places of the rack.
 const TOO_FAR: [&str; 4] = [
     "--set",
     "motion.travel={from=-360.0,to=360.0,steps=37}",

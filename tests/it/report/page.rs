@@ -1,4 +1,4 @@
-//! What is in the page.
+//! Content of the page.
 
 use super::*;
 
@@ -76,6 +76,45 @@ fn its_values_are_those_of_the_files() {
             .contains(&format!("<strong>{misfit:.2}</strong>"))
     );
     assert!(run.page().contains("at lower bound"));
+}
+
+/// Every chart of the page names rows and columns of its tables, and its scales show all of their values; the page has the chart
+/// itself as SVG.
+#[test]
+fn charts_show_all_values_of_their_tables() {
+    let run = Run::of("optimise", "plain", &study("macpherson_front.toml"), &[]);
+    let (data, page) = (run.data(), run.page());
+    let charts = data["charts"].as_array().unwrap();
+    let outputs = data["record"]["outputs"].as_array().unwrap().len();
+    // The outputs, the course of the tuning and the price list.
+    assert_eq!(charts.len(), outputs + 2);
+    assert_eq!(
+        page.matches("<figure class=\"chart\"").count(),
+        charts.len()
+    );
+    for chart in charts {
+        let lines = chart["lines"].as_array().unwrap();
+        assert!(!lines.is_empty());
+        for line in lines {
+            let table = &data["curves"][line["table"].as_u64().unwrap() as usize];
+            let names = table["header"].as_array().unwrap();
+            for axis in ["x", "y"] {
+                let column = names.iter().position(|name| *name == line[axis]).unwrap();
+                let [low, high] = ["low", "high"].map(|end| chart[axis][end].as_f64().unwrap());
+                for row in line["rows"].as_array().unwrap() {
+                    let value = &table["columns"][column][row.as_u64().unwrap() as usize];
+                    let room = 1e-9 * (high - low);
+                    assert!(
+                        value
+                            .as_f64()
+                            .is_none_or(|v| v >= low - room && v <= high + room),
+                        "{} {axis}: {value} is not in {low} to {high}",
+                        chart["key"]
+                    );
+                }
+            }
+        }
+    }
 }
 
 #[test]
@@ -161,8 +200,8 @@ fn a_failed_station_is_a_gap_with_a_reason() {
     }
 }
 
-/// Where a drop link of an axle no longer reaches its lever nothing is drawn, with the reason; elsewhere every
-/// point has its place.
+/// If a drop link of an axle no longer reaches its lever, the page draws nothing there and gives the reason.
+/// Elsewhere every point has its place.
 #[test]
 fn an_axle_is_drawn_as_far_as_its_rockers_go() {
     let text = study("macpherson_axle.toml").replace(

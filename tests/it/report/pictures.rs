@@ -34,11 +34,12 @@ fn there_is_one_for_each_output_and_an_overview() {
         "camber [°]",
         "kingpin inclination [°]",
         "wheel travel [mm]",
-        "target ± 0.1 °",
+        "target ± 0.02 °",
     ] {
         assert!(overview.contains(part), "{part}");
     }
-    assert_eq!(overview.matches("class=\"band\"").count(), 3);
+    // Three targets, and the strips of deviations of the two that are values.
+    assert_eq!(overview.matches("class=\"band\"").count(), 3 + 2);
 }
 
 #[test]
@@ -90,7 +91,7 @@ fn colour(png: &Pixmap, [x, y]: [f64; 2]) -> [u8; 3] {
     [pixel.red(), pixel.green(), pixel.blue()]
 }
 
-/// How many columns of pixels there are in a part of a PNG from the first with ink to the last.
+/// Number of columns of pixels in a part of a PNG, from the first with ink to the last.
 fn width_of_ink(png: &Pixmap, across: [u32; 2], down: [u32; 2]) -> u32 {
     let dark = |x: u32, y: u32| png.pixel(x, y).unwrap().red() < 0x80;
     let inked = |x: &u32| (down[0]..down[1]).any(|y| dark(*x, y));

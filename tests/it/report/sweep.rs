@@ -1,9 +1,9 @@
-//! What is in the page of a sweep.
+//! Content of the page of a sweep.
 
 use super::page::{MOST_BYTES, own_text};
 use super::*;
 
-/// Which columns of `designs.csv` are numbers that the page has: all but the last three and the first.
+/// Columns of `designs.csv` with numbers that the page has: all but the last three and the first.
 fn numbers(header: &[String]) -> std::ops::Range<usize> {
     1..header.len() - 4
 }
@@ -13,7 +13,7 @@ fn designs(data: &Value) -> Vec<u64> {
     shown.iter().map(|d| d.as_u64().unwrap()).collect()
 }
 
-/// Every value in the page is the one in the file, and what is empty there is missing here.
+/// Every value in the page is the one in the file, and cells empty there are missing here.
 fn assert_values_of_the_file(run: &Run) {
     let data = run.data();
     let (header, cells) = run.csv("designs.csv");
@@ -127,7 +127,7 @@ fn report_makes_the_same_page_for_any_number_of_threads() {
     assert!(page("1") == page("2"));
 }
 
-/// The page is of what ran last in a directory: a sweep takes the place of a solve where it is told to.
+/// The page shows the last run in a directory: a forced sweep replaces a solve.
 #[test]
 fn a_sweep_in_the_same_directory_takes_its_place() {
     let run = sweep("plain", &["--set", "sweep.samples=200"]);
@@ -198,7 +198,7 @@ fn a_chosen_design_has_its_curves_and_its_mechanism() {
     );
 }
 
-/// What nothing moves is no row of rounding noise among the effects.
+/// Outputs that no variable changes do not appear among the effects as rounding noise.
 #[test]
 fn what_nothing_moves_has_no_effects() {
     let run = sweep("plain", &["--set", "sweep.samples=64"]);

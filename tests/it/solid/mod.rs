@@ -1,10 +1,15 @@
 //! Solid axles: against independent answers, and against their own mirror images and limits.
 
 mod by_design;
+mod certificate;
+mod lanes;
+mod loads;
 mod own;
 mod planted;
+mod rates;
 mod reference;
 mod refused;
+mod watt;
 
 use hardpoint::study::{AxleStudy, Study};
 use serde_json::Value;

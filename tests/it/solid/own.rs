@@ -8,18 +8,18 @@ use super::{STILL, axle, text};
 use crate::support::random::Random;
 use hardpoint::axle::{AxleQuantity as A, AxleSolver, Placement, Quantity};
 
-type Point = [f64; 3];
+pub(super) type Point = [f64; 3];
 
-fn minus(a: Point, b: Point) -> Point {
+pub(super) fn minus(a: Point, b: Point) -> Point {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
-fn mirror([x, y, z]: Point) -> Point {
+pub(super) fn mirror([x, y, z]: Point) -> Point {
     [x, -y, z]
 }
 
 /// The rotation of a quaternion (scalar first) on a vector, not divided by its square.
-fn turned(q: [f64; 4], v: Point) -> Point {
+pub(super) fn turned(q: [f64; 4], v: Point) -> Point {
     let [w, x, y, z] = q;
     [
         (w * w + x * x - y * y - z * z) * v[0]
@@ -64,7 +64,7 @@ fn turned_by(q: [f64; 4], v: Point) -> [Point; 4] {
 }
 
 /// Solves a square system by elimination with pivots.
-fn solve(mut m: Vec<Vec<f64>>) -> Vec<f64> {
+pub(super) fn solve(mut m: Vec<Vec<f64>>) -> Vec<f64> {
     let n = m.len();
     for k in 0..n {
         let pivot = (k..n)
@@ -89,14 +89,14 @@ fn solve(mut m: Vec<Vec<f64>>) -> Vec<f64> {
 }
 
 /// The axle: rods from the body to the axle, and both wheel centres, in the design position.
-struct Axle {
+pub(super) struct Axle {
     rods: Vec<[Point; 2]>,
     centres: [Point; 2],
 }
 
 impl Axle {
     /// Both wheel centres at these travels, from the design in small steps.
-    fn at(&self, travels: [f64; 2]) -> [Point; 2] {
+    pub(super) fn at(&self, travels: [f64; 2]) -> [Point; 2] {
         let (mut at, mut q) = ([0.0; 3], [1.0, 0.0, 0.0, 0.0]);
         const STEPS: u32 = 20;
         for step in 1..=STEPS {
@@ -143,7 +143,7 @@ impl Axle {
 }
 
 /// Points of a random axle: of the left half, single ones with their y.
-fn random(random: &mut Random, single: bool) -> Vec<(&'static str, Point)> {
+pub(super) fn random(random: &mut Random, single: bool) -> Vec<(&'static str, Point)> {
     let mut near = |p: Point, by: f64| p.map(|c| c + by * random.signed());
     let mut points = vec![
         ("lower_link_chassis", near([540.0, 430.0, 305.0], 40.0)),
@@ -166,7 +166,7 @@ fn random(random: &mut Random, single: bool) -> Vec<(&'static str, Point)> {
     points
 }
 
-fn own(points: &[(&str, Point)], single: bool) -> Axle {
+pub(super) fn own(points: &[(&str, Point)], single: bool) -> Axle {
     let at = |name: &str| points.iter().find(|(n, _)| *n == name).unwrap().1;
     let rod = |name: &str| [at(&format!("{name}_chassis")), at(&format!("{name}_axle"))];
     let mut rods = vec![rod("lower_link"), rod("lower_link").map(mirror)];

@@ -53,10 +53,6 @@ fn motions_and_parts_of_other_axles_are_refused() {
         ("[motion]\ntravel = [0.0]\n", "two travels"),
         ("[motion]\nheave = [0.0]\nrack = [5.0]\n", "no rack"),
         (
-            "[motion]\nheave = [0.0]\n[outputs]\ncertify = true\ncharacteristics = [\"camber\"]\n",
-            "certify",
-        ),
-        (
             "[motion]\nheave = [0.0]\n[outputs]\ncharacteristics = [\"ackermann\"]\n",
             "solid axle",
         ),
@@ -72,6 +68,38 @@ fn motions_and_parts_of_other_axles_are_refused() {
         let found = refusal(&panhard().replace(STILL, motion));
         assert!(found.contains(reason), "{motion}: {found}");
     }
+}
+
+/// Both kinds of Watt linkage, with the points of a single upper link.
+const WATT: &str = "watt_pivot = [-150.0, 0.0, 340.0]\nwatt_axis = [-100.0, 0.0, 340.0]\n\
+    watt_upper_chassis = [-150.0, 480.0, 400.0]\nwatt_upper_rocker = [-150.0, 0.0, 410.0]\n\
+    watt_lower_chassis = [-150.0, -480.0, 280.0]\nwatt_lower_rocker = [-150.0, 0.0, 270.0]\n";
+
+fn with_watt(text: &str) -> String {
+    let lines = text.lines().filter(|line| !line.starts_with("panhard_"));
+    let text: String = lines.map(|line| format!("{line}\n")).collect();
+    text.replace("[wheel]", &format!("{WATT}[wheel]"))
+}
+
+#[test]
+fn watt_linkages_are_refused_where_they_do_not_fit() {
+    let proved = with_watt(&panhard()).replace(
+        STILL,
+        "[motion]\nheave = [0.0]\n[outputs]\ncertify = true\ncharacteristics = [\"camber\"]\n",
+    );
+    let found = refusal(&proved);
+    assert!(found.contains("quadratic"), "{found}");
+    let both = panhard().replace("[wheel]", &format!("{WATT}[wheel]"));
+    let found = refusal(&both);
+    assert!(found.contains("expected one of them"), "{found}");
+    let found = refusal(&four_link().replace("[wheel]", &format!("{WATT}[wheel]")));
+    assert!(
+        found.contains("five links") && found.contains("Watt linkage"),
+        "{found}"
+    );
+    let part = WATT.replace("watt_axis = [-100.0, 0.0, 340.0]\n", "");
+    let found = refusal(&with_watt(&panhard()).replace(WATT, &part));
+    assert!(found.contains("watt_axis"), "{found}");
 }
 
 /// Quantities of solid axles are refused for others.

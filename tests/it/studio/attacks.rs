@@ -1,4 +1,4 @@
-//! What strangers get: nothing.
+//! Requests from strangers get nothing.
 
 use super::client::{answer, request, send};
 use super::{Served, sample};
@@ -8,7 +8,7 @@ use std::io::{BufRead, BufReader, ErrorKind, Read, Write};
 use std::net::{TcpListener, TcpStream};
 use std::time::{Duration, Instant};
 
-/// Requests that are whole but for what makes them a stranger's.
+/// Requests that are complete apart from the mark of a stranger.
 #[test]
 fn strangers_are_refused() {
     let served = Served::of(&sample("macpherson_front.toml"));
@@ -389,7 +389,7 @@ fn assert_private_invitation(is_visited: bool) {
     assert!(!folder_of_it.exists());
 }
 
-/// A stale address says what to do, to a person; requests of pages get plain text.
+/// A stale address shows a person the next step; requests of pages get plain text.
 #[test]
 fn a_stale_address_says_what_to_do() {
     let served = Served::of(&sample("macpherson_front.toml"));

@@ -24,7 +24,7 @@ impl Answer {
     }
 }
 
-/// Sends bytes to a port and reads what comes back; nothing if the connection is closed without an answer.
+/// Sends bytes to a port and reads the answer; `None` if the connection is closed without an answer.
 pub fn send(port: u16, bytes: &[u8]) -> Option<Answer> {
     let mut stream = TcpStream::connect(("127.0.0.1", port)).unwrap();
     stream
@@ -80,7 +80,7 @@ pub fn request(method: &str, path: &str, headers: &[(&str, &str)], body: &[u8]) 
 }
 
 impl Served {
-    /// What the page would send.
+    /// Sends a message as the page would send it.
     pub fn post(&self, what: &str, message: &Value) -> Answer {
         let host = format!("127.0.0.1:{}", self.port());
         let origin = format!("http://{host}");

@@ -1,4 +1,4 @@
-//! The live page: what strangers are refused, what is written where, and the page in a real browser.
+//! The live page: requests of strangers, saved files, and the page in a real browser.
 
 mod attacks;
 mod browser;

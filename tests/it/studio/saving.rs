@@ -1,4 +1,4 @@
-//! What is written where, and that answers are those of the other commands.
+//! Saved files and their places. Answers are those of the other commands.
 
 use super::{Served, columns, sample, solved};
 use serde_json::{Value, json};
@@ -50,8 +50,8 @@ fn of_few_stations(text: &str) -> String {
     text
 }
 
-/// Of several topologies and frames, of one wheel and of both: the curves of a moved design are those that `hardpoint solve` prints
-/// of the saved study, to the last bit, and so is the CSV.
+/// The curves of a moved design equal those that `hardpoint solve` prints for the saved study, to the last bit, and
+/// so does the CSV. The test covers several topologies and frames, for one wheel and for both.
 #[test]
 fn answers_are_those_of_solve() {
     for (name, point, axis) in [
@@ -160,7 +160,7 @@ fn margins_have_the_unit_of_the_study() {
     }
 }
 
-/// What a coordinate does to a curve, against the curves themselves.
+/// Effect of a coordinate on a curve, compared with the curves themselves.
 #[test]
 fn influences_are_slopes_of_the_curves() {
     let served = Served::of(&sample("double_wishbone_front.toml"));
@@ -302,7 +302,7 @@ fn links_do_not_lead_out_of_the_folder() {
     assert_eq!(fs::read_to_string(&precious).unwrap(), "precious");
 }
 
-/// A study with several names is written in place, so that each of them has what was saved.
+/// A study with several names is written in place, so that each name has the saved text.
 #[cfg(unix)]
 #[test]
 fn every_name_of_a_study_has_what_was_saved() {
@@ -370,7 +370,7 @@ fn coordinates_beyond_those_of_a_study_are_refused_everywhere() {
     assert_eq!(state["done"], true, "{state}");
 }
 
-/// What Tune proposes is what `hardpoint optimise` writes of the same study.
+/// Tune proposes the design that `hardpoint optimise` writes for the same study.
 #[test]
 fn a_tuning_is_that_of_optimise() {
     let served = Served::of(&sample("macpherson_bump_steer.toml"));

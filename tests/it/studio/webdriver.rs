@@ -129,7 +129,7 @@ impl Browser {
         self.command("window", &json!({"handle": tab}));
     }
 
-    /// What a script returns.
+    /// Return value of a script.
     pub fn run(&self, script: &str) -> Value {
         self.command("execute/sync", &json!({"script": script, "args": []}))
     }

@@ -171,8 +171,8 @@ fn gains_of_what_is_made_of_velocities_are_those_of_solve() {
     }
 }
 
-/// What does not move an output has no share of it, however few the designs are: a rack joint cannot raise the
-/// wheel in the design position, nor a strut's mount.
+/// A coordinate without effect on an output has no share of it, however few the designs are. Neither a rack joint nor
+/// a strut's mount can raise the wheel in the design position.
 #[test]
 fn what_moves_nothing_has_no_share() {
     let from = STUDY.find("[sweep]").unwrap();

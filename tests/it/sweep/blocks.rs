@@ -22,8 +22,8 @@ fn study() -> Study {
     .unwrap()
 }
 
-/// Values found one by one are those of `hardpoint solve`, to the bit, and a design's do not depend on its
-/// neighbours, nor on what the evaluator did before.
+/// Values found one by one are those of `hardpoint solve`, to the bit. A design's values do not depend on its
+/// neighbours, nor on earlier work of the evaluator.
 #[test]
 fn values_are_those_of_the_curves_whatever_the_neighbours() {
     let study = study();

@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// Of one design position alone, and of designs enough for two parts.
+/// A study of the design position alone, with enough designs for two parts.
 fn two_parts() -> String {
     let from = STUDY.find("[optimise]").unwrap();
     STUDY[..from]
@@ -119,7 +119,7 @@ fn a_finished_sweep_grows() {
     sweep("grown", "131200", &["--resume"]).code(2);
 }
 
-/// Ctrl-C leaves whole parts and no others, and says how to go on.
+/// Ctrl-C leaves complete parts and no others, and prints how to continue.
 #[cfg(unix)]
 #[test]
 fn an_interrupted_sweep_leaves_whole_parts() {

@@ -284,7 +284,7 @@ fn a_sweep_of_nothing_is_refused() {
     }
 }
 
-/// No number of a sweep is infinite: tolerances are not smaller than what values are known to.
+/// No number of a sweep is infinite: tolerances are not smaller than the rounding of values.
 #[test]
 fn tolerances_below_rounding_are_refused() {
     let bench = Bench::new(&STUDY.replace("tolerance = 0.01", "tolerance = 1e-300"));
@@ -299,7 +299,7 @@ fn tolerances_below_rounding_are_refused() {
     bench.run(&["report", "run"]).success();
 }
 
-/// What has no end is not read.
+/// The program does not read files without an end.
 #[cfg(unix)]
 #[test]
 fn devices_are_no_inputs() {
@@ -344,7 +344,7 @@ fn it_is_said_which_designs_statistics_are_of() {
     assert_eq!(output(&summary, "camber_min_deg")["count"], 200);
 }
 
-/// More threads than cores or blocks are not started, and that is said.
+/// The program does not start more threads than cores or blocks, and says so.
 #[test]
 fn threads_are_no_more_than_help() {
     let bench = Bench::new(STUDY);

@@ -203,7 +203,7 @@ fn the_tables_have_the_numbers_of_the_files() {
     }
 }
 
-/// What could not be solved is a table as well, with its reasons.
+/// Unsolved stations are a table as well, with their reasons.
 #[test]
 fn what_is_not_solved_is_in_a_table() {
     let more = [
@@ -265,8 +265,8 @@ fn a_comparison_is_complete_for_programs() {
     }
 }
 
-/// Of an output that no design moves there are no effects: the toe that was given is met by every design, but for
-/// rounding, and shares of that are chance.
+/// An output that no design changes has no effects. Every design keeps the given toe up to rounding, and shares of
+/// rounding are chance.
 #[test]
 fn rounding_has_no_effects() {
     let sweep = "sweep={method=\"random\",samples=256,seed=1,variables=[\

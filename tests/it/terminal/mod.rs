@@ -1,9 +1,10 @@
-//! What reaches a terminal and what reaches a program: widths, quiet, colours, escapes and machine formats.
+//! Output to a terminal and to a program: widths, quiet, colours, escapes and machine formats.
 
 mod escapes;
 mod formats;
 mod quiet;
 mod width;
+mod words;
 
 use assert_cmd::Command;
 use std::path::{Path, PathBuf};

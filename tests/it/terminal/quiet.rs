@@ -57,7 +57,7 @@ fn quiet_leaves_errors() {
     assert!(called.complained().contains("error"));
 }
 
-/// Whoever wants quiet and gets the exit code 1 is told what is missing, and nothing else.
+/// A quiet command with exit code 1 prints the missing results, and nothing else.
 #[test]
 fn quiet_says_what_could_not_be_had() {
     let same = "[1.47979023854085, 0.3715370715633186, 0.2223007791913243]";

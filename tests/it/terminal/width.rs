@@ -9,7 +9,7 @@ fn longest(text: &str) -> usize {
         .unwrap_or(0)
 }
 
-/// A design of many free directions and starts: what is printed stays short.
+/// A design of many free directions and starts: the printed text stays short.
 const FREE: [&str; 6] = [
     "--set",
     "optimise.starts=30",

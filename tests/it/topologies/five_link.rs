@@ -26,16 +26,22 @@ fn ten_thousand_random_linkages_agree_with_thirty_digits() {
 
 /// So many designs around the template, each at one place of +-80 mm travel and +-20 mm rack.
 fn random_linkages(designs: usize) {
-    let suspension = template("five_link");
-    let mut random = Random(5);
+    for (name, seed) in [("five_link", 5), ("integral_link", 51), ("h_arm", 52)] {
+        random_designs(name, seed, designs);
+    }
+}
+
+fn random_designs(name: &str, seed: u64, designs: usize) {
+    let suspension = template(name);
+    let mut random = Random(seed);
     let mut errors = Errors::default();
     for i in 0..designs {
         let design = random.scattered(&suspension.design, 30.0);
         let (value, rack) = (80.0 * random.signed(), 20.0 * random.signed());
         errors.check(&suspension.mechanism, &design, value, rack, i % 100 == 0);
     }
-    println!("{errors:?}");
-    assert_eq!(errors.disagreed, 0);
+    println!("{name}: {errors:?}");
+    assert_eq!(errors.disagreed, 0, "{name}");
     assert!(10 * errors.solved > 9 * designs, "{errors:?}");
     assert!(errors.by_order[0].0 < 1e-13, "{errors:?}");
     for e in [errors.by_order[1], errors.by_order[2]] {

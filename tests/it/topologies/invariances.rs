@@ -1,5 +1,5 @@
-//! What must not matter: where the car stands, how it is turned, its scale; and a mirror image steers
-//! the other way.
+//! Results do not depend on the car's position, its orientation or its scale; and a mirror image steers the other
+//! way.
 
 use super::{characteristics, template, travel};
 use crate::support::random::Random;
@@ -8,15 +8,17 @@ use hardpoint::derive::MotionPoint;
 use hardpoint::model::{Drive, Suspension};
 use hardpoint::number::{Jet, Vector3};
 
-const TOPOLOGIES: [&str; 5] = [
+const TOPOLOGIES: [&str; 7] = [
     "macpherson",
     "double_wishbone",
     "five_link",
     "semi_trailing_arm",
     "double_wishbone_pushrod",
+    "integral_link",
+    "h_arm",
 ];
 
-/// How far points are scattered and wheels travel: a racing car's rocker is small, and goes no further.
+/// Scatter of points and largest travel of wheels: a racing car's rocker is small, and goes no further.
 fn extent(name: &str) -> (f64, f64) {
     match name {
         "double_wishbone_pushrod" => (8.0, 30.0),
@@ -24,7 +26,7 @@ fn extent(name: &str) -> (f64, f64) {
     }
 }
 
-/// What a rocker moves, where there is one.
+/// Outputs that a rocker moves, if there is one.
 fn of_rockers(suspension: &Suspension) -> impl Iterator<Item = C> {
     let has_rockers = suspension.mechanism.spring_rocker().is_some()
         && suspension.mechanism.anti_roll_bar().is_some();

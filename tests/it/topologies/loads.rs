@@ -18,6 +18,8 @@ fn loads_are_balanced_and_the_spring_takes_its_share() {
         "five_link",
         "semi_trailing_arm",
         "double_wishbone_pushrod",
+        "integral_link",
+        "h_arm",
     ] {
         let suspension = template(name);
         let mechanism = &suspension.mechanism;
@@ -52,17 +54,27 @@ fn loads_are_balanced_and_the_spring_takes_its_share() {
                     Body::Arm(arm) => mechanism.arms[arm.0].outer,
                     _ => seat,
                 };
-                let forces = found.constraints.iter().map(|reaction| match *reaction {
-                    Reaction::Rod {
-                        inner,
-                        outer,
-                        tension,
-                    } => {
-                        let pull = (place(inner) - place(outer)).normalised() * tension;
-                        (place(outer), pull)
-                    }
-                    Reaction::Force { point, force } => (place(point), force),
-                });
+                let forces = found
+                    .constraints
+                    .iter()
+                    .flat_map(|reaction| match *reaction {
+                        Reaction::Rod {
+                            inner,
+                            outer,
+                            tension,
+                        } => {
+                            let pull = (place(inner) - place(outer)).normalised() * tension;
+                            vec![(place(outer), pull)]
+                        }
+                        Reaction::ArmEnd {
+                            outer,
+                            force,
+                            joint,
+                            passed,
+                            ..
+                        } => vec![(place(outer), force), (place(joint), passed)],
+                        Reaction::Force { point, force } => vec![(place(point), force)],
+                    });
                 let all: Vec<_> = forces
                     .chain([
                         (place(support_at), found.support_force),

@@ -1,4 +1,4 @@
-//! Every topology against independent solutions and against what its hardpoints alone say.
+//! Every topology against independent solutions and against its hardpoints alone.
 
 mod double_wishbone;
 mod five_link;

@@ -278,11 +278,11 @@ fn points_of_rockers_agree_with_thirty_digits() {
     }
 }
 
-/// What is reported, as functions whose truth is known: spring length, and tan of half the angles.
+/// Reported outputs, as functions whose exact values are known: spring length, and tan of half the angles.
 const REPORTED: [C; 3] = [C::SpringLength, C::RockerAngle, C::AntiRollBarAngle];
 
-/// Angles and spring length, their rates and the sensitivities of both by every hardpoint against thirty
-/// digits; then the motion ratios, which are those rates by another path.
+/// Compares angles and spring length, their rates and the sensitivities of both by every hardpoint with thirty
+/// digits. Then compares the motion ratios, which are those rates by another path.
 #[test]
 fn angles_lengths_and_ratios_agree_with_thirty_digits() {
     const H: f64 = 1e-4;

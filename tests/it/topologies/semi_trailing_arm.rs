@@ -166,7 +166,7 @@ fn travel_ends_where_the_arm_stands_upright() {
     );
 }
 
-/// What needs a steering axis is refused by name; without `[outputs]` it is left out.
+/// Outputs that need a steering axis are refused by name; without `[outputs]` they are left out.
 #[test]
 fn has_no_steering_axis() {
     let text = include_str!("../../../studies/semi_trailing_arm_solve.toml");

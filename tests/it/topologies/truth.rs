@@ -97,7 +97,7 @@ fn extrapolated(near: Vector3<Dd>, far: Vector3<Dd>) -> Vector3<Dd> {
     near + (near - far) * reciprocal(3.0)
 }
 
-/// Where a slope takes its values, in steps.
+/// Places at which a slope takes its values, in steps.
 pub const PLACES: [f64; 4] = [-2.0, -1.0, 1.0, 2.0];
 
 /// The derivative, from values at [`PLACES`].
@@ -108,8 +108,8 @@ pub fn slope([far_below, below, above, far_above]: [Vector3<Dd>; 4], step: f64) 
     )
 }
 
-/// Where a point is, with formulas other than the library's: points of arms by the triads of axis and joint,
-/// those of rockers by Newton's method on the length of the rod.
+/// Position of a point, with formulas other than the library's. Points of arms come from the triads of axis and
+/// joint, those of rockers from Newton's method on the length of the rod.
 pub fn place(
     mechanism: &Mechanism,
     design: &[Vector3<Dd>],

@@ -1,4 +1,4 @@
-//! Angles of joints: against studs that are turned by three points of the carrier, and what a degree costs.
+//! Angles of joints: against studs that are turned by three points of the carrier, and the price of a degree.
 
 use super::edited;
 use hardpoint::mechanism::Configuration;
@@ -36,7 +36,7 @@ fn about(axis: Vector3<f64>, [from, to]: [Vector3<f64>; 2], v: Vector3<f64>) -> 
     v * turn.cos() + axis.cross(v) * turn.sin() + axis * (axis.dot(v) * (1.0 - turn.cos()))
 }
 
-/// A joint and what is on its other side.
+/// A joint and the part on its other side.
 enum Joint {
     /// An arm, by the points of its axis.
     Arm(&'static str, [&'static str; 2]),

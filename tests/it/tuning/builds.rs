@@ -1,4 +1,4 @@
-//! Derivatives of builds, and what builds are.
+//! Derivatives of builds, and definition of builds.
 
 use super::edited;
 use hardpoint::assembly::Assembler;
@@ -221,7 +221,7 @@ fn drawing_at(study: &Study, width: Option<Width>, x: &DVector<f64>) -> Linearis
     at
 }
 
-/// What every width finds is what is found one by one, and all widths find the same bits.
+/// Every width finds the results that are found one by one, and all widths find the same bits.
 fn assert_same_at_every_width(what: &str, find: impl Fn(Option<Width>) -> Linearisation) {
     let expected = find(None);
     let mut first: Option<Linearisation> = None;

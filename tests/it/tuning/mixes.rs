@@ -54,9 +54,9 @@ impl Draw {
 /// Rules about what a mix may contain.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Kind {
-    /// Anything, also what cannot be kept.
+    /// Any mix, also mixes that cannot be kept.
     Any,
-    /// Constraints that the study's own design keeps, all of what variables move.
+    /// Constraints that the study's own design keeps and that variables move.
     Kept,
     /// The same, with at least one row that nothing moves or that depends on another.
     Degenerate,
@@ -359,7 +359,7 @@ struct Tally {
     failed: Vec<String>,
 }
 
-/// Tunes mixes and counts how they end.
+/// Tunes mixes and counts their kinds of end.
 fn tally(seed: u64, numbers: std::ops::Range<u64>) -> Tally {
     let mut tally = Tally::default();
     let out = std::env::var("HARDPOINT_MIXES").ok();

@@ -203,7 +203,7 @@ fn an_active_bound_is_where_it_stops() {
     );
 }
 
-/// Weights and tolerances mean what they say: scaling all of either changes nothing.
+/// Only the proportion of weights and of tolerances matters: scaling all of either changes nothing.
 #[test]
 fn only_the_proportion_of_weights_matters() {
     let study = strut();
@@ -628,8 +628,8 @@ fn constraints_hold_between_stations() {
     assert!(most < 1.0 + 1e-4, "{most}");
 }
 
-/// Of the designs that are good enough, the one kept moves least: it moves less than the one of least misfit,
-/// and what no target feels stays.
+/// The design kept is the one that moves least among those that are good enough. It moves less than the one of least
+/// misfit, and variables without effect on the targets stay.
 #[test]
 fn the_nearest_good_design_is_kept() {
     let variables = "optimise.variables=[\
@@ -810,13 +810,13 @@ fn fronts_and_price_lists_are_written_and_shown() {
             .all(|w| w[0][1] < w[1][1] && w[0][2] > w[1][2])
     );
     let page = std::fs::read_to_string(out.join("report.html")).unwrap();
-    assert!(page.contains("id=\"front-plot\"") && page.contains("id=\"prices-plot\""));
+    assert!(page.contains("\"key\":\"front01\"") && page.contains("\"key\":\"prices\""));
     let summary: serde_json::Value =
         serde_json::from_slice(&std::fs::read(out.join("summary.json")).unwrap()).unwrap();
     assert!(summary["prices"].as_array().unwrap().len() >= 10);
 }
 
-/// What front, scatter and constraints need is said, with the line.
+/// Missing inputs of front, scatter and constraints are reported with the line.
 #[test]
 fn mistakes_in_front_scatter_and_constraints_are_refused() {
     for (edit, wanted) in [
@@ -910,7 +910,7 @@ fn forces_under_loads_are_tuned_and_held() {
     }
 }
 
-/// What is wrong with constraints of drive shafts and of members in rims is said.
+/// Mistakes in constraints of drive shafts and of members in rims are reported.
 #[test]
 fn mistakes_in_shafts_and_rims_are_refused() {
     let [inner, outer] = DRIVE_SHAFT;
@@ -1019,7 +1019,7 @@ fn a_variable_along_a_direction_is_its_coordinates_together() {
     }
 }
 
-/// What was interrupted says so, and how much of it there is.
+/// An interrupted tuning says so, and gives the number of finished starts.
 #[test]
 fn an_interrupted_tuning_says_how_many_starts_are_done() {
     let study = edited("macpherson_front.toml", &["optimise.starts=12"]);

@@ -1,4 +1,4 @@
-//! Who may replace what.
+//! Rules for replacing files.
 
 use super::*;
 
@@ -44,7 +44,7 @@ fn only_the_same_study_and_command_replace_results() {
     assert_eq!(names("sweep"), names("solve"));
 }
 
-/// Where nobody has asked for the directory, older results are moved aside and kept.
+/// In a directory that the user has not chosen, older results are moved aside and kept.
 #[test]
 fn in_the_default_directory_older_results_are_moved_aside() {
     let bench = Bench::new();
@@ -79,7 +79,7 @@ fn in_the_default_directory_older_results_are_moved_aside() {
     assert!(bench.path("out/study/mine.csv").exists());
 }
 
-/// What no run of ours has written is neither overwritten nor deleted.
+/// Files that no run of ours wrote are neither overwritten nor deleted.
 #[test]
 fn foreign_files_are_never_touched() {
     let files = [
@@ -187,7 +187,7 @@ fn a_study_called_by_dots_writes_nowhere_else() {
     }
 }
 
-/// Of two that want one directory at once, one is told who has it.
+/// If two runs want one directory at once, the second is told which run has it.
 #[test]
 fn one_run_at_a_time_writes_to_a_directory() {
     let bench = Bench::new();
@@ -279,7 +279,7 @@ fn a_kept_study_finds_its_designs() {
     );
 }
 
-/// Whoever reads what is printed may stop: the results are there, and recorded as finished.
+/// A reader of the printed text may stop early: the results exist, and are recorded as finished.
 #[test]
 fn a_closed_pipe_leaves_a_finished_run() {
     let bench = Bench::new();

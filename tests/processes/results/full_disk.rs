@@ -2,7 +2,8 @@
 
 use super::*;
 
-/// What was whole stays whole, what is not is no result, and with room again the sweep goes on.
+/// Complete files stay complete, partial files do not count as results, and the sweep continues once the disk has
+/// space again.
 #[cfg(unix)]
 #[test]
 fn a_full_disk_loses_nothing_that_was_whole() {

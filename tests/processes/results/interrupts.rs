@@ -1,4 +1,4 @@
-//! Signals: the first one ends a run, and what it leaves says so.
+//! Signals: the first one ends a run, and its files record that.
 
 use super::*;
 use serde_json::Value;

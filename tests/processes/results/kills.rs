@@ -12,8 +12,8 @@ fn fraction(seed: &mut u64) -> f64 {
     (*seed >> 33) as f64 / (1_u64 << 31) as f64
 }
 
-/// What may stand in a directory whose run was killed: what a whole run has, to the byte, what says how far it
-/// is, and leftovers.
+/// Files allowed in the directory of a killed run: those of a complete run, to the byte, the progress record, and
+/// leftovers.
 fn assert_nothing_is_torn(directory: &Path, whole: &[(String, Vec<u8>)]) {
     for (name, text) in contents(directory) {
         if name.starts_with(".hardpoint-") || name == "run.json" {
@@ -37,16 +37,16 @@ fn assert_nothing_is_torn(directory: &Path, whole: &[(String, Vec<u8>)]) {
     }
 }
 
-/// How much room there is for the files of the second run.
+/// Disk space for the files of the second run.
 #[derive(Clone, Copy, PartialEq)]
 enum Disk {
     Empty,
-    /// It fills at random: some run out before anything is written, some in the last file.
+    /// The disk fills at random: some runs find no space before the first write, others in the last file.
     Fills,
 }
 
-/// Sweeps and tunings killed at random moments, each with a second run in the same directory: what they leave is
-/// whole, what is of others is untouched, and the next run ends with the bytes of one that was left alone.
+/// Sweeps and tunings killed at random moments, each with a second run in the same directory. Their files are
+/// complete, files of others are untouched, and the next run ends with the bytes of an undisturbed one.
 fn kill(rounds: u64, samples: &str, disk: Disk) {
     let bench = Bench::new();
     let many = format!("sweep.samples={samples}");

@@ -1,4 +1,4 @@
-//! What a directory of results may lose, and what it may not: whoever writes there, however a run ends.
+//! Losses of a results directory that are allowed, and those that are not, with any writer and any end of a run.
 
 mod claims;
 mod full_disk;
@@ -85,7 +85,7 @@ impl Bench {
         shell.spawn().unwrap()
     }
 
-    /// A call that is refused: what it says, which must have all the phrases.
+    /// Runs a call that must be refused with a message that has all the phrases.
     fn refused(&self, arguments: &[&str], phrases: &[&str]) {
         let assert = self.run(arguments).code(2);
         let said = String::from_utf8_lossy(&assert.get_output().stderr).into_owned();
@@ -102,7 +102,7 @@ impl Bench {
     }
 }
 
-/// All files below a directory, with what is in them.
+/// All files below a directory, with their content.
 fn contents(directory: &Path) -> Vec<(String, Vec<u8>)> {
     let mut all = Vec::new();
     for entry in fs::read_dir(directory).unwrap() {

@@ -1,4 +1,4 @@
-//! What is refused writes nothing, and does not hang.
+//! A refused study writes nothing, and does not hang.
 
 use super::*;
 use std::time::{Duration, Instant};
@@ -57,7 +57,7 @@ fn commands_agree_on_what_they_refuse() {
         .success();
 }
 
-/// A motion has so many stations that all of its results fit in memory; that is said with the number.
+/// Motions have a limited number of stations, so that all results fit in memory. The refusal gives the number.
 #[test]
 fn ten_million_stations_are_refused() {
     let bench = Bench::new();

@@ -82,18 +82,18 @@ impl AssemblyMode {
 /// The assemblies that were found at one travel.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Assemblies {
-    /// The modes by which assemblies of this mechanism are told apart.
+    /// The modes that distinguish assemblies of this mechanism.
     pub traits: Vec<AssemblyMode>,
     /// The assemblies, by rising arm angle or, for a mechanism without an arm, by the rotation from the design
     /// position.
     pub found: Vec<Assembly>,
-    /// Places where it could not be decided whether there is another assembly; empty for all but degenerate designs.
+    /// Places with a possible further assembly that the search could not decide. Only degenerate designs have any.
     pub undecided: Vec<Undecided>,
-    /// Pieces of the arm's turn, or boxes of poses, that were looked at.
+    /// Number of examined pieces of the arm's turn, or of examined boxes of poses.
     pub looked_at: usize,
 }
 
-/// A place where it was left open whether there is an assembly.
+/// A place with a possible assembly that the search could not decide.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Undecided {
     /// Between two angles of the first arm (radians).

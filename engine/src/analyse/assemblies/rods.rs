@@ -8,9 +8,9 @@
 //! R = C(v) D,   C(v) c = c + 2 (v x c + v x (v x c))/(1 + v.v),   D one of 1 and the half turns about x, y, z
 //! ```
 //!
-//! Every rotation has a quaternion whose largest component is 1, so v in [-1, 1]^3 with the four D is all
-//! of them; and p is no further from a rod's inner end than the rod and its lever are long. With
-//! g = (p + R b - a)/L the differential is dF = g.dp + (m + m x v).dv 2/(1 + v.v), m = R b x g.
+//! Every rotation has a quaternion whose largest component is 1. So v in [-1, 1]^3 with the four D covers all
+//! rotations. The distance from p to a rod's inner end is at most the length of the rod plus that of its lever.
+//! With g = (p + R b - a)/L the differential is dF = g.dp + (m + m x v).dv 2/(1 + v.v), m = R b x g.
 //!
 //! In a box of (p, v), in this order:
 //!
@@ -18,10 +18,10 @@
 //! 2. the mean-value form of each equation must contain 0;
 //! 3. Krawczyk's operator K = x - A F(x) + (1 - A J(X)) (X - x), A an inverse of J in the middle x: all
 //!    solutions in X are in K; if K lies inside X there is one and only one (R. Krawczyk, *Computing* 4,
-//!    1969; R. E. Moore, *SIAM J. Numer. Anal.* 14, 1977). It is repeated while it narrows the box much.
+//!    1969; R. E. Moore, *SIAM J. Numer. Anal.* 14, 1977). The step repeats while it narrows the box much.
 //!
-//! What is left is halved across the variable that moves the equations most. Everything is rounded
-//! outward, so no assembly is missed.
+//! The search halves the remaining box across the variable that changes the equations most. All results
+//! are rounded outward, so it misses no assembly.
 
 use super::{Search, Undecided, pose_distance};
 use crate::linear::lu::Lu6;

@@ -4,9 +4,9 @@ use super::problem::Problem;
 use super::{AdjustedSuspension, NoSetUp};
 use nalgebra::{DMatrix, DVector};
 
-/// The most steps of Newton's method.
+/// Maximum number of steps of Newton's method.
 const MOST_STEPS: usize = 40;
-/// Effects below this part of the largest are directions that no aim feels.
+/// Effects below this share of the largest count as zero: no aim depends on these directions.
 const FLAT: f64 = 1e-8;
 /// Steps up to this, in parts of the size, do not change the parts.
 const STILL: f64 = 1e-14;
@@ -15,7 +15,7 @@ const ROUNDING: f64 = 1e-7;
 /// The smallest part of a step that is tried.
 const SHORTEST: f64 = 1e-3;
 
-/// Who meets which aim.
+/// Assignment of aims to threads and shims.
 #[derive(Clone, Debug)]
 pub(super) struct Levels {
     /// Values that threads meet exactly: `S`.
@@ -28,7 +28,8 @@ pub(super) struct Levels {
     pub(super) shims: Vec<usize>,
 }
 
-/// Rows of a matrix that are independent, by Gram-Schmidt with pivoting: each time the row of which most is left, equation (1).
+/// Returns the independent rows of a matrix, by Gram-Schmidt with pivoting. Each time it takes the row with the largest
+/// remainder, equation (1).
 pub(super) fn felt(mut rows: DMatrix<f64>) -> Vec<usize> {
     let mut taken = Vec::new();
     let mut largest = 0.0;
@@ -74,8 +75,8 @@ impl Problem<'_> {
         })
     }
 
-    /// Runs an iteration for some aims. Where it ends short of them, leaves out the aim with the largest error, one after
-    /// the other, until the others are met, and names those that are missed.
+    /// Runs an iteration for some aims. If it does not meet them, leaves out the aim with the largest error and tries
+    /// again, until it meets the others. The error then names the missed aims.
     pub(super) fn settle(
         &self,
         state: AdjustedSuspension,
@@ -105,8 +106,8 @@ impl Problem<'_> {
         }
     }
 
-    /// Newton's method (2), the smallest of the steps that meet the aims, halved where the parts do not go together or the
-    /// errors grow.
+    /// Runs Newton's method (2) with the smallest steps that meet the aims. It halves a step if the parts cannot be put
+    /// together or the errors grow.
     pub(super) fn newton(
         &self,
         state: AdjustedSuspension,

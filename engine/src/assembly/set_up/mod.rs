@@ -1,7 +1,7 @@
 //! Set-ups: adjustments that give wanted static values.
 //!
-//! Threads turn continuously and shims come whole. So threads meet exactly what they can meet, whatever the shims do,
-//! and shims serve the rest. An error of a shim is never shared with a value that a thread can meet.
+//! Threads turn continuously, but shims come whole. So threads meet their aims exactly, for any choice of shims. Shims
+//! serve the remaining aims. The error of a shim never affects a value that a thread can meet.
 //!
 //! Notation: `x` are the amounts of threads and other continuous adjustments, `z` those of shims (`z_k = s_k m_k`, step
 //! `s_k`, whole `m_k`), `w(x, z)` the static values of the mechanism assembled anew, `b` their aims, and `W = D dw` the
@@ -14,8 +14,8 @@
 //! i = argmax |w_i|,   u = w_i / |w_i|,   w_j <- w_j - (w_j . u) u                      (1)
 //! ```
 //!
-//! until no row is left that counts. `S` are the aims taken, `R` the others. A tie rod so takes toe, a pushrod the ride
-//! height.
+//! until no significant row remains. `S` are the aims taken, `R` the others. So a tie rod takes toe, and a pushrod
+//! takes the ride height.
 //!
 //! *First level.* Newton's method meets `S` by the threads; more threads than aims make the smallest adjustment:
 //!
@@ -30,7 +30,7 @@
 //! G = dr/dz = W_Rz - W_Rx W_Sx^+ W_Sz                                                   (4)
 //! ```
 //!
-//! First `z` is real. Gauss and Newton's method, of which every trial meets (2):
+//! First `z` is real. The Gauss-Newton method finds it, and each of its trials meets (2):
 //!
 //! ```text
 //! z <- z - G^+ r                                                                        (5)
@@ -45,7 +45,8 @@
 //! |r(z0) + G (z - z0)|^2                                                                (6)
 //! ```
 //!
-//! The eight best and the nearest are assembled and meet (2). Those come first whose errors are at most half a step:
+//! The eight best and the nearest are assembled and meet (2). The order is: first neighbours with errors of at most
+//! half a step,
 //!
 //! ```text
 //! |r_i| <= sum over shims of s_k |G_ik| / 2                                             (7)
@@ -53,12 +54,12 @@
 //!
 //! then the one with the least `phi`, then the one with the smallest adjustment.
 //!
-//! Where (2) or (5) ends short of its aims, the aim with the largest error is left where it is and the others are met
-//! from there; so what is named as out of reach is not what only waited for it.
+//! If (2) or (5) misses its aims, the solver gives up the aim with the largest error and meets the others from there.
+//! So an aim is not reported as out of reach just because another aim was in its way.
 //!
-//! A mechanic fits shims first, then turns the threads; the thread that moves toe most comes last. He turns by
-//! sixteenths of a turn. The state so rounded is assembled, too, and its errors are bounded as in (7), with half a
-//! sixteenth of each thread.
+//! A mechanic fits shims first, then turns the threads by sixteenths of a turn. The thread that moves toe most comes
+//! last. The solver also assembles the rounded state. It bounds the errors as in (7), plus half a sixteenth of a turn
+//! of each thread.
 
 mod levels;
 mod problem;
@@ -75,7 +76,7 @@ use problem::Problem;
 const FARTHEST: f64 = 0.1;
 /// Rounding of a static value, in degrees or length units.
 const MET: f64 = 1e-9;
-/// Sixteenths: the parts of a turn in which a mechanic turns a thread.
+/// Steps per turn of a thread: a mechanic turns it by sixteenths of a turn.
 pub const PARTS_OF_A_TURN: f64 = 16.0;
 
 /// A quantity of the resting position.
@@ -134,13 +135,13 @@ pub struct SetUp {
     pub drawn: AdjustedSuspension,
     /// Adjustments in the order a mechanic does them: shims, threads, the thread of toe last.
     pub order: Vec<usize>,
-    /// The state after each adjustment, in this order. Amounts are not rounded, but for whole shims.
+    /// The state after each adjustment, in this order. Only shims are rounded.
     pub steps: Vec<AdjustedSuspension>,
     /// The state with amounts that a mechanic can make: whole shims, sixteenths of turns, hundredths of a millimetre.
     pub rounded: AdjustedSuspension,
-    /// Error of each value that half steps of shims may leave.
+    /// Allowed error of each value: the effect of half a step of each shim.
     pub allowed: Vec<f64>,
-    /// The same with half a sixteenth of a turn of each thread.
+    /// Allowed error of each value after rounding: it also includes half a sixteenth of a turn of each thread.
     pub allowed_rounded: Vec<f64>,
 }
 
@@ -160,11 +161,11 @@ pub struct Miss {
 pub enum NoSetUp {
     /// The parts of the design, or parts a little adjusted, cannot be put together.
     Reject(Reject),
-    /// The assembled parts are no design that moves.
+    /// The assembled parts form a design that cannot move.
     Fault(DesignFault),
-    /// No adjustment moves what is to be held.
+    /// No adjustment moves a value that must be held.
     Unsettled,
-    /// These aims are beyond what the adjustments reach.
+    /// The adjustments cannot meet these aims.
     OutOfReach(Vec<Miss>),
     /// The aims take an adjustment that no workshop makes: more than a tenth of the suspension's size.
     Absurd {
@@ -188,7 +189,7 @@ impl From<DesignFault> for NoSetUp {
 }
 
 impl SetUp {
-    /// Solves for the adjustments that give what a study wants.
+    /// Solves for the adjustments that give the wanted values of a study.
     pub fn solve(study: &Study, setup: &Setup, assembler: &Assembler) -> Result<SetUp, NoSetUp> {
         let (problem, drawn) = Problem::of(study, setup, assembler)?;
         let (state, levels) = problem.solve(&drawn)?;
@@ -222,7 +223,7 @@ impl SetUp {
         })
     }
 
-    /// Returns the design's state and what each adjustment does to it: also if there is no set-up.
+    /// Returns the state of the nominal design with the effects of each adjustment, even if there is no set-up.
     pub fn drawn(study: &Study, setup: &Setup, assembler: &Assembler) -> Result<SetUp, NoSetUp> {
         let (problem, drawn) = Problem::of(study, setup, assembler)?;
         Ok(SetUp {
@@ -247,7 +248,7 @@ impl SetUp {
         self.errors(self.last())
     }
 
-    /// The same with the amounts that a mechanic can make.
+    /// Error of each value that has an aim, with the amounts that a mechanic can make: value minus aim.
     pub fn misses_rounded(&self) -> Vec<Option<f64>> {
         self.errors(&self.rounded)
     }
@@ -259,24 +260,26 @@ impl SetUp {
             .collect()
     }
 
-    /// Whether each aim is met with the amounts not rounded, but for half steps of shims. A value without an aim is met.
+    /// Returns true for each aim that the unrounded amounts meet, within half steps of shims. A value without an aim
+    /// counts as met.
     pub fn met(&self) -> Vec<bool> {
         within(&self.misses(), &self.allowed)
     }
 
-    /// Whether each aim is met with the rounded amounts, but for half steps of shims and half sixteenths of turns.
+    /// Returns true for each aim that the rounded amounts meet, within half steps of shims and half sixteenths of
+    /// turns.
     pub fn met_rounded(&self) -> Vec<bool> {
         within(&self.misses_rounded(), &self.allowed_rounded)
     }
 
-    /// Whether every aim is met with both.
+    /// Returns true if the unrounded and the rounded amounts both meet every aim.
     pub fn is_met(&self) -> bool {
         let mut met = self.met().into_iter().chain(self.met_rounded());
         met.all(|met| met)
     }
 }
 
-/// Whether each error is at most what is allowed, but for rounding.
+/// Returns true for each error that does not exceed the allowed error, up to rounding. A value without an aim has none.
 fn within(errors: &[Option<f64>], allowed: &[f64]) -> Vec<bool> {
     let pairs = errors.iter().zip(allowed);
     pairs
@@ -284,7 +287,7 @@ fn within(errors: &[Option<f64>], allowed: &[f64]) -> Vec<bool> {
         .collect()
 }
 
-/// Whether an adjustment is continuous: not made of whole shims.
+/// Returns true if an adjustment is continuous, that is, not made of whole shims.
 fn is_continuous(increment: Increment) -> bool {
     !matches!(increment, Increment::Shims { .. })
 }

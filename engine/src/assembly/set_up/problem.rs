@@ -299,8 +299,8 @@ fn at_rest(assembler: &Assembler, characteristics: Vec<Characteristic>) -> Plan 
     Plan::of(&at_rest)
 }
 
-/// Whether an adjustment is made to lift the car: it belongs to the parts between the spring and the arm. The height then
-/// is where the spring has its design length.
+/// Returns true if an adjustment lifts the car, because it changes a part between spring and arm. The spring then keeps
+/// its design length, which sets the height.
 fn lifts(adjustment: &Adjustment, study: &Study) -> bool {
     let mechanism = &study.wheel().mechanism;
     let Some(spring) = mechanism.spring else {

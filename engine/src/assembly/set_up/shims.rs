@@ -1,19 +1,19 @@
-//! The second level: shims serve the aims that threads do not meet, and come whole.
+//! The second level: whole shims serve the aims that threads do not meet.
 
 use super::levels::{End, Levels, least_step};
 use super::problem::Problem;
 use super::{AdjustedSuspension, MET, NoSetUp};
 use nalgebra::{DMatrix, DVector};
 
-/// Shims of which both neighbours are looked at: 2^10 of them are ranked. The others are rounded.
+/// Maximum number of shims whose two neighbours are both tried, which gives 2^10 combinations. The others are rounded.
 const MOST_ENUMERATED: usize = 10;
-/// Neighbours that are assembled.
+/// Number of neighbours that are assembled.
 const MOST_ASSEMBLED: usize = 8;
-/// Shims that are whole already, in steps.
+/// Shims within this distance of a whole number count as whole, in steps.
 const WHOLE: f64 = 1e-9;
 
 impl Problem<'_> {
-    /// The state that meets the aims as well as the adjustments can, and who meets which.
+    /// Returns the state that meets the aims best, with the assignment of aims to adjustments.
     pub(super) fn solve(
         &self,
         drawn: &AdjustedSuspension,

@@ -119,7 +119,8 @@ fn errors_weigh_the_same_in_every_unit() {
     }
 }
 
-/// An aim is met within 1e-9 beside what is allowed. A missed aim is named, also if its value does not exist.
+/// An aim counts as met within the allowed error plus 1e-9. The error names a missed aim even if its value does not
+/// exist.
 #[test]
 fn aims_are_met_to_rounding() {
     let errors = [5e-9, -5e-9, 5e-10, -5e-10, 0.5, -0.501].map(Some);

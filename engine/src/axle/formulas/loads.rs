@@ -1,4 +1,4 @@
-//! Wheel loads and stiffnesses: what springs and anti-roll bar ask of the wheels, by virtual work.
+//! Wheel loads and stiffnesses, from the forces of springs and anti-roll bars by virtual work.
 //!
 //! With U the energy of springs and bars, F_i = U_zi/(n.C_i') is the load of a wheel along the normal of the
 //! ground; parts weigh nothing. The bar adds k_b (b_l - b_r)^2/2, b the angles of its levers. Springs between the rockers
@@ -104,6 +104,9 @@ pub(crate) fn wheel_load<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>, s
 
 /// Load that a wheel gains as its pad rises, by its spring alone: body level, the other wheel still, neither bar nor tyre.
 pub(crate) fn wheel_rate<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>, side: Side) -> T {
+    if state.carriers.is_rigid() {
+        return rigid::wheel_rate(state, side);
+    }
     let motion = match side {
         Side::Left => Motion::TravelLeft,
         Side::Right => Motion::TravelRight,
@@ -181,6 +184,10 @@ pub(crate) fn ride_frequency<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W
 /// Natural frequency of the wheels between springs and tyres, the body held.
 pub(crate) fn wheel_hop_frequency<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     let tyre = state.setup.tyre_rate.unwrap_or(f64::NAN);
-    let rate = (wheel_rate(state, Side::Left) + wheel_rate(state, Side::Right)).scaled(0.5);
+    // Both wheels of a solid axle hop together; an independent wheel has the same rate either way.
+    let rate = match state.carriers.is_rigid() {
+        true => axle_load(&state.on_pads().moving(Motion::Heave))[1].scaled(0.5),
+        false => (wheel_rate(state, Side::Left) + wheel_rate(state, Side::Right)).scaled(0.5),
+    };
     frequency(state, rate + rate.lit(tyre), state.setup.unsprung_mass)
 }

@@ -21,13 +21,19 @@
 //! height v.e/(w.i)        to the left -v.n/(w.i)                                               (2)
 //! ```
 //!
-//! Each wheel is read in its own frame, the right one in the mirror image, where its own difference is -d. So n.C_r,d is
-//! minus what is read there, and e.C_r,d is what is read outboard.
+//! The height of a pad changes with both travels of the wheel centres:
+//!
+//! ```text
+//! dp_l = (n.C_l,h + n.C_l,d)/2 dz_l + (n.C_l,h - n.C_l,d)/2 dz_r, and the same for p_r with l and r exchanged   (3)
+//! ```
+//!
+//! Each wheel is read in its own frame, the right one in the mirror image, where its own difference is -d. So n.C_r,d
+//! is the negative of the reading there, and e.C_r,d is the outboard reading.
 
 use super::loads::{bar_torque, spring_force};
 use super::roll::FARTHEST_MEETING;
 use crate::axle::reading::WheelParts;
-use crate::axle::state::AxleState;
+use crate::axle::state::{AxleState, Motion, WheelState};
 use crate::characteristics::NumberPart;
 use crate::model::Side;
 use crate::number::{Each, Real, Scalar, Vector3};
@@ -102,6 +108,34 @@ pub(crate) fn rolls_about_infinity(state: &AxleState<f64>) -> bool {
 
 /// Loads of both wheels by springs and anti-roll bar.
 pub(crate) fn wheel_loads<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) -> [T; 2] {
+    loads_of(state, state.setup.bar_rate.is_some())
+}
+
+/// Load that a wheel gains as its level pad rises, by the springs alone. The other pad stands still, so both travels change
+/// by the inverse of the matrix of (3).
+pub(crate) fn wheel_rate<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>, side: Side) -> T {
+    let pads = state.on_pads();
+    let by_travel = |motion: Motion| loads_of(&pads.moving(motion), false)[side as usize][1];
+    let (by_left, by_right) = (
+        by_travel(Motion::TravelLeft),
+        by_travel(Motion::TravelRight),
+    );
+    let rises = |wheel: WheelState<'_, T, W>| {
+        let (difference, mean) = (wheel.rise_by_difference(), wheel.rise_by_mean());
+        // By the wheel's own travel and by the other one.
+        [mean + difference, mean - difference].each(|c| c.scaled(0.5))
+    };
+    let [left, right] = pads.wheels();
+    let ([left_own, left_other], [right_own, right_other]) = (rises(left), rises(right));
+    let determinant = left_own * right_own - left_other * right_other;
+    let sum = match side {
+        Side::Left => by_left * right_own - by_right * right_other,
+        Side::Right => by_right * left_own - by_left * left_other,
+    };
+    sum / determinant
+}
+
+fn loads_of<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>, has_bar: bool) -> [T; 2] {
     let rates = |side: Side, part: NumberPart| {
         let reading = &state.readings[side as usize];
         let by_difference = reading.number(part, state.carriers.by_difference());
@@ -119,7 +153,7 @@ pub(crate) fn wheel_loads<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) 
         difference: left[0] - right[0],
         mean: left[1] + right[1],
     };
-    if state.setup.bar_rate.is_some() {
+    if has_bar {
         let torque = bar_torque(state);
         let [left, right] =
             [Side::Left, Side::Right].each(|side| rates(side, NumberPart::BarAngle));

@@ -1,4 +1,4 @@
-//! Track, roll centre, jacking, and what rolling does to a wheel.
+//! Track, roll centre, jacking, and the effects of roll on a wheel.
 //!
 //! In front view the reaction of a side force on a locked wheel runs along the normal to C' through C: one
 //! unit of it inboard along the ground brings j units of load, j = (C'.o)/(C'.n) with o outboard along the
@@ -70,7 +70,7 @@ pub(crate) fn track_change<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -
     state.track() - designed
 }
 
-/// How far outboard a contact point is in the design position.
+/// Lateral distance of a contact point from the centre plane in the design position.
 #[inline(always)]
 fn designed_half_track<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>, side: Side) -> T {
     let wheel = state.wheel(side);
@@ -128,7 +128,7 @@ pub(crate) fn jacking_force_ratio<T: Real, W: WheelParts<T>>(state: &AxleState<T
     (right - left).scaled(0.5)
 }
 
-/// How the kinematic roll centre rises in roll.
+/// Rise of the kinematic roll centre by the roll angle.
 #[inline(always)]
 pub(crate) fn roll_centre_migration_vertical<T: Real, W: WheelParts<T>>(
     state: &AxleState<T, W>,
@@ -136,7 +136,7 @@ pub(crate) fn roll_centre_migration_vertical<T: Real, W: WheelParts<T>>(
     roll_centre_height(&state.moving(Motion::Roll))[1]
 }
 
-/// How it moves sideways in roll.
+/// Lateral movement of the kinematic roll centre by the roll angle.
 #[inline(always)]
 pub(crate) fn roll_centre_migration_lateral<T: Real, W: WheelParts<T>>(
     state: &AxleState<T, W>,
@@ -144,21 +144,21 @@ pub(crate) fn roll_centre_migration_lateral<T: Real, W: WheelParts<T>>(
     roll_centre_lateral(&state.moving(Motion::Roll))[1]
 }
 
-/// How the force-based height changes in roll.
+/// Change of the force-based roll centre height by the roll angle.
 #[inline(always)]
 pub(crate) fn force_roll_centre_migration<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     force_roll_centre_height(&state.moving(Motion::Roll))[1]
 }
 
-/// How far to the side the normals through both contact points may meet, in halves of the track: beyond a hundred
-/// tracks they are so nearly parallel that their meeting point says nothing.
+/// Largest lateral distance of the meeting point of the normals through both contact points, in halves of the track.
+/// Beyond a hundred tracks they are so nearly parallel that their meeting point means nothing.
 pub(crate) const FARTHEST_MEETING: f64 = 200.0;
 
-/// Sum of the jacking coefficients at which both normals are upright: their meeting point is made of the rounding of both,
-/// about 1e-15, and would be anywhere along the ground.
+/// Sum of the jacking coefficients at which both normals are upright. Rounding of about 1e-15 would then place their
+/// meeting point anywhere along the ground.
 pub(crate) const UPRIGHT: f64 = 1e-8;
 
-/// Whether they meet farther, or are upright.
+/// Returns true if the normals are upright or meet beyond the largest distance.
 pub(crate) fn normals_are_parallel(state: &AxleState<f64>) -> bool {
     if state.carriers.is_rigid() {
         return rigid::rolls_about_infinity(state);
@@ -167,7 +167,7 @@ pub(crate) fn normals_are_parallel(state: &AxleState<f64>) -> bool {
     !meet_near(jacking(state))
 }
 
-/// Whether normals with these jacking coefficients meet near enough.
+/// Returns true if normals with these jacking coefficients meet near enough.
 fn meet_near([left, right]: [f64; 2]) -> bool {
     let sum = (left + right).abs();
     sum > UPRIGHT && (left - right).abs() < FARTHEST_MEETING * sum

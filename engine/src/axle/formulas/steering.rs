@@ -64,7 +64,7 @@ struct Turn<T> {
     inner: [T; 2],
     /// Likewise the outer wheel's.
     outer: [T; 2],
-    /// How far each wheel centre is ahead of the other axle's line: inner, outer.
+    /// Distance of each wheel centre ahead of the other axle's line: inner, outer.
     ahead: [T; 2],
     /// Distance of the wheel centres across the vehicle.
     across: T,
@@ -169,7 +169,7 @@ pub(crate) fn ackermann<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T
     ((inner - outer) / (inner - turn.ideal_outer())).scaled(100.0)
 }
 
-/// In percent of the difference that is ideal for the outer wheel, as Simscape has it.
+/// In percent of the difference that is ideal for the outer wheel, as in Simscape.
 #[inline(always)]
 pub(crate) fn ackermann_by_inner<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     let turn = Turn::of(state);
@@ -205,11 +205,11 @@ pub(crate) fn turning_circle<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>)
 pub(crate) struct FromAbove {
     /// Rear and front end of the left and the right wheel.
     pub wheels: [[[f64; 2]; 2]; 2],
-    /// Where the spin axis of each meets the other axle's line; none straight ahead.
+    /// Points where the spin axis of each wheel meets the other axle's line; none straight ahead.
     pub meets: Option<[[f64; 2]; 2]>,
     /// Midway between both.
     pub centre: Option<[f64; 2]>,
-    /// Where the other axle is, along x.
+    /// Position of the other axle, along x.
     pub other_axle: f64,
 }
 
@@ -254,7 +254,7 @@ pub(crate) fn turn(state: &AxleState<f64>) -> Option<FromAbove> {
     })
 }
 
-/// Whether the wheels are so near straight ahead that percentages of differences say nothing.
+/// Returns true if the wheels are so near straight ahead that percentages of differences mean nothing.
 pub(crate) fn is_straight_ahead(state: &AxleState<f64>) -> bool {
     let steer = mean_steer(state);
     steer.is_nan() || steer.abs() < STRAIGHT_AHEAD

@@ -18,7 +18,7 @@ pub(super) struct Figure<T> {
     pub(super) value: Option<T>,
 }
 
-/// What figures depend on beside the state.
+/// Inputs of the figures, apart from the state.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sheet<'a> {
     pub(super) suspension: &'a Suspension,
@@ -30,7 +30,7 @@ pub(super) struct Sheet<'a> {
     pub(super) tyre_rate: Option<f64>,
 }
 
-/// What is read of a state for the figures of a test.
+/// Values of a state that the figures of a test need.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Read<T> {
     /// Derivatives or secants by one newton, one newton times length, or one length.
@@ -209,7 +209,7 @@ impl Sheet<'_> {
             .collect()
     }
 
-    /// Force per length from length per force; `None` of what does not move.
+    /// Force per length from length per force; `None` for a part that does not move.
     pub(super) fn stiffness<T: Scalar>(&self, displacement: Option<T>) -> Option<T> {
         let millimetre = self.suspension.length_unit.per_metre() / 1000.0;
         let least = LEAST_COMPLIANCE / 1000.0 * millimetre;

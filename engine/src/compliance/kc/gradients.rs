@@ -74,7 +74,7 @@ impl<'s, T: Scalar> Station<'s, T> {
         ElasticWheel::of_inputs(inputs, of, is_rate)
     }
 
-    /// Values of the station; `None` where there is none. `secant` gives the differences over the window of a test.
+    /// Values of the station; `None` if it has none. `secant` gives the differences over the window of a test.
     fn values(
         &mut self,
         wanted: &[KcValue],
@@ -117,7 +117,7 @@ impl<'s, T: Scalar> Station<'s, T> {
         wheel.figures_along(self.tangent(test.held)?, &change)
     }
 
-    /// What the figures of a test are read from, `by` in place of its derivatives if given.
+    /// Reads the values that the figures of a test need. A given `by` replaces the derivatives of the state.
     fn read(&mut self, test: &KcTest, by: Option<WheelFigures<T>>) -> Read<T> {
         let needs_rate = test.load == TestLoad::Heave && self.sheet.tyre_rate.is_some();
         let has_spring = test.load == TestLoad::Steering && self.wheel.spring(&self.at).is_some();
@@ -156,7 +156,7 @@ impl<'s, T: Scalar> Station<'s, T> {
 /// A value at a station, with its derivatives by some inputs.
 #[derive(Clone, Copy, Debug)]
 pub struct KcGradient<'g> {
-    /// Number of the value among those that were asked for.
+    /// Number of the value among the requested ones.
     pub number: usize,
     /// The value; `None` if there is none.
     pub value: Option<f64>,
@@ -165,8 +165,8 @@ pub struct KcGradient<'g> {
 }
 
 impl KcRun<'_> {
-    /// Values at a station of travel and rack (along the study's +y) with their derivatives by inputs. `tape` is room
-    /// for the work.
+    /// Values at a station of travel and rack (along the study's +y) with their derivatives by inputs. `tape` is a
+    /// work buffer.
     pub fn gradients(
         &self,
         [travel, rack]: [f64; 2],
@@ -213,7 +213,7 @@ impl KcRun<'_> {
         Ok(())
     }
 
-    /// Values at a station of travel and rack (along the study's +y); `None` where there is none.
+    /// Values at a station of travel and rack (along the study's +y); `None` if it has none.
     pub fn values(
         &self,
         [travel, rack]: [f64; 2],

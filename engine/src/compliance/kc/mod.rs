@@ -57,7 +57,7 @@ pub struct KcLevel {
     pub level: i64,
     /// The load.
     pub load: f64,
-    /// The equilibrium, or why there is none.
+    /// The equilibrium, or the reason for its absence.
     pub state: Result<KcState, NoEquilibrium>,
 }
 
@@ -66,7 +66,7 @@ pub struct KcLevel {
 pub struct KcOutcome {
     /// The test.
     pub test: KcTest,
-    /// Where its load acts.
+    /// Place where its load acts.
     pub place: TestPlace,
     /// Its figures.
     pub figures: Vec<KcFigure>,

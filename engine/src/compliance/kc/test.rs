@@ -1,4 +1,4 @@
-//! Tests of a rig: what is loaded or moved, and how far.
+//! Tests of a rig: loaded or moved quantities, and their ranges.
 
 use crate::compliance::{Change, HeldQuantity, WheelLoads};
 use crate::model::{LengthUnit, TorquePath, VehicleFigures};
@@ -46,7 +46,7 @@ impl TestLoad {
     }
 }
 
-/// Where a test load acts.
+/// Place where a test load acts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TestPlace {
     /// A motion acts nowhere.
@@ -66,7 +66,7 @@ pub struct KcTest {
     pub load: TestLoad,
     /// Distance of the side force behind the contact point.
     pub trail: f64,
-    /// What stays while the load changes.
+    /// Quantity that stays fixed while the load changes.
     pub held: HeldQuantity,
     /// Half-width of the range of the load: force, or force times length.
     pub window: f64,

@@ -21,20 +21,24 @@
 //! ```
 
 mod arm_angle;
+mod arm_end;
 mod axle_travel;
 mod link;
 mod revolute;
+mod rocker_end;
 mod strut_line;
 
 pub use arm_angle::raises_its_joint;
 pub(crate) use arm_angle::{ArmAngle, axis_ends};
+pub(crate) use arm_end::{ArmEnd, PartDimensions};
 pub(crate) use axle_travel::TravelRow;
 use link::Link;
 use revolute::Pinned;
+use rocker_end::RockerEnd;
 use strut_line::StrutLine;
 
 use super::pose::{Configuration, Sink, Twist, Wrench};
-use crate::model::{Constraint, PointId};
+use crate::model::{Body, Constraint, Mechanism};
 use crate::number::Real;
 use crate::number::Vector3;
 
@@ -45,19 +49,46 @@ pub(crate) enum Row<T> {
     StrutLine(StrutLine<T>),
     Pinned(Pinned<T>),
     AxleTravel(TravelRow),
+    ArmEnd(ArmEnd<T>),
+    RockerEnd(RockerEnd<T>),
+}
+
+/// Calls a method of whichever equation a row is.
+macro_rules! row {
+    ($row:expr, $equation:ident => $call:expr) => {
+        match $row {
+            Row::Link($equation) => $call,
+            Row::StrutLine($equation) => $call,
+            Row::Pinned($equation) => $call,
+            Row::AxleTravel($equation) => $call,
+            Row::ArmEnd($equation) => $call,
+            Row::RockerEnd($equation) => $call,
+        }
+    };
 }
 
 impl<T: Real> Row<T> {
     /// Row `number` of a constraint, for a design.
     #[inline(always)]
     pub(crate) fn of(
+        mechanism: &Mechanism,
         constraint: Constraint,
         number: usize,
         design: &[Vector3<T>],
-        origin: PointId,
     ) -> Row<T> {
+        let origin = mechanism.origin;
         match constraint {
-            Constraint::Link { inner, outer } => Row::Link(Link::new(inner, outer, design)),
+            Constraint::Link { inner, outer } => {
+                match [inner, outer].map(|id| mechanism.body(id)) {
+                    [Body::Arm(arm), _] => {
+                        Row::ArmEnd(ArmEnd::link(mechanism, arm, [inner, outer], design))
+                    }
+                    [Body::Rocker(_), _] | [_, Body::Rocker(_)] => {
+                        Row::RockerEnd(RockerEnd::new(inner, outer, design))
+                    }
+                    _ => Row::Link(Link::new(inner, outer, design)),
+                }
+            }
             Constraint::StrutLine { top, lower, upper } => {
                 Row::StrutLine(StrutLine::both(top, lower, upper, design, origin)[number])
             }
@@ -65,66 +96,59 @@ impl<T: Real> Row<T> {
                 Row::Pinned(Pinned::all(first, second, design, design, origin)[number])
             }
             Constraint::BallJoint { at } => Row::Pinned(Pinned::point(at, design, origin)[number]),
+            Constraint::ArmJoint { arm, at } => {
+                Row::ArmEnd(ArmEnd::joint(mechanism, arm, at, number, design))
+            }
             Constraint::AxleTravel { near, far, held } => {
                 Row::AxleTravel(TravelRow::new(near, far, held))
             }
         }
     }
 
-    /// Row `number` of a constraint, for parts with dimensions of their own: the points of the body, every point where
-    /// the undisplaced knuckle carries it, and the length of a rod.
+    /// Row `number` of the constraint with this place among the mechanism's, for parts with dimensions of their own.
     #[inline(always)]
     pub(crate) fn of_parts(
-        constraint: Constraint,
+        mechanism: &Mechanism,
+        constraint: usize,
         number: usize,
-        [body, knuckle]: [&[Vector3<T>]; 2],
-        length: T,
-        origin: PointId,
+        parts: PartDimensions<T>,
     ) -> Row<T> {
-        match constraint {
-            Constraint::Link { inner, outer } => {
-                Row::Link(Link::of_squared_length(inner, outer, length.squared()))
-            }
-            Constraint::StrutLine { .. }
-            | Constraint::BallJoint { .. }
-            | Constraint::AxleTravel { .. } => Row::of(constraint, number, knuckle, origin),
+        let length = parts.lengths[constraint];
+        match mechanism.constraints[constraint] {
+            Constraint::Link { inner, outer } => match mechanism.body(inner) {
+                Body::Arm(arm) => {
+                    let ends = [inner, outer];
+                    Row::ArmEnd(ArmEnd::built_link(mechanism, arm, ends, length, parts))
+                }
+                _ => Row::Link(Link::of_squared_length(inner, outer, length.squared())),
+            },
             Constraint::Revolute { first, second } => {
-                Row::Pinned(Pinned::all(first, second, body, knuckle, origin)[number])
+                let all = Pinned::all(first, second, parts.body, parts.knuckle, mechanism.origin);
+                Row::Pinned(all[number])
             }
+            Constraint::ArmJoint { arm, at } => {
+                Row::ArmEnd(ArmEnd::built_joint(mechanism, arm, at, number, parts))
+            }
+            constraint => Row::of(mechanism, constraint, number, parts.knuckle),
         }
     }
 
     /// F of (1), as a length.
     #[inline(always)]
     pub(crate) fn residual(&self, at: &Configuration<T>) -> T {
-        match self {
-            Row::Link(row) => row.residual(at),
-            Row::StrutLine(row) => row.residual(at),
-            Row::Pinned(row) => row.residual(at),
-            Row::AxleTravel(row) => row.residual(at),
-        }
+        row!(self, row => row.residual(at))
     }
 
     /// Adds `weight` times the differential (2) to the sink.
     #[inline(always)]
     pub(crate) fn differential(&self, at: &Configuration<T>, weight: T, sink: &mut impl Sink<T>) {
-        match self {
-            Row::Link(row) => row.differential(at, weight, sink),
-            Row::StrutLine(row) => row.differential(at, weight, sink),
-            Row::Pinned(row) => row.differential(at, weight, sink),
-            Row::AxleTravel(row) => row.differential(at, weight, sink),
-        }
+        row!(self, row => row.differential(at, weight, sink));
     }
 
     /// Rates (4) of force, moment and rack force along a motion of the knuckle, with the rack held.
     #[inline(always)]
     pub(crate) fn wrench_rate(&self, at: &Configuration<T>, along: &Twist<T>) -> Wrench<T> {
-        match self {
-            Row::Link(row) => row.wrench_rate(at, along),
-            Row::StrutLine(row) => row.wrench_rate(at, along),
-            Row::Pinned(row) => row.wrench_rate(at, along),
-            Row::AxleTravel(row) => row.wrench_rate(at, along),
-        }
+        row!(self, row => row.wrench_rate(at, along))
     }
 }
 

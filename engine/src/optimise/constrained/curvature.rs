@@ -2,7 +2,7 @@
 
 use super::super::qr::dot;
 
-/// How stiff a program with curvature is across the rows that it holds, in largest diagonals.
+/// Stiffness of a program with curvature across the rows that it holds, in largest diagonals.
 const ACROSS: f64 = 4.0;
 /// The most shifts that make a matrix positive definite, each ten times the one before.
 const SHIFTS: usize = 40;
@@ -12,7 +12,7 @@ pub(super) struct Curvature {
     variables: usize,
     /// S, column after column.
     matrix: Vec<f64>,
-    /// Whether S is in use.
+    /// True if S is in use.
     in_use: bool,
 }
 

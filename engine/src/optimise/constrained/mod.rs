@@ -25,12 +25,11 @@
 //! curvature that A^T A leaves out (J. E. Dennis, D. M. Gay, R. E. Welsch, An adaptive nonlinear
 //! least-squares algorithm, ACM Trans. Math. Softw. 7, 1981). Earlier it would do harm.
 //!
-//! Steps are accepted by a filter: no pair of goal and violation that was passed may be better in both
-//! (R. Fletcher, S. Leyffer, Nonlinear programming without a penalty function, Mathematical Programming
-//! 91, 2002). Where curvature of the constraints is what refuses a step, one second-order correction is
-//! tried before it is shortened. Where the rows of (1) exclude one another, they are relaxed by what the
-//! most violated of them must at least be; and if that is no less than the violation is already, no small
-//! move lessens it, and the run ends with the rows that are to blame.
+//! A filter accepts steps: no earlier pair of goal and violation may be better in both (R. Fletcher, S. Leyffer,
+//! Nonlinear programming without a penalty function, Mathematical Programming 91, 2002). If curvature of the
+//! constraints is the reason for a rejection, one second-order correction is tried before the step is shortened. If
+//! the rows of (1) exclude one another, they are relaxed by the least possible value of the largest violation. If
+//! that is no less than the present violation, no small move reduces it. The run then ends with the rows to blame.
 //!
 //! Rows that no variable moves are left out ([`movable`]). A run has converged where its multipliers balance the slope
 //! ([`stationarity`](super::stationarity)).
@@ -51,7 +50,7 @@ use nalgebra::DVector;
 
 /// A least-squares problem with constraints.
 pub trait Constrained {
-    /// How large it is.
+    /// Size of the problem.
     fn shape(&self) -> Shape;
 
     /// Sizes of the limits that the rows are measured from, in the rows' unit; they tell the rounding of a row.
@@ -70,11 +69,11 @@ pub struct Shape {
     pub variables: usize,
     /// Residuals of the goal, at least one.
     pub goal: usize,
-    /// Residuals held to each level, and what their norm must not exceed.
+    /// Residuals held to each level, and the limit of their norm.
     pub levels: Vec<(usize, f64)>,
     /// Rows, all.
     pub rows: usize,
-    /// How many of them, the first, must vanish.
+    /// Number of leading rows that must vanish.
     pub equalities: usize,
 }
 
@@ -100,7 +99,7 @@ impl Assessment {
         }
     }
 
-    /// Whether every number is one.
+    /// Returns an error unless every number is finite.
     pub fn check(&self) -> Result<(), Infeasible> {
         self.goal.check()?;
         self.levels.iter().try_for_each(Linearisation::check)?;

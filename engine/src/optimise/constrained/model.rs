@@ -15,22 +15,22 @@ use nalgebra::DVector;
 
 /// Damping relative to the largest pivot: directions that neither goal nor rows see stay put.
 const DAMPING: f64 = 1e-7;
-/// A level is met to this share of itself, and in any case to a tenth of what counts as kept.
+/// A level is met to this share of itself, and in any case to a tenth of the violation that counts as kept.
 const LEVEL_MET: f64 = 1e-7;
 /// The most programs that a multiplier of the level is searched with.
 const SECANTS: usize = 30;
-/// What damping grows by, and how often, where a program that has a solution is not solved.
+/// Factor of the damping, and number of increases, for a program that has a solution but is not solved.
 const MORE_DAMPING: f64 = 100.0;
 const DAMPINGS: usize = 3;
-/// The most programs of one step, those of all levels together.
+/// The most programs of one step, over all levels.
 const PROGRAMS: usize = 300;
-/// Duplicate rows agree to this, a hundredth of what counts as kept.
+/// Agreement of duplicate rows: a hundredth of the violation that counts as kept.
 const SLACK: f64 = 1e-9;
 
-/// How a step came about.
+/// Origin of a step.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Proposal {
-    /// It is the minimum of the model.
+    /// The minimum of the model.
     Optimal,
     /// The rows exclude one another within the radius. The largest violation that must remain, and the
     /// rows to blame.
@@ -63,7 +63,7 @@ pub(super) struct ConvexModel<'a> {
     /// Rows as they are, their gradients scaled.
     normals: Vec<f64>,
     offsets: Vec<f64>,
-    /// Whether a row says anything about steps.
+    /// True for each row that restricts steps.
     speaks: Vec<bool>,
     /// Equalities among the rows kept.
     kept_equalities: usize,
@@ -87,12 +87,12 @@ pub(super) struct ConvexModel<'a> {
     row_multipliers: Vec<f64>,
     bound_multipliers: Vec<f64>,
     level_multipliers: Vec<f64>,
-    /// What the squares of each level weigh in the program that is solved next.
+    /// Weights of the squares of each level in the next program.
     weights: Vec<f64>,
-    /// The multipliers of the levels found last: where the next search begins.
+    /// The multipliers of the levels found last: the start of the next search.
     last_weights: Vec<Option<f64>>,
     curvature: Curvature,
-    /// Normals and offsets of what was held last, across which the curvature is made stiff.
+    /// Normals and offsets of the rows held last. The curvature is made stiff across them.
     across: Vec<(Vec<f64>, f64)>,
     matrix: Vec<f64>,
     vector: Vec<f64>,
@@ -190,7 +190,7 @@ impl<'a> ConvexModel<'a> {
         self.propose(curved)
     }
 
-    /// Finds the step that also takes back what the rows at the trial exceed their model by.
+    /// Finds the step that also corrects the excess of the rows at the trial over their model.
     pub(super) fn solve_corrected(&mut self, trial: &Assessment, curved: bool) -> Proposal {
         let n = self.half.len();
         self.kept_offsets.clear();
@@ -381,7 +381,7 @@ impl<'a> ConvexModel<'a> {
         self.level_multipliers.fill(0.0);
     }
 
-    /// By how much the step exceeds a level, as a logarithm of the ratio.
+    /// Ratio by which the step exceeds a level, as a logarithm.
     fn excess(&mut self, k: usize) -> f64 {
         // A level of zero could only be neared for ever.
         let goal = self.levels[k].max(1e-12);
@@ -454,7 +454,7 @@ impl<'a> ConvexModel<'a> {
         self.step.iter().fold(0.0, |most, s| s.abs().max(most))
     }
 
-    /// By how much the step lowers the goal, says the model without its curvature.
+    /// Reduction of the goal by the step, from the model without its curvature.
     pub(super) fn predicted_reduction(&mut self) -> f64 {
         let Self {
             goal,

@@ -9,9 +9,9 @@
 //! sum_j |a_j| width_j <= max(1e-9, 256 e (|value| + 2 |limit|)),     e: the machine precision            (1)
 //! ```
 //!
-//! Rows are in visible units, a millimetre or a degree. Some hundreds of operations compute them from coordinates of up
-//! to ten thousand units, so that their rounding is about 1e-9. That is a hundredth of what counts as kept. The second
-//! term is the rounding of larger values.
+//! Rows are in visible units, a millimetre or a degree. Some hundreds of operations compute them from coordinates of
+//! up to ten thousand units, so that their rounding is about 1e-9. That is a hundredth of the violation that counts
+//! as kept. The second term is the rounding of larger values.
 //!
 //! A row that stands still at the start may move elsewhere. So every evaluation examines it again, also the evaluations
 //! of refused steps. The row takes part from the first evaluation at which it moves, or at which its value differs by
@@ -25,7 +25,7 @@ const ROUNDING: f64 = 1e-9;
 /// Rounding of a row, relative to its value.
 const RELATIVE_ROUNDING: f64 = 256.0 * f64::EPSILON;
 
-/// Which rows take part in a run.
+/// Rows that take part in a run.
 #[derive(Clone, Debug)]
 pub(super) struct Movable {
     /// Rounding of each row by (1).
@@ -53,7 +53,7 @@ impl Movable {
         movable
     }
 
-    /// Looks at the rows at another point. Returns whether more of them take part than before.
+    /// Evaluates the rows at another point. Returns true if more of them take part than before.
     pub(super) fn look(&mut self, at: &Linearisation, bounds: &Bounds) -> bool {
         if self.standing == 0 {
             return false;
@@ -72,12 +72,12 @@ impl Movable {
         self.standing < before
     }
 
-    /// Whether a row takes part.
+    /// Returns true if a row takes part.
     pub(super) fn takes_part(&self, row: usize) -> bool {
         self.takes_part[row]
     }
 
-    /// Whether some variable moves a row at a point.
+    /// Returns true if some variable moves a row at a point.
     pub(super) fn moves_at(&self, row: usize, at: &Linearisation, bounds: &Bounds) -> bool {
         let slopes = at.jacobian.row(row);
         let slopes = slopes.iter().zip(bounds.width().iter());

@@ -10,7 +10,7 @@ use super::{Assessment, Constrained};
 use argmin::core::{Error, KV, Problem, Solver, TerminationStatus};
 use nalgebra::DVector;
 
-/// Rows violated by no more than this are kept: a millionth of what anybody would see.
+/// Rows violated by no more than this are kept. It is a millionth of a visible difference.
 pub(in crate::optimise) const KEPT: f64 = 1e-7;
 /// A run ends at this share of [`Options::reduction_below`]: multipliers are right to the root of it.
 const NEGLIGIBLE: f64 = 1e-2;
@@ -30,19 +30,19 @@ const BESIDE: f64 = 1e-6;
 const SIDES: usize = 4;
 /// Iterations after which the estimate of the curvature is put to use.
 const CURVED_FROM: u64 = 7;
-/// A step this short, in half ranges, is none: programs are solved to no more digits.
+/// A step this short, in half ranges, counts as zero: programs are solved to no more digits.
 pub(super) const RESOLUTION: f64 = 1e-12;
 /// The most trials of an iteration. Each is at most half as long as the one before.
 const TRIALS: usize = 60;
 /// A violation that the model cannot lower by more than this share of it does not shrink.
 const STUCK: f64 = 1e-4;
 
-/// Where a run under constraints ended.
+/// End of a run under constraints.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ConstrainedFit {
     /// The variables, within their bounds.
     pub x: DVector<f64>,
-    /// Everything there.
+    /// Goal, levels and rows there.
     pub at: Assessment,
     /// The largest violation there, of the rows that some variable moves.
     pub violation: f64,
@@ -56,7 +56,7 @@ pub struct ConstrainedFit {
     /// Other multipliers of the rows that are as good: gradients that depend on one another share the push out in any
     /// way.
     pub alternatives: Option<Vec<f64>>,
-    /// Residual of the optimality conditions: how far slopes and multipliers are from balance, relative to their sizes.
+    /// Residual of the optimality conditions: imbalance of slopes and multipliers, relative to their sizes.
     pub imbalance: f64,
     /// Rows that exclude one another about x, where there are such.
     pub culprits: Vec<Held>,
@@ -72,7 +72,7 @@ impl ConstrainedFit {
         evaluations(&self.history)
     }
 
-    /// Whether rows and levels are kept.
+    /// Returns true if rows and levels are kept.
     pub fn is_feasible(&self) -> bool {
         self.violation <= KEPT
     }
@@ -162,7 +162,7 @@ impl SequentialConvex<'_> {
         }
     }
 
-    /// The residuals a run is told by: those held to a level, where there are any.
+    /// The residuals that a run reports: those held to a level, if there are any.
     fn reported(&self) -> &Linearisation {
         self.current.levels.first().unwrap_or(&self.current.goal)
     }
@@ -174,12 +174,12 @@ impl SequentialConvex<'_> {
         [of.goal.cost(), violation]
     }
 
-    /// Whether some variable moves a row, as far as is known.
+    /// Returns true if some variable is known to move a row, or if nothing is known yet.
     fn takes_part(&self, row: usize) -> bool {
         self.movable.as_ref().is_none_or(|m| m.takes_part(row))
     }
 
-    /// Evaluates the trial, and looks there for rows that move. Returns whether there are new ones.
+    /// Evaluates the trial, and looks there for rows that move. Returns true if there are new ones.
     fn evaluate_trial(&mut self, problem: &mut impl Constrained) -> Result<bool, Infeasible> {
         problem.assess(&self.trial_x, &mut self.trial)?;
         self.trial.check()?;
@@ -223,8 +223,7 @@ impl SequentialConvex<'_> {
         }
     }
 
-    /// Whether the trial is better than where the run is; `predicted` is the model's reduction of the
-    /// goal.
+    /// Returns true if the trial is better than the current point; `predicted` is the model's reduction of the goal.
     fn is_better(&mut self, from: [f64; 2], predicted: f64) -> bool {
         let [goal, violation] = self.pair(&self.trial);
         let [from_goal, from_violation] = from;

@@ -178,7 +178,7 @@ fn a_straight_front_has_its_slope_everywhere() {
     assert!(widest_step(&traced.points) < 0.045);
 }
 
-/// Where one design is best in all, the front is that design.
+/// A design that is best in all aims is the whole front.
 #[test]
 fn without_a_trade_there_is_one_point() {
     let traced = traced(&[[-5.0, 5.0]; 2], [2, 1], &[&[0.4, 1.1]], |x| {

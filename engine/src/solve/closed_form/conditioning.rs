@@ -1,4 +1,4 @@
-//! An estimate of the condition number from what the closed form computes anyway.
+//! Estimate of the condition number from intermediate results of the closed form.
 //!
 //! With the arm held, a unit of residual, in sizes of the mechanism, moves the knuckle in two ways: the upper
 //! end gives way about its lever u, and the tie rod lets the knuckle turn about the steering axis d with its
@@ -17,8 +17,8 @@
 use super::{ArmState, ClosedForm};
 
 impl ClosedForm<f64> {
-    /// An estimate of the condition number in a state of a mechanism of this size. `rate` is how far the pose moves per
-    /// unit of travel; `None` if the arm's angle drives.
+    /// An estimate of the condition number in a state of a mechanism of this size. `rate` is the move of the pose
+    /// per unit of travel; `None` if the arm's angle drives.
     #[inline]
     pub(crate) fn condition(&self, state: &ArmState<f64>, size: f64, rate: Option<f64>) -> f64 {
         let tie_rod_squared = self.tie_squared - 2.0 * self.tie_difference;

@@ -7,19 +7,23 @@
 //! d, g, n = d x g                        to the upper end of the steering axis, to the tie rod's inner end
 //! ```
 //!
-//! *Upper end.* [`Upper`] gives d and the knuckle vector v that is carried onto it. What is left is a
-//! turn about d, the steering axis.
+//! *Upper end.* [`Upper`] gives d and the knuckle vector v that is carried onto it. The only remaining
+//! freedom is a turn about d, the steering axis.
 //!
 //! *Tie rod.* Its outer end t obeys t.d = t0.v, t.t = t0.t0 and |t - g| = L, so that
 //! t = al d + be g + ga n with al, be from the 2x2 Gram system and
-//! ga^2 |n|^2 = t.t - al t.d - be t.g. The sign of ga says on which side of the plane through steering
-//! axis and rack joint the rod's end lies; it cannot change but where ga = 0 (toggle).
+//! ga^2 |n|^2 = t.t - al t.d - be t.g. The plane through steering axis and rack joint has two sides. The
+//! sign of ga tells the side of the rod's outer end. It changes only at ga = 0 (toggle).
 //!
 //! *Any knuckle vector* x0: with v carried onto d and t0 onto t,
 //! x = a d + b t + k (d x t), a, b from x0.v, x0.t0 and k from x0.(v x t0).
 //!
-//! What can vanish is G = |n|^2 (tie rod does not steer), E = |d x t|^2 (outer end on the steering axis),
-//! ga (toggle) and the margin of the upper end.
+//! These numbers can vanish:
+//!
+//! - G = |n|^2: the tie rod does not steer,
+//! - E = |d x t|^2: the tie rod's outer end is on the steering axis,
+//! - ga: the tie rod is at its toggle,
+//! - the margin of the upper end.
 
 mod adjoint;
 mod circle;

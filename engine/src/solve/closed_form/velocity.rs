@@ -1,8 +1,8 @@
 //! Velocities in a pose of the closed form.
 //!
-//! They all have one factor in common, so that nothing is divided before it is known by what they are to be
-//! derivatives. With the arm turning, the ball joint moves along its circle with r' and the upper end with
-//! d' + r'. The knuckle vector v = m + s u is carried onto d, so
+//! All velocities share one factor, which depends on the variable of the derivatives. The division by it comes
+//! last. As the arm turns, the ball joint moves along its circle with r' and the upper end moves with d' + r'.
+//! The knuckle vector v = m + s u is carried onto d, so
 //!
 //! ```text
 //! d' = w x d + s' u        w = (d x (d' - s' u))/|d|^2 + k d
@@ -14,7 +14,7 @@
 //! l.(w x t) + l.r' = 0     k = -(l.r' + l.((w - k d) x t))/(l.(d x t)),   l.(d x t) = ga |n|^2
 //! ```
 //!
-//! What turns d is normal to it, and is -r' but for what the upper end is free to do, along some f:
+//! The part of d' that turns d is normal to d. It is -r' plus the free motion of the upper end, along a vector f:
 //!
 //! ```text
 //! d' - s' u = f (d.r')/(d.f) - r'

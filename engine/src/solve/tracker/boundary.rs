@@ -1,8 +1,8 @@
 //! Designs at the boundary of those that the tracker accepts.
 //!
-//! On a line between an accepted and a rejected design, bisection ends at two neighbouring ones. What a guard looks at
-//! changes by rounding between these two. The guards that accept the first with some slack accept the second, too: so the
-//! second design is one that only the guard without slack rejects.
+//! On a line between an accepted and a rejected design, bisection ends at two neighbouring designs. Between these two,
+//! the inputs of a guard differ only by rounding. A guard that accepts the first design with some slack also accepts
+//! the second one. So only the guard without slack rejects the second design.
 
 use super::{Acceptance, Batch, LanePose, Rejection, Visit};
 use crate::model::{Drive, Suspension, Topology};
@@ -49,20 +49,20 @@ pub(super) fn template(topology: &str) -> Suspension {
     study.expect("a template is valid").into_wheel()
 }
 
-/// How a guard judges a place: its name, its reason, and the slack, which is negative where it rejects.
+/// Judgement of a guard at a place: its name, its reason to reject, and its slack. The slack is negative if it rejects.
 pub(super) struct Judgement {
     pub guard: &'static str,
     pub reason: Rejection,
-    /// Distance from the threshold as a part of it.
+    /// Distance from the threshold, relative to the threshold.
     pub slack: f64,
 }
 
-/// Slack that counts as none: many roundings of a design, far less than what other guards have.
+/// Slack that counts as none. It exceeds the rounding errors of a design and is far below the slack of other guards.
 const NONE: f64 = 1e-6;
 
-/// Looks for boundaries on lines from the study's own design, by turns with the rack in the middle and displaced.
-/// `judge` gives the guards at all places of an accepted design. Exactly one of them must be without slack and have
-/// the reason for which the neighbour is rejected. Returns how many boundaries each guard is.
+/// Searches for boundaries on lines from the study's own design. The rack is alternately in the middle and displaced.
+/// `judge` returns the judgements at all places of an accepted design. Exactly one of them must be without slack. Its
+/// reason must be that of the rejected neighbour. Returns the number of boundaries of each guard.
 pub(super) fn boundaries(
     suspension: &Suspension,
     drive: Drive,

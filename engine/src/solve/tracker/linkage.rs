@@ -7,8 +7,8 @@
 //! J (v, w) = -F        x + v,  r + h + h x r + r (r.h),  h = w/2
 //! ```
 //!
-//! leaves an error of second order; the residuals at what it yields say whether that is enough. If so, J takes
-//! away what is left of them, too: rates beside a fold would feel it.
+//! leaves an error of second order. The residuals at the result show if that is accurate enough. If so, one more step
+//! with J removes the remaining residuals, because they would disturb rates near a fold.
 //!
 //! J, its moments divided by the size of the mechanism, is split into four blocks of three by three,
 //!
@@ -345,7 +345,7 @@ pub(crate) struct LinkagePose<'p, 'd, B> {
     linkage: &'p LinkageDesign<'d, B>,
     at: Configuration<'d, B>,
     travel: B,
-    /// Storage for the equations linearised about the pose; `is_linear` tells whether they have been formed.
+    /// Storage for the equations linearised about the pose. `is_linear` is true once they are computed.
     linear: &'p RefCell<Linear<B>>,
     is_linear: Cell<bool>,
 }

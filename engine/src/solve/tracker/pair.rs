@@ -27,7 +27,7 @@ use super::{
 };
 use crate::derive::DesignedSpinAxis;
 use crate::mechanism::Ground;
-use crate::model::{Drive, Mechanism};
+use crate::model::{AxleTravel, Drive, Mechanism};
 use crate::number::{SimdReal, Vector3, outlined};
 use crate::solve::StationOrder;
 
@@ -53,12 +53,13 @@ pub enum PairDrive {
     },
 }
 
-/// Stations that are visited together.
+/// Stations that are visited together. The mean travel of a rigid axle takes the place of its rack, and the difference of
+/// its travels that of travel.
 #[derive(Clone, Debug)]
 pub struct PairStations {
     /// Mean travel in roll; 0 in heave.
     pub heave: f64,
-    /// Displacement of the rack towards the left wheel's outside.
+    /// Displacement of the rack towards the left wheel's outside; the mean travel of a rigid axle.
     pub rack: f64,
     /// Travels or roll angles.
     pub order: StationOrder,
@@ -70,6 +71,9 @@ pub struct PairBatch<'a> {
     wheels: [Batch<'a>; 2],
     drive: PairDrive,
     routes: Vec<Route>,
+    /// Displacement of the right wheel's rack by the left one's, each in its own frame: -1, or 1 if both share the mean travel
+    /// of a rigid axle.
+    right_rack: f64,
 }
 
 /// The position of an axle, in each lane.
@@ -202,7 +206,16 @@ impl<'a> PairBatch<'a> {
             routes: stations.iter().map(route).collect(),
             wheels,
             drive,
+            right_rack: match &mechanisms[0].rigid_axle {
+                Some(rigid) if rigid.held == AxleTravel::Mean => 1.0,
+                _ => -1.0,
+            },
         })
+    }
+
+    /// Displacement of the right wheel's rack by the left one's, each in its own frame.
+    pub fn right_rack(&self) -> f64 {
+        self.right_rack
     }
 
     /// Returns true if every station is visited. Stations that coincide or are far out of reach are left out.
@@ -325,7 +338,8 @@ impl<B: SimdReal, W, V, const N: usize> BothWheels<'_, B, W, V, N> {
     fn motions(&self, place: &RouteStep, half: B) -> [[B; 2]; 2] {
         let (mean, _) = self.batch.at(place);
         let (mean, rack) = (half.lit(mean), half.lit(place.rack));
-        [[rack, mean + half], [-rack, mean - half]]
+        let right = rack.scaled(self.batch.right_rack);
+        [[rack, mean + half], [right, mean - half]]
     }
 }
 
@@ -378,7 +392,7 @@ where
         let mut along = [[0.0; N]; 2];
         let ways = [
             [along_left, place.along_rack],
-            [along_right, -place.along_rack],
+            [along_right, self.batch.right_rack * place.along_rack],
         ];
         for wheel in 0..2 {
             let [by_travel, by_rack] = self.wheels[wheel].slopes();

@@ -114,8 +114,8 @@ impl<'m> PoseTracker<'m> {
 }
 
 impl Batch<'_> {
-    /// Tracks a single design with the rack at its `rack`-th displacement, and appends to `history` the unknowns that
-    /// [`Batch::revisit`] needs. Returns whether every station was accepted.
+    /// Tracks a single design with the rack at its `rack`-th displacement. Appends to `history` the unknowns that
+    /// [`Batch::revisit`] needs. Returns true if every station was accepted.
     pub(crate) fn track_one(
         &self,
         width: Width,

@@ -8,7 +8,7 @@ use super::super::sweep as samples;
 use super::super::{Law, SweepVariable, Tolerance, tolerance};
 use super::{CarBand, CarContributor, CarOptimise, CarSweep, CarTolerance, Resolver};
 use crate::car::{
-    AxleParameter, BodyParameter, Car, CarQuantity, CarTarget, CarVariable, Case, Moves,
+    AxleParameter, BodyParameter, Car, CarQuantity, CarRun, CarTarget, CarVariable, Case, Moves,
 };
 use crate::model::{Axis, PointId};
 use hardpoint_study_file::car_file;
@@ -19,7 +19,7 @@ use toml::Spanned;
 /// The most builds: their values are held in memory.
 const MOST_BUILDS: i64 = 100_000;
 
-/// The keys that name a part of the car and how far it moves.
+/// The keys that name a part of the car and its move.
 struct Written<'a> {
     place: Span<usize>,
     axle: Option<&'a Text>,
@@ -79,6 +79,8 @@ impl<'a> Written<'a> {
 /// Names of the axles.
 const ENDS: [(&str, usize); 2] = [("front", 0), ("rear", 1)];
 
+/// The most starts of a tuning.
+const MOST_STARTS: i64 = 10_000;
 /// Distance of the seeds of both axles and of the figures.
 const STREAM: u32 = 0x9e37_79b9;
 
@@ -212,8 +214,30 @@ impl Resolver<'_> {
             Some(most) => *most.get_ref() as u64,
             None => 200,
         };
+        let starts = match &section.starts {
+            Some(starts) if !(1..=MOST_STARTS).contains(starts.get_ref()) => {
+                let message = format!("expected 1 to {MOST_STARTS} starts");
+                return self.problems.refuse(starts.span(), message);
+            }
+            Some(starts) => *starts.get_ref() as usize,
+            None => 1,
+        };
+        let seed = match &section.seed {
+            Some(seed) => match u32::try_from(*seed.get_ref()) {
+                Ok(seed) => seed,
+                Err(_) => {
+                    let message = format!("expected a seed from 0 to {}", u32::MAX);
+                    return self.problems.refuse(seed.span(), message);
+                }
+            },
+            None => 1,
+        };
         sound.then_some(Some(CarOptimise {
-            max_iterations,
+            run: CarRun {
+                max_iterations,
+                starts,
+                seed,
+            },
             variables,
             targets,
         }))
@@ -460,7 +484,7 @@ impl Resolver<'_> {
         sound.then_some(Some(tolerance))
     }
 
-    /// Adds what an entry of `scatter` names.
+    /// Adds the contributors that an entry of `scatter` names.
     fn scatter(
         &mut self,
         car: &Car,

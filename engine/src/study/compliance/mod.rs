@@ -14,7 +14,7 @@ use super::resolve::each;
 use super::suspension::positive;
 use super::value::Text;
 use crate::compliance::{Compliance, ElasticWheel, KcTest, Relaxed};
-use crate::model::{Body, Suspension};
+use crate::model::{Body, Constraint, Suspension};
 use std::path::Path;
 use toml::Spanned;
 
@@ -31,7 +31,7 @@ pub struct ComplianceStudy {
     pub tyre_rate: Option<f64>,
 }
 
-/// The elastic parts, if nothing is wrong with them; the inner `None` if there are none.
+/// The elastic parts, if they have no error; the inner `None` without elastic parts.
 pub(super) fn compliance(
     file: &File,
     suspension: &Suspension,
@@ -66,6 +66,19 @@ pub(super) fn compliance(
         let message = "[axle] with [compliance] is not available yet";
         let error = problems.add(axle.span(), message);
         error.help("without [axle] the study is of the left wheel alone");
+        return None;
+    }
+    let mechanism = &suspension.mechanism;
+    let carries_link = |c: &Constraint| mechanism.arm_under(c).is_some();
+    if mechanism.constraints.iter().any(carries_link) {
+        let message = format!(
+            "{} has no elastic parts yet: its lower arm holds the wheel carrier at two points, which the elastic arm does not",
+            mechanism.topology.name
+        );
+        let error = problems.add(section.span(), message);
+        error.help(
+            "for results of the rigid mechanism, remove [compliance], [bushings] and [links]",
+        );
         return None;
     }
     if suspension.wheel_radius.is_none() {

@@ -111,7 +111,7 @@ impl Reader<'_> {
         Some(Some(of([inner, outer])))
     }
 
-    /// By how much a length changes along the motion.
+    /// Change of a length along the motion.
     pub(super) fn plunge(
         &self,
         written: &Spanned<MemberName>,

@@ -1,4 +1,4 @@
-//! `constraints` of `[optimise]`: what must hold.
+//! `constraints` of `[optimise]`: limits that a design must keep.
 
 mod joints;
 mod regions;
@@ -240,7 +240,7 @@ impl Reader<'_> {
         Some(limits)
     }
 
-    /// Limits of which there must be some.
+    /// Limits, of which at least one is required.
     fn needed_limits(&self, problems: &mut Problems) -> Option<Limits> {
         let limits = self.limits(problems)?;
         if limits == [None, None] {

@@ -1,4 +1,4 @@
-//! Where a point stays or does not go, and where members stay inside of a rim.
+//! Regions that a point stays in or out of, and rims that members stay inside of.
 
 use super::super::Limited;
 use super::super::error::Problems;
@@ -228,7 +228,8 @@ impl Reader<'_> {
         Some((what, vec![self.limited(of, Some(lower), None)]))
     }
 
-    /// Whether a point lies on the spin axis in the design position, so that its distance from it has no derivative.
+    /// Returns true if a point lies on the spin axis in the design position, so that its distance from the axis has
+    /// no derivative.
     fn is_on_spin_axis(&self, PointId(point): PointId) -> bool {
         let suspension = self.suspension();
         let (mechanism, design) = (&suspension.mechanism, &suspension.design);

@@ -12,7 +12,7 @@ fn study(name: &str, overrides: &[&str]) -> Study {
     Study::read(&path, &overrides).unwrap_or_else(|e| panic!("{e}"))
 }
 
-/// A study of each topology, with rocker and anti-roll bar too, and what sets its toe and camber.
+/// A study of each topology, with rocker and anti-roll bar too, and the adjustments of its toe and camber.
 const STUDIES: [(&str, &str); 5] = [
     (
         "macpherson_solve",

@@ -1,4 +1,4 @@
-//! Multipliers of what binds at the end of a run.
+//! Multipliers of the binding constraints and bounds at the end of a run.
 
 use super::super::super::Linearisation;
 use super::super::super::stationarity::{CONVERGED, Pushes, Scale, Sizes};
@@ -26,8 +26,7 @@ impl ConvexModel<'_> {
         [&self.row_multipliers, &self.level_multipliers]
     }
 
-    /// How far the multipliers are from balancing the goal's slope, relative to the sizes of what is
-    /// balanced: 0 at a minimum.
+    /// Returns the imbalance of the multipliers and the goal's slope, relative to the sizes of both: 0 at a minimum.
     pub(in super::super) fn imbalance(&self) -> f64 {
         let n = self.half.len();
         let (mut left, mut size) = (0.0_f64, 0.0_f64);
@@ -107,7 +106,7 @@ impl ConvexModel<'_> {
         }
     }
 
-    /// Gradients of all that binds, and of what each is.
+    /// Gradients of all binding constraints and bounds, and the kind of each.
     fn pushes(&self) -> (Pushes, Vec<Push>) {
         let n = self.half.len();
         let (mut pushes, mut of) = (Pushes::default(), Vec::new());

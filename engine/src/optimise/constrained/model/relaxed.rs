@@ -18,8 +18,8 @@ impl ConvexModel<'_> {
         })
     }
 
-    /// The least largest violation of the kept rows within the bounds, and the rows that keep it from
-    /// being less; relaxes the rows to what they are at the point found.
+    /// The least largest violation of the kept rows within the bounds, and the rows that keep it from being less.
+    /// Relaxes the rows to their values at the point found.
     pub(super) fn relax(&mut self) -> (f64, Vec<Held>) {
         let n = self.half.len();
         let worst = self.worst();
@@ -89,7 +89,7 @@ impl ConvexModel<'_> {
         (self.relax_rows(), culprits)
     }
 
-    /// Relaxes the kept rows to what they are at the relaxed point. Returns the largest violation there.
+    /// Relaxes the kept rows to their values at the relaxed point. Returns the largest violation there.
     fn relax_rows(&mut self) -> f64 {
         let n = self.half.len();
         let d = &self.relaxed;

@@ -1,0 +1,343 @@
+//! A link between an arm and the knuckle, and a second joint of both.
+//!
+//! The arm turns about the line through its front point f along the unit vector e. Let o be its outer joint, and let r be the
+//! part of o - f normal to e. A point of the arm is at
+//!
+//! ```text
+//! P = f + a e + b r + c e x r                                               (1)
+//! ```
+//!
+//! a, b and c are dimensions of the arm, so P is linear in the pose. With u_n the part of a vector u normal to e,
+//!
+//! ```text
+//! dP = M do + ..,   M u = b u_n + c e x u,   M^T g = b g_n - c e x g        (2)
+//! ```
+//!
+//! For a link, d runs from P to the outer end, and d0 is d in the design position. For a joint, p is the point of the knuckle
+//! that coincides with P, and n is one of two directions normal to the line from o to p in the design position:
+//!
+//! ```text
+//! F = (d.d - d0.d0)/(2 |d0|),   g = d/|d0|          (link)                  (3)
+//! F = n.(p - P),                g = n               (joint)                 (4)
+//! ```
+//!
+//! The outer end p pushes with g, and o with h = -M^T g. With the levers l of p and k of o about the knuckle's origin,
+//!
+//! ```text
+//! dF = g.dp - g.dP + ..,   f = g + h,   m = l x g + k x h                   (5)
+//! ```
+//!
+//! The sum of o's and p's rows and the two legs of the arm leaves o no motion but that about the axis. In a design, (1)
+//! is the position of module `arm` then, which gives the derivatives by hardpoints.
+//!
+//! Rates along the motion (v, w). M is constant, since e is fixed in the body:
+//!
+//! ```text
+//! l' = w x l,   k' = w x k,   d' = v + l' - M (v + k'),   h' = -M^T g'
+//! f' = g' + h',   m' = l' x g + l x g' + k' x h + k x h'                    (6)
+//! ```
+//!
+//! with g' = d'/|d0| for a link and g' = 0 for a joint.
+//!
+//! In a built arm, a, b and c follow from the coordinates of the point in the frame of the drawn arm (its outer joint, the
+//! way of the axis, the way from the axis to the joint) and from the lengths of the two built legs (7).
+
+use super::normals;
+use crate::mechanism::pose::Sink;
+use crate::mechanism::{Configuration, Twist, Wrench};
+use crate::model::{Arm, ArmId, Constraint, Mechanism, PointId};
+use crate::number::{Real, Vector3, outlined};
+
+/// The equation of a link or of a joint.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ArmEnd<T> {
+    arm: ArmId,
+    /// The point of the arm; of a joint the point of both.
+    pub inner: PointId,
+    pub outer: PointId,
+    /// a, b and c.
+    place: [T; 3],
+    kind: Kind<T>,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Kind<T> {
+    /// d0.d0/2 and 1/|d0|.
+    Link { half_squared_length: T, scale: T },
+    /// n
+    Joint(Vector3<T>),
+}
+
+/// Dimensions of built parts: the points of the body, every point where the undisplaced knuckle carries it, every point as
+/// drawn, and a length for each constraint.
+#[derive(Clone, Copy)]
+pub(crate) struct PartDimensions<'a, T> {
+    pub body: &'a [Vector3<T>],
+    pub knuckle: &'a [Vector3<T>],
+    pub drawn: &'a [Vector3<T>],
+    pub lengths: &'a [T],
+}
+
+/// The arm's unit axis and the part of the way to its outer joint that is normal to it.
+#[inline(always)]
+fn frame<T: Real>(arm: Arm, design: &[Vector3<T>]) -> [Vector3<T>; 2] {
+    let front = design[arm.front.0];
+    let axis = (design[arm.rear.0] - front).normalised();
+    [axis, (design[arm.outer.0] - front).across(axis)]
+}
+
+/// a, b and c of a design.
+#[inline(always)]
+fn designed<T: Real>(arm: Arm, point: PointId, design: &[Vector3<T>]) -> [T; 3] {
+    let [axis, radius] = frame(arm, design);
+    let from_front = design[point.0] - design[arm.front.0];
+    let inverse = axis.x.one() / radius.norm_squared();
+    [
+        axis.dot(from_front),
+        from_front.dot(radius) * inverse,
+        from_front.dot(axis.cross(radius)) * inverse,
+    ]
+}
+
+/// a, b and c of a built arm (7). `point` is the point in the drawn arm.
+#[inline(always)]
+fn built<T: Real>(
+    mechanism: &Mechanism,
+    arm: Arm,
+    point: Vector3<T>,
+    parts: PartDimensions<T>,
+) -> [T; 3] {
+    let [axis, radius] = frame(arm, parts.drawn);
+    let from_joint = point - parts.drawn[arm.outer.0];
+    let along = radius.normalised();
+    let leg = |inner: PointId| {
+        let is_leg = |c: &Constraint| c.link() == Some((inner, arm.outer));
+        let number = mechanism.constraints.iter().position(is_leg);
+        parts.lengths[number.unwrap_or(0)].squared()
+    };
+    let (front, rear) = (leg(arm.front), leg(arm.rear));
+    let base = (parts.body[arm.rear.0] - parts.body[arm.front.0]).norm();
+    let reach = (front - rear + base.squared()) / (base + base);
+    let inverse = axis.x.one() / (front - reach.squared()).sqrt();
+    [
+        reach + axis.dot(from_joint),
+        axis.x.one() + from_joint.dot(along) * inverse,
+        from_joint.dot(axis.cross(along)) * inverse,
+    ]
+}
+
+/// Two directions normal to the line between both joints of an arm.
+#[inline(always)]
+fn across<T: Real>(arm: Arm, at: PointId, points: &[Vector3<T>], number: usize) -> Vector3<T> {
+    let line = (points[at.0] - points[arm.outer.0]).normalised();
+    let [first, second] = normals(line, line.z.sign());
+    match number {
+        0 => first,
+        _ => second,
+    }
+}
+
+impl<T: Real> ArmEnd<T> {
+    /// The link of a design.
+    #[inline(always)]
+    pub(crate) fn link(
+        mechanism: &Mechanism,
+        arm: ArmId,
+        [inner, outer]: [PointId; 2],
+        design: &[Vector3<T>],
+    ) -> Self {
+        let squared = (design[outer.0] - design[inner.0]).norm_squared();
+        ArmEnd {
+            arm,
+            inner,
+            outer,
+            place: designed(mechanism.arms[arm.0], inner, design),
+            kind: Kind::of_squared_length(squared),
+        }
+    }
+
+    /// The link of built parts.
+    #[inline(always)]
+    pub(crate) fn built_link(
+        mechanism: &Mechanism,
+        arm: ArmId,
+        [inner, outer]: [PointId; 2],
+        length: T,
+        parts: PartDimensions<T>,
+    ) -> Self {
+        let point = parts.body[inner.0];
+        ArmEnd {
+            arm,
+            inner,
+            outer,
+            place: built(mechanism, mechanism.arms[arm.0], point, parts),
+            kind: Kind::of_squared_length(length.squared()),
+        }
+    }
+
+    /// One of both equations of a joint of a design.
+    #[inline(always)]
+    pub(crate) fn joint(
+        mechanism: &Mechanism,
+        arm: ArmId,
+        at: PointId,
+        number: usize,
+        design: &[Vector3<T>],
+    ) -> Self {
+        ArmEnd {
+            arm,
+            inner: at,
+            outer: at,
+            place: designed(mechanism.arms[arm.0], at, design),
+            kind: Kind::Joint(across(mechanism.arms[arm.0], at, design, number)),
+        }
+    }
+
+    /// One of both equations of a joint of built parts. The arm has the drawn one.
+    #[inline(always)]
+    pub(crate) fn built_joint(
+        mechanism: &Mechanism,
+        arm: ArmId,
+        at: PointId,
+        number: usize,
+        parts: PartDimensions<T>,
+    ) -> Self {
+        ArmEnd {
+            arm,
+            inner: at,
+            outer: at,
+            place: built(mechanism, mechanism.arms[arm.0], parts.drawn[at.0], parts),
+            kind: Kind::Joint(across(mechanism.arms[arm.0], at, parts.drawn, number)),
+        }
+    }
+
+    /// The arm's outer joint.
+    #[inline(always)]
+    pub(crate) fn joint_of_arm(&self, at: &Configuration<T>) -> PointId {
+        at.mechanism.arms[self.arm.0].outer
+    }
+
+    /// P of (1). In a function of its own: it is rare.
+    #[inline(always)]
+    fn on_arm(&self, at: &Configuration<T>) -> Vector3<T> {
+        outlined!(
+            [T: Real] at.rack; row: &'p ArmEnd<T> = self, at: &'p Configuration<'p, T> = at => Vector3<T> {
+                row.on_arm_here(at)
+            }
+        )
+    }
+
+    #[inline(always)]
+    fn on_arm_here(&self, at: &Configuration<T>) -> Vector3<T> {
+        let arm = at.mechanism.arms[self.arm.0];
+        let front = at.designed(arm.front);
+        let axis = (at.designed(arm.rear) - front).normalised();
+        let radius = (at.carried(arm.outer) - front).across(axis);
+        let [a, b, c] = self.place;
+        front + axis * a + radius * b + axis.cross(radius) * c
+    }
+
+    /// g of (3) or (4).
+    #[inline(always)]
+    fn push(&self, at: &Configuration<T>) -> Vector3<T> {
+        match self.kind {
+            Kind::Link { scale, .. } => (at.carried(self.outer) - self.on_arm(at)) * scale,
+            Kind::Joint(normal) => normal,
+        }
+    }
+
+    /// M u of (2).
+    #[inline(always)]
+    fn moved(&self, axis: Vector3<T>, u: Vector3<T>) -> Vector3<T> {
+        let [_, b, c] = self.place;
+        u.across(axis) * b + axis.cross(u) * c
+    }
+
+    /// h of (5): -M^T g.
+    #[inline(always)]
+    fn passed(&self, axis: Vector3<T>, g: Vector3<T>) -> Vector3<T> {
+        let [_, b, c] = self.place;
+        axis.cross(g) * c - g.across(axis) * b
+    }
+
+    /// g and h: the forces on the knuckle at the outer end and at the arm's outer joint for a multiplier of one.
+    #[inline(always)]
+    pub(crate) fn forces(&self, at: &Configuration<T>) -> [Vector3<T>; 2] {
+        let [axis, _] = frame(at.mechanism.arms[self.arm.0], at.design);
+        let push = self.push(at);
+        [push, self.passed(axis, push)]
+    }
+
+    /// Equation (3) or (4).
+    #[inline(always)]
+    pub(crate) fn residual(&self, at: &Configuration<T>) -> T {
+        let d = at.carried(self.outer) - self.on_arm(at);
+        match self.kind {
+            Kind::Link {
+                half_squared_length,
+                scale,
+            } => (d.norm_squared().scaled(0.5) - half_squared_length) * scale,
+            Kind::Joint(normal) => normal.dot(d),
+        }
+    }
+
+    /// Adds `weight` times (5).
+    #[inline(always)]
+    pub(crate) fn differential(&self, at: &Configuration<T>, weight: T, sink: &mut impl Sink<T>) {
+        let push = self.push(at) * weight;
+        at.push_carried(self.outer, push, sink);
+        let arm = at.mechanism.arms[self.arm.0];
+        at.push_arm_point(arm, self.inner, -push, sink);
+        if let Kind::Link { scale, .. } = self.kind {
+            let designed = (at.designed(self.outer) - at.designed(self.inner)) * (scale * weight);
+            sink.hardpoint(self.outer, -designed);
+            sink.hardpoint(self.inner, designed);
+        }
+    }
+
+    /// Equation (6).
+    #[inline(always)]
+    pub(crate) fn wrench_rate(&self, at: &Configuration<T>, along: &Twist<T>) -> Wrench<T> {
+        outlined!(
+            [T: Real] at.rack;
+            row: &'p ArmEnd<T> = self, at: &'p Configuration<'p, T> = at, along: &'p Twist<T> = along
+                => Wrench<T> { row.wrench_rate_here(at, along) }
+        )
+    }
+
+    #[inline(always)]
+    fn wrench_rate_here(&self, at: &Configuration<T>, along: &Twist<T>) -> Wrench<T> {
+        let arm = at.mechanism.arms[self.arm.0];
+        let [axis, _] = frame(arm, at.design);
+        let lever = |id| at.pose.rotation.apply(at.designed_lever(id));
+        let (l, k) = (lever(self.outer), lever(arm.outer));
+        let (l_rate, k_rate) = (along.turn.cross(l), along.turn.cross(k));
+        let push = self.push(at);
+        let push_rate = match self.kind {
+            Kind::Link { scale, .. } => {
+                let end = self.moved(axis, along.shift + k_rate);
+                (along.shift + l_rate - end) * scale
+            }
+            Kind::Joint(normal) => normal.zero(),
+        };
+        let (passed, passed_rate) = (self.passed(axis, push), self.passed(axis, push_rate));
+        Wrench {
+            force: push_rate + passed_rate,
+            moment: l_rate.cross(push)
+                + l.cross(push_rate)
+                + k_rate.cross(passed)
+                + k.cross(passed_rate),
+            rack: at.rack.zero(),
+        }
+    }
+}
+
+impl<T: Real> Kind<T> {
+    #[inline(always)]
+    fn of_squared_length(squared: T) -> Self {
+        Kind::Link {
+            half_squared_length: squared.scaled(0.5),
+            scale: squared.one() / squared.sqrt(),
+        }
+    }
+}

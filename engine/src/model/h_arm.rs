@@ -1,0 +1,87 @@
+//! H-arm: a lower arm with two joints at the body and two at the knuckle, which turns about the line through the latter; and
+//! an upper link.
+
+use super::rocker::{ANTI_ROLL_BAR, Carriers, ROCKER};
+use super::topology::{
+    Given, LOWER_ARM_AXIS, NO_LOWER_ARM, SPINDLE, SPINDLE_INNER, SPRING, SPRING_UPPER,
+    WHEEL_CENTRE, optional, required,
+};
+use super::{Arm, ArmId, Body, Constraint, Mechanism, Topology};
+
+/// The H-arm suspension.
+pub(super) static H_ARM: Topology = Topology {
+    name: "h_arm",
+    summary: "H-arm: lower arm hinged at body and knuckle, upper link; not steered",
+    hardpoints: &[
+        required(
+            "lower_arm_front",
+            "front pivot of the lower arm on the body",
+        ),
+        required("lower_arm_rear", "rear pivot of the lower arm on the body"),
+        required("lower_joint_front", "front joint of lower arm and knuckle"),
+        required("lower_joint_rear", "rear joint of lower arm and knuckle"),
+        required("upper_link_inner", "upper link at the body"),
+        required("upper_link_outer", "upper link at the knuckle"),
+        WHEEL_CENTRE,
+        SPINDLE_INNER,
+        SPRING_UPPER,
+        optional(
+            "spring_lower",
+            "lower end of spring and damper, on the lower arm or the rocker",
+        ),
+    ],
+    groups: &[&SPRING, &ROCKER, &ANTI_ROLL_BAR],
+    distinct: &[
+        ("lower_arm_front", "lower_arm_rear", LOWER_ARM_AXIS),
+        ("lower_joint_front", "lower_arm_front", NO_LOWER_ARM),
+        ("lower_joint_front", "lower_arm_rear", NO_LOWER_ARM),
+        (
+            "lower_joint_front",
+            "lower_joint_rear",
+            "they define the axis about which the knuckle turns on the arm",
+        ),
+        (
+            "upper_link_inner",
+            "upper_link_outer",
+            "the link would have no length",
+        ),
+        SPINDLE,
+    ],
+    build,
+    template: include_str!("../../templates/h_arm.toml"),
+};
+
+const LOWER: Body = Body::Arm(ArmId(0));
+
+fn build(topology: &'static Topology, given: &[&'static str]) -> Mechanism {
+    let given = Given::of(topology, given, Carriers::all(LOWER), |name| match name {
+        "lower_arm_front" | "lower_arm_rear" | "upper_link_inner" => Body::Chassis,
+        _ => Body::Knuckle,
+    });
+    let id = |name: &str| given.id(name);
+    let arm = Arm {
+        front: id("lower_arm_front"),
+        rear: id("lower_arm_rear"),
+        outer: id("lower_joint_front"),
+    };
+    let link = |inner, outer| Constraint::Link { inner, outer };
+    let bodies = [
+        ("chassis", Body::Chassis),
+        ("knuckle", Body::Knuckle),
+        ("lower_arm", LOWER),
+    ];
+    Mechanism {
+        constraints: vec![
+            link(arm.front, arm.outer),
+            link(arm.rear, arm.outer),
+            Constraint::ArmJoint {
+                arm: ArmId(0),
+                at: id("lower_joint_rear"),
+            },
+            link(id("upper_link_inner"), id("upper_link_outer")),
+        ],
+        arms: vec![arm],
+        origin: arm.outer,
+        ..given.mechanism(topology, &bodies)
+    }
+}

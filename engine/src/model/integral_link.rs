@@ -1,0 +1,90 @@
+//! Integral link: a lower arm that also holds the knuckle against turning about the spin axis, by a short link between arm
+//! and knuckle; above it an upper link, beside it a toe link.
+
+use super::rocker::{ANTI_ROLL_BAR, Carriers, ROCKER};
+use super::topology::{
+    Given, LOWER_ARM_AXIS, NO_LOWER_ARM, SPINDLE, SPINDLE_INNER, SPRING, SPRING_UPPER,
+    WHEEL_CENTRE, optional, required,
+};
+use super::{Arm, ArmId, Body, Constraint, Mechanism, SteeringAxis, Topology};
+
+const NO_LENGTH: &str = "the link would have no length";
+
+/// The integral-link suspension.
+pub(super) static INTEGRAL_LINK: Topology = Topology {
+    name: "integral_link",
+    summary: "Integral link: lower arm with a link to the knuckle, upper link, toe link",
+    hardpoints: &[
+        required(
+            "lower_arm_front",
+            "front pivot of the lower arm on the body",
+        ),
+        required("lower_arm_rear", "rear pivot of the lower arm on the body"),
+        required("lower_ball_joint", "joint of lower arm and knuckle"),
+        required("integral_link_inner", "integral link at the lower arm"),
+        required("integral_link_outer", "integral link at the knuckle"),
+        required("upper_link_inner", "upper link at the body"),
+        required("upper_link_outer", "upper link at the knuckle"),
+        required(
+            "toe_link_inner",
+            "toe link at the rack; at the body where the axle is not steered",
+        ),
+        required("toe_link_outer", "toe link at the knuckle"),
+        WHEEL_CENTRE,
+        SPINDLE_INNER,
+        SPRING_UPPER,
+        optional(
+            "spring_lower",
+            "lower end of spring and damper, on the lower arm or the rocker",
+        ),
+    ],
+    groups: &[&SPRING, &ROCKER, &ANTI_ROLL_BAR],
+    distinct: &[
+        ("lower_arm_front", "lower_arm_rear", LOWER_ARM_AXIS),
+        ("lower_ball_joint", "lower_arm_front", NO_LOWER_ARM),
+        ("lower_ball_joint", "lower_arm_rear", NO_LOWER_ARM),
+        ("integral_link_inner", "integral_link_outer", NO_LENGTH),
+        ("upper_link_inner", "upper_link_outer", NO_LENGTH),
+        ("toe_link_inner", "toe_link_outer", NO_LENGTH),
+        SPINDLE,
+    ],
+    build,
+    template: include_str!("../../templates/integral_link.toml"),
+};
+
+const LOWER: Body = Body::Arm(ArmId(0));
+
+fn build(topology: &'static Topology, given: &[&'static str]) -> Mechanism {
+    let given = Given::of(topology, given, Carriers::all(LOWER), |name| match name {
+        "lower_arm_front" | "lower_arm_rear" | "upper_link_inner" => Body::Chassis,
+        "toe_link_inner" => Body::Rack,
+        "integral_link_inner" => LOWER,
+        _ => Body::Knuckle,
+    });
+    let id = |name: &str| given.id(name);
+    let arm = Arm {
+        front: id("lower_arm_front"),
+        rear: id("lower_arm_rear"),
+        outer: id("lower_ball_joint"),
+    };
+    let link = |inner, outer| Constraint::Link { inner, outer };
+    let named = |name: &str| link(id(&format!("{name}_inner")), id(&format!("{name}_outer")));
+    let bodies = [
+        ("chassis", Body::Chassis),
+        ("knuckle", Body::Knuckle),
+        ("lower_arm", LOWER),
+    ];
+    Mechanism {
+        constraints: vec![
+            link(arm.front, arm.outer),
+            link(arm.rear, arm.outer),
+            named("integral_link"),
+            named("upper_link"),
+            named("toe_link"),
+        ],
+        arms: vec![arm],
+        origin: arm.outer,
+        steering_axis: Some(SteeringAxis::Instantaneous),
+        ..given.mechanism(topology, &bodies)
+    }
+}

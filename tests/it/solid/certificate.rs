@@ -1,0 +1,98 @@
+//! Proofs of solid axles hold against answers at 90 digits, and nothing is proved that is not so.
+
+use super::{STILL, axle, case, study_of};
+use hardpoint::axle::{AxleCertifier, AxleSolver, Placement, axle_curves};
+use serde_json::Value;
+
+const CASES: [&str; 2] = ["solid_four_link", "solid_three_link_panhard"];
+
+fn number(value: &Value) -> f64 {
+    value.as_str().and_then(|text| text.parse().ok()).unwrap()
+}
+
+/// The proved bounds hold for the middle of both wheel centres in every state of the reference, and are close to rounding.
+#[test]
+fn the_answers_at_ninety_digits_lie_within_the_proof() {
+    let mut proved = 0;
+    for name in CASES {
+        let case = case(name);
+        let study = axle(&study_of(&case, STILL));
+        let mut solver = AxleSolver::<2>::new(&study.axle, &[], false).unwrap();
+        let certifier = AxleCertifier::new(&study.axle);
+        let names = case["names"].as_array().unwrap();
+        let lateral = names.iter().position(|n| n == "axle_lateral").unwrap();
+        for state in case["states"].as_array().unwrap() {
+            let placement = Placement::Roll {
+                heave: state["heave"].as_f64().unwrap(),
+                roll: state["roll_deg"].as_f64().unwrap().to_radians(),
+                rack: 0.0,
+            };
+            let placed = solver.place(&placement).unwrap();
+            let proof = certifier.prove(&placement, &placed);
+            let proof = proof.unwrap_or_else(|e| panic!("{name} {placement}: {e:?}"));
+            let read = solver.read(&placed).unwrap();
+            use hardpoint::axle::{AxleQuantity, Quantity};
+            let found = Quantity::Axle(AxleQuantity::AxleLateral).evaluate(&read.state);
+            let expected = number(&state["values"][lateral]);
+            let [left, right] = proof.position_errors;
+            let bound = 0.5 * (left + right) + 4.0 * f64::EPSILON * 800.0;
+            assert!(
+                (found - expected).abs() <= bound,
+                "{name} {placement}: {found} {expected} {proof:?}"
+            );
+            assert!(
+                left.max(right) < 1e-9 && proof.travel_error < 1e-9,
+                "{proof:?}"
+            );
+            assert!(proof.uniqueness > 1e-6, "{proof:?}");
+            proved += 1;
+        }
+    }
+    assert!(proved > 4, "{proved}");
+}
+
+/// A position that is a little off is proved with a bound that covers what it is off, or not at all.
+#[test]
+fn positions_that_are_off_have_bounds_that_say_so() {
+    for name in CASES {
+        let study = axle(&study_of(&case(name), STILL));
+        let mut solver = AxleSolver::<2>::new(&study.axle, &[], false).unwrap();
+        let certifier = AxleCertifier::new(&study.axle);
+        let at = |heave: f64, roll: f64| Placement::Roll {
+            heave,
+            roll,
+            rack: 0.0,
+        };
+        let placed = solver.place(&at(10.0, 0.03)).unwrap();
+        assert!(certifier.prove(&at(10.0, 0.03), &placed).is_ok(), "{name}");
+        // Half the difference of travels changes by half the track, about 750 mm, for every radian.
+        for (other, least) in [(at(10.0, 0.030_000_1), 7e-5), (at(10.000_01, 0.03), 0.9e-5)] {
+            let Ok(proof) = certifier.prove(&other, &placed) else {
+                continue;
+            };
+            let [left, right] = proof.position_errors;
+            let bound = proof.travel_error.max(left).max(right);
+            assert!(bound > least, "{name} {other}: {proof:?}");
+        }
+        // Far off nothing is proved.
+        assert!(certifier.prove(&at(10.0, 0.2), &placed).is_err(), "{name}");
+    }
+}
+
+/// Curves with `certify` prove every station, in roll and at given travels.
+#[test]
+fn curves_are_proved() {
+    for motion in [
+        "[motion]\nroll = [-3.0, 0.0, 2.0]\nheave = [-20.0, 15.0]\n",
+        "[motion]\nheave = [-30.0, 0.0, 30.0]\n",
+        "[motion]\ntravel_left = [-20.0, 10.1]\ntravel_right = [0.3, 15.7]\nground = \"plane\"\n",
+    ] {
+        let further = format!("{motion}[outputs]\ncertify = true\ncharacteristics = [\"toe\"]\n");
+        let study = axle(&study_of(&case("solid_four_link"), &further));
+        let curves = axle_curves(&study.axle, &study.plan).unwrap().curves;
+        for station in &curves.stations {
+            let proof = station.proof.as_ref();
+            assert!(proof.is_some(), "{motion}: {:?}", station.status);
+        }
+    }
+}

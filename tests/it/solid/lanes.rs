@@ -1,0 +1,122 @@
+//! Solid axles in SIMD lanes against the same one by one.
+
+use super::{case, study_of, text};
+use hardpoint::axle::Quantity;
+use hardpoint::evaluate::NotInLanes;
+use hardpoint::number::Width;
+use hardpoint::study::Study;
+use hardpoint::sweep::{SweepPlan, Worker};
+use std::path::Path;
+
+const DESIGNS: usize = 40;
+
+const WATT: [(&str, [f64; 3]); 11] = [
+    ("lower_link_chassis", [540.0, 430.0, 305.0]),
+    ("lower_link_axle", [0.0, 525.0, 255.0]),
+    ("wheel_centre", [-10.0, 755.0, 333.0]),
+    ("upper_link_chassis", [420.0, 40.0, 470.0]),
+    ("upper_link_axle", [10.0, 60.0, 480.0]),
+    ("watt_pivot", [-150.0, 5.0, 340.0]),
+    ("watt_axis", [-100.0, 0.0, 345.0]),
+    ("watt_upper_chassis", [-150.0, 480.0, 400.0]),
+    ("watt_upper_rocker", [-150.0, 0.0, 410.0]),
+    ("watt_lower_chassis", [-150.0, -480.0, 280.0]),
+    ("watt_lower_rocker", [-150.0, 0.0, 270.0]),
+];
+
+/// A case with every quantity of lanes that it has, some of its points scattered.
+fn study(name: &str, motion: &str, right: &str) -> Study {
+    let points: &[(&str, &str)] = match name {
+        "solid_four_link" => &[("upper_link_axle", "y"), ("upper_link_chassis", "z")],
+        "watt" => &[("watt_upper_rocker", "y"), ("watt_lower_chassis", "z")],
+        _ => &[("panhard_axle", "z"), ("upper_link_chassis", "z")],
+    };
+    let always = [
+        ("lower_link_axle", "z"),
+        ("lower_link_chassis", "x"),
+        ("wheel_centre", "y"),
+    ];
+    let variables: Vec<String> = points
+        .iter()
+        .chain(&always)
+        .map(|(point, axis)| {
+            format!("{{ hardpoint = \"{point}\", axis = \"{axis}\", range = [-10.0, 10.0] }}")
+        })
+        .collect();
+    let further = format!(
+        "{right}[motion]\n{motion}\n[outputs]\ncharacteristics = [\"toe\"]\n[sweep]\nmethod = \"random\"\n\
+         samples = {DESIGNS}\nseed = 5\nvariables = [{}]\n",
+        variables.join(", ")
+    );
+    let text = match name {
+        "watt" => text(&WATT, true, &further),
+        _ => study_of(&case(name), &further),
+    };
+    let mut study =
+        Study::from_text("swept.toml", &text, Path::new(".")).unwrap_or_else(|e| panic!("{e}"));
+    let both = study.axle_mut().unwrap();
+    let has = |quantity: &Quantity| both.axle.has(*quantity);
+    let names = Quantity::names();
+    let all = names.iter().flat_map(|name| Quantity::named(name));
+    both.plan.quantities = all.filter(|q| q.is_for_lanes()).filter(has).collect();
+    study
+}
+
+fn worker(plan: &SweepPlan<'static>, width: Option<Width>) -> Worker<'static> {
+    let plan: &'static SweepPlan<'static> = Box::leak(Box::new(plan.clone()));
+    plan.worker_of_width(width).unwrap()
+}
+
+const ROLL: &str = "roll = { from = -4.0, to = 4.0, steps = 5 }\nheave = [-20.0, 0.0, 30.0]";
+const HEAVE: &str = "heave = { from = -50.0, to = 50.0, steps = 5 }";
+const OWN: &str = "[axle.right.hardpoints]\nlower_link_axle = [4.0, -538.0, 251.0]\n";
+
+/// In lanes every quantity has the value that it has one by one, of all designs; hardly any is left to the latter.
+#[test]
+fn lanes_have_the_values_of_designs_one_by_one() {
+    for (name, motion, right) in [
+        ("solid_four_link", ROLL, ""),
+        ("solid_four_link", HEAVE, ""),
+        ("solid_four_link", ROLL, OWN),
+        ("solid_three_link_panhard", ROLL, ""),
+        ("watt", ROLL, ""),
+    ] {
+        let study: &'static Study = Box::leak(Box::new(study(name, motion, right)));
+        let plan = SweepPlan::of(study, study.sweep.as_ref().unwrap()).unwrap();
+        let quantities = &study.axle().unwrap().plan.quantities;
+        let of_axle = quantities.iter().filter(|q| matches!(q, Quantity::Axle(_)));
+        assert!(of_axle.count() > 8, "{quantities:?}");
+        let mut alone = worker(&plan, None);
+        assert_eq!(alone.not_in_lanes(), Some(NotInLanes::Asked));
+        alone.rows(0);
+        let mut first: Option<Vec<u64>> = None;
+        for width in Width::ALL.into_iter().filter(|w| w.is_available()) {
+            let mut lanes = worker(&plan, Some(width));
+            assert_eq!(lanes.not_in_lanes(), None, "{name} {motion}");
+            lanes.rows(0);
+            let left = lanes.one_by_one().len();
+            assert!(left <= DESIGNS / 10, "{name} {motion}: {left} left");
+            let mut bits = Vec::new();
+            for design in 0..DESIGNS {
+                for (k, quantity) in quantities.iter().enumerate() {
+                    let found = lanes.block().values(design, k);
+                    let expected = alone.block().values(design, k);
+                    for (station, (found, expected)) in found.zip(expected).enumerate() {
+                        bits.push(found.to_bits());
+                        // Quotients whose denominator is small are as uncertain as they are large.
+                        let scale = expected.abs().max(1.0) * (1.0 + expected.abs() / 500.0);
+                        assert!(
+                            found.is_nan() && expected.is_nan()
+                                || (found - expected).abs() < 1e-9 * scale,
+                            "{name} {motion}: {quantity:?} {station} {found} {expected}"
+                        );
+                    }
+                }
+            }
+            match &first {
+                None => first = Some(bits),
+                Some(first) => assert!(*first == bits, "{name} {motion}: bits of {width:?}"),
+            }
+        }
+    }
+}

@@ -69,7 +69,7 @@ impl Imported {
             false => self.running(name, origin, Part::Wheel),
         }?;
         let text = text + &bushings::sections(&self.bushings, self.unit);
-        let study = Study::from_text(name, &text, Path::new(""));
+        let study = Study::elastic_from_text(name, &text, Path::new(""));
         study.map_err(|errors| errors.render(false))?;
         Ok(text)
     }

@@ -63,39 +63,52 @@ pub struct Closure<T> {
     rows: [Row<T>; 5],
 }
 
-/// The dimensions that rows are made of. (An enum and not a closure, since a closure might be left as a call that is
-/// not compiled for lanes.)
-#[derive(Clone, Copy)]
-enum Dimensions<'a, T> {
-    Design(&'a [Vector3<T>]),
-    Parts(PartDimensions<'a, T>),
+/// Dimensions that rows are made of. A trait and not an enum: code that only knows designs then holds no rows of parts. Its
+/// function is inlined, since a call would not be compiled for lanes.
+trait Dimensions<T>: Copy {
+    /// One of the numbers.
+    fn like(self) -> T;
+    /// A row, by the number of its constraint and its own number among that constraint's rows.
+    fn row(self, mechanism: &Mechanism, constraint: usize, number: usize) -> Row<T>;
+}
+
+impl<T: Real> Dimensions<T> for &[Vector3<T>] {
+    #[inline(always)]
+    fn like(self) -> T {
+        self[0].x
+    }
+    #[inline(always)]
+    fn row(self, mechanism: &Mechanism, constraint: usize, number: usize) -> Row<T> {
+        Row::of(mechanism, mechanism.constraints[constraint], number, self)
+    }
+}
+
+impl<T: Real> Dimensions<T> for PartDimensions<'_, T> {
+    #[inline(always)]
+    fn like(self) -> T {
+        self.lengths[0]
+    }
+    #[inline(always)]
+    fn row(self, mechanism: &Mechanism, constraint: usize, number: usize) -> Row<T> {
+        Row::of_parts(mechanism, constraint, number, self)
+    }
 }
 
 /// A row to be made, by the number of its constraint and its own number among that constraint's rows.
 #[derive(Clone, Copy)]
-struct RowToMake<'a, T> {
+struct RowToMake<'a, T, D> {
     mechanism: &'a Mechanism,
-    dimensions: Dimensions<'a, T>,
+    dimensions: D,
     constraint: usize,
     number: usize,
+    of: std::marker::PhantomData<T>,
 }
 
-impl<T: Real> Outlined for RowToMake<'_, T> {
+impl<T: Real, D: Dimensions<T>> Outlined for RowToMake<'_, T, D> {
     type Output = Row<T>;
     #[inline(always)]
     fn work(self) -> Row<T> {
-        let RowToMake {
-            mechanism,
-            constraint,
-            number,
-            ..
-        } = self;
-        match self.dimensions {
-            Dimensions::Design(design) => {
-                Row::of(mechanism, mechanism.constraints[constraint], number, design)
-            }
-            Dimensions::Parts(parts) => Row::of_parts(mechanism, constraint, number, parts),
-        }
+        (self.dimensions).row(self.mechanism, self.constraint, self.number)
     }
 }
 
@@ -103,27 +116,25 @@ impl<T: Real> Closure<T> {
     /// The equations of a design.
     #[inline(always)]
     pub fn new(mechanism: &Mechanism, design: &[Vector3<T>]) -> Self {
-        Closure::of_rows(mechanism, Dimensions::Design(design))
+        Closure::of_rows(mechanism, design)
     }
 
     /// The equations of parts with dimensions of their own.
     #[inline(always)]
     pub(crate) fn of_parts(mechanism: &Mechanism, parts: PartDimensions<T>) -> Self {
-        Closure::of_rows(mechanism, Dimensions::Parts(parts))
+        Closure::of_rows(mechanism, parts)
     }
 
     /// Makes the five rows.
     #[inline(always)]
-    fn of_rows(mechanism: &Mechanism, dimensions: Dimensions<T>) -> Self {
-        let like = match dimensions {
-            Dimensions::Design(design) => design[0].x,
-            Dimensions::Parts(parts) => parts.lengths[0],
-        };
+    fn of_rows(mechanism: &Mechanism, dimensions: impl Dimensions<T>) -> Self {
+        let like = dimensions.like();
         let mut next = RowToMake {
             mechanism,
             dimensions,
             constraint: 0,
             number: 0,
+            of: std::marker::PhantomData,
         };
         let mut rows = [like.outlined(next); 5];
         for row in &mut rows[1..] {

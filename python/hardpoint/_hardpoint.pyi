@@ -26,6 +26,7 @@ __all__ = [
     "command_captured",
     "compare",
     "drawing",
+    "kc",
     "limits",
     "limits_of_builds",
     "optimise",

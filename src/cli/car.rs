@@ -158,16 +158,17 @@ fn open(arguments: &RunArguments, study: &CarStudy, command: &str) -> Result<Out
     )
 }
 
-/// Copies of the three studies that are kept with results, by the name of the file.
-fn kept(study: &CarStudy) -> Vec<(&'static str, String)> {
+/// Names of the three studies that are kept with results: the car, its front and its rear axle.
+const KEPT_NAMES: [&str; 3] = ["study.toml", "front.toml", "rear.toml"];
+
+/// Texts of these studies.
+fn kept(study: &CarStudy) -> Vec<String> {
+    let [_, front_name, rear_name] = KEPT_NAMES;
     let [front, rear] = &study.axles;
     vec![
-        (
-            "study.toml",
-            crate::report::car_with_axles(&study.text, "front.toml", "rear.toml"),
-        ),
-        ("front.toml", front.text.clone()),
-        ("rear.toml", rear.text.clone()),
+        crate::report::car_with_axles(&study.text, front_name, rear_name),
+        front.text.clone(),
+        rear.text.clone(),
     ]
 }
 
@@ -175,7 +176,7 @@ fn kept(study: &CarStudy) -> Vec<(&'static str, String)> {
 fn keep(output: &Output, study: &CarStudy) -> Result<Vec<&'static str>, Stop> {
     let mut names = Vec::new();
     if output.directory().is_some() {
-        for (name, text) in kept(study) {
+        for (name, text) in KEPT_NAMES.into_iter().zip(kept(study)) {
             output.file(name, text.as_bytes())?;
             names.push(name);
         }

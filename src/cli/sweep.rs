@@ -29,8 +29,10 @@ pub(super) struct Ready<'s> {
     pub text: SweepText,
     /// Files that were read.
     pub inputs: Vec<PathBuf>,
-    /// Copies of the studies, by the name of the file, that are kept with the results.
-    pub kept: &'s dyn Fn(&Path) -> Vec<(&'static str, String)>,
+    /// Names of the studies' copies that are kept with the results.
+    pub kept_names: &'s [&'static str],
+    /// Texts of these copies in a directory that exists.
+    pub kept: &'s dyn Fn(&Path) -> Vec<String>,
     /// Writes the data of single designs that the page shows, at the end.
     pub draw: &'s dyn Fn(&Output, &SweepStatistics) -> Result<(), Stop>,
 }
@@ -71,7 +73,8 @@ pub(super) fn run(arguments: &SweepArguments) -> Result<Exit, Stop> {
         swept: Swept::Suspension(&plan),
         text: SweepText::of(&plan, &study, !to_stdout),
         inputs: inputs(&study, path),
-        kept: &|directory| vec![(STUDY_COPY, study.text_in(directory))],
+        kept_names: &[STUDY_COPY],
+        kept: &|directory| vec![study.text_in(directory)],
         draw: &|output, statistics| draw(output, &study, &plan, statistics, path),
     };
     carry_out(arguments, &ready, before)
@@ -190,14 +193,14 @@ fn open(arguments: &SweepArguments, ready: &Ready<'_>) -> Result<Output, Stop> {
     let (out, format) = (arguments.out.as_deref(), arguments.study.format);
     let destination = Destination::of(out, &record.study, arguments.force, format)?;
     let keeps_study = destination.keeps_study(&ready.inputs);
-    let kept = || match keeps_study {
-        true => (ready.kept)(destination.path()),
-        false => Vec::new(),
+    let kept_names = match keeps_study {
+        true => ready.kept_names,
+        false => &[],
     };
     let mut files = SweepDirectory::files(record);
     files.extend(arguments.report.then(|| "report.html".to_owned()));
     let mut files: Vec<&str> = files.iter().map(String::as_str).collect();
-    files.extend(kept().into_iter().map(|(name, _)| name));
+    files.extend(kept_names);
     let there = SweepDirectory::read(destination.path()).ok();
     let smaller = there.filter(|there| arguments.resume && record.continues(&there.record));
     let claim = Claim {
@@ -216,7 +219,11 @@ fn open(arguments: &SweepArguments, ready: &Ready<'_>) -> Result<Output, Stop> {
     };
     let output = Output::at(&destination, claim)?;
     // Only now does the directory exist, from which the copies name other files.
-    for (name, text) in kept() {
+    let texts = match keeps_study {
+        true => (ready.kept)(destination.path()),
+        false => Vec::new(),
+    };
+    for (name, text) in kept_names.iter().zip(texts) {
         output.file(name, text.as_bytes())?;
     }
     Ok(output)

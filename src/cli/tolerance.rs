@@ -93,13 +93,27 @@ pub(super) fn run(arguments: &ToleranceArguments) -> Result<Exit, Stop> {
         output.table("ranking", &summary.ranking_table())?;
     }
     output.say_remarks(summary.failures())?;
+    ended(
+        &output,
+        interrupted,
+        [builds.builds, tolerance.builds],
+        &files,
+    )
+}
+
+/// Says how far the builds came, done and requested, and which files there are.
+pub(super) fn ended(
+    output: &Output,
+    interrupted: bool,
+    [done, requested]: [u64; 2],
+    files: &[&str],
+) -> Result<Exit, Stop> {
     if interrupted {
         output.say_failure(&format!(
-            "\ninterrupted: {} of the {} requested builds are done\n",
-            builds.builds, tolerance.builds
+            "\ninterrupted: {done} of the {requested} requested builds are done\n"
         ))?;
     }
-    output.print_files(&files)?;
+    output.print_files(files)?;
     Ok(match interrupted {
         true => Exit::Interrupted,
         false => Exit::Done,

@@ -101,19 +101,8 @@ impl<T: Balanced> Balance<'_, T> {
         }
         let against = sum.to_row().map(|c| -c);
         let multipliers = T::multipliers(Factors(&self.factors), &self.rows, against);
-        let mut constraints = [Reaction::Force {
-            point: mechanism.origin,
-            force: nothing,
-        }; 5];
-        for ((reaction, row), multiplier) in constraints
-            .iter_mut()
-            .zip(self.closure.rows())
-            .zip(multipliers)
-        {
-            *reaction = row.reaction(at, multiplier);
-        }
         Carrying {
-            constraints,
+            constraints: self.reactions(&multipliers),
             rods: self.rods(applied),
             passed,
             lacking: multipliers[5],

@@ -227,6 +227,20 @@ impl<'a, T: Balanced> Balance<'a, T> {
         }
     }
 
+    /// Forces of the five constraints, from the multipliers of their equations.
+    pub(super) fn reactions(&self, multipliers: &Vector6<T>) -> [Reaction<T>; 5] {
+        let zero = self.at.rack.zero();
+        let mut reactions = [Reaction::Force {
+            point: self.at.mechanism.origin,
+            force: Vector3::new(zero, zero, zero),
+        }; 5];
+        let rows = self.closure.rows().iter().zip(multipliers);
+        for (reaction, (row, multiplier)) in reactions.iter_mut().zip(rows) {
+            *reaction = row.reaction(&self.at, *multiplier);
+        }
+        reactions
+    }
+
     /// The forces that carry a load.
     pub fn under(&self, load: &Load<T>) -> Reactions<T> {
         let like = self.at.rack;
@@ -237,20 +251,8 @@ impl<'a, T: Balanced> Balance<'a, T> {
         self.work.note(|w| w.right_hand_sides += 1);
         let against = wrench.to_row().each(|c| -c);
         let multipliers = T::multipliers(Factors(&self.factors), &self.rows, against);
-        let nothing = Vector3::new(like.zero(), like.zero(), like.zero());
-        let mut constraints = [Reaction::Force {
-            point: self.at.mechanism.origin,
-            force: nothing,
-        }; 5];
-        for ((reaction, row), multiplier) in constraints
-            .iter_mut()
-            .zip(self.closure.rows())
-            .zip(multipliers)
-        {
-            *reaction = row.reaction(&self.at, multiplier);
-        }
         Reactions {
-            constraints,
+            constraints: self.reactions(&multipliers),
             support: multipliers[5],
             far_support: (self.at.mechanism.rigid_axle.is_some()).then(|| multipliers[FAR_ROW]),
             rod: self.rod_per_spring.map(|ratio| ratio * multipliers[5]),

@@ -23,7 +23,7 @@ pub struct AxleMotion {
 /// A coordinate that is a function of time. Its values in the motion are those at the times of the law.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AxleTime {
-    /// The coordinate. The steering wheel moves the rack, and the law is that of the rack.
+    /// Coordinate that moves. For the steering wheel the law gives the displacement of the rack.
     pub coordinate: Coordinate,
     /// Its law, in the motion's units.
     pub law: TimeLaw,

@@ -2,8 +2,9 @@
 
 use super::rocker::{ANTI_ROLL_BAR, Carriers, ROCKER};
 use super::topology::{
-    CANNOT_STEER, Given, LOWER_ARM_AXIS, NO_LOWER_ARM, NO_TIE_ROD, SPINDLE, SPINDLE_INNER, SPRING,
-    SPRING_UPPER, STEERING_AXIS, WHEEL_CENTRE, optional, required,
+    CANNOT_STEER, Given, LOWER_ARM_AXIS, LOWER_ARM_FRONT, LOWER_ARM_REAR, NO_LOWER_ARM, NO_TIE_ROD,
+    SPINDLE, SPINDLE_INNER, SPRING, SPRING_ON_LOWER_ARM, SPRING_UPPER, STEERING_AXIS, WHEEL_CENTRE,
+    required,
 };
 use super::{Arm, ArmId, Body, ClosedForm, Constraint, Mechanism, SteeringAxis, Topology};
 
@@ -20,11 +21,8 @@ pub(super) static DOUBLE_WISHBONE: Topology = Topology {
         ),
         required("upper_arm_rear", "rear pivot of the upper arm on the body"),
         required("upper_ball_joint", "joint of upper arm and knuckle"),
-        required(
-            "lower_arm_front",
-            "front pivot of the lower arm on the body",
-        ),
-        required("lower_arm_rear", "rear pivot of the lower arm on the body"),
+        LOWER_ARM_FRONT,
+        LOWER_ARM_REAR,
         required("lower_ball_joint", "joint of lower arm and knuckle"),
         required(
             "tie_rod_inner",
@@ -34,10 +32,7 @@ pub(super) static DOUBLE_WISHBONE: Topology = Topology {
         WHEEL_CENTRE,
         SPINDLE_INNER,
         SPRING_UPPER,
-        optional(
-            "spring_lower",
-            "lower end of spring and damper, on the lower arm or the rocker",
-        ),
+        SPRING_ON_LOWER_ARM,
     ],
     groups: &[&SPRING, &ROCKER, &ANTI_ROLL_BAR],
     distinct: &[

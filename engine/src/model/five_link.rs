@@ -2,7 +2,7 @@
 
 use super::rocker::{ANTI_ROLL_BAR, Carriers, ROCKER};
 use super::topology::{
-    Given, SPINDLE, SPINDLE_INNER, SPRING, SPRING_UPPER, WHEEL_CENTRE, optional, required,
+    Given, NO_LINK, SPINDLE, SPINDLE_INNER, SPRING, SPRING_UPPER, WHEEL_CENTRE, optional, required,
 };
 use super::{Body, Constraint, Mechanism, SteeringAxis, Topology};
 
@@ -13,8 +13,6 @@ const LINKS: [(&str, &str); 5] = [
     ("lower_rear_link_inner", "lower_rear_link_outer"),
     ("toe_link_inner", "toe_link_outer"),
 ];
-
-const NO_LENGTH: &str = "the link would have no length";
 
 /// The five-link suspension.
 pub(super) static FIVE_LINK: Topology = Topology {
@@ -44,19 +42,11 @@ pub(super) static FIVE_LINK: Topology = Topology {
     ],
     groups: &[&SPRING, &ROCKER, &ANTI_ROLL_BAR],
     distinct: &[
-        (
-            "upper_front_link_inner",
-            "upper_front_link_outer",
-            NO_LENGTH,
-        ),
-        ("upper_rear_link_inner", "upper_rear_link_outer", NO_LENGTH),
-        (
-            "lower_front_link_inner",
-            "lower_front_link_outer",
-            NO_LENGTH,
-        ),
-        ("lower_rear_link_inner", "lower_rear_link_outer", NO_LENGTH),
-        ("toe_link_inner", "toe_link_outer", NO_LENGTH),
+        ("upper_front_link_inner", "upper_front_link_outer", NO_LINK),
+        ("upper_rear_link_inner", "upper_rear_link_outer", NO_LINK),
+        ("lower_front_link_inner", "lower_front_link_outer", NO_LINK),
+        ("lower_rear_link_inner", "lower_rear_link_outer", NO_LINK),
+        ("toe_link_inner", "toe_link_outer", NO_LINK),
         SPINDLE,
     ],
     build,

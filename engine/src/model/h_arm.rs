@@ -3,8 +3,9 @@
 
 use super::rocker::{ANTI_ROLL_BAR, Carriers, ROCKER};
 use super::topology::{
-    Given, LOWER_ARM_AXIS, NO_LOWER_ARM, SPINDLE, SPINDLE_INNER, SPRING, SPRING_UPPER,
-    WHEEL_CENTRE, optional, required,
+    Given, LOWER_ARM_AXIS, LOWER_ARM_FRONT, LOWER_ARM_REAR, NO_LINK, NO_LOWER_ARM, SPINDLE,
+    SPINDLE_INNER, SPRING, SPRING_ON_LOWER_ARM, SPRING_UPPER, UPPER_LINK_INNER, UPPER_LINK_OUTER,
+    WHEEL_CENTRE, required,
 };
 use super::{Arm, ArmId, Body, Constraint, Mechanism, Topology};
 
@@ -13,22 +14,16 @@ pub(super) static H_ARM: Topology = Topology {
     name: "h_arm",
     summary: "H-arm: lower arm hinged at body and knuckle, upper link; not steered",
     hardpoints: &[
-        required(
-            "lower_arm_front",
-            "front pivot of the lower arm on the body",
-        ),
-        required("lower_arm_rear", "rear pivot of the lower arm on the body"),
+        LOWER_ARM_FRONT,
+        LOWER_ARM_REAR,
         required("lower_joint_front", "front joint of lower arm and knuckle"),
         required("lower_joint_rear", "rear joint of lower arm and knuckle"),
-        required("upper_link_inner", "upper link at the body"),
-        required("upper_link_outer", "upper link at the knuckle"),
+        UPPER_LINK_INNER,
+        UPPER_LINK_OUTER,
         WHEEL_CENTRE,
         SPINDLE_INNER,
         SPRING_UPPER,
-        optional(
-            "spring_lower",
-            "lower end of spring and damper, on the lower arm or the rocker",
-        ),
+        SPRING_ON_LOWER_ARM,
     ],
     groups: &[&SPRING, &ROCKER, &ANTI_ROLL_BAR],
     distinct: &[
@@ -40,11 +35,7 @@ pub(super) static H_ARM: Topology = Topology {
             "lower_joint_rear",
             "they define the axis about which the knuckle turns on the arm",
         ),
-        (
-            "upper_link_inner",
-            "upper_link_outer",
-            "the link would have no length",
-        ),
+        ("upper_link_inner", "upper_link_outer", NO_LINK),
         SPINDLE,
     ],
     build,

@@ -3,28 +3,24 @@
 
 use super::rocker::{ANTI_ROLL_BAR, Carriers, ROCKER};
 use super::topology::{
-    Given, LOWER_ARM_AXIS, NO_LOWER_ARM, SPINDLE, SPINDLE_INNER, SPRING, SPRING_UPPER,
-    WHEEL_CENTRE, optional, required,
+    Given, LOWER_ARM_AXIS, LOWER_ARM_FRONT, LOWER_ARM_REAR, NO_LINK, NO_LOWER_ARM, SPINDLE,
+    SPINDLE_INNER, SPRING, SPRING_ON_LOWER_ARM, SPRING_UPPER, UPPER_LINK_INNER, UPPER_LINK_OUTER,
+    WHEEL_CENTRE, required,
 };
 use super::{Arm, ArmId, Body, Constraint, Mechanism, SteeringAxis, Topology};
-
-const NO_LENGTH: &str = "the link would have no length";
 
 /// The integral-link suspension.
 pub(super) static INTEGRAL_LINK: Topology = Topology {
     name: "integral_link",
     summary: "Integral link: lower arm with a link to the knuckle, upper link, toe link",
     hardpoints: &[
-        required(
-            "lower_arm_front",
-            "front pivot of the lower arm on the body",
-        ),
-        required("lower_arm_rear", "rear pivot of the lower arm on the body"),
+        LOWER_ARM_FRONT,
+        LOWER_ARM_REAR,
         required("lower_ball_joint", "joint of lower arm and knuckle"),
         required("integral_link_inner", "integral link at the lower arm"),
         required("integral_link_outer", "integral link at the knuckle"),
-        required("upper_link_inner", "upper link at the body"),
-        required("upper_link_outer", "upper link at the knuckle"),
+        UPPER_LINK_INNER,
+        UPPER_LINK_OUTER,
         required(
             "toe_link_inner",
             "toe link at the rack; at the body where the axle is not steered",
@@ -33,19 +29,16 @@ pub(super) static INTEGRAL_LINK: Topology = Topology {
         WHEEL_CENTRE,
         SPINDLE_INNER,
         SPRING_UPPER,
-        optional(
-            "spring_lower",
-            "lower end of spring and damper, on the lower arm or the rocker",
-        ),
+        SPRING_ON_LOWER_ARM,
     ],
     groups: &[&SPRING, &ROCKER, &ANTI_ROLL_BAR],
     distinct: &[
         ("lower_arm_front", "lower_arm_rear", LOWER_ARM_AXIS),
         ("lower_ball_joint", "lower_arm_front", NO_LOWER_ARM),
         ("lower_ball_joint", "lower_arm_rear", NO_LOWER_ARM),
-        ("integral_link_inner", "integral_link_outer", NO_LENGTH),
-        ("upper_link_inner", "upper_link_outer", NO_LENGTH),
-        ("toe_link_inner", "toe_link_outer", NO_LENGTH),
+        ("integral_link_inner", "integral_link_outer", NO_LINK),
+        ("upper_link_inner", "upper_link_outer", NO_LINK),
+        ("toe_link_inner", "toe_link_outer", NO_LINK),
         SPINDLE,
     ],
     build,

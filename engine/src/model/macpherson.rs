@@ -2,8 +2,8 @@
 
 use super::rocker::{ANTI_ROLL_BAR, Carriers};
 use super::topology::{
-    CANNOT_STEER, Given, LOWER_ARM_AXIS, NO_LOWER_ARM, NO_TIE_ROD, SPINDLE, SPINDLE_INNER,
-    STEERING_AXIS, WHEEL_CENTRE, optional, required,
+    CANNOT_STEER, Given, LOWER_ARM_AXIS, LOWER_ARM_FRONT, LOWER_ARM_REAR, NO_LOWER_ARM, NO_TIE_ROD,
+    SPINDLE, SPINDLE_INNER, STEERING_AXIS, WHEEL_CENTRE, optional, required,
 };
 use super::{Arm, ArmId, Body, ClosedForm, Constraint, Mechanism, Spring, SteeringAxis, Topology};
 
@@ -12,11 +12,8 @@ pub(super) static MACPHERSON: Topology = Topology {
     name: "macpherson",
     summary: "MacPherson strut: lower arm, strut clamped in the knuckle, tie rod",
     hardpoints: &[
-        required(
-            "lower_arm_front",
-            "front pivot of the lower arm on the body",
-        ),
-        required("lower_arm_rear", "rear pivot of the lower arm on the body"),
+        LOWER_ARM_FRONT,
+        LOWER_ARM_REAR,
         required("lower_ball_joint", "joint of lower arm and knuckle"),
         required("strut_top", "upper strut mount on the body"),
         required("strut_lower", "a point of the strut axis on the knuckle"),

@@ -6,11 +6,10 @@
 use super::rigid_axle::{AxleTravel, RigidAxle};
 use super::rocker::{ANTI_ROLL_BAR, Carriers};
 use super::topology::{
-    Given, Group, SPINDLE, SPINDLE_INNER, SPRING, SPRING_UPPER, WHEEL_CENTRE, optional, required,
+    Given, Group, NO_LINK, SPINDLE, SPINDLE_INNER, SPRING, SPRING_UPPER, WHEEL_CENTRE, optional,
+    required,
 };
 use super::{Body, Constraint, Mechanism, Point, PointId, RockerId, Topology};
-
-const NO_LENGTH: &str = "the link would have no length";
 
 /// A Panhard rod. A study gives both ends or none.
 static PANHARD: Group = Group {
@@ -21,7 +20,7 @@ static PANHARD: Group = Group {
     ],
     complete: &[&["panhard_chassis", "panhard_axle"]],
     beside: &[],
-    distinct: &[("panhard_chassis", "panhard_axle", NO_LENGTH)],
+    distinct: &[("panhard_chassis", "panhard_axle", NO_LINK)],
 };
 
 /// The Watt linkage: a rocker on the axle with two links to the body, or a rocker on the body with two links to the axle.
@@ -62,10 +61,10 @@ static WATT: Group = Group {
             "watt_axis",
             "they define the axis of the Watt rocker",
         ),
-        ("watt_upper_chassis", "watt_upper_rocker", NO_LENGTH),
-        ("watt_upper_axle", "watt_upper_rocker", NO_LENGTH),
-        ("watt_lower_chassis", "watt_lower_rocker", NO_LENGTH),
-        ("watt_lower_axle", "watt_lower_rocker", NO_LENGTH),
+        ("watt_upper_chassis", "watt_upper_rocker", NO_LINK),
+        ("watt_upper_axle", "watt_upper_rocker", NO_LINK),
+        ("watt_lower_chassis", "watt_lower_rocker", NO_LINK),
+        ("watt_lower_axle", "watt_lower_rocker", NO_LINK),
     ],
 };
 
@@ -94,8 +93,8 @@ pub(super) static SOLID_AXLE: Topology = Topology {
     ],
     groups: &[&SPRING, &PANHARD, &WATT, &ANTI_ROLL_BAR],
     distinct: &[
-        ("lower_link_chassis", "lower_link_axle", NO_LENGTH),
-        ("upper_link_chassis", "upper_link_axle", NO_LENGTH),
+        ("lower_link_chassis", "lower_link_axle", NO_LINK),
+        ("upper_link_chassis", "upper_link_axle", NO_LINK),
         SPINDLE,
     ],
     build,

@@ -52,6 +52,26 @@ pub(super) const SPRING_UPPER: Hardpoint = optional(
     "upper end of spring and damper, on the body",
 );
 
+/// The lower end of spring and damper, for topologies whose lower arm carries it.
+pub(super) const SPRING_ON_LOWER_ARM: Hardpoint = optional(
+    "spring_lower",
+    "lower end of spring and damper, on the lower arm or the rocker",
+);
+
+/// The pivots of a lower arm.
+pub(super) const LOWER_ARM_FRONT: Hardpoint = required(
+    "lower_arm_front",
+    "front pivot of the lower arm on the body",
+);
+pub(super) const LOWER_ARM_REAR: Hardpoint =
+    required("lower_arm_rear", "rear pivot of the lower arm on the body");
+
+/// The ends of an upper link.
+pub(super) const UPPER_LINK_INNER: Hardpoint =
+    required("upper_link_inner", "upper link at the body");
+pub(super) const UPPER_LINK_OUTER: Hardpoint =
+    required("upper_link_outer", "upper link at the knuckle");
+
 /// Spring and damper. A study gives both ends or none.
 pub(super) static SPRING: Group = Group {
     what: "the spring",
@@ -75,6 +95,7 @@ pub(super) const SPINDLE: (&str, &str, &str) = (
 // Why points of arms and tie rods must be distinct.
 pub(super) const LOWER_ARM_AXIS: &str = "they define the axis of the lower arm";
 pub(super) const NO_LOWER_ARM: &str = "the lower arm would have no length";
+pub(super) const NO_LINK: &str = "the link would have no length";
 pub(super) const STEERING_AXIS: &str = "they define the steering axis";
 pub(super) const NO_TIE_ROD: &str = "the tie rod would have no length";
 pub(super) const CANNOT_STEER: &str = "the tie rod could not steer the wheel";

@@ -2,11 +2,10 @@
 
 use super::rocker::{ANTI_ROLL_BAR, Carriers, ROCKER};
 use super::topology::{
-    Given, SPINDLE, SPINDLE_INNER, SPRING, SPRING_UPPER, WHEEL_CENTRE, optional, required,
+    Given, NO_LINK, SPINDLE, SPINDLE_INNER, SPRING, SPRING_UPPER, WHEEL_CENTRE, optional, required,
 };
 use super::{Body, Constraint, Mechanism, Topology};
 
-const NO_LENGTH: &str = "the link would have no length";
 const ON_THE_PIVOT: &str = "the link would not hold the arm";
 
 /// The trailing arm with two lateral links.
@@ -29,8 +28,8 @@ pub(super) static TRAILING_ARM_TWO_LINKS: Topology = Topology {
     ],
     groups: &[&SPRING, &ROCKER, &ANTI_ROLL_BAR],
     distinct: &[
-        ("upper_link_inner", "upper_link_outer", NO_LENGTH),
-        ("lower_link_inner", "lower_link_outer", NO_LENGTH),
+        ("upper_link_inner", "upper_link_outer", NO_LINK),
+        ("lower_link_inner", "lower_link_outer", NO_LINK),
         ("upper_link_outer", "arm_pivot", ON_THE_PIVOT),
         ("lower_link_outer", "arm_pivot", ON_THE_PIVOT),
         SPINDLE,

@@ -247,6 +247,21 @@ pub(super) struct RateKeys<'a> {
     pub others: &'a [Option<Span<usize>>],
 }
 
+/// The keys of a rate in an entry as written, at `place`, with the keys of the entry that a rate does not take.
+macro_rules! rate_keys {
+    ($written:expr, $place:expr, [$($other:ident),*]) => {
+        RateKeys {
+            place: $place,
+            bushing: &$written.bushing,
+            link: &$written.link,
+            stiffness: &$written.stiffness,
+            relative: &$written.relative,
+            others: &[$($written.$other.as_ref().map(Spanned::span)),*],
+        }
+    };
+}
+pub(super) use rate_keys;
+
 impl RateKeys<'_> {
     /// Returns true if a rate is named. Refuses keys of a rate without one.
     pub(super) fn is_given(&self, problems: &mut Problems) -> Option<bool> {

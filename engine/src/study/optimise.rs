@@ -1,7 +1,7 @@
 //! `[optimise]`: design variables and their moves.
 
 use super::constraints::constraints;
-use super::elastic_targets::{self, RateKeys};
+use super::elastic_targets::{self, RateKeys, rate_keys};
 use super::error::Problems;
 use super::file;
 use super::motion::within;
@@ -265,21 +265,11 @@ fn variable(
 ) -> Option<Variable> {
     let suspension = context.suspension;
     let written = variable.get_ref();
-    let named = RateKeys {
-        place: variable.span(),
-        bushing: &written.bushing,
-        link: &written.link,
-        stiffness: &written.stiffness,
-        relative: &written.relative,
-        others: &[
-            written.hardpoint.as_ref().map(Spanned::span),
-            written.hardpoints.as_ref().map(Spanned::span),
-            written.rigid.as_ref().map(Spanned::span),
-            written.axis.as_ref().map(Spanned::span),
-            written.direction.as_ref().map(Spanned::span),
-            written.factors.as_ref().map(Spanned::span),
-        ],
-    };
+    let named = rate_keys!(
+        written,
+        variable.span(),
+        [hardpoint, hardpoints, rigid, axis, direction, factors]
+    );
     if named.is_given(problems)? {
         let cost = cost(written, problems);
         return elastic_targets::rate(variable, &named, context, cost, problems);

@@ -1,6 +1,6 @@
 //! `[sweep]`: which designs are to be looked at.
 
-use super::elastic_targets::RateKeys;
+use super::elastic_targets::{RateKeys, rate_keys};
 use super::error::Problems;
 use super::file::{self, File};
 use super::motion::{evenly_spaced_at, within};
@@ -302,20 +302,11 @@ fn variable(
     problems: &mut Problems,
 ) -> Option<SweepVariable> {
     let (written, suspension) = (place.get_ref(), context.suspension);
-    let named = RateKeys {
-        place: place.span(),
-        bushing: &written.bushing,
-        link: &written.link,
-        stiffness: &written.stiffness,
-        relative: &written.relative,
-        others: &[
-            written.hardpoint.as_ref().map(Spanned::span),
-            written.hardpoints.as_ref().map(Spanned::span),
-            written.factors.as_ref().map(Spanned::span),
-            written.axis.as_ref().map(Spanned::span),
-            written.absolute.as_ref().map(Spanned::span),
-        ],
-    };
+    let named = rate_keys!(
+        written,
+        place.span(),
+        [hardpoint, hardpoints, factors, axis, absolute]
+    );
     if named.is_given(problems)? {
         return rate(written, &named, context, problems);
     }

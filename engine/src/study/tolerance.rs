@@ -1,7 +1,7 @@
 //! `[tolerance]`: how parts scatter, and the bands that builds are to keep to.
 
 use super::axle_targets;
-use super::elastic_targets::{self, RateKeys};
+use super::elastic_targets::{self, RateKeys, rate_keys};
 use super::error::Problems;
 use super::file;
 use super::members::{axis, member};
@@ -154,20 +154,11 @@ fn contributors(
 ) -> Option<Vec<Contributor>> {
     let place = written.span();
     let written = written.get_ref();
-    let named = RateKeys {
-        place: place.clone(),
-        bushing: &written.bushing,
-        link: &written.link,
-        stiffness: &written.stiffness,
-        relative: &written.relative,
-        others: &[
-            written.hardpoint.as_ref().map(Spanned::span),
-            written.hardpoints.as_ref().map(Spanned::span),
-            written.length.as_ref().map(Spanned::span),
-            written.jig.as_ref().map(Spanned::span),
-            written.axis.as_ref().map(Spanned::span),
-        ],
-    };
+    let named = rate_keys!(
+        written,
+        place.clone(),
+        [hardpoint, hardpoints, length, jig, axis]
+    );
     if named.is_given(problems)? {
         let Some(context) = context else {
             return problems.refuse(place, "the axles of a car have no elastic parts");

@@ -3,7 +3,7 @@
 use super::super::SweepArguments;
 use super::super::exit::{Exit, Stop};
 use super::super::sweep::{Ready, carry_out, is_to_stdout, two_columns};
-use super::kept;
+use super::{KEPT_NAMES, kept};
 use crate::report::{SweepText, settings_of_car};
 use crate::study::CarStudy;
 use crate::sweep::{CarNotBegun, CarSweepPlan, Swept};
@@ -27,6 +27,7 @@ pub(in crate::cli) fn sweep(arguments: &SweepArguments) -> Result<Exit, Stop> {
         swept: Swept::Car(&plan),
         text: SweepText::without_curves(),
         inputs: study.inputs.clone(),
+        kept_names: &KEPT_NAMES,
         kept: &|_| kept(&study),
         draw: &|_, _| Ok(()),
     };

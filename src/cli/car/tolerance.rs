@@ -3,6 +3,7 @@
 use super::super::ToleranceArguments;
 use super::super::exit::{Exit, Stop};
 use super::super::output::pool;
+use super::super::tolerance::ended;
 use super::super::{interrupt, progress};
 use super::{keep, open};
 use crate::assembly::NoSetUp;
@@ -56,17 +57,12 @@ pub(in crate::cli) fn tolerance(arguments: &ToleranceArguments) -> Result<Exit, 
     output.text_only("\nContributors, by their largest share of a variance\n\n")?;
     output.table("ranking", &summary.ranking_table())?;
     output.say_remarks(summary.failure())?;
-    if interrupted {
-        output.say_failure(&format!(
-            "\ninterrupted: {} of the {} requested builds are done\n",
-            builds.builds, tolerance.builds
-        ))?;
-    }
-    output.print_files(&files)?;
-    Ok(match interrupted {
-        true => Exit::Interrupted,
-        false => Exit::Done,
-    })
+    ended(
+        &output,
+        interrupted,
+        [builds.builds, tolerance.builds],
+        &files,
+    )
 }
 
 fn refused(study: &CarStudy, path: &Path, (axle, why): &(usize, NoSetUp)) -> Stop {

@@ -49,17 +49,12 @@ fn textbook_formulas_are_near() {
     let mut stiffness = [0.0; 2];
     let mut centres = [0.0; 2];
     for axle in [0, 1] {
-        let travels = found.placed[axle].travels;
-        let asked = [A::RollStiffnessAtLoad, A::RollCentreHeight].map(Quantity::Axle);
-        let mut solver = AxleSolver::<4>::new(&car.axles[axle], &asked, false).unwrap();
-        let placement = Placement::Roll {
-            heave: 0.5 * (travels[0] + travels[1]),
-            roll: 0.0,
-            rack: 0.0,
-        };
-        let placed = solver.place(&placement).unwrap();
-        let read = solver.read(&placed).unwrap();
-        let [k, h] = asked.map(|quantity| read.value(quantity).unwrap());
+        let [k, h] = of_level_axle(
+            &car,
+            axle,
+            found.placed[axle].travels,
+            [A::RollStiffnessAtLoad, A::RollCentreHeight],
+        );
         (stiffness[axle], centres[axle]) = (k, h);
     }
     // The inertia of the wheels goes through the links to the body; textbooks leave it out of the roll.
@@ -107,6 +102,20 @@ fn textbook_formulas_are_near() {
     near("distribution", exact, distribution);
 }
 
+/// Values of an axle that stands level at the mean travel of its wheels.
+fn of_level_axle(car: &Car, axle: usize, travels: [f64; 2], asked: [A; 2]) -> [f64; 2] {
+    let asked = asked.map(Quantity::Axle);
+    let mut solver = AxleSolver::<4>::new(&car.axles[axle], &asked, false).unwrap();
+    let placement = Placement::Roll {
+        heave: 0.5 * (travels[0] + travels[1]),
+        roll: 0.0,
+        rack: 0.0,
+    };
+    let placed = solver.place(&placement).unwrap();
+    let read = solver.read(&placed).unwrap();
+    asked.map(|quantity| read.value(quantity).unwrap())
+}
+
 /// A twist of the ground meets the roll stiffnesses of both axles in series: with k = K/(track^2/2) of an axle, the body free,
 /// each load changes by 2 k_f k_r/(k_f + k_r) if both tracks are the same.
 #[test]
@@ -120,17 +129,12 @@ fn warp_is_the_series_of_both_axles() {
     let mut rates = [0.0; 2];
     let mut tracks = [0.0; 2];
     for axle in [0, 1] {
-        let travels = found.placed[axle].travels;
-        let asked = [A::RollStiffnessAtLoad, A::Track].map(Quantity::Axle);
-        let mut solver = AxleSolver::<4>::new(&car.axles[axle], &asked, false).unwrap();
-        let placement = Placement::Roll {
-            heave: 0.5 * (travels[0] + travels[1]),
-            roll: 0.0,
-            rack: 0.0,
-        };
-        let placed = solver.place(&placement).unwrap();
-        let read = solver.read(&placed).unwrap();
-        let [k, track] = asked.map(|quantity| read.value(quantity).unwrap());
+        let [k, track] = of_level_axle(
+            &car,
+            axle,
+            found.placed[axle].travels,
+            [A::RollStiffnessAtLoad, A::Track],
+        );
         tracks[axle] = track;
         rates[axle] = 2.0 * k / (track * track);
     }

@@ -31,11 +31,12 @@ struct Written<'a> {
     relative: Option<&'a Number>,
 }
 
-impl<'a> Written<'a> {
-    fn of(written: &'a Spanned<car_file::Variable>) -> Self {
-        let own = written.get_ref();
+/// These keys of an entry that may have all of them.
+macro_rules! moved_by {
+    ($written:expr) => {{
+        let own = $written.get_ref();
         Written {
-            place: written.span(),
+            place: $written.span(),
             axle: own.axle.as_ref(),
             hardpoint: own.hardpoint.as_ref(),
             axis: own.axis.as_ref(),
@@ -44,20 +45,16 @@ impl<'a> Written<'a> {
             range: own.range.as_ref(),
             relative: own.relative.as_ref(),
         }
+    }};
+}
+
+impl<'a> Written<'a> {
+    fn of(written: &'a Spanned<car_file::Variable>) -> Self {
+        moved_by!(written)
     }
 
     fn of_sweep(written: &'a Spanned<car_file::SweepVariable>) -> Self {
-        let own = written.get_ref();
-        Written {
-            place: written.span(),
-            axle: own.axle.as_ref(),
-            hardpoint: own.hardpoint.as_ref(),
-            axis: own.axis.as_ref(),
-            rate: own.rate.as_ref(),
-            car: own.car.as_ref(),
-            range: own.range.as_ref(),
-            relative: own.relative.as_ref(),
-        }
+        moved_by!(written)
     }
 
     /// A rate or a figure that scatters.

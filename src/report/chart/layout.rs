@@ -139,7 +139,21 @@ impl Chart {
         let right = SIZE[0] - longest.map_or(16.0, |n| 14.0 + LETTER * n as f64);
         let has_strip = deviations.iter().any(|of| !of.is_empty());
         let bottom = SIZE[1] - BELOW - if has_strip { STRIP } else { 0.0 };
-        let plot = [START[0], START[1], right, bottom];
+        let y_ticks = (bottom - START[1]) / 34.0;
+        let ends_y = [bottom, START[1]];
+        let values = own().map(|p| p[1]);
+        let y = match self.y.is_log {
+            true => Scale::logarithmic(values, ends_y),
+            false => Scale::showing(values.chain(zero()), y_ticks, ends_y),
+        };
+        // Long labels of ticks need room beside the title.
+        let widest = y
+            .ticks()
+            .iter()
+            .map(|(_, label)| label.chars().count())
+            .max();
+        let left = START[0] + LETTER * widest.unwrap_or(0).saturating_sub(5) as f64;
+        let plot = [left, START[1], right, bottom];
         // Places without a value count too, so that a curve with few values does not fill the chart.
         let places = self
             .lines
@@ -150,17 +164,11 @@ impl Chart {
             .map(|p| p[0])
             .chain(self.failed.iter().copied())
             .chain(places);
-        let x_ticks = ((right - START[0]) / 62.0).max(2.0);
-        let y_ticks = (bottom - START[1]) / 34.0;
-        let (ends_x, ends_y) = ([plot[0], plot[2]], [plot[3], plot[1]]);
+        let x_ticks = ((right - left) / 62.0).max(2.0);
+        let ends_x = [left, right];
         let x = match self.x.is_log {
             true => Scale::logarithmic(along, ends_x),
             false => Scale::within(along.chain(zero()), x_ticks, ends_x),
-        };
-        let values = own().map(|p| p[1]);
-        let y = match self.y.is_log {
-            true => Scale::logarithmic(values, ends_y),
-            false => Scale::showing(values.chain(zero()), y_ticks, ends_y),
         };
         let labels = end_labels(&self.lines, labels, &points, &x, &y, plot);
         Layout {

@@ -141,9 +141,9 @@ fn charts_of_load(
         load => format!("{} force", load.name()),
     };
     let shift = match load {
-        TestLoad::Lateral => "wheel centre, inboard",
-        TestLoad::Braking | TestLoad::Traction => "wheel centre, rearward",
-        _ => "wheel centre, upward",
+        TestLoad::Lateral => "inboard displacement",
+        TestLoad::Braking | TestLoad::Traction => "recession",
+        _ => "rise",
     };
     let quantities = [
         ("toe", "toe", "°"),
@@ -170,7 +170,7 @@ fn charts_of_load(
         let chart = Chart {
             key: format!("{}_{column}", load.name()),
             x: Quantity::new("load", &name, unit),
-            y: Quantity::new(column, title, of),
+            y: Quantity::new(column, &format!("{title} by {name}"), of),
             lines: rows.iter().enumerate().map(line).collect(),
             ..Chart::default()
         };

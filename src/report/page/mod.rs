@@ -71,6 +71,7 @@ impl<Data: Serialize> Page<'_, Data> {
             include_str!("page.html"),
             policy = html(&policy::policy(&[&script], &style)),
             study = html(self.study),
+            heading = table::breakable(self.study),
             style = style,
             about = html(&self.about),
             facts = self.facts.iter().map(fact).collect::<String>(),

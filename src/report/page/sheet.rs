@@ -3,7 +3,7 @@
 use super::escape::html;
 use super::policy::policy;
 use super::strips::{Strip, strips};
-use super::table::table;
+use super::table::{breakable, table};
 use crate::report::{Cell, SetUpSummary, Table, brief};
 
 /// A section of a page: its title, a note and its table.
@@ -114,7 +114,10 @@ pub fn limits_page(of: &LimitsSheet<'_>) -> String {
         note: "Each row is a quantity that moves while the others stay where the row says. Line: range of the mechanism. \
                Band: motion of the study. Grey dot: design position."
             .to_owned(),
-        table: drawn + &table(of.limits, |_| None) + &notes + &failures,
+        table: format!(
+            "{drawn}<div class=\"causes\">{}</div>{notes}{failures}",
+            table(of.limits, |_| None)
+        ),
     };
     let verdict = match of.failures.is_empty() {
         true => "The whole motion of the study can be solved.",
@@ -159,6 +162,7 @@ pub(super) fn sheet(study: &str, kind: &str, verdict: &str, sections: &[Section]
         include_str!("sheet.html"),
         policy = html(&policy(&[], &style)),
         study = html(study),
+        heading = breakable(study),
         style = style,
         kind = kind,
         version = env!("CARGO_PKG_VERSION"),

@@ -51,7 +51,7 @@ pub(super) fn strips(strips: &[Strip], about: &str) -> String {
     for (row, strip) in strips.iter().enumerate() {
         draw(strip, HEIGHT * row as f64, &mut svg);
     }
-    format!("<figure class=\"chart\">{svg}</svg></figure>\n")
+    format!("<figure class=\"chart strips\">{svg}</svg></figure>\n")
 }
 
 fn draw(strip: &Strip, top: f64, svg: &mut String) {
@@ -101,18 +101,26 @@ fn draw(strip: &Strip, top: f64, svg: &mut String) {
             false,
         );
     }
-    // Numbers from the left; one that would cover the number before it is left out.
-    let mut numbers: Vec<f64> = strip.values().collect();
-    numbers.sort_by(f64::total_cmp);
-    numbers.dedup();
-    let mut free = 0.0;
-    for value in numbers {
-        let words = brief(value);
+    // The values first, then the ends of range and band, as far as there is room.
+    let dots = strip.dots.iter().rev().map(|(_, value)| *value);
+    let ends = strip.range.into_iter().chain(strip.band).flatten();
+    let mut taken: Vec<[f64; 2]> = Vec::new();
+    for value in dots.chain(ends) {
+        let words = brief(rounded(value));
         let half = DIGIT * words.chars().count() as f64 / 2.0;
         let x = at(value).clamp(half, WIDTH - half);
-        if x - half >= free {
+        let place = [x - half - DIGIT / 2.0, x + half + DIGIT / 2.0];
+        if taken
+            .iter()
+            .all(|other| place[1] <= other[0] || other[1] <= place[0])
+        {
             text(svg, "axis-text", x, foot, "middle", &words);
-            free = x + half + DIGIT;
+            taken.push(place);
         }
     }
+}
+
+/// A number with four digits.
+fn rounded(value: f64) -> f64 {
+    format!("{value:.3e}").parse().unwrap_or(value)
 }

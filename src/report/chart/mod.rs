@@ -16,7 +16,9 @@ mod wanted;
 
 pub(super) use layout::{AxisLayout, Layout, SIZE};
 pub(super) use lettering::Lettering;
-pub(super) use of_run::{Family, chart_groups, charts_over, families, hue, in_words};
+pub(super) use of_run::{
+    Family, chart_groups, charts_over, families, hue, in_words, moving_beside,
+};
 pub(super) use scale::Scale;
 pub(super) use style::{PICTURE_STYLE, page_style};
 pub(super) use wanted::Wanted;

@@ -1,5 +1,6 @@
 //! Designs that could be chosen instead of the kept one, as files and tables: the front and the price list.
 
+use super::curve_table::CurveTable;
 use super::figure::{brief, without_zeros};
 use super::files::csv_of;
 use super::shortest;

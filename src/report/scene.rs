@@ -135,7 +135,9 @@ fn bodies(mechanism: &Mechanism) -> Vec<SceneBody> {
             }
             Constraint::BallJoint { at } | Constraint::ArmJoint { at, .. } => joints.push(at),
             // With a hinge the knuckle is the arm itself.
-            Constraint::Revolute { .. } | Constraint::AxleTravel { .. } => {}
+            Constraint::Mount { .. }
+            | Constraint::Revolute { .. }
+            | Constraint::AxleTravel { .. } => {}
         }
     }
     if let Some(spring) = mechanism.spring

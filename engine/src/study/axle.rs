@@ -10,10 +10,11 @@ use super::right_wheel::{self, right_wheel};
 use super::rocker_springs;
 use super::solid_axle;
 use super::suspension::{above_zero, positive};
+use super::twist_beam;
 use super::value::{Number, Text, Values};
 use super::{MOST_STATIONS, TimeLaw};
 use crate::axle::{
-    Axle, AxleMotion, AxlePlan, AxleTime, BumpStop, Coordinate, ForceCurve, Law, Motion, Quantity,
+    Axle, AxleKind, AxleMotion, AxlePlan, AxleTime, BumpStop, Coordinate, ForceCurve, Law, Motion, Quantity,
     Setup, SpringLaw, WheelMotion,
 };
 use crate::characteristics::Constants;
@@ -128,6 +129,9 @@ pub(super) fn axle(
         problems.add(place, message);
         sound = false;
     }
+    if let Some(beam) = suspension.mechanism.rigid_axle.as_ref().and_then(|rigid| rigid.twist_beam.as_ref()) {
+        twist_beam::check(&file.suspension, suspension, beam, problems)?;
+    }
     let wheels = match &suspension.mechanism.rigid_axle {
         Some(rigid) => solid_axle::wheels(file, suspension, rigid, problems),
         None => {
@@ -239,6 +243,7 @@ fn setup(file: &File, left: &Suspension, problems: &mut Problems) -> Option<Setu
         error.help("drop_link_outer, drop_link_inner, anti_roll_bar_inner and anti_roll_bar_outer make one");
         bar_rate = None;
     }
+    let beam_rate = twist_beam::bar_rate(file, left, problems)?;
     let [sprung_mass, unsprung_mass] = masses;
     Some(Setup {
         wheel_radius: left.wheel_radius,
@@ -247,7 +252,7 @@ fn setup(file: &File, left: &Suspension, problems: &mut Problems) -> Option<Setu
         c_factor: c_factor?,
         springs: springs?,
         rocker_springs: rocker_springs?,
-        bar_rate: bar_rate?,
+        bar_rate: beam_rate.or(bar_rate?),
         tyre_rate: tyre_rate?,
         tyre_load: tyre_load?,
         sprung_mass: sprung_mass?,
@@ -628,9 +633,16 @@ pub(super) fn quantities(
     let name = choose(text, "quantity of an axle", &names, problems)?;
     let found = axle.quantities(name);
     if found.is_empty() {
-        let message = match axle.is_rigid() {
-            true => format!("{name} needs wheels that move by themselves; this is a solid axle"),
-            false => format!("{name} needs a solid axle; these wheels move by themselves"),
+        let of = |kind: AxleKind| Quantity::named(name).iter().any(|q| q.is_of(kind));
+        let needs = match (of(AxleKind::Independent), of(AxleKind::Solid)) {
+            (true, _) => "wheels that move by themselves",
+            (_, true) => "a solid axle",
+            _ => "a twist beam",
+        };
+        let message = match axle.kind() {
+            AxleKind::Independent => format!("{name} needs {needs}; these wheels move by themselves"),
+            AxleKind::Solid => format!("{name} needs {needs}; this is a solid axle"),
+            AxleKind::TwistBeam => format!("{name} needs {needs}; this is a twist beam"),
         };
         return problems.refuse(text.span(), message);
     }

@@ -9,6 +9,7 @@ mod planted;
 mod rates;
 mod reference;
 mod refused;
+mod twist_beam;
 mod watt;
 
 use hardpoint::study::{AxleStudy, Study};

@@ -2,7 +2,7 @@
 
 use super::figure::{brief, without_zeros};
 use super::files::csv_of;
-use super::shortest;
+use super::{CurveTable, shortest};
 use super::table::{Cell, Table};
 use crate::optimise::{Choice, Front};
 use crate::study::{Optimise, Study, Variable};

@@ -68,8 +68,7 @@ impl Source {
                 (!takes_it).then_some("a twist beam can be exported to CSV and to a workbook")
             }
             true => {
-                let takes_it =
-                    [Target::Csv, Target::Xlsx, Target::Assetto].contains(&arguments.to);
+                let takes_it = [Target::Csv, Target::Xlsx, Target::Assetto].contains(&arguments.to);
                 (!takes_it).then_some(
                     "a solid axle can be exported to CSV, to a workbook and to Assetto Corsa",
                 )

@@ -411,10 +411,19 @@ fn study(topology: &Topology, parts: &[Part]) -> Result<String, String> {
     }
     if parts.contains(&Part::AntiRollBar) {
         let places = fitting.anti_roll_bar.ok_or_else(|| {
-            format!("{} has no anti-roll bar of its own: add its rate to torsional_rate", topology.name)
+            format!(
+                "{} has no anti-roll bar of its own: add its rate to torsional_rate",
+                topology.name
+            )
         })?;
         let carrier = fitting.carrier;
-        text = with_points(&text, ANTI_ROLL_BAR, &places, carrier, "anti_roll_bar_angle");
+        text = with_points(
+            &text,
+            ANTI_ROLL_BAR,
+            &places,
+            carrier,
+            "anti_roll_bar_angle",
+        );
         if parts.contains(&Part::Pushrod) {
             // Beside a rocker a study must say where the drop link stands.
             let body = carrier.replace(' ', "_");

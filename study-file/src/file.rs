@@ -88,6 +88,10 @@ pub struct Suspension {
     pub side: Option<Text>,
     /// `mm`, `m` or `in`.
     pub length_unit: Option<Text>,
+    /// `N` or `lbf`.
+    pub force_unit: Option<Text>,
+    /// `kg` or `lb`.
+    pub mass_unit: Option<Text>,
     /// Name of the axis convention.
     pub frame: Option<Text>,
     /// `[suspension.hardpoints]`

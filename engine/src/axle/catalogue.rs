@@ -3,9 +3,9 @@
 //! Beside these every wheel characteristic of [`crate::characteristics`] is a quantity of either wheel, but
 //! for the corner's `roll_centre_height`, which gives way to the axle's.
 
+use super::AxleKind;
 use super::formulas::{loads, rigid, roll, steering};
 use super::reading::WheelParts;
-use super::AxleKind;
 use super::state::AxleState;
 use crate::ask::{Info, Need, NoValue, Unit};
 use crate::characteristics::{Characteristic, Slot};

@@ -218,8 +218,7 @@ impl Axle {
 
     /// Returns true if the study gives everything that a quantity requires.
     pub fn has(&self, quantity: Quantity) -> bool {
-        quantity.is_of(self.kind())
-            && quantity.info().needs.iter().all(|need| self.meets(*need))
+        quantity.is_of(self.kind()) && quantity.info().needs.iter().all(|need| self.meets(*need))
     }
 
     /// The rockers that quantities move with, on one side.

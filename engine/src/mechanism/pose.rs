@@ -289,7 +289,9 @@ impl<'a, T: Real> Configuration<'a, T> {
     #[inline(always)]
     fn push_point_here(&self, id: PointId, gradient: Vector3<T>, sink: &mut impl Sink<T>) {
         match self.mechanism.body(id) {
-            Body::Chassis | Body::Rack | Body::Opposite(_) => self.push_grounded(id, gradient, sink),
+            Body::Chassis | Body::Rack | Body::Opposite(_) => {
+                self.push_grounded(id, gradient, sink)
+            }
             Body::Knuckle => self.push_carried(id, gradient, sink),
             Body::StrutRod(top) => {
                 let in_knuckle = self.pose.rotation.apply_transposed(gradient);

@@ -111,8 +111,16 @@ impl RigidAxle {
             into[single.0] = mirrored(design[single.0]);
         }
         for [point, beside] in self.followers() {
-            into[point.0] = into[beside.0] + mirrored(design[point.0] - design[beside.0]);
+            into[point.0] = into[beside.0] + (design[point.0] - design[beside.0]);
         }
+    }
+
+    /// Returns true if the far half is the mirror image of the near half.
+    pub fn is_symmetric(&self, design: &[Vector3<f64>]) -> bool {
+        let mut pairs = self.pairs.iter();
+        let mut singles = self.singles.iter();
+        pairs.all(|[near, far]| design[far.0] == mirrored(design[near.0]))
+            && singles.all(|single| design[single.0] == mirrored(design[single.0]))
     }
 
     /// Adds up the derivatives by all places of a point: those of the far half and those of the axle seen from the right

@@ -276,7 +276,8 @@ impl Mechanism {
     #[inline]
     pub fn anti_roll_bar(&self) -> Option<RockerId> {
         let mut rods = self.rockers.iter().map(|rocker| rocker.rod);
-        rods.position(|rod| matches!(rod, Rod::DropLink | Rod::TwistBeam)).map(RockerId)
+        rods.position(|rod| matches!(rod, Rod::DropLink | Rod::TwistBeam))
+            .map(RockerId)
     }
 
     /// The end of the heave spring on the rocker.
@@ -331,7 +332,9 @@ impl Mechanism {
     /// The bodies a hardpoint may sit on: of the ends of springs and rods that stand on the suspension, by
     /// the study's choice. Empty for every other hardpoint.
     pub fn possible_bodies(&self, id: PointId) -> Vec<(&'static str, Body)> {
-        let is_turned = |rocker: &Rocker| rocker.outer == id && !matches!(rocker.rod, Rod::WattLink | Rod::TwistBeam);
+        let is_turned = |rocker: &Rocker| {
+            rocker.outer == id && !matches!(rocker.rod, Rod::WattLink | Rod::TwistBeam)
+        };
         let turns = self.rockers.iter().position(is_turned);
         let is_spring =
             self.spring.is_some_and(|s| s.lower == id) && self.name(id) == "spring_lower";

@@ -158,8 +158,7 @@ pub(super) fn wheels(
         }
         Some(RightWheel::Own(own)) => {
             if !own.bodies.is_empty() || own.wheel.is_some() {
-                let message =
-                    "the right half of this axle differs in hardpoints and spring only";
+                let message = "the right half of this axle differs in hardpoints and spring only";
                 return problems.refuse(place, message);
             }
             differences(own, rigid, &mut left, problems)?;
@@ -183,7 +182,7 @@ pub(super) fn wheels(
     }
     let mut right = left.clone();
     rigid.turn_over(&left.design, &mut right.design);
-    let is_symmetric = right.design == left.design;
+    let is_symmetric = rigid.is_symmetric(&left.design);
     right.frame = left.frame.of_other_side();
     Some((left, (!is_symmetric).then_some(right)))
 }

@@ -32,7 +32,7 @@ pub(super) fn bar_rate(
         return problems.refuse(section.span(), message);
     }
     let rate = above_zero(&section.get_ref().torsional_rate, problems)?;
-    Some(Some(OF_BOTH_LEVERS * rate))
+    Some(Some(OF_BOTH_LEVERS * rate * left.length_unit.newtons()))
 }
 
 /// Checks that the shear centre is in the middle of the car and apart from the line through both mounts.
@@ -59,8 +59,7 @@ pub(super) fn check(
     }
     let apart = (mount.x - centre.x).hypot(mount.z - centre.z);
     if apart < LEAST_APART * suspension.size() {
-        let message =
-            "the shear centre is on the line through both mounts, so the halves cannot turn against each other";
+        let message = "the shear centre is on the line through both mounts, so the halves cannot turn against each other";
         return problems.refuse(place("shear_centre"), message);
     }
     Some(())

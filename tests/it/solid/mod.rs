@@ -10,6 +10,7 @@ mod rates;
 mod reference;
 mod refused;
 mod twist_beam;
+mod units;
 mod watt;
 
 use hardpoint::study::{AxleStudy, Study};

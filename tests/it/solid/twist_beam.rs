@@ -24,7 +24,9 @@ fn dot(a: Point, b: Point) -> f64 {
 /// Both halves: position and quaternion of each.
 type Unknowns = [f64; 14];
 
-const AT_REST: Unknowns = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0];
+const AT_REST: Unknowns = [
+    0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0,
+];
 
 fn half(x: &Unknowns, side: usize) -> (Point, [f64; 4]) {
     let x = &x[7 * side..][..7];
@@ -38,7 +40,7 @@ fn carried(x: &Unknowns, side: usize, point: Point) -> Point {
 
 /// Points of the left half with the shear centre.
 #[derive(Clone)]
-struct Beam {
+pub(super) struct Beam {
     mount: Point,
     shear_centre: Point,
     wheel_centre: Point,
@@ -47,7 +49,7 @@ struct Beam {
 }
 
 impl Beam {
-    fn text(&self, further: &str) -> String {
+    pub(super) fn text(&self, further: &str) -> String {
         let points = [
             ("mount", self.mount),
             ("shear_centre", self.shear_centre),
@@ -55,7 +57,8 @@ impl Beam {
             ("spring_upper", self.spring_upper),
             ("spring_lower", self.spring_lower),
         ];
-        let mut text = "[suspension]\ntopology = \"twist_beam\"\n[suspension.hardpoints]\n".to_owned();
+        let mut text =
+            "[suspension]\ntopology = \"twist_beam\"\n[suspension.hardpoints]\n".to_owned();
         for (name, [x, y, z]) in points {
             let _ = writeln!(text, "{name} = [{x:?}, {y:?}, {z:?}]");
         }
@@ -153,6 +156,11 @@ impl Beam {
     }
 }
 
+/// A beam of the usual kind.
+pub(super) fn sample() -> Beam {
+    random(&mut Random(70))
+}
+
 /// A random beam of the usual kind.
 fn random(random: &mut Random) -> Beam {
     let mut near = |p: Point, by: f64| p.map(|c| c + by * random.signed());
@@ -232,7 +240,10 @@ fn arms_turn_about_the_axes_of_the_mode() {
             minus(reading.centre().to_array(), beam.mount),
         );
         let radius = |v: Point| v[0].hypot(v[2]);
-        assert!((radius(from) - radius(now)).abs() < 1e-10, "{from:?} {now:?}");
+        assert!(
+            (radius(from) - radius(now)).abs() < 1e-10,
+            "{from:?} {now:?}"
+        );
         assert!((from[1] - now[1]).abs() < 1e-10, "{from:?} {now:?}");
         let axis = reading.spin_axis();
         assert!(axis.x.abs() + axis.z.abs() < 1e-13, "{axis:?}");
@@ -241,12 +252,15 @@ fn arms_turn_about_the_axes_of_the_mode() {
         let read = read_at(&mut solver, [0.0; 2]);
         let wheel = read.state.wheel(Side::Left);
         // The far wheel falls as the near one rises.
-        let [velocity, turn] = wheel.reading.twist(read.state.carriers.by_difference());
+        let [velocity, turn] = wheel.reading.twist([1, 0]);
         let axis = minus(beam.shear_centre, beam.mount);
         let turn = turn.to_array();
         let speed = dot(turn, axis) / dot(axis, axis);
         for i in 0..3 {
-            assert!((turn[i] - speed * axis[i]).abs() < 1e-14, "{turn:?} {axis:?}");
+            assert!(
+                (turn[i] - speed * axis[i]).abs() < 1e-14,
+                "{turn:?} {axis:?}"
+            );
         }
         let lever = minus(beam.wheel_centre, beam.mount);
         let expected = [
@@ -255,7 +269,10 @@ fn arms_turn_about_the_axes_of_the_mode() {
             turn[0] * lever[1] - turn[1] * lever[0],
         ];
         for (found, expected) in velocity.to_array().into_iter().zip(expected) {
-            assert!((found - expected).abs() < 1e-12, "{velocity:?} {expected:?}");
+            assert!(
+                (found - expected).abs() < 1e-12,
+                "{velocity:?} {expected:?}"
+            );
         }
     }
 }
@@ -273,8 +290,8 @@ fn mounts_move_sideways_a_little() {
 #[test]
 fn loads_are_slopes_of_the_energy() {
     let mut generator = Random(74);
-    let quantities = Side::ALL
-        .map(|side| Quantity::Wheel(side, hardpoint::axle::WheelQuantity::WheelLoad));
+    let quantities =
+        Side::ALL.map(|side| Quantity::Wheel(side, hardpoint::axle::WheelQuantity::WheelLoad));
     for _ in 0..20 {
         let beam = random(&mut generator);
         let study = axle(&beam.text(STILL));
@@ -319,7 +336,10 @@ fn loads_are_slopes_of_the_energy() {
                 .map(|side| found[side] * slope(&|t| heights(t)[side], k))
                 .sum();
             let expected = slope(&energy, k);
-            assert!((work - expected).abs() < 1e-5 * expected.abs(), "{work} {expected}");
+            assert!(
+                (work - expected).abs() < 1e-5 * expected.abs(),
+                "{work} {expected}"
+            );
         }
     }
 }
@@ -351,7 +371,9 @@ fn gradients_are_those_of_whole_designs() {
     let placed = solver.place(&placement).unwrap();
     let mut found = vec![Vec::new(); wanted.len()];
     solver
-        .gradients(&placed, &wanted, |number, [left, _]| found[number] = left.to_vec())
+        .gradients(&placed, &wanted, |number, [left, _]| {
+            found[number] = left.to_vec()
+        })
         .unwrap();
     for name in ["mount", "shear_centre", "wheel_centre", "spring_lower"] {
         let id = study.axle.left.mechanism.point(name).unwrap();
@@ -369,7 +391,9 @@ fn gradients_are_those_of_whole_designs() {
             };
             let mut slope = |h: f64| -> Vec<f64> {
                 let (above, below) = (value(h), value(-h));
-                (0..wanted.len()).map(|k| (above[k] - below[k]) / (2.0 * h)).collect()
+                (0..wanted.len())
+                    .map(|k| (above[k] - below[k]) / (2.0 * h))
+                    .collect()
             };
             let (near, far) = (slope(0.05), slope(0.1));
             for (k, quantity) in wanted.iter().enumerate() {
@@ -397,7 +421,11 @@ fn derivatives_by_motions_are_slopes() {
     let wanted = [A::BeamTwist, A::MeanSteer, A::AxleLongitudinal].map(Quantity::Axle);
     let mut solver = AxleSolver::<3>::new(&study.axle, &wanted, false).unwrap();
     let mut at = |heave: f64, roll: f64| {
-        let placement = Placement::Roll { heave, roll, rack: 0.0 };
+        let placement = Placement::Roll {
+            heave,
+            roll,
+            rack: 0.0,
+        };
         let placed = solver.place(&placement).unwrap();
         let read = solver.read(&placed).unwrap();
         let rates = [Motion::Heave, Motion::Roll]
@@ -413,9 +441,17 @@ fn derivatives_by_motions_are_slopes() {
         };
         let heaving = (8.0 * slope(0.5, 0.0) - slope(1.0, 0.0)) / 6.0;
         let rolling = (8.0 * slope(0.0, 1e-3) - slope(0.0, 2e-3)) / 12e-3;
-        assert!((heaving - by_heave[k]).abs() < 1e-10, "{k}: {heaving} {}", by_heave[k]);
+        assert!(
+            (heaving - by_heave[k]).abs() < 1e-10,
+            "{k}: {heaving} {}",
+            by_heave[k]
+        );
         let scale = by_roll[k].abs().max(1.0);
-        assert!((rolling - by_roll[k]).abs() < 1e-8 * scale, "{k}: {rolling} {}", by_roll[k]);
+        assert!(
+            (rolling - by_roll[k]).abs() < 1e-8 * scale,
+            "{k}: {rolling} {}",
+            by_roll[k]
+        );
     }
 }
 
@@ -434,7 +470,10 @@ fn what_a_twist_beam_lacks_is_refused() {
             outputs("loads = [{ name = \"a\", at = \"contact_point\", force = [0.0, 1.0, 0.0] }]"),
             "bends",
         ),
-        (format!("{STILL}[anti_roll_bar]\nrate = 1.0e5\n"), "torsional_rate"),
+        (
+            format!("{STILL}[anti_roll_bar]\nrate = 1.0e5\n"),
+            "torsional_rate",
+        ),
     ] {
         let text = beam.text(&further);
         let errors = Study::from_text("beam.toml", &text, Path::new("")).unwrap_err();

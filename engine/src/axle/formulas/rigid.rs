@@ -242,7 +242,10 @@ pub(crate) fn drive_load_transfer<T: Real, W: WheelParts<T>>(state: &AxleState<T
 /// positive in the sense of a fall of the far wheel.
 #[inline(always)]
 pub(crate) fn beam_twist<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
-    let [left, right] = state.readings.each_ref().map(|reading| reading.bar_angle().0);
+    let [left, right] = state
+        .readings
+        .each_ref()
+        .map(|reading| reading.bar_angle().0);
     (right - left).scaled(0.5)
 }
 

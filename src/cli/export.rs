@@ -336,7 +336,7 @@ fn envelope(source: &Source, arguments: &ExportArguments) -> Result<Vec<u8>, Sto
     let unit = outgoing.unit.symbol();
     let digits = match outgoing.unit {
         LengthUnit::Millimetre => 2,
-        LengthUnit::Inch => 3,
+        LengthUnit::Inch | LengthUnit::InchPound => 3,
         LengthUnit::Metre => 5,
     };
     note(&format!(

@@ -357,6 +357,10 @@ fn because(limit: &Limit, study: &Study) -> String {
                 links.join(", ")
             )
         }
+        (LimitCause::AxleFolds, _) if study.wheel().mechanism.topology.is_twist_beam() => {
+            "the wheel centres rise no further: the arms stand upright, or the halves lock each other"
+                .to_owned()
+        }
         (cause @ LimitCause::AxleFolds, _) => {
             format!("{cause}; the largest force is in {}", links.join(", "))
         }

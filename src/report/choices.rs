@@ -3,7 +3,7 @@
 use super::curve_table::CurveTable;
 use super::figure::{brief, without_zeros};
 use super::files::csv_of;
-use super::shortest;
+use super::{CurveTable, shortest};
 use super::table::{Cell, Table};
 use crate::optimise::{Choice, Front};
 use crate::study::{Optimise, Study, Variable};

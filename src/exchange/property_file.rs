@@ -67,7 +67,7 @@ fn head(unit: LengthUnit) -> String {
     let length = match unit {
         LengthUnit::Millimetre => "mm",
         LengthUnit::Metre => "meter",
-        LengthUnit::Inch => "inch",
+        LengthUnit::Inch | LengthUnit::InchPound => "inch",
     };
     let mut text = format!(
         "{}[MDI_HEADER]\n FILE_TYPE     =  'bus'\n FILE_VERSION  =  4.0\n FILE_FORMAT   =  'ASCII'\n{}[UNITS]\n \

@@ -1,10 +1,9 @@
 //! Designs that could be chosen instead of the kept one, as files and tables: the front and the price list.
 
-use super::curve_table::CurveTable;
 use super::figure::{brief, without_zeros};
 use super::files::csv_of;
-use super::{CurveTable, shortest};
 use super::table::{Cell, Table};
+use super::{CurveTable, shortest};
 use crate::optimise::{Choice, Front};
 use crate::study::{Optimise, Study, Variable};
 use serde::{Deserialize, Serialize};

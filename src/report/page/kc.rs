@@ -155,7 +155,7 @@ fn charts_of_load(
     let mut figures = String::new();
     for (column, title, of) in quantities.into_iter().take(count) {
         let line = |(k, rows): (usize, &Vec<usize>)| Line {
-            label: (tests.len() > 1).then(|| results.test_apart(&tests[k].test)),
+            label: Some(results.test_apart(&tests[k].test)).filter(|apart| !apart.is_empty()),
             told: results.test_name(&tests[k].test),
             class: format!("main hue{k} strong"),
             is_main: k == 0,

@@ -77,7 +77,8 @@ impl Source {
         if let Some(message) = refused {
             return Err(Stop::in_file(path, message));
         }
-        if study.compliance().is_some() && arguments.to != Target::Csv {
+        let keeps_parts = [Target::Csv, Target::Bus].contains(&arguments.to);
+        if study.compliance().is_some() && !keeps_parts {
             note(
                 "Elastic parts are not exported: the file has the hardpoints of the relaxed position.\n",
             );

@@ -1050,7 +1050,11 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
 
     /// The roll angle at which both wheels stand on a plane.
     fn tilted(&self, [left, right]: &[Pose<f64>; 2]) -> Result<f64, NoPose> {
-        let mut roll = 0.0_f64;
+        // A rigid axle may stand upright, far from a level ground: it begins at the line through both wheel centres.
+        let mut roll = match self.is_rigid() {
+            false => 0.0_f64,
+            true => (right.origin.z - left.origin.z).atan2(left.origin.y + right.origin.y),
+        };
         let mut smallest = f64::INFINITY;
         for _ in 0..MOST_STEPS {
             let ground = Ground::rolled(roll);

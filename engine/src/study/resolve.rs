@@ -8,7 +8,7 @@ use super::{
     Sweep, Tolerance, Vehicle, WheelStudy, axle, compliance, edit, file, motion, optimise, outputs,
     overrides, parse, setup, solver, source, suspension, sweep, tolerance,
 };
-use crate::model::Suspension;
+use crate::model::{Suspension, Topology};
 use std::path::Path;
 use std::sync::Arc;
 use toml::Spanned;
@@ -162,8 +162,9 @@ fn resolve(
 
     let suspension = suspension::suspension(&file, &mut problems);
     // A solid axle is one without [axle], too.
-    let is_rigid = |s: &Suspension| s.mechanism.rigid_axle.is_some();
-    let of_axle = file.axle.is_some() || suspension.as_ref().is_some_and(is_rigid);
+    let topology = Topology::named(file.suspension.topology.get_ref());
+    let is_rigid = topology.is_some_and(Topology::carries_both_wheels);
+    let of_axle = file.axle.is_some() || is_rigid;
     let motion = match of_axle {
         true => Some(Motion::still()),
         false => motion::motion(&file.motion, false, &mut problems),

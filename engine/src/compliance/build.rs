@@ -515,25 +515,39 @@ impl<T: Scalar> Builder<'_, T> {
         };
         let lever = self.mechanism.rocker(id);
         self.system.bar_on = self.holder(lever.first);
+        let under = match self.mechanism.body(lever.outer) {
+            Body::Rocker(id) => Some(self.mechanism.rocker(id)),
+            _ => None,
+        };
+        let point = under.map_or(lever.outer, |rocker| rocker.outer);
         let seat = BarSeat {
-            point: self.at(lever.outer),
+            point: self.at(point),
+            rocker: under.map(|rocker| {
+                let seat = RockerSeat {
+                    axis: [self.at(rocker.first), self.at(rocker.second)],
+                    inner: self.at(rocker.inner),
+                    spring: self.at(lever.outer),
+                    rod: None,
+                };
+                (seat, self.at(lever.outer))
+            }),
             axis: [self.at(lever.first), self.at(lever.second)],
             inner: self.at(lever.inner),
             rate: rate + rate,
         };
-        let foot = match self.mechanism.body(lever.outer) {
+        let foot = match self.mechanism.body(point) {
             Body::Arm(id) => {
                 let arm = self.mechanism.arms[id.0];
                 if let Some(limb) = arms[id.0]
                     && let Limb::Swinging(swinging) = &mut self.system.limbs[limb]
                 {
-                    let from_joint = self.design[lever.outer.0] - self.design[arm.outer.0];
+                    let from_joint = self.design[point.0] - self.design[arm.outer.0];
                     swinging.bar = Some((from_joint, seat));
                     return;
                 }
-                BarFoot::Leg(self.leg_point(&arm, lever.outer))
+                BarFoot::Leg(self.leg_point(&arm, point))
             }
-            _ => BarFoot::Carrier(self.on_carrier(lever.outer)),
+            _ => BarFoot::Carrier(self.on_carrier(point)),
         };
         self.system.bar = Some(BarPart { foot, seat });
     }

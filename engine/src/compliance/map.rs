@@ -34,21 +34,29 @@ impl<T: Scalar> Seat<T> {
             point: self.point.map(f),
             upper: self.upper.map(f),
             law: self.law.map(f),
-            rocker: self.rocker.as_ref().map(|rocker| RockerSeat {
-                axis: rocker.axis.map(|point| point.map(f)),
-                inner: rocker.inner.map(f),
-                spring: rocker.spring.map(f),
-                rod: rocker.rod.map(|rod| rod.map(f)),
-            }),
+            rocker: self.rocker.as_ref().map(|rocker| rocker.map(f)),
             is_across: self.is_across,
+        }
+    }
+}
+
+impl<T: Scalar> RockerSeat<T> {
+    fn map<U: Scalar>(&self, f: impl Fn(T) -> U + Copy) -> RockerSeat<U> {
+        RockerSeat {
+            axis: self.axis.map(|point| point.map(f)),
+            inner: self.inner.map(f),
+            spring: self.spring.map(f),
+            rod: self.rod.map(|rod| rod.map(f)),
         }
     }
 }
 
 impl<T: Scalar> BarSeat<T> {
     fn map<U: Scalar>(&self, f: impl Fn(T) -> U + Copy) -> BarSeat<U> {
+        let rocker = self.rocker.as_ref();
         BarSeat {
             point: self.point.map(f),
+            rocker: rocker.map(|(rocker, link)| (rocker.map(f), link.map(f))),
             axis: self.axis.map(|point| point.map(f)),
             inner: self.inner.map(f),
             rate: f(self.rate),

@@ -152,8 +152,10 @@ pub(super) struct Seat<T> {
 /// Lever of an anti-roll bar with its drop link, in the design position.
 #[derive(Clone, Debug)]
 pub(super) struct BarSeat<T> {
-    /// The drop link's outer end.
+    /// The drop link's outer end, or that of the rigid rod which turns the rocker under it.
     pub(super) point: Vector3<T>,
+    /// The rocker on which the drop link stands, and the drop link's outer end on it.
+    pub(super) rocker: Option<(RockerSeat<T>, Vector3<T>)>,
     /// Two points of the axis and the drop link's inner end.
     pub(super) axis: [Vector3<T>; 2],
     pub(super) inner: Vector3<T>,
@@ -178,9 +180,15 @@ impl<T: Scalar> BarSeat<T> {
     pub(super) fn force(&self, displacement: Vector3<T>, twist: T) -> BarForce<T> {
         let constant = |v: Vector3<T>| v.map(|c| Dual::constant(Dual::constant(c)));
         let (angle, gradient, second) = second_order(displacement.to_array(), |moved| {
-            let outer = constant(self.point);
+            let mut outer = constant(self.point);
+            let mut now = outer + Vector3::from(moved);
+            if let Some((rocker, link)) = &self.rocker {
+                let [first, second] = rocker.axis.map(constant);
+                let turn = Turn::of([first, second, constant(rocker.inner), outer, now]);
+                outer = constant(*link);
+                now = turn.moved(outer);
+            }
             let [first, second] = self.axis.map(constant);
-            let now = outer + Vector3::from(moved);
             Turn::of([first, second, constant(self.inner), outer, now]).angle(Rod::DropLink)
         });
         let gradient = Vector3::from(gradient);

@@ -16,9 +16,7 @@ use super::bushing::{Bushing, BushingState};
 use super::floating::Floating;
 use super::ground::{Frames, Holder, Holders, SubframePart, Surroundings};
 use super::legs::{BarPart, LegSeat};
-use super::limb::{
-    BESIDE, Beside, Conditions, Evaluated, Followers, LimbState, LimbStep, Sum,
-};
+use super::limb::{Beside, Conditions, Evaluated, Followers, LimbState, LimbStep, Sum};
 use super::loads::{WheelLoads, WheelPart};
 use super::parts::{CarrierSeat, Joint, Mount, MountState, RodPart};
 use super::point::SeatState;

@@ -8,7 +8,7 @@ use super::loads::WheelLoads;
 use super::preload::NoPreload;
 use super::reading::WheelGeometry;
 use super::solve::{Bounds, Obstacle, Solution, Stuck};
-use super::system::{Held, Hold, Limb, Singular, State, Task};
+use super::system::{Equations, Held, Hold, Limb, Singular, State, Task};
 use crate::characteristics::Constants;
 use crate::linear::square::MOST;
 use crate::model::{Axis, Suspension};
@@ -222,9 +222,12 @@ impl ElasticWheel {
     /// its force at a lever of 300 mm. Infinite if the state has no equations.
     pub fn out_of_balance(&self, at: &Equilibrium) -> f64 {
         let Solution { state, task, .. } = &at.solution;
-        let Ok(equations) = self.built.system.equations(state, task, None) else {
-            return f64::INFINITY;
-        };
+        let equations = self.built.system.equations(state, task, None);
+        equations.map_or(f64::INFINITY, |equations| self.largest_force(&equations))
+    }
+
+    /// The largest residual force of the equations.
+    pub(super) fn largest_force(&self, equations: &Equations<f64>) -> f64 {
         let lever = TURN_LEVER * self.bounds.millimetre;
         let mut worst = 0.0;
         // NaN is not in balance.

@@ -11,7 +11,7 @@ use super::rocker_springs;
 use super::solid_axle;
 use super::suspension::{above_zero, positive};
 use super::value::{Number, Text, Values};
-use super::{MOST_STATIONS, TimeLaw};
+use super::{AxleComplianceStudy, MOST_STATIONS, TimeLaw};
 use crate::axle::{
     Axle, AxleMotion, AxlePlan, AxleTime, BumpStop, Coordinate, ForceCurve, Law, Motion, Quantity,
     Setup, SpringLaw, WheelMotion,
@@ -29,6 +29,8 @@ pub struct AxleStudy {
     pub plan: AxlePlan,
     /// Further motions of the axle by name, in the order of the names.
     pub motions: Vec<(String, AxleMotion)>,
+    /// The elastic parts and their tests, if there are any.
+    pub compliance: Option<AxleComplianceStudy>,
 }
 
 impl AxleStudy {
@@ -38,6 +40,7 @@ impl AxleStudy {
             axle,
             plan,
             motions: Vec::new(),
+            compliance: None,
         }
     }
 }
@@ -161,6 +164,7 @@ pub(super) fn axle(
         axle,
         plan,
         motions,
+        compliance: None,
     })
 }
 
@@ -216,7 +220,8 @@ fn refuse_wheel_keys(motion: &file::Motion, problems: &mut Problems) -> bool {
 fn setup(file: &File, left: &Suspension, problems: &mut Problems) -> Option<Setup> {
     let vehicle = &file.vehicle;
     let masses = [&vehicle.sprung_mass, &vehicle.unsprung_mass].map(|m| positive(m, problems));
-    let c_factor = match file.steering.as_ref().map(|s| &s.get_ref().c_factor) {
+    let given = file.steering.as_ref().map(Spanned::get_ref);
+    let c_factor = match given.and_then(|steering| steering.c_factor.as_ref()) {
         None => Some(None),
         Some(zero) if zero.value == 0.0 => {
             let message = "a c_factor of 0 never moves the rack";

@@ -70,9 +70,6 @@ impl<'s> RigTests<'s> {
         if other.is_some() {
             return Err("--names is of one wheel: remove [axle] for the left wheel by itself".to_owned());
         }
-        if !axle.plan.sensitivities.is_empty() {
-            return Err("[outputs] sensitivities of an elastic axle are not available: leave them out, or remove [axle] for those of the left wheel".to_owned());
-        }
         let vehicle = AxleVehicle {
             suspensions: Side::ALL.map(|side| axle.axle.suspension(side)),
             tyre_rate: elastic.tyre_rate,
@@ -95,8 +92,8 @@ impl<'s> RigTests<'s> {
         Ok(RigTests {
             study,
             elastic_parts: results.bushings.len() + results.links.len() + rack,
+            sensitivities: results.axle_sensitivities_csv(&run, &elastic.parts, &axle.plan.sensitivities),
             results,
-            sensitivities: None,
         })
     }
 

@@ -283,6 +283,18 @@ struct Pose<T> {
     lever: Vector3<T>,
     /// p of the spring's upper end.
     upper: Option<Vector3<T>>,
+    /// As [`Conditions::balance_only`]: forces do not turn with the subframe, and keep their levers.
+    balance_only: bool,
+}
+
+impl<T: Scalar> Pose<T> {
+    /// Cross-product matrix of a force, by which it changes where it turns or where its lever changes.
+    fn turning(&self, force: Vector3<T>) -> Matrix3<T> {
+        match self.balance_only {
+            true => Matrix3::null(force.x),
+            false => cross_matrix(force),
+        }
+    }
 }
 
 impl<T: Scalar> SubframePart<T> {
@@ -312,6 +324,7 @@ impl<T: Scalar> SubframePart<T> {
             rotation: around.subframe.rotation(),
             lever: self.to_carrier + frames.body.carrier.shift - around.subframe.shift,
             upper: self.upper.map(|upper| upper - around.subframe.shift),
+            balance_only: frames.body.balance_only,
         }
     }
 
@@ -484,7 +497,7 @@ impl<T: Scalar> InFrame<T> {
         let r = pose.lever;
         let [f, m] = halves(&self.sum.force);
         let [[uu, uw], [wu, ww]] = blocks(&self.sum.tangent);
-        let (across_f, across_m) = (cross_matrix(f), cross_matrix(m));
+        let (across_f, across_m) = (pose.turning(f), pose.turning(m));
         // The carrier by the subframe.
         let mut by = [
             [uu.negated(), uu.times_cross(r).plus(&uw.negated()).plus(&across_f.negated())],
@@ -515,9 +528,9 @@ impl<T: Scalar> InFrame<T> {
                 of[1][1].plus(&gw.crossed_by(p).negated()),
             ];
             let turn = gu.times_cross(r).plus(&gw.negated());
-            let turn = turn.plus(&upper.own.times_cross(p)).plus(&cross_matrix(g).negated());
+            let turn = turn.plus(&upper.own.times_cross(p)).plus(&pose.turning(g).negated());
             let shift = gu.plus(&upper.own).negated();
-            own = Some([shift, turn, cross_matrix(g)]);
+            own = Some([shift, turn, pose.turning(g)]);
         }
         let mut ss = [
             [by[0][0].negated(), by[0][1].negated()],

@@ -46,7 +46,7 @@ pub use derivatives::Tangent;
 pub use fault::{AxleFault, ElasticFault, Motion, NoEquilibrium};
 pub use inputs::{OnTape, Parameter};
 pub use kc::{
-    AxleKcRun, AxleVehicle, KcAxleState, KcFigure, KcGradient, KcLevel, KcOutcome, KcRun, KcState,
+    AxleKcRun, AxleVehicle, FigureGradients, KcAxleState, KcFigure, KcGradient, KcLevel, KcOutcome, KcRun, KcState,
     KcStation, KcSubject, KcTest, KcValue, KcWheelState, TestLoad, TestMode, TestPlace, quantities,
 };
 pub use law::Shape;

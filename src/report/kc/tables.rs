@@ -66,7 +66,8 @@ impl KcResults<'_> {
                 columns.insert(0, "wheel");
             }
             let width = columns.len();
-            let mut table = Table::with_columns(columns.into_iter().map(str::to_owned).collect());
+            let columns: Vec<String> = columns.into_iter().map(str::to_owned).collect();
+            let mut table = Table::with_columns(columns);
             for outcome in outcomes {
                 let mut title = vec![Cell::from(self.test_name(&outcome.test))];
                 title.resize_with(width, || "".into());

@@ -29,8 +29,9 @@ impl<'t> AxleOnTape<'t> {
         let constant = |point: &Vector3<f64>| point.map(Tracked::constant);
         let mut tracked = designs.map(|design| design.iter().map(constant).collect::<Vec<_>>());
         let mut parts = parts.map(Tracked::constant);
-        for parameter in parameters {
-            let change = tape.input(0.0);
+        // Inputs come first on the tape, so that they are numbered from 0.
+        let changes: Vec<Tracked<'t>> = parameters.iter().map(|_| tape.input(0.0)).collect();
+        for (parameter, change) in parameters.iter().zip(changes) {
             if let Parameter::Point(point, axis) = *parameter {
                 for design in &mut tracked {
                     let coordinate = &mut design[point.0][axis];

@@ -9,18 +9,18 @@
 //! ```
 
 use super::figures::{Read, Sheet};
-use super::test::{KcTest, TestLoad, TestMode, TestPlace};
+use super::test::{KcTest, TestLoad, TestMode};
 use super::{
     KcAxleState, KcFigure, KcLevel, KcOutcome, KcState, KcStation, KcSubject, KcWheelState,
-    at_stations, end_loads, levels, secant, twist_signs, unit_at_centre,
+    at_stations, end_loads, levels, quotient, secant, twist_signs, unit_at_centre,
 };
 use crate::ask::Unit;
 use crate::compliance::{
-    AxleChange, AxleCompliance, AxleEquilibrium, AxleFault, AxleTangent, ElasticAxle,
-    HeldQuantity, NoEquilibrium, WheelFigures, WheelLoads,
+    AxleChange, AxleCompliance, AxleEquilibrium, AxleFault, AxleOnTape, AxleTangent, ElasticAxle,
+    HeldQuantity, NoEquilibrium, Parameter, WheelFigures, WheelLoads,
 };
 use crate::model::{Axis, AxlePosition, Side, Suspension};
-use crate::number::Vector3;
+use crate::number::{Scalar, Tape, Tracked, Vector3};
 
 /// Suspensions and figures of an axle under test.
 #[derive(Clone, Copy, Debug)]
@@ -43,31 +43,44 @@ pub struct AxleKcRun<'a> {
 type Variant = (bool, bool);
 
 /// A station under some conditions.
-struct Here {
-    axle: ElasticAxle,
-    at: AxleEquilibrium,
-    tangents: [Option<Option<AxleTangent>>; 2],
+struct Here<T = f64> {
+    axle: ElasticAxle<T>,
+    at: AxleEquilibrium<T>,
+    tangents: [Option<Option<AxleTangent<T>>>; 2],
 }
 
-impl Here {
-    fn tangent(&mut self, held: HeldQuantity) -> Option<&AxleTangent> {
+/// A figure of a test, in numbers that may carry derivatives.
+#[derive(Clone, Copy)]
+struct AxleFigure<T> {
+    quantity: &'static str,
+    unit: Unit,
+    value: Option<T>,
+    secant: Option<T>,
+    of: KcSubject,
+}
+
+/// Values with their derivatives, and those of the secant.
+pub type FigureGradients = [Option<Vec<f64>>; 2];
+
+impl<T: Scalar> Here<T> {
+    fn tangent(&mut self, held: HeldQuantity) -> Option<&AxleTangent<T>> {
         let (axle, at) = (&self.axle, &self.at);
         let known = &mut self.tangents[usize::from(held == HeldQuantity::WheelLoad)];
         known.get_or_insert_with(|| axle.tangent(at, held)).as_ref()
     }
 
     /// Derivatives of both wheels along a change.
-    fn by(&mut self, held: HeldQuantity, change: &AxleChange) -> Option<[WheelFigures; 2]> {
-        let axle = self.axle.clone();
-        Some(axle.figures_along(self.tangent(held)?, change))
+    fn by(&mut self, held: HeldQuantity, change: &AxleChange<T>) -> Option<[WheelFigures<T>; 2]> {
+        self.tangent(held)?;
+        let known = &self.tangents[usize::from(held == HeldQuantity::WheelLoad)];
+        let tangent = known.as_ref()?.as_ref()?;
+        Some(self.axle.figures_along(tangent, change))
     }
-}
 
-/// A figure of a wheel times a factor.
-fn scaled(figures: &WheelFigures, factor: f64) -> WheelFigures {
-    WheelFigures {
-        steering: figures.steering.map(|angles| angles.map(|a| a * factor)),
-        ..figures.map(|c| c * factor)
+    /// Loads in the numbers of the station.
+    fn loads(&self, loads: &[WheelLoads; 2]) -> AxleChange<T> {
+        let like = self.axle.travel(&self.at, Side::Left);
+        AxleChange::Loads(loads.map(|load| load.map(|c| like.lit(c))))
     }
 }
 
@@ -86,8 +99,8 @@ impl<'a> AxleKcRun<'a> {
         &self.axle
     }
 
-    /// The axle under other conditions.
-    fn variant(&self, (has_bar, locks_rack): Variant) -> Result<ElasticAxle, AxleFault> {
+    /// The parts under other conditions.
+    fn parts_of(&self, (has_bar, locks_rack): Variant) -> AxleCompliance {
         let mut parts = self.parts.clone();
         if !has_bar {
             parts.bar_rate = None;
@@ -95,6 +108,12 @@ impl<'a> AxleKcRun<'a> {
         if locks_rack {
             parts.rack_rate = None;
         }
+        parts
+    }
+
+    /// The axle under other conditions.
+    fn variant(&self, variant: Variant) -> Result<ElasticAxle, AxleFault> {
+        let parts = self.parts_of(variant);
         match parts == self.parts {
             true => Ok(self.axle.clone()),
             false => axle_of(&self.vehicle, &parts),
@@ -164,11 +183,11 @@ impl<'a> AxleKcRun<'a> {
         }
     }
 
-    fn sheet(&self, side: usize, figures: &WheelFigures) -> Sheet<'_> {
+    fn sheet(&self, side: usize, has_axis: bool) -> Sheet<'_> {
         Sheet {
             suspension: self.vehicle.suspensions[side],
             is_rigid: self.parts.is_rigid(),
-            has_axis: figures.steering.is_some(),
+            has_axis,
             tyre_rate: self.vehicle.tyre_rate,
         }
     }
@@ -193,39 +212,128 @@ impl<'a> AxleKcRun<'a> {
                 levels(at, test, next, read)
             }
         };
-        let by = self.derivatives(here, test, &loads(1.0));
         let secants = match levels.is_empty() {
             true => None,
             false => secant(&levels, 0).zip(secant(&levels, 1)).map(|(l, r)| [l, r]),
         };
-        let mut figures = self.wheel_figures(here, test, by, secants);
-        figures.extend(self.axle_figures(here, test, by, secants));
+        let figures = self.figures(here, test, secants);
+        let figures = figures.into_iter().map(|figure| KcFigure {
+            quantity: figure.quantity,
+            unit: figure.unit,
+            value: figure.value,
+            secant: figure.secant,
+            of: figure.of,
+        });
         KcOutcome {
             test: *test,
             place,
-            figures,
+            figures: figures.collect(),
             levels,
         }
     }
 
-    /// Derivatives of both wheels by the load or motion, each in the frame of its side.
-    fn derivatives(
+    /// The figures of a test, first those of the wheels.
+    fn figures<T: Scalar>(
         &self,
-        here: &mut Here,
+        here: &mut Here<T>,
+        test: &KcTest,
+        secants: Option<[WheelFigures<T>; 2]>,
+    ) -> Vec<AxleFigure<T>> {
+        let (load, _) = test.unit_load(&self.vehicle.suspensions[0].vehicle);
+        let unit = test.factors().map(|factor| end_loads(&load, factor));
+        let by = self.derivatives(here, test, &unit);
+        let mut figures = self.wheel_figures(here, test, by, secants);
+        figures.extend(self.axle_figures(here, test, by, secants));
+        figures
+    }
+
+    /// Derivatives of the figures of a test at a station by inputs, in the order of its outcome. Hardpoints and parts of
+    /// both wheels change together. `None` if the station has no equilibrium. `tape` is a work buffer.
+    pub fn gradients(
+        &self,
+        travels: [f64; 2],
+        rack: f64,
+        test: &KcTest,
+        parameters: &[Parameter],
+        tape: &mut Tape,
+    ) -> Option<Vec<FigureGradients>> {
+        tape.clear();
+        let tape = &*tape;
+        let variant = (test.has_bar, test.locks_rack);
+        let plain = self.here(variant, travels, rack).ok()?;
+        let suspensions = self.vehicle.suspensions;
+        let designs = suspensions.map(|wheel| &wheel.design[..]);
+        let parts = self.parts_of(variant);
+        let varied = AxleOnTape::new(suspensions, designs, &parts, parameters, tape).ok()?;
+        let at = varied.carried(&plain.at)?;
+        let secants = match test.load.is_motion() || test.levels == 0 {
+            true => None,
+            false => self.secants_on_tape(&plain, &varied, &at, test),
+        };
+        let mut here = Here {
+            axle: varied.axle,
+            at,
+            tangents: [None, None],
+        };
+        let figures = self.figures(&mut here, test, secants);
+        let of = |value: Option<Tracked<'_>>| {
+            let mut gradient = Vec::new();
+            tape.gradient(value?, &mut gradient);
+            gradient.resize(gradient.len().max(parameters.len()), 0.0);
+            gradient.truncate(parameters.len());
+            Some(gradient)
+        };
+        let both = |figure: AxleFigure<Tracked<'_>>| [of(figure.value), of(figure.secant)];
+        Some(figures.into_iter().map(both).collect())
+    }
+
+    /// Secants over the window of a test, with the derivatives of its ends.
+    fn secants_on_tape<'t>(
+        &self,
+        plain: &Here,
+        varied: &AxleOnTape<'t>,
+        at: &AxleEquilibrium<Tracked<'t>>,
+        test: &KcTest,
+    ) -> Option<[WheelFigures<Tracked<'t>>; 2]> {
+        let (load, _) = test.unit_load(&self.vehicle.suspensions[0].vehicle);
+        let end = |sign: f64| {
+            let force = sign * test.window;
+            let loads = test.factors().map(|factor| end_loads(&load, force * factor));
+            let axle = &plain.axle;
+            let end = axle.loaded_about(&plain.at, &plain.at, &loads, test.held).ok()?;
+            let end = varied.carried_about(at, &end, test.held)?;
+            Some(Side::ALL.map(|side| WheelFigures {
+                vertical: varied.axle.wheel_load(&end, side),
+                ..varied.axle.figures(&end, side)
+            }))
+        };
+        let (low, high) = (end(-1.0)?, end(1.0)?);
+        let inverse = Tracked::constant(1.0 / (2.0 * test.window));
+        Some([0, 1].map(|k: usize| quotient(&low[k], &high[k], inverse)))
+    }
+
+    /// Derivatives of both wheels by the load or motion, each in the frame of its side.
+    fn derivatives<T: Scalar>(
+        &self,
+        here: &mut Here<T>,
         test: &KcTest,
         unit: &[WheelLoads; 2],
-    ) -> Option<[WheelFigures; 2]> {
+    ) -> Option<[WheelFigures<T>; 2]> {
         let height = HeldQuantity::WheelHeight;
+        let one = here.axle.travel(&here.at, Side::Left).one();
         match test.load {
-            TestLoad::Heave => here.by(height, &AxleChange::Travels([1.0, 1.0])),
-            TestLoad::Roll => here.by(height, &AxleChange::Travels([-1.0, 1.0])),
+            TestLoad::Heave => here.by(height, &AxleChange::Travels([one, one])),
+            TestLoad::Roll => here.by(height, &AxleChange::Travels([-one, one])),
             TestLoad::Steering => here.by(height, &AxleChange::Rack),
-            _ => here.by(test.held, &AxleChange::Loads(*unit)),
+            _ => {
+                let loads = here.loads(unit);
+                here.by(test.held, &loads)
+            }
         }
     }
 
     /// Roll angle and roll moment along opposite travels. Equation (1).
-    fn roll(&self, here: &Here, by: &[WheelFigures; 2]) -> [f64; 2] {
+    fn roll<T: Scalar>(&self, here: &Here<T>, by: &[WheelFigures<T>; 2]) -> [T; 2] {
         let figures = Side::ALL.map(|side| here.axle.figures(&here.at, side));
         let loads = Side::ALL.map(|side| here.axle.wheel_load(&here.at, side));
         let track = figures[0].contact.y + figures[1].contact.y;
@@ -235,99 +343,108 @@ impl<'a> AxleKcRun<'a> {
         let square = track * track + height * height;
         let angle = (height_by * track - height * track_by) / square;
         let (load, load_by) = (loads[1] - loads[0], by[1].vertical - by[0].vertical);
-        [angle, 0.5 * (track_by * load + track * load_by)]
+        let moment = track_by * load + track * load_by;
+        [angle, moment.scaled(0.5)]
     }
 
-    fn wheel_figures(
+    fn wheel_figures<T: Scalar>(
         &self,
-        here: &mut Here,
+        here: &mut Here<T>,
         test: &KcTest,
-        by: Option<[WheelFigures; 2]>,
-        secants: Option<[WheelFigures; 2]>,
-    ) -> Vec<KcFigure> {
+        by: Option<[WheelFigures<T>; 2]>,
+        secants: Option<[WheelFigures<T>; 2]>,
+    ) -> Vec<AxleFigure<T>> {
+        let one = here.axle.travel(&here.at, Side::Left).one();
         // Derivatives by a unit at the wheel itself.
-        let mut units = match test.load {
-            TestLoad::Heave => [1.0; 2],
+        let units = match test.load {
+            TestLoad::Heave => [one; 2],
             // The right wheel's +y is the left one's -y.
-            TestLoad::Steering => [1.0, -1.0],
-            TestLoad::Roll => [0.0; 2],
-            _ => test.factors(),
+            TestLoad::Steering => [one, -one],
+            TestLoad::Roll => match &by {
+                Some(by) => [one / self.roll(here, by)[0]; 2],
+                None => [one; 2],
+            },
+            _ => test.factors().map(|factor| one.scaled(factor)),
         };
-        if let (TestLoad::Roll, Some(by)) = (test.load, &by) {
-            units = [1.0 / self.roll(here, by)[0]; 2];
-        }
         let rates = self.wheel_rates(here, test);
         let mut found = Vec::new();
         for (k, side) in Side::ALL.into_iter().enumerate() {
-            if units[k] == 0.0 {
+            if units[k].value() == 0.0 {
                 continue;
             }
-            let sheet = self.sheet(k, &here.axle.figures(&here.at, side));
-            let read = |by: Option<[WheelFigures; 2]>| Read {
-                by: by.map(|by| scaled(&by[k], units[k])),
+            let steering = here.axle.figures(&here.at, side).steering;
+            let sheet = self.sheet(k, steering.is_some());
+            let read = |by: Option<[WheelFigures<T>; 2]>| Read {
+                by: by.map(|by| by[k].map(|c| c * units[k])),
                 wheel_rate: rates.map(|rates| rates[k]),
                 rack_force: None,
             };
             let values = sheet.figures(test, &read(by));
             let at_ends = sheet.figures(test, &read(secants));
-            found.extend(values.into_iter().zip(at_ends).map(|(value, secant)| KcFigure {
-                quantity: value.quantity,
-                unit: value.unit,
-                value: value.value.filter(|value| value.is_finite()),
-                secant: secant
-                    .value
-                    .filter(|value| value.is_finite() && secants.is_some()),
-                of: KcSubject::Wheel(side),
-            }));
+            let finite = |value: Option<T>| value.filter(|value| value.value().is_finite());
+            found.extend(
+                values
+                    .into_iter()
+                    .zip(at_ends)
+                    .map(|(value, secant)| AxleFigure {
+                        quantity: value.quantity,
+                        unit: value.unit,
+                        value: finite(value.value),
+                        secant: finite(secant.value.filter(|_| secants.is_some())),
+                        of: KcSubject::Wheel(side),
+                    }),
+            );
         }
         found
     }
 
     /// Wheel loads by heights of the contact points that rise together, for ride rates by heave.
-    fn wheel_rates(&self, here: &mut Here, test: &KcTest) -> Option<[f64; 2]> {
+    fn wheel_rates<T: Scalar>(&self, here: &mut Here<T>, test: &KcTest) -> Option<[T; 2]> {
         if test.load != TestLoad::Heave || self.vehicle.tyre_rate.is_none() {
             return None;
         }
         let mut load = WheelLoads::none(0.0);
         load.contact.z = 1.0;
-        let by = here.by(HeldQuantity::WheelLoad, &AxleChange::Loads([load; 2]))?;
-        Some(by.map(|by| 1.0 / by.contact.z))
+        let loads = here.loads(&[load; 2]);
+        let by = here.by(HeldQuantity::WheelLoad, &loads)?;
+        Some(by.map(|by| by.contact.z.one() / by.contact.z))
     }
 
     /// Figures of the axle as a whole.
-    fn axle_figures(
+    fn axle_figures<T: Scalar>(
         &self,
-        here: &Here,
+        here: &Here<T>,
         test: &KcTest,
-        by: Option<[WheelFigures; 2]>,
-        secants: Option<[WheelFigures; 2]>,
-    ) -> Vec<KcFigure> {
+        by: Option<[WheelFigures<T>; 2]>,
+        secants: Option<[WheelFigures<T>; 2]>,
+    ) -> Vec<AxleFigure<T>> {
+        let like = here.axle.travel(&here.at, Side::Left);
         let mut found = Vec::new();
-        let mut push = |quantity, unit, of: &dyn Fn(&[WheelFigures; 2]) -> f64| {
-            let read = |by: &Option<[WheelFigures; 2]>| by.as_ref().map(of);
-            let finite = |value: Option<f64>| value.filter(|value| value.is_finite());
-            found.push(KcFigure {
+        let mut push = |quantity, unit, of: &dyn Fn(&[WheelFigures<T>; 2]) -> T| {
+            let finite = |value: Option<T>| value.filter(|value| value.value().is_finite());
+            found.push(AxleFigure {
                 quantity,
                 unit,
-                value: finite(read(&by)),
-                secant: finite(read(&secants)),
+                value: finite(by.as_ref().map(of)),
+                secant: finite(secants.as_ref().map(of)),
                 of: KcSubject::Axle,
             });
         };
-        let steer = |by: &[WheelFigures; 2]| 0.5 * (by[1].toe - by[0].toe);
+        let steer = |by: &[WheelFigures<T>; 2]| (by[1].toe - by[0].toe).scaled(0.5);
         // Loads are to the right at the left wheel.
-        let to_left = |by: &[WheelFigures; 2]| -steer(by);
+        let to_left = |by: &[WheelFigures<T>; 2]| -steer(by);
         let position = self.vehicle.suspensions[0].vehicle.position;
         let understeer = match position {
             Some(AxlePosition::Rear) => 1.0,
             _ => -1.0,
         };
         let is_elastic = !self.parts.is_rigid();
+        let has_spring = here.axle.spring(&here.at, Side::Left).is_some();
         match (test.load, test.mode) {
             (TestLoad::Roll, _) => {
-                let angle = by.map_or(f64::NAN, |by| self.roll(here, &by)[0]);
+                let angle = by.map_or(like.lit(f64::NAN), |by| self.roll(here, &by)[0]);
                 push("steer_by_roll", Unit::AnglePerAngle, &|by| steer(by) / angle);
-                if here.axle.spring(&here.at, Side::Left).is_some() {
+                if has_spring {
                     push("compliant_roll_stiffness", Unit::TorquePerAngle, &|by| {
                         self.roll(here, by)[1] / angle
                     });
@@ -335,9 +452,11 @@ impl<'a> AxleKcRun<'a> {
             }
             (TestLoad::Steering, _) => {
                 let along = self.vehicle.suspensions[0].frame.sign(Axis::Y);
-                push("steer_by_rack", Unit::AnglePerLength, &|by| along * steer(by));
-                if here.axle.spring(&here.at, Side::Left).is_some() {
-                    let force = along * here.axle.rack_force(&here.at);
+                push("steer_by_rack", Unit::AnglePerLength, &|by| {
+                    steer(by).scaled(along)
+                });
+                if has_spring {
+                    let force = here.axle.rack_force(&here.at).scaled(along);
                     push("rack_force", Unit::Force, &|_| force);
                 }
             }
@@ -345,20 +464,20 @@ impl<'a> AxleKcRun<'a> {
                 if is_elastic {
                     push("axle_steer_by_lateral_force", Unit::AnglePerForce, &to_left);
                     push("understeer_by_lateral_force", Unit::AnglePerForce, &|by| {
-                        understeer * to_left(by)
+                        to_left(by).scaled(understeer)
                     });
                 }
                 if test.held == HeldQuantity::WheelHeight {
-                    let figures = Side::ALL.map(|side| here.axle.figures(&here.at, side));
-                    let track = figures[0].contact.y + figures[1].contact.y;
+                    let at = Side::ALL.map(|side| here.axle.figures(&here.at, side).contact.y);
+                    let track = at[0] + at[1];
                     push("force_roll_centre_height_compliant", Unit::Length, &|by| {
-                        0.25 * track * (by[0].vertical - by[1].vertical)
+                        (track * (by[0].vertical - by[1].vertical)).scaled(0.25)
                     });
                 }
             }
             (TestLoad::Aligning, TestMode::Parallel) if is_elastic => {
                 push("understeer_by_aligning_moment", Unit::AnglePerTorque, &|by| {
-                    understeer * to_left(by)
+                    to_left(by).scaled(understeer)
                 });
             }
             _ => {}

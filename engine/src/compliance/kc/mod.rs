@@ -9,7 +9,7 @@ mod figures;
 mod gradients;
 mod test;
 
-pub use axle::{AxleKcRun, AxleVehicle};
+pub use axle::{AxleKcRun, AxleVehicle, FigureGradients};
 pub use gradients::{KcGradient, KcValue};
 pub use test::{KcTest, TestLoad, TestMode, TestPlace};
 

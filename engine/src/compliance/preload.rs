@@ -48,8 +48,9 @@ impl<T: Scalar> Built<T> {
         let around = Surroundings::of_rack(like);
         let frames = self.system.frames(&design.carrier, &around, true);
         let singular = NoPreload::Singular;
-        let gathered = self.system.gather(&frames, &design, None, false);
-        let mut equations = self.system.alone(&gathered.map_err(singular)?, None);
+        let mut equations = Equations::empty(like, self.system.joints.len(), None);
+        let gathered = self.system.gather(&frames, &design, None, false, &mut equations);
+        self.system.add_alone(&gathered.map_err(singular)?, &mut equations);
         self.border_for_preload(&mut equations, bounds)?;
         let factors = SquareLu::of(equations.matrix, equations.size);
         let factors = factors.ok_or(singular(Singular::Carrier))?;

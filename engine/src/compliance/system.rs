@@ -167,72 +167,6 @@ impl<T: Scalar> Held<T> {
     }
 }
 
-/// Forces and tangents of a wheel's parts, summed by the bodies that hold them.
-#[derive(Clone, Debug)]
-pub(super) struct Gathered<T> {
-    /// Of body, subframe and rack, each in the axes of its holder.
-    pub(super) sums: [Sum<T>; 3],
-    /// Miss of each rigid joint and its row by the carrier, in the axes of its holder.
-    pub(super) joints: [(T, [T; 6]); MOST_JOINTS],
-    /// Parts that coordinates beside the carrier's move: number of the limb, holder, forces. The bar by itself has the
-    /// number [`MOST_LIMBS`].
-    pub(super) beside: Vec<(usize, Holder, Beside<T>)>,
-    followers: [Followers<T>; MOST_LIMBS],
-    inner: [[T; 7]; MOST_LIMBS],
-    unstable: Option<usize>,
-    loose: Option<usize>,
-}
-
-impl<T: Scalar> Gathered<T> {
-    fn none(like: T) -> Self {
-        Gathered {
-            sums: [Sum::zero(like); 3],
-            joints: [(like, [like; 6]); MOST_JOINTS],
-            beside: Vec::new(),
-            followers: [Followers::none(like); MOST_LIMBS],
-            inner: [[like; 7]; MOST_LIMBS],
-            unstable: None,
-            loose: None,
-        }
-    }
-
-    #[inline]
-    fn note(&mut self, limb: usize, of: &Evaluated<T>) {
-        if !of.is_stable {
-            self.unstable = self.unstable.or(Some(limb));
-        }
-        // NaN is not above.
-        let is_held = of.least_pivot > LOOSE;
-        if !is_held {
-            self.loose = self.loose.or(Some(limb));
-        }
-        self.followers[limb] = of.followers;
-        self.inner[limb] = of.inner;
-    }
-
-    /// Equations without forces and rows, apart from forces that hold the carrier from outside.
-    #[inline]
-    pub(super) fn equations(&self, joints: usize, held: Option<&Held<T>>) -> Equations<T> {
-        let zero = self.joints[0].0.zero();
-        let mut residual = [zero; MOST];
-        if let Some(held) = held {
-            for (residual, held) in residual.iter_mut().zip(held.carrier) {
-                *residual = -held;
-            }
-        }
-        Equations {
-            size: 6 + joints,
-            residual,
-            matrix: [[zero; MOST]; MOST],
-            followers: self.followers,
-            inner: self.inner,
-            unstable: self.unstable,
-            loose: self.loose,
-            joints,
-        }
-    }
-}
-
 /// The equations in a state.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Equations<T> {
@@ -277,7 +211,7 @@ impl<T: Scalar> Limb<T> {
     }
 
     /// Returns true if coordinates of [`Beside`] move the part.
-    fn has_beside(&self) -> bool {
+    pub(super) fn has_beside(&self) -> bool {
         match self {
             Limb::Swinging(arm) => arm.has_beside(),
             Limb::LegSeat(leg) => leg.seat.is_across,
@@ -323,6 +257,42 @@ impl<T: Scalar> Limb<T> {
 }
 
 impl<T: Scalar> Equations<T> {
+    /// Equations of this many rigid joints, without forces and rows apart from forces that hold the carrier from outside.
+    #[inline]
+    pub(super) fn empty(like: T, joints: usize, held: Option<&Held<T>>) -> Self {
+        let zero = like.zero();
+        let mut residual = [zero; MOST];
+        if let Some(held) = held {
+            for (residual, held) in residual.iter_mut().zip(held.carrier) {
+                *residual = -held;
+            }
+        }
+        Equations {
+            size: 6 + joints,
+            residual,
+            matrix: [[zero; MOST]; MOST],
+            followers: [Followers::none(zero); MOST_LIMBS],
+            inner: [[zero; 7]; MOST_LIMBS],
+            unstable: None,
+            loose: None,
+            joints,
+        }
+    }
+
+    #[inline]
+    pub(super) fn note(&mut self, limb: usize, of: &Evaluated<T>) {
+        if !of.is_stable {
+            self.unstable = self.unstable.or(Some(limb));
+        }
+        // NaN is not above.
+        let is_held = of.least_pivot > LOOSE;
+        if !is_held {
+            self.loose = self.loose.or(Some(limb));
+        }
+        self.followers[limb] = of.followers;
+        self.inner[limb] = of.inner;
+    }
+
     /// The tangent of the carrier.
     pub(super) fn tangent(&self) -> [[f64; 6]; 6] {
         std::array::from_fn(|i| std::array::from_fn(|j| self.matrix[i][j].value()))
@@ -395,8 +365,9 @@ impl<T: Scalar> System<T> {
     ) -> Result<Equations<T>, Singular> {
         let around = Surroundings::of_rack(task.rack);
         let frames = self.frames(&state.carrier, &around, false);
-        let gathered = self.gather(&frames, state, held, false)?;
-        let mut equations = self.alone(&gathered, held);
+        let mut equations = Equations::empty(around.rack, self.joints.len(), held);
+        let gathered = self.gather(&frames, state, held, false, &mut equations)?;
+        self.add_alone(&gathered, &mut equations);
         self.add_loads(&mut equations, state, task);
         Ok(equations)
     }
@@ -454,88 +425,6 @@ impl<T: Scalar> System<T> {
         let mut unit = WheelLoads::none(carrier.shift.x);
         unit.contact.z = unit.contact.z.one();
         self.wheel.wrench(carrier, &unit).to_array()
-    }
-
-    /// Forces and tangents of elastic parts and joints, each seen from the body that holds it. `is_apart`: sums of body,
-    /// subframe and rack by themselves; else all in the first.
-    #[inline]
-    pub(super) fn gather(
-        &self,
-        frames: &Frames<T>,
-        state: &State<T>,
-        held: Option<&Held<T>>,
-        is_apart: bool,
-    ) -> Result<Gathered<T>, Singular> {
-        let like = frames.body.rack.zero();
-        let holders = &self.holders;
-        let mut found = Gathered::none(like);
-        let group = |holder: Holder, on_rack: bool| match (is_apart, on_rack) {
-            (false, _) => 0,
-            (true, true) => Holder::RACK,
-            (true, false) => holder as usize,
-        };
-        let nothing = [like; 7];
-        for (k, limb) in self.limbs.iter().enumerate() {
-            let held = held.map_or(&nothing, |held| &held.limbs[k]);
-            let at = frames.of(holders.limbs[k]);
-            let number = group(holders.limbs[k], limb.is_on_rack());
-            let sum = &mut found.sums[number];
-            let mut beside = limb.has_beside().then(|| Beside::zero(like));
-            let of = limb.evaluate(at, &state.limbs[k], held, sum, beside.as_mut());
-            let of = of.ok_or(Singular::Limb(k))?;
-            found.note(k, &of);
-            found
-                .beside
-                .extend(beside.map(|beside| (k, holders.limbs[k], beside)));
-        }
-        if let (Some(bar), false) = (&self.bar, frames.body.balance_only) {
-            let mut beside = Beside::zero(like);
-            let sum = &mut found.sums[group(self.bar_on, false)];
-            bar.evaluate(frames.of(self.bar_on), sum, &mut beside);
-            found.beside.push((MOST_LIMBS, self.bar_on, beside));
-        }
-        for (part, holder) in self.bushings.iter().zip(&holders.bushings) {
-            let at = frames.of(*holder);
-            let e = at.carrier.displacement(part.lever);
-            let force = at.force(&part.bushing, e, &at.carrier.turn, None);
-            let point = super::point::PointForce::of(force.force, force.by_shift);
-            let sum = &mut found.sums[group(*holder, false)];
-            sum.add_point(at.carrier.lever(part.lever), &point);
-            sum.add_moment(force.moment, &force.by_turn);
-        }
-        for (rod, holder) in self.rods.iter().zip(&holders.rods) {
-            if let Some(elastic) = rod.elastic {
-                let sum = &mut found.sums[group(*holder, rod.on_rack)];
-                rod.add(frames.of(*holder), elastic, sum);
-            }
-        }
-        for (k, (joint, holder)) in self.joints.iter().zip(&holders.joints).enumerate() {
-            let at = frames.of(*holder);
-            let force = if at.balance_only {
-                like
-            } else {
-                state.joints[k]
-            };
-            let number = group(*holder, joint.is_on_rack());
-            let (miss, row) = joint.evaluate(at, force, &mut found.sums[number]);
-            found.joints[k] = (miss, row);
-        }
-        Ok(found)
-    }
-
-    /// Equations of elastic parts and joints of a wheel by itself, without loads.
-    #[inline]
-    pub(super) fn alone(&self, found: &Gathered<T>, held: Option<&Held<T>>) -> Equations<T> {
-        let mut equations = found.equations(self.joints.len(), held);
-        let sum = &found.sums[0];
-        for i in 0..6 {
-            equations.residual[i] = equations.residual[i] + sum.force[i];
-            equations.matrix[i][..6].copy_from_slice(&sum.tangent[i]);
-        }
-        for (k, (miss, row)) in found.joints[..self.joints.len()].iter().enumerate() {
-            equations.set_joint(k, *miss, *row);
-        }
-        equations
     }
 
     /// The state after a step.

@@ -243,8 +243,9 @@ fn side_equations<T: Scalar>(
     let around = state.around(side);
     let own = &state.wheels[side];
     let frames = system.frames(&own.carrier, &around, purpose == Purpose::Preload);
-    let gathered = system.gather(&frames, own, held, true)?;
-    let (mut equations, coupling) = system.coupled(&gathered, &frames, &around, held);
+    let mut equations = Equations::empty(around.rack, system.joints.len(), held);
+    let gathered = system.gather(&frames, own, held, true, &mut equations)?;
+    let coupling = system.add_coupled(&gathered, &frames, &around, &mut equations);
     match purpose {
         Purpose::Balance => system.add_loads(&mut equations, own, &task.wheels[side]),
         Purpose::Preload => {

@@ -8,19 +8,23 @@
 //! phi = atan2(C_r.z - C_l.z, t),   M = t (F_r - F_l)/2                                            (1)
 //! ```
 
+mod gradients;
+
+pub use gradients::FigureGradients;
+
 use super::figures::{Read, Sheet};
 use super::test::{KcTest, TestLoad, TestMode};
 use super::{
     KcAxleState, KcFigure, KcLevel, KcOutcome, KcState, KcStation, KcSubject, KcWheelState,
-    at_stations, end_loads, levels, quotient, secant, twist_signs, unit_at_centre,
+    at_stations, end_loads, levels, secant, twist_signs, unit_at_centre,
 };
 use crate::ask::Unit;
 use crate::compliance::{
-    AxleChange, AxleCompliance, AxleEquilibrium, AxleFault, AxleOnTape, AxleTangent, ElasticAxle,
-    HeldQuantity, NoEquilibrium, Parameter, WheelFigures, WheelLoads,
+    AxleChange, AxleCompliance, AxleEquilibrium, AxleFault, AxleTangent, ElasticAxle,
+    HeldQuantity, NoEquilibrium, WheelFigures, WheelLoads,
 };
 use crate::model::{Axis, AxlePosition, Side, Suspension};
-use crate::number::{Scalar, Tape, Tracked, Vector3};
+use crate::number::{Scalar, Vector3};
 
 /// Suspensions and figures of an axle under test.
 #[derive(Clone, Copy, Debug)]
@@ -58,9 +62,6 @@ struct AxleFigure<T> {
     secant: Option<T>,
     of: KcSubject,
 }
-
-/// Values with their derivatives, and those of the secant.
-pub type FigureGradients = [Option<Vec<f64>>; 2];
 
 impl<T: Scalar> Here<T> {
     fn tangent(&mut self, held: HeldQuantity) -> Option<&AxleTangent<T>> {
@@ -183,9 +184,11 @@ impl<'a> AxleKcRun<'a> {
         }
     }
 
-    fn sheet(&self, side: usize, has_axis: bool) -> Sheet<'_> {
+    /// The figures of a wheel. The axes are those of the left wheel: a rack is common to both.
+    fn sheet(&self, side: Side, has_axis: bool) -> Sheet<'_> {
         Sheet {
-            suspension: self.vehicle.suspensions[side],
+            suspension: self.vehicle.suspensions[0],
+            side,
             is_rigid: self.parts.is_rigid(),
             has_axis,
             tyre_rate: self.vehicle.tyre_rate,
@@ -247,71 +250,6 @@ impl<'a> AxleKcRun<'a> {
         figures
     }
 
-    /// Derivatives of the figures of a test at a station by inputs, in the order of its outcome. Hardpoints and parts of
-    /// both wheels change together. `None` if the station has no equilibrium. `tape` is a work buffer.
-    pub fn gradients(
-        &self,
-        travels: [f64; 2],
-        rack: f64,
-        test: &KcTest,
-        parameters: &[Parameter],
-        tape: &mut Tape,
-    ) -> Option<Vec<FigureGradients>> {
-        tape.clear();
-        let tape = &*tape;
-        let variant = (test.has_bar, test.locks_rack);
-        let plain = self.here(variant, travels, rack).ok()?;
-        let suspensions = self.vehicle.suspensions;
-        let designs = suspensions.map(|wheel| &wheel.design[..]);
-        let parts = self.parts_of(variant);
-        let varied = AxleOnTape::new(suspensions, designs, &parts, parameters, tape).ok()?;
-        let at = varied.carried(&plain.at)?;
-        let secants = match test.load.is_motion() || test.levels == 0 {
-            true => None,
-            false => self.secants_on_tape(&plain, &varied, &at, test),
-        };
-        let mut here = Here {
-            axle: varied.axle,
-            at,
-            tangents: [None, None],
-        };
-        let figures = self.figures(&mut here, test, secants);
-        let of = |value: Option<Tracked<'_>>| {
-            let mut gradient = Vec::new();
-            tape.gradient(value?, &mut gradient);
-            gradient.resize(gradient.len().max(parameters.len()), 0.0);
-            gradient.truncate(parameters.len());
-            Some(gradient)
-        };
-        let both = |figure: AxleFigure<Tracked<'_>>| [of(figure.value), of(figure.secant)];
-        Some(figures.into_iter().map(both).collect())
-    }
-
-    /// Secants over the window of a test, with the derivatives of its ends.
-    fn secants_on_tape<'t>(
-        &self,
-        plain: &Here,
-        varied: &AxleOnTape<'t>,
-        at: &AxleEquilibrium<Tracked<'t>>,
-        test: &KcTest,
-    ) -> Option<[WheelFigures<Tracked<'t>>; 2]> {
-        let (load, _) = test.unit_load(&self.vehicle.suspensions[0].vehicle);
-        let end = |sign: f64| {
-            let force = sign * test.window;
-            let loads = test.factors().map(|factor| end_loads(&load, force * factor));
-            let axle = &plain.axle;
-            let end = axle.loaded_about(&plain.at, &plain.at, &loads, test.held).ok()?;
-            let end = varied.carried_about(at, &end, test.held)?;
-            Some(Side::ALL.map(|side| WheelFigures {
-                vertical: varied.axle.wheel_load(&end, side),
-                ..varied.axle.figures(&end, side)
-            }))
-        };
-        let (low, high) = (end(-1.0)?, end(1.0)?);
-        let inverse = Tracked::constant(1.0 / (2.0 * test.window));
-        Some([0, 1].map(|k: usize| quotient(&low[k], &high[k], inverse)))
-    }
-
     /// Derivatives of both wheels by the load or motion, each in the frame of its side.
     fn derivatives<T: Scalar>(
         &self,
@@ -357,9 +295,7 @@ impl<'a> AxleKcRun<'a> {
         let one = here.axle.travel(&here.at, Side::Left).one();
         // Derivatives by a unit at the wheel itself.
         let units = match test.load {
-            TestLoad::Heave => [one; 2],
-            // The right wheel's +y is the left one's -y.
-            TestLoad::Steering => [one, -one],
+            TestLoad::Heave | TestLoad::Steering => [one; 2],
             TestLoad::Roll => match &by {
                 Some(by) => [one / self.roll(here, by)[0]; 2],
                 None => [one; 2],
@@ -373,7 +309,7 @@ impl<'a> AxleKcRun<'a> {
                 continue;
             }
             let steering = here.axle.figures(&here.at, side).steering;
-            let sheet = self.sheet(k, steering.is_some());
+            let sheet = self.sheet(side, steering.is_some());
             let read = |by: Option<[WheelFigures<T>; 2]>| Read {
                 by: by.map(|by| by[k].map(|c| c * units[k])),
                 wheel_rate: rates.map(|rates| rates[k]),

@@ -28,6 +28,8 @@ pub(super) struct Sheet<'a> {
     pub(super) has_axis: bool,
     /// Rate of the tyre, force per length.
     pub(super) tyre_rate: Option<f64>,
+    /// Side of the wheel.
+    pub(super) side: Side,
 }
 
 /// Values of a state that the figures of a test need.
@@ -132,7 +134,7 @@ impl Sheet<'_> {
 
     /// Steer to the left per toe: toe-in is a turn to the right at a left wheel.
     pub(super) fn to_left(&self) -> f64 {
-        match self.suspension.frame.meaning().1 {
+        match self.side {
             Side::Left => -1.0,
             Side::Right => 1.0,
         }

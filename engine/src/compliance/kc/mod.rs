@@ -170,6 +170,7 @@ impl<'a> KcRun<'a> {
             is_rigid: self.compliance.is_rigid(),
             has_axis: self.wheel.figures(at).steering.is_some(),
             tyre_rate: self.tyre_rate,
+            side: self.suspension.frame.meaning().1,
         }
     }
 
@@ -342,6 +343,7 @@ pub fn quantities(
         is_rigid: compliance.is_rigid(),
         has_axis: matches!(steering, Some(SteeringAxis::Through { .. })),
         tyre_rate,
+        side: suspension.frame.meaning().1,
     };
     let read = Read {
         by: None,

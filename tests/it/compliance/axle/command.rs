@@ -51,6 +51,9 @@ fn kc_tests_both_wheels_of_an_axle() {
     for (load, mode, quantity) in [
         ("heave", "", "toe_by_heave"),
         ("roll", "", "camber_by_roll"),
+        ("roll", "", "steer_by_roll"),
+        ("steering", "", "steer_by_rack"),
+        ("steering", "", "caster_by_rack"),
         ("lateral", "parallel", "toe_by_lateral_force"),
         ("lateral", "opposed", "toe_by_lateral_force"),
         ("lateral", "single", "contact_by_lateral_force"),
@@ -58,7 +61,9 @@ fn kc_tests_both_wheels_of_an_axle() {
         ("vertical", "opposed", "compliant_wheel_rate"),
     ] {
         let [left, right] = ["left", "right"].map(|wheel| value(load, mode, wheel, quantity));
-        let sign = if quantity == "camber_by_roll" { -1.0 } else { 1.0 };
+        // In roll and by the rack the wheels move in opposite ways; steer counts to the left at both.
+        let is_opposite = ["camber_by_roll", "caster_by_rack"].contains(&quantity);
+        let sign = if is_opposite { -1.0 } else { 1.0 };
         assert!((left - sign * right).abs() < 1e-9 * left.abs(), "{quantity}: {left} {right}");
     }
     let toe = value("lateral", "parallel", "left", "toe_by_lateral_force");

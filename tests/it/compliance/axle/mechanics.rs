@@ -2,8 +2,9 @@
 
 use super::{Case, HELD, LINKS, LOWER, WISHBONES, random_loads, sample};
 use crate::support::random::Random;
+use hardpoint::axle::Law;
 use hardpoint::compliance::{
-    AxleChange, AxleCompliance, AxleOnTape, ElasticAxle, ElasticWheel, HeldQuantity, Parameter, Relaxed, Shape,
+    AxleChange, AxleOnTape, ElasticAxle, ElasticWheel, HeldQuantity, Parameter, Relaxed, Shape,
     WheelFigures, WheelLoads,
 };
 use hardpoint::model::{Axis, Side};
@@ -225,129 +226,150 @@ fn derivatives_are_limits_of_differences() {
     check(along(&AxleChange::Loads(unit)), [loaded(-2.0), loaded(2.0)], 2.0);
 }
 
-/// Derivatives by hardpoints, rates, mounts, rack and bar are the limits of differences, of states and of derivatives by
-/// loads.
-#[test]
-fn derivatives_by_the_design_are_limits_of_differences() {
-    let mut random = Random(27);
-    for relaxed in [Relaxed::Free, Relaxed::AtDesignLoad] {
-        let case = sample(WISHBONES, &LOWER, relaxed, &mut random);
-        let first = case.parts.wheels[0].bushings.len();
-        let point = |name: &str| case.suspension.mechanism.point(name).unwrap();
-        let parameters = [
-            Parameter::Point(point("tie_rod_inner"), Axis::Z),
-            Parameter::Point(point("lower_ball_joint"), Axis::Y),
-            Parameter::Point(point("spring_upper"), Axis::X),
-            Parameter::Point(point("drop_link_inner"), Axis::Z),
-            Parameter::Stiffness(0, 1),
-            Parameter::Stiffness(first, 1),
-            Parameter::Stiffness(first + 1, 2),
-            Parameter::RackRate,
-            Parameter::BarRate,
-            Parameter::SpringRate,
-        ];
-        let (travels, rack) = ([9.0, -4.0], 3.0);
-        let mut unit = [WheelLoads::none(0.0); 2];
-        unit[0].side = 1.0;
-        unit[1].side = -1.0;
-        // Toe of the left wheel, its derivative by side forces, and the wheel load of the right wheel.
-        let values = |suspension: &hardpoint::model::Suspension, parts: &AxleCompliance| {
-            let design = &suspension.design[..];
-            let axle = ElasticAxle::of([suspension; 2], [design; 2], parts).unwrap();
-            let at = axle.at(travels, rack).unwrap();
-            let tangent = axle.tangent(&at, HELD).unwrap();
-            let by = axle.figures_along(&tangent, &AxleChange::Loads(unit));
-            [
-                axle.figures(&at, Side::Left).toe,
-                by[0].toe * 1e3,
-                axle.wheel_load(&at, Side::Right) * 1e-4,
-            ]
-        };
-        let axle = case.axle();
-        let at = axle.at(travels, rack).unwrap();
-        let tape = Tape::default();
-        let designs = [&case.suspension.design[..]; 2];
-        let suspensions = [&case.suspension; 2];
-        let varied =
-            AxleOnTape::new(suspensions, designs, &case.parts, &parameters, &tape).unwrap();
-        let here = varied.carried(&at).unwrap();
-        let tangent = varied.axle.tangent(&here, HELD).unwrap();
-        let like = varied.axle.wheel_load(&here, Side::Right);
-        let loads = unit.map(|load| load.map(|c| like.lit(c)));
-        let by = varied.axle.figures_along(&tangent, &AxleChange::Loads(loads));
-        let found = [
-            varied.axle.figures(&here, Side::Left).toe,
-            by[0].toe.scaled(1e3),
-            like.scaled(1e-4),
-        ];
-        let mut gradient = Vec::new();
-        for (k, value) in found.into_iter().enumerate() {
-            tape.gradient(value, &mut gradient);
-            for (number, parameter) in parameters.iter().enumerate() {
-                let ends = [-1.0, 1.0].map(|sign: f64| {
-                    let mut suspension = case.suspension.clone();
-                    let mut parts = case.parts.clone();
-                    let step = match *parameter {
-                        Parameter::Point(id, axis) => {
-                            suspension.design[id.0][axis] += sign * 1e-3;
-                            1e-3
-                        }
-                        Parameter::SpringRate => {
-                            for wheel in &mut parts.wheels {
-                                let law = &mut wheel.spring.as_mut().unwrap().spring;
-                                if let hardpoint::axle::Law::Linear { rate, .. } = law {
-                                    *rate += sign * 1e-2;
-                                }
-                            }
-                            1e-2
-                        }
-                        _ => changed(&mut parts, *parameter, sign),
-                    };
-                    (step, values(&suspension, &parts)[k])
-                });
-                let quotient = (ends[1].1 - ends[0].1) / (2.0 * ends[0].0);
-                let by = gradient[number];
-                let scale = quotient.abs().max(1e-3 / ends[0].0 * 1e-6);
-                assert!(
-                    (by - quotient).abs() < 2e-5 * scale,
-                    "{relaxed:?} {k} {parameter:?}: {by:e} {quotient:e}"
-                );
+/// Coefficients of the eighth-order central difference.
+const STENCIL: [f64; 4] = [4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0];
+
+/// Inputs whose derivatives are compared: of hardpoints, then of rates.
+fn inputs(case: &Case) -> Vec<Parameter> {
+    let first = case.parts.wheels[0].bushings.len();
+    let point = |name: &str| case.suspension.mechanism.point(name).unwrap();
+    vec![
+        Parameter::Point(point("tie_rod_inner"), Axis::Z),
+        Parameter::Point(point("lower_ball_joint"), Axis::Y),
+        Parameter::Point(point("lower_arm_rear"), Axis::X),
+        Parameter::Point(point("spring_upper"), Axis::X),
+        Parameter::Point(point("drop_link_inner"), Axis::Z),
+        Parameter::Stiffness(0, 1),
+        Parameter::Stiffness(first, 1),
+        Parameter::Stiffness(first + 1, 2),
+        Parameter::RackRate,
+        Parameter::BarRate,
+        Parameter::SpringRate,
+    ]
+}
+
+/// Moves a hardpoint by some length, or a rate by some share of it.
+fn varied(case: &Case, parameter: Parameter, by: f64) -> Case {
+    let mut changed = Case {
+        suspension: case.suspension.clone(),
+        parts: case.parts.clone(),
+    };
+    let first = case.parts.wheels[0].bushings.len();
+    let scale = |shape: &mut Shape| {
+        if let Shape::Cubic { rate, .. } = shape {
+            *rate *= 1.0 + by;
+        }
+    };
+    let parts = &mut changed.parts;
+    match parameter {
+        Parameter::Point(id, axis) => changed.suspension.design[id.0][axis] += by,
+        Parameter::RackRate => *parts.rack_rate.as_mut().unwrap() *= 1.0 + by,
+        Parameter::BarRate => *parts.bar_rate.as_mut().unwrap() *= 1.0 + by,
+        Parameter::SpringRate => {
+            for wheel in &mut parts.wheels {
+                if let Law::Linear { rate, .. } = &mut wheel.spring.as_mut().unwrap().spring {
+                    *rate *= 1.0 + by;
+                }
             }
         }
+        Parameter::Stiffness(number, axis) if number >= first => {
+            scale(&mut parts.subframe.as_mut().unwrap().mounts[number - first].shapes[axis]);
+        }
+        Parameter::Stiffness(number, axis) => {
+            for wheel in &mut parts.wheels {
+                scale(&mut wheel.bushings[number].shapes[axis]);
+            }
+        }
+        _ => panic!(),
+    }
+    changed
+}
+
+/// The rate that a parameter changes; 1 for a hardpoint.
+fn rate_of(case: &Case, parameter: Parameter) -> f64 {
+    let parts = &case.parts;
+    let first = parts.wheels[0].bushings.len();
+    let rate = |shape: &Shape| match shape {
+        Shape::Cubic { rate, .. } => *rate,
+        Shape::Curve { .. } => panic!(),
+    };
+    match parameter {
+        Parameter::RackRate => parts.rack_rate.unwrap(),
+        Parameter::BarRate => parts.bar_rate.unwrap(),
+        Parameter::SpringRate => match parts.wheels[0].spring.as_ref().unwrap().spring {
+            Law::Linear { rate, .. } => rate,
+            Law::Curve(_) => panic!(),
+        },
+        Parameter::Stiffness(number, axis) if number >= first => {
+            rate(&parts.subframe.as_ref().unwrap().mounts[number - first].shapes[axis])
+        }
+        Parameter::Stiffness(number, axis) => rate(&parts.wheels[0].bushings[number].shapes[axis]),
+        _ => 1.0,
     }
 }
 
-/// Changes a rate by a thousandth; returns the step.
-fn changed(
-    parts: &mut AxleCompliance,
-    parameter: Parameter,
-    sign: f64,
-) -> f64 {
-    let first = parts.wheels[0].bushings.len();
-    let step_of = |rate: &mut f64| {
-        let step = 1e-4 * *rate;
-        *rate += sign * step;
-        step
+/// Derivatives by hardpoints, rates, mounts, rack and bar agree with differences of eighth order, of states and of
+/// derivatives by loads.
+#[test]
+fn derivatives_by_the_design_agree_with_differences() {
+    let mut random = Random(27);
+    let (travels, rack) = ([9.0, -4.0], 3.0);
+    let mut unit = [WheelLoads::none(0.0); 2];
+    (unit[0].side, unit[1].side) = (1.0, -1.0);
+    // Toe of the left wheel, its derivative by side forces, and the wheel load of the right wheel.
+    let values = |case: &Case| {
+        let axle = case.axle();
+        let at = axle.at(travels, rack).unwrap();
+        let tangent = axle.tangent(&at, HELD).unwrap();
+        let by = axle.figures_along(&tangent, &AxleChange::Loads(unit));
+        let load = axle.wheel_load(&at, Side::Right);
+        [axle.figures(&at, Side::Left).toe, by[0].toe, load]
     };
-    match parameter {
-        Parameter::RackRate => step_of(parts.rack_rate.as_mut().unwrap()),
-        Parameter::BarRate => step_of(parts.bar_rate.as_mut().unwrap()),
-        Parameter::Stiffness(number, axis) if number >= first => {
-            let mounts = &mut parts.subframe.as_mut().unwrap().mounts;
-            match &mut mounts[number - first].shapes[axis] {
-                Shape::Cubic { rate, .. } => step_of(rate),
-                Shape::Curve { .. } => panic!(),
-            }
-        }
-        Parameter::Stiffness(number, axis) => {
-            let mut step = 0.0;
-            for wheel in &mut parts.wheels {
-                if let Shape::Cubic { rate, .. } = &mut wheel.bushings[number].shapes[axis] {
-                    step = step_of(rate);
+    for relaxed in [Relaxed::Free, Relaxed::AtDesignLoad] {
+        let case = sample(WISHBONES, &LOWER, relaxed, &mut random);
+        let parameters = inputs(&case);
+        let at = case.axle().at(travels, rack).unwrap();
+        let tape = Tape::default();
+        let designs = [&case.suspension.design[..]; 2];
+        let wheels = [&case.suspension; 2];
+        let on_tape = AxleOnTape::new(wheels, designs, &case.parts, &parameters, &tape).unwrap();
+        let here = on_tape.carried(&at).unwrap();
+        let tangent = on_tape.axle.tangent(&here, HELD).unwrap();
+        let load = on_tape.axle.wheel_load(&here, Side::Right);
+        let loads = unit.map(|unit| unit.map(|c| load.lit(c)));
+        let by = on_tape.axle.figures_along(&tangent, &AxleChange::Loads(loads));
+        let toe = on_tape.axle.figures(&here, Side::Left).toe;
+        let quotients: Vec<[f64; 3]> = parameters
+            .iter()
+            .map(|parameter| {
+                let step = if matches!(parameter, Parameter::Point(..)) { 0.5 } else { 0.02 };
+                let mut sum = [0.0; 3];
+                for (k, weight) in STENCIL.into_iter().enumerate() {
+                    let far = step * (k + 1) as f64;
+                    let ends = [far, -far].map(|by| values(&varied(&case, *parameter, by)));
+                    for (sum, (high, low)) in sum.iter_mut().zip(ends[0].iter().zip(ends[1])) {
+                        *sum += weight * (high - low) / step;
+                    }
                 }
+                sum
+            })
+            .collect();
+        let mut gradient = Vec::new();
+        for (k, value) in [toe, by[0].toe, load].into_iter().enumerate() {
+            tape.gradient(value, &mut gradient);
+            let scaled = parameters.iter().zip(&gradient);
+            let scaled = scaled.map(|(parameter, by)| by * rate_of(&case, *parameter));
+            let found: Vec<f64> = scaled.collect();
+            let largest = found.iter().fold(0.0_f64, |m, by| m.max(by.abs()));
+            for (number, found) in found.into_iter().enumerate() {
+                let miss = (found - quotients[number][k]).abs();
+                assert!(
+                    miss < 1e-9 * largest,
+                    "{relaxed:?} {k} {:?}: {found:e} {:e} of {largest:e}",
+                    parameters[number],
+                    quotients[number][k]
+                );
             }
-            step
         }
-        _ => panic!(),
     }
 }

@@ -41,6 +41,8 @@ enum Part {
     Panhard,
     /// Watt linkage and a single upper link of a solid axle
     Watt,
+    /// Rubber bushings, for `hardpoint kc`
+    Bushings,
 }
 
 /// Points of a part, with name and description.
@@ -393,9 +395,19 @@ fn study(topology: &Topology, parts: &[Part]) -> Result<String, String> {
     if is_axle {
         text = with_axle(&text);
     }
-    let is_done = |part: &Part| matches!(part, Part::Axle | Part::Panhard | Part::Watt);
+    let has_bushings = parts.contains(&Part::Bushings);
+    let finished = |text: String| match has_bushings {
+        true => super::new_bushings::with_bushings(&text, topology, is_axle),
+        false => Ok(text),
+    };
+    let is_done = |part: &Part| {
+        matches!(
+            part,
+            Part::Axle | Part::Panhard | Part::Watt | Part::Bushings
+        )
+    };
     if parts.iter().all(is_done) {
-        return Ok(text);
+        return finished(text);
     }
     let fitting = FITTINGS
         .iter()
@@ -467,7 +479,7 @@ targets = [                      # a curve over the motion, or `at` one value of
 "#
         );
     }
-    Ok(text)
+    finished(text)
 }
 
 /// Outputs of an axle.
@@ -590,7 +602,7 @@ mod tests {
             let all: Vec<Part> = Part::value_variants()
                 .iter()
                 .copied()
-                .filter(|part| study(topology, &[*part]).is_ok())
+                .filter(|part| *part != Part::Bushings && study(topology, &[*part]).is_ok())
                 .collect();
             let alone = all.iter().map(|part| vec![*part]);
             let without = |left_out: &[Part]| {
@@ -624,5 +636,41 @@ mod tests {
                 assert_eq!(study.sweep.is_some(), parts.contains(&Part::Sweep));
             }
         }
+    }
+
+    /// Templates with bushings have equilibria in all their tests, of one wheel and of an axle.
+    #[test]
+    fn templates_with_bushings_run_on_the_rig() {
+        let mut names = Vec::new();
+        for topology in Topology::ALL {
+            let parts = [
+                &[Part::Bushings][..],
+                &[Part::Bushings, Part::Axle],
+                &[Part::Bushings, Part::Axle, Part::AntiRollBar],
+                &[Part::Bushings, Part::Optimise],
+            ];
+            for parts in parts {
+                let Ok(text) = study(topology, parts) else {
+                    continue;
+                };
+                let study = Study::elastic_axle_from_text("new.toml", &text, Path::new(""));
+                let study = study.unwrap_or_else(|e| panic!("{} {parts:?}: {e}", topology.name));
+                let tests = crate::rig::RigTests::of(&study, None).unwrap();
+                assert_eq!(tests.results.failures(), Vec::<String>::new(), "{parts:?}");
+                names.push(topology.name);
+            }
+        }
+        names.dedup();
+        let expected = [
+            "macpherson",
+            "double_wishbone",
+            "five_link",
+            "semi_trailing_arm",
+            "trailing_arm_two_links",
+        ];
+        assert!(
+            expected.iter().all(|name| names.contains(name)),
+            "{names:?}"
+        );
     }
 }

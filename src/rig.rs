@@ -2,7 +2,7 @@
 
 use crate::axle::{AxleMotion, Placement};
 use crate::compliance::{AxleKcRun, AxleVehicle, Compliance, KcRun, KcTest};
-use crate::model::Side;
+use crate::model::{Constraint, Side};
 use crate::report::{KcResults, OtherProgram};
 use crate::study::{AxleStudy, ComplianceStudy, Drive, Study};
 use serde_json::{Value, json};
@@ -145,6 +145,14 @@ fn stations(course: &AxleMotion) -> Vec<([f64; 2], f64)> {
 fn elastic_or_rigid(study: &Study) -> Result<Cow<'_, ComplianceStudy>, String> {
     if let Some(elastic) = study.compliance() {
         return Ok(Cow::Borrowed(elastic));
+    }
+    let mechanism = &study.wheel().mechanism;
+    let holds_twice = |c: &Constraint| mechanism.arm_under(c).is_some();
+    if mechanism.constraints.iter().any(holds_twice) {
+        return Err(format!(
+            "`hardpoint kc` is not available for {}: its lower arm holds the wheel carrier at two points. `hardpoint solve` has its curves",
+            mechanism.topology.name
+        ));
     }
     if study.wheel().wheel_radius.is_none() {
         return Err(

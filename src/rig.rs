@@ -69,7 +69,9 @@ impl<'s> RigTests<'s> {
             None => Cow::Owned(rigid_axle(axle)?),
         };
         if other.is_some() {
-            return Err("--names is of one wheel: remove [axle] for the left wheel by itself".to_owned());
+            return Err(
+                "--names is of one wheel: remove [axle] for the left wheel by itself".to_owned(),
+            );
         }
         let vehicle = AxleVehicle {
             suspensions: Side::ALL.map(|side| axle.axle.suspension(side)),
@@ -93,7 +95,11 @@ impl<'s> RigTests<'s> {
         Ok(RigTests {
             study,
             elastic_parts: results.bushings.len() + results.links.len() + rack,
-            sensitivities: results.axle_sensitivities_csv(&run, &elastic.parts, &axle.plan.sensitivities),
+            sensitivities: results.axle_sensitivities_csv(
+                &run,
+                &elastic.parts,
+                &axle.plan.sensitivities,
+            ),
             results,
         })
     }
@@ -158,9 +164,9 @@ fn check_rigid(suspension: &Suspension) -> Result<(), String> {
     }
     match suspension.wheel_radius {
         Some(_) => Ok(()),
-        None => Err(
-            "`hardpoint kc` needs radius in [wheel]: loads act at the contact point".to_owned(),
-        ),
+        None => {
+            Err("`hardpoint kc` needs radius in [wheel]: loads act at the contact point".to_owned())
+        }
     }
 }
 

@@ -388,7 +388,12 @@ fn study(topology: &Topology, parts: &[Part]) -> Result<String, String> {
         true => super::new_bushings::with_bushings(&text, topology, is_axle),
         false => Ok(text),
     };
-    let is_done = |part: &Part| matches!(part, Part::Axle | Part::Panhard | Part::Watt | Part::Bushings);
+    let is_done = |part: &Part| {
+        matches!(
+            part,
+            Part::Axle | Part::Panhard | Part::Watt | Part::Bushings
+        )
+    };
     if parts.iter().all(is_done) {
         return finished(text);
     }
@@ -638,6 +643,9 @@ mod tests {
             "semi_trailing_arm",
             "trailing_arm_two_links",
         ];
-        assert!(expected.iter().all(|name| names.contains(name)), "{names:?}");
+        assert!(
+            expected.iter().all(|name| names.contains(name)),
+            "{names:?}"
+        );
     }
 }

@@ -41,8 +41,12 @@ pub(super) fn with_bushings(
         }
     }
     if is_axle {
-        let plane = "[motion]                         # every combination is solved, on a plane ground";
-        written = written.replace(plane, "[motion]                         # every combination is a station of `hardpoint kc`");
+        let plane =
+            "[motion]                         # every combination is solved, on a plane ground";
+        written = written.replace(
+            plane,
+            "[motion]                         # every combination is a station of `hardpoint kc`",
+        );
     }
     written += &sections(mechanism);
     Ok(written)
@@ -71,7 +75,10 @@ fn sections(mechanism: &Mechanism) -> String {
             continue;
         }
         let name = mechanism.name(id);
-        let of_arm = mechanism.arms.iter().any(|arm| [arm.front, arm.rear].contains(&id));
+        let of_arm = mechanism
+            .arms
+            .iter()
+            .any(|arm| [arm.front, arm.rear].contains(&id));
         let stiffness = match name {
             "strut_top" => OF_STRUT,
             _ if of_arm || name.starts_with("arm_pivot") => OF_ARM,

@@ -173,7 +173,10 @@ impl<T: Scalar> Builder<'_, T> {
     /// normal to it.
     fn axes(&self, number: usize, default: Vector3<T>) -> Matrix3<T> {
         let part = &self.compliance.bushings[number];
-        axes_of(part.x_axis.unwrap_or(default), part.z_axis.unwrap_or(self.up()))
+        axes_of(
+            part.x_axis.unwrap_or(default),
+            part.z_axis.unwrap_or(self.up()),
+        )
     }
 
     fn bushing(&self, number: usize, axes: Matrix3<T>) -> Bushing<T> {

@@ -66,7 +66,12 @@ impl<T: Scalar> InFrame<T> {
         }
     }
 
-    pub(super) fn add_to(&self, pose: Option<&Pose<T>>, equations: &mut Equations<T>, coupling: &mut Coupling<T>) {
+    pub(super) fn add_to(
+        &self,
+        pose: Option<&Pose<T>>,
+        equations: &mut Equations<T>,
+        coupling: &mut Coupling<T>,
+    ) {
         match pose {
             None => self.add_at_rest(equations, coupling),
             Some(pose) => self.turned(pose).add_on_subframe(pose, equations, coupling),
@@ -150,7 +155,12 @@ impl<T: Scalar> InFrame<T> {
     }
 
     /// Equations (1) to (4), with all vectors in the axes of the vehicle.
-    fn add_on_subframe(&self, pose: &Pose<T>, equations: &mut Equations<T>, coupling: &mut Coupling<T>) {
+    fn add_on_subframe(
+        &self,
+        pose: &Pose<T>,
+        equations: &mut Equations<T>,
+        coupling: &mut Coupling<T>,
+    ) {
         self.add_scalars(equations, coupling);
         let r = pose.lever;
         let [f, m] = halves(&self.sum.force);
@@ -158,8 +168,18 @@ impl<T: Scalar> InFrame<T> {
         let (across_f, across_m) = (pose.turning(f), pose.turning(m));
         // The carrier by the subframe.
         let mut by = [
-            [uu.negated(), uu.times_cross(r).plus(&uw.negated()).plus(&across_f.negated())],
-            [wu.negated(), wu.times_cross(r).plus(&ww.negated()).plus(&across_m.negated())],
+            [
+                uu.negated(),
+                uu.times_cross(r)
+                    .plus(&uw.negated())
+                    .plus(&across_f.negated()),
+            ],
+            [
+                wu.negated(),
+                wu.times_cross(r)
+                    .plus(&ww.negated())
+                    .plus(&across_m.negated()),
+            ],
         ];
         // The subframe by the carrier.
         let mut of = [
@@ -186,19 +206,27 @@ impl<T: Scalar> InFrame<T> {
                 of[1][1].plus(&gw.crossed_by(p).negated()),
             ];
             let turn = gu.times_cross(r).plus(&gw.negated());
-            let turn = turn.plus(&upper.own.times_cross(p)).plus(&pose.turning(g).negated());
+            let turn = turn
+                .plus(&upper.own.times_cross(p))
+                .plus(&pose.turning(g).negated());
             let shift = gu.plus(&upper.own).negated();
             own = Some([shift, turn, pose.turning(g)]);
         }
         let mut ss = [
             [by[0][0].negated(), by[0][1].negated()],
             [
-                by[1][0].plus(&by[0][0].crossed_by(r)).plus(&across_f).negated(),
+                by[1][0]
+                    .plus(&by[0][0].crossed_by(r))
+                    .plus(&across_f)
+                    .negated(),
                 by[1][1].plus(&by[0][1].crossed_by(r)).negated(),
             ],
         ];
         if let (Some(p), Some([shift, turn, across])) = (pose.upper, own) {
-            ss[0] = [ss[0][0].plus(&shift.negated()), ss[0][1].plus(&turn.negated())];
+            ss[0] = [
+                ss[0][0].plus(&shift.negated()),
+                ss[0][1].plus(&turn.negated()),
+            ];
             ss[1] = [
                 ss[1][0].plus(&shift.crossed_by(p).plus(&across).negated()),
                 ss[1][1].plus(&turn.crossed_by(p).negated()),
@@ -208,7 +236,8 @@ impl<T: Scalar> InFrame<T> {
         for i in 0..6 {
             coupling.force[i] = coupling.force[i] + force[i];
             for j in 0..6 {
-                let entry = |blocks: &[[Matrix3<T>; 2]; 2]| blocks[i / 3][j / 3].entry(i % 3, j % 3);
+                let entry =
+                    |blocks: &[[Matrix3<T>; 2]; 2]| blocks[i / 3][j / 3].entry(i % 3, j % 3);
                 coupling.own[i][j] = coupling.own[i][j] + entry(&ss);
                 coupling.by_corner[i][j] = coupling.by_corner[i][j] + entry(&of);
                 coupling.corner_by[i][j] = coupling.corner_by[i][j] + entry(&by);
@@ -247,16 +276,16 @@ impl<T: Scalar> InFrame<T> {
             columns: [column(0, first), column(1, first), column(2, first)],
         };
         let by = |first: usize| Matrix3 {
-            columns: [2, 3, 4].map(|k| {
-                Vector3::from([0, 1, 2].map(|i| self.carrier_by[k][first + i]))
-            }),
+            columns: [2, 3, 4]
+                .map(|k| Vector3::from([0, 1, 2].map(|i| self.carrier_by[k][first + i]))),
         };
         UpperBlocks {
             force: Vector3::from([self.force[2], self.force[3], self.force[4]]),
             by_carrier: [of(0), of(3)],
             carrier_by: [by(0), by(3)],
             own: Matrix3 {
-                columns: [0, 1, 2].map(|j| Vector3::from([0, 1, 2].map(|i| self.own[2 + i][2 + j]))),
+                columns: [0, 1, 2]
+                    .map(|j| Vector3::from([0, 1, 2].map(|i| self.own[2 + i][2 + j]))),
             },
         }
     }
@@ -287,7 +316,12 @@ pub(super) struct JointRow<T> {
 }
 
 impl<T: Scalar> JointRow<T> {
-    pub(super) fn add_to(&self, pose: Option<&Pose<T>>, equations: &mut Equations<T>, coupling: &mut Coupling<T>) {
+    pub(super) fn add_to(
+        &self,
+        pose: Option<&Pose<T>>,
+        equations: &mut Equations<T>,
+        coupling: &mut Coupling<T>,
+    ) {
         let mut row = self.row;
         let mut shared = [self.miss.zero(); SHARED];
         if self.on_rack {

@@ -154,7 +154,9 @@ impl<T: Scalar> ElasticWheel<T> {
 
     /// An equilibrium as one in which another quantity is held.
     pub(super) fn held_as(&self, from: &Equilibrium<T>, held: HeldQuantity) -> (State<T>, Task<T>) {
-        self.built.system.held_as(&from.solution.state, &from.solution.task, held)
+        self.built
+            .system
+            .held_as(&from.solution.state, &from.solution.task, held)
     }
 }
 

@@ -16,9 +16,9 @@
 use super::algebra::{Placed, cross_matrix};
 use super::bushing::BushingState;
 use super::coupling::{InFrame, JointRow};
+use super::gather::Gathered;
 use super::limb::{BESIDE, Conditions, Sum, TWIST_BESIDE, joined};
 use super::point::PointForce;
-use super::gather::Gathered;
 use super::system::{CarrierBushing, Equations, System};
 use crate::linear::square::MOST;
 use crate::number::{Matrix3, Scalar, Vector3};
@@ -232,7 +232,14 @@ impl<T: Scalar> System<T> {
         around: &Surroundings<T>,
     ) -> ([T; 6], [T; BESIDE]) {
         let on_rack = self.limbs[limb].is_on_rack();
-        self.seen_by(self.holders.limbs[limb], on_rack, carrier, shared, frames, around)
+        self.seen_by(
+            self.holders.limbs[limb],
+            on_rack,
+            carrier,
+            shared,
+            frames,
+            around,
+        )
     }
 
     /// The same of a holder.
@@ -270,7 +277,11 @@ impl<T: Scalar> System<T> {
     }
 
     /// State of a mount of the subframe.
-    pub(super) fn mount_state(&self, number: usize, around: &Surroundings<T>) -> Option<BushingState<T>> {
+    pub(super) fn mount_state(
+        &self,
+        number: usize,
+        around: &Surroundings<T>,
+    ) -> Option<BushingState<T>> {
         let mount = self.subframe.as_ref()?.mounts.get(number)?;
         let moved = around.subframe.displacement(mount.lever);
         Some(mount.bushing.state(moved, &around.subframe.turn))
@@ -334,7 +345,9 @@ impl<T: Scalar> SubframePart<T> {
         let mut sum = Sum::zero(around.rack);
         for mount in &self.mounts {
             let e = around.subframe.displacement(mount.lever);
-            let force = frames.body.force(&mount.bushing, e, &around.subframe.turn, None);
+            let force = frames
+                .body
+                .force(&mount.bushing, e, &around.subframe.turn, None);
             let point = PointForce::of(force.force, force.by_shift);
             sum.add_point(around.subframe.lever(mount.lever), &point);
             sum.add_moment(force.moment, &force.by_turn);

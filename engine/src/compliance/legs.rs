@@ -129,12 +129,9 @@ impl<T: Scalar> LegSeat<T> {
             slide,
             moment,
             is_stable,
-        } = self.seat.force(
-            self.displacement(at),
-            state.slide,
-            held[6],
-            at.balance_only,
-        );
+        } = self
+            .seat
+            .force(self.displacement(at), state.slide, held[6], at.balance_only);
         let lever = at.carrier.lever(self.leg.joint);
         if let Some(beside) = beside.filter(|_| self.seat.is_across) {
             let across = point.stiffness.apply(frame.arm).to_array();

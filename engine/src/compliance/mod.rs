@@ -36,9 +36,7 @@ mod swinging;
 mod system;
 mod wheel;
 
-pub use axle::{
-    AxleChange, AxleCompliance, AxleEquilibrium, AxleOnTape, AxleTangent, ElasticAxle,
-};
+pub use axle::{AxleChange, AxleCompliance, AxleEquilibrium, AxleOnTape, AxleTangent, ElasticAxle};
 pub use characteristics::not_of_equilibrium;
 pub use definition::{
     AxialStiffness, BushingPart, Compliance, LinkMember, LinkPart, Relaxed, Subframe,
@@ -48,8 +46,9 @@ pub use derivatives::Tangent;
 pub use fault::{AxleFault, ElasticFault, Motion, NoEquilibrium};
 pub use inputs::{OnTape, Parameter};
 pub use kc::{
-    AxleKcRun, AxleVehicle, FigureGradients, KcAxleState, KcFigure, KcGradient, KcLevel, KcOutcome, KcRun, KcState,
-    KcStation, KcSubject, KcTest, KcValue, KcWheelState, TestLoad, TestMode, TestPlace, quantities,
+    AxleKcRun, AxleVehicle, FigureGradients, KcAxleState, KcFigure, KcGradient, KcLevel, KcOutcome,
+    KcRun, KcState, KcStation, KcSubject, KcTest, KcValue, KcWheelState, TestLoad, TestMode,
+    TestPlace, quantities,
 };
 pub use law::Shape;
 pub use loads::WheelLoads;

@@ -49,8 +49,11 @@ impl<T: Scalar> Built<T> {
         let frames = self.system.frames(&design.carrier, &around, true);
         let singular = NoPreload::Singular;
         let mut equations = Equations::empty(like, self.system.joints.len(), None);
-        let gathered = self.system.gather(&frames, &design, None, false, &mut equations);
-        self.system.add_alone(&gathered.map_err(singular)?, &mut equations);
+        let gathered = self
+            .system
+            .gather(&frames, &design, None, false, &mut equations);
+        self.system
+            .add_alone(&gathered.map_err(singular)?, &mut equations);
         self.border_for_preload(&mut equations, bounds)?;
         let factors = SquareLu::of(equations.matrix, equations.size);
         let factors = factors.ok_or(singular(Singular::Carrier))?;
@@ -76,7 +79,8 @@ impl<T: Scalar> Built<T> {
         }
         let design = State::design(self.system.like());
         let upward = self.system.vertical_force(&design.carrier);
-        self.system.border(equations, &design, upward, self.system.like());
+        self.system
+            .border(equations, &design, upward, self.system.like());
         match is_definite(equations, bounds, LOOSE) {
             true => Ok(()),
             false => Err(singular(Singular::Carrier)),
@@ -193,9 +197,14 @@ impl<T: Scalar> Built<T> {
     /// A step of the carrier as a holder sees it.
     fn carrier_seen(&self, holder: Holder, on_rack: bool, seen: &SeenStep<'_, T>) -> [T; 6] {
         let carrier = &seen.step.carrier;
-        let found =
-            self.system
-                .seen_by(holder, on_rack, carrier, seen.shared, seen.frames, seen.around);
+        let found = self.system.seen_by(
+            holder,
+            on_rack,
+            carrier,
+            seen.shared,
+            seen.frames,
+            seen.around,
+        );
         found.0
     }
 

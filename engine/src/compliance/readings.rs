@@ -194,20 +194,17 @@ impl<T: Scalar> ElasticWheel<T> {
 
     /// Tension of each link, in the order of the definition.
     pub fn tensions(&self, at: &Equilibrium<T>) -> Vec<T> {
-        self.built
-            .tensions(&at.solution.state, &at.around())
+        self.built.tensions(&at.solution.state, &at.around())
     }
 
     /// State of the spring, if it has a law.
     pub fn spring(&self, at: &Equilibrium<T>) -> Option<SpringReading<T>> {
-        self.built
-            .spring_reading(&at.solution.state, &at.around())
+        self.built.spring_reading(&at.solution.state, &at.around())
     }
 
     /// Force on the rack along the kernel's +y that holds it.
     pub fn rack_force(&self, at: &Equilibrium<T>) -> T {
-        self.built
-            .rack_force(&at.solution.state, &at.around())
+        self.built.rack_force(&at.solution.state, &at.around())
     }
 
     /// Rotation vector of the carrier.

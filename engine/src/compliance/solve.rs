@@ -149,7 +149,9 @@ impl System<f64> {
     ) -> Result<Solution<f64>, Box<Stuck>> {
         let newton = |state: &State<f64>, share: f64, is_first: bool| {
             let task = between(from, to, share);
-            let rest = held.filter(|_| !is_first).map(|held| held.share(1.0 - share));
+            let rest = held
+                .filter(|_| !is_first)
+                .map(|held| held.share(1.0 - share));
             let found = self.newton(state, &task, rest.as_ref(), bounds)?;
             Ok((found.state, found.steps))
         };

@@ -405,9 +405,8 @@ impl<T: Scalar> OwnBeside<T> {
     ) -> Option<()> {
         let zero = force[0].zero();
         let turning: [[T; 3]; BESIDE] = array_of(|k| self.by_turn[k].to_array());
-        let by: [[T; BESIDE]; N] = array_of(|i| {
-            array_of(|k| if i < 3 { turning[k][i] } else { zero })
-        });
+        let by: [[T; BESIDE]; N] =
+            array_of(|i| array_of(|k| if i < 3 { turning[k][i] } else { zero }));
         let own = eliminated(rows, force, &by, [1.0; N])?;
         let outer = eliminated(rows, force, &by_joint, [1.0; N])?;
         for k in 0..BESIDE {

@@ -506,23 +506,21 @@ impl<T: Scalar> System<T> {
     /// The seat of the spring with its state.
     pub(super) fn seat(&self, frames: &Frames<T>, state: &State<T>) -> Option<SeatState<T>> {
         let limbs = self.limbs.iter().zip(&self.holders.limbs);
-        limbs
-            .zip(&state.limbs)
-            .find_map(|((limb, holder), own)| {
-                let at = frames.of(*holder);
-                match limb {
-                    Limb::Swinging(arm) => arm.seat.as_ref().map(|place| {
-                        let moved = arm.seat_displacement(place, at, own);
-                        place.1.state(moved, own.slide)
-                    }),
-                    Limb::LegSeat(leg) => Some(leg.seat.state(leg.displacement(at), own.slide)),
-                    Limb::CarrierSeat(part) => {
-                        let moved = at.carrier.displacement(part.lever);
-                        Some(part.seat.state(moved, own.slide))
-                    }
-                    _ => None,
+        limbs.zip(&state.limbs).find_map(|((limb, holder), own)| {
+            let at = frames.of(*holder);
+            match limb {
+                Limb::Swinging(arm) => arm.seat.as_ref().map(|place| {
+                    let moved = arm.seat_displacement(place, at, own);
+                    place.1.state(moved, own.slide)
+                }),
+                Limb::LegSeat(leg) => Some(leg.seat.state(leg.displacement(at), own.slide)),
+                Limb::CarrierSeat(part) => {
+                    let moved = at.carrier.displacement(part.lever);
+                    Some(part.seat.state(moved, own.slide))
                 }
-            })
+                _ => None,
+            }
+        })
     }
 
     /// Angle of the anti-roll bar's lever.

@@ -2,8 +2,8 @@
 
 use super::build::{Built, OfAxle};
 use super::definition::{BushingPart, Compliance, Relaxed};
-use super::ground::Surroundings;
 use super::fault::{ElasticFault, Motion, NoEquilibrium};
+use super::ground::Surroundings;
 use super::loads::WheelLoads;
 use super::preload::NoPreload;
 use super::reading::WheelGeometry;

@@ -218,13 +218,16 @@ fn resolve(
         }
     };
     let elastic = match &mut axle {
-        Some(None) => {
-            compliance::compliance(&file, &suspension, parts, directory, &mut problems)
-        }
+        Some(None) => compliance::compliance(&file, &suspension, parts, directory, &mut problems),
         Some(Some(both)) => {
             let course = &both.plan.course;
             let found = compliance::axle_compliance(
-                &file, &both.axle, course, parts, directory, &mut problems,
+                &file,
+                &both.axle,
+                course,
+                parts,
+                directory,
+                &mut problems,
             );
             both.compliance = found.flatten();
             // The elastic parts of an axle are in its study.

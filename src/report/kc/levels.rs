@@ -23,7 +23,11 @@ impl KcResults<'_> {
             "force_N",
             "moment_N_m",
         ]));
-        let sides: &[&str] = if self.is_axle { &["left_", "right_"] } else { &[""] };
+        let sides: &[&str] = if self.is_axle {
+            &["left_", "right_"]
+        } else {
+            &[""]
+        };
         for side in sides {
             let own = self.wheel_columns();
             header.extend(own.into_iter().map(|name| format!("{side}{name}")));

@@ -281,7 +281,11 @@ impl KcResults<'_> {
     /// anywhere.
     pub fn matrix_csv(&self) -> Option<Vec<u8>> {
         let u = self.length().symbol();
-        let sides: &[&str] = if self.is_axle { &["left_", "right_"] } else { &[""] };
+        let sides: &[&str] = if self.is_axle {
+            &["left_", "right_"]
+        } else {
+            &[""]
+        };
         let mut header = self.station_columns();
         header.extend(["output", "unit"].map(str::to_owned));
         for side in sides {

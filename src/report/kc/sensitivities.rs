@@ -125,7 +125,16 @@ impl KcResults<'_> {
                 }));
             }
             let has_levels = !outcome.levels.is_empty();
-            wanted.retain(|value| has_levels || !matches!(value, KcValue::Figure { is_secant: true, .. }));
+            wanted.retain(|value| {
+                has_levels
+                    || !matches!(
+                        value,
+                        KcValue::Figure {
+                            is_secant: true,
+                            ..
+                        }
+                    )
+            });
             let mut found: Vec<Option<Vec<f64>>> = vec![None; wanted.len()];
             let at = [station.travel, station.rack];
             let read = run.gradients(at, &wanted, &parameters, &mut tape, |gradient| {
@@ -133,7 +142,10 @@ impl KcResults<'_> {
             });
             read.ok()?;
             let each = found.chunks(if has_levels { 2 } else { 1 });
-            Some(each.map(|of| [of[0].clone(), of.get(1).cloned().flatten()]).collect())
+            Some(
+                each.map(|of| [of[0].clone(), of.get(1).cloned().flatten()])
+                    .collect(),
+            )
         };
         (!points.is_empty()).then(|| self.sensitivity_rows(&inputs, gradients))
     }
@@ -149,8 +161,18 @@ impl KcResults<'_> {
         let mut inputs = self.inputs(&parts.wheels[0], mounts, points);
         let u = self.suspension.length_unit.symbol();
         let shared = [
-            (Parameter::RackRate, "rack_stiffness", parts.rack_rate, format!("N_per_{u}")),
-            (Parameter::BarRate, "anti_roll_bar", parts.bar_rate, format!("N_{u}_per_rad")),
+            (
+                Parameter::RackRate,
+                "rack_stiffness",
+                parts.rack_rate,
+                format!("N_per_{u}"),
+            ),
+            (
+                Parameter::BarRate,
+                "anti_roll_bar",
+                parts.bar_rate,
+                format!("N_{u}_per_rad"),
+            ),
         ];
         for (parameter, name, rate, unit) in shared {
             inputs.extend(rate.map(|_| Input {
@@ -164,7 +186,10 @@ impl KcResults<'_> {
         let parameters: Vec<Parameter> = inputs.iter().map(|input| input.parameter).collect();
         let mut tape = Tape::default();
         let gradients = |station: &KcStation, outcome: &KcOutcome| {
-            let travels = [station.travel, station.right_travel.unwrap_or(station.travel)];
+            let travels = [
+                station.travel,
+                station.right_travel.unwrap_or(station.travel),
+            ];
             run.gradients(travels, station.rack, &outcome.test, &parameters, &mut tape)
         };
         (!points.is_empty()).then(|| self.sensitivity_rows(&inputs, gradients))

@@ -220,14 +220,38 @@ fn mistakes_of_elastic_axles_are_named() {
     let text = text("subframe_axle_compliance.toml");
     let bar = "\"anti_roll_bar_inner\", \"anti_roll_bar_outer\",";
     for (from, to, phrase) in [
-        ("\"lower_arm_rear\", ", "", "expected both in carries, or neither"),
+        (
+            "\"lower_arm_rear\", ",
+            "",
+            "expected both in carries, or neither",
+        ),
         (bar, "", "both on the subframe, or both on the body"),
-        ("\"tie_rod_inner\", ", "\"tie_rod_outer\", ", "expected a hardpoint of the body or the rack"),
-        ("[bushings.subframe_front]", "[bushings.subframe_fron]", "has no [bushings.subframe_front]"),
+        (
+            "\"tie_rod_inner\", ",
+            "\"tie_rod_outer\", ",
+            "expected a hardpoint of the body or the rack",
+        ),
+        (
+            "[bushings.subframe_front]",
+            "[bushings.subframe_fron]",
+            "has no [bushings.subframe_front]",
+        ),
         ("c_factor = -60.0 ", "# ", "column_stiffness needs c_factor"),
-        ("heave = {", "roll = {", "ask the test load = \"roll\" of kc"),
-        ("{ load = \"roll\" },", "{ load = \"roll\" }, { load = \"roll\" },", "this test is there already"),
-        ("mode = \"single\"", "mode = \"singel\"", "did you mean \"single\""),
+        (
+            "heave = {",
+            "roll = {",
+            "ask the test load = \"roll\" of kc",
+        ),
+        (
+            "{ load = \"roll\" },",
+            "{ load = \"roll\" }, { load = \"roll\" },",
+            "this test is there already",
+        ),
+        (
+            "mode = \"single\"",
+            "mode = \"singel\"",
+            "did you mean \"single\"",
+        ),
     ] {
         let wrong = text.replacen(from, to, 1);
         assert_ne!(wrong, text, "{from}");

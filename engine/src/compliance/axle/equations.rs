@@ -9,12 +9,12 @@
 //!
 //! The right wheel is a left one in a mirror, with the signs [`MIRROR`] of the shared unknowns.
 
+use super::super::floating::Floating;
 use super::super::ground::{Coupling, Frames, MIRROR, RACK, SHARED, Surroundings, TWIST};
 use super::super::limb::is_positive;
 use super::super::preload::NoPreload;
 use super::super::solve::{Bounds, Obstacle};
 use super::super::system::{Equations, Held, Limb, Singular, State, Step, Task};
-use super::super::floating::Floating;
 use super::super::wheel::ElasticWheel;
 use crate::linear::square::{MOST, SquareLu};
 use crate::number::{Scalar, Vector3, array_of};
@@ -345,7 +345,12 @@ impl<T: Scalar> AxleEquations<T> {
                 let beside = by.map(|(_, by)| (*by, beside));
                 let mut step = followers.step(&seen, beside.as_ref(), is_rate);
                 // A link's own shift is against the holder of the rack, not against the rack.
-                if let Limb::Floating(Floating { inner: Some(_), on_rack: true, .. }) = limb {
+                if let Limb::Floating(Floating {
+                    inner: Some(_),
+                    on_rack: true,
+                    ..
+                }) = limb
+                {
                     step.inner[1] = step.inner[1] + own[RACK];
                 }
                 step
@@ -360,7 +365,11 @@ impl<T: Scalar> AxleEquations<T> {
 
 impl<T: Scalar> AxleState<T> {
     /// The state after a step.
-    pub(in super::super) fn stepped(&self, axle: &[ElasticWheel<T>; 2], step: &AxleStep<T>) -> Self {
+    pub(in super::super) fn stepped(
+        &self,
+        axle: &[ElasticWheel<T>; 2],
+        step: &AxleStep<T>,
+    ) -> Self {
         let wheel = |side: usize| {
             let system = &axle[side].built.system;
             system.stepped(&self.wheels[side], &step.wheels[side])

@@ -75,9 +75,7 @@ impl ElasticAxle {
     ) -> Result<AxleEquilibrium, NoEquilibrium> {
         let way = |share: f64| AxleTask {
             rack: from.rack + (to.rack - from.rack) * share,
-            wheels: [0, 1].map(|side: usize| {
-                between(&from.wheels[side], &to.wheels[side], share)
-            }),
+            wheels: [0, 1].map(|side: usize| between(&from.wheels[side], &to.wheels[side], share)),
         };
         let mut side = None;
         let newton = |state: &AxleState<f64>, share: f64, is_first: bool| {
@@ -115,9 +113,9 @@ impl ElasticAxle {
         let bounds = self.wheels[0].bounds;
         let mut judge = Judge::new(bounds);
         loop {
-            let found =
-                self.shared
-                    .equations(&self.wheels, &state, task, held, Purpose::Balance);
+            let found = self
+                .shared
+                .equations(&self.wheels, &state, task, held, Purpose::Balance);
             let equations = found.map_err(|why| match why {
                 AxleSingular::Wheel(side, why) => (Some(side), Obstacle::Singular(why)),
                 AxleSingular::Shared => (None, Obstacle::Singular(Singular::Carrier)),
@@ -200,8 +198,16 @@ impl ElasticAxle {
         };
         let mut body = |[x, y, z, a, b, c]: [f64; 6], name: &str| {
             let (shift, turn) = (Vector3::new(x, y, z), Vector3::new(a, b, c));
-            note(shift.norm(), name.to_owned(), Motion::Shift(largest_axis(shift)));
-            note(turn.norm() * lever, name.to_owned(), Motion::Turn(largest_axis(turn)));
+            note(
+                shift.norm(),
+                name.to_owned(),
+                Motion::Shift(largest_axis(shift)),
+            );
+            note(
+                turn.norm() * lever,
+                name.to_owned(),
+                Motion::Turn(largest_axis(turn)),
+            );
         };
         for (side, wheel) in self.wheels.iter().enumerate() {
             let own = &step.wheels[side];
@@ -209,7 +215,10 @@ impl ElasticAxle {
             for (k, limb) in wheel.built.system.limbs.iter().enumerate() {
                 let turn = limb.turn_vector(&own.limbs[k]);
                 let [a, b, c] = turn.to_array();
-                body([0.0, 0.0, 0.0, a, b, c], &of_side(side, &wheel.built.names[k]));
+                body(
+                    [0.0, 0.0, 0.0, a, b, c],
+                    &of_side(side, &wheel.built.names[k]),
+                );
             }
         }
         let [x, y, z, a, b, c, rack, twist] = step.shared;
@@ -222,13 +231,9 @@ impl ElasticAxle {
     /// The largest force that is out of balance in a state. A moment counts by its force at a lever of 300 mm. Infinite if
     /// the state has no equations.
     pub fn out_of_balance(&self, at: &AxleEquilibrium) -> f64 {
-        let found = self.shared.equations(
-            &self.wheels,
-            &at.state,
-            &at.task,
-            None,
-            Purpose::Balance,
-        );
+        let found =
+            self.shared
+                .equations(&self.wheels, &at.state, &at.task, None, Purpose::Balance);
         let Ok(equations) = found else {
             return f64::INFINITY;
         };
@@ -239,7 +244,11 @@ impl ElasticAxle {
         }
         let lever = TURN_LEVER * self.wheels[0].bounds.millimetre;
         for k in self.shared.active(Purpose::Balance) {
-            let unit = if (3..RACK).contains(&k) || k == TWIST { lever } else { 1.0 };
+            let unit = if (3..RACK).contains(&k) || k == TWIST {
+                lever
+            } else {
+                1.0
+            };
             let force = equations.force[k].abs() / unit;
             worst = if force <= worst { worst } else { force };
         }

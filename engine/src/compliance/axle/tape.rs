@@ -68,7 +68,11 @@ impl<'t> AxleOnTape<'t> {
     pub fn carried(&self, at: &AxleEquilibrium) -> Option<AxleEquilibrium<Tracked<'t>>> {
         let task = super::equations::AxleTask {
             rack: Tracked::constant(at.task.rack),
-            wheels: at.task.wheels.each_ref().map(|task| task.map(Tracked::constant)),
+            wheels: at
+                .task
+                .wheels
+                .each_ref()
+                .map(|task| task.map(Tracked::constant)),
         };
         let state: &AxleState<f64> = &at.state;
         self.axle.carried(state, &task)
@@ -85,7 +89,11 @@ impl<'t> AxleOnTape<'t> {
         let (_, base) = self.axle.held_as(station, held);
         let mut task = super::equations::AxleTask {
             rack: base.rack,
-            wheels: at.task.wheels.each_ref().map(|task| task.map(Tracked::constant)),
+            wheels: at
+                .task
+                .wheels
+                .each_ref()
+                .map(|task| task.map(Tracked::constant)),
         };
         for (task, base) in task.wheels.iter_mut().zip(&base.wheels) {
             if let Hold::Load = base.hold {

@@ -20,8 +20,8 @@ use super::{
 };
 use crate::ask::Unit;
 use crate::compliance::{
-    AxleChange, AxleCompliance, AxleEquilibrium, AxleFault, AxleTangent, ElasticAxle,
-    HeldQuantity, NoEquilibrium, WheelFigures, WheelLoads,
+    AxleChange, AxleCompliance, AxleEquilibrium, AxleFault, AxleTangent, ElasticAxle, HeldQuantity,
+    NoEquilibrium, WheelFigures, WheelLoads,
 };
 use crate::model::{Axis, AxlePosition, Side, Suspension};
 use crate::number::{Scalar, Vector3};
@@ -217,7 +217,9 @@ impl<'a> AxleKcRun<'a> {
         };
         let secants = match levels.is_empty() {
             true => None,
-            false => secant(&levels, 0).zip(secant(&levels, 1)).map(|(l, r)| [l, r]),
+            false => secant(&levels, 0)
+                .zip(secant(&levels, 1))
+                .map(|(l, r)| [l, r]),
         };
         let figures = self.figures(here, test, secants);
         let figures = figures.into_iter().map(|figure| KcFigure {
@@ -379,7 +381,9 @@ impl<'a> AxleKcRun<'a> {
         match (test.load, test.mode) {
             (TestLoad::Roll, _) => {
                 let angle = by.map_or(like.lit(f64::NAN), |by| self.roll(here, &by)[0]);
-                push("steer_by_roll", Unit::AnglePerAngle, &|by| steer(by) / angle);
+                push("steer_by_roll", Unit::AnglePerAngle, &|by| {
+                    steer(by) / angle
+                });
                 if has_spring {
                     push("compliant_roll_stiffness", Unit::TorquePerAngle, &|by| {
                         self.roll(here, by)[1] / angle
@@ -412,9 +416,11 @@ impl<'a> AxleKcRun<'a> {
                 }
             }
             (TestLoad::Aligning, TestMode::Parallel) if is_elastic => {
-                push("understeer_by_aligning_moment", Unit::AnglePerTorque, &|by| {
-                    to_left(by).scaled(understeer)
-                });
+                push(
+                    "understeer_by_aligning_moment",
+                    Unit::AnglePerTorque,
+                    &|by| to_left(by).scaled(understeer),
+                );
             }
             _ => {}
         }
@@ -453,7 +459,10 @@ impl<'a> AxleKcRun<'a> {
             let mut loads = [WheelLoads::none(0.0); 2];
             loads[side] = unit_at_centre(component);
             let twists = axle.twists_along(tangent, &loads);
-            let rows = twists.iter().flatten().flat_map(|v: &Vector3<f64>| v.to_array());
+            let rows = twists
+                .iter()
+                .flatten()
+                .flat_map(|v: &Vector3<f64>| v.to_array());
             for (row, value) in rows.enumerate() {
                 let sign = signs[row / 6][row % 6] * signs[side][component];
                 matrix[row][column] = Some(value * sign).filter(|value| value.is_finite())?;

@@ -251,7 +251,9 @@ impl<'a> KcRun<'a> {
             let loads = end_loads(load, force);
             self.wheel.loaded_about(at, from, &loads, test.held)
         };
-        levels(at, test, next, |level, load, at| self.level(level, load, at))
+        levels(at, test, next, |level, load, at| {
+            self.level(level, load, at)
+        })
     }
 
     fn level(&self, level: i64, load: f64, at: &Result<Equilibrium, NoEquilibrium>) -> KcLevel {

@@ -4,7 +4,9 @@ use super::super::error::Problems;
 use super::super::file::File;
 use super::super::resolve::Parts;
 use super::super::suspension::above_zero;
-use super::{check_design_load, check_spring, link, section, subframe, tests, tyre_rate, wheel_parts};
+use super::{
+    check_design_load, check_spring, link, section, subframe, tests, tyre_rate, wheel_parts,
+};
 use crate::axle::{Axle, AxleMotion, WheelMotion};
 use crate::compliance::{AxleCompliance, AxleKcRun, AxleVehicle, KcTest};
 use crate::model::{Side, Suspension};
@@ -31,7 +33,9 @@ impl AxleComplianceStudy {
         let bushings = self.parts.wheels[0].bushings.iter();
         let names = bushings.map(|part| suspension.mechanism.name(part.point).to_owned());
         let mounts = self.parts.subframe.iter().flat_map(|own| &own.mounts);
-        names.chain(mounts.map(|mount| mount.name.clone())).collect()
+        names
+            .chain(mounts.map(|mount| mount.name.clone()))
+            .collect()
     }
 }
 
@@ -58,13 +62,18 @@ pub(in super::super) fn axle_compliance(
     refuse_motion(file, motion, problems)?;
     let setup = &axle.setup;
     let between = [
-        ("[heave_spring]", file.heave_spring.as_ref().map(Spanned::span)),
+        (
+            "[heave_spring]",
+            file.heave_spring.as_ref().map(Spanned::span),
+        ),
         ("[t_bar]", file.t_bar.as_ref().map(Spanned::span)),
         ("[heave_bar]", file.heave_bar.as_ref().map(Spanned::span)),
     ];
     for (name, span) in between {
         if let Some(span) = span {
-            let message = format!("{name} with [compliance] is not available: springs between the rockers are of rigid axles");
+            let message = format!(
+                "{name} with [compliance] is not available: springs between the rockers are of rigid axles"
+            );
             return problems.refuse(span, &message);
         }
     }
@@ -86,7 +95,14 @@ pub(in super::super) fn axle_compliance(
         check_spring(axle.suspension(side), section, problems)?;
         let has_bar = setup.bar_rate.is_some();
         let wheel = &wheel;
-        subframe::check_reach(section, own.as_ref(), axle.suspension(side), wheel, has_bar, problems)?;
+        subframe::check_reach(
+            section,
+            own.as_ref(),
+            axle.suspension(side),
+            wheel,
+            has_bar,
+            problems,
+        )?;
     }
     link::check_members(file, suspension, &wheel, problems)?;
     let steers = suspension.mechanism.has_rack();
@@ -142,7 +158,8 @@ fn rack_rate(file: &File, axle: &Axle, problems: &mut Problems) -> Option<Option
     }
     if let Some(rate) = &steering.column_stiffness {
         let Some(per_turn) = axle.setup.c_factor else {
-            let message = "column_stiffness needs c_factor: the rack's displacement per turn of the pinion";
+            let message =
+                "column_stiffness needs c_factor: the rack's displacement per turn of the pinion";
             return problems.refuse(rate.span.clone(), message);
         };
         let per_angle = per_turn / TAU;

@@ -83,7 +83,8 @@ fn section<'f>(
     }
     let steering = file.steering.as_ref().map(Spanned::get_ref);
     let stiffness = steering.map(|own| [&own.rack_stiffness, &own.column_stiffness]);
-    let is_steering_elastic = stiffness.is_some_and(|rates| rates.iter().any(|rate| rate.is_some()));
+    let is_steering_elastic =
+        stiffness.is_some_and(|rates| rates.iter().any(|rate| rate.is_some()));
     if elastic.next().is_none() && !is_steering_elastic {
         let message = "nothing is elastic: expected [bushings.NAME] or [links.NAME]";
         let error = problems.add(section.span(), message);
@@ -177,7 +178,10 @@ pub(super) fn compliance(
         return Some(None);
     };
     if let Some(subframe) = &file.subframe {
-        let error = problems.add(subframe.span(), "[subframe] needs [axle]: it holds both wheels");
+        let error = problems.add(
+            subframe.span(),
+            "[subframe] needs [axle]: it holds both wheels",
+        );
         error.help("[axle] with right = \"mirrored\" makes it a study of both wheels");
         return None;
     }

@@ -29,7 +29,10 @@ pub(super) fn subframe(
         if matches!(mechanism.body(id), Body::Chassis | Body::Rack) {
             return Some(id);
         }
-        let message = format!("{} is on a moving part of the wheel: expected a hardpoint of the body or the rack", text.get_ref());
+        let message = format!(
+            "{} is on a moving part of the wheel: expected a hardpoint of the body or the rack",
+            text.get_ref()
+        );
         problems.refuse(text.span(), &message)
     });
     if written.mounts.is_empty() {
@@ -37,8 +40,16 @@ pub(super) fn subframe(
         return problems.refuse(section.span(), message);
     }
     let mounts = each(&written.mounts, |(name, at)| {
-        let Some((_, bushing)) = file.bushings.iter().find(|(known, _)| known.get_ref() == name.get_ref()) else {
-            let message = format!("the mount {} has no [bushings.{}]", name.get_ref(), name.get_ref());
+        let Some((_, bushing)) = file
+            .bushings
+            .iter()
+            .find(|(known, _)| known.get_ref() == name.get_ref())
+        else {
+            let message = format!(
+                "the mount {} has no [bushings.{}]",
+                name.get_ref(),
+                name.get_ref()
+            );
             return problems.refuse(name.span(), &message);
         };
         if mechanism.point(name.get_ref()).is_some() {
@@ -77,13 +88,25 @@ fn check_held(
     let mechanism = &suspension.mechanism;
     let name = |id: PointId| mechanism.name(id);
     let is_held = |id: PointId| subframe.carries.contains(&id);
-    let mut pairs: Vec<[PointId; 2]> = mechanism.arms.iter().map(|arm| [arm.front, arm.rear]).collect();
-    pairs.extend(mechanism.rockers.iter().map(|rocker| [rocker.first, rocker.second]));
+    let mut pairs: Vec<[PointId; 2]> = mechanism
+        .arms
+        .iter()
+        .map(|arm| [arm.front, arm.rear])
+        .collect();
+    pairs.extend(
+        mechanism
+            .rockers
+            .iter()
+            .map(|rocker| [rocker.first, rocker.second]),
+    );
     for constraint in &mechanism.constraints {
         match *constraint {
             Constraint::Revolute { first, second } => pairs.push([first, second]),
             Constraint::StrutLine { top, .. } if is_held(top) => {
-                let message = format!("{} stays on the body: a strut's top is not available on a subframe", name(top));
+                let message = format!(
+                    "{} stays on the body: a strut's top is not available on a subframe",
+                    name(top)
+                );
                 return problems.refuse(section.get_ref().carries.span(), &message);
             }
             _ => {}
@@ -150,14 +173,26 @@ pub(super) fn check_reach(
         let message = "with [compliance] the drop link of the anti-roll bar stands on an arm, the wheel carrier or a rocker that an arm or the carrier moves";
         return problems.refuse(section.span(), message);
     }
-    let stretches = |id| parts.links.iter().any(|part| part.member == LinkMember::RockerRod(id));
+    let stretches = |id| {
+        parts
+            .links
+            .iter()
+            .any(|part| part.member == LinkMember::RockerRod(id))
+    };
     if rocker.is_some_and(stretches) {
         let message = "the drop link stands on a rocker whose rod stretches, which is not available; leave the rod out of [links]";
         return problems.refuse(section.span(), message);
     }
-    let holders = [under(foot), rocker.map(|id| is_held(mechanism.rocker(id).first))];
+    let holders = [
+        under(foot),
+        rocker.map(|id| is_held(mechanism.rocker(id).first)),
+    ];
     let on_subframe = is_held(lever.first);
-    if holders.into_iter().flatten().any(|held| held != on_subframe) {
+    if holders
+        .into_iter()
+        .flatten()
+        .any(|held| held != on_subframe)
+    {
         let message = "the anti-roll bar and the part under its drop link: expected both on the subframe, or both on the body";
         return problems.refuse(section.span(), message);
     }

@@ -72,9 +72,18 @@ pub(super) fn tests_of_axle(
     for written in list.get_ref() {
         let found = test(written, suspension, has_spring, problems)?;
         let before = tests.len();
-        tests.extend(in_modes(written.get_ref(), found, has_bar, steers, problems)?);
+        tests.extend(in_modes(
+            written.get_ref(),
+            found,
+            has_bar,
+            steers,
+            problems,
+        )?);
         let (old, new) = tests.split_at(before);
-        if new.iter().any(|test| old.iter().any(|other| is_twin(test, other))) {
+        if new
+            .iter()
+            .any(|test| old.iter().any(|other| is_twin(test, other)))
+        {
             return problems.refuse(written.span(), "this test is there already");
         }
     }
@@ -104,9 +113,21 @@ fn in_modes(
         return problems.refuse(mode.span(), &message);
     }
     let modes = choose_or(&written.mode, both, "mode", &modes, problems)?;
-    let has_bar = choose_or(&written.anti_roll_bar, has_bar, "state of the bar", &BAR, problems)?;
+    let has_bar = choose_or(
+        &written.anti_roll_bar,
+        has_bar,
+        "state of the bar",
+        &BAR,
+        problems,
+    )?;
     let locks = [("locked_wheel", false), ("locked_rack", true)];
-    let locks_rack = choose_or(&written.steering, false, "value of steering", &locks, problems)?;
+    let locks_rack = choose_or(
+        &written.steering,
+        false,
+        "value of steering",
+        &locks,
+        problems,
+    )?;
     let of = |mode: &TestMode| KcTest {
         mode: *mode,
         has_bar,

@@ -33,7 +33,9 @@ fn wheels_that_share_nothing_are_single_wheels() {
         let at = axle.loaded_about(&station, &station, &given, HELD).unwrap();
         for (side, travel, rack) in [(Side::Left, 12.0, rack), (Side::Right, -9.0, -rack)] {
             let alone = wheel.at(travel, rack).unwrap();
-            let alone = wheel.loaded_about(&alone, &alone, &given[side as usize], HELD).unwrap();
+            let alone = wheel
+                .loaded_about(&alone, &alone, &given[side as usize], HELD)
+                .unwrap();
             let off = difference(&axle.figures(&at, side), &wheel.figures(&alone));
             assert!(off < 1e-13, "{topology} {off:e}");
             let loads = axle.wheel_load(&at, side) - wheel.wheel_load(&alone);
@@ -144,9 +146,8 @@ fn equal_travels_leave_the_bar_alone() {
     alone.parts.bar_rate = None;
     let alone = alone.axle();
     let without = alone.at([15.0, -15.0], 0.0).unwrap();
-    let transfer = |axle: &ElasticAxle, at| {
-        axle.wheel_load(at, Side::Left) - axle.wheel_load(at, Side::Right)
-    };
+    let transfer =
+        |axle: &ElasticAxle, at| axle.wheel_load(at, Side::Left) - axle.wheel_load(at, Side::Right);
     assert!(axle.bar_torque(&rolled).unwrap().abs() > 1e4);
     assert!(transfer(&axle, &rolled) > 1.05 * transfer(&alone, &without));
 }
@@ -164,7 +165,11 @@ fn the_compliance_of_both_wheel_centres_is_symmetric() {
         for column in 0..12 {
             let mut loads = [WheelLoads::none(0.0); 2];
             let of = &mut loads[column / 6];
-            let part = if column % 6 < 3 { &mut of.centre } else { &mut of.moment };
+            let part = if column % 6 < 3 {
+                &mut of.centre
+            } else {
+                &mut of.moment
+            };
             part[Axis::ALL[column % 3]] = 1.0;
             let twists = axle.twists_along(&tangent, &loads);
             let values = twists.iter().flatten().flat_map(|v| v.to_array());
@@ -176,7 +181,10 @@ fn the_compliance_of_both_wheel_centres_is_symmetric() {
             for j in 0..i {
                 let (a, b) = (matrix[i][j], matrix[j][i]);
                 let scale = (matrix[i][i] * matrix[j][j]).sqrt();
-                assert!((a - b).abs() < 1e-11 * scale, "{topology} {i} {j}: {a:e} {b:e}");
+                assert!(
+                    (a - b).abs() < 1e-11 * scale,
+                    "{topology} {i} {j}: {a:e} {b:e}"
+                );
             }
         }
     }
@@ -199,19 +207,36 @@ fn derivatives_are_limits_of_differences() {
             for (found, low, high) in [
                 (found.toe, low.toe, high.toe),
                 (found.camber, low.camber, high.camber),
-                (found.centre.y * 1e-2, low.centre.y * 1e-2, high.centre.y * 1e-2),
+                (
+                    found.centre.y * 1e-2,
+                    low.centre.y * 1e-2,
+                    high.centre.y * 1e-2,
+                ),
             ] {
                 let quotient = (high - low) / (2.0 * step);
-                assert!((found - quotient).abs() < 1e-7 * (1e-3 + quotient.abs()), "{found} {quotient}");
+                assert!(
+                    (found - quotient).abs() < 1e-7 * (1e-3 + quotient.abs()),
+                    "{found} {quotient}"
+                );
             }
         }
     };
     let figures = |at: &_| Side::ALL.map(|side| axle.figures(at, side));
-    let travelled = |t: f64| figures(&axle.at([travels[0] + t, travels[1] - 0.5 * t], rack).unwrap());
+    let travelled = |t: f64| {
+        figures(
+            &axle
+                .at([travels[0] + t, travels[1] - 0.5 * t], rack)
+                .unwrap(),
+        )
+    };
     let change = AxleChange::Travels([1.0, -0.5]);
     check(along(&change), [travelled(-0.01), travelled(0.01)], 0.01);
     let steered = |r: f64| figures(&axle.at(travels, rack + r).unwrap());
-    check(along(&AxleChange::Rack), [steered(-0.01), steered(0.01)], 0.01);
+    check(
+        along(&AxleChange::Rack),
+        [steered(-0.01), steered(0.01)],
+        0.01,
+    );
     let mut unit = [WheelLoads::none(0.0); 2];
     (unit[0].side, unit[0].trail) = (1.0, 30.0);
     unit[1].contact.x = -0.7;
@@ -223,7 +248,11 @@ fn derivatives_are_limits_of_differences() {
         });
         figures(&axle.loaded_about(&at, &at, &loads, HELD).unwrap())
     };
-    check(along(&AxleChange::Loads(unit)), [loaded(-2.0), loaded(2.0)], 2.0);
+    check(
+        along(&AxleChange::Loads(unit)),
+        [loaded(-2.0), loaded(2.0)],
+        2.0,
+    );
 }
 
 /// Coefficients of the eighth-order central difference.
@@ -337,12 +366,18 @@ fn derivatives_by_the_design_agree_with_differences() {
         let tangent = on_tape.axle.tangent(&here, HELD).unwrap();
         let load = on_tape.axle.wheel_load(&here, Side::Right);
         let loads = unit.map(|unit| unit.map(|c| load.lit(c)));
-        let by = on_tape.axle.figures_along(&tangent, &AxleChange::Loads(loads));
+        let by = on_tape
+            .axle
+            .figures_along(&tangent, &AxleChange::Loads(loads));
         let toe = on_tape.axle.figures(&here, Side::Left).toe;
         let quotients: Vec<[f64; 3]> = parameters
             .iter()
             .map(|parameter| {
-                let step = if matches!(parameter, Parameter::Point(..)) { 0.5 } else { 0.02 };
+                let step = if matches!(parameter, Parameter::Point(..)) {
+                    0.5
+                } else {
+                    0.02
+                };
                 let mut sum = [0.0; 3];
                 for (k, weight) in STENCIL.into_iter().enumerate() {
                     let far = step * (k + 1) as f64;

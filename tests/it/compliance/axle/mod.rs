@@ -8,7 +8,8 @@ use super::support::elastic_axle;
 use crate::support::random::Random;
 use hardpoint::axle::Law;
 use hardpoint::compliance::{
-    AxialStiffness, AxleCompliance, AxleEquilibrium, BushingPart, ElasticAxle, HeldQuantity, Relaxed, Shape, Subframe, SubframeMount, WheelFigures, WheelLoads,
+    AxialStiffness, AxleCompliance, AxleEquilibrium, BushingPart, ElasticAxle, HeldQuantity,
+    Relaxed, Shape, Subframe, SubframeMount, WheelFigures, WheelLoads,
 };
 use hardpoint::derive::DesignedSpinAxis;
 use hardpoint::model::{Body, Constraint as Rigid, PointId, Side, Suspension};
@@ -30,7 +31,6 @@ impl Case {
         ElasticAxle::of([&self.suspension; 2], [design; 2], &self.parts)
             .unwrap_or_else(|e| panic!("{e:?}"))
     }
-
 }
 
 fn cubic(rate: f64, cubic: f64) -> Shape {
@@ -61,7 +61,11 @@ fn sample(topology: &str, carries: &[&str], relaxed: Relaxed, random: &mut Rando
                 continue;
             };
             *rate *= factor();
-            *cubic = if k < 3 && relaxed == Relaxed::Free { 0.05 * *rate } else { 0.0 };
+            *cubic = if k < 3 && relaxed == Relaxed::Free {
+                0.05 * *rate
+            } else {
+                0.0
+            };
         }
     }
     for link in &mut wheel.links {
@@ -70,12 +74,25 @@ fn sample(topology: &str, carries: &[&str], relaxed: Relaxed, random: &mut Rando
         }
     }
     let mechanism = &suspension.mechanism;
-    let carries: Vec<PointId> = carries.iter().map(|name| mechanism.point(name).unwrap()).collect();
+    let carries: Vec<PointId> = carries
+        .iter()
+        .map(|name| mechanism.point(name).unwrap())
+        .collect();
     let bent = if relaxed == Relaxed::Free { 40.0 } else { 0.0 };
     let rates = [3000.0, 4000.0, 2500.0, 2e5, 3e5, 2e5];
     let mounts = vec![
-        mount("subframe_front", [220.0, 350.0, 160.0], rates.map(|r| r * factor()), bent),
-        mount("subframe_rear", [-280.0, 340.0, 170.0], rates.map(|r| r * factor()), bent),
+        mount(
+            "subframe_front",
+            [220.0, 350.0, 160.0],
+            rates.map(|r| r * factor()),
+            bent,
+        ),
+        mount(
+            "subframe_rear",
+            [-280.0, 340.0, 170.0],
+            rates.map(|r| r * factor()),
+            bent,
+        ),
     ];
     let subframe = (!carries.is_empty()).then_some(Subframe { carries, mounts });
     let steers = (0..mechanism.points.len()).any(|k| mechanism.body(PointId(k)) == Body::Rack);
@@ -132,20 +149,36 @@ impl Builder<'_> {
         }
     }
 
-    fn bushing(&mut self, i: usize, j: usize, point: Vector3<f64>, along: Vector3<f64>, part: &[Shape; 6]) {
+    fn bushing(
+        &mut self,
+        i: usize,
+        j: usize,
+        point: Vector3<f64>,
+        along: Vector3<f64>,
+        part: &[Shape; 6],
+    ) {
         let x = along.normalised();
         let up = Vector3::new(0.0, 0.0, 1.0);
         let z = (up - x * x.dot(up)).normalised();
         let mut rates = [0.0; 6];
         let mut bent = [0.0; 3];
         for (k, shape) in part.iter().enumerate() {
-            let Shape::Cubic { rate, cubic } = shape else { panic!() };
+            let Shape::Cubic { rate, cubic } = shape else {
+                panic!()
+            };
             rates[k] = *rate;
             if k < 3 {
                 bent[k] = *cubic;
             }
         }
-        self.world.energies.push(Energy::Bushing(i, j, point, [x, z.cross(x), z], rates, bent));
+        self.world.energies.push(Energy::Bushing(
+            i,
+            j,
+            point,
+            [x, z.cross(x), z],
+            rates,
+            bent,
+        ));
     }
 
     fn part(&self, id: PointId) -> Option<BushingPart> {
@@ -166,7 +199,9 @@ impl Builder<'_> {
             bodies.insert(k, body);
             let joint = self.at(arm.outer);
             let ends = (On(body, joint), On(self.carrier, joint));
-            self.world.constraints.push(Constraint::Ball(ends.0, ends.1));
+            self.world
+                .constraints
+                .push(Constraint::Ball(ends.0, ends.1));
             let along = self.at(arm.front) - self.at(arm.rear);
             for id in [arm.front, arm.rear] {
                 let part = self.part(id).unwrap();
@@ -174,7 +209,9 @@ impl Builder<'_> {
             }
         }
         for constraint in &mechanism.constraints {
-            let Rigid::Link { inner, outer } = *constraint else { panic!() };
+            let Rigid::Link { inner, outer } = *constraint else {
+                panic!()
+            };
             let of_arm = |k: &usize| mechanism.arms[*k].outer == outer;
             if !bodies.keys().any(of_arm) {
                 self.link(inner, outer);
@@ -195,11 +232,15 @@ impl Builder<'_> {
             }
             (None, None) => {
                 let links = &self.case.parts.wheels[self.side].links;
-                let stiff = links.iter().find_map(|link| match (link.member, link.stiffness) {
-                    (hardpoint::compliance::LinkMember::Rod { inner: i, .. }, AxialStiffness::Rate(rate))
-                        if i == inner => Some(rate),
-                    _ => None,
-                });
+                let stiff = links
+                    .iter()
+                    .find_map(|link| match (link.member, link.stiffness) {
+                        (
+                            hardpoint::compliance::LinkMember::Rod { inner: i, .. },
+                            AxialStiffness::Rate(rate),
+                        ) if i == inner => Some(rate),
+                        _ => None,
+                    });
                 match stiff {
                     Some(rate) => self.world.energies.push(Energy::Rod(ends.0, ends.1, rate)),
                     None => self.world.constraints.push(Constraint::Rod(ends.0, ends.1)),
@@ -221,10 +262,14 @@ impl Builder<'_> {
     fn spring(&mut self, bodies: &HashMap<usize, usize>) {
         let spring = self.case.suspension.mechanism.spring.unwrap();
         let law = self.case.parts.wheels[self.side].spring.as_ref().unwrap();
-        let Law::Linear { force, rate } = law.spring else { panic!() };
+        let Law::Linear { force, rate } = law.spring else {
+            panic!()
+        };
         let upper = On(self.holder(spring.upper), self.at(spring.upper));
         let lower = self.on(bodies, spring.lower);
-        self.world.energies.push(Energy::Spring(upper, lower, force, rate));
+        self.world
+            .energies
+            .push(Energy::Spring(upper, lower, force, rate));
     }
 
     fn lever(&mut self, bodies: &HashMap<usize, usize>) -> usize {
@@ -234,7 +279,10 @@ impl Builder<'_> {
         let sign = if self.side == 0 { 1.0 } else { -1.0 };
         let axis = (self.at(rocker.second) - self.at(rocker.first)) * sign;
         let holder = self.holder(rocker.first);
-        let lever = self.world.body(Freedom::About(holder, axis.normalised()), self.at(rocker.first));
+        let lever = self.world.body(
+            Freedom::About(holder, axis.normalised()),
+            self.at(rocker.first),
+        );
         let outer = self.on(bodies, rocker.outer);
         let inner = On(lever, self.at(rocker.inner));
         self.world.constraints.push(Constraint::Rod(outer, inner));
@@ -261,15 +309,23 @@ fn build(case: &Case, command: f64) -> Built {
                     Shape::Cubic { cubic, .. } => *cubic,
                     Shape::Curve { .. } => panic!(),
                 });
-                world.energies.push(Energy::Bushing(GROUND, subframe, at, axes, rates, bent));
+                world
+                    .energies
+                    .push(Energy::Bushing(GROUND, subframe, at, axes, rates, bent));
             }
         }
     }
     let mechanism = &case.suspension.mechanism;
     let points = (0..mechanism.points.len()).map(PointId);
-    let on_rack: Vec<PointId> = points.filter(|id| mechanism.body(*id) == Body::Rack).collect();
+    let on_rack: Vec<PointId> = points
+        .filter(|id| mechanism.body(*id) == Body::Rack)
+        .collect();
     let rack = on_rack.first().map(|id| {
-        let held = case.parts.subframe.as_ref().is_some_and(|s| s.carries.contains(id));
+        let held = case
+            .parts
+            .subframe
+            .as_ref()
+            .is_some_and(|s| s.carries.contains(id));
         let holder = if held { subframe } else { GROUND };
         let along = Vector3::new(0.0, 1.0, 0.0);
         let reference = world.bodies[holder].reference;
@@ -300,7 +356,10 @@ fn build(case: &Case, command: f64) -> Built {
         found.world = builder.world;
     }
     let [left, right] = found.levers;
-    found.world.energies.push(Energy::Bar(left, right, case.parts.bar_rate.unwrap_or(0.0)));
+    found
+        .world
+        .energies
+        .push(Energy::Bar(left, right, case.parts.bar_rate.unwrap_or(0.0)));
     found
 }
 
@@ -313,7 +372,11 @@ fn spin_axis(case: &Case) -> Vector3<f64> {
 /// The axis of a wheel, outboard, in true coordinates.
 fn axis(case: &Case, built: &Built, side: usize) -> Vector3<f64> {
     let designed = spin_axis(case);
-    let designed = if side == 0 { designed } else { mirrored(designed) };
+    let designed = if side == 0 {
+        designed
+    } else {
+        mirrored(designed)
+    };
     built.world.direction(built.carriers[side], designed)
 }
 
@@ -341,9 +404,18 @@ fn loads(case: &Case, built: &Built, world: &World, given: &[WheelLoads; 2]) -> 
         let side_at = contact - heading * load.trail;
         let m = load.moment;
         // A moment turns the other way in a mirror.
-        let moment = if side == 0 { m } else { Vector3::new(-m.x, m.y, -m.z) };
+        let moment = if side == 0 {
+            m
+        } else {
+            Vector3::new(-m.x, m.y, -m.z)
+        };
         let mut push = |point, force, moment| {
-            found.push(Load { body: carrier, point, force, moment });
+            found.push(Load {
+                body: carrier,
+                point,
+                force,
+                moment,
+            });
         };
         let none = Vector3::new(0.0, 0.0, 0.0);
         push(contact, flip(load.contact), none);
@@ -379,7 +451,10 @@ fn difference(case: &Case, built: &Built, axle: &ElasticAxle, at: &AxleEquilibri
         let k = side as usize;
         let flip = |v: Vector3<f64>| if k == 0 { v } else { mirrored(v) };
         let figures: WheelFigures = axle.figures(at, side);
-        let centre = built.world.position(On(built.carriers[k], flip(case.suspension.design[centre_id.0])));
+        let centre = built.world.position(On(
+            built.carriers[k],
+            flip(case.suspension.design[centre_id.0]),
+        ));
         worst = worst.max((centre - flip(figures.centre)).norm() / 100.0);
         let axis = flip(axis(case, built, k));
         worst = worst.max((figures.toe - axis.x.atan2(axis.y)).abs());
@@ -387,7 +462,9 @@ fn difference(case: &Case, built: &Built, axle: &ElasticAxle, at: &AxleEquilibri
     }
     if case.parts.subframe.is_some() {
         let reference = axle.subframe(at)[0] + Vector3::new(-30.0, 0.0, 165.0);
-        let found = built.world.position(On(built.subframe, Vector3::new(-30.0, 0.0, 165.0)));
+        let found = built
+            .world
+            .position(On(built.subframe, Vector3::new(-30.0, 0.0, 165.0)));
         worst = worst.max((found - reference).norm() / 100.0);
     }
     if let Some(rack) = built.rack {
@@ -404,7 +481,11 @@ fn compare(topology: &str, carries: &[&str], seed: u64, designs: usize) {
         let case = sample(topology, carries, Relaxed::Free, &mut random);
         let axle = case.axle();
         let travels = [0, 1].map(|_| 20.0 * random.signed());
-        let command = if case.parts.rack_rate.is_some() { 15.0 * random.signed() } else { 0.0 };
+        let command = if case.parts.rack_rate.is_some() {
+            15.0 * random.signed()
+        } else {
+            0.0
+        };
         let given = random_loads(&mut random, 1500.0);
         let Ok(station) = axle.at(travels, command) else {
             continue;
@@ -419,10 +500,18 @@ fn compare(topology: &str, carries: &[&str], seed: u64, designs: usize) {
             let point = case.suspension.design[centre.0];
             let point = if side == 0 { point } else { mirrored(point) };
             let on = On(built.carriers[side], point);
-            built.world.constraints.push(Constraint::Height(on, travels[side]));
+            built
+                .world
+                .constraints
+                .push(Constraint::Height(on, travels[side]));
         }
-        let numbers = Built { world: World::new(), ..built };
-        built.world.solve(|world| loads(&case, &numbers, world, &given));
+        let numbers = Built {
+            world: World::new(),
+            ..built
+        };
+        built
+            .world
+            .solve(|world| loads(&case, &numbers, world, &given));
         let off = difference(&case, &built, &axle, &at);
         assert!(off < 1e-11, "{topology}: {off:e}");
         compared += 1;

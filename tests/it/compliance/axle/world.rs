@@ -37,7 +37,14 @@ pub struct On(pub usize, pub Vector3<f64>);
 
 pub enum Energy {
     /// Holder, moving body, point, axes, rates, cubic terms of the forces, forces at design.
-    Bushing(usize, usize, Vector3<f64>, [Vector3<f64>; 3], [f64; 6], [f64; 3]),
+    Bushing(
+        usize,
+        usize,
+        Vector3<f64>,
+        [Vector3<f64>; 3],
+        [f64; 6],
+        [f64; 3],
+    ),
     /// Ends, force in compression at design, rate.
     Spring(On, On, f64, f64),
     /// Ends, rate.
@@ -118,7 +125,13 @@ impl World {
     }
 
     fn rows(&self) -> usize {
-        let of = |c: &Constraint| if matches!(c, Constraint::Ball(..)) { 3 } else { 1 };
+        let of = |c: &Constraint| {
+            if matches!(c, Constraint::Ball(..)) {
+                3
+            } else {
+                1
+            }
+        };
         self.constraints.iter().map(of).sum()
     }
 
@@ -220,18 +233,21 @@ impl World {
                     let axis = axes[k];
                     let d = rotated(&all[*i], axis).dot(e);
                     let square = d * d;
-                    sum = sum + square * lit(0.5 * rates[k]) + square * square * lit(0.25 * cubic[k]);
+                    sum =
+                        sum + square * lit(0.5 * rates[k]) + square * square * lit(0.25 * cubic[k]);
                     let phi = axis.map(lit).dot(rotation);
                     sum = sum + phi * phi * lit(0.5 * rates[3 + k]);
                 }
                 sum
             }
             Energy::Spring(a, b, force, rate) => {
-                let shortened = lit((a.1 - b.1).norm()) - (self.at(all, *a) - self.at(all, *b)).norm();
+                let shortened =
+                    lit((a.1 - b.1).norm()) - (self.at(all, *a) - self.at(all, *b)).norm();
                 shortened * (lit(*force) + shortened * lit(0.5 * rate))
             }
             Energy::Rod(a, b, rate) => {
-                let stretch = (self.at(all, *a) - self.at(all, *b)).norm() - lit((a.1 - b.1).norm());
+                let stretch =
+                    (self.at(all, *a) - self.at(all, *b)).norm() - lit((a.1 - b.1).norm());
                 stretch * stretch * lit(0.5 * rate)
             }
             Energy::Bar(left, right, rate) => {
@@ -414,7 +430,11 @@ fn rotated<'t>(body: &Moved<'t>, v: Vector3<f64>) -> Vector3<Tracked<'t>> {
     a * Tracked::constant(v.x) + b * Tracked::constant(v.y) + c * Tracked::constant(v.z)
 }
 
-fn placed<'t>(body: &Moved<'t>, reference: Vector3<f64>, point: Vector3<f64>) -> Vector3<Tracked<'t>> {
+fn placed<'t>(
+    body: &Moved<'t>,
+    reference: Vector3<f64>,
+    point: Vector3<f64>,
+) -> Vector3<Tracked<'t>> {
     body.at + rotated(body, point - reference)
 }
 
@@ -463,7 +483,9 @@ fn turned(rotation: &Rotation, turn: Vector3<f64>) -> Rotation {
 fn solved(mut a: Vec<Vec<f64>>, mut b: Vec<f64>) -> Vec<f64> {
     let n = b.len();
     for k in 0..n {
-        let pivot = (k..n).max_by(|i, j| a[*i][k].abs().total_cmp(&a[*j][k].abs())).unwrap();
+        let pivot = (k..n)
+            .max_by(|i, j| a[*i][k].abs().total_cmp(&a[*j][k].abs()))
+            .unwrap();
         a.swap(k, pivot);
         b.swap(k, pivot);
         for i in k + 1..n {

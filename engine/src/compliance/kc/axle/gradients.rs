@@ -61,9 +61,13 @@ impl AxleKcRun<'_> {
         let (load, _) = test.unit_load(&self.vehicle.suspensions[0].vehicle);
         let end = |sign: f64| {
             let force = sign * test.window;
-            let loads = test.factors().map(|factor| end_loads(&load, force * factor));
+            let loads = test
+                .factors()
+                .map(|factor| end_loads(&load, force * factor));
             let axle = &plain.axle;
-            let end = axle.loaded_about(&plain.at, &plain.at, &loads, test.held).ok()?;
+            let end = axle
+                .loaded_about(&plain.at, &plain.at, &loads, test.held)
+                .ok()?;
             let end = varied.carried_about(at, &end, test.held)?;
             Some(Side::ALL.map(|side| WheelFigures {
                 vertical: varied.axle.wheel_load(&end, side),

@@ -1,10 +1,10 @@
 //! Tests of a rig on a study: tables and summary, which the command line and embedding programs share.
 
 use crate::axle::{AxleMotion, Placement};
-use crate::compliance::{AxleKcRun, AxleVehicle, Compliance, KcRun, KcTest};
-use crate::model::Side;
+use crate::compliance::{AxleCompliance, AxleKcRun, AxleVehicle, Compliance, KcRun, KcTest};
+use crate::model::{Constraint, Side, Suspension};
 use crate::report::{KcResults, OtherProgram};
-use crate::study::{AxleStudy, ComplianceStudy, Drive, Study};
+use crate::study::{AxleComplianceStudy, AxleStudy, ComplianceStudy, Drive, Study};
 use serde_json::{Value, json};
 use std::borrow::Cow;
 
@@ -64,8 +64,9 @@ impl<'s> RigTests<'s> {
         axle: &'s AxleStudy,
         other: Option<OtherProgram>,
     ) -> Result<Self, String> {
-        let Some(elastic) = &axle.compliance else {
-            return Err("axle: `hardpoint kc` of an axle needs [compliance]. Remove [axle] for the tests of the rigid left wheel".to_owned());
+        let elastic = match &axle.compliance {
+            Some(elastic) => Cow::Borrowed(elastic),
+            None => Cow::Owned(rigid_axle(axle)?),
         };
         if other.is_some() {
             return Err(
@@ -140,11 +141,66 @@ impl<'s> RigTests<'s> {
 /// Travels of both wheels and rack at each station of an axle's motion.
 fn stations(course: &AxleMotion) -> Vec<([f64; 2], f64)> {
     let of = |placement: Placement| match placement {
-        Placement::Travels { travels, rack, .. } => Some((travels, rack)),
-        // A reader of elastic axles refuses roll.
+        Placement::Travels {
+            travels,
+            rack,
+            on_plane: false,
+        } => Some((travels, rack)),
+        // A reader of elastic axles refuses roll on a plane.
         _ => None,
     };
     course.placements().into_iter().filter_map(of).collect()
+}
+
+/// Refuses rigid mechanisms that the tests do not know.
+fn check_rigid(suspension: &Suspension) -> Result<(), String> {
+    let mechanism = &suspension.mechanism;
+    let holds_twice = |c: &Constraint| mechanism.arm_under(c).is_some();
+    if mechanism.constraints.iter().any(holds_twice) {
+        return Err(format!(
+            "`hardpoint kc` is not available for {}: its lower arm holds the wheel carrier at two points. `hardpoint solve` has its curves",
+            mechanism.topology.name
+        ));
+    }
+    match suspension.wheel_radius {
+        Some(_) => Ok(()),
+        None => {
+            Err("`hardpoint kc` needs radius in [wheel]: loads act at the contact point".to_owned())
+        }
+    }
+}
+
+/// The rigid mechanism of an axle with its tests.
+fn rigid_axle(study: &AxleStudy) -> Result<AxleComplianceStudy, String> {
+    if study.axle.is_rigid() {
+        return Err("`hardpoint kc` is not available for solid axles".to_owned());
+    }
+    let suspension = &study.axle.left;
+    check_rigid(suspension)?;
+    let course = &study.plan.course;
+    if course.time.is_some() || stations(course).is_empty() {
+        return Err(
+            "`hardpoint kc` of an axle needs stations on level pads: expected heave, or travel_left and travel_right, in [motion]"
+                .to_owned(),
+        );
+    }
+    let rigid = || Compliance::rigid(None);
+    Ok(AxleComplianceStudy {
+        parts: AxleCompliance {
+            wheels: [rigid(), rigid()],
+            subframe: None,
+            rack_rate: None,
+            bar_rate: None,
+        },
+        link_names: Vec::new(),
+        tests: KcTest::defaults_of_axle(
+            true,
+            false,
+            suspension.mechanism.has_rack(),
+            suspension.length_unit,
+        ),
+        tyre_rate: None,
+    })
 }
 
 /// The elastic parts of a study, or the rigid mechanism with its tests.
@@ -152,11 +208,7 @@ fn elastic_or_rigid(study: &Study) -> Result<Cow<'_, ComplianceStudy>, String> {
     if let Some(elastic) = study.compliance() {
         return Ok(Cow::Borrowed(elastic));
     }
-    if study.wheel().wheel_radius.is_none() {
-        return Err(
-            "`hardpoint kc` needs radius in [wheel]: loads act at the contact point".to_owned(),
-        );
-    }
+    check_rigid(study.wheel())?;
     if study.motion().drive != Drive::Travel {
         return Err(
             "`hardpoint kc` needs stations of wheel travel: expected travel in [motion]".to_owned(),

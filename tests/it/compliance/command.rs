@@ -396,3 +396,16 @@ fn the_page_draws_the_figures() {
     // A tenth of a unit of the picture at both ends.
     assert!((drawn - toe).abs() < 0.1 * per_place.abs(), "{drawn} {toe}");
 }
+
+/// Carriers that an arm holds at two points are not what the wheel of the tests is: `kc` refuses them.
+#[test]
+fn kc_refuses_arms_that_hold_the_carrier_twice() {
+    let directory = tempfile::tempdir().unwrap();
+    for topology in ["integral_link", "h_arm"] {
+        let path = study(&format!("{topology}_solve.toml"));
+        let refused = hardpoint(&["kc", &path, "--out", "kc"], directory.path());
+        let said = String::from_utf8_lossy(&refused.stderr).into_owned();
+        assert_eq!(refused.status.code(), Some(2), "{said}");
+        assert!(said.contains("at two points"), "{said}");
+    }
+}

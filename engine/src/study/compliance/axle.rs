@@ -9,7 +9,7 @@ use super::{
 };
 use crate::axle::{Axle, AxleMotion, WheelMotion};
 use crate::compliance::{AxleCompliance, AxleKcRun, AxleVehicle, KcTest};
-use crate::model::{Body, PointId, Side, Suspension};
+use crate::model::{Side, Suspension};
 use std::f64::consts::TAU;
 use std::path::Path;
 use toml::Spanned;
@@ -105,7 +105,7 @@ pub(in super::super) fn axle_compliance(
         )?;
     }
     link::check_members(file, suspension, &wheel, problems)?;
-    let steers = is_steered(suspension);
+    let steers = suspension.mechanism.has_rack();
     let has_spring = wheel.spring.is_some();
     let tests = tests::tests_of_axle(section, suspension, has_spring, steers, problems)?;
     let mut right = wheel.clone();
@@ -132,13 +132,6 @@ pub(in super::super) fn axle_compliance(
             problems.refuse(section.span(), &message)
         }
     }
-}
-
-/// Returns true if a rack moves the wheels.
-fn is_steered(suspension: &Suspension) -> bool {
-    let mechanism = &suspension.mechanism;
-    let mut points = (0..mechanism.points.len()).map(PointId);
-    points.any(|id| mechanism.body(id) == Body::Rack)
 }
 
 /// Refuses the stiffness of rack and column in a rigid study.

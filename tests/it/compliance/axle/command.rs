@@ -175,3 +175,39 @@ fn check_lists_mounts_and_other_commands_refuse() {
     let named = hardpoint(&["kc", &study(), "--names", "adams"], directory.path());
     assert_eq!(named.status.code(), Some(2));
 }
+
+/// Without elastic parts an axle has the tests of its rigid mechanism, and they agree with its curves.
+#[test]
+fn kc_tests_the_rigid_mechanism_of_an_axle() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/subframe_axle_compliance.toml");
+    let text = std::fs::read_to_string(path).unwrap();
+    let (rigid, _) = text.split_once("[compliance]").unwrap();
+    let rigid = rigid
+        .replace("rack_stiffness", "# rack")
+        .replace("column_stiffness", "# column");
+    let more = "[outputs]\ncharacteristics = [\"force_roll_centre_height\", \"bump_steer\"]\n";
+    std::fs::write(directory.path().join("axle.toml"), format!("{rigid}{more}")).unwrap();
+    for (command, out) in [("kc", "kc"), ("solve", "solve")] {
+        let ran = hardpoint(&[command, "axle.toml", "--out", out], directory.path());
+        let errors = String::from_utf8_lossy(&ran.stderr).into_owned();
+        assert_eq!(ran.status.code(), Some(0), "{errors}");
+    }
+    let figures = rows(&directory.path().join("kc/kc.csv"));
+    let value = |wheel: &str, quantity: &str| -> f64 {
+        let is =
+            |row: &&HashMap<String, String>| row["wheel"] == wheel && row["quantity"] == quantity;
+        figures.iter().find(is).unwrap()["value"].parse().unwrap()
+    };
+    let curves = rows(&directory.path().join("solve/curves.csv"));
+    let at_design = curves
+        .iter()
+        .find(|row| row["heave_mm"].parse() == Ok(0.0))
+        .unwrap();
+    let curve = |column: &str| at_design[column].parse::<f64>().unwrap();
+    let height = value("axle", "force_roll_centre_height_compliant");
+    assert!((height - curve("force_roll_centre_height_mm")).abs() < 1e-9 * height);
+    let steer = value("right", "toe_by_heave");
+    assert!((steer - curve("right_bump_steer_deg_per_mm")).abs() < 1e-9 * steer.abs());
+    value("axle", "steer_by_roll");
+}

@@ -13,6 +13,7 @@ mod export;
 mod export_source;
 mod import;
 mod import_car;
+mod instead;
 mod interrupt;
 mod kc;
 mod limits;

@@ -1,6 +1,7 @@
 //! `hardpoint new`
 
 use super::exit::{Exit, Stop};
+use super::instead::instead_of;
 use crate::car::{CarTemplate, TEMPLATES};
 use crate::model::Topology;
 use crate::study::nearest;
@@ -350,7 +351,11 @@ pub(super) fn run(arguments: &NewArguments) -> Result<Exit, Stop> {
     let Some(topology) = Topology::named(name) else {
         let cars = TEMPLATES.iter().map(|(car, _)| *car);
         let meant = nearest(name, Topology::ALL.iter().map(|t| t.name).chain(cars));
-        let meant = meant.map_or_else(String::new, |near| format!("; did you mean {near}?"));
+        let meant = match (instead_of(name), meant) {
+            (Some(answer), _) => format!(": {answer}"),
+            (None, Some(near)) => format!("; did you mean {near}?"),
+            (None, None) => String::new(),
+        };
         return Err(Stop::wrong_input(format!(
             "there is no topology \"{name}\"{meant}\n{}",
             topologies()

@@ -583,6 +583,10 @@ pub struct Variable {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Target {
+    /// In the study of a car, the load case,
+    pub case: Option<Text>,
+    /// or the axle whose own motion it is about.
+    pub axle: Option<Text>,
     /// Name of the characteristic,
     pub characteristic: Option<Text>,
     /// or of a point,
@@ -753,6 +757,10 @@ pub struct Band {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Constraint {
+    /// In the study of a car, the load case,
+    pub case: Option<Text>,
+    /// or the axle that it is about.
+    pub axle: Option<Text>,
     /// Name of the constraint.
     pub name: Option<Text>,
     /// A length: of a member, or between two points.

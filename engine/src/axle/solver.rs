@@ -619,6 +619,13 @@ pub struct WheelRead {
     points: Vec<Vector3<Taylor<f64>>>,
 }
 
+impl WheelRead {
+    /// The wheel; `None` where a rocker is at toggle or beyond.
+    pub(super) fn without_toggle(self) -> Option<Reading<f64>> {
+        self.toggle.is_none().then_some(self.reading)
+    }
+}
+
 /// An axle as it was read in a position.
 pub struct Read<'a> {
     /// The state.

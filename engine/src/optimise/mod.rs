@@ -69,7 +69,7 @@ pub use identifiability::{Direction, Identifiability};
 pub use layout::{Deviation, RowLabel, TargetLayout};
 pub use levenberg_marquardt::LevenbergMarquardt;
 pub use moves::{PointRate, moved_design, point_rates};
-pub use multistart::{Multistart, Start, multistart, starting_point};
+pub use multistart::{Multistart, Start, constrained_multistart, multistart, starting_point};
 pub use objective::Objective;
 pub use options::Options;
 pub use problem::{Infeasible, LeastSquares, Linearisation};

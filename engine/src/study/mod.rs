@@ -48,7 +48,7 @@ pub use crate::solve::Drive;
 pub use axle::AxleStudy;
 pub use axle_targets::AxleSite;
 pub use car::{
-    CarBand, CarContributor, CarOptimise, CarStudy, CarSweep, CarTolerance, GgMap, edited,
+    CarBand, CarContributor, CarOptimise, CarStudy, CarSweep, CarTolerance, GgMap, TunedCar, edited,
 };
 pub use compliance::{AxleComplianceStudy, ComplianceStudy};
 pub use designs_file::DesignTable;

@@ -2,7 +2,10 @@
 
 use super::super::active_set::Held;
 use super::super::fit_record::{ArgminState, FitRecord, evaluations, execute, of};
-use super::super::{Bounds, Control, Infeasible, Iteration, Linearisation, Options, Termination};
+use super::super::{
+    Bounds, ConstraintState, Control, Fit, Infeasible, Iteration, Linearisation, Options,
+    Termination,
+};
 use super::filter::Filter;
 use super::model::{ConvexModel, Proposal};
 use super::movable::Movable;
@@ -75,6 +78,27 @@ impl ConstrainedFit {
     /// Returns true if rows and levels are kept.
     pub fn is_feasible(&self) -> bool {
         self.violation <= KEPT
+    }
+
+    /// The end as that of any fit. `at_minimum` says whether multipliers mean something.
+    pub(in crate::optimise) fn into_fit(self, bounds: &Bounds, at_minimum: bool) -> Fit {
+        let is_minimum = at_minimum && self.termination.at_minimum();
+        Fit {
+            active_bounds: bounds.active_bounds(&self.x),
+            x: self.x,
+            evaluation: self.at.goal,
+            termination: self.termination,
+            residual: self.imbalance,
+            history: self.history,
+            constraints: Some(ConstraintState {
+                values: self.at.rows.residuals,
+                violation: self.violation,
+                movable: self.movable,
+                multipliers: is_minimum.then_some(self.multipliers),
+                alternatives: self.alternatives.filter(|_| is_minimum),
+                culprits: self.culprits,
+            }),
+        }
     }
 }
 

@@ -16,6 +16,7 @@ use crate::linear::lu::Lu;
 use crate::mechanism::DesignFault;
 use crate::model::Side;
 use crate::number::{Dual, Each, Real, Scalar};
+use crate::threads::checkpoint;
 
 /// Terms of the series of wheels: equations are made of first derivatives by travel, their tangents of second ones, and
 /// derivatives of tangents by the design of third ones.
@@ -322,6 +323,7 @@ impl<'a> CarSolver<'a> {
         let mut x = start;
         let mut evaluations = 0;
         for _ in 0..MOST_SETS {
+            checkpoint();
             seen.push(lifted);
             self.refuse_lifted_axles(case, &lifted)?;
             let mut found = self.newton(case, x, lifted)?;

@@ -1,13 +1,12 @@
-//! The loop: one accepted step for each iteration of argmin.
+//! The method: one accepted step for each iteration.
 
 use super::super::active_set::Held;
-use super::super::fit_record::{ArgminState, FitRecord, evaluations, execute, of};
+use super::super::fit_record::{FitRecord, Method, evaluations, execute};
 use super::super::{Bounds, Control, Infeasible, Iteration, Linearisation, Options, Termination};
 use super::filter::Filter;
 use super::model::{ConvexModel, Proposal};
 use super::movable::Movable;
 use super::{Assessment, Constrained};
-use argmin::core::{Error, KV, Problem, Solver, TerminationStatus};
 use nalgebra::DVector;
 
 /// Rows violated by no more than this are kept. It is a millionth of a visible difference.
@@ -82,7 +81,7 @@ impl ConstrainedFit {
 /// even there.
 pub fn constrained_fit(
     index: usize,
-    problem: impl Constrained,
+    mut problem: impl Constrained,
     bounds: &Bounds,
     start: &DVector<f64>,
     options: &Options,
@@ -91,7 +90,7 @@ pub fn constrained_fit(
     let shape = problem.shape();
     let levels: Vec<f64> = shape.levels.iter().map(|level| level.1).collect();
     let n = bounds.variables();
-    let solver = SequentialConvex {
+    let mut method = SequentialConvex {
         record: FitRecord::new(bounds, options, control, index),
         equalities: shape.equalities,
         model: ConvexModel::new(bounds, &shape),
@@ -107,8 +106,8 @@ pub fn constrained_fit(
         radius: FIRST_RADIUS,
         culprits: Vec::new(),
     };
-    let (solver, state) = execute(problem, solver, bounds, start)?;
-    Ok(solver.into_fit(state))
+    let x = execute(&mut problem, &mut method, bounds, start)?;
+    Ok(method.into_fit(x))
 }
 
 struct SequentialConvex<'a> {
@@ -132,8 +131,7 @@ struct SequentialConvex<'a> {
 }
 
 impl SequentialConvex<'_> {
-    fn into_fit(mut self, state: ArgminState) -> ConstrainedFit {
-        let x = state.param.expect("the state was given its start");
+    fn into_fit(mut self, x: DVector<f64>) -> ConstrainedFit {
         // Multipliers of the end itself, not of the step that led there.
         self.model.solve(WHOLE, false);
         let settled = self.model.settle_multipliers(&self.beside);
@@ -238,39 +236,27 @@ impl SequentialConvex<'_> {
     }
 }
 
-impl<P: Constrained> Solver<P, ArgminState> for SequentialConvex<'_> {
-    fn name(&self) -> &str {
-        "sequential convex programs"
+impl<'a, P: Constrained> Method<'a, P> for SequentialConvex<'a> {
+    fn record(&mut self) -> &mut FitRecord<'a> {
+        &mut self.record
     }
 
-    fn init(
-        &mut self,
-        problem: &mut Problem<P>,
-        state: ArgminState,
-    ) -> Result<(ArgminState, Option<KV>), Error> {
-        let problem = of(problem);
+    fn begin(&mut self, problem: &mut P, x: &DVector<f64>) -> Result<(), Infeasible> {
         assert_eq!(problem.shape().variables, self.record.bounds.variables());
-        let x = state.param.as_ref().expect("the state was given its start");
         problem.assess(x, &mut self.current)?;
         self.current.check()?;
         let (rows, bounds) = (&self.current.rows, self.record.bounds);
         self.movable = Some(Movable::new(&self.limits, rows, bounds));
         self.rebuild_model(x);
-        let [cost, violation] = self.pair(&self.current);
+        let [_, violation] = self.pair(&self.current);
         self.filter = Filter::new(violation, self.record.options.violation_below);
         self.record.add(x, Iteration::at(self.reported()));
-        Ok((state.cost(cost), None))
+        Ok(())
     }
 
-    fn next_iter(
-        &mut self,
-        problem: &mut Problem<P>,
-        mut state: ArgminState,
-    ) -> Result<(ArgminState, Option<KV>), Error> {
-        let problem = of(problem);
-        let mut x = state.take_param().expect("the state was given its start");
+    fn iterate(&mut self, problem: &mut P, mut x: DVector<f64>, done: u64) -> DVector<f64> {
         let mut from = self.pair(&self.current);
-        let curved = state.iter >= CURVED_FROM;
+        let curved = done >= CURVED_FROM;
         let negligible = self.record.options.reduction_below * NEGLIGIBLE * from[0];
         let (mut evaluations, mut infeasible) = (0, 0);
         let mut obstacle = None;
@@ -383,19 +369,14 @@ impl<P: Constrained> Solver<P, ArgminState> for SequentialConvex<'_> {
             self.rebuild_model(&x);
             break;
         }
-        let cost = self.current.goal.cost();
         let iteration = Iteration {
-            iteration: state.iter + 1,
+            iteration: done + 1,
             step,
             evaluations,
             infeasible,
             ..Iteration::at(self.reported())
         };
         self.record.add(&x, iteration);
-        Ok((state.param(x).cost(cost), None))
-    }
-
-    fn terminate(&mut self, state: &ArgminState) -> TerminationStatus {
-        self.record.status(state)
+        x
     }
 }

@@ -1,8 +1,10 @@
-//! Pools of threads for the numerics, with stacks that are large enough for every profile, and the flag that ends their
+//! Pools of threads for the numerics, with stacks that are large enough for every profile, and the flags that end their
 //! work.
 
 use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
-use std::cell::Cell;
+use std::cell::{Cell, RefCell};
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// A flag that ends work early; `None` if nothing can end it.
@@ -17,6 +19,38 @@ impl Interrupt<'_> {
             Some(flag) => flag.load(Ordering::Relaxed),
             None => false,
         }
+    }
+}
+
+thread_local! {
+    /// Flag that ends the work of this thread at its next checkpoint.
+    static STOP: RefCell<Option<Arc<AtomicBool>>> = const { RefCell::new(None) };
+}
+
+/// Payload of the unwinding that ends work at a checkpoint.
+struct Stopped;
+
+/// Runs work on this thread that ends at its next checkpoint when the flag is raised: between stations, steps of a path, and
+/// equilibria. Returns `None` if it ended so. Parallel parts of the work ask their own flags.
+pub fn stoppable<T>(flag: &Arc<AtomicBool>, work: impl FnOnce() -> T) -> Option<T> {
+    let outer = STOP.replace(Some(flag.clone()));
+    let found = catch_unwind(AssertUnwindSafe(work));
+    STOP.set(outer);
+    match found {
+        Ok(found) => Some(found),
+        Err(payload) if payload.is::<Stopped>() => None,
+        Err(payload) => resume_unwind(payload),
+    }
+}
+
+/// Ends the work of this thread if it is to stop ([`stoppable`]).
+pub(crate) fn checkpoint() {
+    let is_raised = |flag: &Option<Arc<AtomicBool>>| {
+        flag.as_ref()
+            .is_some_and(|flag| flag.load(Ordering::Relaxed))
+    };
+    if STOP.with_borrow(is_raised) {
+        resume_unwind(Box::new(Stopped));
     }
 }
 
@@ -76,6 +110,27 @@ mod tests {
         assert_eq!(on_large_stacks(1, || descend(12 << 10)), 12 << 10);
         let all = pool(2).unwrap().broadcast(|_| descend(12 << 10));
         assert_eq!(all, [12 << 10; 2]);
+    }
+
+    /// Work ends at the checkpoint after the flag is raised, and outer work only by its own flag.
+    #[test]
+    fn work_ends_at_a_checkpoint() {
+        let [outer, inner] = [(); 2].map(|()| Arc::new(AtomicBool::new(false)));
+        let mut steps = 0;
+        let found = stoppable(&outer, || {
+            let found = stoppable(&inner, || {
+                for step in 0..10 {
+                    checkpoint();
+                    steps += 1;
+                    inner.store(step == 3, Ordering::Relaxed);
+                }
+            });
+            assert_eq!(found, None);
+            checkpoint();
+            7
+        });
+        assert_eq!((found, steps), (Some(7), 4));
+        checkpoint();
     }
 
     #[test]

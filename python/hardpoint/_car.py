@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from . import _hardpoint
 from ._frame import Column, Frame
-from ._study import Overrides, written
+from ._study import Overrides, Study, study_of, text_of, written
 from ._sweep import Sweep
 
 Floats = NDArray[np.float64]
@@ -77,7 +77,7 @@ class CarTuning:
 
 
 class Car:
-    """The study of a car, validated: immutable, pickled as its path."""
+    """The study of a car, validated: immutable, pickled as its text and those of its axles."""
 
     __slots__ = ("_car",)
 
@@ -85,6 +85,45 @@ class Car:
         """The car of a file with [car], which names the files of both axles. `overrides` such as
         {"car.wheelbase": 2700.0, "front.spring.rate": 32.0} as the program's `--set`."""
         self._car = _hardpoint.Car.load(path, written(overrides))
+
+    @classmethod
+    def of(
+        cls,
+        front: Study | str | PathLike[str],
+        rear: Study | str | PathLike[str],
+        car: Mapping[str, Any],
+        cases: Sequence[Mapping[str, Any]] = (),
+        outputs: Sequence[str] | Mapping[str, Any] | None = None,
+        *,
+        name: str = "car",
+        **sections: Any,
+    ) -> Car:
+        """The car of two axles and numbers, without TOML. `car` is the section [car] without the names of files, as in
+        {"wheelbase": 2650.0, "mass": 1500.0, "cg": [-1290.0, 0.0, 550.0]}; `cases` are mappings as {"name": "turn",
+        "ay": 0.8}; `outputs` are names of results or the section [outputs]. Other sections go by their names, as in
+        `optimise={"variables": [...], "targets": [...]}`; docs/car.md explains them."""
+        own: dict[str, Any] = {"car": {"front": "front.toml", "rear": "rear.toml", **car}}
+        if cases:
+            own["cases"] = list(cases)
+        if outputs is not None:
+            own["outputs"] = outputs if isinstance(outputs, Mapping) else {"characteristics": list(outputs)}
+        axles = study_of(front)._study, study_of(rear)._study
+        return _restored(_hardpoint.Car.of(name, text_of({**own, **sections}), *axles))
+
+    @property
+    def text(self) -> str:
+        """The TOML text, with overrides applied."""
+        return self._car.text
+
+    @property
+    def front(self) -> Study:
+        """The study of the front axle."""
+        return Study(self._car.axles[0])
+
+    @property
+    def rear(self) -> Study:
+        """The study of the rear axle."""
+        return Study(self._car.axles[1])
 
     @property
     def name(self) -> str:

@@ -5,16 +5,17 @@ from __future__ import annotations
 import json
 import os
 import re
-import tempfile
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 from . import _hardpoint
+from ._car import Car
 from ._frame import Frame
-from ._hardpoint import HardpointError
-from ._runs import Results, Run
-from ._study import Study, load, study_of
+from ._hardpoint import HardpointError, StudyError
+from ._runs import Results, Run, write_pictures
+from ._study import Study, is_car, loads, study_of
 
 Place = str | os.PathLike[str]
 Source = Study | Run | str | os.PathLike[str]
@@ -25,31 +26,31 @@ def _program(*arguments: Any) -> str:
     exception: the rest is there."""
     code, said = _hardpoint.command_captured([str(a) for a in arguments])
     if code not in (0, 1):
-        text = said.strip().removeprefix("error: ") or f"exit code {code}"
-        # Options of the command line are parameters here.
-        text = re.sub(r"--force\b", "force=True", text)
-        text = re.sub(r"(?<![\w-])--([a-z][a-z-]*)", lambda option: option[1].replace("-", "_"), text)
-        raise HardpointError(text)
+        raise HardpointError(said_here(said) or f"exit code {code}")
     return said
+
+
+def said_here(text: str) -> str:
+    """A message of the program; options of the command line are parameters here."""
+    text = re.sub(r"--force\b", "force=True", text.strip().removeprefix("error: "))
+    return re.sub(r"(?<![\w-])--([a-z][a-z-]*)", lambda option: option[1].replace("-", "_"), text)
+
+
+@contextmanager
+def _in_words_of_python() -> Iterator[None]:
+    """Errors of the program in the words of this module."""
+    try:
+        yield
+    except StudyError:
+        raise
+    except HardpointError as error:
+        raise HardpointError(said_here(str(error))) from None
 
 
 def _options(**values: Any) -> list[str]:
     """Options of the command line; those that are None are left out."""
     given = {name.rstrip("_").replace("_", "-"): value for name, value in values.items() if value is not None}
     return [f"--{name}={value}" for name, value in given.items()]
-
-
-def _file(folder: Path, source: Source) -> Path:
-    """A study as a file in a folder, under its own name; runs and paths as they are."""
-    match source:
-        case Study():
-            place = folder / f"{source.name}.toml"
-            place.write_text(source.text, encoding="utf-8")
-            return place
-        case Run():
-            return source.path
-        case _:
-            return Path(source)
 
 
 def kc(study: Study | Place, *, names: str | None = None) -> Results:
@@ -76,10 +77,13 @@ def setup(study: Study | Place) -> Results:
 
 
 def tolerance(
-    study: Study | Place, *, threads: int | None = None, progress: Callable[[int, int], object] | None = None
+    study: Study | Car | Place, *, threads: int | None = None, progress: Callable[[int, int], object] | None = None
 ) -> Results:
     """Effect of the scatter of [tolerance]: tables "tolerance", "contributors", "curves" and percentiles of them.
-    `progress(done, all)` is called about twenty times a second. `study.built(number)` is the study of one build."""
+    `progress(done, all)` is called about twenty times a second. `study.built(number)` is the study of one build. Of a `Car`
+    there are "tolerance" and "contributors"."""
+    if is_car(study):
+        return Results(_hardpoint.car_tolerance(study._car, threads, progress))
     study = study_of(study)
     return Results(_hardpoint.tolerance(study._study, threads, progress), study)
 
@@ -93,12 +97,16 @@ def assemblies(study: Study | Place, travel: float = 0.0, rack: float = 0.0) -> 
     return Frame(_hardpoint.parse_table(csv))
 
 
-def compare(**studies: Study | Place) -> Results:
+def compare(**studies: Study | Car | Place) -> Results:
     """Curves and points of two or more studies side by side, as in `compare(before=a, after=b)`; columns bear these names.
     Tables: "comparison" has every value and difference, "moved" the points that differ. `files["report.html"]` is a page
-    with the curves over each other."""
+    with the curves over each other. Cars are compared with cars: "comparison" has the results of all cases, "changes" their
+    largest changes."""
     if len(studies) < 2:
         raise HardpointError(f"compare takes two or more studies by name, as in compare(before=a, after=b); found {len(studies)}")
+    cars = [(label, study._car) for label, study in studies.items() if is_car(study)]
+    if len(cars) == len(studies):
+        return Results(_hardpoint.car_compare(cars))
     return Results(_hardpoint.compare([(label, study_of(study)._study) for label, study in studies.items()]))
 
 
@@ -110,13 +118,13 @@ def merge(parts: Sequence[Place], out: Place) -> Run:
 
 def report(run: Run | Place, plots: Place | None = None, force: bool = False) -> Path:
     """Makes one self-contained page of a run's directory, and pictures of its curves in the directory `plots`; the page's
-    path. Pictures that are there are replaced."""
+    path. Pictures that are there are replaced. Results in memory have a method `report(path)`."""
+    if not isinstance(run, (str, os.PathLike, Run)):
+        raise HardpointError(f"report takes a Run or its directory; use .report(path) of {type(run).__name__}")
     path = run.path if isinstance(run, Run) else Path(run)
     pictures = _hardpoint.report(path, plots is not None, force)
     if plots is not None:
-        Path(plots).mkdir(parents=True, exist_ok=True)
-        for name, contents in pictures.items():
-            (Path(plots) / name).write_bytes(contents)
+        write_pictures(pictures, plots)
     return path / "report.html"
 
 
@@ -146,25 +154,14 @@ def import_points(
     """A study of points, and what was guessed, assumed and left over, a line each. `source` is a table (CSV, XLSX), a map
     in JSON or an Adams/Car subsystem, or a mapping from names to (x, y, z), nested as it likes; `names` are those in it by
     hardpoint."""
-    with tempfile.TemporaryDirectory(prefix="hardpoint-") as folder:
-        return _imported(Path(folder), source, topology, names, dict(unit=unit, frame=frame, side=side, sheet=sheet))
-
-
-def _imported(
-    folder: Path, source: Place | Mapping[str, Any], topology: str, names: Mapping[str, str] | None, options: dict[str, Any]
-) -> tuple[Study, list[str]]:
     if isinstance(source, Mapping):
-        file = folder / "points.json"
-        file.write_text(json.dumps(_plain(source)), encoding="utf-8")
+        file, points = Path("points.json"), json.dumps(_plain(source))
     else:
-        file = Path(source)
-    to = folder / f"{file.stem}.toml"
-    map_ = None
-    if names is not None:
-        map_ = folder / "names.toml"
-        map_.write_text("".join(f"{k} = {json.dumps(v)}\n" for k, v in names.items()), encoding="utf-8")
-    said = _program("import", file, *_options(topology=topology, map=map_, out=to, **options))
-    return load(to), [line.strip() for line in said.splitlines()[1:]]
+        file, points = Path(source), None
+    options = _options(topology=topology, unit=unit, frame=frame, side=side, sheet=sheet)
+    with _in_words_of_python():
+        text, said = _hardpoint.import_study(["import", str(file), *options], points, dict(names or {}))
+    return loads(text, name=f"{file.stem}.toml"), [line.strip() for line in said.splitlines()]
 
 
 def export(
@@ -195,8 +192,14 @@ def export(
     options = _options(to=kind, into=into, design=design, unit=unit, frame=frame, round=round, names=names, travel=travel)
     options += _options(rack=rack, grow=grow, out=out)
     flags = ["--round-all"] * round_all + ["--curves"] * curves + ["--force"] * force
-    with tempfile.TemporaryDirectory(prefix="hardpoint-") as folder:
-        return _program("export", _file(Path(folder), source), *options, *flags).splitlines()
+    if is_car(source):
+        raise HardpointError("export takes the path of a car's study")
+    if not isinstance(source, Study):
+        place = source.path if isinstance(source, Run) else Path(source)
+        return _program("export", place, *options, *flags).splitlines()
+    with _in_words_of_python():
+        said = _hardpoint.export_study(source._study, ["export", f"{source.name}.toml", *options, *flags])
+    return said.splitlines()
 
 
 def schema() -> dict[str, Any]:

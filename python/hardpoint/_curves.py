@@ -2,12 +2,19 @@
 
 from __future__ import annotations
 
-from typing import Any
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from . import _hardpoint
 from ._frame import Column, Frame
+
+if TYPE_CHECKING:
+    from ._runs import Results
+    from ._study import Study
 
 Floats = NDArray[np.float64]
 
@@ -24,7 +31,7 @@ class Curves(Frame):
     sensitivity_points: tuple[str, ...]
     """Names of the P hardpoints."""
 
-    def __init__(self, found: dict[str, Any]) -> None:
+    def __init__(self, found: dict[str, Any], study: Study, motion: str | None = None) -> None:
         super().__init__(
             found["columns"],
             info={name: Column(name, *info) for name, info in found["info"].items()},
@@ -35,11 +42,27 @@ class Curves(Frame):
         self.outputs = tuple(found["outputs"])
         self.sensitivities = found.get("sensitivities")
         self.sensitivity_points = tuple(found.get("sensitivity_points", ()))
+        self._study = study
+        self._of_motion = motion
 
     @property
     def drive(self) -> Floats:
         """Drive value of each station (S,): the first column of `motion`."""
         return next(iter(self.motion.values()))
+
+    def _results(self) -> Results:
+        from ._runs import Results
+
+        return Results(_hardpoint.solve_files(self._study._study, self._of_motion), self._study)
+
+    def save(self, directory: str | PathLike[str]) -> Path:
+        """Writes the files of `hardpoint solve` into a directory that is new or empty; the directory."""
+        return self._results().save(directory)
+
+    def report(self, path: str | PathLike[str], plots: str | PathLike[str] | None = None) -> Path:
+        """Writes one self-contained page to the file `path`, which is replaced, and pictures of the curves into the directory
+        `plots`; the path."""
+        return self._results().report(path, plots)
 
     def __repr__(self) -> str:
         solved = int(np.count_nonzero(self.status == 0))

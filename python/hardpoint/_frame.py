@@ -6,12 +6,14 @@ import html
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from os import PathLike
 from typing import TYPE_CHECKING, Any, NoReturn, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
+from . import _hardpoint
 from ._hardpoint import STATUS, HardpointError
 
 Array = NDArray[Any]
@@ -33,6 +35,28 @@ class Column:
     """The unit alone; empty for a plain number."""
     positive: str | None = None
     """When it is positive, in words."""
+
+    @property
+    def formula(self) -> str:
+        """Formula of the output in the symbols of docs/characteristics.md; empty for what is no quantity of the catalogue."""
+        return _catalogue().get(self._quantity, ("", ""))[0]
+
+    @property
+    def source(self) -> str:
+        """Source of the definition; empty where there is none."""
+        return _catalogue().get(self._quantity, ("", ""))[1]
+
+    @property
+    def _quantity(self) -> str:
+        for side in ("left_", "right_"):
+            if self.output.startswith(side) and self.output not in _catalogue():
+                return self.output.removeprefix(side)
+        return self.output
+
+
+@cache
+def _catalogue() -> dict[str, tuple[str, str]]:
+    return _hardpoint.catalogue()
 
 
 def column_of(name: str) -> Column:

@@ -61,14 +61,85 @@ def _single(read: tuple[Floats, bool]) -> Floats:
     return design
 
 
-class Function:
+class _Constrained:
+    """Constraints of [optimise] as functions of variables, for optimisers."""
+
+    _study: Study
+    _constraints: _hardpoint.Residuals | None
+    variables: list[str]
+    on_failure: Literal["nan", "raise"]
+    constraint_rows: tuple[str, ...]
+    """Constraint and limit of each row (c) of `constraints`; the first `equalities` rows are equalities."""
+    equalities: int
+    _last: dict[str, tuple[bytes, Floats, Floats]]
+
+    def _constrain(self, constraints: _hardpoint.Residuals | None) -> None:
+        self._constraints = constraints
+        names, self.equalities = ([], 0) if constraints is None else constraints.constraint_rows
+        self.constraint_rows = tuple(names)
+        self._last = {}
+
+    def _found(self, kind: Literal["residuals", "constraints"], x: Designs, rows: int) -> tuple[Floats, Floats]:
+        """Values and derivatives; SciPy asks for both apart, so the last ones are remembered."""
+        if self._constraints is None:
+            raise HardpointError("this function has no constraints; make it with study.function(..., constraints=True)")
+        designs, single = rows_of(x, self.variables, self._study.length_unit)
+        if not single:
+            k = len(self.variables)
+            raise HardpointError(f"x has shape {designs.shape}; expected ({k},), one design")
+        key = designs.tobytes()
+        last = self._last.get(kind)
+        if last is None or last[0] != key:
+            work = self._constraints.value_and_jacobian if kind == "residuals" else self._constraints.constraints
+            found = work(designs[0]) if np.isfinite(designs).all() else "x has a number that is not finite"
+            if isinstance(found, str):
+                if self.on_failure == "raise":
+                    raise HardpointError(found)
+                last = key, np.full(rows, np.nan), np.full((rows, len(self.variables)), np.nan)
+            else:
+                last = key, found[0], found[1]
+            self._last[kind] = last
+        return last[1].copy(), last[2].copy()
+
+    def constraints(self, x: Designs) -> Floats:
+        """The constraints of [optimise] (c,) of one design: 0 or more where a limit is kept, and 0 where an equality is. A
+        violation of 1 is a visible one, such as a millimetre or a degree."""
+        return self._kept(self._found("constraints", x, len(self.constraint_rows))[0])
+
+    def constraint_jacobian(self, x: Designs) -> Floats:
+        """Derivatives of `constraints` (c, k)."""
+        return self._kept(self._found("constraints", x, len(self.constraint_rows))[1])
+
+    def _kept(self, rows: Floats) -> Floats:
+        """Rows of limits with the sign that SciPy expects."""
+        rows[self.equalities :] *= -1.0
+        return rows
+
+    def scipy_constraints(self) -> list[dict[str, Any]]:
+        """The constraints as `scipy.optimize.minimize(method="SLSQP", constraints=...)` takes them."""
+        parts = [("eq", slice(self.equalities)), ("ineq", slice(self.equalities, None))]
+        return [
+            {
+                "type": kind,
+                "fun": lambda x, part=part: self.constraints(x)[part],
+                "jac": lambda x, part=part: self.constraint_jacobian(x)[part],
+            }
+            for kind, part in parts
+            if len(self.constraint_rows[part])
+        ]
+
+
+class Function(_Constrained):
     """Curves as a pure function of the design.
 
     `f(x)` takes offsets (k,) and gives (A, S), or (n, k) and gives (n, A, S): A outputs at S stations. A variable such as
-    "tie_rod_inner_z" is a coordinate, not an offset. A table with columns of these names may be given for x.
+    "tie_rod_inner_z" is a coordinate, not an offset. A table with columns of these names may be given for x. The methods
+    for constraints are of a function that was made with `constraints=True`.
     """
 
-    def __init__(self, study: Study, variables: list[str] | None = None) -> None:
+    on_failure: Literal["nan", "raise"] = "nan"
+
+    def __init__(self, study: Study, variables: list[str] | None = None, constraints: bool = False) -> None:
         self._study = study
         self._function = _hardpoint.Function(study._study, variables)
         self.variables: list[str] = self._function.variables
@@ -78,6 +149,7 @@ class Function:
         self.outputs: list[str] = self._function.outputs
         """Column names (A)."""
         self._motion: Mapping[str, Floats] | None = None
+        self._constrain(_hardpoint.Residuals(study._study, self.variables) if constraints else None)
 
     @property
     def motion(self) -> Mapping[str, Floats]:
@@ -124,10 +196,10 @@ class Function:
         return repr(self._function)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return (Function, (self._study, self.variables))
+        return (Function, (self._study, self.variables, self._constraints is not None))
 
 
-class Residuals:
+class Residuals(_Constrained):
     """The targets of [optimise] as least squares: r(x) (m,) in tolerances, weighted so that the misfit is the root of
     their mean square. SciPy asks for r and its Jacobian apart; the last x is remembered."""
 
@@ -135,78 +207,29 @@ class Residuals:
         if on_failure not in ("nan", "raise"):
             raise HardpointError(f'on_failure is {on_failure!r}; expected "nan" or "raise"')
         self._study = study
-        self._residuals = _hardpoint.Residuals(study._study)
-        self.on_failure = on_failure
+        residuals = _hardpoint.Residuals(study._study)
+        self._residuals = residuals
+        self.on_failure: Literal["nan", "raise"] = on_failure
         """What a design without residuals gives: "nan", so that an optimiser shortens its step, or "raise"."""
-        self.variables: list[str] = self._residuals.variables
+        self.variables: list[str] = residuals.variables
         """Names of the variables (k)."""
-        self.bounds: Floats = self._residuals.bounds
+        self.bounds: Floats = residuals.bounds
         """Lowest and highest offset (k, 2)."""
-        self.rows: tuple[str, ...] = tuple(self._residuals.rows)
+        self.rows: tuple[str, ...] = tuple(residuals.rows)
         """Column of the target of each residual (m)."""
-        names, self.equalities = self._residuals.constraint_rows
-        self.constraint_rows: tuple[str, ...] = tuple(names)
-        """Constraint and limit of each row (c) of `constraints`; the first `equalities` rows are equalities."""
-        self._last: dict[str, tuple[bytes, Floats, Floats]] = {}
-
-    def _found(self, kind: Literal["residuals", "constraints"], x: Designs) -> tuple[Floats, Floats]:
-        """Values and derivatives; SciPy asks for both apart, so the last ones are remembered."""
-        rows, single = rows_of(x, self.variables, self._study.length_unit)
-        if not single:
-            k = len(self.variables)
-            raise HardpointError(f"x has shape {rows.shape}; expected ({k},), one design")
-        key = rows.tobytes()
-        last = self._last.get(kind)
-        if last is None or last[0] != key:
-            work = self._residuals.value_and_jacobian if kind == "residuals" else self._residuals.constraints
-            found = work(rows[0]) if np.isfinite(rows).all() else "x has a number that is not finite"
-            if isinstance(found, str):
-                if self.on_failure == "raise":
-                    raise HardpointError(found)
-                m = len(self.rows if kind == "residuals" else self.constraint_rows)
-                last = key, np.full(m, np.nan), np.full((m, len(self.variables)), np.nan)
-            else:
-                last = key, found[0], found[1]
-            self._last[kind] = last
-        return last[1].copy(), last[2].copy()
+        self._constrain(residuals)
 
     def value_and_jacobian(self, x: Designs) -> tuple[Floats, Floats]:
         """r (m,) and its derivatives (m, k). A design that cannot be solved gives NaN, or raises `HardpointError`."""
-        return self._found("residuals", x)
+        return self._found("residuals", x, len(self.rows))
 
     def __call__(self, x: Designs) -> Floats:
+        """r (m,)."""
         return self.value_and_jacobian(x)[0]
 
     def jacobian(self, x: Designs) -> Floats:
         """Derivatives (m, k)."""
         return self.value_and_jacobian(x)[1]
-
-    def constraints(self, x: Designs) -> Floats:
-        """The constraints of [optimise] (c,): 0 or more where a limit is kept, and 0 where an equality is. A violation of 1
-        is a visible one, such as a millimetre or a degree."""
-        return self._kept(self._found("constraints", x)[0])
-
-    def constraint_jacobian(self, x: Designs) -> Floats:
-        """Derivatives of `constraints` (c, k)."""
-        return self._kept(self._found("constraints", x)[1])
-
-    def _kept(self, rows: Floats) -> Floats:
-        """Rows of limits with the sign that SciPy expects."""
-        rows[self.equalities :] *= -1.0
-        return rows
-
-    def scipy_constraints(self) -> list[dict[str, Any]]:
-        """The constraints as `scipy.optimize.minimize(method="SLSQP", constraints=...)` takes them."""
-        parts = [("eq", slice(self.equalities)), ("ineq", slice(self.equalities, None))]
-        return [
-            {
-                "type": kind,
-                "fun": lambda x, part=part: self.constraints(x)[part],
-                "jac": lambda x, part=part: self.constraint_jacobian(x)[part],
-            }
-            for kind, part in parts
-            if len(self.constraint_rows[part])
-        ]
 
     def study(self, x: Designs) -> Study:
         """The study of the design at the offsets x (k,)."""

@@ -17,31 +17,43 @@ __all__ = [
     "__version__",
     "assemblies",
     "build",
+    "car_check",
+    "car_compare",
     "car_derivatives",
+    "car_limits",
     "car_optimise",
     "car_solve",
     "car_sweep",
+    "car_tolerance",
+    "catalogue",
     "check",
     "command",
     "command_captured",
     "compare",
     "drawing",
+    "export_study",
+    "import_study",
     "kc",
     "limits",
     "limits_of_builds",
     "optimise",
+    "page_of_files",
     "parse_table",
     "read_tables",
     "report",
     "schema",
     "setup",
     "solve",
+    "solve_files",
     "sweep",
+    "sweep_into",
+    "sweep_page",
     "sweep_parts",
     "swept_design",
     "template",
     "tolerance",
     "topologies",
+    "tuning_files",
 ]
 __version__: str
 STATUS: list[str]
@@ -87,6 +99,12 @@ class Study:
 class Car:
     @staticmethod
     def load(path: str | PathLike[str], overrides: list[str] = ...) -> Car: ...
+    @staticmethod
+    def of(name: str, text: str, front: Study, rear: Study) -> Car: ...
+    @property
+    def text(self) -> str: ...
+    @property
+    def axles(self) -> tuple[Study, Study]: ...
     @property
     def name(self) -> str: ...
     @property
@@ -117,7 +135,7 @@ class Function:
 
 @final
 class Residuals:
-    def __new__(cls, study: Study) -> Residuals: ...
+    def __new__(cls, study: Study, variables: list[str] | None = None) -> Residuals: ...
     @property
     def variables(self) -> list[str]: ...
     @property
@@ -132,7 +150,19 @@ class Residuals:
 
 def topologies() -> list[str]: ...
 def template(topology: str, parts: list[str] = ...) -> str: ...
-def solve(study: Study, motion: str | None = None) -> dict[str, Any]: ...
+def solve(study: Study, motion: str | None = None, threads: int | None = None) -> dict[str, Any]: ...
+def solve_files(study: Study, motion: str | None = None) -> dict[str, bytes]: ...
+def page_of_files(files: dict[str, bytes], pictures: bool = False) -> tuple[str, dict[str, bytes]]: ...
+def tuning_files(study: Study, tuned: Study | None = None, front: str | None = None) -> dict[str, bytes]: ...
+def export_study(study: Study, arguments: list[str]) -> str: ...
+def import_study(arguments: list[str], points: str | None = None, names: dict[str, str] = ...) -> tuple[str, str]: ...
+def catalogue() -> dict[str, tuple[str, str]]: ...
+def car_check(car: Car) -> tuple[list[str], list[str]]: ...
+def car_limits(car: Car) -> bytes: ...
+def car_compare(cars: list[tuple[str, Car]]) -> dict[str, bytes]: ...
+def car_tolerance(
+    car: Car, threads: int | None = None, progress: Callable[[int, int], object] | None = None
+) -> dict[str, bytes]: ...
 def car_solve(car: Car) -> dict[str, Any]: ...
 def car_derivatives(car: Car) -> NDArray[np.float64]: ...
 def car_sweep(
@@ -165,6 +195,15 @@ def sweep(
     threads: int | None = None,
     progress: Callable[[int, int], object] | None = None,
 ) -> dict[str, Any]: ...
+def sweep_page(study: Study, x: NDArray[np.float64] | None = None, variables: list[str] | None = None) -> str: ...
+def sweep_into(
+    study: Study,
+    directory: Path,
+    x: NDArray[np.float64] | None = None,
+    variables: list[str] | None = None,
+    part: tuple[int, int] | None = None,
+    threads: int | None = None,
+) -> bool: ...
 def sweep_parts(study: Study) -> int: ...
 def swept_design(study: Study, number: int) -> Study: ...
 def build(study: Study, number: int) -> Study: ...

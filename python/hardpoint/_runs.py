@@ -14,6 +14,13 @@ from ._hardpoint import HardpointError
 from ._study import Study, load
 
 
+def write_pictures(pictures: Mapping[str, bytes], place: str | os.PathLike[str]) -> None:
+    """Writes pictures into a directory, by their names."""
+    Path(place).mkdir(parents=True, exist_ok=True)
+    for name, contents in pictures.items():
+        (Path(place) / name).write_bytes(contents)
+
+
 class Results(Mapping[str, Frame]):
     """Results of a command in memory: a mapping from tables, such as "tolerance", to their columns."""
 
@@ -40,6 +47,23 @@ class Results(Mapping[str, Frame]):
         if self.study is not None:
             (path / "study.toml").write_text(self.study.text, encoding="utf-8")
         return path
+
+    def report(self, path: str | os.PathLike[str], plots: str | os.PathLike[str] | None = None) -> Path:
+        """Writes one self-contained page to the file `path`, which is replaced, and pictures of the curves into the directory
+        `plots`; the path."""
+        page: str | bytes | None = self.files.get("report.html")
+        pictures: dict[str, bytes] = {}
+        if "report.json" in self.files:
+            page, pictures = _hardpoint.page_of_files(self.files, plots is not None)
+        if page is None:
+            raise HardpointError(f"these results have no page; their tables are {', '.join(self)}")
+        if plots is not None:
+            if not pictures:
+                raise HardpointError("these results have no pictures of curves; leave out plots")
+            write_pictures(pictures, plots)
+        place = Path(path)
+        place.write_bytes(page if isinstance(page, bytes) else page.encode())
+        return place
 
     def __getitem__(self, name: str) -> Frame:
         if name not in self._tables:

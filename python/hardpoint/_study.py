@@ -8,16 +8,19 @@ import tomllib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from os import PathLike
-from typing import Any, Literal, cast
+from typing import TYPE_CHECKING, Any, Literal, TypeGuard, cast, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _hardpoint
 from ._curves import Curves
-from ._frame import html_of
+from ._frame import Frame, html_of
 from ._function import Function, Residuals
 from ._hardpoint import HardpointError
+
+if TYPE_CHECKING:
+    from ._car import Car, Cases
 
 Overrides = Mapping[str, Any]
 Floats = NDArray[np.float64]
@@ -60,6 +63,11 @@ def _lines(section: Mapping[str, Any], path: str = "") -> Iterator[str]:
         yield ""
         yield head.format(whole)
         yield from _lines(inner, whole)
+
+
+def text_of(sections: Mapping[str, Any]) -> str:
+    """Sections as TOML."""
+    return "\n".join(_lines(sections)).lstrip("\n") + "\n"
 
 
 def written(overrides: Overrides | None) -> list[str]:
@@ -198,13 +206,13 @@ class Study:
     @classmethod
     def from_dict(cls, sections: Mapping[str, Any], name: str = "study.toml") -> Study:
         """The study of a mapping as a TOML reader would give it: {"suspension": {...}, "motion": {...}}."""
-        return loads("\n".join(_lines(sections)).lstrip("\n") + "\n", name=name)
+        return loads(text_of(sections), name=name)
 
-    def function(self, variables: Sequence[str] | None = None) -> Function:
+    def function(self, variables: Sequence[str] | None = None, *, constraints: bool = False) -> Function:
         """The curves as a pure function of the design: by `variables` such as "tie_rod_inner_dz" for offsets,
         "tie_rod_inner_z" for coordinates; by default those of [optimise], else of [sweep], else every coordinate of
-        every hardpoint."""
-        return Function(self, None if variables is None else list(variables))
+        every hardpoint. With `constraints` also the constraints of [optimise], by the same variables."""
+        return Function(self, None if variables is None else list(variables), constraints)
 
     def residuals(self, on_failure: Literal["nan", "raise"] = "nan") -> Residuals:
         """The targets of [optimise] as a function of its variables, in tolerances. Where a design has none they are NaN, so
@@ -240,19 +248,40 @@ class Study:
         return (Study, (self._study,))
 
 
-def study_of(source: Study | str | PathLike[str]) -> Study:
+def is_car(source: object) -> TypeGuard[Car]:
+    """True for a `Car`."""
+    from ._car import Car
+
+    return isinstance(source, Car)
+
+
+def study_of(source: Study | Car | str | PathLike[str]) -> Study:
     """A study, or the study in a file."""
     if isinstance(source, Study):
         return source
     if isinstance(source, (str, PathLike)):
         return load(source)
+    if is_car(source):
+        raise HardpointError("this call is of a suspension; a Car holds those of its axles: car.front, car.rear")
     raise HardpointError(f"expected a Study or the path of a study file, found {type(source).__name__}")
 
 
-def solve(study: Study | str | PathLike[str], *, motion: str | None = None) -> Curves:
+@overload
+def solve(study: Study | str | PathLike[str], *, motion: str | None = None, threads: int | None = None) -> Curves: ...
+@overload
+def solve(study: Car, *, threads: int | None = None) -> Cases: ...
+def solve(
+    study: Study | Car | str | PathLike[str], *, motion: str | None = None, threads: int | None = None
+) -> Curves | Cases:
     """The curves of the study's design over its motion, of both wheels where it is of an axle; the numbers of
-    `hardpoint solve`, to the bit. `motion` names one of [motions]."""
-    return Curves(_hardpoint.solve(study_of(study)._study, motion))
+    `hardpoint solve`, to the bit. `motion` names one of [motions]. A `Car` gives its load cases. One design is solved on one
+    thread; `threads` is there as in other calls."""
+    if is_car(study):
+        if motion is not None:
+            raise HardpointError("a car has load cases and no motions; leave out motion")
+        return study.solve()
+    study = study_of(study)
+    return Curves(_hardpoint.solve(study._study, motion, threads), study, motion)
 
 
 @dataclass(frozen=True)
@@ -319,24 +348,43 @@ class Limits(Mapping[str, Extent | None]):
         return html_of("hardpoint.Limits", ["quantity", "limit", "cause", "build"], rows)
 
 
+@overload
 def limits(
     study: Study | str | PathLike[str],
     builds: int | None = None,
     *,
     threads: int | None = None,
     progress: Callable[[int, int], object] | None = None,
-) -> Limits:
+) -> Limits: ...
+@overload
+def limits(study: Car) -> Frame: ...
+def limits(
+    study: Study | Car | str | PathLike[str],
+    builds: int | None = None,
+    *,
+    threads: int | None = None,
+    progress: Callable[[int, int], object] | None = None,
+) -> Limits | Frame:
     """How far travel, rack and arm go, and why no further. With `builds` the nearest limits of the first builds of
-    [tolerance], each with the number of its build; `progress(done, all)` is called about twenty times a second."""
+    [tolerance], each with the number of its build; `progress(done, all)` is called about twenty times a second.
+
+    Of a `Car` a frame: the acceleration at which the first wheel lifts, and the end of equilibrium, by direction and case."""
+    if is_car(study):
+        if builds is not None:
+            raise HardpointError("limits of builds are those of a suspension; leave out builds")
+        return Frame(_hardpoint.parse_table(_hardpoint.car_limits(study._car)))
     study = study_of(study)
     if builds is None:
         return Limits(_hardpoint.limits(study._study))
     return Limits(*_hardpoint.limits_of_builds(study._study, builds, threads, progress))
 
 
-def check(study: Study | str | PathLike[str]) -> list[str]:
+def check(study: Study | Car | str | PathLike[str]) -> list[str]:
     """Solves the study as `hardpoint check` does; a line for each doubt and remark, and a line that begins with
-    "not solved" (of a named motion "motion NAME: not solved") for each stretch of the motion without a pose. A wrong study
-    was refused before."""
+    "not solved" (of a named motion "motion NAME: not solved") for each stretch of the motion without a pose. Of a `Car` the
+    position at rest is solved. A wrong study was refused before."""
+    if is_car(study):
+        remarks, failures = _hardpoint.car_check(study._car)
+        return [*remarks, *(f"not solved: {failure}" for failure in failures)]
     remarks, failures = _hardpoint.check(study_of(study)._study)
     return [*remarks, *failures]

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from os import PathLike
-from typing import Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +14,10 @@ from . import _hardpoint
 from ._frame import Frame
 from ._function import Designs, rows_of
 from ._hardpoint import STATUS, HardpointError
-from ._study import Study, study_of
+from ._study import Study, is_car, study_of
+
+if TYPE_CHECKING:
+    from ._car import Car
 
 Floats = NDArray[np.float64]
 _NOT_FINITE = STATUS.index("not_finite")
@@ -25,16 +29,69 @@ class Sweep(Frame):
     variables: tuple[str, ...]
     """Columns of the variables, which come first."""
 
-    def __init__(self, columns: dict[str, Floats], found: dict[str, Any]) -> None:
+    curves: Frame | None
+    """With curves = true in [sweep] every station of every design: the columns of `curves.csv`. None without it. Designs
+    that are not finite have no rows."""
+
+    def __init__(
+        self, columns: dict[str, Floats], found: dict[str, Any], study: Study | None = None, names: list[str] | None = None
+    ) -> None:
         super().__init__(columns, status=found["status"], reasons=found["reasons"])
         self.variables = tuple(list(self)[: found["variables"]])
+        self.curves = None if found["curves"] is None else _curves(found["curves"], found["status"])
+        self._study = study
+        self._names = names
+
+    def _source(self) -> tuple[Study, Floats | None]:
+        """The study, and the designs if they are not those of its [sweep]."""
+        if self._study is None:
+            raise HardpointError('the sweep of a car is written by hp.run(["sweep", "car.toml", "--report"])')
+        if self._names is None:
+            return self._study, None
+        x = np.column_stack([self[name] for name in self.variables])
+        if not np.isfinite(x).all():
+            raise HardpointError("the sweep has designs that are not finite; leave them out")
+        return self._study, np.ascontiguousarray(x)
+
+    def save(self, directory: str | PathLike[str]) -> Path:
+        """Solves the designs again and writes the files of `hardpoint sweep` into a directory; the directory."""
+        study, x = self._source()
+        _hardpoint.sweep_into(study._study, Path(directory), x, self._names)
+        return Path(directory)
+
+    def report(self, path: str | PathLike[str]) -> Path:
+        """Solves the designs again and writes one self-contained page to the file `path`, which is replaced; the path."""
+        study, x = self._source()
+        Path(path).write_text(_hardpoint.sweep_page(study._study, x, self._names), encoding="utf-8")
+        return Path(path)
 
     def __repr__(self) -> str:
         return f"<hardpoint.Sweep: {self.rows} designs, {len(self.failed)} failed; {len(self)} columns>"
 
 
+def _curves(csv: bytes, status: NDArray[np.uint8]) -> Frame:
+    """Curves of the designs that were solved."""
+    table = _hardpoint.parse_table(csv)
+    bad = np.flatnonzero(status == _NOT_FINITE)
+    kept = ~np.isin(table["design"], bad)
+    return Frame({name: np.asarray(values)[kept] for name, values in table.items()} if bad.size else table)
+
+
+@overload
 def sweep(
     study: Study | str | PathLike[str],
+    x: Designs | None = None,
+    *,
+    variables: Sequence[str] | None = None,
+    threads: int | None = None,
+    progress: Callable[[int, int], object] | None = None,
+) -> Sweep: ...
+@overload
+def sweep(
+    study: Car, *, threads: int | None = None, progress: Callable[[int, int], object] | None = None
+) -> Sweep: ...
+def sweep(
+    study: Study | Car | str | PathLike[str],
     x: Designs | None = None,
     *,
     variables: Sequence[str] | None = None,
@@ -45,14 +102,18 @@ def sweep(
 
     With `x` (n, k) the designs are its rows, and no [sweep] is needed. Its columns are `variables`, by default those of
     [sweep], else those of `study.variables`. A row with a number that is not finite has no values, and a status.
-    `progress(done, all)` is called about twenty times a second.
+    `progress(done, all)` is called about twenty times a second. The designs of a `Car` are those of its [sweep].
     """
+    if is_car(study):
+        if x is not None or variables is not None:
+            raise HardpointError("the designs of a car are those of its [sweep]; leave out x and variables")
+        return study.sweep(threads=threads, progress=progress)
     study = study_of(study)
     if x is None:
         if variables is not None:
             raise HardpointError("variables are the columns of x, and there is no x")
         found = _hardpoint.sweep(study._study, None, None, threads, progress)
-        return Sweep(found["columns"], found)
+        return Sweep(found["columns"], found, study)
     names = list(variables) if variables is not None else study.sweep_variables or study.variables
     rows, _ = rows_of(x, names, study.length_unit)
     good: NDArray[np.bool_] = np.asarray(np.isfinite(rows).all(axis=1))
@@ -65,6 +126,8 @@ def sweep(
     if not len(rows):
         columns = {name: values[:0] for name, values in columns.items()}
         found["status"], found["reasons"] = found["status"][:0], {}
+        if found["curves"] is not None:
+            found["curves"] = found["curves"].split(b"\n", 1)[0] + b"\n"
     bad = np.flatnonzero(~good)
     for place, values in enumerate(columns.values()):
         if place < len(names):
@@ -74,4 +137,4 @@ def sweep(
     found["status"][bad] = _NOT_FINITE
     for row in bad.tolist():
         found["reasons"][row] = "x has a number that is not finite"
-    return Sweep(columns, found)
+    return Sweep(columns, found, study, names)

@@ -4,17 +4,23 @@ from __future__ import annotations
 
 import html
 import json
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from os import PathLike
-from typing import Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 from numpy.typing import NDArray
 
 from . import _hardpoint
 from ._frame import Frame
-from ._study import Study, study_of
+from ._hardpoint import HardpointError
+from ._runs import Results
+from ._study import Study, is_car, study_of
+
+if TYPE_CHECKING:
+    from ._car import Car, CarTuning
 
 Floats = NDArray[np.float64]
 
@@ -61,6 +67,26 @@ class Tuning:
     `surrogate` of the search; None in other tunings."""
     study: Study | None
     """The tuned study, comments kept; None if there is none or if it is refused, which `message` says."""
+    _source: Study = field(repr=False)
+    _files: Mapping[str, bytes] = field(repr=False)
+    _front: str | None = field(repr=False)
+
+    def _results(self) -> Results:
+        tuned = None if self.study is None else self.study._study
+        files = {**self._files, **_hardpoint.tuning_files(self._source._study, tuned, self._front)}
+        if self.study is not None:
+            files["optimised.toml"] = self.study.text.encode()
+        return Results(files, self._source)
+
+    def save(self, directory: str | PathLike[str]) -> Path:
+        """Writes curves before and after, summary, history, front and the tuned study into a directory that is new or empty,
+        under the names of `hardpoint optimise`; the directory."""
+        return self._results().save(directory)
+
+    def report(self, path: str | PathLike[str], plots: str | PathLike[str] | None = None) -> Path:
+        """Writes one self-contained page to the file `path`, which is replaced, and pictures of the curves into the directory
+        `plots`; the path."""
+        return self._results().report(path, plots)
 
     def __repr__(self) -> str:
         return f"<hardpoint.Tuning: {'success' if self.success else 'NO SUCCESS'}: {self.message}>"
@@ -83,6 +109,7 @@ def _effect(record: dict[str, Any]) -> dict[str, Any]:
     return {**record, "at": at, "wheel": record["wheel"] or ""}
 
 
+@overload
 def optimise(
     study: Study | str | PathLike[str],
     *,
@@ -90,13 +117,27 @@ def optimise(
     prices: bool = False,
     threads: int | None = None,
     callback: Callable[[int, int, float], object] | None = None,
-) -> Tuning:
-    """Tunes the hardpoints as the study's [optimise] says; the numbers of `hardpoint optimise`.
+) -> Tuning: ...
+@overload
+def optimise(study: Car, *, threads: int | None = None) -> CarTuning: ...
+def optimise(
+    study: Study | Car | str | PathLike[str],
+    *,
+    front: Sequence[str] | bool | None = None,
+    prices: bool = False,
+    threads: int | None = None,
+    callback: Callable[[int, int, float], object] | None = None,
+) -> Tuning | CarTuning:
+    """Tunes the hardpoints as the study's [optimise] says, of a `Car` also rates; the numbers of `hardpoint optimise`.
 
     `front` names targets to be traded against each other, in place of those of the study; False makes no front. With
     `prices` the least misfit by size of the move is found, too. `callback(start, iteration, misfit)` is called on this
     thread; `StopIteration` or a true answer ends the tuning with what it has.
     """
+    if is_car(study):
+        if front is not None or prices or callback is not None:
+            raise HardpointError("a tuning of a car has no front, prices and callback; leave them out")
+        return study.optimise(threads=threads)
     study = study_of(study)
     if front is not None and not isinstance(front, bool):
         study = study.replace({"optimise.front": list(front)})
@@ -106,6 +147,8 @@ def optimise(
         {"margin" if key == "room" else key: value for key, value in record.items()} for record in summary["constraints"]
     ]
     misfit = summary["misfit_after"]
+    files = {"summary.json": found["summary"].encode(), "history.csv": found["history"]}
+    files |= {f"{name}.csv": found[name] for name in ("front", "side_effects") if found[name] is not None}
     return Tuning(
         x=found["x"],
         success=found["success"],
@@ -124,4 +167,7 @@ def optimise(
         scatter=summary["scatter"],
         expected_yield=found["expected_yield"],
         study=None if found["study"] is None else Study(found["study"]),
+        _source=study,
+        _files=files,
+        _front=found["front_record"],
     )

@@ -16,12 +16,12 @@ from __future__ import annotations
 
 import logging
 import os
-import tempfile
 from collections.abc import Callable
 from concurrent.futures import Executor, Future, as_completed
 from pathlib import Path
 
 from . import HardpointError, Study, _hardpoint
+from ._commands import said_here
 
 __all__ = ["parts", "sweep", "sweep_part"]
 
@@ -40,14 +40,14 @@ class Refused(HardpointError):
 def sweep_part(text: str, name: str, out: str, part: int, of: int) -> int:
     """Does a part (from 0) of so many into the directory `out`, on one thread; its number. One that is whole is
     passed over, one that another process is at is waited for."""
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / f"{name}.toml"
-        path.write_text(text, encoding="utf-8")
-        arguments = ["sweep", str(path), "--out", out, "--shard", f"{part + 1}/{of}", "--threads", "1"]
-        code, said = _hardpoint.command_captured(arguments)
-    if code != 0:
-        reason = said.strip().removeprefix("error: ").replace(str(path), f"{name}.toml") or f"exit code {code}"
-        raise (Refused if code == 2 else HardpointError)(f"part {part} of {of}: {reason}")
+    try:
+        is_whole = _hardpoint.sweep_into(_hardpoint.Study.loads(text, f"{name}.toml"), Path(out), part=(part, of), threads=1)
+    except HardpointError as error:
+        raise Refused(f"part {part} of {of}: {said_here(str(error))}") from None
+    except OSError as error:
+        raise HardpointError(f"part {part} of {of}: {said_here(str(error))}") from None
+    if not is_whole:
+        raise HardpointError(f"part {part} of {of}: it is not whole")
     return part
 
 

@@ -1,13 +1,14 @@
 //! Results of commands in memory: the files that the command writes, by name, and its summary.
 
+use crate::curves::in_motion;
 use crate::errors::failure;
 use crate::study::Study;
 use crate::threads::{interruptible, on_threads};
 use hardpoint::assembled;
 use hardpoint::compared;
 use hardpoint::report::{
-    Comparison, FinishedRun, OtherProgram, Picture, ToleranceSummary, car_page, comparison_page,
-    page, pictures as drawn_pictures, rejected, sweep_page,
+    Comparison, FinishedRun, OtherProgram, Picture, Record, Run, ToleranceSummary, car_page,
+    comparison_page, page, pictures as drawn_pictures, rejected, set_up_page, sweep_page,
 };
 use hardpoint::results::RunDirectory;
 use hardpoint::rig::RigTests;
@@ -19,6 +20,7 @@ use hardpoint::sweep::SweepPlan;
 use hardpoint::tolerance::{Expansion, Forecast, Problem, monte_carlo};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
+use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -49,6 +51,67 @@ impl Answer {
         result.set_item("summary.json", PyBytes::new(py, self.summary.as_bytes()))?;
         Ok(result)
     }
+}
+
+/// A record as its file.
+pub(crate) fn as_json(record: &Record) -> Vec<u8> {
+    let text = serde_json::to_string(record).expect("records are plain data");
+    (text + "\n").into_bytes()
+}
+
+/// The files of a solve, over the study's motion or one of `[motions]`.
+#[pyfunction]
+#[pyo3(signature = (study, motion=None))]
+pub(crate) fn solve_files<'py>(
+    py: Python<'py>,
+    study: &Study,
+    motion: Option<&str>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let own = study.whole();
+    let moved = motion.map(|name| in_motion(own, name)).transpose()?;
+    let own = moved.as_ref().unwrap_or(own);
+    let answer = on_threads(py, Some(1), |_| -> Result<Answer, String> {
+        let solved = Solved::of(own)?;
+        let record = Solved::record("solve", &[("design", "curves.csv", &solved)])?;
+        let mut files = vec![("curves.csv", solved.csv())];
+        files.extend(
+            solved
+                .sensitivities_csv()
+                .map(|csv| ("sensitivities.csv", csv)),
+        );
+        files.push(("report.json", as_json(&record)));
+        Ok(Answer::of(files, &solved.summary()?))
+    })?;
+    answer.map_err(failure)?.into_dict(py)
+}
+
+/// The page of files in memory, and the pictures of their curves by name where they are asked for.
+#[pyfunction]
+#[pyo3(signature = (files, pictures=false))]
+pub(crate) fn page_of_files<'py>(
+    py: Python<'py>,
+    files: BTreeMap<String, Vec<u8>>,
+    pictures: bool,
+) -> PyResult<(String, Bound<'py, PyDict>)> {
+    let made = on_threads(py, Some(1), |_| {
+        let run = Run::of_files(&files).map_err(|e| e.to_string())?;
+        let drawn = match pictures {
+            true => drawn_pictures(&run),
+            false => Vec::new(),
+        };
+        Ok::<_, String>((page(&run), drawn))
+    })?;
+    let (html, drawn) = made.map_err(failure)?;
+    Ok((html, by_name(py, &drawn)?))
+}
+
+/// Pictures by name.
+fn by_name<'py>(py: Python<'py>, pictures: &[Picture]) -> PyResult<Bound<'py, PyDict>> {
+    let result = PyDict::new(py);
+    for picture in pictures {
+        result.set_item(&picture.name, PyBytes::new(py, &picture.contents))?;
+    }
+    Ok(result)
 }
 
 /// Refuses a study with elastic parts where they would be left out.
@@ -103,6 +166,7 @@ pub(crate) fn setup<'py>(py: Python<'py>, study: &Study) -> PyResult<Bound<'py, 
         if found.adjusted.motion().drive != Drive::PaperTheta {
             files.insert(0, ("curves.csv", Solved::of(&found.adjusted)?.csv()));
         }
+        files.push(("report.html", set_up_page(&found.wheels).into_bytes()));
         Ok(Answer::of(files, &found.record()))
     })?;
     answer.map_err(failure)?.into_dict(py)
@@ -177,8 +241,7 @@ fn scattered(
         }
         Solved::record("tolerance", designs)
     })??;
-    let record = serde_json::to_string(&record).expect("records are plain data");
-    files.push(("report.json", (record + "\n").into_bytes()));
+    files.push(("report.json", as_json(&record)));
     Ok(Answer::of(files, &summary))
 }
 
@@ -302,9 +365,5 @@ pub(crate) fn report<'py>(
         written.map_err(|e| e.to_string())?;
         Ok(drawn)
     })?;
-    let result = PyDict::new(py);
-    for picture in made.map_err(failure)? {
-        result.set_item(&picture.name, PyBytes::new(py, &picture.contents))?;
-    }
-    Ok(result)
+    by_name(py, &made.map_err(failure)?)
 }

@@ -2,25 +2,30 @@
 
 use crate::curves::{Columns, mostly_nan};
 use crate::errors::{failure, study_error};
+use crate::study::Study;
 use crate::sweep::collect;
 use crate::threads::{interruptible, on_threads};
 use hardpoint::car::{CarFault, CarRequest, CarSolver, CarVariable};
 use hardpoint::optimise::Control;
-use hardpoint::report::{CarResults, CarState, optimised_car};
+use hardpoint::report::{
+    CarComparison, CarResults, CarState, CarToleranceSummary, car_limits as limits_of,
+    lift_limits_table, optimised_car,
+};
+use hardpoint::scatter;
 use hardpoint::study::{CarStudy, TunedCar};
 use hardpoint::sweep::{CarNotBegun, CarSweepPlan, Swept};
+use hardpoint::tolerance::CarProblem;
 use numpy::IntoPyArray;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyBytes, PyDict};
+use std::ops::ControlFlow;
 use std::path::PathBuf;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
-/// The study of a car: frozen, pickled as its path.
+/// The study of a car: frozen, pickled as its text and those of both axles.
 #[pyclass(frozen, module = "hardpoint._hardpoint")]
 pub(crate) struct Car {
     study: CarStudy,
-    path: PathBuf,
-    overrides: Vec<String>,
 }
 
 impl Car {
@@ -52,11 +57,29 @@ impl Car {
     fn load(py: Python<'_>, path: PathBuf, overrides: Vec<String>) -> PyResult<Self> {
         let study = py.detach(|| CarStudy::read(&path, &overrides));
         let study = study.map_err(|errors| study_error(&errors))?;
-        Ok(Car {
-            study,
-            path,
-            overrides,
-        })
+        Ok(Car { study })
+    }
+
+    /// From its text and the studies of both axles, whatever files the text names.
+    #[staticmethod]
+    fn of(py: Python<'_>, name: &str, text: &str, front: &Study, rear: &Study) -> PyResult<Self> {
+        let axles = [front, rear].map(|axle| axle.whole().clone());
+        let study = py.detach(|| CarStudy::of_axles(name, text, axles));
+        let study = study.map_err(|errors| study_error(&errors))?;
+        Ok(Car { study })
+    }
+
+    /// Text of the study, with overrides applied.
+    #[getter]
+    fn text(&self) -> &str {
+        &self.study.text
+    }
+
+    /// The studies of the front and the rear axle.
+    #[getter]
+    fn axles(&self) -> PyResult<(Study, Study)> {
+        let [front, rear] = self.study.axles.clone();
+        Ok((Study::of(Ok(front))?, Study::of(Ok(rear))?))
     }
 
     #[getter]
@@ -104,9 +127,11 @@ impl Car {
         format!("<hardpoint.Car {:?}: {cases} cases>", self.study.name)
     }
 
-    fn __reduce__(&self, py: Python<'_>) -> PyResult<(Py<PyAny>, (PathBuf, Vec<String>))> {
-        let load = py.get_type::<Car>().getattr("load")?.unbind();
-        Ok((load, (self.path.clone(), self.overrides.clone())))
+    fn __reduce__(&self, py: Python<'_>) -> PyResult<(Py<PyAny>, (String, String, Study, Study))> {
+        let of = py.get_type::<Car>().getattr("of")?.unbind();
+        let (front, rear) = self.axles()?;
+        let (name, text) = (self.study.name.clone(), self.study.text.clone());
+        Ok((of, (name, text, front, rear)))
     }
 }
 
@@ -191,7 +216,7 @@ pub(crate) fn car_sweep<'py>(
         CarNotBegun::Fault(fault) => car.fault(&fault),
         CarNotBegun::TwoColumns(name) => failure(format!("two columns would be named {name}")),
     })?;
-    collect(py, Swept::Car(&plan), threads, progress)
+    collect(py, Swept::Car(&plan), None, threads, progress)
 }
 
 /// Tunes a car towards its targets.
@@ -233,5 +258,111 @@ pub(crate) fn car_optimise<'py>(
     result.set_item("misfit", tuned.misfit())?;
     result.set_item("targets", targets)?;
     result.set_item("studies", texts.to_vec())?;
+    Ok(result)
+}
+
+/// Doubts about a car's static position, a line each, and cases without equilibrium.
+#[pyfunction]
+pub(crate) fn car_check(py: Python<'_>, car: &Car) -> PyResult<(Vec<String>, Vec<String>)> {
+    let study = &car.study;
+    let checked = on_threads(py, Some(1), |_| {
+        let mut solver = CarSolver::new(&study.car)?;
+        let results = CarResults::solve(study, &mut solver, 1);
+        Ok((results.warnings(), results.failures()))
+    })?;
+    checked.map_err(|fault| car.fault(&fault))
+}
+
+/// Lift limits and ends of equilibrium, as a CSV.
+#[pyfunction]
+pub(crate) fn car_limits<'py>(py: Python<'py>, car: &Car) -> PyResult<Bound<'py, PyBytes>> {
+    let study = &car.study;
+    let found = on_threads(py, Some(1), |_| {
+        let mut solver = CarSolver::new(&study.car)?;
+        Ok(lift_limits_table(&limits_of(study, &mut solver)))
+    })?;
+    let table = found.map_err(|fault| car.fault(&fault))?;
+    Ok(PyBytes::new(py, table.csv(None).as_bytes()))
+}
+
+/// Results of cars side by side: files by name.
+#[pyfunction]
+pub(crate) fn car_compare<'py>(
+    py: Python<'py>,
+    cars: Vec<(String, Py<Car>)>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let made = on_threads(py, Some(1), |_| -> Result<_, String> {
+        let mut all = Vec::new();
+        for (label, car) in &cars {
+            let study = &car.get().study;
+            let described = |fault| format!("{label}: {}", study.car.describe_fault(&fault));
+            let mut solver = CarSolver::new(&study.car).map_err(described)?;
+            let results = CarResults::solve(study, &mut solver, study.cases.len());
+            all.push((label.clone(), results));
+        }
+        let comparison = CarComparison::of(&all)?;
+        let changes = comparison.changes_table().csv(None).into_bytes();
+        Ok([
+            ("comparison.csv", comparison.csv()),
+            ("changes.csv", changes),
+        ])
+    })?;
+    let result = PyDict::new(py);
+    for (name, bytes) in made.map_err(failure)? {
+        result.set_item(name, PyBytes::new(py, &bytes))?;
+    }
+    Ok(result)
+}
+
+/// The effect of the scatter of a car's parts: files by name. `progress(done, all)` is called on this thread.
+#[pyfunction]
+#[pyo3(signature = (car, threads=None, progress=None))]
+pub(crate) fn car_tolerance<'py>(
+    py: Python<'py>,
+    car: &Car,
+    threads: Option<usize>,
+    progress: Option<Bound<'py, PyAny>>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let study = &car.study;
+    let tolerance = study.tolerance.as_ref().ok_or_else(|| {
+        failure("the study has no [tolerance] section, which gives the scatter of parts")
+    })?;
+    let done = AtomicU64::new(0);
+    let refused = |(axle, why): (usize, _)| {
+        let reason = scatter::refusal(&study.axles[axle], why);
+        format!("{} axle: {reason}", ["front", "rear"][axle])
+    };
+    let work = |flag: &AtomicBool| -> Result<_, String> {
+        let problem = CarProblem::of(study, tolerance).map_err(refused)?;
+        let nominal = problem.nominal();
+        let nominal = nominal.map_err(|fault| study.car.describe_fault(&fault))?;
+        let expansion = problem.expansion().map_err(refused)?;
+        let builds = problem.monte_carlo(&nominal, |count| {
+            done.store(count, Ordering::Relaxed);
+            match flag.load(Ordering::Relaxed) {
+                true => ControlFlow::Break(()),
+                false => ControlFlow::Continue(()),
+            }
+        });
+        let summary = CarToleranceSummary::of(&problem, &nominal, &expansion, &builds);
+        let json = serde_json::to_vec_pretty(&summary).expect("summaries are plain data");
+        Ok([
+            ("tolerance.csv", summary.csv()),
+            ("contributors.csv", summary.contributors_csv()),
+            ("summary.json", json),
+        ])
+    };
+    let listen = |_: Python<'_>, _: &AtomicBool| match &progress {
+        None => Ok(()),
+        Some(progress) => {
+            let done = done.load(Ordering::Relaxed);
+            progress.call1((done, tolerance.builds)).map(drop)
+        }
+    };
+    let files = interruptible(py, threads, work, listen)?.map_err(failure)?;
+    let result = PyDict::new(py);
+    for (name, bytes) in files {
+        result.set_item(name, PyBytes::new(py, &bytes))?;
+    }
     Ok(result)
 }

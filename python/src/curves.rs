@@ -73,36 +73,43 @@ pub(crate) fn reason(word: &str) -> Option<String> {
 /// The curves of the study's motion, or of one in `[motions]`: columns, stations, statuses and, where the study asks for
 /// them, sensitivities.
 #[pyfunction]
-#[pyo3(signature = (study, motion=None))]
+#[pyo3(signature = (study, motion=None, threads=None))]
 pub(crate) fn solve<'py>(
     py: Python<'py>,
     study: &Study,
     motion: Option<&str>,
+    threads: Option<usize>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let own = &study.study;
-    let Some(name) = motion else {
-        return of_own_motion(py, study, own);
-    };
-    let known = own.motion_names();
-    let moved = own.in_motion(name).ok_or_else(|| {
+    match motion {
+        None => of_own_motion(py, study, &study.study, threads),
+        Some(name) => of_own_motion(py, study, &in_motion(&study.study, name)?, threads),
+    }
+}
+
+/// The study over one of its `[motions]`.
+pub(crate) fn in_motion(
+    own: &hardpoint::study::Study,
+    name: &str,
+) -> PyResult<hardpoint::study::Study> {
+    own.in_motion(name).ok_or_else(|| {
+        let known = own.motion_names();
+        let known = match known.is_empty() {
+            true => "none".to_owned(),
+            false => known.join(", "),
+        };
         failure(format!(
-            "there is no motion {name:?}; [motions] has {}",
-            if known.is_empty() {
-                "none".to_owned()
-            } else {
-                known.join(", ")
-            }
+            "there is no motion {name:?}; [motions] has {known}"
         ))
-    })?;
-    of_own_motion(py, study, &moved)
+    })
 }
 
 fn of_own_motion<'py>(
     py: Python<'py>,
     study: &Study,
     own: &hardpoint::study::Study,
+    threads: Option<usize>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let found = on_threads(py, Some(1), |_| own.curves())?;
+    let found = on_threads(py, threads, |_| own.curves())?;
     let found = found.map_err(|error| failure(error.to_string()))?;
     let stations = &found.stations;
     let columns = Columns::new(py);

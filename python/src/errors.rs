@@ -1,5 +1,6 @@
 //! Exceptions.
 
+use hardpoint::cli::NotDone;
 use hardpoint::study::StudyErrors;
 use pyo3::exceptions::{PyException, PyMemoryError};
 use pyo3::prelude::*;
@@ -45,4 +46,13 @@ pub(crate) fn too_large(shape: &[usize]) -> PyErr {
     PyMemoryError::new_err(format!(
         "a result of shape {shape:?} does not fit into memory"
     ))
+}
+
+/// An exception for a command of the program that has no result. Options of the command line are parameters here.
+pub(crate) fn not_done(reason: NotDone) -> PyErr {
+    match reason {
+        NotDone::WrongStudy(errors) => study_error(&errors),
+        NotDone::WrongInput(text) | NotDone::Incomplete(text) => failure(text),
+        NotDone::Interrupted => failure("interrupted"),
+    }
 }

@@ -1,14 +1,17 @@
 //! Studies, and requests about one design.
 
-use crate::errors::{failure, study_error};
+use crate::errors::{failure, not_done, study_error};
 use crate::threads::on_threads;
 use hardpoint::Topology;
+use hardpoint::axle::{AxleQuantity, WheelQuantity};
+use hardpoint::characteristics::Characteristic;
 use hardpoint::mechanism::GeometryFault;
 use hardpoint::number::Vector3;
 use hardpoint::solved::Solved;
 use hardpoint::study::{Designs, StudyErrors};
 use numpy::{IntoPyArray, PyArray2, PyArrayMethods, PyReadonlyArray2};
 use pyo3::prelude::*;
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::OnceLock;
 
@@ -282,4 +285,45 @@ pub(crate) fn command_captured(py: Python<'_>, arguments: Vec<String>) -> PyResu
         .into_iter()
         .chain(arguments);
     crate::threads::command(py, || hardpoint::cli::run_captured(arguments))
+}
+
+/// Exports a study with the arguments of the program; its remarks. Files that the study names are not needed.
+#[pyfunction]
+pub(crate) fn export_study(
+    py: Python<'_>,
+    study: &Study,
+    arguments: Vec<String>,
+) -> PyResult<String> {
+    let own = study.whole();
+    let done = crate::threads::command(py, || hardpoint::cli::export_study(own, &arguments))?;
+    done.map_err(not_done)
+}
+
+/// Imports points with the arguments of the program: from the file that they name, or from a map in JSON. Returns the text
+/// of the study, and the summary.
+#[pyfunction]
+#[pyo3(signature = (arguments, points=None, names=BTreeMap::new()))]
+pub(crate) fn import_study(
+    py: Python<'_>,
+    arguments: Vec<String>,
+    points: Option<String>,
+    names: BTreeMap<String, String>,
+) -> PyResult<(String, String)> {
+    let points = points.as_deref();
+    let done = crate::threads::command(py, move || {
+        hardpoint::cli::import_study(&arguments, points, names)
+    })?;
+    done.map_err(not_done)
+}
+
+/// Formula and source of every quantity of the catalogues, by its name without unit.
+#[pyfunction]
+pub(crate) fn catalogue() -> BTreeMap<&'static str, (&'static str, &'static str)> {
+    let wheel = Characteristic::ALL.iter().map(|c| c.info());
+    let of_wheels = WheelQuantity::ALL.iter().map(|q| q.info());
+    let axle = AxleQuantity::ALL.iter().map(|q| q.info());
+    // A name that a wheel and an axle have means the axle's last.
+    let all = wheel.chain(of_wheels).chain(axle);
+    all.map(|info| (info.name, (info.formula, info.source)))
+        .collect()
 }

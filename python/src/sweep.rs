@@ -1,21 +1,25 @@
 //! Sweeps into arrays.
 
-use crate::errors::{failure, too_large};
+use crate::errors::{failure, not_done, study_error, too_large};
 use crate::function::{named, rows};
 use crate::status;
 use crate::study::Study;
-use crate::threads::{interruptible, on_threads};
+use crate::threads::{command, interruptible, on_threads};
 use hardpoint::Rows;
+use hardpoint::cli::NotDone;
+use hardpoint::mechanism::DesignFault;
+use hardpoint::report::{DrawnDesigns, SweepRun, SweepText, sweep_page as page_of};
 use hardpoint::study::{DesignTable, Designs, FileFormat, StudyErrors, Sweep};
-use hardpoint::sweep::{NotBegun, SweepPlan, SweepRecord, Swept};
+use hardpoint::sweep::{NotBegun, SweepPlan, SweepRecord, Swept, SweptWorker, in_order};
 use numpy::{IntoPyArray, PyArray1, PyReadonlyArray2};
+use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
-use std::ops::ControlFlow;
+use pyo3::types::{PyBytes, PyDict};
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 pub(crate) fn not_begun(study: &Study, error: NotBegun) -> PyErr {
-    let of_file = |errors: StudyErrors| crate::errors::study_error(&errors);
+    let of_file = |errors: StudyErrors| study_error(&errors);
     match error {
         NotBegun::Designs(errors) => of_file(errors),
         NotBegun::Fault(fault) => study.fault(&fault),
@@ -52,7 +56,7 @@ fn given(
     let table = DesignTable::of(swept.collect::<PyResult<_>>()?, values.to_vec());
     Ok(Sweep {
         designs: Designs::Given(table.map_err(|reason| failure(format!("x: {reason}")))?),
-        curves: false,
+        curves: own.sweep.as_ref().is_some_and(|sweep| sweep.curves),
         format: FileFormat::Csv,
     })
 }
@@ -124,13 +128,86 @@ pub(crate) fn sweep<'py>(
     };
     let plan = on_threads(py, Some(1), |_| SweepPlan::of(own, sweep))?;
     let plan = plan.map_err(|e| not_begun(study, e))?;
-    collect(py, Swept::Suspension(&plan), threads, progress)
+    let text = plan.record.curves.then(|| SweepText::of(&plan, own, true));
+    collect(
+        py,
+        Swept::Suspension(&plan),
+        text.as_ref(),
+        threads,
+        progress,
+    )
+}
+
+/// The page of a sweep, of the study's own designs or of those in the rows of `x`. It solves the designs again.
+#[pyfunction]
+#[pyo3(signature = (study, x=None, variables=None))]
+pub(crate) fn sweep_page(
+    py: Python<'_>,
+    study: &Study,
+    x: Option<PyReadonlyArray2<'_, f64>>,
+    variables: Option<Vec<String>>,
+) -> PyResult<String> {
+    let own = study.whole();
+    let given = x.map(|x| given(study, &x, variables)).transpose()?;
+    let sweep = match &given {
+        Some(sweep) => sweep,
+        None => own_sweep(study)?,
+    };
+    let made = on_threads(py, None, |flag| -> Result<_, NotBegun> {
+        let plan = SweepPlan::of(own, sweep)?;
+        let go_on = || !flag.load(Ordering::Relaxed);
+        let run = SweepRun::of(&plan, go_on, |summary| -> Result<_, DesignFault> {
+            // Of an axle the page shows no drawing.
+            let wheel = own.vehicle.one_wheel();
+            let drawn = wheel.map(|wheel| DrawnDesigns::of(own, wheel, &plan, summary));
+            drawn.transpose()
+        });
+        let run = run.map_err(NotBegun::Fault)?;
+        Ok(run.map_or_else(String::new, |run| page_of(&run)))
+    })?;
+    made.map_err(|e| not_begun(study, e))
+}
+
+/// Writes the sweep of a study into a directory as `hardpoint sweep` does, of its own designs or of those in the rows of
+/// `x`; or one part of it, by its number from 0 and the number of parts. Returns true if every part asked for is whole.
+#[pyfunction]
+#[pyo3(signature = (study, directory, x=None, variables=None, part=None, threads=None))]
+pub(crate) fn sweep_into(
+    py: Python<'_>,
+    study: &Study,
+    directory: PathBuf,
+    x: Option<PyReadonlyArray2<'_, f64>>,
+    variables: Option<Vec<String>>,
+    part: Option<(u64, u64)>,
+    threads: Option<usize>,
+) -> PyResult<bool> {
+    let given = x.map(|x| given(study, &x, variables)).transpose()?;
+    let mut own = study.whole().clone();
+    if let Some(given) = given {
+        own.sweep = Some(given);
+    }
+    let out = directory.to_string_lossy().into_owned();
+    let mut arguments = vec![
+        "sweep".to_owned(),
+        study.file_name(),
+        format!("--out={out}"),
+    ];
+    if let Some((part, parts)) = part {
+        arguments.push(format!("--shard={}/{parts}", part + 1));
+    }
+    arguments.extend(threads.map(|threads| format!("--threads={threads}")));
+    let done = command(py, || hardpoint::cli::sweep_study(&own, &arguments))?;
+    done.map_err(|reason| match reason {
+        NotDone::Incomplete(text) => PyOSError::new_err(text),
+        other => not_done(other),
+    })
 }
 
 /// The rows of a sweep: columns, number of variables, status and reasons.
 pub(crate) fn collect<'py>(
     py: Python<'py>,
     swept: Swept<'_>,
+    text: Option<&SweepText>,
     threads: Option<usize>,
     progress: Option<Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
@@ -144,13 +221,24 @@ pub(crate) fn collect<'py>(
             progress.call1((done, record.designs)).map(drop)
         }
     };
+    let header = text.and_then(SweepText::curves_header);
+    let mut curves = header.map(<[u8]>::to_vec);
     let work = |flag: &AtomicBool| {
-        let go_on = || !flag.load(Ordering::Relaxed);
-        swept.run(0..record.blocks(), go_on, |rows| {
-            table.append(rows, record.variables.len());
-            done.fetch_add(rows.designs() as u64, Ordering::Relaxed);
-            ControlFlow::Continue(())
-        });
+        let solved = |worker: &mut _, block| solve_block(worker, block, text);
+        // Nothing that takes the rows fails.
+        let _: Result<(), ()> = in_order(
+            0..record.blocks(),
+            || swept.worker(),
+            |worker, block| (!flag.load(Ordering::Relaxed)).then(|| solved(worker, block)),
+            |(rows, of_curves): (Rows, Vec<u8>)| {
+                table.append(&rows, record.variables.len());
+                if let Some(curves) = &mut curves {
+                    curves.extend(of_curves);
+                }
+                done.fetch_add(rows.designs() as u64, Ordering::Relaxed);
+                Ok(())
+            },
+        );
     };
     interruptible(py, threads, work, listen)?;
     let columns = PyDict::new(py);
@@ -167,7 +255,20 @@ pub(crate) fn collect<'py>(
         reasons.set_item(design, reason)?;
     }
     result.set_item("reasons", reasons)?;
+    let curves = curves.map(|curves| PyBytes::new(py, &curves));
+    result.set_item("curves", curves)?;
     Ok(result)
+}
+
+/// The rows of a block, and its curves where they are asked for.
+fn solve_block(
+    worker: &mut SweptWorker<'_>,
+    block: u64,
+    text: Option<&SweepText>,
+) -> (Rows, Vec<u8>) {
+    let rows = worker.rows(block).clone();
+    let curves = text.map_or_else(Vec::new, |text| text.curves(worker, rows.first));
+    (rows, curves)
 }
 
 /// The number of parts of a study's sweep, each 131,072 designs or a little fewer.

@@ -4,6 +4,7 @@
 //! would wait forever.
 
 use crate::errors::failure;
+use hardpoint::threads::stoppable;
 use pyo3::prelude::*;
 use rayon::ThreadPool;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -62,12 +63,15 @@ pub(crate) fn interruptible<T: Send>(
 ) -> PyResult<T> {
     let pool = pool(threads)?;
     let flag = AtomicBool::new(false);
+    // Raised by an exception alone: a callback that ends a tuning keeps what it has.
+    let stop = Arc::new(AtomicBool::new(false));
     let (sender, mut ended) = channel();
     let mut found = None;
     let heard = pool.in_place_scope(|scope| {
-        let (flag, found) = (&flag, &mut found);
+        let (flag, stop, found) = (&flag, &stop, &mut found);
         scope.spawn(move |_| {
-            *found = Some(catch_unwind(AssertUnwindSafe(|| work(flag))));
+            let work = || stoppable(stop, || work(flag));
+            *found = Some(catch_unwind(AssertUnwindSafe(work)));
             // The receiver waits for this or for the end of the sender.
             let _ = sender.send(());
         });
@@ -79,6 +83,7 @@ pub(crate) fn interruptible<T: Send>(
                 heard = py.check_signals().and_then(|()| listen(py, flag));
                 if heard.is_err() {
                     flag.store(true, Ordering::Relaxed);
+                    stop.store(true, Ordering::Relaxed);
                 }
             }
             if waited != Err(RecvTimeoutError::Timeout) {
@@ -88,7 +93,8 @@ pub(crate) fn interruptible<T: Send>(
     });
     heard?;
     match found {
-        Some(Ok(found)) => Ok(found),
+        Some(Ok(Some(found))) => Ok(found),
+        Some(Ok(None)) => Err(failure("interrupted")),
         _ => Err(failure(
             "internal error: a thread panicked; standard error says where. Please report it with the study",
         )),

@@ -1,6 +1,8 @@
 //! Tuning.
 
+use crate::answers::as_json;
 use crate::errors::failure;
+use crate::function::named;
 use crate::study::Study;
 use crate::threads::{interruptible, on_threads};
 use hardpoint::mechanism::DesignFault;
@@ -9,7 +11,9 @@ use hardpoint::optimise::{
     Control, Infeasible, Iteration, Linearisation, TargetLayout, Tuning, assessed_at, evaluated,
     front, price_list, tune,
 };
-use hardpoint::report::{PriceRecord, TuningSummary, front_csv, history_csv};
+use hardpoint::report::{
+    FrontRecord, PriceRecord, Record, TuningSummary, front_csv, history_csv, side_effects_table,
+};
 use hardpoint::side_effects::side_effects;
 use hardpoint::solved::Solved;
 use hardpoint::study::{Optimise, Variable};
@@ -37,6 +41,8 @@ struct Tuned {
     tuning: Tuning,
     summary: TuningSummary,
     front: Option<Vec<u8>>,
+    /// The front as the record of a run has it, in JSON.
+    front_record: Option<String>,
     /// True if every curve of the tuned design was found, and a front if one was requested.
     is_complete: bool,
     is_interrupted: bool,
@@ -74,6 +80,10 @@ fn tune_study(
     let has_front = front.as_ref().is_none_or(|front| !front.choices.is_empty());
     Ok(Tuned {
         is_complete: after.as_ref().is_some_and(Solved::is_complete) && has_front,
+        front_record: front.as_ref().map(|front| {
+            let record = FrontRecord::of(own, optimise, front, Solved::table);
+            serde_json::to_string(&record).expect("records are plain data")
+        }),
         front: front.map(|front| front_csv(own, optimise, &front)),
         summary,
         tuning,
@@ -178,6 +188,13 @@ pub(crate) fn optimise<'py>(
         Some(Err(reason)) => return Err(failure(format!("the yield is not raised: {reason}"))),
     };
     result.set_item("expected_yield", expected)?;
+    result.set_item("front_record", &found.front_record)?;
+    let effects = &summary.side_effects;
+    let effects = (!effects.is_empty()).then(|| side_effects_table(effects).csv(None));
+    result.set_item(
+        "side_effects",
+        effects.map(|csv| PyBytes::new(py, csv.as_bytes())),
+    )?;
     let history = history_csv(&tuning.starts);
     result.set_item("history", PyBytes::new(py, &history))?;
     result.set_item(
@@ -187,32 +204,98 @@ pub(crate) fn optimise<'py>(
     Ok(result)
 }
 
-/// The targets of a study as least squares.
+/// The files with the curves of a tuning, before and after, and its record. `front` is the record of the front.
+#[pyfunction]
+#[pyo3(signature = (study, tuned=None, front=None))]
+pub(crate) fn tuning_files<'py>(
+    py: Python<'py>,
+    study: &Study,
+    tuned: Option<&Study>,
+    front: Option<&str>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let (own, tuned) = (study.whole(), tuned.map(Study::whole));
+    let files = on_threads(py, Some(1), |_| -> Result<_, String> {
+        let before = Solved::with_targets(own)?;
+        let after = tuned.map(Solved::with_targets).transpose()?;
+        let mut designs = vec![("before", "curves_before.csv", &before)];
+        designs.extend(after.as_ref().map(|after| ("after", "curves.csv", after)));
+        let record = Solved::record("optimise", &designs)?;
+        let front = front.map(serde_json::from_str::<FrontRecord>).transpose();
+        let front = front.map_err(|e| e.to_string())?;
+        let mut files: Vec<(&str, Vec<u8>)> = designs
+            .iter()
+            .map(|(_, file, solved)| (*file, solved.csv()))
+            .collect();
+        let sensitivities = after.as_ref().and_then(Solved::sensitivities_csv);
+        files.extend(sensitivities.map(|csv| ("sensitivities.csv", csv)));
+        files.push(("report.json", as_json(&Record { front, ..record })));
+        Ok(files)
+    })?;
+    let result = PyDict::new(py);
+    for (name, bytes) in files.map_err(failure)? {
+        result.set_item(name, PyBytes::new(py, &bytes))?;
+    }
+    Ok(result)
+}
+
+/// The targets and constraints of a study as functions of variables.
 #[pyclass(frozen, module = "hardpoint._hardpoint")]
 pub(crate) struct Residuals {
     study: Py<Study>,
     layout: TargetLayout,
+    names: Vec<String>,
+    /// What the variables move, as offsets.
+    variables: Vec<Variable>,
+    /// The value of each variable at the design.
+    at_design: Vec<f64>,
 }
 
 #[pymethods]
 impl Residuals {
+    /// Of the variables of `[optimise]`, or of those of these names.
     #[new]
-    fn new(py: Python<'_>, study: Py<Study>) -> PyResult<Self> {
+    #[pyo3(signature = (study, variables=None))]
+    fn new(py: Python<'_>, study: Py<Study>, variables: Option<Vec<String>>) -> PyResult<Self> {
         let (own, optimise) = tuned(study.get())?;
+        let (mut names, mut moved, mut at_design) = (Vec::new(), Vec::new(), Vec::new());
+        match variables {
+            None => {
+                names.extend(optimise.variables.iter().map(Variable::label));
+                moved.clone_from(&optimise.variables);
+                at_design.resize(moved.len(), 0.0);
+            }
+            Some(asked) => {
+                for variable in named(own, Some(asked))? {
+                    let (offset, at) = variable.as_offset(own.wheel()).ok_or_else(|| {
+                        let name = &variable.name;
+                        failure(format!(
+                            "{name} is a coordinate of several points, which the constraints do not take; give offsets"
+                        ))
+                    })?;
+                    names.push(variable.name);
+                    moved.push(offset);
+                    at_design.push(at);
+                }
+            }
+        }
         let layout = py.detach(|| TargetLayout::of(optimise, &own.vehicle));
-        Ok(Residuals { study, layout })
+        Ok(Residuals {
+            study,
+            layout,
+            names,
+            variables: moved,
+            at_design,
+        })
     }
 
     #[getter]
-    fn variables(&self) -> PyResult<Vec<String>> {
-        let (_, optimise) = tuned(self.study.get())?;
-        Ok(optimise.variables.iter().map(Variable::label).collect())
+    fn variables(&self) -> Vec<String> {
+        self.names.clone()
     }
 
     #[getter]
     fn bounds<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let (_, optimise) = tuned(self.study.get())?;
-        let flat: Vec<f64> = optimise.variables.iter().flat_map(|v| v.range).collect();
+        let flat: Vec<f64> = self.variables.iter().flat_map(|v| v.range).collect();
         let count = flat.len() / 2;
         flat.into_pyarray(py).reshape([count, 2])
     }
@@ -279,11 +362,16 @@ impl Residuals {
         x: &PyReadonlyArray1<'_, f64>,
         evaluate: fn(&Suspension, &[Variable], &TargetLayout, &[f64]) -> Result<T, DesignFault>,
     ) -> PyResult<T> {
-        let (own, optimise) = tuned(self.study.get())?;
+        let (own, _) = tuned(self.study.get())?;
         let x = x.as_slice().map_err(|_| failure("x is not contiguous"))?;
+        let x: Vec<f64> = x
+            .iter()
+            .zip(&self.at_design)
+            .map(|(x, at)| x - at)
+            .collect();
         let wheel = own.wheel();
         let found = on_threads(py, Some(1), |_| {
-            evaluate(wheel, &optimise.variables, &self.layout, x)
+            evaluate(wheel, &self.variables, &self.layout, &x)
         })?;
         found.map_err(|fault| failure(fault.describe(&wheel.mechanism)))
     }

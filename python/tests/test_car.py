@@ -118,3 +118,38 @@ def test_cars_are_pickled_with_their_overrides():
     again = pickle.loads(pickle.dumps(car))
     np.testing.assert_array_equal(again.solve()["roll_deg"], car.solve()["roll_deg"])
     assert repr(car) == "<hardpoint.Car 'car': 5 cases>"
+
+
+def test_a_car_is_taken_by_the_functions_of_studies(tmp_path):
+    path = short(tmp_path, '[tolerance]\nbuilds = 64\nscatter = [{ car = "cg_z", sigma = 5.0 }]\n')
+    car = hp.Car(path)
+    np.testing.assert_array_equal(hp.solve(car)["roll_deg"], car.solve()["roll_deg"])
+    np.testing.assert_array_equal(hp.optimise(car).x, car.optimise().x)
+    assert isinstance(hp.check(car), list)
+    assert hp.limits(car).rows > 0
+    scattered = hp.tolerance(car)
+    assert set(scattered) == {"tolerance", "contributors"} and scattered.summary["builds"] == 64
+    compared = hp.compare(before=car, after=hp.Car(path, {"front.anti_roll_bar.rate": 500_000.0}))
+    assert set(compared) == {"comparison", "changes"}
+    for wrong in (lambda: hp.solve(car, motion="x"), lambda: hp.sweep(car, [[1.0]]), lambda: hp.setup(car)):
+        with pytest.raises((hp.HardpointError, TypeError)):
+            wrong()
+
+
+def test_a_car_from_numbers_is_that_of_its_file(tmp_path):
+    import tomllib
+
+    of_file = hp.Car(CAR)
+    sections = tomllib.loads(of_file.text)
+    own = {key: value for key, value in sections.pop("car").items() if key not in ("front", "rear")}
+    made = hp.Car.of(of_file.front, of_file.rear, own, **sections)
+    assert made.cases == of_file.cases and made.results == of_file.results
+    again = pickle.loads(pickle.dumps(made))
+    for car in (made, again):
+        solved, expected = hp.solve(car), of_file.solve()
+        for name in expected:
+            np.testing.assert_array_equal(solved[name], expected[name])
+    with pytest.raises(hp.StudyError, match="wheelbas"):
+        hp.Car.of(of_file.front, of_file.rear, {**own, "wheelbas": 1.0})
+    with pytest.raises(hp.HardpointError, match="car.front"):
+        hp.limits(hp.Study.from_dict(made.front.to_dict())) and hp.setup(made)

@@ -137,9 +137,11 @@ def test_residuals_travel_and_shorten_the_steps_of_scipy(front):
     x = np.zeros(len(r.variables))
     np.testing.assert_array_equal(copy(x), r(x))
     assert len(r.rows) == len(r(x)) and set(r.rows) <= set(hp.solve(front))
-    start = 7.0 * r.bounds[:, 1] * np.resize([1.0, -1.0, 0.5], len(x))
-    if np.isfinite(r(start)).all():
-        scipy.least_squares(r, start, jac=r.jacobian, bounds=40 * r.bounds.T, max_nfev=20)
+    # A step into designs without a pose: SciPy takes a shorter one.
+    far = np.full(len(x), 1e4)
+    assert np.isnan(r(far)).all() and np.isnan(r.jacobian(far)).all()
+    fit = scipy.least_squares(r, x, jac=r.jacobian, bounds=40 * r.bounds.T, max_nfev=20)
+    assert fit.cost <= 0.5 * np.sum(r(x) ** 2)
 
 
 SUSPENSIONS = [path for path in sorted(STUDIES.glob("*.toml")) if "\n[car]\n" not in path.read_text()]
@@ -163,6 +165,111 @@ def test_moved_points_are_those_of_the_text(path):
         np.testing.assert_array_equal(moved.residuals()(x), read.residuals()(x))
     again = moved.replace(points={name: study[name] for name in names})
     assert again.text == study.text and (again == study)
+
+
+def test_stations_of_an_axle_can_be_told_apart():
+    study = hp.load(STUDIES / "macpherson_axle.toml")
+    f, curves = study.function(["tie_rod_outer_dx"]), hp.solve(study)
+    places = np.column_stack(list(f.motion.values()))
+    assert len(np.unique(places, axis=0)) == curves.rows == f.shape[1]
+
+
+def test_parquet_has_no_dictionaries_of_numbers(sweep_study, tmp_path):
+    parquet = pytest.importorskip("pyarrow.parquet")
+    hp.sweep(sweep_study).to_parquet(tmp_path / "rows.parquet")
+    columns = parquet.ParquetFile(tmp_path / "rows.parquet").metadata.row_group(0).to_dict()["columns"]
+    for column in columns:
+        if column["physical_type"] == "DOUBLE":
+            assert not column["has_dictionary_page"] and "BYTE_STREAM_SPLIT" in column["encodings"], column
+
+
+def test_the_lock_is_let_go(front):
+    """Another thread runs while studies are read, targets laid out, schemas made and designs solved."""
+    import threading
+    import time
+
+    travel = np.linspace(-80.0, 80.0, 4001).tolist()
+    large = hp.load(STUDIES / "macpherson_front.toml", {"motion.travel": travel})
+    calls = {
+        "replace": lambda: large.replace({"motion.rack": 1.0}),
+        "residuals": lambda: large.residuals()(np.zeros(len(large.variables))),
+        "solve": lambda: hp.solve(large),
+        "tune": lambda: hp.optimise(hp.load(STUDIES / "double_wishbone_robust.toml")),
+        "read": lambda: hp.load(STUDIES / "macpherson_front.toml", {"motion.travel": travel}),
+    }
+    for name, call in calls.items():
+        done, gaps = threading.Event(), []
+
+        def tick(done=done, gaps=gaps):
+            last = time.perf_counter()
+            while not done.is_set():
+                time.sleep(0.0005)
+                now = time.perf_counter()
+                gaps.append(now - last)
+                last = now
+
+        thread = threading.Thread(target=tick)
+        thread.start()
+        begun = time.perf_counter()
+        call()
+        took = time.perf_counter() - begun
+        done.set()
+        thread.join()
+        # A call that kept the lock would be one gap.
+        assert max(gaps) < max(0.7 * took, 0.1), f"{name}: {max(gaps):.3f} of {took:.3f} s"
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="counts threads in /proc")
+def test_numbers_of_threads_leave_none_behind(sweep_study):
+    import os
+
+    def count():
+        return len(os.listdir("/proc/self/task"))
+
+    hp.sweep(sweep_study, threads=1)
+    before = count()
+    for threads in range(2, 30):
+        hp.sweep(sweep_study, threads=threads)
+    assert count() <= before + (os.cpu_count() or 1)
+
+
+def test_a_star_import_replaces_no_builtin():
+    import builtins
+
+    names = {}
+    exec("from hardpoint import *", names)
+    assert not set(names) & set(dir(builtins)) - {"__builtins__", "__doc__"}
+
+
+def test_variables_that_overlap_are_refused(front):
+    for pair in (["tie_rod_inner_z", "tie_rod_inner_dz"], ["tie_rod_inner_z"] * 2):
+        with pytest.raises(hp.HardpointError, match="same coordinate"):
+            front.function(pair)
+
+
+def test_residuals_of_hostile_starts_let_scipy_end():
+    """Starts far outside the ranges: NaN shortens the steps, and no exception ends the run."""
+    scipy = pytest.importorskip("scipy.optimize")
+    random = np.random.default_rng(0)
+    ended = shortened = 0
+    for name in ("macpherson_front", "five_link_rear"):
+        r = hp.load(STUDIES / f"{name}.toml").residuals()
+        bounds = 8 * r.bounds
+        for _ in range(6):
+            start = random.uniform(*(0.5 * bounds).T)
+            if not np.isfinite(r(start)).all():
+                continue
+            seen = []
+
+            def residuals(x, r=r, seen=seen):
+                seen.append(np.isfinite(r(x)).all())
+                return r(x)
+
+            scale = np.ptp(r.bounds, axis=1)
+            scipy.least_squares(residuals, start, jac=r.jacobian, bounds=bounds.T, x_scale=scale, max_nfev=20)
+            ended += 1
+            shortened += not all(seen)
+    assert ended > 0
 
 
 def test_a_study_of_its_dict_solves_alike(front):

@@ -51,6 +51,12 @@ def program_sweep(folder):
     hp.run(["--quiet", "sweep", study, "--set", "sweep.samples=20000000", "--out", folder / "run"])
 
 
+def program_solve(folder):
+    path = folder / "many.toml"
+    path.write_text(many_stations().text)
+    hp.run(["--quiet", "solve", path, "--out", folder / "run"])
+
+
 def program_optimise(folder):
     study = str(STUDIES / "double_wishbone_robust.toml")
     hp.run(["--quiet", "optimise", study, "--set", "optimise.starts=2000", "--out", folder / "run"])
@@ -60,11 +66,37 @@ def studio(_):
     hp.run(["studio", STUDIES / "macpherson_front.toml", "--no-open"])
 
 
-CALLS = [sweep, values, values_on_this_thread, axle, optimise, tolerance, limits, program_sweep, program_optimise, studio]
+def many_stations():
+    return hp.load(STUDIES / "macpherson_axle.toml", {"motion": {"roll": np.linspace(-3.0, 3.0, 90_001)}, "outputs.order": "velocity"})
+
+
+def curves(study):
+    hp.solve(study)
+
+
+def checked(study):
+    hp.check(study)
+
+
+def compared(study):
+    hp.compare(before=study, after=study)
+
+
+CALLS = [sweep, values, values_on_this_thread, axle, optimise, tolerance, limits, program_sweep, program_solve, program_optimise, studio]
 
 
 @pytest.mark.parametrize("call", CALLS, ids=lambda call: call.__name__)
 def test_ctrl_c_is_heard(call, tmp_path):
+    interrupted(call, tmp_path)
+
+
+@pytest.mark.parametrize("call", [curves, checked, compared], ids=lambda call: call.__name__)
+def test_ctrl_c_is_heard_by_requests_of_one_design(call):
+    """Many stations, so that one design takes long. The study is read before."""
+    interrupted(call, many_stations())
+
+
+def interrupted(call, subject):
     sent = []
     returned = threading.Event()
 
@@ -77,7 +109,7 @@ def test_ctrl_c_is_heard(call, tmp_path):
     thread.start()
     try:
         with pytest.raises(KeyboardInterrupt):
-            call(tmp_path)
+            call(subject)
         took = time.perf_counter() - sent[0]
     finally:
         # A call that returned early fails alone: its signal does not reach the next test.

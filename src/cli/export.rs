@@ -11,6 +11,7 @@ use crate::exchange::{
     under_names_of, workbook,
 };
 use crate::model::{FrameConvention, LengthUnit};
+use crate::study::Study;
 use clap::{Args, ValueEnum};
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -133,11 +134,19 @@ fn span(text: &str) -> Result<Span, String> {
 }
 
 pub(super) fn run(arguments: &ExportArguments) -> Result<Exit, Stop> {
+    run_of(arguments, None)
+}
+
+/// Exports the source, or this study in its place.
+pub(super) fn run_of(arguments: &ExportArguments, given: Option<&Study>) -> Result<Exit, Stop> {
     check_call(arguments)?;
-    if let Some(car) = super::car::file_of(&arguments.source) {
-        return super::car::export(arguments, &car);
-    }
-    let source = Source::read(arguments)?;
+    let source = match given {
+        Some(study) => Source::of_study(arguments, study.clone())?,
+        None => match super::car::file_of(&arguments.source) {
+            Some(car) => return super::car::export(arguments, &car),
+            None => Source::read(arguments)?,
+        },
+    };
     let bytes = match arguments.to {
         Target::Csv if arguments.curves || arguments.names.is_some() => curves(&source, arguments)?,
         Target::Csv => csv(&point_rows(&source.outgoing()?)),

@@ -39,20 +39,37 @@ pub(super) struct Source {
 impl Source {
     pub(super) fn read(arguments: &ExportArguments) -> Result<Self, Stop> {
         let path = &arguments.source;
-        let mut source = Source {
-            path: path.clone(),
-            inputs: vec![path.clone()],
-            study: None,
-            rounded: None,
-            tables: Vec::new(),
-            unit: arguments.unit,
-            frame: arguments.frame,
-        };
+        let mut source = Source::of(arguments, None);
+        source.inputs.push(path.clone());
         if path.is_dir() {
             source.read_run(arguments)?;
         } else {
             source.study = Some(Study::read_elastic(path, &arguments.set)?);
         }
+        source.prepared(arguments)
+    }
+
+    /// A study in memory.
+    pub(super) fn of_study(arguments: &ExportArguments, study: Study) -> Result<Self, Stop> {
+        Source::of(arguments, Some(study)).prepared(arguments)
+    }
+
+    fn of(arguments: &ExportArguments, study: Option<Study>) -> Self {
+        Source {
+            path: arguments.source.clone(),
+            inputs: Vec::new(),
+            study,
+            rounded: None,
+            tables: Vec::new(),
+            unit: arguments.unit,
+            frame: arguments.frame,
+        }
+    }
+
+    /// The source at the design that is exported.
+    fn prepared(self, arguments: &ExportArguments) -> Result<Self, Stop> {
+        let mut source = self;
+        let path = &arguments.source;
         let Some(study) = &source.study else {
             let needs_points = arguments.round.is_some() || arguments.design.is_some();
             if needs_points || arguments.unit.is_some() || arguments.frame.is_some() {

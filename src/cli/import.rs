@@ -6,8 +6,8 @@ use super::instead::instead_of;
 use super::save::save;
 use super::terminal::{eprint, note};
 use crate::exchange::{
-    Axes, ImportOptions, Imported, Question, Refusal, bytes_of, for_shell, import, read_points,
-    unit_of,
+    Axes, ImportOptions, Imported, PointTable, Question, Refusal, bytes_of, for_shell, import,
+    read_map, read_points, unit_of,
 };
 use crate::model::{AxlePosition, FrameConvention, LengthUnit, Side, Topology};
 use clap::Args;
@@ -172,7 +172,15 @@ pub(super) struct Questions<'a> {
     asked: usize,
 }
 
-impl Questions<'_> {
+impl<'a> Questions<'a> {
+    fn of(arguments: &'a ImportArguments, can_ask: bool) -> Self {
+        Questions {
+            file: &arguments.file,
+            can_ask,
+            asked: 0,
+        }
+    }
+
     /// Returns the result of `read` for the answers. At a terminal it asks the question; otherwise the question is
     /// the reason of a refusal.
     pub(super) fn settle<T>(
@@ -202,61 +210,21 @@ impl Questions<'_> {
 }
 
 pub(super) fn run(arguments: &ImportArguments) -> Result<Exit, Stop> {
-    let refused = |reason: String| Stop::in_file(&arguments.file, reason);
     let names = match &arguments.map {
         Some(path) => names(path)?,
         None => BTreeMap::new(),
     };
-    let bodies: BTreeMap<String, String> = arguments.body.iter().cloned().collect();
     let mut said = Said::of(arguments);
-    let mut questions = Questions {
-        file: &arguments.file,
-        can_ask: std::io::stdin().is_terminal() && std::io::stderr().is_terminal(),
-        asked: 0,
-    };
+    let can_ask = std::io::stdin().is_terminal() && std::io::stderr().is_terminal();
+    let mut questions = Questions::of(arguments, can_ask);
     let table = questions.settle(&mut said, |said| {
         read_points(&arguments.file, said.sheet.as_deref(), said.axle)
     })?;
     if arguments.car {
         return import_car::run(arguments, &table, &mut questions, &mut said);
     }
-    let only_one = |count: usize, flag: &str| match count {
-        0 | 1 => Ok(()),
-        _ => Err(Stop::wrong_input(format!(
-            "{flag}: one value for one axle; two are for --car"
-        ))),
-    };
-    only_one(arguments.topology.len(), "--topology")?;
-    only_one(arguments.radius.len(), "--radius")?;
-    let imported = questions.settle(&mut said, |said| {
-        let topology = match arguments.topology.first() {
-            Some(topology) => *topology,
-            None => table.topology(said.axle)?,
-        };
-        let options = ImportOptions {
-            topology,
-            unit: arguments.unit,
-            frame: arguments.frame,
-            axes: said.axes,
-            side: said.side,
-            axle: said.axle,
-            half_track: said.half_track,
-            radius: arguments.radius.first().copied(),
-            bushings: arguments.bushings,
-            names: &names,
-            bodies: &bodies,
-        };
-        import(&table, &options)
-    })?;
-    let file_name = arguments.file.file_name().unwrap_or_default();
-    let study = imported
-        .study("the imported study", &file_name.to_string_lossy())
-        .map_err(|reason| {
-            let summary = summary(&imported, None);
-            refused(format!(
-                "the points do not form a valid suspension\n{summary}{reason}"
-            ))
-        })?;
+    let imported = imported(arguments, &table, &names, &mut questions, &mut said)?;
+    let study = study_text(arguments, &imported)?;
     match &arguments.out {
         Some(out) => {
             let inputs = [Some(arguments.file.clone()), arguments.map.clone()];
@@ -278,6 +246,72 @@ pub(super) fn run(arguments: &ImportArguments) -> Result<Exit, Stop> {
         imported.frame.name()
     ));
     Ok(Exit::Done)
+}
+
+/// The text of the study and the summary of an import that writes no file. `points` is a map in JSON in place of the file.
+pub(super) fn in_memory(
+    arguments: &ImportArguments,
+    points: Option<&str>,
+    names: &BTreeMap<String, String>,
+) -> Result<(String, String), Stop> {
+    let mut said = Said::of(arguments);
+    let mut questions = Questions::of(arguments, false);
+    let table = questions.settle(&mut said, |said| match points {
+        Some(json) => read_map(json),
+        None => read_points(&arguments.file, said.sheet.as_deref(), said.axle),
+    })?;
+    let imported = imported(arguments, &table, names, &mut questions, &mut said)?;
+    Ok((study_text(arguments, &imported)?, summary(&imported, None)))
+}
+
+/// The suspension of a table of points.
+fn imported(
+    arguments: &ImportArguments,
+    table: &PointTable,
+    names: &BTreeMap<String, String>,
+    questions: &mut Questions<'_>,
+    said: &mut Said,
+) -> Result<Imported, Stop> {
+    let only_one = |count: usize, flag: &str| match count {
+        0 | 1 => Ok(()),
+        _ => Err(Stop::wrong_input(format!(
+            "{flag}: one value for one axle; two are for --car"
+        ))),
+    };
+    only_one(arguments.topology.len(), "--topology")?;
+    only_one(arguments.radius.len(), "--radius")?;
+    let bodies: BTreeMap<String, String> = arguments.body.iter().cloned().collect();
+    questions.settle(said, |said| {
+        let topology = match arguments.topology.first() {
+            Some(topology) => *topology,
+            None => table.topology(said.axle)?,
+        };
+        let options = ImportOptions {
+            topology,
+            unit: arguments.unit,
+            frame: arguments.frame,
+            axes: said.axes,
+            side: said.side,
+            axle: said.axle,
+            half_track: said.half_track,
+            radius: arguments.radius.first().copied(),
+            bushings: arguments.bushings,
+            names,
+            bodies: &bodies,
+        };
+        import(table, &options)
+    })
+}
+
+/// The study of an import, if its points form a suspension.
+fn study_text(arguments: &ImportArguments, imported: &Imported) -> Result<String, Stop> {
+    let file_name = arguments.file.file_name().unwrap_or_default();
+    let study = imported.study("the imported study", &file_name.to_string_lossy());
+    study.map_err(|reason| {
+        let summary = summary(imported, None);
+        let reason = format!("the points do not form a valid suspension\n{summary}{reason}");
+        Stop::in_file(&arguments.file, reason)
+    })
 }
 
 /// Asks a question until it is answered; `None` at the end of the input.

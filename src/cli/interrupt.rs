@@ -5,9 +5,9 @@
 
 use super::terminal;
 use crate::results::exit_interrupted;
-use std::sync::Once;
 use std::sync::atomic::{AtomicBool, AtomicI32, Ordering};
 use std::sync::mpsc;
+use std::sync::{Arc, LazyLock, Once};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -31,6 +31,8 @@ static LISTENS: AtomicBool = AtomicBool::new(false);
 /// The number of SIGINT.
 const INTERRUPT: i32 = 2;
 static STOPS_BY_ITSELF: AtomicBool = AtomicBool::new(false);
+/// Ends a command inside another program that does not stop by itself.
+static STOP: LazyLock<Arc<AtomicBool>> = LazyLock::new(Arc::default);
 
 /// True from the first signal on.
 pub(super) fn flag() -> &'static AtomicBool {
@@ -65,16 +67,27 @@ pub(super) fn end() -> ! {
     exit_interrupted(i32::from(exit_code()))
 }
 
-/// Stops the commands that run inside another program, as Ctrl-C does.
+/// Stops the commands that run inside another program, as Ctrl-C does. Those that do not stop by themselves end at the next
+/// checkpoint of the numerics.
 pub(super) fn raise() {
     SIGNAL.store(INTERRUPT, Ordering::SeqCst);
     FLAG.store(true, Ordering::SeqCst);
+    if !STOPS_BY_ITSELF.load(Ordering::SeqCst) {
+        STOP.store(true, Ordering::SeqCst);
+    }
+}
+
+/// The flag that ends a command at the next checkpoint of the numerics.
+pub(super) fn stop() -> &'static Arc<AtomicBool> {
+    &STOP
 }
 
 /// Forgets a signal, before the next command inside another program.
 pub(super) fn reset() {
     SIGNAL.store(0, Ordering::SeqCst);
     FLAG.store(false, Ordering::SeqCst);
+    STOP.store(false, Ordering::SeqCst);
+    STOPS_BY_ITSELF.store(false, Ordering::SeqCst);
 }
 
 /// Listens to signals, for the rest of the process.

@@ -8,6 +8,7 @@ mod choices;
 mod compare;
 mod completions;
 mod elastic;
+mod embedded;
 mod exit;
 mod export;
 mod export_source;
@@ -37,7 +38,9 @@ mod terminal;
 mod tolerance;
 mod yields;
 
+use crate::threads::stoppable;
 use clap::{Args, Parser, Subcommand, ValueEnum};
+pub use embedded::{NotDone, export_study, import_study, sweep_study};
 use exit::{Exit, Stop};
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::path::PathBuf;
@@ -348,11 +351,14 @@ pub fn run_embedded<A: Into<std::ffi::OsString> + Clone>(
     crate::attia::register();
     match Arguments::try_parse_from(arguments) {
         Ok(arguments) => {
-            let run = AssertUnwindSafe(|| carried_out(arguments));
-            catch_unwind(run).unwrap_or_else(|payload| match payload.is::<interrupt::Ended>() {
-                true => Exit::Interrupted,
-                false => resume_unwind(payload),
-            })
+            let run = || stoppable(interrupt::stop(), || carried_out(arguments));
+            let ended = catch_unwind(AssertUnwindSafe(run));
+            ended
+                .unwrap_or_else(|payload| match payload.is::<interrupt::Ended>() {
+                    true => None,
+                    false => resume_unwind(payload),
+                })
+                .unwrap_or(Exit::Interrupted)
         }
         Err(error) => {
             // Help and version are errors to clap, too.

@@ -411,8 +411,12 @@ fn study(topology: &Topology, parts: &[Part]) -> Result<String, String> {
             Part::Axle | Part::Panhard | Part::Watt | Part::Bushings
         )
     };
+    let is_sprung = |text: &str| text.contains("\nspring_lower ") || text.contains("\nstrut_top ");
     if parts.iter().all(is_done) {
-        return finished(text);
+        return finished(match is_axle && is_sprung(&text) {
+            true => with_springs(&text, false),
+            false => text,
+        });
     }
     let fitting = FITTINGS
         .iter()
@@ -447,6 +451,9 @@ fn study(topology: &Topology, parts: &[Part]) -> Result<String, String> {
             let said = format!("\n[suspension.bodies]\ndrop_link_outer = \"{body}\"\n\n[wheel]");
             text = text.replacen("\n[wheel]", &said, 1);
         }
+    }
+    if is_axle && is_sprung(&text) {
+        text = with_springs(&text, parts.contains(&Part::AntiRollBar));
     }
     let steers = fitting.steers;
     if parts.contains(&Part::Sweep) {
@@ -550,6 +557,49 @@ fn with_axle(text: &str) -> String {
     written
 }
 
+/// The text of an axle with springs, bump stops, tyres, masses and, if there is a bar, its rate; and with their outputs.
+fn with_springs(text: &str, has_bar: bool) -> String {
+    let bar = match has_bar {
+        true => {
+            "[anti_roll_bar]\n\
+             rate = 6.0e5                     # N mm per rad between its levers\n\n"
+        }
+        false => "",
+    };
+    let vehicle = match text.contains("\n[vehicle]") {
+        true => "",
+        false => {
+            "[vehicle]\n\
+             sprung_mass = 680.0              # kg on this axle\n\
+             unsprung_mass = 84.0             # kg of the axle\n\n"
+        }
+    };
+    let sections = format!(
+        "\n[spring]\n\
+         rate = 30.0                      # N/mm along the spring\n\
+         force = 3800.0                   # N in the design position\n\n\
+         [bump_stop]\n\
+         gap = 45.0                       # mm of spring compression before contact with the stop\n\
+         force_curve = [[0.0, 0.0], [10.0, 400.0], [20.0, 1500.0], [40.0, 9000.0]]   # its compression, its force\n\n\
+         {bar}[tyre]\n\
+         rate = 220.0                     # N/mm\n\n\
+         {vehicle}[motion]"
+    );
+    let text = text.replacen("\n[motion]", &sections, 1);
+    let outputs = "\"wheel_load\", \"roll_stiffness\", \"ride_rate\"";
+    let mut written = String::new();
+    for line in text.lines() {
+        match line.strip_prefix("characteristics = [") {
+            Some(names) => {
+                let names = names.trim_end_matches(']');
+                let _ = writeln!(written, "characteristics = [{names}, {outputs}]");
+            }
+            None => written = written + line + "\n",
+        }
+    }
+    written
+}
+
 /// Text with the points of a part after its hardpoints, replacing those of the same name, and with one more output.
 fn with_points(
     text: &str,
@@ -598,6 +648,25 @@ mod tests {
     use crate::plan::Plan;
     use crate::study::Study;
     use std::path::Path;
+
+    /// An axle with springs has what loads, stiffnesses and frequencies need; one without springs has no such sections.
+    #[test]
+    fn axles_with_springs_have_their_rates() {
+        for (name, parts, sprung) in [
+            ("macpherson", vec![Part::AntiRollBar, Part::Axle], true),
+            ("double_wishbone", vec![Part::Pushrod, Part::Axle], true),
+            ("double_wishbone", vec![Part::Axle], false),
+        ] {
+            let topology = Topology::named(name).unwrap();
+            let text = study(topology, &parts).unwrap();
+            for section in ["[spring]", "[bump_stop]", "[tyre]", "[vehicle]"] {
+                assert_eq!(text.contains(section), sprung, "{name} {section}");
+            }
+            let has_bar = parts.contains(&Part::AntiRollBar);
+            assert_eq!(text.contains("[anti_roll_bar]"), has_bar, "{name}");
+            assert_eq!(text.contains("\"roll_stiffness\""), sprung, "{name}");
+        }
+    }
 
     /// Each part, all parts together, and all parts of one wheel, over the whole motion. A solid axle has a Panhard rod or a Watt
     /// linkage.

@@ -42,21 +42,26 @@ pub(super) fn run(arguments: &SweepArguments) -> Result<Exit, Stop> {
     if CarStudy::is_at(path) {
         return super::car::sweep(arguments);
     }
-    let study = Study::read_elastic(path, &arguments.study.set)?;
+    run_study(arguments, &Study::read_elastic(path, &arguments.study.set)?)
+}
+
+/// Sweeps a study; the path in the arguments names it in messages.
+pub(super) fn run_study(arguments: &SweepArguments, study: &Study) -> Result<Exit, Stop> {
+    let path = &arguments.study.study;
     let Some(sweep) = &study.sweep else {
         let what = "the designs to solve";
         return Err(Stop::no_section(path, "sweep", what));
     };
-    let plan = SweepPlan::of(&study, sweep).map_err(|reason| match reason {
+    let plan = SweepPlan::of(study, sweep).map_err(|reason| match reason {
         NotBegun::Designs(errors) => errors.into(),
-        NotBegun::Fault(fault) => design_fault(&study, path, &fault),
+        NotBegun::Fault(fault) => design_fault(study, path, &fault),
         NotBegun::TwoColumns(name) => two_columns(path, &name),
     })?;
     if let Some(number) = arguments.design {
-        return print_design(&study, &plan, number);
+        return print_design(study, &plan, number);
     }
     let to_stdout = is_to_stdout(arguments, sweep.format)?;
-    let left_out = left_out(&study);
+    let left_out = left_out(study);
     let before = || {
         if !left_out.is_empty() {
             terminal::note(&format!(
@@ -71,11 +76,11 @@ pub(super) fn run(arguments: &SweepArguments) -> Result<Exit, Stop> {
     };
     let ready = Ready {
         swept: Swept::Suspension(&plan),
-        text: SweepText::of(&plan, &study, !to_stdout),
-        inputs: inputs(&study, path),
+        text: SweepText::of(&plan, study, !to_stdout),
+        inputs: inputs(study, path),
         kept_names: &[STUDY_COPY],
         kept: &|directory| vec![study.text_in(directory)],
-        draw: &|output, statistics| draw(output, &study, &plan, statistics, path),
+        draw: &|output, statistics| draw(output, study, &plan, statistics, path),
     };
     carry_out(arguments, &ready, before)
 }

@@ -35,6 +35,14 @@ pub fn read(
     of_plain_file(path, &bytes).map_err(Refusal::Wrong)
 }
 
+/// The points of a map in JSON that is in memory.
+///
+/// # Errors
+/// It has no points.
+pub fn read_map(json: &str) -> Result<PointTable, Refusal> {
+    of_plain_file(Path::new("points.json"), json.as_bytes()).map_err(Refusal::Wrong)
+}
+
 /// The points of a file that is no workbook.
 fn of_plain_file(path: &Path, bytes: &[u8]) -> Result<PointTable, String> {
     // The container of old binary workbooks and of encrypted ones.

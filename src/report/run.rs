@@ -1,4 +1,4 @@
-//! A finished run, read back from its directory.
+//! A finished run, read back from its directory or from its files in memory.
 
 use super::curve_table::CurveTable;
 use super::finished::{NotARun, in_form};
@@ -7,6 +7,8 @@ use super::{SolveSummary, Table, ToleranceSummary, TuningSummary};
 use crate::study::{LONGEST_TABLE, read_bytes};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
+use std::collections::BTreeMap;
 use std::path::Path;
 
 /// A finished run.
@@ -61,11 +63,20 @@ impl Summary {
 impl Run {
     /// Reads a run's directory.
     pub fn read(directory: &Path) -> Result<Run, NotARun> {
-        let folder = Folder(directory);
+        let folder = Folder::Directory(directory);
         if !directory.is_dir() {
             return Err(folder.error(None, "there is no such directory"));
         }
-        if !directory.join("report.json").is_file() {
+        Run::of_folder(&folder)
+    }
+
+    /// Reads the files of a run that are in memory, by name.
+    pub fn of_files(files: &BTreeMap<String, Vec<u8>>) -> Result<Run, NotARun> {
+        Run::of_folder(&Folder::Memory(files))
+    }
+
+    fn of_folder(folder: &Folder<'_>) -> Result<Run, NotARun> {
+        if !folder.has("report.json") {
             return Err(folder.error(
                 None,
                 "not the directory of a run: there is no report.json, which `hardpoint solve` and \
@@ -126,7 +137,7 @@ impl Run {
             "tolerance.csv",
             "contributors.csv",
         ];
-        let there = others.iter().filter(|name| directory.join(name).is_file());
+        let there = others.iter().filter(|name| folder.has(name));
         files.extend(there.map(|name| (*name).to_owned()));
         Ok(Run {
             record,
@@ -155,15 +166,30 @@ impl State {
     }
 }
 
-struct Folder<'a>(&'a Path);
+/// Files of a run.
+enum Folder<'a> {
+    Directory(&'a Path),
+    Memory(&'a BTreeMap<String, Vec<u8>>),
+}
 
 impl Folder<'_> {
     fn error(&self, name: Option<&str>, reason: &str) -> NotARun {
-        let path = name.map_or_else(|| self.0.to_owned(), |name| self.0.join(name));
+        let path = match self {
+            Folder::Directory(directory) => directory,
+            Folder::Memory(_) => Path::new("results"),
+        };
+        let path = name.map_or_else(|| path.to_owned(), |name| path.join(name));
         NotARun::at(path, reason)
     }
 
-    fn bytes(&self, name: &str) -> Result<Vec<u8>, NotARun> {
+    fn has(&self, name: &str) -> bool {
+        match self {
+            Folder::Directory(directory) => directory.join(name).is_file(),
+            Folder::Memory(files) => files.contains_key(name),
+        }
+    }
+
+    fn bytes(&self, name: &str) -> Result<Cow<'_, [u8]>, NotARun> {
         // The names come from a file: they must not lead out of the directory.
         if Path::new(name).file_name() != Some(name.as_ref()) {
             return Err(self.error(
@@ -171,7 +197,15 @@ impl Folder<'_> {
                 &format!("{name:?} is not a file's name"),
             ));
         }
-        let bytes = read_bytes(&self.0.join(name), LONGEST_TABLE);
+        let bytes = match self {
+            Folder::Directory(directory) => {
+                read_bytes(&directory.join(name), LONGEST_TABLE).map(Cow::Owned)
+            }
+            Folder::Memory(files) => {
+                let bytes = files.get(name).map(|bytes| Cow::Borrowed(&bytes[..]));
+                bytes.ok_or_else(|| "there is no such file".to_owned())
+            }
+        };
         bytes.map_err(|e| self.error(Some(name), &e))
     }
 

@@ -40,6 +40,23 @@ fn sample_studies_are_the_templates() {
     }
 }
 
+/// Each package carries the licences of the program, and those with the letters of pictures that of the font.
+#[test]
+fn packages_carry_the_licences() {
+    let licences = ["LICENSE-APACHE", "LICENSE-MIT", "LICENSE-DEJAVU"];
+    for folder in CRATES.into_iter().chain(["python"]).skip(1) {
+        for name in licences {
+            let copy = root().join(folder).join(name);
+            if name == "LICENSE-DEJAVU" && folder != "python" {
+                assert!(!copy.exists());
+                continue;
+            }
+            let text = fs::read_to_string(root().join(name)).unwrap();
+            assert_copied(&copy, &text, name);
+        }
+    }
+}
+
 /// The manual contains the tables of keys that the schema reads.
 #[test]
 fn the_manual_contains_the_tables_of_keys() {

@@ -19,6 +19,7 @@ use crate::mechanism::{Configuration, DesignFault, Failure, Ground, NoPose, Pose
 use crate::model::{Axis, AxleTravel, Drive, Mechanism, PointId, RigidAxle, RockerId, Rod, Side};
 use crate::number::{Each, Jet, Tape, Tracked, Vector3};
 use crate::solve::{Solver, StationOrder, Toggles};
+use crate::threads::checkpoint;
 use std::ops::ControlFlow;
 
 /// The position that an axle is to take. Lengths are in the study's unit; the rack is positive towards the left wheel's
@@ -952,6 +953,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
 
     /// Finds a position by itself.
     fn place_alone(&mut self, placement: &Placement) -> Result<Placed, NoPose> {
+        checkpoint();
         let rack = placement.rack();
         let (travels, poses, roll) = match *placement {
             Placement::AtLoad { heave, roll, rack } => return self.at_load(heave, roll, rack),
@@ -1144,6 +1146,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         rack: f64,
         on_plane: bool,
     ) -> Result<(Placed, Read<'a>), NoPose> {
+        checkpoint();
         let poses = wheels.each(|wheel| wheel.pose);
         let (roll, hold) = match on_plane {
             false => (0.0, Hold::TravelsOnPads),

@@ -13,6 +13,7 @@ use crate::axle::{
 use crate::mechanism::DesignFault;
 use crate::model::Side;
 use crate::number::{Each, Real, Scalar};
+use crate::threads::checkpoint;
 
 /// Terms of the series of wheels: equations are made of first derivatives by travel, their tangents of second ones, and
 /// derivatives of tangents by the design of third ones.
@@ -397,6 +398,7 @@ impl<'a> CarSolver<'a> {
         } = start;
         let mut evaluations = 0;
         for _ in 0..MOST_SETS {
+            checkpoint();
             seen.push(lifted);
             self.refuse_lifted_axles(case, &lifted)?;
             let start = Start {

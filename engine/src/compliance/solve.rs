@@ -15,6 +15,7 @@ use super::limb::is_positive;
 use super::system::{Equations, Held, Hold, Singular, State, System, Task};
 use crate::linear::square::MOST;
 use crate::number::Scalar;
+use crate::threads::checkpoint;
 
 /// Largest first correction, mm.
 const LONGEST_SHIFT: f64 = 60.0;
@@ -101,6 +102,7 @@ impl System<f64> {
         let mut state = *start;
         let mut judge = Judge::new(bounds);
         loop {
+            checkpoint();
             let equations = self
                 .equations(&state, task, held)
                 .map_err(Obstacle::Singular)?;

@@ -131,6 +131,19 @@ impl DesignVariable {
         self.moved.range
     }
 
+    /// The offset that moves the design as this variable does, and the variable's value at the design. `None` for a coordinate
+    /// that several points share: it has no one value there.
+    pub fn as_offset(&self, suspension: &Suspension) -> Option<(Variable, f64)> {
+        if !self.absolute {
+            return Some((self.moved.clone(), 0.0));
+        }
+        let [m] = self.moved.moves[..] else {
+            return None;
+        };
+        let at = suspension.design[m.point.0][m.axis] * suspension.frame.sign(m.axis);
+        Some((self.moved.clone(), at / m.factor + 0.0))
+    }
+
     /// The variable as a column of a table of designs. `None` for a turn or a rate, which cannot be one.
     pub fn swept_as(&self) -> Option<SweepVariable> {
         let is_of_points = self.moved.turn.is_none() && self.moved.rate.is_none();

@@ -26,6 +26,7 @@ use crate::mechanism::{Work, WorkCounter};
 use crate::model::{Drive, Mechanism};
 use crate::number::Jet;
 use crate::number::Vector3;
+use crate::threads::checkpoint;
 use std::cmp::Ordering;
 
 /// Quantity that moves while the others are held.
@@ -119,6 +120,7 @@ impl Curve<'_> {
         };
         let mut step = LONGEST_STEP;
         for _ in 0..MOST_STEPS {
+            checkpoint();
             let next = self.step(&here, step).filter(|(next, missed)| {
                 *missed <= GOOD_PREDICTION * step + here.noise
                     && dot(&here.tangent, &next.tangent) > STRAIGHT

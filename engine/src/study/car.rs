@@ -200,21 +200,42 @@ impl CarStudy {
         let paths = written.map(|written| directory.join(written.get_ref()));
         let [front, rear] = [0, 1].map(|end| Study::read(&paths[end], &of_axles[end]));
         let axles = [front?, rear?];
-        let mut problems = Problems::new(source.clone());
-        let found = Resolver {
-            file: &file,
-            axles: &axles,
-            problems: &mut problems,
-        }
-        .resolve();
         let stem = path
             .file_stem()
             .map(|stem| stem.to_string_lossy().into_owned());
         let [front, rear] = paths;
+        let inputs = vec![path.to_owned(), front, rear];
+        CarStudy::of_file(&source, &file, axles, stem.unwrap_or_default(), inputs)
+    }
+
+    /// The study of a car from its text and the studies of both axles, whatever files the text names.
+    pub fn of_axles(name: &str, text: &str, axles: [Study; 2]) -> Result<CarStudy, StudyErrors> {
+        let source = Arc::new(Source {
+            name: format!("{name}.toml"),
+            text: text.to_owned(),
+        });
+        let file = parse::parse_car(&source)?;
+        CarStudy::of_file(&source, &file, axles, name.to_owned(), Vec::new())
+    }
+
+    fn of_file(
+        source: &Arc<Source>,
+        file: &CarFile,
+        axles: [Study; 2],
+        name: String,
+        inputs: Vec<PathBuf>,
+    ) -> Result<CarStudy, StudyErrors> {
+        let mut problems = Problems::new(source.clone());
+        let found = Resolver {
+            file,
+            axles: &axles,
+            problems: &mut problems,
+        }
+        .resolve();
         let study = found.map(|found| CarStudy {
-            name: stem.unwrap_or_default(),
+            name,
             text: source.text.clone(),
-            inputs: vec![path.to_owned(), front, rear],
+            inputs,
             axles: axles.clone(),
             car: found.car,
             cases: found.cases,

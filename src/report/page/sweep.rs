@@ -354,9 +354,12 @@ fn remarks(run: &SweepRun) -> String {
 /// Description of the designs on the page.
 fn choice(run: &SweepRun) -> String {
     let (summary, shown) = (&run.summary, run.shown.design.len());
-    let file = html(&run.files[0]);
+    let file = match run.files.first() {
+        Some(file) => format!("<code>{}</code>", html(file)),
+        None => "the frame".to_owned(),
+    };
     if run.choice.every == 1 {
-        return format!("All {shown} designs are drawn, with the values of <code>{file}</code>.");
+        return format!("All {shown} designs are drawn, with the values of {file}.");
     }
     let front = match summary.on_front() {
         None => String::new(),
@@ -376,7 +379,7 @@ fn choice(run: &SweepRun) -> String {
     };
     format!(
         "<strong>Drawn are {shown} of {} designs:</strong> {best}{front}{failures}and of all designs those \
-         whose numbers are multiples of {}. <code>{file}</code> has all; what the tables say is of all.",
+         whose numbers are multiples of {}. {file} has all; what the tables say is of all.",
         summary.done, run.choice.every
     )
 }

@@ -1,11 +1,13 @@
-//! A sweep read back from its directory.
+//! A sweep read back from its directory, or done again for its page.
 
 use super::directory::SweepDirectory;
 use super::drawn::DrawnDesigns;
 use super::shown::{Choice, ShownDesigns};
 use super::summary::SweepSummary;
 use crate::report::finished::NotARun;
-use crate::sweep::SweepRecord;
+use crate::sweep::{SweepPlan, SweepRecord, SweepStatistics, Swept, in_order};
+use std::convert::Infallible;
+use std::ops::ControlFlow;
 use std::path::Path;
 
 /// A sweep, or as much of it as there is.
@@ -26,6 +28,53 @@ pub struct SweepRun {
 }
 
 impl SweepRun {
+    /// The sweep of a plan, without files: solves the designs for their statistics, and once more for the rows that are shown.
+    /// `drawn` makes the curves of some designs. `None` if `go_on` ended it early.
+    pub fn of<E>(
+        plan: &SweepPlan<'_>,
+        go_on: impl Fn() -> bool + Sync,
+        drawn: impl FnOnce(&SweepSummary) -> Result<Option<DrawnDesigns>, E>,
+    ) -> Result<Option<Self>, E> {
+        let record = &plan.record;
+        let all = || 0..record.blocks();
+        let swept = Swept::Suspension(plan);
+        let mut statistics = SweepStatistics::empty(record);
+        let absorbed: Result<(), Infallible> = in_order(
+            all(),
+            || swept.worker(),
+            |worker, block| {
+                go_on().then(|| {
+                    let mut found = SweepStatistics::of(record, worker.rows(block));
+                    found.one_by_one = worker.one_by_one() as u64;
+                    found
+                })
+            },
+            |block| {
+                statistics.absorb(record, &block);
+                Ok(())
+            },
+        );
+        let Ok(()) = absorbed;
+        let summary = SweepSummary::of(record, &statistics);
+        let choice = Choice::of(record, &summary);
+        let mut shown = ShownDesigns::default();
+        swept.run(all(), &go_on, |rows| {
+            shown.take(rows, &choice);
+            ControlFlow::Continue(())
+        });
+        if !go_on() {
+            return Ok(None);
+        }
+        Ok(Some(SweepRun {
+            drawn: drawn(&summary)?,
+            record: record.clone(),
+            summary,
+            choice,
+            shown,
+            files: Vec::new(),
+        }))
+    }
+
     /// Reads a sweep's directory, in constant memory: its results from the statistics of its parts, the designs that
     /// are shown from their rows.
     pub fn read(path: &Path) -> Result<Self, NotARun> {

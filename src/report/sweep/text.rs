@@ -32,8 +32,17 @@ impl SweepText {
     }
 
     /// The first line of the curves, where there are any.
-    pub(super) fn curves_header(&self) -> Option<&[u8]> {
+    pub fn curves_header(&self) -> Option<&[u8]> {
         self.curves.as_ref().map(|csv| &csv.header[..])
+    }
+
+    /// The curves of a worker's last block as they stand in the file, where there are any.
+    pub fn curves(&self, worker: &SweptWorker<'_>, first: u64) -> Vec<u8> {
+        let mut curves = Vec::new();
+        if let (Some(csv), Some(block)) = (&self.curves, worker.block()) {
+            csv.append(first, block, &mut curves);
+        }
+        curves
     }
 
     /// Works on a block: its rows and curves as text, and its statistics.
@@ -45,15 +54,12 @@ impl SweepText {
     ) -> Finished {
         let rows = worker.rows(block);
         let (mut statistics, first) = (SweepStatistics::of(record, rows), rows.first);
-        let (mut designs, mut curves) = (self.empty(), Vec::new());
+        let mut designs = self.empty();
         append_rows(rows, &mut designs);
         statistics.one_by_one = worker.one_by_one() as u64;
-        if let (Some(csv), Some(block)) = (&self.curves, worker.block()) {
-            csv.append(first, block, &mut curves);
-        }
         Finished {
             designs,
-            curves,
+            curves: self.curves(worker, first),
             statistics,
         }
     }

@@ -62,3 +62,83 @@ fn travels_beyond_a_force_curve_are_named() {
         "{said}"
     );
 }
+
+/// Columns of curves that are written to standard output.
+fn columns(path: &str, sets: &[&str], names: &[&str]) -> Vec<Vec<f64>> {
+    let mut arguments = vec!["--quiet", "solve", path, "--out", "-"];
+    arguments.extend(sets.iter().flat_map(|set| ["--set", set]));
+    let (csv, _) = run(&arguments, 0);
+    let mut lines = csv.lines().map(|line| line.split(',').collect::<Vec<_>>());
+    let header = lines.next().unwrap();
+    let rows: Vec<Vec<&str>> = lines.collect();
+    let column = |name: &&str| {
+        let place = header.iter().position(|h| h == name).unwrap();
+        rows.iter().map(|row| row[place].parse().unwrap()).collect()
+    };
+    names.iter().map(column).collect()
+}
+
+/// A rig that moves its pads by the travels and by what the tyres yield: moment by angle of the line through both pads, by
+/// differences of eighth order over opposite travels. Without tyres it is `roll_stiffness`.
+#[test]
+fn tyres_are_in_series_with_the_roll_stiffness() {
+    const WEIGHTS: [f64; 4] = [4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0];
+    const STEP: f64 = 2.0;
+    for (name, radius, rate) in [
+        ("macpherson_axle.toml", 310.0, 220.0),
+        ("double_wishbone_axle.toml", 228.0, 110.0),
+    ] {
+        let path = study(name);
+        let path = path.to_str().unwrap();
+        let pads = "motion={ travel_left = [-8.0, -6.0, -4.0, -2.0, 2.0, 4.0, 6.0, 8.0], \
+                    travel_right = [8.0, 6.0, 4.0, 2.0, -2.0, -4.0, -6.0, -8.0] }";
+        let asked = "outputs={ characteristics = [\"camber\", \"track\", \"wheel_load\", \"roll_moment\"] }";
+        let wheel = format!("wheel.radius={radius:?}");
+        let tyre = format!("tyre={{ rate = {rate:?} }}");
+        let names = [
+            "left_camber_deg",
+            "right_camber_deg",
+            "track_mm",
+            "left_wheel_load_N",
+            "right_wheel_load_N",
+            "roll_moment_N_m",
+            "travel_left_mm",
+        ];
+        let found = columns(path, &[pads, asked, &wheel, &tyre], &names);
+        let stations = found[0].len();
+        let angle = |station: usize, yields: f64| {
+            let side = |camber: usize, load: usize, travel: f64| {
+                let below = radius * found[camber][station].to_radians().cos();
+                travel - below + yields * found[load][station] / rate
+            };
+            let travel = found[6][station];
+            let rise = side(0, 3, travel) - side(1, 4, -travel);
+            rise.atan2(found[2][station])
+        };
+        // Stations go from -4 to 4 steps of the left travel, without 0.
+        let slope = |value: &dyn Fn(usize) -> f64| -> f64 {
+            let pairs = WEIGHTS.iter().enumerate();
+            let sum =
+                pairs.map(|(k, w)| w * (value(stations / 2 + k) - value(stations / 2 - 1 - k)));
+            sum.sum::<f64>() / STEP
+        };
+        let moment = slope(&|s| found[5][s]);
+        let stiffness = |yields| -(moment / slope(&|s| angle(s, yields).to_degrees()));
+        let at_design = "motion={ travel_left = [0.0], travel_right = [0.0] }";
+        let asked = "outputs={ characteristics = [\"roll_stiffness\", \"roll_stiffness_with_tyres\", \"ride_rate\", \"ride_rate_without_tyres\"] }";
+        let names = [
+            "roll_stiffness_N_m_per_deg",
+            "roll_stiffness_with_tyres_N_m_per_deg",
+            "ride_rate_N_per_mm",
+            "ride_rate_without_tyres_N_per_mm",
+        ];
+        let exact = columns(path, &[at_design, asked, &wheel, &tyre], &names);
+        for (yields, exact) in [(0.0, exact[0][0]), (1.0, exact[1][0])] {
+            let error = (stiffness(yields) / exact - 1.0).abs();
+            assert!(error < 1e-7, "{name}: {} and {exact}", stiffness(yields));
+        }
+        assert!(exact[1][0] < 0.95 * exact[0][0]);
+        let series = 1.0 / exact[2][0] - 1.0 / exact[3][0] - 1.0 / rate;
+        assert!(series.abs() * rate < 1e-12, "{name}: {series}");
+    }
+}

@@ -23,6 +23,7 @@ use crate::number::Jet;
 use crate::number::{Real, Scalar};
 use crate::solve::closed_form::Roles;
 use crate::solve::closed_form::{ArmState, ClosedForm};
+use crate::threads::checkpoint;
 use std::f64::consts::PI;
 
 /// Pieces this narrow (rad) are not halved any further.
@@ -96,6 +97,7 @@ impl Search<'_> {
         let mut pieces = vec![half(cut), half(cut + PI)];
         let mut looked_at = 0;
         while let Some(piece) = pieces.pop() {
+            checkpoint();
             looked_at += 1;
             let Piece { low, high, .. } = piece;
             match branch.verdict(low, high) {

@@ -30,6 +30,7 @@ use crate::model::{Body, Constraint, Mechanism};
 use crate::number::Interval;
 use crate::number::{Matrix3, Vector3};
 use crate::number::{Real, Scalar};
+use crate::threads::checkpoint;
 use std::array::from_fn;
 
 /// p and v.
@@ -114,6 +115,7 @@ impl Search<'_> {
             let [x, y, z] = within.to_array();
             let mut cells = vec![[x, y, z, turn, turn, turn]];
             while let Some(cell) = cells.pop() {
+                checkpoint();
                 looked_at += 1;
                 if looked_at > MOST_CELLS {
                     let part = |cell: &Cell| (3..6).map(|k| 0.5 * cell[k].width()).product::<f64>();

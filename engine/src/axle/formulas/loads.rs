@@ -143,6 +143,18 @@ pub(crate) fn roll_stiffness<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W
     roll_moment(&rig)[1] / angle[1]
 }
 
+/// The same with both tyres in series. A tyre yields by its load over its rate, on both sides of the track.
+pub(crate) fn roll_stiffness_with_tyres<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
+    let track = state.on_pads().track();
+    let tyre = state.setup.tyre_rate.unwrap_or(f64::NAN);
+    in_series(roll_stiffness(state), (track * track).scaled(0.5 * tyre))
+}
+
+/// Rate of two springs of which each carries the whole load.
+fn in_series<T: Scalar>(one: T, other: T) -> T {
+    one * other / (one + other)
+}
+
 /// Roll moment by roll angle on a plane ground, mean travel and rack held.
 pub(crate) fn roll_stiffness_on_road<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     roll_moment(&state.moving(Motion::Roll))[1]
@@ -156,13 +168,18 @@ pub(crate) fn roll_stiffness_at_load<T: Scalar, W: WheelParts<T>>(state: &AxleSt
     roll_moment(&rolling)[1] - roll_moment(&heaving)[1] * sinking
 }
 
-/// Half the load that the axle gains by heave of the wheel centres, in series with a tyre. The rack is held, on a plane
+/// Half the load that the axle gains by heave of the wheel centres, of the springs alone. The rack is held, on a plane
 /// ground the roll angle too; on pads both travels change equally.
+pub(crate) fn ride_rate_without_tyres<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
+    axle_load(&state.moving(Motion::Heave))[1].scaled(0.5)
+}
+
+/// The same in series with a tyre, where there is one.
 pub(crate) fn ride_rate<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
-    let rate = axle_load(&state.moving(Motion::Heave))[1].scaled(0.5);
+    let rate = ride_rate_without_tyres(state);
     match state.setup.tyre_rate {
         None => rate,
-        Some(tyre) => rate * rate.lit(tyre) / (rate + rate.lit(tyre)),
+        Some(tyre) => in_series(rate, rate.lit(tyre)),
     }
 }
 

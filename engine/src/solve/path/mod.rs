@@ -24,6 +24,7 @@ use crate::mechanism::{DEGENERATE, ROUNDING};
 use crate::mechanism::{Work, WorkCounter};
 use crate::model::{Drive, Mechanism, PointId};
 use crate::number::{Matrix3, Vector3};
+use crate::threads::checkpoint;
 use std::ops::ControlFlow;
 
 /// Sizes whose eighth powers, and their inverses, are ordinary doubles.
@@ -187,6 +188,7 @@ impl<'m> Solver<'m> {
         'sides: for side in station_order.sides() {
             let mut last: Option<Result<Station, Failure>> = None;
             for &station in side {
+                checkpoint();
                 let point = MotionPoint {
                     drive,
                     value: station_order.values()[station],

@@ -143,7 +143,7 @@ fn what_is_not_there_for_an_axle_is_refused_by_name() {
     for (command, why) in [
         ("tolerance", "the section [tolerance] is missing"),
         ("setup", "the section [setup] is missing"),
-        ("kc", "its tests load one wheel"),
+        ("kc", "of an axle needs stations on level pads"),
     ] {
         let (_, said) = run(&[command, path], 2);
         assert!(said.contains(why), "{command}: {said}");

@@ -736,6 +736,7 @@ fn the_table_of_quantities_is_the_catalogue() {
         Need::CFactor => "c_factor",
         Need::SpringForce => "[spring]",
         Need::BarRate => "[anti_roll_bar]",
+        Need::TorsionalRate => "[twist_beam]",
         Need::TyreRate => "[tyre]",
         Need::SprungMass => "sprung_mass",
         Need::UnsprungMass => "unsprung_mass",

@@ -169,7 +169,7 @@ fn a_mirror_exchanges_the_sides() {
 
 fn assert_all_compared(compared: &BTreeMap<&str, usize>) {
     let wheel = W::ALL.iter().map(|q| q.info().name);
-    // A solid axle has quantities of its own, which `tests/it/solid` compares.
+    // Solid axles and twist beams have quantities of their own, which `tests/it/solid` compares.
     let of_solid = [
         A::AxleSteer,
         A::AxleLateral,

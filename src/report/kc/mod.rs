@@ -145,8 +145,8 @@ impl KcResults<'_> {
         }
     }
 
-    /// A station in words.
-    fn station_name(&self, station: &KcStation) -> String {
+    /// A station in words: `travel 10 mm, rack 0 mm`.
+    pub(in crate::report) fn place(&self, station: &KcStation) -> String {
         let u = self.length().symbol();
         let [travel, rack] = [station.travel, station.rack].map(super::brief);
         match station.right_travel.map(super::brief) {
@@ -315,29 +315,35 @@ impl KcResults<'_> {
     }
 
     /// A test in words: `lateral, trail 30 mm`, `braking, wheel load held`.
-    fn test_name(&self, test: &KcTest) -> String {
-        let mut name = test.load.name().to_owned();
+    pub(in crate::report) fn test_name(&self, test: &KcTest) -> String {
+        let apart = self.test_apart(test);
+        match apart.is_empty() {
+            true => test.load.name().to_owned(),
+            false => format!("{}, {apart}", test.load.name()),
+        }
+    }
+
+    /// The properties that tell tests of one load apart: `trail 30 mm`; empty for the plain test.
+    pub(in crate::report) fn test_apart(&self, test: &KcTest) -> String {
+        let mut parts = Vec::new();
         if test.trail != 0.0 {
-            name += &format!(
-                ", trail {} {}",
-                super::brief(test.trail),
-                self.length().symbol()
-            );
+            let trail = super::brief(test.trail);
+            parts.push(format!("trail {trail} {}", self.length().symbol()));
         }
         if test.held == HeldQuantity::WheelLoad && test.load != TestLoad::Vertical {
-            name += ", wheel load held";
+            parts.push("wheel load held".to_owned());
         }
         if let (TestMode::Single(side), false) = (test.mode, test.load.is_motion()) {
-            name += &format!(", {} wheel alone", side.name());
+            parts.push(format!("{} wheel alone", side.name()));
         } else if !mode(test).is_empty() {
-            name += &format!(", {}", mode(test));
+            parts.push(mode(test).to_owned());
         }
         if bar(test) == "disconnected" {
-            name += ", bar disconnected";
+            parts.push("bar disconnected".to_owned());
         }
         if test.locks_rack {
-            name += ", rack locked";
+            parts.push("rack locked".to_owned());
         }
-        name
+        parts.join(", ")
     }
 }

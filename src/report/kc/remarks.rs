@@ -14,7 +14,7 @@ impl KcResults<'_> {
         let u = self.length().symbol();
         let mut failures = Vec::new();
         for station in &self.stations {
-            let at = self.station_name(station);
+            let at = self.place(station);
             match &station.outcomes {
                 Err(why) => failures.push(format!("{at}: {}", no_equilibrium(why))),
                 Ok(outcomes) => {

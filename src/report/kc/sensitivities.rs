@@ -137,7 +137,7 @@ impl KcResults<'_> {
             });
             let mut found: Vec<Option<Vec<f64>>> = vec![None; wanted.len()];
             let at = [station.travel, station.rack];
-            let read = run.gradients(at, &wanted, &parameters, &mut tape, |gradient| {
+            let read = run.gradients(at, &wanted, &parameters, &mut tape, &mut |gradient| {
                 found[gradient.number] = gradient.value.map(|_| gradient.by.to_vec());
             });
             read.ok()?;

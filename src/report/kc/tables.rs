@@ -79,9 +79,21 @@ impl KcResults<'_> {
                     table.push_row(row);
                 }
             }
-            tables.push((self.station_name(station), table));
+            tables.push((self.place(station), table));
         }
         tables
+    }
+
+    /// Value and unit of a figure at the first station that has it.
+    pub(in crate::report) fn first_figure(&self, quantity: &str) -> Option<[String; 2]> {
+        let outcomes = self
+            .stations
+            .iter()
+            .flat_map(|s| s.outcomes.iter().flatten());
+        let mut figures = outcomes.flat_map(|outcome| &outcome.figures);
+        let figure = figures.find(|figure| figure.quantity == quantity)?;
+        let value = self.printed(figure, figure.value)?;
+        Some([four_figures(value), unit_shown(figure.unit, self.length())])
     }
 
     /// Name, value, secant and unit of a figure.

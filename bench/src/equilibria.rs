@@ -1,6 +1,7 @@
 //! Equilibria of a wheel with elastic parts per second, and a whole sheet of tests with derivatives.
 
 use super::{Clock, Job, Timing, Unmeasurable};
+use hardpoint_engine::bench_hooks::wheel_figures;
 use hardpoint_engine::compliance::{
     AxialStiffness, ElasticWheel, Equilibrium, HeldQuantity, KcRun, KcValue, Parameter, Shape,
     WheelLoads, quantities,
@@ -76,7 +77,7 @@ impl Equilibria {
         let loads = loads();
         let solved = |from: &Equilibrium, load: &WheelLoads| {
             let found = own.loaded_about(&station, from, load, HeldQuantity::WheelHeight);
-            found.ok().map(|at| (own.figures(&at), at))
+            found.ok().map(|at| (wheel_figures(&own, &at), at))
         };
         let mut from_design = || {
             for load in &loads {
@@ -113,7 +114,7 @@ impl Equilibria {
         let mut sheet = || {
             black_box(run.run(&[0.0], &[0.0], &elastic.tests));
             let mut sum = 0.0;
-            let read = run.gradients([0.0, 0.0], &wanted, &parameters, &mut tape, |found| {
+            let read = run.gradients([0.0, 0.0], &wanted, &parameters, &mut tape, &mut |found| {
                 sum += found.by.iter().sum::<f64>();
             });
             black_box((sum, read.is_ok()));

@@ -4,3 +4,10 @@
 pub use crate::linear::lu::{Lu, Lu6};
 pub use crate::mechanism::{Closure, Driver};
 pub use crate::solve::closed_form::{ArmState, ClosedForm, Roles};
+
+use crate::compliance::{ElasticWheel, Equilibrium, WheelFigures};
+
+/// Angles and positions of a wheel in equilibrium, compiled here and not once more where it is measured.
+pub fn wheel_figures(wheel: &ElasticWheel, at: &Equilibrium) -> WheelFigures {
+    wheel.figures(at)
+}

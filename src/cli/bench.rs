@@ -11,7 +11,7 @@ use crate::bench::throughput::Throughput;
 use crate::bench::{Clock, Machine, Unmeasurable};
 use crate::model::Topology;
 use crate::report::{
-    accuracy_picture, accuracy_summary, accuracy_table, effects_table, equilibria_table,
+    Table, accuracy_picture, accuracy_summary, accuracy_table, effects_table, equilibria_table,
     throughput_table,
 };
 use crate::results::{Claim, study_digest};
@@ -32,34 +32,21 @@ struct Circumstances<'a> {
 pub(super) fn run(arguments: &BenchArguments) -> Result<Exit, Stop> {
     let template = Path::new("macpherson.toml");
     let path = arguments.study.as_deref().unwrap_or(template);
-    let study = match &arguments.study {
-        Some(path) if arguments.kind == BenchKind::Equilibria => {
-            Study::read_elastic(path, &arguments.set)?
-        }
-        Some(path) => Study::read(path, &arguments.set)?,
-        None => {
-            let strut = Topology::named("macpherson").expect("it is in the catalogue");
-            Study::from_text("macpherson.toml", strut.template, Path::new(""))?
-        }
-    };
-    let wheel = study.one_wheel();
-    if wheel.is_none() {
-        refuse_for_axle(arguments.kind, path)?;
-    }
+    let study = measured_study(arguments)?;
     let stop = |reason: Unmeasurable| match reason {
         Unmeasurable::Design(fault) => design_fault(&study, path, &fault),
         other => Stop::in_file(path, other),
     };
+    let wheel = study.one_wheel();
     // Before anything is written.
-    if let Some(wheel) = wheel {
-        match arguments.kind {
-            BenchKind::Equilibria if wheel.compliance.is_none() => {
-                return Err(stop(Unmeasurable::Rigid));
-            }
-            BenchKind::Equilibria => {}
-            _ => {
-                Subject::of(wheel).map_err(stop)?;
-            }
+    match (wheel, arguments.kind) {
+        (None, kind) => refuse_for_axle(kind, path)?,
+        (Some(wheel), BenchKind::Equilibria) if wheel.compliance.is_none() => {
+            return Err(stop(Unmeasurable::Rigid));
+        }
+        (Some(_), BenchKind::Equilibria) => {}
+        (Some(wheel), _) => {
+            Subject::of(wheel).map_err(stop)?;
         }
     }
     let name = format!("bench_{}", study.name);
@@ -93,29 +80,9 @@ pub(super) fn run(arguments: &BenchArguments) -> Result<Exit, Stop> {
     let machine = Machine::here(&clock);
     output.say(&format!("{}: {}\n\n", study.name, machine.line()))?;
 
-    let (table, picture) = match (arguments.kind, wheel) {
-        (BenchKind::Accuracy, Some(wheel)) => {
-            let found = Accuracy::measure(wheel, &clock).map_err(stop)?;
-            let caption = format!("{}, {}", study.name, machine.line());
-            let svg = accuracy_picture(&found, &caption);
-            let brief = accuracy_summary(&found);
-            (accuracy_table(&found), Some((svg, brief)))
-        }
-        (BenchKind::Effects, Some(wheel)) => {
-            let found = Effects::measure(wheel, &clock).map_err(stop)?;
-            (effects_table(&found), None)
-        }
-        (BenchKind::Equilibria, Some(wheel)) => {
-            let found = Equilibria::measure(wheel, &clock).map_err(stop)?;
-            (equilibria_table(&found), None)
-        }
-        // The others are refused for axles.
-        _ => {
-            let threads = arguments.threads.unwrap_or(machine.cores);
-            let found = Throughput::measure(&study, threads, &clock).map_err(stop)?;
-            (throughput_table(&found), None)
-        }
-    };
+    let threads = arguments.threads.unwrap_or(machine.cores);
+    let measured = measure(&study, arguments.kind, threads, &clock, &machine).map_err(stop)?;
+    let (table, picture) = measured;
     output.main_csv(csv_name, table.csv(None).as_bytes())?;
     if let Some((svg, _)) = &picture {
         output.file(svg_name, svg.as_bytes())?;
@@ -142,6 +109,52 @@ pub(super) fn run(arguments: &BenchArguments) -> Result<Exit, Stop> {
     // On standard output the table is the main CSV already.
     output.print_files(&files)?;
     Ok(Exit::Done)
+}
+
+/// The study that is named, or a strut's template.
+fn measured_study(arguments: &BenchArguments) -> Result<Study, Stop> {
+    Ok(match &arguments.study {
+        Some(path) if arguments.kind == BenchKind::Equilibria => {
+            Study::read_elastic(path, &arguments.set)?
+        }
+        Some(path) => Study::read(path, &arguments.set)?,
+        None => {
+            let strut = Topology::named("macpherson").expect("it is in the catalogue");
+            Study::from_text("macpherson.toml", strut.template, Path::new(""))?
+        }
+    })
+}
+
+/// A picture (SVG) of measurements, and its table of a few rows.
+type Picture = (String, Table);
+
+/// Table of the measurements, with a picture of those of accuracy.
+fn measure(
+    study: &Study,
+    kind: BenchKind,
+    threads: usize,
+    clock: &Clock,
+    machine: &Machine,
+) -> Result<(Table, Option<Picture>), Unmeasurable> {
+    Ok(match (kind, study.one_wheel()) {
+        (BenchKind::Accuracy, Some(wheel)) => {
+            let found = Accuracy::measure(wheel, clock)?;
+            let caption = format!("{}, {}", study.name, machine.line());
+            let picture = (accuracy_picture(&found, &caption), accuracy_summary(&found));
+            (accuracy_table(&found), Some(picture))
+        }
+        (BenchKind::Effects, Some(wheel)) => {
+            (effects_table(&Effects::measure(wheel, clock)?), None)
+        }
+        (BenchKind::Equilibria, Some(wheel)) => {
+            (equilibria_table(&Equilibria::measure(wheel, clock)?), None)
+        }
+        // The others are refused for axles.
+        _ => (
+            throughput_table(&Throughput::measure(study, threads, clock)?),
+            None,
+        ),
+    })
 }
 
 /// Refuses measurements that are of one wheel by their nature.

@@ -6,6 +6,30 @@ use crate::study::StudyErrors;
 use std::io::{self, ErrorKind};
 use std::path::Path;
 
+/// Longest word of a reason, in characters. Only a cell of a hostile file has a longer one.
+const LONGEST_WORD: usize = 300;
+/// Longest reason.
+const LONGEST_REASON: usize = 20_000;
+
+/// A reason with its longest words cut: a file may have millions of characters where a number is expected.
+fn shortened(reason: &str) -> String {
+    let mut short = String::new();
+    for word in reason.split_inclusive(char::is_whitespace) {
+        if short.len() > LONGEST_REASON {
+            return short + "...";
+        }
+        match word.char_indices().nth(LONGEST_WORD) {
+            None => short += word,
+            Some((end, _)) => {
+                let count = word.chars().count();
+                let head: String = word[..end].chars().take(40).collect();
+                short += &format!("{head}... ({count} characters) ");
+            }
+        }
+    }
+    short
+}
+
 /// Documented exits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Exit {
@@ -66,6 +90,7 @@ impl Stop {
 
     /// A file, or its use, is wrong.
     pub(super) fn in_file(path: &Path, reason: impl std::fmt::Display) -> Self {
+        let reason = shortened(&reason.to_string());
         Stop::wrong_input(format!("{}: {reason}", path.display()))
     }
 
@@ -124,5 +149,26 @@ impl From<io::Error> for Stop {
                 exit: Exit::Incomplete,
             },
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Reasons of usual length stay; a cell of millions of characters does not fill the terminal.
+    #[test]
+    fn reasons_have_a_bounded_length() {
+        let usual = "line 4: expected a number,\n  found \"1.5 mm\"";
+        assert_eq!(shortened(usual), usual);
+        let word = format!(
+            "expected a number, found {:?} in line 3",
+            "7".repeat(5_000_000)
+        );
+        let short = shortened(&word);
+        assert!(short.len() < 200 && short.ends_with("in line 3"), "{short}");
+        assert!(short.contains("(5000002 characters)"), "{short}");
+        assert!(shortened(&"1, ".repeat(2_000_000)).len() < 21_000);
+        assert!(shortened(&"ä".repeat(1_000)).starts_with('ä'));
     }
 }

@@ -7,8 +7,8 @@ use super::save::save;
 use super::terminal::note;
 use crate::exchange::{
     Envelope, Page, Span, Tool, Tyre, Value, Written, bytes_of, csv, curves_in, drawing,
-    into_subsystem, optimum_k_rows, point_rows, subsystem, suspensions_ini, under_names_of,
-    workbook,
+    into_subsystem, optimum_k_rows, point_rows, property_file, subsystem, suspensions_ini,
+    under_names_of, workbook,
 };
 use crate::model::{FrameConvention, LengthUnit};
 use crate::study::Study;
@@ -55,6 +55,9 @@ pub(super) struct ExportArguments {
     /// With --to adams: a subsystem whose hardpoints are replaced in a copy
     #[arg(long, value_name = "FILE.sub")]
     into: Option<PathBuf>,
+    /// With --to bus: the hardpoint of the bushing [default: the only one]
+    #[arg(long, value_name = "HARDPOINT")]
+    bushing: Option<String>,
     /// The points of one design of the study's sweep, by its number
     #[arg(long, value_name = "NUMBER")]
     pub(super) design: Option<u64>,
@@ -85,6 +88,8 @@ pub(super) enum Target {
     Dxf,
     /// The space of the tyre over travel and steer, as solids for CAD
     Stl,
+    /// A bushing as a property file of Adams Car
+    Bus,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -154,6 +159,11 @@ pub(super) fn run_of(arguments: &ExportArguments, given: Option<&Study>) -> Resu
         }
         Target::Dxf => drawing(&source.outgoing()?),
         Target::Stl => envelope(&source, arguments)?,
+        Target::Bus => {
+            let refused = |reason: String| Stop::in_file(&arguments.source, reason);
+            let written = property_file(&source.outgoing()?, arguments.bushing.as_deref());
+            say(written.map_err(refused)?)
+        }
     };
     match &arguments.out {
         None => std::io::stdout().write_all(&bytes)?,
@@ -170,6 +180,12 @@ fn check_call(arguments: &ExportArguments) -> Result<(), Stop> {
         false => Ok(()),
     };
     only(arguments.into.is_some(), "--into", Target::Adams, "adams")?;
+    only(arguments.bushing.is_some(), "--bushing", Target::Bus, "bus")?;
+    if to == Target::Bus && (arguments.frame.is_some() || arguments.round.is_some()) {
+        return Err(Stop::wrong_input(
+            "a property file has laws and no points: leave out --frame and --round",
+        ));
+    }
     only(arguments.curves, "--curves", Target::Csv, "csv")?;
     only(arguments.names.is_some(), "--names", Target::Csv, "csv")?;
     only(arguments.travel.is_some(), "--travel", Target::Stl, "stl")?;
@@ -329,7 +345,7 @@ fn envelope(source: &Source, arguments: &ExportArguments) -> Result<Vec<u8>, Sto
     let unit = outgoing.unit.symbol();
     let digits = match outgoing.unit {
         LengthUnit::Millimetre => 2,
-        LengthUnit::Inch => 3,
+        LengthUnit::Inch | LengthUnit::InchPound => 3,
         LengthUnit::Metre => 5,
     };
     note(&format!(

@@ -77,12 +77,25 @@ impl Source {
             }
             return Ok(source);
         };
-        let takes_solid = [Target::Csv, Target::Xlsx, Target::Assetto].contains(&arguments.to);
-        if study.wheel().mechanism.rigid_axle.is_some() && !takes_solid {
-            let message = "a solid axle can be exported to CSV, to a workbook and to Assetto Corsa";
+        let mechanism = &study.wheel().mechanism;
+        let refused = match mechanism.rigid_axle.is_some() {
+            false => None,
+            true if mechanism.topology.is_twist_beam() => {
+                let takes_it = [Target::Csv, Target::Xlsx].contains(&arguments.to);
+                (!takes_it).then_some("a twist beam can be exported to CSV and to a workbook")
+            }
+            true => {
+                let takes_it = [Target::Csv, Target::Xlsx, Target::Assetto].contains(&arguments.to);
+                (!takes_it).then_some(
+                    "a solid axle can be exported to CSV, to a workbook and to Assetto Corsa",
+                )
+            }
+        };
+        if let Some(message) = refused {
             return Err(Stop::in_file(path, message));
         }
-        if study.compliance().is_some() && arguments.to != Target::Csv {
+        let keeps_parts = [Target::Csv, Target::Bus].contains(&arguments.to);
+        if study.compliance().is_some() && !keeps_parts {
             note(
                 "Elastic parts are not exported: the file has the hardpoints of the relaxed position.\n",
             );

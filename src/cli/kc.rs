@@ -4,7 +4,7 @@ use super::exit::{Exit, Stop};
 use super::output::Output;
 use super::terminal;
 use super::{KcArguments, Names};
-use crate::report::{OtherProgram, counted};
+use crate::report::{OtherProgram, counted, kc_page};
 use crate::rig::{OTHER_TABLES, RigTests};
 use crate::study::Study;
 
@@ -23,9 +23,10 @@ pub(super) fn run(arguments: &KcArguments) -> Result<Exit, Stop> {
     let arguments = &arguments.run;
     let path = &arguments.study.study;
     let study = Study::read_elastic(path, &arguments.study.set)?;
-    if arguments.report || arguments.plots.is_some() {
+    if arguments.plots.is_some() {
         return Err(Stop::wrong_input(
-            "`hardpoint kc` writes tables, without --report and --plots",
+            "`hardpoint kc` writes no pictures of its own: --report makes a page with charts, `hardpoint solve --plots` \
+             pictures of the curves",
         ));
     }
     let tests = RigTests::of(&study, other).map_err(|why| Stop::in_file(path, why))?;
@@ -43,6 +44,11 @@ pub(super) fn run(arguments: &KcArguments) -> Result<Exit, Stop> {
     }
     output.json("summary.json", &tests.summary())?;
     files.push("summary.json");
+    if arguments.report {
+        let page = kc_page(&study.name, &tests.results);
+        output.file("report.html", page.as_bytes())?;
+        files.push("report.html");
+    }
     output.finish()?;
 
     let results = &tests.results;

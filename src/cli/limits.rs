@@ -13,7 +13,9 @@ use crate::derive::MotionPoint;
 use crate::mechanism::{DesignFault, LimitCause, Toggle};
 use crate::model::{self, Axis, PointId, RockerId, Rod, Side};
 use crate::plan::Plan;
-use crate::report::{Cell, Column, FailureRange, Table, as_written, brief, limits_page};
+use crate::report::{
+    Cell, Column, FailureRange, LimitsSheet, Table, as_written, brief, limits_page,
+};
 use crate::solve::Solver;
 use crate::solved::Solved;
 use crate::study::{AxleStudy, CarStudy, Drive, Study, Vehicle, WheelStudy};
@@ -57,10 +59,39 @@ impl Page<'_> {
         notes: &[String],
         failures: &[String],
     ) -> Result<(), Stop> {
-        let page = limits_page(&study.name, limits, notes, failures);
+        let page = limits_page(&LimitsSheet {
+            study: &study.name,
+            limits,
+            motion: &motion_ranges(study),
+            notes,
+            failures,
+        });
         let inputs = [arguments.study.clone()];
         save(self.path, page.as_bytes(), self.force, &inputs)
     }
+}
+
+/// Ranges of the motion of a wheel's study, by the quantities of the table of limits.
+fn motion_ranges(study: &Study) -> Vec<(String, [f64; 2])> {
+    let Some(own) = study.one_wheel() else {
+        return Vec::new();
+    };
+    let ends = |values: &[f64]| {
+        let least = values.iter().copied().fold(f64::INFINITY, f64::min);
+        let most = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        (least < most).then_some([least, most])
+    };
+    let motion = &own.motion;
+    let rack = format!("rack_{}", own.suspension.length_unit.symbol());
+    let travel = match motion.drive {
+        Drive::Travel => Some(driven(study, String::new()).quantity),
+        _ => None,
+    };
+    let travel = travel.zip(ends(&motion.values));
+    travel
+        .into_iter()
+        .chain(ends(&motion.rack).map(|ends| (rack, ends)))
+        .collect()
 }
 
 fn of_wheel(
@@ -325,6 +356,10 @@ fn because(limit: &Limit, study: &Study) -> String {
                 "{} have come to a dead centre with each other",
                 links.join(", ")
             )
+        }
+        (LimitCause::AxleFolds, _) if study.wheel().mechanism.topology.is_twist_beam() => {
+            "the wheel centres rise no further: the arms stand upright, or the halves lock each other"
+                .to_owned()
         }
         (cause @ LimitCause::AxleFolds, _) => {
             format!("{cause}; the largest force is in {}", links.join(", "))

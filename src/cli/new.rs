@@ -114,10 +114,17 @@ struct Fitting {
     /// Body of pushrod and drop link.
     carrier: &'static str,
     pushrod: Option<[[f64; 3]; PUSHROD.len()]>,
-    anti_roll_bar: [[f64; 3]; ANTI_ROLL_BAR.len()],
+    anti_roll_bar: Option<[[f64; 3]; ANTI_ROLL_BAR.len()]>,
 }
 
-const FITTINGS: [Fitting; 8] = [
+const FITTINGS: [Fitting; 9] = [
+    Fitting {
+        topology: "twist_beam",
+        steers: "mount",
+        carrier: "arm",
+        pushrod: None,
+        anti_roll_bar: None,
+    },
     Fitting {
         topology: "trailing_arm_two_links",
         steers: "lower_link_inner",
@@ -130,12 +137,12 @@ const FITTINGS: [Fitting; 8] = [
             [70.0, 246.0, 632.0],
             [70.0, 46.0, 482.0],
         ]),
-        anti_roll_bar: [
+        anti_roll_bar: Some([
             [100.0, 580.0, 250.0],
             [100.0, 570.0, 380.0],
             [300.0, 50.0, 380.0],
             [300.0, 560.0, 380.0],
-        ],
+        ]),
     },
     Fitting {
         topology: "integral_link",
@@ -149,12 +156,12 @@ const FITTINGS: [Fitting; 8] = [
             [10.0, 260.0, 520.0],
             [10.0, 60.0, 380.0],
         ]),
-        anti_roll_bar: [
+        anti_roll_bar: Some([
             [40.0, 560.0, 235.0],
             [40.0, 550.0, 360.0],
             [-160.0, 50.0, 360.0],
             [-160.0, 540.0, 360.0],
-        ],
+        ]),
     },
     Fitting {
         topology: "h_arm",
@@ -168,36 +175,36 @@ const FITTINGS: [Fitting; 8] = [
             [0.0, 260.0, 510.0],
             [0.0, 60.0, 370.0],
         ]),
-        anti_roll_bar: [
+        anti_roll_bar: Some([
             [40.0, 560.0, 230.0],
             [40.0, 550.0, 350.0],
             [-160.0, 50.0, 350.0],
             [-160.0, 540.0, 350.0],
-        ],
+        ]),
     },
     Fitting {
         topology: "solid_axle",
         steers: "lower_link_chassis",
         carrier: "axle",
         pushrod: None,
-        anti_roll_bar: [
+        anti_roll_bar: Some([
             [-60.0, 520.0, 300.0],
             [-60.0, 515.0, 420.0],
             [-260.0, 50.0, 420.0],
             [-260.0, 510.0, 420.0],
-        ],
+        ]),
     },
     Fitting {
         topology: "macpherson",
         steers: "tie_rod_inner",
         carrier: "knuckle",
         pushrod: None,
-        anti_roll_bar: [
+        anti_roll_bar: Some([
             [40.0, 620.0, 230.0],
             [40.0, 610.0, 380.0],
             [-160.0, 50.0, 380.0],
             [-160.0, 600.0, 380.0],
-        ],
+        ]),
     },
     Fitting {
         topology: "double_wishbone",
@@ -211,12 +218,12 @@ const FITTINGS: [Fitting; 8] = [
             [0.0, 270.0, 490.0],
             [0.0, 70.0, 340.0],
         ]),
-        anti_roll_bar: [
+        anti_roll_bar: Some([
             [40.0, 560.0, 210.0],
             [40.0, 550.0, 340.0],
             [-160.0, 50.0, 340.0],
             [-160.0, 540.0, 340.0],
-        ],
+        ]),
     },
     Fitting {
         topology: "five_link",
@@ -230,12 +237,12 @@ const FITTINGS: [Fitting; 8] = [
             [-70.0, 246.0, 632.0],
             [-70.0, 46.0, 482.0],
         ]),
-        anti_roll_bar: [
+        anti_roll_bar: Some([
             [40.0, 660.0, 230.0],
             [40.0, 650.0, 380.0],
             [240.0, 50.0, 380.0],
             [240.0, 640.0, 380.0],
-        ],
+        ]),
     },
     Fitting {
         topology: "semi_trailing_arm",
@@ -249,12 +256,12 @@ const FITTINGS: [Fitting; 8] = [
             [70.0, 246.0, 632.0],
             [70.0, 46.0, 482.0],
         ]),
-        anti_roll_bar: [
+        anti_roll_bar: Some([
             [100.0, 560.0, 250.0],
             [100.0, 550.0, 380.0],
             [300.0, 50.0, 380.0],
             [300.0, 540.0, 380.0],
-        ],
+        ]),
     },
 ];
 
@@ -270,6 +277,11 @@ const AXLE_TARGETS: &str = r#"  { characteristic = "toe", over = "heave", points
 /// Targets of a solid axle: little roll steer, and anti-squat.
 const SOLID_AXLE_TARGETS: &str = r#"  { characteristic = "roll_steer", over = "roll", between = [-0.02, 0.02], tolerance = 0.005 },
   { characteristic = "anti_squat", over = "heave", roll = 0.0, at = 0.0, value = 100.0, tolerance = 2.0 },
+"#;
+
+/// Targets of a twist beam: little roll steer, and a roll centre at this height.
+const TWIST_BEAM_TARGETS: &str = r#"  { characteristic = "roll_steer", over = "roll", between = [-0.02, 0.02], tolerance = 0.005 },
+  { characteristic = "force_roll_centre_height", over = "heave", roll = 0.0, at = 0.0, value = 200.0, tolerance = 5.0 },
 "#;
 
 /// A commented study of a topology that runs, with parts by their names.
@@ -370,7 +382,7 @@ fn study(topology: &Topology, parts: &[Part]) -> Result<String, String> {
         return Err("a Panhard rod or a Watt linkage holds an axle sideways, not both".to_owned());
     }
     for (_, name, points, places) in lateral {
-        if !is_solid {
+        if topology.hardpoint("panhard_axle").is_none() {
             return Err(format!("{} has no {name}", topology.name));
         }
         let single = "# single = [\"upper_link\"]        # with a Panhard rod or a Watt linkage";
@@ -402,8 +414,20 @@ fn study(topology: &Topology, parts: &[Part]) -> Result<String, String> {
         text = with_points(&text, PUSHROD, &places, fitting.carrier, "rocker_angle");
     }
     if parts.contains(&Part::AntiRollBar) {
-        let (places, carrier) = (&fitting.anti_roll_bar, fitting.carrier);
-        text = with_points(&text, ANTI_ROLL_BAR, places, carrier, "anti_roll_bar_angle");
+        let places = fitting.anti_roll_bar.ok_or_else(|| {
+            format!(
+                "{} has no anti-roll bar of its own: add its rate to torsional_rate",
+                topology.name
+            )
+        })?;
+        let carrier = fitting.carrier;
+        text = with_points(
+            &text,
+            ANTI_ROLL_BAR,
+            &places,
+            carrier,
+            "anti_roll_bar_angle",
+        );
         if parts.contains(&Part::Pushrod) {
             // Beside a rocker a study must say where the drop link stands.
             let body = carrier.replace(' ', "_");
@@ -431,6 +455,7 @@ variables = [                    # offsets from the design
     }
     if parts.contains(&Part::Optimise) {
         let targets = match (is_solid, is_axle) {
+            _ if topology.is_twist_beam() => TWIST_BEAM_TARGETS,
             (true, _) => SOLID_AXLE_TARGETS,
             (false, true) => AXLE_TARGETS,
             (false, false) => TARGETS,
@@ -643,7 +668,7 @@ mod tests {
                 parts
             };
             let mut together = vec![without(&[Part::Axle, Part::Watt]), without(&[Part::Watt])];
-            if topology.carries_both_wheels() {
+            if all.contains(&Part::Watt) {
                 together.push(without(&[Part::Panhard]));
             }
             for parts in alone.chain(together) {

@@ -9,8 +9,8 @@ use super::yields::yields;
 use super::{interrupt, progress, terminal};
 use crate::optimise::{Control, Tuning, tune};
 use crate::report::{
-    FrontRecord, PriceRecord, Record, TuningSummary, counted, history_csv, shown_side_effects,
-    side_effects_table, unchanged_in_words, variable_plausibility,
+    CurveTable, FrontRecord, PriceRecord, Record, TuningSummary, counted, history_csv,
+    shown_side_effects, side_effects_table, unchanged_in_words, variable_plausibility,
 };
 use crate::rig::RigTests;
 use crate::side_effects::side_effects;
@@ -126,7 +126,6 @@ pub(super) fn run(arguments: &OptimiseArguments) -> Result<Exit, Stop> {
     let record = || Solved::record("optimise", &[("before", "curves_before.csv", &before)]);
     let report = ReportOptions::open(arguments, &study, record)?;
     let output = Output::open(arguments, &study, "optimise")?;
-    let fault = |why| Stop::unsolved(path, why);
     let of_wheel = |why| design_fault(&study, path, &why).after_its_input();
     interrupt::stops_by_itself();
     let tuning = pool.install(|| tune_with_progress(&study, optimise));
@@ -136,18 +135,14 @@ pub(super) fn run(arguments: &OptimiseArguments) -> Result<Exit, Stop> {
     if interrupt::is_raised() {
         keep(&output, &study, &tuning, tuned.as_ref())?;
     }
-    let after = tuned.as_ref().map(Solved::with_targets);
-    let after = after.transpose().map_err(fault)?;
+    let after = tuned.as_ref().map(Solved::with_targets).transpose();
+    let after = after.map_err(|why| Stop::unsolved(path, why))?;
     let prices = *prices || arguments.report;
     let choices = pool.install(|| Choices::of(&study, optimise, &tuning, prices));
     let choices = choices.map_err(of_wheel)?;
+    let curves = after.as_ref().map(Solved::curves);
+    let mut summary = TuningSummary::of(&study, optimise, &tuning, curves);
     let kept = best.map(|best| &best.offsets[..]);
-    let mut summary = TuningSummary::of(
-        &study,
-        optimise,
-        &tuning,
-        after.as_ref().map(Solved::curves),
-    );
     summary.prices = PriceRecord::all(optimise, &choices.prices, kept);
     if let Some(tuned) = &tuned {
         summary.side_effects = side_effects(&study, tuned).map_err(of_wheel)?;
@@ -155,88 +150,131 @@ pub(super) fn run(arguments: &OptimiseArguments) -> Result<Exit, Stop> {
     let expected = tuning.expected_yield.as_ref();
     let expected = expected.and_then(|found| found.as_ref().ok());
     summary.yields = pool.install(|| yields(&study, optimise, tuned.as_ref(), expected));
-
-    let interrupted = interrupt::is_raised();
-    if interrupted {
-        output.mark_interrupted();
-    }
-    let mut refused = None;
-    let mut files = vec!["curves_before.csv", "history.csv", "summary.json"];
-    output.file("curves_before.csv", &before.csv())?;
-    output.file("history.csv", &history_csv(&tuning.starts))?;
-    output.json("summary.json", &summary)?;
-    let mut designs = vec![("before", "curves_before.csv", &before)];
-    if let (Some(tuned), Some(after)) = (&tuned, &after) {
-        designs.push(("after", "curves.csv", after));
-        output.main_csv("curves.csv", &after.csv())?;
-        files.extend(output.file_if_any("kc.csv", figures_of(tuned).map_err(fault)?)?);
-        let tuned = study.with_points_of(tuned);
-        output.file("optimised.toml", tuned.as_bytes())?;
-        let directory = path.parent().unwrap_or(Path::new(""));
-        refused = Study::elastic_from_text("optimised.toml", &tuned, directory).err();
-        files = [&["curves.csv", "optimised.toml"], &files[..]].concat();
-    } else {
-        output.without("curves.csv")?;
-        output.without("optimised.toml")?;
-    }
-    let effects = &summary.side_effects;
-    let csv = (!effects.is_empty()).then(|| side_effects_table(effects).csv(None).into_bytes());
-    files.extend(output.file_if_any("side_effects.csv", csv)?);
-    let csv = after.as_ref().and_then(Solved::sensitivities_csv);
-    files.extend(output.file_if_any("sensitivities.csv", csv)?);
-    files.extend(choices.write(&output, &study, optimise)?);
-    if output.directory().is_some() {
-        let record = Solved::record("optimise", &designs).map_err(fault)?;
-        let front = choices.front.as_ref();
-        let front = front.map(|front| FrontRecord::of(&study, optimise, front));
-        let record = Record { front, ..record };
-        output.record("report.json", &record)?;
-        files.push("report.json");
-    }
-    if !interrupted {
-        files.extend(report.show(output.directory())?);
-    }
-    output.finish()?;
-
-    say_outcome(&output, &study, &summary)?;
-    let has_front = choices.say(&output, optimise, &summary)?;
-    if let Some(yields) = &summary.yields {
-        output.say(&format!("\n{}\n\n", yields.headline()))?;
-        output.table("yields", &yields.table())?;
-        if let Some(words) = yields.surrogate_in_words() {
-            output.say(&format!("\n{words}\n"))?;
-        }
-        output.say_remarks(yields.remark())?;
-    }
-    if let Some(Err(reason)) = &tuning.expected_yield {
-        let words = format!("the yield is not raised: {reason}");
-        output.say_failure(&format!("\n{words}\n"))?;
-    }
-    let is_complete = after.as_ref().is_some_and(Solved::is_complete);
-    let plausibility = after.as_ref().map(Solved::plausibility);
-    let plausibility = plausibility
-        .transpose()
-        .map_err(fault)?
-        .into_iter()
-        .flatten();
-    let plausibility = plausibility.chain(variable_plausibility(&study));
-    let remarks = after.as_ref().map(Solved::remarks).into_iter().flatten();
-    output.say_plausibility(plausibility.chain(remarks), after.is_none() || is_complete)?;
-    for failure in after.iter().flat_map(Solved::failures) {
-        output.say_failure(&format!("\nnot solved: {failure}\n"))?;
-    }
-    let is_whole = is_complete && has_front && !summary.falls_short() && refused.is_none();
-    let is_whole = is_whole && !matches!(tuning.expected_yield, Some(Err(_)));
-    say_openings(&output, &study, &summary, refused)?;
-    if interrupted {
-        let words = summary.interrupted_in_words();
-        output.say_failure(&format!("\n{words}\n"))?;
-    }
+    let finished = Finished {
+        path,
+        study: &study,
+        optimise,
+        tuning: &tuning,
+        before: &before,
+        tuned: tuned.as_ref().zip(after.as_ref()),
+        choices: &choices,
+        summary: &summary,
+        is_interrupted: interrupt::is_raised(),
+    };
+    let (files, refused) = finished.write(&output, &report)?;
+    let exit = finished.say(&output, refused)?;
     output.print_files(&files)?;
-    Ok(match interrupted {
-        true => Exit::Interrupted,
-        false => Exit::of(is_whole),
-    })
+    Ok(exit)
+}
+
+/// An ended tuning with its results.
+struct Finished<'a> {
+    path: &'a Path,
+    study: &'a Study,
+    optimise: &'a Optimise,
+    tuning: &'a Tuning,
+    before: &'a Solved<'a>,
+    /// The tuned design with its curves; `None` if no start reached a design.
+    tuned: Option<(&'a Study, &'a Solved<'a>)>,
+    choices: &'a Choices,
+    summary: &'a TuningSummary,
+    is_interrupted: bool,
+}
+
+impl Finished<'_> {
+    /// Writes all files. Returns their names, and the errors of the tuned study if other commands refuse it.
+    fn write(
+        &self,
+        output: &Output,
+        report: &ReportOptions,
+    ) -> Result<(Vec<&'static str>, Option<StudyErrors>), Stop> {
+        let (study, summary) = (self.study, self.summary);
+        let fault = |why| Stop::unsolved(self.path, why);
+        if self.is_interrupted {
+            output.mark_interrupted();
+        }
+        let mut refused = None;
+        let mut files = vec!["curves_before.csv", "history.csv", "summary.json"];
+        output.file("curves_before.csv", &self.before.csv())?;
+        output.file("history.csv", &history_csv(&self.tuning.starts))?;
+        output.json("summary.json", summary)?;
+        let mut designs = vec![("before", "curves_before.csv", self.before)];
+        if let Some((tuned, after)) = self.tuned {
+            designs.push(("after", "curves.csv", after));
+            output.main_csv("curves.csv", &after.csv())?;
+            files.extend(output.file_if_any("kc.csv", figures_of(tuned).map_err(fault)?)?);
+            let tuned = study.with_points_of(tuned);
+            output.file("optimised.toml", tuned.as_bytes())?;
+            let directory = self.path.parent().unwrap_or(Path::new(""));
+            refused = Study::elastic_from_text("optimised.toml", &tuned, directory).err();
+            files = [&["curves.csv", "optimised.toml"], &files[..]].concat();
+        } else {
+            output.without("curves.csv")?;
+            output.without("optimised.toml")?;
+        }
+        let effects = &summary.side_effects;
+        let csv = (!effects.is_empty()).then(|| side_effects_table(effects).csv(None).into_bytes());
+        files.extend(output.file_if_any("side_effects.csv", csv)?);
+        let csv = self.tuned.and_then(|(_, after)| after.sensitivities_csv());
+        files.extend(output.file_if_any("sensitivities.csv", csv)?);
+        files.extend(self.choices.write(output, study, self.optimise)?);
+        if output.directory().is_some() {
+            let record = Solved::record("optimise", &designs).map_err(fault)?;
+            let front = self.choices.front.as_ref();
+            let curves = |study: &Study| {
+                let solved = Solved::with_targets(study).ok()?;
+                CurveTable::read(&solved.csv()).ok()
+            };
+            let front = front.map(|front| FrontRecord::of(study, self.optimise, front, curves));
+            let record = Record { front, ..record };
+            output.record("report.json", &record)?;
+            files.push("report.json");
+        }
+        if !self.is_interrupted {
+            files.extend(report.show(output.directory())?);
+        }
+        output.finish()?;
+        Ok((files, refused))
+    }
+
+    /// Prints the results. `refused` holds the errors of the tuned study, if it has any.
+    fn say(&self, output: &Output, refused: Option<StudyErrors>) -> Result<Exit, Stop> {
+        let summary = self.summary;
+        say_outcome(output, self.study, summary)?;
+        let has_front = self.choices.say(output, self.optimise, summary)?;
+        if let Some(yields) = &summary.yields {
+            output.say(&format!("\n{}\n\n", yields.headline()))?;
+            output.table("yields", &yields.table())?;
+            if let Some(words) = yields.surrogate_in_words() {
+                output.say(&format!("\n{words}\n"))?;
+            }
+            output.say_remarks(yields.remark())?;
+        }
+        if let Some(Err(reason)) = &self.tuning.expected_yield {
+            let words = format!("the yield is not raised: {reason}");
+            output.say_failure(&format!("\n{words}\n"))?;
+        }
+        let after = self.tuned.map(|(_, after)| after);
+        let is_complete = after.is_some_and(Solved::is_complete);
+        let plausibility = after.map(Solved::plausibility).transpose();
+        let plausibility = plausibility.map_err(|why| Stop::unsolved(self.path, why))?;
+        let plausibility = plausibility.into_iter().flatten();
+        let plausibility = plausibility.chain(variable_plausibility(self.study));
+        let remarks = after.map(Solved::remarks).into_iter().flatten();
+        output.say_plausibility(plausibility.chain(remarks), after.is_none() || is_complete)?;
+        for failure in after.into_iter().flat_map(Solved::failures) {
+            output.say_failure(&format!("\nnot solved: {failure}\n"))?;
+        }
+        let is_whole = is_complete && has_front && !summary.falls_short() && refused.is_none();
+        let is_whole = is_whole && !matches!(self.tuning.expected_yield, Some(Err(_)));
+        say_openings(output, self.study, summary, refused)?;
+        if self.is_interrupted {
+            let words = summary.interrupted_in_words();
+            output.say_failure(&format!("\n{words}\n"))?;
+            return Ok(Exit::Interrupted);
+        }
+        Ok(Exit::of(is_whole))
+    }
 }
 
 /// `kc.csv` of a tuned design with elastic parts; `None` for a rigid one.

@@ -353,7 +353,7 @@ pub(super) fn written(
     let unit = match length {
         LengthUnit::Millimetre => "mm",
         LengthUnit::Metre => "meter",
-        LengthUnit::Inch => "inch",
+        LengthUnit::Inch | LengthUnit::InchPound => "inch",
     };
     let rule = |name: &str| format!("${name:->79}\n[{name}]\n");
     let mut text = rule("MDI_HEADER");

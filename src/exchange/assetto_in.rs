@@ -19,7 +19,7 @@
 //! | `ML` | refused by name |
 //!
 //! `STATIC_CAMBER` is in degrees, negative with the top inward. `TOE_OUT` is a length by which the steering rod
-//! moves, no angle. Springs have rates at the wheel and no points.
+//! moves, no angle. `SPRING_RATE` is the rate at the wheel in N/m; the file has no points of springs.
 //!
 //! `BASEY` is the height of the wheel centre above the centre of gravity of the car, and `CG_LOCATION` the share of the weight
 //! on the front axle. Beside the file, `car.ini` has the mass.
@@ -46,8 +46,23 @@ pub(super) const POINTS: &[(&str, &str)] = &[
     ("WBTYRE_STEER", "tie_rod_outer"),
 ];
 
-/// Keys that another simulation needs and a study of kinematics does not.
-const RATES: &[&str] = &["SPRING_RATE", "DAMP_BUMP", "ROD_LENGTH", "TOE_OUT"];
+/// Keys that a study cannot hold, with the reason.
+const LEFT_OUT: &[(&str, &str)] = &[
+    (
+        "ROD_LENGTH",
+        "a length at the wheel that sets the ride height, for which there is no hardpoint",
+    ),
+    ("DAMP_BUMP", "a study has no dampers"),
+    ("DAMP_REBOUND", "a study has no dampers"),
+    (
+        "BUMP_STOP_RATE",
+        "a stop at the wheel; those of a study are along the spring",
+    ),
+    (
+        "TOE_OUT",
+        "a displacement of the steering rod, not a toe angle",
+    ),
+];
 
 /// The most links of a live axle that are read.
 const MOST_LINKS: usize = 16;
@@ -257,6 +272,21 @@ impl File<'_> {
         })
     }
 
+    /// Says why the rate at the wheel makes no spring, and how to get one.
+    fn spring_rate(&self, name: &str, table: &mut PointTable) -> Result<(), String> {
+        let Some(rate) = self.number(name, "SPRING_RATE")? else {
+            return Ok(());
+        };
+        let ends = match self.entry(name, "TYPE").map(|entry| entry.value) {
+            Some("STRUT") => "its force at design is not in the file",
+            _ => "its ends are not in the file: add spring_upper and spring_lower",
+        };
+        table.left_out.push(format!(
+            "[{name}] SPRING_RATE: {rate} N/m at the wheel. A [spring] along the spring has the rate {rate} / motion_ratio^2; {ends}"
+        ));
+        Ok(())
+    }
+
     fn axle(&self, name: &str, axle: AxlePosition, table: &mut PointTable) -> Result<(), String> {
         let kind = self.entry(name, "TYPE").map_or("", |entry| entry.value);
         let kind = match kind.to_ascii_uppercase().as_str() {
@@ -337,12 +367,9 @@ impl File<'_> {
         );
         figure("TRACK", "track", track);
         figure("WHEELBASE", "wheelbase", wheelbase);
-        for key in RATES {
+        self.spring_rate(name, table)?;
+        for (key, why) in LEFT_OUT {
             if self.entry(name, key).is_some() {
-                let why = match *key {
-                    "TOE_OUT" => "a displacement of the steering rod, not a toe angle",
-                    _ => "a rate or a length at the wheel, for which there is no hardpoint",
-                };
                 table.left_out.push(format!("[{name}] {key}: {why}"));
             }
         }

@@ -115,7 +115,7 @@ impl Drawing {
         self.text("UNIT_AND_FRAME", &said, [0.0; 3], height);
         // All of the header except the unit is of release 12; readers that do not know the unit skip it.
         let code = match outgoing.unit {
-            LengthUnit::Inch => 1,
+            LengthUnit::Inch | LengthUnit::InchPound => 1,
             LengthUnit::Millimetre => 4,
             LengthUnit::Metre => 6,
         };

@@ -310,7 +310,7 @@ impl Imported {
         match self.unit {
             LengthUnit::Millimetre => millimetres,
             LengthUnit::Metre => millimetres / 1000.0,
-            LengthUnit::Inch => (millimetres / 25.4 * 10.0).floor() / 10.0,
+            LengthUnit::Inch | LengthUnit::InchPound => (millimetres / 25.4 * 10.0).floor() / 10.0,
         }
     }
 }

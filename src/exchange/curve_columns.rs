@@ -54,7 +54,7 @@ fn in_power(number: f64, power: i32, from: LengthUnit, to: LengthUnit) -> f64 {
 }
 
 /// Words of units other than lengths.
-const UNIT_WORDS: [&str; 7] = ["deg", "percent", "N", "per", "rad", "s", "Hz"];
+const UNIT_WORDS: [&str; 9] = ["deg", "percent", "N", "lbf", "ft", "per", "rad", "s", "Hz"];
 
 /// Start of the unit in a column name, including the sign before it.
 fn unit_start(name: &str) -> usize {

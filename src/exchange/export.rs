@@ -53,7 +53,11 @@ fn right_half<'a>(outgoing: &'a Outgoing<'_>, id: PointId) -> Half<'a> {
     let mechanism = &outgoing.study.wheel().mechanism;
     let pairs = mechanism.rigid_axle.iter().flat_map(|axle| &axle.pairs);
     let Some([near, _]) = pairs.into_iter().find(|[_, far]| *far == id) else {
-        return Half::Left;
+        // A point that follows another one is not of the study.
+        return match mechanism.is_far(id) {
+            true => Half::MirrorImage,
+            false => Half::Left,
+        };
     };
     let place = |id: PointId| outgoing.place(Side::Left, id);
     let (left, right) = (place(*near), place(id));

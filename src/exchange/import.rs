@@ -136,6 +136,9 @@ pub fn import(table: &PointTable, options: &ImportOptions<'_>) -> Result<Importe
     if is_optimum {
         optimum::bar_axis(&named, corner, &mut picked);
     }
+    // Missing names come first: without points there is no size to tell the unit from.
+    let wheel: &[&str] = if is_optimum { &["wheel_centre"] } else { &[] };
+    refuse_missing(table, options, &roles, &picked, wheel)?;
     let unit = unit::unit(table, options, &picked, &mut notes)?;
     let mut figures = figures::read(table, corner, unit, options, is_optimum, &mut notes)?;
     let makes_wheel = is_optimum && figures.half_track().is_some() && figures.radius().is_some();

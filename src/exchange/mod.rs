@@ -14,7 +14,8 @@
 //! | a study that runs, or those of a car | `compose`, `car` |
 //!
 //! An export goes the other way: [`Outgoing`] is a study in the unit and the axes of a file (after `rounding`), from which
-//! `export` (tables), `curve_columns`, `subsystem`, `optimum_table`, `suspensions_ini`, `centre_lines` and `envelope` write.
+//! `export` (tables), `curve_columns`, `subsystem`, `optimum_table`, `suspensions_ini`,
+//! `property_file`, `centre_lines` and `envelope` write.
 //!
 //! [`read_points`] makes the table, [`import()`] the wheel, [`Imported::study`] the study. The study keeps the file's axes
 //! where studies know them, so that every coordinate is the double that was written. Else coordinates change places
@@ -51,6 +52,7 @@ mod optimum_table;
 mod outgoing;
 mod place;
 mod points;
+mod property_file;
 mod refusal;
 mod roles;
 mod rounding;
@@ -74,6 +76,7 @@ pub use header::unit_of;
 pub use import::{Hardpoint, ImportOptions, Imported, import};
 pub use optimum_table::{RowsAndNotes, optimum_k_rows};
 pub use outgoing::Outgoing;
+pub use property_file::property_file;
 pub use refusal::{Question, Refusal, for_shell};
 pub use rounding::{Grid, Loss, Rounded, moved_coordinates, rounded, tuned_coordinates};
 pub use source::{bytes_of, read as read_points, read_map};

@@ -13,8 +13,8 @@ const LONGEST: usize = 300;
 
 /// Words of names and their meanings; empty for words without meaning.
 const SPELT: &[(&str, &str)] = &[
-    ("lca lwishbone", "lower arm"),
-    ("uca uwishbone", "upper arm"),
+    ("lca lwishbone lwb", "lower arm"),
+    ("uca uwishbone uwb", "upper arm"),
     ("fuca", "front upper arm"),
     ("flca", "front lower arm"),
     ("ruca", "rear upper arm"),
@@ -42,7 +42,7 @@ const SPELT: &[(&str, &str)] = &[
     ("ir", "inner rear"),
     ("front frt fwd fore forward f", "front"),
     ("rear aft rearward back rwd", "rear"),
-    ("tierod trackrod", "tie rod"),
+    ("tierod trackrod tr", "tie rod"),
     ("tie track steering steer", "tie"),
     ("toe", "toe"),
     ("toelink toerod", "toe rod"),
@@ -213,7 +213,7 @@ pub(super) fn side_of(word: &str) -> Option<Side> {
 
 /// The wheel and axle that a title or a cell names, if it names nothing else: "Front left", "FL", "rear axle".
 pub(super) fn marks_of_title(text: &str) -> Option<Marks> {
-    const BESIDE: &str = "axle axles suspension susp corner wheel side geometry hardpoints hardpoint points kinematics";
+    const BESIDE: &str = "axle axles suspension susp corner wheel side geometry hardpoints hardpoint hp points kinematics";
     let mut marks = Marks::default();
     for word in cut(text) {
         let axle = match word.as_str() {

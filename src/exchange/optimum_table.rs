@@ -106,7 +106,7 @@ impl Table<'_> {
         let (word, symbol) = match self.outgoing.unit {
             LengthUnit::Millimetre => ("millimeter", "mm"),
             LengthUnit::Metre => ("meter", "m"),
-            LengthUnit::Inch => ("inch", "in"),
+            LengthUnit::Inch | LengthUnit::InchPound => ("inch", "in"),
         };
         let version = concat!("hardpoint ", env!("CARGO_PKG_VERSION"));
         self.row(["", "Name:", &name]);

@@ -63,6 +63,7 @@ const OPTIMUM: &[(&str, &str)] = &[
     ("chas tie pnt", "tie_rod_inner"),
     ("upri tie pnt", "tie_rod_outer"),
     ("nsma ppatt pnt", "pushrod_outer"),
+    ("nsma ppatt", "pushrod_outer"),
     ("rock rod pnt", "pushrod_inner"),
     ("chas roc axi", "rocker_pivot_front"),
     ("chas roc piv", "rocker_pivot_rear"),
@@ -77,21 +78,33 @@ const OPTIMUM: &[(&str, &str)] = &[
 pub(super) fn is_optimum(points: &[NamedPoint]) -> bool {
     points.iter().any(|point| {
         let words = cut(&point.read_as);
-        words
-            .first()
-            .is_some_and(|word| word == "chas" || word == "upri")
-            && optimum(&words).is_some()
+        let has = |wanted: &str| words.iter().any(|word| word == wanted);
+        (has("chas") || has("upri")) && optimum(&words).is_some()
     })
 }
 
+/// The hardpoint of a name of OptimumKinematics, which may stand behind its axle and before its wheel.
 fn optimum(words: &[String]) -> Option<(&'static str, Marks)> {
     let (words, marks) = match words {
         [rest @ .., last] if !marks_of(last).is_empty() && rest.len() > 1 => (rest, marks_of(last)),
         _ => (words, Marks::default()),
     };
-    let joined = words.join(" ");
-    let found = OPTIMUM.iter().find(|(name, _)| *name == joined);
-    found.map(|(_, hardpoint)| (*hardpoint, marks))
+    let fitting = OPTIMUM.iter().filter_map(|(name, hardpoint)| {
+        let own: Vec<&str> = name.split(' ').collect();
+        let before = words.len().checked_sub(own.len())?;
+        (words[before..] == own).then_some((before, *hardpoint))
+    });
+    // The longest name: `nsma ubar att pnt` ends with `ubar att pnt`.
+    let (before, hardpoint) = fitting.min_by_key(|(before, _)| *before)?;
+    let marks = words[..before].iter().fold(marks, |marks, word| {
+        let axle = match word.as_str() {
+            "front" => Some(AxlePosition::Front),
+            "rear" => Some(AxlePosition::Rear),
+            _ => None,
+        };
+        marks.or(marks_of(word)).or(Marks { side: None, axle })
+    });
+    Some((hardpoint, marks))
 }
 
 /// Wheel and axle that a name says in any topology.
@@ -260,7 +273,7 @@ mod tests {
         let (front, rear) = (Some(AxlePosition::Front), Some(AxlePosition::Rear));
         let (left, right) = (Some(Side::Left), Some(Side::Right));
         let topology = Topology::named("double_wishbone").unwrap();
-        let cases: [Case; 17] = [
+        let cases: [Case; 20] = [
             (&[], "hpl_lca_front", "lower_arm_front", left, None, None),
             (&sided, "LCA front R", "lower_arm_front", right, None, None),
             (
@@ -313,6 +326,16 @@ mod tests {
                 Some("rocker"),
             ),
             (&[], "NSMA_PPAttPnt_L", "pushrod_outer", left, None, None),
+            (
+                &[],
+                "Front NSMA_UBarAttPnt_L",
+                "drop_link_outer",
+                left,
+                front,
+                None,
+            ),
+            (&[], "LWB_IN_F", "lower_arm_front", None, None, None),
+            (&[], "TR_OUT", "tie_rod_outer", None, None, None),
         ];
         for (others, name, hardpoint, side, axle, body) in cases {
             let letters = Letters::of(others.iter().copied());

@@ -56,11 +56,23 @@ fn of_plain_file(path: &Path, bytes: &[u8]) -> Result<PointTable, String> {
     if assetto_in::is_ini(path, &text) {
         return assetto_in::points_of(path, &text);
     }
+    if text.lines().any(|line| line.trim() == "[BODY]") && text.contains("[BAR]") {
+        return Err(
+            "it is a suspension of rFactor (.pm), bodies and bars without names of hardpoints; give its points as a table \
+             of names, x, y and z"
+                .to_owned(),
+        );
+    }
     if yaml::is_named(path) {
         return map::points_of(&yaml::read(&text)?)?.ok_or_else(|| NO_POINTS.to_owned());
     }
     if map::is_json(&text) {
-        let root = map::of_json(&text)?;
+        let root = map::of_json(&text).map_err(|reason| match path.extension() {
+            Some(extension) if !extension.eq_ignore_ascii_case("json") => {
+                format!("{NO_POINTS}; it begins like JSON, but it is {reason}")
+            }
+            _ => reason,
+        })?;
         if let Some(table) = chrono_vehicle::read(path, &root)? {
             return Ok(table);
         }

@@ -7,10 +7,14 @@
 //!
 //! A solid axle is `TYPE=AXLE`. Its links are in a section `[AXLE]`, relative to the middle of both wheel centres: x to the
 //! left, y up, z forward. The game knows one such section, which is of the rear axle.
+//!
+//! `SPRING_RATE` is the rate at the wheel in N/m: [`WheelQuantity::WheelRate`] in the design position, without the
+//! anti-roll bar, which the game has besides.
 
 use super::assetto_in::POINTS;
 use super::outgoing::Outgoing;
 use super::subsystem::Written;
+use crate::axle::{AxlePlan, Quantity, WheelQuantity, axle_curves};
 use crate::car::Masses;
 use crate::model::{AxlePosition, Constraint, LengthUnit, PointId, Side};
 use crate::number::Vector3;
@@ -94,13 +98,32 @@ pub fn suspensions_ini_of_car(study: &CarStudy) -> Result<Written, String> {
     })
 }
 
-const HEAD: &str = "; suspensions.ini by hardpoint: geometry alone; springs, dampers, stops and masses are to be added
+const HEAD: &str = "; suspensions.ini by hardpoint: geometry and rates of springs; dampers, stops and masses are to be added
 ; metres and degrees; points relative to the wheel centre: x inboard, y up, z forward
 [HEADER]
 VERSION=2
 
 [BASIC]
 ";
+
+/// The rate at the left wheel in the design position, or the reason why the study has none.
+fn wheel_rate(outgoing: &Outgoing<'_>) -> Result<f64, &'static str> {
+    let needs = "a study with [axle], [spring] and [wheel] radius has it";
+    let both = outgoing.study.axle().ok_or(needs)?;
+    let setup = &both.axle.setup;
+    if setup.springs.is_none() || setup.wheel_radius.is_none() {
+        return Err(needs);
+    }
+    if setup.rocker_springs.carry() {
+        return Err("a heave spring has another rate in roll, which the file cannot hold");
+    }
+    let quantity = Quantity::Wheel(Side::Left, WheelQuantity::WheelRate);
+    let plan = AxlePlan::of(both.plan.course.clone(), vec![quantity]).at_design();
+    let found = axle_curves(&both.axle, &plan).ok();
+    let rate = found.and_then(|found| found.curves.stations.first()?.value(0));
+    rate.filter(|rate| *rate > 0.0)
+        .ok_or("no positive rate in the design position")
+}
 
 /// The `TYPE` of a study.
 fn kind(outgoing: &Outgoing<'_>) -> Result<&'static str, String> {
@@ -163,6 +186,7 @@ impl<'a> Ini<'a> {
             self.line(key, &self.relative(id));
         }
         self.angles();
+        self.spring_rate();
         let links = match kind {
             "AXLE" => self.links(),
             _ => Vec::new(),
@@ -299,6 +323,22 @@ impl<'a> Ini<'a> {
             self.line("HUB_MASS", &shortest(mass / 2.0));
         }
         self.line("RIM_OFFSET", "0");
+    }
+
+    /// The rate at the wheel, of an axle with springs.
+    fn spring_rate(&mut self) {
+        match wheel_rate(self.outgoing) {
+            Ok(rate) => {
+                let per_metre = self.outgoing.study.wheel().length_unit.per_metre();
+                self.line("SPRING_RATE", &shortest(rate * per_metre));
+                self.notes.push(
+                    "SPRING_RATE is the rate at the wheel in the design position; ROD_LENGTH, which sets the ride height, \
+                     is to be filled in"
+                        .to_owned(),
+                );
+            }
+            Err(why) => self.blank("SPRING_RATE", &format!("N/m at the wheel; {why}")),
+        }
     }
 
     fn unsprung_mass(&self) -> Option<f64> {

@@ -2,7 +2,7 @@
 
 use super::figure::{brief, without_zeros};
 use super::files::csv_of;
-use super::shortest;
+use super::{CurveTable, shortest};
 use super::table::{Cell, Table};
 use crate::optimise::{Choice, Front};
 use crate::study::{Optimise, Study, Variable};
@@ -157,11 +157,19 @@ pub struct FrontPoint {
     pub offsets: Vec<f64>,
     /// Lines of its study that differ from the study of the first point: number of the line, from 0, and the line.
     pub lines: Vec<(usize, String)>,
+    /// Its curves with six digits, for charts.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub curves: Option<CurveTable>,
 }
 
 impl FrontRecord {
-    /// The record of a front that a tuning found.
-    pub fn of(study: &Study, optimise: &Optimise, front: &Front) -> Self {
+    /// The record of a front that a tuning found. `curves` solves a study.
+    pub fn of(
+        study: &Study,
+        optimise: &Optimise,
+        front: &Front,
+        curves: impl Fn(&Study) -> Option<CurveTable>,
+    ) -> Self {
         let unit = study.wheel().length_unit.symbol();
         let text = |choice: &Choice| -> Vec<String> {
             let text = study.with_points_of(&study.moved(&choice.offsets));
@@ -177,6 +185,7 @@ impl FrontRecord {
                 lines: lines
                     .filter(|(k, line)| first.get(*k) != Some(line))
                     .collect(),
+                curves: curves(&study.moved(&choice.offsets)).map(CurveTable::with_six_digits),
             }
         };
         FrontRecord {

@@ -428,7 +428,9 @@ fn converted(name: &str, from: LengthUnit, to: LengthUnit) -> (String, i32) {
 
 /// A column's name before its unit, and the unit.
 fn split(name: &str) -> (&str, &str) {
-    const UNITS: [&str; 9] = ["deg", "mm", "m", "in", "percent", "N", "per", "rad", "kg"];
+    const UNITS: [&str; 11] = [
+        "deg", "mm", "m", "in", "percent", "N", "lbf", "ft", "per", "rad", "kg",
+    ];
     let mut start = name.len();
     for (at, _) in name.rmatch_indices('_') {
         let word = name[at + 1..].split('_').next().unwrap_or("");

@@ -51,6 +51,14 @@ impl CurveTable {
         Ok(table)
     }
 
+    /// The same with numbers of six digits, which is more than a chart shows.
+    pub fn with_six_digits(mut self) -> Self {
+        for value in self.columns.iter_mut().flatten().flatten() {
+            *value = format!("{value:.5e}").parse().unwrap_or(*value);
+        }
+        self
+    }
+
     /// Number of rows.
     pub fn rows(&self) -> usize {
         self.columns.first().map_or(0, Vec::len)

@@ -117,6 +117,7 @@ fn size(unit: &str) -> f64 {
         "deg" => 57.0,
         "percent" => 1e2,
         "N" => 1e3,
+        "lbf" => 200.0,
         _ => 1.0,
     };
     size.powi(power)

@@ -69,7 +69,9 @@ pub use finished::{FinishedRun, NotARun};
 pub use fitted::FittedOffset;
 pub use kc::{KcResults, OtherProgram, elastic_parts, no_equilibrium};
 pub(crate) use orientation::{Directions, Reading, Verdict};
-pub use page::{car_page, comparison_page, limits_page, page, set_up_page, sweep_page};
+pub use page::{
+    LimitsSheet, car_page, comparison_page, kc_page, limits_page, page, set_up_page, sweep_page,
+};
 pub use picture::{Picture, picture_names, pictures};
 pub use places::{Clearance, Places, Rim, Shape};
 pub use plausibility::{

@@ -29,6 +29,17 @@ const ABOVE: &[(&str, &str)] = &[
     ("upper_rear_link_inner", "lower_rear_link_inner"),
     ("upper_arm_front", "lower_arm_front"),
     ("upper_arm_rear", "lower_arm_rear"),
+    // A link above an arm, a link, or the lower links of a solid axle.
+    ("upper_link_outer", "lower_ball_joint"),
+    ("upper_link_outer", "lower_joint_front"),
+    ("upper_link_outer", "lower_joint_rear"),
+    ("upper_link_outer", "lower_link_outer"),
+    ("upper_link_inner", "lower_link_inner"),
+    ("upper_link_inner", "lower_arm_front"),
+    ("upper_link_inner", "lower_arm_rear"),
+    ("integral_link_outer", "integral_link_inner"),
+    ("upper_link_axle", "lower_link_axle"),
+    ("upper_link_chassis", "lower_link_chassis"),
 ];
 
 /// Pairs of hardpoints, the first before the second.
@@ -39,7 +50,9 @@ const BEFORE: &[(&str, &str)] = &[
     ("upper_front_link_inner", "upper_rear_link_inner"),
     ("lower_front_link_outer", "lower_rear_link_outer"),
     ("upper_front_link_outer", "upper_rear_link_outer"),
+    ("lower_joint_front", "lower_joint_rear"),
     // A trailing arm trails.
+    ("arm_pivot", "wheel_centre"),
     ("arm_pivot_inner", "wheel_centre"),
     ("arm_pivot_outer", "wheel_centre"),
 ];
@@ -57,7 +70,14 @@ const OUTBOARD: &[(&str, &str)] = &[
     ("lower_rear_link_outer", "lower_rear_link_inner"),
     ("toe_link_outer", "toe_link_inner"),
     ("arm_pivot_outer", "arm_pivot_inner"),
+    ("upper_link_outer", "upper_link_inner"),
+    ("lower_link_outer", "lower_link_inner"),
+    ("lower_joint_front", "lower_arm_front"),
+    ("lower_joint_rear", "lower_arm_rear"),
     ("wheel_centre", "spindle_inner"),
+    // The wheel of a solid axle is outboard of its links.
+    ("wheel_centre", "lower_link_axle"),
+    ("wheel_centre", "upper_link_axle"),
 ];
 
 /// A coordinate and the sign of its growth.

@@ -6,13 +6,15 @@ use super::station_label::place_in_words;
 use super::{Directions, Reading, shortest};
 use crate::ask::Need;
 use crate::axle::{
-    Axle, AxleCurves, AxlePlan, BeyondCurve, ForcePart, Quantity, WheelQuantity, axle_curves,
+    Axle, AxleCurves, AxlePlan, BeyondCurve, ForcePart, Law, Quantity, WheelQuantity, axle_curves,
 };
 use crate::characteristics::{Characteristic, Constants, WheelReading};
 use crate::curves::Column;
 use crate::derive::{DesignSeries, MotionPoint};
 use crate::mechanism::DesignFault;
-use crate::model::{Axis, Body, Constraint, Drive, PointId, Seat, Side, SteeringAxis, Suspension};
+use crate::model::{
+    Axis, Body, Constraint, Drive, LengthUnit, PointId, Seat, Side, SteeringAxis, Suspension,
+};
 use crate::number::{Jet, Vector3};
 use crate::solve::Solver;
 use crate::study::{AxleStudy, Designs, Move, Study};
@@ -74,6 +76,21 @@ pub fn both_wheels_plausibility(
     Ok(found)
 }
 
+/// A spring of an axle in inches that is as soft as one whose rate is in pounds-force per inch.
+fn soft_spring(axle: &Axle) -> Option<String> {
+    // 7 N/mm, below the springs of cars.
+    const LEAST: f64 = 40.0 * 4.448_221_615_260_5;
+    let Law::Linear { rate, .. } = &axle.setup.springs.as_ref()?[0].spring else {
+        return None;
+    };
+    let is_soft = axle.left.length_unit == LengthUnit::Inch && *rate < LEAST;
+    is_soft.then(|| {
+        format!(
+            "doubtful: the rate of [spring] is {rate} N/in. For rates in lbf/in give force_unit = \"lbf\" in [suspension]"
+        )
+    })
+}
+
 /// Doubts about the curves of an axle, a line each.
 pub fn axle_plausibility(
     axle: &Axle,
@@ -81,7 +98,7 @@ pub fn axle_plausibility(
     found: &AxleCurves,
     turns_against: bool,
 ) -> Vec<String> {
-    let mut remarks = Vec::new();
+    let mut remarks: Vec<String> = soft_spring(axle).into_iter().collect();
     if turns_against {
         let c_factor = axle.setup.c_factor.unwrap_or(0.0) * axle.left.frame.sign(Axis::Y);
         remarks.push(format!(

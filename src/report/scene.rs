@@ -3,7 +3,9 @@
 //! Positions along the motion come from [`crate::curves::frames`].
 
 use crate::axle::Axle;
-use crate::model::{Axis, Body, Constraint, Mechanism, PointId, RockerId, Side, Suspension};
+use crate::model::{
+    Axis, Body, Constraint, Mechanism, PointId, RockerId, Side, Suspension, TwistBeam,
+};
 use serde::{Deserialize, Serialize};
 
 /// The parts of the drawing that stay the same while the mechanism moves.
@@ -88,8 +90,34 @@ impl Scene {
     }
 }
 
+/// The half of a twist beam that a wheel is on: arm, half of the cross member and spring.
+fn half_beam(mechanism: &Mechanism, beam: &TwistBeam) -> Vec<SceneBody> {
+    let body = |name: &str, kind, line: &[PointId]| SceneBody {
+        name: name.to_owned(),
+        kind,
+        lines: vec![line.iter().map(|id| id.0).collect()],
+    };
+    let arm = [
+        beam.mount,
+        mechanism.wheel_centre,
+        beam.shear_centre,
+        beam.mount,
+    ];
+    let mut bodies = vec![body("twist beam", BodyKind::Arm, &arm)];
+    bodies.extend(
+        mechanism
+            .spring
+            .map(|spring| body("spring", BodyKind::Spring, &[spring.lower, spring.upper])),
+    );
+    bodies
+}
+
 /// The bodies of a mechanism, from its constraints and arms.
 fn bodies(mechanism: &Mechanism) -> Vec<SceneBody> {
+    let rigid = mechanism.rigid_axle.as_ref();
+    if let Some(beam) = rigid.and_then(|rigid| rigid.twist_beam.as_ref()) {
+        return half_beam(mechanism, beam);
+    }
     let mut bodies = Vec::new();
     let mut add = |kind, name: String, lines: &[&[PointId]]| {
         let line = |line: &&[PointId]| line.iter().map(|id| id.0).collect();
@@ -135,7 +163,9 @@ fn bodies(mechanism: &Mechanism) -> Vec<SceneBody> {
             }
             Constraint::BallJoint { at } | Constraint::ArmJoint { at, .. } => joints.push(at),
             // With a hinge the knuckle is the arm itself.
-            Constraint::Revolute { .. } | Constraint::AxleTravel { .. } => {}
+            Constraint::Mount { .. }
+            | Constraint::Revolute { .. }
+            | Constraint::AxleTravel { .. } => {}
         }
     }
     if let Some(spring) = mechanism.spring

@@ -141,6 +141,11 @@ impl Cell {
         &self.shown
     }
 
+    /// The number, if the cell holds one.
+    pub fn number(&self) -> Option<f64> {
+        self.data.as_f64()
+    }
+
     /// Returns true if the cell is aligned like a number.
     pub fn is_number(&self) -> bool {
         self.data.is_number()

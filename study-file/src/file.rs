@@ -38,6 +38,8 @@ pub struct File {
     pub rebound_stop: Option<Spanned<BumpStop>>,
     /// `[anti_roll_bar]`
     pub anti_roll_bar: Option<Spanned<Rate>>,
+    /// `[twist_beam]`
+    pub twist_beam: Option<Spanned<TwistBeam>>,
     /// `[heave_spring]`
     pub heave_spring: Option<Spanned<HeaveSpring>>,
     /// `[t_bar]`
@@ -86,6 +88,10 @@ pub struct Suspension {
     pub side: Option<Text>,
     /// `mm`, `m` or `in`.
     pub length_unit: Option<Text>,
+    /// `N` or `lbf`.
+    pub force_unit: Option<Text>,
+    /// `kg` or `lb`.
+    pub mass_unit: Option<Text>,
     /// Name of the axis convention.
     pub frame: Option<Text>,
     /// `[suspension.hardpoints]`
@@ -253,6 +259,14 @@ pub struct HeaveBar {
 pub struct Rate {
     /// Torque per angle, or force per length.
     pub rate: Number,
+}
+
+/// `[twist_beam]`
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TwistBeam {
+    /// Torque per angle between both arms.
+    pub torsional_rate: Number,
 }
 
 /// `[compliance]`

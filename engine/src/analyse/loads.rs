@@ -488,7 +488,8 @@ pub fn members(mechanism: &Mechanism, support: Support) -> Vec<Member> {
             Constraint::BallJoint { at } | Constraint::ArmJoint { at, .. } => {
                 members.extend(force(mechanism.name(at), at));
             }
-            Constraint::AxleTravel { .. } => {}
+            // Studies refuse the loads of a twist beam.
+            Constraint::Mount { .. } | Constraint::AxleTravel { .. } => {}
         }
     }
     let ends_a_link = |arm: &&Arm| {

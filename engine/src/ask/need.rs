@@ -42,6 +42,8 @@ pub enum Need {
     HeaveBar,
     /// `[anti_roll_bar] rate`, and a bar with its drop link in the topology.
     BarRate,
+    /// `[twist_beam] torsional_rate`.
+    TorsionalRate,
     /// `[tyre] rate`.
     TyreRate,
     /// `[vehicle] sprung_mass`.
@@ -86,6 +88,7 @@ impl Need {
             | Need::TBar
             | Need::HeaveBar
             | Need::BarRate
+            | Need::TorsionalRate
             | Need::TyreRate
             | Need::SprungMass
             | Need::UnsprungMass => false,
@@ -113,6 +116,7 @@ impl Need {
             Need::TBar => "a T-bar with its rate",
             Need::HeaveBar => "a heave bar with its torque",
             Need::BarRate => "the rate of the anti-roll bar",
+            Need::TorsionalRate => "the torsional rate of the twist beam",
             Need::TyreRate => "the rate of the tyre",
             Need::SprungMass => "the sprung mass of the axle",
             Need::UnsprungMass => "the unsprung mass of the axle",
@@ -133,6 +137,7 @@ impl Need {
             Need::TBar => "[t_bar]",
             Need::HeaveBar => "[heave_bar]",
             Need::BarRate => "[anti_roll_bar]",
+            Need::TorsionalRate => "[twist_beam]",
             Need::TyreRate => "[tyre]",
             Need::SprungMass => "sprung_mass in [vehicle]",
             Need::UnsprungMass => "unsprung_mass in [vehicle]",

@@ -24,13 +24,13 @@ pub enum Unit {
     Percent,
     /// Plain number.
     Ratio,
-    /// Force, in newtons.
+    /// Force, in newtons or pounds-force.
     Force,
-    /// Force per length, in newtons per length unit.
+    /// Force per length, in newtons or pounds-force per length unit.
     ForcePerLength,
-    /// Torque, in newton metres for every length unit.
+    /// Torque, in newton metres for every length unit, or in pound-feet.
     Torque,
-    /// Torque per angle, in newton metres per degree for every length unit.
+    /// Torque per angle, in newton metres or pound-feet per degree.
     TorquePerAngle,
     /// Frequency, in hertz.
     Frequency,
@@ -51,6 +51,7 @@ const DEGREES: f64 = 180.0 / PI;
 impl Unit {
     /// The unit in column names; empty for a plain number.
     pub fn suffix(self, length: LengthUnit) -> String {
+        let (force, (_, lever)) = (length.force_symbol(), length.lever());
         let length = length.symbol();
         match self {
             Unit::Angle => "deg".to_owned(),
@@ -60,10 +61,10 @@ impl Unit {
             Unit::LengthPerAngle => format!("{length}_per_deg"),
             Unit::Percent => "percent".to_owned(),
             Unit::Ratio => String::new(),
-            Unit::Force => "N".to_owned(),
-            Unit::ForcePerLength => format!("N_per_{length}"),
-            Unit::Torque => "N_m".to_owned(),
-            Unit::TorquePerAngle => "N_m_per_deg".to_owned(),
+            Unit::Force => force.to_owned(),
+            Unit::ForcePerLength => format!("{force}_per_{length}"),
+            Unit::Torque => format!("{force}_{lever}"),
+            Unit::TorquePerAngle => format!("{force}_{lever}_per_deg"),
             Unit::Frequency => "Hz".to_owned(),
             Unit::AnglePerForce => "deg_per_kN".to_owned(),
             Unit::LengthPerForce => format!("{length}_per_kN"),
@@ -78,19 +79,16 @@ impl Unit {
         match self {
             Unit::Angle | Unit::AnglePerLength | Unit::AnglePerG => DEGREES,
             Unit::LengthPerAngle => 1.0 / DEGREES,
-            Unit::Torque => 1.0 / length.per_metre(),
-            Unit::TorquePerAngle => 1.0 / (length.per_metre() * DEGREES),
+            Unit::Force | Unit::ForcePerLength => 1.0 / length.newtons(),
+            Unit::Torque => 1.0 / (length.lever().0 * length.newtons()),
+            Unit::TorquePerAngle => 1.0 / (length.lever().0 * length.newtons() * DEGREES),
             Unit::AnglePerForce => 1000.0 * DEGREES,
             Unit::LengthPerForce => 1000.0,
             Unit::AnglePerTorque => 100.0 * length.per_metre() * DEGREES,
             Unit::Stiffness => length.per_metre() / 1000.0,
-            Unit::Length
-            | Unit::AnglePerAngle
-            | Unit::Percent
-            | Unit::Ratio
-            | Unit::Force
-            | Unit::ForcePerLength
-            | Unit::Frequency => 1.0,
+            Unit::Length | Unit::AnglePerAngle | Unit::Percent | Unit::Ratio | Unit::Frequency => {
+                1.0
+            }
         }
     }
 
@@ -115,6 +113,19 @@ pub fn with_unit(name: impl Into<String>, unit: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn pounds_are_printed_beside_inches() {
+        let pounds = LengthUnit::InchPound;
+        assert_eq!(Unit::Force.suffix(pounds), "lbf");
+        assert_eq!(Unit::ForcePerLength.suffix(pounds), "lbf_per_in");
+        assert_eq!(Unit::TorquePerAngle.suffix(pounds), "lbf_ft_per_deg");
+        let force = Unit::Force.from_printed(1.0, pounds);
+        assert!((force - 4.448_221_615_260_5).abs() < 1e-15, "{force}");
+        // 1 lbf ft is 1.3558179483314004 N m.
+        let torque = Unit::Torque.from_printed(1.0, pounds) * 0.0254;
+        assert!((torque - 1.355_817_948_331_400_4).abs() < 1e-15, "{torque}");
+    }
 
     #[test]
     fn degrees_and_newton_metres_are_printed() {

@@ -3,6 +3,7 @@
 //! Beside these every wheel characteristic of [`crate::characteristics`] is a quantity of either wheel, but
 //! for the corner's `roll_centre_height`, which gives way to the axle's.
 
+use super::AxleKind;
 use super::formulas::{loads, rigid, roll, steering};
 use super::reading::WheelParts;
 use super::state::AxleState;
@@ -187,6 +188,8 @@ catalogue! {
         RigidAntiLift, "anti_lift", PERCENT, "the rear resists lifting in braking, or a driven front under drive", "of a solid axle: 100 p (L/h)(f_l + f_r) at the rear, -100 d (L/h)(f_l + f_r) in front", LINK_LOADS, [WheelRadius, Wheelbase, CgHeight, RearBrakingOrFrontDrive], [], 1, false, lanes, rigid::anti_lift, None;
         RigidAntiDive, "anti_dive", PERCENT, "the front resists diving in braking", "of a solid axle: -100 p (L/h)(f_l + f_r)", LINK_LOADS, [WheelRadius, Wheelbase, CgHeight, FrontBraking], [], 1, false, lanes, rigid::anti_dive, None;
         DriveLoadTransfer, "drive_load_transfer", RATIO, "the right wheel gains load under drive", "of a solid axle: (f_r - f_l)/2 for a unit drive force; the torque of the propeller shaft is left out", LINK_LOADS, [WheelRadius, RearDrive], [], 1, false, lanes, rigid::drive_load_transfer, None;
+        BeamTwist, "beam_twist", ANGLE, "twisted by a positive roll angle: the right wheel in jounce", "angle by which the right half of a twist beam has turned against the left one", "kinematics of a twist beam", [], [BarAngle], 0, false, one_by_one, rigid::beam_twist, None;
+        BeamTorque, "beam_torque", Unit::Torque, "twisted by a positive roll angle", "torsional_rate beam_twist", "kinematics of a twist beam", [TorsionalRate], [BarAngle], 0, false, one_by_one, rigid::beam_torque, None;
         WheelHopFrequency, "wheel_hop_frequency", Unit::Frequency, "always", "sqrt(2 (wheel_rate + tyre rate)/unsprung mass)/(2 pi), wheel_rate the mean of both; of a solid axle the rate of both wheels together", "natural frequency of the wheels, the body held", [WheelRadius, SpringForce, TyreRate, UnsprungMass], [SpringLength, BarAngle], 2, false, one_by_one, loads::wheel_hop_frequency, None;
     }
 }
@@ -221,13 +224,18 @@ impl Quantity {
         found
     }
 
-    /// Returns true if an axle has it that is rigid, or one that is not. A derivative by a wheel's own travel means nothing
-    /// for a rigid axle.
-    pub fn is_of(self, rigid: bool) -> bool {
+    /// Returns true if an axle of this kind has it. A derivative by a wheel's own travel means nothing for an axle whose wheels
+    /// move each other. Only a solid axle has a line, a pitch and an angular velocity of its own.
+    pub fn is_of(self, kind: AxleKind) -> bool {
         use AxleQuantity as A;
         use WheelQuantity as W;
+        let rigid = kind != AxleKind::Independent;
         match self {
-            Quantity::Corner(_, c) => !rigid || c.info().rate_order == 0,
+            Quantity::Corner(_, c) => {
+                let turns_bar = || c.info().reads.contains(&Slot::BarAngle);
+                let is_of_beam = kind == AxleKind::TwistBeam && turns_bar();
+                (!rigid || c.info().rate_order == 0) && !is_of_beam
+            }
             Quantity::Wheel(_, q) => {
                 let by_own_travel = [W::JackingCoefficient, W::SideForceJacking];
                 !(rigid && by_own_travel.contains(&q))
@@ -240,11 +248,18 @@ impl Quantity {
                 | A::TurningCircle
                 | A::SteeringRatio,
             ) => !rigid,
+            Quantity::Axle(A::AxleSteer | A::PinionAngle) => kind == AxleKind::Solid,
             Quantity::Axle(
-                A::AxleSteer
-                | A::AxleLateral
+                A::RollCentreHeight
+                | A::RollCentreLateral
+                | A::RollCentreMigrationVertical
+                | A::RollCentreMigrationLateral
+                | A::BarTorque,
+            ) => kind != AxleKind::TwistBeam,
+            Quantity::Axle(A::BeamTwist | A::BeamTorque) => kind == AxleKind::TwistBeam,
+            Quantity::Axle(
+                A::AxleLateral
                 | A::AxleLongitudinal
-                | A::PinionAngle
                 | A::RigidAntiSquat
                 | A::RigidAntiLift
                 | A::RigidAntiDive

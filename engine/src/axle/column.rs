@@ -373,6 +373,7 @@ impl AxlePlan {
     /// The loads on one wheel, and the parts that carry them.
     pub(super) fn carried<'a>(&'a self, axle: &'a Axle, side: Side) -> Loads<'a> {
         let mechanism = &axle.suspension(side).mechanism;
-        Loads::of(mechanism, axle.frame(side), &self.loads[side as usize])
+        let units = (axle.frame(side), axle.left.length_unit);
+        Loads::of(mechanism, units, &self.loads[side as usize])
     }
 }

@@ -64,6 +64,17 @@ pub struct Axle {
     pub setup: Setup,
 }
 
+/// Kinds of axles, which have different quantities.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum AxleKind {
+    /// Each wheel has its own suspension.
+    Independent,
+    /// One body carries both wheels.
+    Solid,
+    /// Two halves that twist against each other.
+    TwistBeam,
+}
+
 impl Axle {
     /// The suspension of a side, in the kernel's frame of that side.
     pub fn suspension(&self, side: Side) -> &Suspension {
@@ -73,9 +84,18 @@ impl Axle {
         }
     }
 
-    /// Returns true if one body carries both wheels.
+    /// Returns true if one mechanism carries both wheels: for a solid axle and a twist beam.
     pub fn is_rigid(&self) -> bool {
         self.left.mechanism.rigid_axle.is_some()
+    }
+
+    /// The kind of axle.
+    pub fn kind(&self) -> AxleKind {
+        match &self.left.mechanism.rigid_axle {
+            None => AxleKind::Independent,
+            Some(rigid) if rigid.twist_beam.is_some() => AxleKind::TwistBeam,
+            Some(_) => AxleKind::Solid,
+        }
     }
 
     /// Why the design of a wheel cannot be solved, in words with the names of its points.
@@ -181,7 +201,7 @@ impl Axle {
             Need::HeaveSpring => setup.rocker_springs.heave_spring.is_some(),
             Need::TBar => setup.rocker_springs.t_bar.is_some(),
             Need::HeaveBar => setup.rocker_springs.heave_bar.is_some(),
-            Need::BarRate => setup.bar_rate.is_some(),
+            Need::BarRate | Need::TorsionalRate => setup.bar_rate.is_some(),
             Need::TyreRate => setup.tyre_rate.is_some(),
             Need::SprungMass => setup.sprung_mass.is_some(),
             Need::UnsprungMass => setup.unsprung_mass.is_some(),
@@ -192,14 +212,13 @@ impl Axle {
     /// The quantities of a name that this axle has, left before right; empty if it has none.
     pub fn quantities(&self, name: &str) -> Vec<Quantity> {
         let mut found = Quantity::named(name);
-        found.retain(|quantity| quantity.is_of(self.is_rigid()));
+        found.retain(|quantity| quantity.is_of(self.kind()));
         found
     }
 
     /// Returns true if the study gives everything that a quantity requires.
     pub fn has(&self, quantity: Quantity) -> bool {
-        quantity.is_of(self.is_rigid())
-            && quantity.info().needs.iter().all(|need| self.meets(*need))
+        quantity.is_of(self.kind()) && quantity.info().needs.iter().all(|need| self.meets(*need))
     }
 
     /// The rockers that quantities move with, on one side.

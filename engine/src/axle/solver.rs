@@ -247,6 +247,15 @@ impl Standing {
     }
 }
 
+/// Returns true if the difference of the heights of both wheels grows with that of their travels. Each wheel that moves by itself
+/// must rise by its travel. NaN falls.
+fn rise(is_rigid: bool, [left, right]: [f64; 2]) -> bool {
+    match is_rigid {
+        true => left + right > 0.0,
+        false => left > 0.0 && right > 0.0,
+    }
+}
+
 /// The change of half the difference of travels that puts two wheels at one height, by their series.
 fn levelling(left: &Jet<f64, TERMS>, right: &Jet<f64, TERMS>) -> f64 {
     // The right wheel goes the other way.
@@ -843,14 +852,19 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         found.swap_remove(0)
     }
 
-    /// First guess for half the difference of the travels: each wheel centre is taken to move straight up.
+    /// First guess for half the difference of the travels: each wheel centre is taken to move straight up, and those of a rigid
+    /// axle on a circle.
     fn straight_half(&self, roll: f64) -> f64 {
         let level = Ground::level(0.0);
         let half = |side: Side| {
             let pose = self.corners[side as usize].solver.design_pose();
             self.contact(side, &pose, level).y
         };
-        -0.5 * roll.tan() * (half(Side::Left) + half(Side::Right))
+        let slope = match self.is_rigid() {
+            true => roll.sin(),
+            false => roll.tan(),
+        };
+        -0.5 * slope * (half(Side::Left) + half(Side::Right))
     }
 
     /// Finds those of the numbered placements, all in roll at one rack displacement, that take no more than a few
@@ -871,6 +885,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
             half: f64,
         }
         let radius = self.radius();
+        let is_rigid = self.is_rigid();
         let size = self.corners[0].solver.size();
         let open = numbers
             .iter()
@@ -904,7 +919,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
                     continue;
                 };
                 // Written so that NaN is left to be solved alone.
-                if !(left.height[1] > 0.0 && right.height[1] > 0.0) {
+                if !rise(is_rigid, [left.height[1], right.height[1]]) {
                     continue;
                 }
                 let step = levelling(&left.height, &right.height);
@@ -975,6 +990,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
     ) -> Result<([f64; 2], [Pose<f64>; 2]), NoPose> {
         let ground = Ground::rolled(roll);
         let radius = self.radius();
+        let is_rigid = self.is_rigid();
         let size = self.corners[0].solver.size();
         let mut half = self.straight_half(roll);
         let (level, rack) = self.level(heave, rack);
@@ -988,7 +1004,8 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
                 right.height(level - half, rack, ground.mirrored(), radius),
             );
             // Where a wheel falls by its travel, both are beyond the position wanted. NaN falls.
-            let found = found.and_then(|[l, r]| match l.height[1] > 0.0 && r.height[1] > 0.0 {
+            let rises = |l: &Standing, r: &Standing| rise(is_rigid, [l.height[1], r.height[1]]);
+            let found = found.and_then(|[l, r]| match rises(&l, &r) {
                 true => Ok((l, r)),
                 false => Err(NoPose::NoGround),
             });

@@ -115,7 +115,7 @@ fn members(mechanism: &Mechanism) -> Vec<(String, What)> {
                     &mut found,
                 );
             }
-            Constraint::AxleTravel { .. } => {}
+            Constraint::Mount { .. } | Constraint::AxleTravel { .. } => {}
         }
     }
     for (number, arm) in mechanism.arms.iter().enumerate() {

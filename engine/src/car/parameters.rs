@@ -1,7 +1,7 @@
 //! Parameters of a car and a case, by which results are differentiated.
 
 use super::{Car, Case};
-use crate::axle::{Axle, Preloaded, RockerSprings};
+use crate::axle::{Axle, AxleKind, Preloaded, RockerSprings};
 use crate::model::Body;
 use crate::number::{Each, Real, Vector3};
 
@@ -98,6 +98,8 @@ impl AxleParameter {
             AxleParameter::HeaveSpringRate | AxleParameter::HeaveSpringForce => {
                 rockers.heave_spring.is_some()
             }
+            // The bar that a twist beam is to formulas has no key.
+            AxleParameter::BarRate => axle.kind() != AxleKind::TwistBeam,
             AxleParameter::TBarRate => rockers.t_bar.is_some(),
             AxleParameter::HeaveBarRate | AxleParameter::HeaveBarTorque => {
                 rockers.heave_bar.is_some()

@@ -99,6 +99,7 @@ impl Moves {
                         Law::Linear { rate, .. } => Some(*rate),
                         Law::Curve(_) => None,
                     },
+                    _ if !parameter.is_of(&car.axles[axle]) => None,
                     AxleParameter::BarRate => setup.bar_rate,
                     AxleParameter::HeaveSpringRate => Some(setup.rocker_springs.heave_spring?.rate),
                     AxleParameter::TBarRate => setup.rocker_springs.t_bar,

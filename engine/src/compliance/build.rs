@@ -225,7 +225,9 @@ impl<T: Scalar> Builder<'_, T> {
                 Constraint::Revolute { first, second } => self.hinge(first, second),
                 Constraint::BallJoint { at } => self.ball_joint(at),
                 // Studies refuse elastic parts of these.
-                Constraint::AxleTravel { .. } | Constraint::ArmJoint { .. } => {}
+                Constraint::AxleTravel { .. }
+                | Constraint::Mount { .. }
+                | Constraint::ArmJoint { .. } => {}
             }
         }
     }

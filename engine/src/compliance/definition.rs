@@ -158,6 +158,7 @@ pub fn bushing_points(mechanism: &Mechanism) -> Vec<PointId> {
             Constraint::Revolute { first, second } => points.extend([first, second]),
             Constraint::BallJoint { .. }
             | Constraint::AxleTravel { .. }
+            | Constraint::Mount { .. }
             | Constraint::ArmJoint { .. } => {}
         }
     }

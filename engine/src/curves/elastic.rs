@@ -88,7 +88,7 @@ pub(super) fn elastic_curves(
                 true => run.values(at, &wanted),
                 false => {
                     let mut values = vec![None; wanted.len()];
-                    let read = run.gradients(at, &wanted, &parameters, &mut tape, |found| {
+                    let read = run.gradients(at, &wanted, &parameters, &mut tape, &mut |found| {
                         values[found.number] = found.value;
                         if found.value.is_some() {
                             gradients.push((found.number, found.by.to_vec()));

@@ -2,7 +2,8 @@
 
 use super::Column;
 use crate::analyse::{self, Balance, Carried, FAR, Member, Support, members};
-use crate::model::{Frame, Mechanism, RockerId, Side};
+use crate::ask::Unit;
+use crate::model::{Frame, LengthUnit, Mechanism, RockerId, Side};
 use crate::number::Vector3;
 use crate::study::Load;
 
@@ -11,6 +12,7 @@ pub(crate) struct Loads<'a> {
     loads: &'a [Load],
     mechanism: &'a Mechanism,
     frame: Frame,
+    length: LengthUnit,
     /// Support that keeps the suspension from moving.
     pub(crate) support: Support,
     members: Vec<Member>,
@@ -43,13 +45,19 @@ fn with_side(member: Member, mechanism: &Mechanism, frame: Frame) -> Member {
 }
 
 impl<'a> Loads<'a> {
-    /// Prepares loads on a mechanism. `frame` maps between the study's axes and the mechanism's own frame.
-    pub(crate) fn of(mechanism: &'a Mechanism, frame: Frame, loads: &'a [Load]) -> Self {
+    /// Prepares loads on a mechanism. `frame` maps between the study's axes and the mechanism's own frame, `length` is the study's
+    /// unit.
+    pub(crate) fn of(
+        mechanism: &'a Mechanism,
+        (frame, length): (Frame, LengthUnit),
+        loads: &'a [Load],
+    ) -> Self {
         let support = Support::of(mechanism);
         Loads {
             loads,
             mechanism,
             frame,
+            length,
             support,
             members: match loads.is_empty() {
                 true => Vec::new(),
@@ -75,19 +83,23 @@ impl<'a> Loads<'a> {
     pub(crate) fn columns(&self) -> impl Iterator<Item = Column> {
         self.loads.iter().flat_map(|load| {
             let name = |member: &Member| format!("{}_{}", load.name, member.name);
-            let column =
-                move |m: &Member| Column::of_value(name(m), "N".to_owned(), m.what.positive(), 1.0);
+            let (unit, length) = (Unit::Force, self.length);
+            let column = move |m: &Member| {
+                let (symbol, factor) = (unit.suffix(length), unit.printed_factor(length));
+                Column::of_value(name(m), symbol, m.what.positive(), factor)
+            };
             self.members.iter().map(column)
         })
     }
 
-    /// The values of the columns in a pose, in newtons, forces along the study's axes; `contact` is the contact point
+    /// The values of the columns in a pose, in their unit, forces along the study's axes; `contact` is the contact point
     /// in the kernel's frame.
     pub(crate) fn forces(
         &self,
         balance: &Balance<'_>,
         contact: Vector3<f64>,
     ) -> impl Iterator<Item = Option<f64>> {
+        let factor = Unit::Force.printed_factor(self.length);
         self.loads.iter().flat_map(move |load| {
             let carried = balance.under(&analyse::Load {
                 point: balance.place(load.at, contact),
@@ -97,7 +109,7 @@ impl<'a> Loads<'a> {
             self.members.iter().map(move |member| {
                 let sign = |axis| self.frame.sign(axis);
                 let value = balance.force(&carried, member.what)?;
-                let value = member.what.axis().map_or(value, |axis| value * sign(axis));
+                let value = member.what.axis().map_or(value, |axis| value * sign(axis)) * factor;
                 value.is_finite().then_some(value)
             })
         })

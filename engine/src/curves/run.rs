@@ -70,7 +70,11 @@ pub(super) struct Findings {
 
 impl<'a, const N: usize> Run<'a, N> {
     fn new(suspension: &'a Suspension, plan: &'a Plan) -> Self {
-        let loads = Loads::of(&suspension.mechanism, suspension.frame, &plan.loads);
+        let loads = Loads::of(
+            &suspension.mechanism,
+            (suspension.frame, suspension.length_unit),
+            &plan.loads,
+        );
         let mut columns = Column::all(plan, suspension.length_unit);
         columns.extend(loads.columns());
         let mut stations = Vec::with_capacity(plan.stations());

@@ -226,7 +226,7 @@ impl<T: Real> Closure<T> {
             rates[k] = row.wrench_rate(at, along);
         }
         if let Some(row) = driven_travel(at.mechanism) {
-            rates[5].moment = row.moment_rate(at, along);
+            rates[5] = row.wrench_rate(at, along);
             return rates;
         }
         let centre = at.designed_lever(at.mechanism.wheel_centre);

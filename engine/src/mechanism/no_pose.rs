@@ -20,7 +20,7 @@ pub enum NoPose {
         failure: Failure,
     },
     /// A rigid axle has no pose at a difference of its travels.
-    #[error("solid axle at a travel difference of {difference:.6} (left - right): {failure}")]
+    #[error("axle at a travel difference of {difference:.6} (left - right): {failure}")]
     RigidAxle {
         /// Travel of the left wheel minus that of the right one.
         difference: f64,
@@ -96,9 +96,7 @@ impl NoPose {
                     other => other.describe(unit, frame),
                 };
                 let difference = length(*difference);
-                format!(
-                    "solid axle at a travel difference of {difference} (left - right): {reason}"
-                )
+                format!("axle at a travel difference of {difference} (left - right): {reason}")
             }
             other => other.to_string(),
         }

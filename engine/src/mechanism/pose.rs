@@ -196,7 +196,7 @@ impl<'a, T: Real> Configuration<'a, T> {
     #[inline(always)]
     pub(crate) fn place(&self, id: PointId) -> Vector3<T> {
         match self.mechanism.body(id) {
-            Body::Chassis | Body::Rack => self.grounded(id),
+            Body::Chassis | Body::Rack | Body::Opposite(_) => self.grounded(id),
             Body::StrutRod(top) => {
                 let top = self.designed(top);
                 top + self.pose.rotation.apply(self.designed(id) - top)
@@ -214,12 +214,16 @@ impl<'a, T: Real> Configuration<'a, T> {
         }
     }
 
-    /// Present position of a point of the chassis or the rack.
+    /// Present position of a point of the chassis or the rack, or opposite to a point of the knuckle.
     #[inline(always)]
     pub(crate) fn grounded(&self, id: PointId) -> Vector3<T> {
         let p = self.designed(id);
         match self.mechanism.body(id) {
             Body::Rack => Vector3::new(p.x, p.y + self.rack, p.z),
+            Body::Opposite(other) => {
+                let moved = self.carried(other).y - self.designed(other).y;
+                Vector3::new(p.x, p.y - moved, p.z)
+            }
             _ => p,
         }
     }
@@ -228,8 +232,15 @@ impl<'a, T: Real> Configuration<'a, T> {
     #[inline(always)]
     pub(crate) fn push_grounded(&self, id: PointId, gradient: Vector3<T>, sink: &mut impl Sink<T>) {
         sink.hardpoint(id, gradient);
-        if self.mechanism.body(id) == Body::Rack {
-            sink.rack(gradient.y);
+        match self.mechanism.body(id) {
+            Body::Rack => sink.rack(gradient.y),
+            Body::Opposite(other) => {
+                let zero = gradient.x.zero();
+                let opposite = Vector3::new(zero, -gradient.y, zero);
+                self.push_carried(other, opposite, sink);
+                sink.hardpoint(other, -opposite);
+            }
+            _ => {}
         }
     }
 
@@ -278,7 +289,9 @@ impl<'a, T: Real> Configuration<'a, T> {
     #[inline(always)]
     fn push_point_here(&self, id: PointId, gradient: Vector3<T>, sink: &mut impl Sink<T>) {
         match self.mechanism.body(id) {
-            Body::Chassis | Body::Rack => self.push_grounded(id, gradient, sink),
+            Body::Chassis | Body::Rack | Body::Opposite(_) => {
+                self.push_grounded(id, gradient, sink)
+            }
             Body::Knuckle => self.push_carried(id, gradient, sink),
             Body::StrutRod(top) => {
                 let in_knuckle = self.pose.rotation.apply_transposed(gradient);
@@ -340,6 +353,11 @@ impl<'a, T: Real> Configuration<'a, T> {
                     at: &'p Configuration<'p, T> = self, arm: Arm = arm, id: PointId = id, motion: &'p Twist<T> = motion
                         => [Vector3<T>; 2] { at.moving_on_arm(arm, id, motion) }
                 )
+            }
+            Body::Opposite(other) => {
+                let [_, rate] = self.moving_carried(other, motion);
+                let zero = rate.x.zero();
+                [self.grounded(id), Vector3::new(zero, -rate.y, zero)]
             }
             Body::Chassis | Body::Rack | Body::Rocker(_) => {
                 let now = self.grounded(id);

@@ -160,7 +160,7 @@ impl<T: Real> Turn<T> {
     #[inline(always)]
     fn sense(&self, rod: Rod) -> T {
         match rod {
-            Rod::Pushrod | Rod::DropLink | Rod::WattLink => self.pushed,
+            Rod::Pushrod | Rod::DropLink | Rod::WattLink | Rod::TwistBeam => self.pushed,
             Rod::Pullrod => -self.pushed,
         }
     }

@@ -114,6 +114,8 @@ pub enum LengthUnit {
     Metre,
     /// Inches of 25.4 mm.
     Inch,
+    /// Inches with forces in pounds-force. Inside the program forces are in newtons.
+    InchPound,
 }
 
 impl LengthUnit {
@@ -125,7 +127,39 @@ impl LengthUnit {
         match self {
             LengthUnit::Millimetre => "mm",
             LengthUnit::Metre => "m",
-            LengthUnit::Inch => "in",
+            LengthUnit::Inch | LengthUnit::InchPound => "in",
+        }
+    }
+
+    /// The same unit of lengths, with forces in newtons.
+    pub fn with_newtons(self) -> LengthUnit {
+        match self {
+            LengthUnit::InchPound => LengthUnit::Inch,
+            other => other,
+        }
+    }
+
+    /// Symbol of the unit of forces.
+    pub fn force_symbol(self) -> &'static str {
+        match self {
+            LengthUnit::InchPound => "lbf",
+            _ => "N",
+        }
+    }
+
+    /// Newtons in the unit of forces. A pound-force is 0.45359237 kg times 9.80665 m/s2.
+    pub fn newtons(self) -> f64 {
+        match self {
+            LengthUnit::InchPound => 4.448_221_615_260_5,
+            _ => 1.0,
+        }
+    }
+
+    /// Length of a lever in torques, in this unit, with its symbol: a metre, or a foot beside pounds-force.
+    pub fn lever(self) -> (f64, &'static str) {
+        match self {
+            LengthUnit::InchPound => (12.0, "ft"),
+            _ => (self.per_metre(), "m"),
         }
     }
 
@@ -134,13 +168,13 @@ impl LengthUnit {
         match self {
             LengthUnit::Millimetre => 1000.0,
             LengthUnit::Metre => 1.0,
-            LengthUnit::Inch => 1.0 / 0.0254,
+            LengthUnit::Inch | LengthUnit::InchPound => 1.0 / 0.0254,
         }
     }
 
     /// A length of another unit in this one, rounded once. A length of the same unit keeps its bits.
     pub fn convert(self, length: f64, from: LengthUnit) -> f64 {
-        match (from, self) {
+        match (from.with_newtons(), self.with_newtons()) {
             (LengthUnit::Millimetre, LengthUnit::Metre) => length / 1000.0,
             (LengthUnit::Metre, LengthUnit::Millimetre) => length * 1000.0,
             (LengthUnit::Millimetre, LengthUnit::Inch) => length / 25.4,

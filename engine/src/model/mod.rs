@@ -17,12 +17,14 @@ mod semi_trailing_arm;
 mod solid_axle;
 mod topology;
 mod trailing_arm_two_links;
+mod twist_beam;
 
 pub use frame::{Axis, Frame, FrameConvention, LengthUnit, Side};
 pub use rigid_axle::{AxleTravel, RigidAxle, mirrored};
 pub use rocker::{Rocker, RockerId, Rod};
 pub use seats::Seat;
 pub use topology::{Group, Hardpoint, Topology};
+pub use twist_beam::TwistBeam;
 
 use crate::number::Vector3;
 
@@ -41,6 +43,8 @@ pub enum Body {
     Chassis,
     /// Moved sideways by the steering rack.
     Rack,
+    /// Held in the vehicle, but as far to one side as a point of the knuckle has moved to the other: the mounts of a twist beam.
+    Opposite(PointId),
     /// The wheel carrier.
     Knuckle,
     /// A control arm, turning about its axis.
@@ -106,6 +110,11 @@ pub enum Constraint {
         /// The chassis point.
         at: PointId,
     },
+    /// A mount that holds a knuckle point in x and z and lets it move sideways. Takes two freedoms.
+    Mount {
+        /// The knuckle point.
+        at: PointId,
+    },
     /// A second joint of an arm and the knuckle, which then turns about the line through both joints. Takes two
     /// freedoms beside the two legs of the arm.
     ArmJoint {
@@ -131,7 +140,9 @@ impl Constraint {
     pub fn freedoms(&self) -> usize {
         match self {
             Constraint::Link { .. } | Constraint::AxleTravel { .. } => 1,
-            Constraint::StrutLine { .. } | Constraint::ArmJoint { .. } => 2,
+            Constraint::StrutLine { .. }
+            | Constraint::ArmJoint { .. }
+            | Constraint::Mount { .. } => 2,
             Constraint::BallJoint { .. } => 3,
             Constraint::Revolute { .. } => 5,
         }
@@ -266,6 +277,10 @@ impl Mechanism {
             for [near, _] in &rigid.pairs {
                 design.push(mirrored(design[near.0]));
             }
+            if let Some(beam) = &rigid.twist_beam {
+                let places = beam.rod_and_hinge(design);
+                design.extend(places);
+            }
         }
     }
 
@@ -336,7 +351,9 @@ impl Mechanism {
                 Constraint::StrutLine { top, lower, upper } => Some((lower, upper.unwrap_or(top))),
                 Constraint::Revolute { first, second } => Some((first, second)),
                 Constraint::ArmJoint { arm, at } => Some((self.arms[arm.0].outer, at)),
-                Constraint::BallJoint { .. } | Constraint::AxleTravel { .. } => None,
+                Constraint::BallJoint { .. }
+                | Constraint::Mount { .. }
+                | Constraint::AxleTravel { .. } => None,
             });
         let spin_axis = match self.spin_axis {
             SpinAxis::From(inner) => Some((inner, self.wheel_centre)),
@@ -366,7 +383,9 @@ impl Mechanism {
                 let Arm { front, rear, .. } = self.arms[arm.0];
                 are(front, at) || are(rear, at)
             }
-            Constraint::StrutLine { .. } | Constraint::AxleTravel { .. } => false,
+            Constraint::StrutLine { .. }
+            | Constraint::Mount { .. }
+            | Constraint::AxleTravel { .. } => false,
         });
         let rods = self
             .rockers

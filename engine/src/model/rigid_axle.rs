@@ -12,7 +12,7 @@
 //! One of them is the drive. The other one takes the place of the rack's displacement, and one constraint holds it.
 //! Seen from the other wheel, (1) is the same and (2) has the other sign.
 
-use super::PointId;
+use super::{PointId, TwistBeam};
 use crate::number::{Real, Vector3};
 
 /// One of the two travels of a rigid axle.
@@ -54,6 +54,8 @@ pub struct RigidAxle {
     pub far_centre: PointId,
     /// The travel that a constraint holds. The other one drives.
     pub held: AxleTravel,
+    /// Further points, if the axle is a twist beam.
+    pub twist_beam: Option<TwistBeam>,
 }
 
 /// The mirror image of a position in the vehicle's middle plane.
@@ -63,9 +65,16 @@ pub fn mirrored<T: Real>(position: Vector3<T>) -> Vector3<T> {
 }
 
 impl RigidAxle {
-    /// Returns true for a point of the far half.
+    /// Returns true for a point of the far half, or one that follows another point.
     pub fn is_far(&self, id: PointId) -> bool {
-        self.pairs.iter().any(|[_, far]| *far == id)
+        let mut following = self.followers();
+        self.pairs.iter().any(|[_, far]| *far == id) || following.any(|[point, _]| point == id)
+    }
+
+    /// Points that a study does not give, each with the point that it stays beside.
+    #[inline]
+    fn followers(&self) -> impl Iterator<Item = [PointId; 2]> {
+        self.twist_beam.iter().flat_map(TwistBeam::followers)
     }
 
     /// The partner in the far half of a point of the near half.
@@ -83,6 +92,10 @@ impl RigidAxle {
             let apart = apart.map(|c| design[near.0].x.lit(c));
             design[far.0] = mirrored(design[near.0]) + apart;
         }
+        for [point, beside] in self.followers() {
+            let apart = own[point.0] - own[beside.0];
+            design[point.0] = design[beside.0] + apart.map(|c| design[beside.0].x.lit(c));
+        }
     }
 
     /// Writes the same axle seen from its other wheel, in the frame of that side, into `into`. Points that are neither in
@@ -97,12 +110,29 @@ impl RigidAxle {
         for single in &self.singles {
             into[single.0] = mirrored(design[single.0]);
         }
+        for [point, beside] in self.followers() {
+            into[point.0] = into[beside.0] + (design[point.0] - design[beside.0]);
+        }
+    }
+
+    /// Returns true if the far half is the mirror image of the near half.
+    pub fn is_symmetric(&self, design: &[Vector3<f64>]) -> bool {
+        let mut pairs = self.pairs.iter();
+        let mut singles = self.singles.iter();
+        pairs.all(|[near, far]| design[far.0] == mirrored(design[near.0]))
+            && singles.all(|single| design[single.0] == mirrored(design[single.0]))
     }
 
     /// Adds up the derivatives by all places of a point: those of the far half and those of the axle seen from the right
     /// wheel are added to the derivatives by the left half.
     pub fn gather(&self, [left, right]: [&mut [Vector3<f64>]; 2]) {
         let zero = Vector3::new(0.0, 0.0, 0.0);
+        for [point, beside] in self.followers() {
+            for half in [&mut *left, &mut *right] {
+                half[beside.0] = half[beside.0] + half[point.0];
+                half[point.0] = zero;
+            }
+        }
         for [near, far] in &self.pairs {
             let of_far = mirrored(left[far.0] + right[far.0]);
             left[near.0] = left[near.0] + right[near.0] + of_far;

@@ -38,6 +38,8 @@ pub enum Rod {
     DropLink,
     /// The upper link of a Watt linkage, which turns its rocker.
     WattLink,
+    /// No real rod: a mount of a twist beam, which turns its half of the beam against the other half.
+    TwistBeam,
 }
 
 impl Rod {
@@ -47,6 +49,7 @@ impl Rod {
             Rod::Pushrod | Rod::Pullrod => "the rocker",
             Rod::DropLink => "the anti-roll bar",
             Rod::WattLink => "the Watt rocker",
+            Rod::TwistBeam => "the twist beam",
         }
     }
 
@@ -62,6 +65,7 @@ impl Rod {
             Rod::Pullrod => "pullrod",
             Rod::DropLink => "drop_link",
             Rod::WattLink => "watt_upper",
+            Rod::TwistBeam => "twist_beam",
         }
     }
 }
@@ -73,6 +77,7 @@ impl fmt::Display for Rod {
             Rod::Pullrod => "pullrod",
             Rod::DropLink => "drop link",
             Rod::WattLink => "upper Watt link",
+            Rod::TwistBeam => "twist beam",
         })
     }
 }
@@ -247,6 +252,7 @@ pub(super) fn bodies(rockers: &[Rocker]) -> impl Iterator<Item = (&'static str, 
             Rod::Pushrod | Rod::Pullrod => "rocker",
             Rod::DropLink => "anti_roll_bar",
             Rod::WattLink => "watt_rocker",
+            Rod::TwistBeam => "twist_beam",
         };
         (name, Body::Rocker(RockerId(number)))
     })
@@ -266,11 +272,12 @@ impl Mechanism {
         rods.position(Rod::is_of_spring).map(RockerId)
     }
 
-    /// The anti-roll bar, which a drop link turns.
+    /// The anti-roll bar, which a drop link turns; of a twist beam the far half, whose turn twists the cross member.
     #[inline]
     pub fn anti_roll_bar(&self) -> Option<RockerId> {
         let mut rods = self.rockers.iter().map(|rocker| rocker.rod);
-        rods.position(|rod| rod == Rod::DropLink).map(RockerId)
+        rods.position(|rod| matches!(rod, Rod::DropLink | Rod::TwistBeam))
+            .map(RockerId)
     }
 
     /// The end of the heave spring on the rocker.
@@ -325,7 +332,9 @@ impl Mechanism {
     /// The bodies a hardpoint may sit on: of the ends of springs and rods that stand on the suspension, by
     /// the study's choice. Empty for every other hardpoint.
     pub fn possible_bodies(&self, id: PointId) -> Vec<(&'static str, Body)> {
-        let is_turned = |rocker: &Rocker| rocker.outer == id && rocker.rod != Rod::WattLink;
+        let is_turned = |rocker: &Rocker| {
+            rocker.outer == id && !matches!(rocker.rod, Rod::WattLink | Rod::TwistBeam)
+        };
         let turns = self.rockers.iter().position(is_turned);
         let is_spring =
             self.spring.is_some_and(|s| s.lower == id) && self.name(id) == "spring_lower";

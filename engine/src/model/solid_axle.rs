@@ -198,6 +198,7 @@ fn build(topology: &'static Topology, given: &[&'static str]) -> Mechanism {
             singles,
             far_centre,
             held,
+            twist_beam: None,
         }),
         ..given.mechanism(topology, &bodies)
     }

@@ -3,7 +3,7 @@
 use super::rocker::{self, Carriers};
 use super::{
     Body, Mechanism, Point, PointId, SpinAxis, Spring, double_wishbone, five_link, h_arm,
-    integral_link, macpherson, semi_trailing_arm, solid_axle, trailing_arm_two_links,
+    integral_link, macpherson, semi_trailing_arm, solid_axle, trailing_arm_two_links, twist_beam,
 };
 use crate::number::Vector3;
 
@@ -213,11 +213,17 @@ impl Topology {
         &integral_link::INTEGRAL_LINK,
         &h_arm::H_ARM,
         &solid_axle::SOLID_AXLE,
+        &twist_beam::TWIST_BEAM,
     ];
 
-    /// Returns true for an axle of one body, which is no suspension of one wheel.
+    /// Returns true for a solid axle or a twist beam, which are no suspensions of one wheel.
     pub fn carries_both_wheels(&self) -> bool {
-        self.name == solid_axle::SOLID_AXLE.name
+        self.name == solid_axle::SOLID_AXLE.name || self.is_twist_beam()
+    }
+
+    /// Returns true for the twist beam.
+    pub fn is_twist_beam(&self) -> bool {
+        self.name == twist_beam::TWIST_BEAM.name
     }
 
     /// Its hardpoints and those of its groups.

@@ -274,7 +274,7 @@ impl RowsBeside for Rows<'_> {
         for station in &layout.stations {
             let mut missing = false;
             let at = [station.travel, station.rack];
-            let found = run.gradients(at, &station.values, parameters, tape, |found| {
+            let found = run.gradients(at, &station.values, parameters, tape, &mut |found| {
                 let own = |sample: &&TargetSample| sample.of == found.number;
                 let Some(value) = found.value else {
                     missing = true;

@@ -9,12 +9,13 @@ use super::outputs::{self, distinct};
 use super::right_wheel::{self, right_wheel};
 use super::rocker_springs;
 use super::solid_axle;
-use super::suspension::{above_zero, positive};
+use super::suspension::{above_zero, kilograms, positive};
+use super::twist_beam;
 use super::value::{Number, Text, Values};
 use super::{MOST_STATIONS, TimeLaw};
 use crate::axle::{
-    Axle, AxleMotion, AxlePlan, AxleTime, BumpStop, Coordinate, ForceCurve, Law, Motion, Quantity,
-    Setup, SpringLaw, WheelMotion,
+    Axle, AxleKind, AxleMotion, AxlePlan, AxleTime, BumpStop, Coordinate, ForceCurve, Law, Motion,
+    Quantity, Setup, SpringLaw, WheelMotion,
 };
 use crate::characteristics::Constants;
 use crate::model::{Axis, Side, Suspension};
@@ -128,6 +129,14 @@ pub(super) fn axle(
         problems.add(place, message);
         sound = false;
     }
+    if let Some(beam) = suspension
+        .mechanism
+        .rigid_axle
+        .as_ref()
+        .and_then(|rigid| rigid.twist_beam.as_ref())
+    {
+        twist_beam::check(&file.suspension, suspension, beam, problems)?;
+    }
     let wheels = match &suspension.mechanism.rigid_axle {
         Some(rigid) => solid_axle::wheels(file, suspension, rigid, problems),
         None => {
@@ -215,7 +224,10 @@ fn refuse_wheel_keys(motion: &file::Motion, problems: &mut Problems) -> bool {
 
 fn setup(file: &File, left: &Suspension, problems: &mut Problems) -> Option<Setup> {
     let vehicle = &file.vehicle;
+    let kilograms = kilograms(file, problems);
     let masses = [&vehicle.sprung_mass, &vehicle.unsprung_mass].map(|m| positive(m, problems));
+    let masses = masses.map(|mass| Some(mass?.map(|mass| mass * kilograms.unwrap_or(1.0))));
+    let newtons = left.length_unit.newtons();
     let c_factor = match file.steering.as_ref().map(|s| &s.get_ref().c_factor) {
         None => Some(None),
         Some(zero) if zero.value == 0.0 => {
@@ -230,15 +242,18 @@ fn setup(file: &File, left: &Suspension, problems: &mut Problems) -> Option<Setu
     let tyre = file.tyre.as_ref().map(Spanned::get_ref);
     let [mut bar_rate, tyre_rate] = [bar, tyre.map(|tyre| &tyre.rate)].map(|rate| match rate {
         None => Some(None),
-        Some(rate) => above_zero(rate, problems).map(Some),
+        Some(rate) => above_zero(rate, problems).map(|rate| Some(rate * newtons)),
     });
     let tyre_load = positive(&tyre.and_then(|tyre| tyre.load.clone()), problems);
+    let tyre_load = tyre_load.map(|load| load.map(|load| load * newtons));
+    kilograms?;
     if let (Some(section), None) = (&file.anti_roll_bar, left.mechanism.anti_roll_bar()) {
         let message = "[anti_roll_bar] has a rate, but the study gives no anti-roll bar";
         let error = problems.add(section.span(), message);
         error.help("drop_link_outer, drop_link_inner, anti_roll_bar_inner and anti_roll_bar_outer make one");
         bar_rate = None;
     }
+    let beam_rate = twist_beam::bar_rate(file, left, problems)?;
     let [sprung_mass, unsprung_mass] = masses;
     Some(Setup {
         wheel_radius: left.wheel_radius,
@@ -247,7 +262,7 @@ fn setup(file: &File, left: &Suspension, problems: &mut Problems) -> Option<Setu
         c_factor: c_factor?,
         springs: springs?,
         rocker_springs: rocker_springs?,
-        bar_rate: bar_rate?,
+        bar_rate: beam_rate.or(bar_rate?),
         tyre_rate: tyre_rate?,
         tyre_load: tyre_load?,
         sprung_mass: sprung_mass?,
@@ -264,10 +279,11 @@ pub(super) fn springs(
     problems: &mut Problems,
 ) -> Option<Option<[SpringLaw; 2]>> {
     let own = right_wheel::own(file).and_then(|own| own.spring.as_ref());
+    let newtons = left.length_unit.newtons();
     let mut stop = |section: &Option<Spanned<file::BumpStop>>| match section {
         None => Some(None),
         Some(stop) => {
-            let points = force_curve(&stop.get_ref().force_curve, problems);
+            let points = force_curve(&stop.get_ref().force_curve, newtons, problems);
             Some(Some(BumpStop {
                 gap: stop.get_ref().gap.value,
                 curve: points?,
@@ -305,7 +321,7 @@ pub(super) fn springs(
     let common = section.get_ref();
     let (rate, force) = (common.rate.as_ref(), common.force.as_ref());
     let given = (rate, force, common.force_curve.as_ref());
-    let left = spring(given, section.span(), problems);
+    let left = spring(given, newtons, section.span(), problems);
     let right = match own {
         None => left.clone(),
         Some(section) => {
@@ -316,7 +332,7 @@ pub(super) fn springs(
                 // Rate or force alone differs from what both have.
                 None => (own_rate.or(rate), own_force.or(force), None),
             };
-            spring(given, section.span(), problems)
+            spring(given, newtons, section.span(), problems)
         }
     };
     let law = |spring: Law| SpringLaw {
@@ -336,15 +352,16 @@ type GivenSpring<'a> = (
 
 fn spring(
     given: GivenSpring<'_>,
+    newtons: f64,
     place: std::ops::Range<usize>,
     problems: &mut Problems,
 ) -> Option<Law> {
     match given {
         (Some(rate), Some(force), None) => Some(Law::Linear {
-            rate: above_zero(rate, problems)?,
-            force: force.value,
+            rate: above_zero(rate, problems)? * newtons,
+            force: force.value * newtons,
         }),
-        (None, None, Some(curve)) => Some(Law::Curve(force_curve(curve, problems)?)),
+        (None, None, Some(curve)) => Some(Law::Curve(force_curve(curve, newtons, problems)?)),
         (_, _, Some(curve)) => {
             let message =
                 "force_curve already gives the spring; expected rate and force, or force_curve";
@@ -357,14 +374,16 @@ fn spring(
     }
 }
 
+/// The curve through pairs of length and force; `newtons` is the unit of its forces.
 pub(super) fn force_curve(
     written: &Spanned<Vec<Spanned<Vec<Number>>>>,
+    newtons: f64,
     problems: &mut Problems,
 ) -> Option<ForceCurve> {
     let mut points = Vec::new();
     for pair in written.get_ref() {
         match pair.get_ref().as_slice() {
-            [x, y] => points.push([x.value, y.value]),
+            [x, y] => points.push([x.value, y.value * newtons]),
             other => {
                 let message = format!("expected a pair [length, force], found {}", other.len());
                 return problems.refuse(pair.span(), message);
@@ -628,9 +647,18 @@ pub(super) fn quantities(
     let name = choose(text, "quantity of an axle", &names, problems)?;
     let found = axle.quantities(name);
     if found.is_empty() {
-        let message = match axle.is_rigid() {
-            true => format!("{name} needs wheels that move by themselves; this is a solid axle"),
-            false => format!("{name} needs a solid axle; these wheels move by themselves"),
+        let of = |kind: AxleKind| Quantity::named(name).iter().any(|q| q.is_of(kind));
+        let needs = match (of(AxleKind::Independent), of(AxleKind::Solid)) {
+            (true, _) => "wheels that move by themselves",
+            (_, true) => "a solid axle",
+            _ => "a twist beam",
+        };
+        let message = match axle.kind() {
+            AxleKind::Independent => {
+                format!("{name} needs {needs}; these wheels move by themselves")
+            }
+            AxleKind::Solid => format!("{name} needs {needs}; this is a solid axle"),
+            AxleKind::TwistBeam => format!("{name} needs {needs}; this is a twist beam"),
         };
         return problems.refuse(text.span(), message);
     }

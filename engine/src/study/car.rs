@@ -355,7 +355,16 @@ impl Resolver<'_> {
         let file = self.file;
         let section = file.car.get_ref();
         let (front, rear) = (self.axle(0), self.axle(1));
-        let axles = [front?, rear?];
+        let mut axles = [front?, rear?];
+        // A car gives forces in newtons.
+        for axle in &mut axles {
+            for wheel in [Some(&mut axle.left), axle.right.as_mut()]
+                .into_iter()
+                .flatten()
+            {
+                wheel.length_unit = wheel.length_unit.with_newtons();
+            }
+        }
         let unit = axles[0].left.length_unit;
         if axles[1].left.length_unit != unit {
             let message = "both axle studies must have the same length_unit";

@@ -86,10 +86,12 @@ fn resolved(
         let message = "expected a force, a moment or both, found neither";
         return problems.refuse(written.name.span(), message);
     }
-    let unit = suspension.length_unit.symbol();
-    let force = components(&written.force, "N", problems);
-    let moment = components(&written.moment, &format!("N {unit}"), problems);
-    let (frame, moment) = (suspension.frame, moment?);
+    let unit = suspension.length_unit;
+    let newtons = |of: Vector3<f64>| of * unit.newtons();
+    let (symbol, length) = (unit.force_symbol(), unit.symbol());
+    let force = components(&written.force, symbol, problems).map(newtons);
+    let moment = components(&written.moment, &format!("{symbol} {length}"), problems);
+    let (frame, moment) = (suspension.frame, newtons(moment?));
     let turn = |axis: Axis| frame.turn_sign(axis) * moment[axis];
     Some(Load {
         name: name?,

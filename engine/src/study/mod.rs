@@ -39,6 +39,7 @@ mod suspension;
 mod sweep;
 mod targets;
 mod tolerance;
+mod twist_beam;
 mod value_edit;
 mod vehicle;
 

@@ -2,10 +2,11 @@
 
 use super::compliance::BushingText;
 use super::error::{Problems, Source, StudyError, StudyErrors};
+use super::targets::FromFile;
 use super::{
-    AxleStudy, ComplianceStudy, Drive, Load, Motion, Optimise, Outputs, Study, Vehicle, WheelStudy,
-    axle, compliance, edit, file, motion, optimise, outputs, overrides, parse, setup, solver,
-    source, suspension, sweep, tolerance,
+    AxleStudy, ComplianceStudy, Drive, Formulation, Load, Motion, Optimise, Outputs, Setup, Study,
+    Sweep, Tolerance, Vehicle, WheelStudy, axle, compliance, edit, file, motion, optimise, outputs,
+    overrides, parse, setup, solver, source, suspension, sweep, tolerance,
 };
 use crate::model::Suspension;
 use std::path::Path;
@@ -155,12 +156,7 @@ fn resolve(
     parts: Parts,
 ) -> Result<Study, StudyErrors> {
     let source = Arc::new(Source { name: shown, text });
-    if let Some(place) = parse::car_section(&source.text) {
-        let message = "[car] makes this the study of a car, which this command does not take";
-        let mut error = StudyError::new(source.clone(), Some(place), message);
-        error.help("hardpoint check, solve, sweep, optimise, tolerance, limits, compare and export take cars; the axles by themselves are studies for every command");
-        return Err(error.into());
-    }
+    refuse_car(&source)?;
     let file = parse::parse(&source)?;
     let mut problems = Problems::new(source.clone());
 
@@ -172,19 +168,7 @@ fn resolve(
         true => Some(Motion::still()),
         false => motion::motion(&file.motion, false, &mut problems),
     };
-    let mut motions = Vec::new();
-    // In a study of an axle, motions of one wheel are those of its left wheel.
-    let is_of_wheel =
-        |section: &Spanned<file::Motion>| !of_axle || !axle::moves_axle(section.get_ref());
-    for (name, section) in file
-        .motions
-        .iter()
-        .filter(|(_, section)| is_of_wheel(section))
-    {
-        if let Some(motion) = motion::motion(section, true, &mut problems) {
-            motions.push((name.get_ref().clone(), motion));
-        }
-    }
+    let motions = motions_of_wheel(&file, of_axle, &mut problems);
     // Without a suspension there are no names that the rest could be right or wrong about.
     let Some(suspension) = suspension else {
         return problems.finish(None);
@@ -202,25 +186,12 @@ fn resolve(
     if let Some(motion) = &motion {
         motion::check_drive(&file.motion, motion, &suspension, &mut problems);
     }
-    for (name, section) in &file.motions {
-        let same = |named: &&(String, Motion)| named.0 == *name.get_ref();
-        if let Some((_, motion)) = motions.iter().find(same) {
-            motion::check_drive(section, motion, &suspension, &mut problems);
-            if motion.drive == Drive::PaperTheta || motion.time.is_some() {
-                let message = "a named motion is by travel or arm_angle, without time";
-                problems.add(section.span(), message);
-            }
-        }
-        if name.get_ref().is_empty() || name.get_ref().contains(['/', '\\', '.']) {
-            let message = "the name of a motion is part of a file's name: letters, digits and _";
-            problems.add(name.span(), message);
-        }
-    }
+    check_named_motions(&file, &motions, &suspension, &mut problems);
     let formulation = solver::formulation(&file, &suspension, &mut problems);
     solver::refuse_accuracy(&file, &mut problems);
     let outputs = match of_axle {
         true => Some(Outputs::of(Vec::new())),
-        // What is wrong with the elastic parts is said already.
+        // Faults of the elastic parts are reported already.
         false if elastic.is_none() => None,
         false => {
             let elastic = elastic.as_ref().and_then(Option::as_ref);
@@ -242,6 +213,9 @@ fn resolve(
         let (stations, points) = (plan.course.stations(), plan.sensitivities.len());
         motion::check_sensitivities(file.motion.span(), stations, points, &mut problems);
     }
+    if let (false, Some(outputs)) = (of_axle, &outputs) {
+        check_sweep_keeps_something(&file, outputs, &mut problems);
+    }
     let context = Context {
         elastic: elastic.as_ref().and_then(Option::as_ref),
         suspension: &suspension,
@@ -252,72 +226,20 @@ fn resolve(
         file: &file,
         directory,
     };
-    let optimise = match &file.optimise {
-        None => Some((None, Vec::new())),
-        // What is wrong with the axle is said already.
-        Some(_) if of_axle && axle.is_none() => None,
-        Some(section) => optimise::optimise(section, &context, &mut problems)
-            .map(|(optimise, curves)| (Some(optimise), curves)),
-    };
-    let sweep = match &file.sweep {
-        None => Some(None),
-        Some(_) if of_axle && axle.is_none() => None,
-        Some(section) => {
-            sweep::sweep(&file, section, formulation, &context, &mut problems).map(Some)
-        }
-    };
-    if let (false, Some(section), Some(outputs)) = (of_axle, &file.sweep, &outputs) {
-        let has_targets = file.optimise.is_some();
-        if outputs.characteristics.is_empty() && outputs.points.is_empty() && !has_targets {
-            let message = "there is nothing to keep of each design: expected characteristics or points in \
-                           [outputs], or targets in [optimise]";
-            problems.add(section.span(), message);
-        }
-    }
-    let setup = match &file.setup {
-        None => Some(None),
-        Some(_) if of_axle && axle.is_none() => None,
-        Some(section) => setup::setup(section, &context, &mut problems).map(Some),
-    };
-    let tolerance = match &file.tolerance {
-        None => Some(None),
-        Some(_) if of_axle && axle.is_none() => None,
-        Some(section) => {
-            let adjusted = setup.as_ref().and_then(Option::as_ref);
-            tolerance::tolerance(section, adjusted, &context, &mut problems).map(Some)
-        }
-    };
-    let scatter = match &file.optimise {
-        None => Some(None),
-        Some(section) => {
-            let adjusted = setup.as_ref().and_then(Option::as_ref);
-            let tolerance = tolerance.as_ref().and_then(Option::as_ref);
-            optimise::scatter(section, tolerance, adjusted, &context, &mut problems)
-        }
-    };
-    let parts = elastic.iter().flatten().flat_map(|own| &own.parts.bushings);
-    let bushings_of_files: Vec<BushingText> = parts
-        .filter_map(|part| {
-            let name = suspension.mechanism.name(part.point);
-            let mut written = file.bushings.iter();
-            let (_, own) = written.find(|(known, _)| known.get_ref() == name)?;
-            own.get_ref().file.as_ref()?;
-            Some(BushingText::of(name, part))
-        })
-        .collect();
+    // Sections of an axle that could not be read would only repeat its faults.
+    let is_known = !of_axle || axle.is_some();
+    let tasks = Tasks::read(&context, is_known, formulation, &mut problems);
+    let bushings = bushings_of_files(&file, &suspension, elastic.as_ref());
     let study = || {
-        let (optimise, curves) = optimise?;
-        let scatter = scatter?;
+        let tasks = tasks?;
+        let text = edit::with_curves_inside(&source.text, &tasks.curves);
         Some(Study {
             name: path
                 .file_stem()
                 .unwrap_or_default()
                 .to_string_lossy()
                 .into_owned(),
-            text: edit::with_bushings_inside(
-                edit::with_curves_inside(&source.text, &curves),
-                &bushings_of_files,
-            ),
+            text: edit::with_bushings_inside(text, &bushings),
             inputs: named_files(&file)
                 .map(|name| directory.join(name))
                 .collect(),
@@ -332,16 +254,162 @@ fn resolve(
                 })),
             },
             motions,
+            optimise: tasks.optimise,
+            sweep: tasks.sweep,
+            setup: tasks.setup,
+            tolerance: tasks.tolerance,
+        })
+    };
+    problems.finish(study())
+}
+
+/// Refuses the study of a car, which has a reader of its own.
+fn refuse_car(source: &Arc<Source>) -> Result<(), StudyErrors> {
+    let Some(place) = parse::car_section(&source.text) else {
+        return Ok(());
+    };
+    let message = "[car] makes this the study of a car, which this command does not take";
+    let mut error = StudyError::new(source.clone(), Some(place), message);
+    error.help("hardpoint check, solve, sweep, optimise, tolerance, limits, compare and export take cars; the axles by themselves are studies for every command");
+    Err(error.into())
+}
+
+/// The named motions of one wheel. In a study of an axle they are those of its left wheel.
+fn motions_of_wheel(
+    file: &file::File,
+    of_axle: bool,
+    problems: &mut Problems,
+) -> Vec<(String, Motion)> {
+    let mut motions = Vec::new();
+    for (name, section) in &file.motions {
+        if of_axle && axle::moves_axle(section.get_ref()) {
+            continue;
+        }
+        if let Some(motion) = motion::motion(section, true, problems) {
+            motions.push((name.get_ref().clone(), motion));
+        }
+    }
+    motions
+}
+
+/// Checks the names of motions, and the drives of those that could be read.
+fn check_named_motions(
+    file: &file::File,
+    motions: &[(String, Motion)],
+    suspension: &Suspension,
+    problems: &mut Problems,
+) {
+    for (name, section) in &file.motions {
+        let same = |named: &&(String, Motion)| named.0 == *name.get_ref();
+        if let Some((_, motion)) = motions.iter().find(same) {
+            motion::check_drive(section, motion, suspension, problems);
+            if motion.drive == Drive::PaperTheta || motion.time.is_some() {
+                let message = "a named motion is by travel or arm_angle, without time";
+                problems.add(section.span(), message);
+            }
+        }
+        if name.get_ref().is_empty() || name.get_ref().contains(['/', '\\', '.']) {
+            let message = "the name of a motion is part of a file's name: letters, digits and _";
+            problems.add(name.span(), message);
+        }
+    }
+}
+
+/// Refuses a sweep that would keep no value of any design.
+fn check_sweep_keeps_something(file: &file::File, outputs: &Outputs, problems: &mut Problems) {
+    let Some(section) = &file.sweep else {
+        return;
+    };
+    let has_targets = file.optimise.is_some();
+    if outputs.characteristics.is_empty() && outputs.points.is_empty() && !has_targets {
+        let message = "there is nothing to keep of each design: expected characteristics or points in \
+                       [outputs], or targets in [optimise]";
+        problems.add(section.span(), message);
+    }
+}
+
+/// The sections of a study that ask for more than curves.
+struct Tasks {
+    optimise: Option<Optimise>,
+    /// Files of target curves, which become part of the study's text.
+    curves: Vec<(usize, FromFile)>,
+    sweep: Option<Sweep>,
+    setup: Option<Setup>,
+    tolerance: Option<Tolerance>,
+}
+
+impl Tasks {
+    /// Reads the sections in the order of their references. `is_known` is false if the axle could not be read.
+    /// `None` if a section has a fault.
+    fn read(
+        context: &Context<'_>,
+        is_known: bool,
+        formulation: Option<Formulation>,
+        problems: &mut Problems,
+    ) -> Option<Tasks> {
+        let file = context.file;
+        let optimise = match &file.optimise {
+            None => Some((None, Vec::new())),
+            Some(_) if !is_known => None,
+            Some(section) => optimise::optimise(section, context, problems)
+                .map(|(optimise, curves)| (Some(optimise), curves)),
+        };
+        let sweep = match &file.sweep {
+            None => Some(None),
+            Some(_) if !is_known => None,
+            Some(section) => sweep::sweep(file, section, formulation, context, problems).map(Some),
+        };
+        let setup = match &file.setup {
+            None => Some(None),
+            Some(_) if !is_known => None,
+            Some(section) => setup::setup(section, context, problems).map(Some),
+        };
+        let adjusted = setup.as_ref().and_then(Option::as_ref);
+        let tolerance = match &file.tolerance {
+            None => Some(None),
+            Some(_) if !is_known => None,
+            Some(section) => tolerance::tolerance(section, adjusted, context, problems).map(Some),
+        };
+        let scatter = match &file.optimise {
+            None => Some(None),
+            Some(section) => {
+                let tolerance = tolerance.as_ref().and_then(Option::as_ref);
+                optimise::scatter(section, tolerance, adjusted, context, problems)
+            }
+        };
+        let (optimise, curves) = optimise?;
+        let scatter = scatter?;
+        Some(Tasks {
             optimise: optimise.map(|optimise| Optimise {
                 scatter,
                 ..optimise
             }),
+            curves,
             sweep: sweep?,
             setup: setup?,
             tolerance: tolerance?,
         })
+    }
+}
+
+/// Texts of the bushings that come from files of their own, which become part of the study's text.
+fn bushings_of_files(
+    file: &file::File,
+    suspension: &Suspension,
+    elastic: Option<&Option<ComplianceStudy>>,
+) -> Vec<BushingText> {
+    let parts = elastic
+        .into_iter()
+        .flatten()
+        .flat_map(|own| &own.parts.bushings);
+    let text = |part: &crate::compliance::BushingPart| {
+        let name = suspension.mechanism.name(part.point);
+        let mut written = file.bushings.iter();
+        let (_, own) = written.find(|(known, _)| known.get_ref() == name)?;
+        own.get_ref().file.as_ref()?;
+        Some(BushingText::of(name, part))
     };
-    problems.finish(study())
+    parts.filter_map(text).collect()
 }
 
 /// The files a study names.

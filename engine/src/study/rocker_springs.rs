@@ -14,6 +14,7 @@ pub(super) fn rocker_springs(
 ) -> Option<RockerSprings> {
     let mechanism = &left.mechanism;
     let has_rocker = mechanism.spring_rocker().is_some();
+    let newtons = left.length_unit.newtons();
     let mut springs = RockerSprings::default();
     let mut sound = true;
     if let Some(section) = &file.heave_spring {
@@ -21,8 +22,8 @@ pub(super) fn rocker_springs(
         let rate = above_zero(&written.rate, problems);
         sound &= rate.is_some();
         springs.heave_spring = rate.map(|rate| Preloaded {
-            load: written.force.value,
-            rate,
+            load: written.force.value * newtons,
+            rate: rate * newtons,
         });
         if mechanism.heave_spring().is_none() {
             let message = "[heave_spring] is given, but the study gives no end for it";
@@ -45,14 +46,14 @@ pub(super) fn rocker_springs(
     };
     if let Some(section) = &file.t_bar {
         needs_rocker("[t_bar]", section.span(), problems);
-        springs.t_bar = Some(above_zero(&section.get_ref().rate, problems)?);
+        springs.t_bar = Some(above_zero(&section.get_ref().rate, problems)? * newtons);
     }
     if let Some(section) = &file.heave_bar {
         needs_rocker("[heave_bar]", section.span(), problems);
         let written = section.get_ref();
         springs.heave_bar = Some(Preloaded {
-            load: written.torque.value,
-            rate: above_zero(&written.rate, problems)?,
+            load: written.torque.value * newtons,
+            rate: above_zero(&written.rate, problems)? * newtons,
         });
     }
     sound.then_some(springs)

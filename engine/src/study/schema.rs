@@ -19,6 +19,8 @@ fn names(root: Root, path: &str) -> Option<Vec<String>> {
             "suspension.topology" => Topology::ALL.iter().map(|t| t.name).collect(),
             "suspension.side" => Side::ALL.map(Side::name).to_vec(),
             "suspension.length_unit" => LengthUnit::ALL.map(LengthUnit::symbol).to_vec(),
+            "suspension.force_unit" => vec!["N", "lbf"],
+            "suspension.mass_unit" => vec!["kg", "lb"],
             "suspension.frame" => FrameConvention::ALL.map(FrameConvention::name).to_vec(),
             "outputs.characteristics[]" => crate::axle::Quantity::names(),
             "setup.want" => Characteristic::ALL.iter().map(|c| c.info().name).collect(),

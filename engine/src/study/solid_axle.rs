@@ -1,4 +1,4 @@
-//! Solid axles: required and forbidden entries of a study, and the differences of the right half.
+//! Solid axles and twist beams: required and forbidden entries of a study, and the differences of the right half.
 
 use super::error::Problems;
 use super::file::{self, File};
@@ -11,55 +11,63 @@ use crate::solve::Solver;
 use std::ops::Range as Span;
 use toml::Spanned;
 
-/// Refuses entries that a solid axle does not support; true if there are none.
+/// Refuses entries that a solid axle or a twist beam does not support; true if there are none.
 pub(super) fn refuse(file: &File, suspension: &Suspension, problems: &mut Problems) -> bool {
     let mut refused: Vec<(Option<Span<usize>>, &str)> = Vec::new();
     let motions = std::iter::once(&file.motion).chain(file.motions.values());
     for motion in motions.map(Spanned::get_ref) {
-        let steered = "a solid axle has no rack; leave rack and steering_wheel_angle out";
+        let steered = "this axle has no rack; leave rack and steering_wheel_angle out";
         refused.push((motion.rack.as_ref().map(Spanned::span), steered));
         let wheel = motion.steering_wheel_angle.as_ref();
         refused.push((wheel.map(Spanned::span), steered));
         let travel = motion.travel.as_ref().map(Spanned::span);
         refused.push((
             travel,
-            "a solid axle has two travels; expected heave, roll, or travel_left and travel_right",
+            "this axle has two travels; expected heave, roll, or travel_left and travel_right",
         ));
     }
     let outputs = file.outputs.as_ref();
     let certify = outputs.and_then(|o| o.certify.as_ref());
-    let has_rocker = suspension.mechanism.point("watt_pivot").is_some();
-    let certify = certify.filter(|certify| has_rocker && *certify.get_ref());
+    let is_beam = suspension.mechanism.topology.is_twist_beam();
+    let has_watt = suspension.mechanism.point("watt_pivot").is_some();
+    let certify = certify.filter(|certify| (is_beam || has_watt) && *certify.get_ref());
+    let loads = outputs.and_then(|o| o.loads.as_ref()).filter(|_| is_beam);
     let parts = file.bushings.values().map(Spanned::span);
     let parts = parts.chain(file.links.values().map(Spanned::span));
     refused.extend([
         (
             certify.map(Spanned::span),
-            "certify proves quadratic equations, and the rocker of a Watt linkage obeys others; leave certify out",
+            match is_beam {
+                true => "certify proves quadratic equations, and the hinge of a twist beam obeys others; leave certify out",
+                false => "certify proves quadratic equations, and the rocker of a Watt linkage obeys others; leave certify out",
+            },
+        ),
+        (
+            loads.map(Spanned::span),
+            "a twist beam bends, so the forces of its mounts do not follow from rigid halves; leave loads out",
         ),
         (
             file.steering.as_ref().map(Spanned::span),
-            "steering of a solid axle is not available yet; leave [steering] out",
+            "steering of this axle is not available yet; leave [steering] out",
         ),
         (
             file.tolerance.as_ref().map(Spanned::span),
-            "[tolerance] of a solid axle needs derivatives by both halves apart, and those of a solid axle move both halves \
-             together; leave it out",
+            "[tolerance] needs derivatives by both halves apart, and those of this axle move both halves together; leave it out",
         ),
         (
             file.setup.as_ref().map(|setup| setup.adjust.span()),
-            "[setup] is not available for a solid axle yet; leave it out",
+            "[setup] is not available for this axle yet; leave it out",
         ),
         (
             file.compliance.as_ref().map(Spanned::span),
-            "elastic parts are not available for a solid axle yet; leave [compliance] out",
+            "elastic parts are not available for this axle yet; leave [compliance] out",
         ),
     ]);
     refused.extend(parts.map(|span| {
-        let message = "elastic parts are not available for a solid axle yet; leave them out";
+        let message = "elastic parts are not available for this axle yet; leave them out";
         (Some(span), message)
     }));
-    let mut sound = links(&file.suspension, suspension, problems);
+    let mut sound = is_beam || links(&file.suspension, suspension, problems);
     for (span, message) in refused {
         if let Some(span) = span {
             problems.add(span, message);
@@ -150,8 +158,7 @@ pub(super) fn wheels(
         }
         Some(RightWheel::Own(own)) => {
             if !own.bodies.is_empty() || own.wheel.is_some() {
-                let message =
-                    "the right half of a solid axle differs in hardpoints and spring only";
+                let message = "the right half of this axle differs in hardpoints and spring only";
                 return problems.refuse(place, message);
             }
             differences(own, rigid, &mut left, problems)?;
@@ -175,7 +182,7 @@ pub(super) fn wheels(
     }
     let mut right = left.clone();
     rigid.turn_over(&left.design, &mut right.design);
-    let is_symmetric = right.design == left.design;
+    let is_symmetric = rigid.is_symmetric(&left.design);
     right.frame = left.frame.of_other_side();
     Some((left, (!is_symmetric).then_some(right)))
 }

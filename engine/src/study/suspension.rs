@@ -26,6 +26,7 @@ pub(super) fn suspension(file: &File, problems: &mut Problems) -> Option<Suspens
         &LengthUnit::ALL.map(|u| (u.symbol(), u)),
         problems,
     );
+    let length_unit = with_forces(file, length_unit, problems);
     let vehicle = vehicle(&file.vehicle, problems);
     let wheel_radius = positive(&file.wheel.radius, problems);
     let tyre_width = positive(&file.wheel.tyre_width, problems);
@@ -64,6 +65,42 @@ pub(super) fn suspension(file: &File, problems: &mut Problems) -> Option<Suspens
     )?;
     suspension.design = design;
     Some(suspension)
+}
+
+/// The unit of lengths with that of forces.
+fn with_forces(
+    file: &File,
+    length: Option<LengthUnit>,
+    problems: &mut Problems,
+) -> Option<LengthUnit> {
+    let Some(text) = &file.suspension.force_unit else {
+        return length;
+    };
+    let names = [("N", false), ("lbf", true)];
+    let is_pounds = choose(text, "force unit", &names, problems)?;
+    let is_elastic =
+        file.compliance.is_some() || !file.bushings.is_empty() || !file.links.is_empty();
+    match (is_pounds, length?) {
+        (false, length) => Some(length),
+        (true, _) if is_elastic => {
+            let message = "studies with elastic parts give forces in newtons; leave force_unit out";
+            problems.refuse(text.span(), message)
+        }
+        (true, LengthUnit::Inch) => Some(LengthUnit::InchPound),
+        (true, _) => {
+            let message = "pounds-force go with inches: expected length_unit = \"in\" beside force_unit = \"lbf\"";
+            problems.refuse(text.span(), message)
+        }
+    }
+}
+
+/// Kilograms in the unit of masses.
+pub(super) fn kilograms(file: &File, problems: &mut Problems) -> Option<f64> {
+    const POUND: f64 = 0.453_592_37;
+    match &file.suspension.mass_unit {
+        None => Some(1.0),
+        Some(text) => choose(text, "mass unit", &[("kg", 1.0), ("lb", POUND)], problems),
+    }
 }
 
 /// A hardpoint the file gives, in the study's axes.

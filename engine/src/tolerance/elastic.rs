@@ -151,8 +151,12 @@ pub(super) fn gradients(problem: &Problem, sources: &[&Source]) -> Result<Vec<f6
         let travel = stations.values()[stations.value_of(station)];
         let rack = stations.racks[stations.rack_of(station)] * suspension.frame.sign(Axis::Y);
         // A station without equilibrium has no derivatives.
-        let _: Result<(), _> =
-            run.gradients([travel, rack], &wanted, &parameters, &mut tape, |found| {
+        let _: Result<(), _> = run.gradients(
+            [travel, rack],
+            &wanted,
+            &parameters,
+            &mut tape,
+            &mut |found| {
                 if found.value.is_none() {
                     return;
                 }
@@ -172,7 +176,8 @@ pub(super) fn gradients(problem: &Problem, sources: &[&Source]) -> Result<Vec<f6
                     }
                     gradient[cell * sources.len() + k] = slope;
                 }
-            });
+            },
+        );
     }
     Ok(gradient)
 }

@@ -1,5 +1,6 @@
 //! Places of everything in a chart, as SVG and as data.
 
+use super::labels::{end_labels, short_labels};
 use super::lettering::{Anchor, Lettering, Words};
 use super::mark::{number, path};
 use super::{Chart, Line, Quantity, Scale, Wanted};
@@ -21,10 +22,6 @@ const MOST_DEVIATION: f64 = 2.0;
 /// Widths of letters: of labels, and of the title beside the plot.
 const LETTER: f64 = 7.0;
 const TITLE_LETTER: f64 = 7.0;
-/// Longest label at the end of a curve, in letters.
-const LONGEST: usize = 14;
-/// Height of a label.
-const LABEL: f64 = 13.0;
 
 /// Layout of a chart.
 #[derive(Clone, Debug, Serialize)]
@@ -137,26 +134,43 @@ impl Chart {
         let edges: Vec<[f64; 2]> = self.wanted.iter().flat_map(Wanted::edges).collect();
         let own = || all().chain(edges.iter().copied());
         let zero = || self.from_zero.then_some(0.0).into_iter();
-        let labels = self.lines.iter().filter_map(|line| line.label.as_deref());
-        let longest = labels.map(|l| shortened(l).chars().count()).max();
+        let labels = short_labels(&self.lines);
+        let longest = labels.iter().flatten().map(|l| l.chars().count()).max();
         let right = SIZE[0] - longest.map_or(16.0, |n| 14.0 + LETTER * n as f64);
         let has_strip = deviations.iter().any(|of| !of.is_empty());
         let bottom = SIZE[1] - BELOW - if has_strip { STRIP } else { 0.0 };
-        let plot = [START[0], START[1], right, bottom];
-        let along = own().map(|p| p[0]).chain(self.failed.iter().copied());
-        let x_ticks = ((right - START[0]) / 62.0).max(2.0);
         let y_ticks = (bottom - START[1]) / 34.0;
-        let (ends_x, ends_y) = ([plot[0], plot[2]], [plot[3], plot[1]]);
-        let x = match self.x.is_log {
-            true => Scale::logarithmic(along, ends_x),
-            false => Scale::within(along.chain(zero()), x_ticks, ends_x),
-        };
+        let ends_y = [bottom, START[1]];
         let values = own().map(|p| p[1]);
         let y = match self.y.is_log {
             true => Scale::logarithmic(values, ends_y),
             false => Scale::showing(values.chain(zero()), y_ticks, ends_y),
         };
-        let labels = end_labels(&self.lines, &points, &x, &y, plot);
+        // Long labels of ticks need room beside the title.
+        let widest = y
+            .ticks()
+            .iter()
+            .map(|(_, label)| label.chars().count())
+            .max();
+        let left = START[0] + LETTER * widest.unwrap_or(0).saturating_sub(5) as f64;
+        let plot = [left, START[1], right, bottom];
+        // Places without a value count too, so that a curve with few values does not fill the chart.
+        let places = self
+            .lines
+            .iter()
+            .flat_map(|line| line.source.places(tables));
+        let places: Vec<f64> = places.filter(|x| !self.x.is_log || *x > 0.0).collect();
+        let along = own()
+            .map(|p| p[0])
+            .chain(self.failed.iter().copied())
+            .chain(places);
+        let x_ticks = ((right - left) / 62.0).max(2.0);
+        let ends_x = [left, right];
+        let x = match self.x.is_log {
+            true => Scale::logarithmic(along, ends_x),
+            false => Scale::within(along.chain(zero()), x_ticks, ends_x),
+        };
+        let labels = end_labels(&self.lines, labels, &points, &x, &y, plot);
         Layout {
             key: self.key.clone(),
             size: SIZE,
@@ -214,14 +228,6 @@ impl LineLayout {
     }
 }
 
-/// A label of at most [`LONGEST`] letters.
-fn shortened(label: &str) -> String {
-    match label.chars().count() > LONGEST {
-        true => label.chars().take(LONGEST - 1).chain(['…']).collect(),
-        false => label.to_owned(),
-    }
-}
-
 /// Deviations of the main curve from each target, in tolerances, at the places of the target.
 fn deviations(chart: &Chart, points: &[Vec<Option<[f64; 2]>>]) -> Vec<Vec<[f64; 2]>> {
     let mut all = Vec::new();
@@ -260,54 +266,6 @@ fn value_at(points: &[Option<[f64; 2]>], place: f64) -> Option<f64> {
         let share = (place - a[0]) / (b[0] - a[0]);
         ((0.0..=1.0).contains(&share)).then(|| a[1] + share * (b[1] - a[1]))
     })
-}
-
-/// Labels beside the ends of curves, none upon another. If there is no room for all, the curves that are neither
-/// first, last nor strong go without.
-fn end_labels(
-    lines: &[Line],
-    points: &[Vec<Option<[f64; 2]>>],
-    x: &Scale,
-    y: &Scale,
-    plot: [f64; 4],
-) -> Vec<EndLabel> {
-    let mut labels: Vec<EndLabel> = Vec::new();
-    for (line, points) in lines.iter().zip(points) {
-        let last = points.iter().flatten().max_by(|a, b| a[0].total_cmp(&b[0]));
-        let (Some(text), Some([place, value])) = (&line.label, last) else {
-            continue;
-        };
-        let end = [x.place(*place), y.place(*value)];
-        labels.push(EndLabel {
-            text: shortened(text),
-            class: line.class.clone(),
-            at: [plot[2] + 8.0, end[1]],
-            end,
-        });
-    }
-    let most = (((plot[3] - plot[1]) / LABEL) as usize).max(1);
-    if labels.len() > most {
-        let last = labels.len() - 1;
-        let mut number = 0;
-        labels.retain(|label| {
-            let kept = number == 0 || number == last || label.class.contains("strong");
-            number += 1;
-            kept
-        });
-        labels.truncate(most);
-    }
-    labels.sort_by(|a, b| a.end[1].total_cmp(&b.end[1]));
-    let mut free = plot[1] + 4.0;
-    for label in &mut labels {
-        label.at[1] = label.at[1].max(free);
-        free = label.at[1] + LABEL;
-    }
-    let mut most = plot[3];
-    for label in labels.iter_mut().rev() {
-        label.at[1] = label.at[1].min(most);
-        most = label.at[1] - LABEL;
-    }
-    labels
 }
 
 impl Layout {
@@ -603,6 +561,7 @@ fn in_power(title: &str, power: i32) -> String {
 #[cfg(test)]
 mod tests {
     use super::super::Source;
+    use super::super::labels::LABEL;
     use super::*;
 
     /// A table of a line `a + b x` over -40 to 40.

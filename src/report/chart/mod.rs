@@ -5,6 +5,7 @@
 //! of the curves. The script of a page adds a crosshair and a zoom to that SVG and draws no chart of its own.
 
 mod glyphs;
+mod labels;
 mod layout;
 pub(super) mod lettering;
 pub(super) mod mark;
@@ -15,7 +16,9 @@ mod wanted;
 
 pub(super) use layout::{AxisLayout, Layout, SIZE};
 pub(super) use lettering::Lettering;
-pub(super) use of_run::{Family, chart_groups, charts_over, families, hue, in_words};
+pub(super) use of_run::{
+    Family, chart_groups, charts_over, families, hue, in_words, moving_beside,
+};
 pub(super) use scale::Scale;
 pub(super) use style::{PICTURE_STYLE, page_style};
 pub(super) use wanted::Wanted;
@@ -80,6 +83,15 @@ pub(super) struct Source {
 }
 
 impl Source {
+    /// Places along the chart, also those without a value.
+    fn places(&self, tables: &[CurveTable]) -> Vec<f64> {
+        let table = tables.get(self.table);
+        let x = table.and_then(|table| table.column(&self.x));
+        let x = x.unwrap_or_default();
+        let rows = self.rows.iter().filter_map(|row| *x.get(*row)?);
+        rows.collect()
+    }
+
     fn points(&self, tables: &[CurveTable]) -> Vec<Option<[f64; 2]>> {
         let Some(table) = tables.get(self.table) else {
             return Vec::new();

@@ -248,7 +248,7 @@ fn in_short(column: &str, value: f64) -> String {
 }
 
 /// Columns of the coordinates that move beside the abscissa: for a wheel the rack, for an axle all others.
-fn moving_beside<'r>(record: &'r Record, abscissa: &str) -> Vec<&'r String> {
+pub(in crate::report) fn moving_beside<'r>(record: &'r Record, abscissa: &str) -> Vec<&'r String> {
     let drive = (!record.further.is_empty()).then_some(&record.drive);
     let all = drive.into_iter().chain(&record.further).chain(&record.rack);
     all.filter(|name| *name != abscissa).collect()

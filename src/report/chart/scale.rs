@@ -82,7 +82,7 @@ impl Scale {
     }
 
     /// Position of a value.
-    pub(super) fn place(&self, value: f64) -> f64 {
+    pub(in crate::report) fn place(&self, value: f64) -> f64 {
         let share = match self.is_log {
             true => (value / self.low).log10() / (self.high / self.low).log10(),
             false => (value - self.low) / (self.high - self.low),

@@ -247,18 +247,31 @@ impl KcResults<'_> {
     }
 
     /// A test in words: `lateral, trail 30 mm`, `braking, wheel load held`.
-    fn test_name(&self, test: &KcTest) -> String {
-        let mut name = test.load.name().to_owned();
+    pub(in crate::report) fn test_name(&self, test: &KcTest) -> String {
+        let apart = self.test_apart(test);
+        match apart.is_empty() {
+            true => test.load.name().to_owned(),
+            false => format!("{}, {apart}", test.load.name()),
+        }
+    }
+
+    /// The properties that tell tests of one load apart: `trail 30 mm`; empty for the plain test.
+    pub(in crate::report) fn test_apart(&self, test: &KcTest) -> String {
+        let mut parts = Vec::new();
         if test.trail != 0.0 {
-            name += &format!(
-                ", trail {} {}",
-                super::brief(test.trail),
-                self.length().symbol()
-            );
+            let trail = super::brief(test.trail);
+            parts.push(format!("trail {trail} {}", self.length().symbol()));
         }
         if test.held == HeldQuantity::WheelLoad && test.load != TestLoad::Vertical {
-            name += ", wheel load held";
+            parts.push("wheel load held".to_owned());
         }
-        name
+        parts.join(", ")
+    }
+
+    /// A station in words: `travel 10 mm, rack 0 mm`.
+    pub(in crate::report) fn place(&self, station: &KcStation) -> String {
+        let u = self.length().symbol();
+        let [travel, rack] = [station.travel, station.rack].map(super::brief);
+        format!("travel {travel} {u}, rack {rack} {u}")
     }
 }

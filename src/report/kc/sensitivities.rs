@@ -142,7 +142,7 @@ impl KcResults<'_> {
                 let mut found: Vec<Option<Vec<f64>>> = vec![None; wanted.len()];
                 let at = [station.travel, station.rack];
                 // The station has an equilibrium: its figures are there.
-                let read = run.gradients(at, &wanted, &parameters, &mut tape, |gradient| {
+                let read = run.gradients(at, &wanted, &parameters, &mut tape, &mut |gradient| {
                     found[gradient.number] = gradient.value.map(|_| gradient.by.to_vec());
                 });
                 if read.is_err() {

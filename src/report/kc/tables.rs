@@ -44,7 +44,6 @@ impl KcResults<'_> {
 
     /// The place of each station that has figures, and its table for a reader: tests with their figures below them.
     pub fn tables_for_readers(&self) -> Vec<(String, Table)> {
-        let u = self.length().symbol();
         let mut tables = Vec::new();
         for station in &self.stations {
             let Ok(outcomes) = &station.outcomes else {
@@ -58,10 +57,21 @@ impl KcResults<'_> {
                     table.push_row(self.figure_cells(figure));
                 }
             }
-            let [travel, rack] = [station.travel, station.rack].map(super::super::brief);
-            tables.push((format!("travel {travel} {u}, rack {rack} {u}"), table));
+            tables.push((self.place(station), table));
         }
         tables
+    }
+
+    /// Value and unit of a figure at the first station that has it.
+    pub(in crate::report) fn first_figure(&self, quantity: &str) -> Option<[String; 2]> {
+        let outcomes = self
+            .stations
+            .iter()
+            .flat_map(|s| s.outcomes.iter().flatten());
+        let mut figures = outcomes.flat_map(|outcome| &outcome.figures);
+        let figure = figures.find(|figure| figure.quantity == quantity)?;
+        let value = self.printed(figure, figure.value)?;
+        Some([four_figures(value), unit_shown(figure.unit, self.length())])
     }
 
     /// Name, value, secant and unit of a figure.

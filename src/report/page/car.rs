@@ -74,6 +74,7 @@ pub fn car_page(record: &CarRecord) -> String {
         include_str!("car.html"),
         policy = html(&policy(&[], &style)),
         study = html(&record.study),
+        heading = super::table::breakable(&record.study),
         style = style,
         about = html(&about(record)),
         verdict = html(&verdict(record)),

@@ -28,6 +28,13 @@ const sayPoint = () => {
     chart.ring ??= chart.inner.appendChild(svg('path', { class: 'ring' }));
     set(chart.ring, { d: `M${(left + share(0, a) * width).toFixed(1)} ${(top + (1 - share(1, b)) * height).toFixed(1)}h.01` });
   }
+  // The curves of the point, beside those of the kept design.
+  for (const { figure } of charts) {
+    if (!figure.dataset.over) continue;
+    figure.classList.forEach((name) => { if (name.startsWith('shows-')) figure.classList.remove(name); });
+    figure.classList.add(`shows-of-${picked}`);
+    figure.querySelectorAll('.front-point').forEach((part) => part.classList.toggle('on', part.classList.contains(`of-${picked}`) && picked !== run.kept_point));
+  }
   root.dataset.frontPoint = picked + 1;
 };
 

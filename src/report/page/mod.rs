@@ -7,20 +7,23 @@ mod car;
 mod charts;
 mod compare;
 mod escape;
+mod kc;
 mod opening;
 mod policy;
 mod run;
 mod scatter;
 mod script;
 mod sheet;
+mod strips;
 mod sweep;
 mod table;
 mod tuning_charts;
 
 pub use car::car_page;
 pub use compare::comparison_page;
+pub use kc::kc_page;
 pub use run::page;
-pub use sheet::{limits_page, set_up_page};
+pub use sheet::{LimitsSheet, limits_page, set_up_page};
 pub use sweep::sweep_page;
 
 use super::chart::page_style;
@@ -68,6 +71,7 @@ impl<Data: Serialize> Page<'_, Data> {
             include_str!("page.html"),
             policy = html(&policy::policy(&[&script], &style)),
             study = html(self.study),
+            heading = table::breakable(self.study),
             style = style,
             about = html(&self.about),
             facts = self.facts.iter().map(fact).collect::<String>(),

@@ -8,12 +8,14 @@ use super::table::table;
 use super::tuning_charts::{front_charts, history_chart, prices_chart};
 use super::{Page, STAGE};
 use crate::SideEffect;
-use crate::report::chart::{Layout, Quantity, chart_groups, charts_over};
+use crate::report::chart::{
+    Layout, Line, Quantity, Source, chart_groups, charts_over, families, moving_beside,
+};
 use crate::report::curve_table::CurveTable;
 use crate::report::failures::FailureRange;
-use crate::report::record::{DesignRecord, Record};
+use crate::report::record::{DesignRecord, OutputRecord, Record};
 use crate::report::run::{Run, Summary};
-use crate::report::{ToleranceSummary, TuningSummary, YieldRecord};
+use crate::report::{FrontPoint, ToleranceSummary, TuningSummary, YieldRecord};
 use crate::report::{side_effects_in_words, side_effects_table};
 use serde::Serialize;
 
@@ -48,12 +50,15 @@ struct Data<'a> {
 
 /// The page of a run.
 pub fn page(run: &Run) -> String {
-    let (curves, curves_note) = drawn(run);
+    let (mut curves, curves_note) = drawn(run);
+    let front = run.record.front.as_ref().map_or(&[][..], |f| &f.points);
+    let first_of_front = curves.len();
+    curves.extend(front_curves(front));
     let mut charts = Charts {
         tables: curves,
         layouts: Vec::new(),
     };
-    let figures = figures(run, &mut charts);
+    let figures = figures(run, first_of_front, &mut charts);
     let answer = tuning_of(run).map_or_else(String::new, |tuning| opening(tuning, &run.record));
     let (tuning, ranges) = match &run.summary {
         Summary::Optimise(tuning) => {
@@ -165,7 +170,7 @@ fn controls(record: &Record) -> String {
 }
 
 /// The figures of all outputs over all columns that they can be drawn over. Only the usual one is shown at first.
-fn figures(run: &Run, charts: &mut Charts) -> String {
+fn figures(run: &Run, first_of_front: usize, charts: &mut Charts) -> String {
     let record = &run.record;
     let missed = tuning_of(run).map_or_else(Vec::new, missed);
     let mut figures = String::new();
@@ -182,7 +187,10 @@ fn figures(run: &Run, charts: &mut Charts) -> String {
             })
             .collect();
         for over in abscissae(record) {
-            let chart = charts_over(record, &charts.tables, &group, over);
+            let designs = &charts.tables[..first_of_front];
+            let mut chart = charts_over(record, designs, &group, over);
+            let lines = front_lines(record, &charts.tables, first_of_front, &group, over);
+            chart.lines.splice(0..0, lines);
             let mut attributes = attribute("data-over", over);
             attributes += match over == usual {
                 true => " data-usual",
@@ -192,6 +200,51 @@ fn figures(run: &Run, charts: &mut Charts) -> String {
         }
     }
     figures
+}
+
+/// Curves of the points of a front; none if they would make the page large.
+fn front_curves(points: &[FrontPoint]) -> Vec<CurveTable> {
+    let curves = points.iter().filter_map(|point| point.curves.as_ref());
+    let numbers = |table: &CurveTable| table.rows() * table.header.len();
+    match curves.clone().map(numbers).sum::<usize>() > MOST_NUMBERS {
+        true => Vec::new(),
+        false => curves.cloned().collect(),
+    }
+}
+
+/// Lines of the points of a front, which the script shows one at a time.
+fn front_lines(
+    record: &Record,
+    tables: &[CurveTable],
+    first: usize,
+    group: &[&OutputRecord],
+    over: &str,
+) -> Vec<Line> {
+    let points = record.front.as_ref().map_or(&[][..], |f| &f.points);
+    let solved = points
+        .iter()
+        .enumerate()
+        .filter(|(_, p)| p.curves.is_some());
+    let mut lines = Vec::new();
+    for ((point, _), table) in solved.zip(first..tables.len()) {
+        let (families, _) = families(&moving_beside(record, over), &tables[table]);
+        let present = families.into_iter().find(|family| family.is_present);
+        let rows = present.map_or_else(Vec::new, |family| family.rows);
+        lines.extend(group.iter().map(|output| Line {
+            label: None,
+            told: format!("point {}", point + 1),
+            class: format!("hue5 strong front-point of-{point}"),
+            is_main: false,
+            has_dots: false,
+            source: Source {
+                table,
+                x: over.to_owned(),
+                y: output.column.clone(),
+                rows: rows.clone(),
+            },
+        }));
+    }
+    lines
 }
 
 /// Curves on the page, and a remark if some are left out.

@@ -1,15 +1,17 @@
-//! Pages of tables alone, without scripts: a set-up as steps, and the limits of a mechanism.
+//! Pages without scripts: a set-up as steps, and the limits of a mechanism.
 
 use super::escape::html;
 use super::policy::policy;
-use super::table::table;
-use crate::report::{SetUpSummary, Table, brief};
+use super::strips::{Strip, strips};
+use super::table::{breakable, table};
+use crate::report::{Cell, SetUpSummary, Table, brief};
 
 /// A section of a page: its title, a note and its table.
-struct Section {
-    title: String,
-    note: String,
-    table: String,
+pub(super) struct Section {
+    pub title: String,
+    pub note: String,
+    /// Content as HTML: tables, charts, remarks.
+    pub table: String,
 }
 
 /// The page of a set-up: adjustments as steps, values after each step, and wanted values with their errors.
@@ -30,7 +32,8 @@ pub fn set_up_page(wheels: &[SetUpSummary]) -> String {
         sections.push(titled("Steps", note, summary.instructions().html()));
         let results = summary.results();
         if !results.is_empty() {
-            let note = "Allowed error: half a step of the shims, half a sixteenth of a turn of the threads.";
+            let note = "Allowed error: half a step of the shims, half a sixteenth of a turn of the threads. Band: wanted value \
+                        with its allowed error. Grey dot: before. Blue dot: after the rounded steps.";
             let missed: String = summary
                 .not_met()
                 .filter_map(|s| Some((s, s.wanted?, s.set_rounded?)))
@@ -39,7 +42,12 @@ pub fn set_up_page(wheels: &[SetUpSummary]) -> String {
                     format!("<p class=\"unmet\">Not met: {}.</p>", html(&line))
                 })
                 .collect();
-            sections.push(titled("Wanted values", note, results.html() + &missed));
+            let drawn = strips(&wanted_strips(summary), "wanted values before and after");
+            sections.push(titled(
+                "Wanted values",
+                note,
+                drawn + &results.html() + &missed,
+            ));
         }
         let after: String = summary
             .values_after_steps()
@@ -59,28 +67,88 @@ pub fn set_up_page(wheels: &[SetUpSummary]) -> String {
     sheet(study, "set-up", verdict, &sections)
 }
 
+/// A strip for each wanted static value.
+fn wanted_strips(summary: &SetUpSummary) -> Vec<Strip> {
+    let wanted = summary.statics.iter().filter_map(|s| Some((s, s.wanted?)));
+    wanted
+        .map(|(s, wanted)| {
+            let dots = [("former", s.drawn), ("main", s.set_rounded)].into_iter();
+            Strip {
+                title: s.column.clone(),
+                range: None,
+                band: Some([wanted - s.allowed_rounded, wanted + s.allowed_rounded]),
+                dots: dots
+                    .filter_map(|(class, value)| Some((class, value?)))
+                    .collect(),
+            }
+        })
+        .collect()
+}
+
+/// Limits of a mechanism for their page.
+pub struct LimitsSheet<'a> {
+    /// Name of the study.
+    pub study: &'a str,
+    /// Quantities with their lower and upper limits and the causes.
+    pub limits: &'a Table,
+    /// Range of the study's motion by quantity, with the names of the table.
+    pub motion: &'a [(String, [f64; 2])],
+    /// Remarks.
+    pub notes: &'a [String],
+    /// Stations without a pose.
+    pub failures: &'a [String],
+}
+
 /// The page of a mechanism's limits: ranges of travel and rack with the cause of each end.
-pub fn limits_page(study: &str, limits: &Table, notes: &[String], failures: &[String]) -> String {
-    let notes: String = notes
+pub fn limits_page(of: &LimitsSheet<'_>) -> String {
+    let notes: String = of
+        .notes
         .iter()
         .map(|n| format!("<p>{}</p>", html(n)))
         .collect();
     let failed = |line: &String| format!("<p class=\"unmet\">{}</p>", html(line));
-    let failures: String = failures.iter().map(failed).collect();
+    let failures: String = of.failures.iter().map(failed).collect();
+    let drawn = strips(&limit_strips(of), "ranges of the quantities");
     let section = Section {
         title: "Ranges and their causes".to_owned(),
-        note: "Each row is a quantity that moves while the others stay where the row says."
+        note: "Each row is a quantity that moves while the others stay where the row says. Line: range of the mechanism. \
+               Band: motion of the study. Grey dot: design position."
             .to_owned(),
-        table: table(limits, |_| None) + &notes + &failures,
+        table: format!(
+            "{drawn}<div class=\"causes\">{}</div>{notes}{failures}",
+            table(of.limits, |_| None)
+        ),
     };
-    let verdict = match failures.is_empty() {
+    let verdict = match of.failures.is_empty() {
         true => "The whole motion of the study can be solved.",
         false => "Part of the motion of the study cannot be solved.",
     };
-    sheet(study, "limits", verdict, &[section])
+    sheet(of.study, "limits", verdict, &[section])
 }
 
-fn sheet(study: &str, kind: &str, verdict: &str, sections: &[Section]) -> String {
+/// A strip for each row with both limits.
+fn limit_strips(of: &LimitsSheet<'_>) -> Vec<Strip> {
+    let rows = of.limits.rows();
+    rows.filter_map(|cells| {
+        let [quantity, at, lower, _, upper, _] = <[&Cell; 6]>::try_from(cells).ok()?;
+        let range = [lower.number()?, upper.number()?];
+        let mut motion = of.motion.iter();
+        let moved = motion.find(|(name, _)| name == quantity.text());
+        let held = match at.text() {
+            "" => String::new(),
+            at => format!(", {at}"),
+        };
+        Some(Strip {
+            title: format!("{}{held}", quantity.text()),
+            range: Some(range),
+            band: moved.map(|(_, ends)| *ends),
+            dots: vec![("former", 0.0)],
+        })
+    })
+    .collect()
+}
+
+pub(super) fn sheet(study: &str, kind: &str, verdict: &str, sections: &[Section]) -> String {
     let section = |s: &Section| {
         format!(
             "<section><h2>{}</h2><p class=\"note\">{}</p>{}</section>\n",
@@ -94,6 +162,7 @@ fn sheet(study: &str, kind: &str, verdict: &str, sections: &[Section]) -> String
         include_str!("sheet.html"),
         policy = html(&policy(&[], &style)),
         study = html(study),
+        heading = breakable(study),
         style = style,
         kind = kind,
         version = env!("CARGO_PKG_VERSION"),

@@ -26,7 +26,8 @@ const drawPicked = () => {
   stage.fit();
   moveStage();
 };
-const drawAll = () => { drawScatter(state); drawParallel(state); };
+const drawPlaces = () => { drawScatter(state); drawCounts(state); };
+const drawAll = () => { drawPlaces(); drawParallel(state); };
 
 const offerColumns = (select, before) => {
   for (const [name, text] of before) option(select, name, text);
@@ -41,14 +42,14 @@ const chooser = (id, name, before, then) => {
     then(state);
   });
 };
-chooser('scatter-x', 'x', [], drawScatter);
+chooser('scatter-x', 'x', [], drawPlaces);
 chooser('scatter-y', 'y', [], drawScatter);
 chooser('scatter-colour', 'colour', [['status', 'none']], drawAll);
 chooser('parallel-more', 'more', [['', 'nothing']], drawParallel);
 byId('logarithmic').addEventListener('click', () => {
   state.logarithmic = !state.logarithmic;
   byId('logarithmic').setAttribute('aria-pressed', state.logarithmic);
-  drawScatter(state);
+  drawPlaces();
 });
 
 const pick = (row) => {
@@ -60,6 +61,7 @@ const pick = (row) => {
 };
 const select = (rows) => {
   state.selected = rows;
+  drawCounts(state);
   drawParallel(state);
 };
 bestRows.forEach((row, i) => option(byId('picked'), row, `${shown.design[row]}, best${i ? ` but ${i}` : ''}`));

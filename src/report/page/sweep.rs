@@ -13,13 +13,14 @@ use crate::sweep::{Kind, SweepRecord};
 use serde::Serialize;
 
 /// Parts of the page's own script.
-const SCRIPTS: [&str; 9] = [
+const SCRIPTS: [&str; 10] = [
     include_str!("base.js"),
     include_str!("chart.js"),
     include_str!("mechanism.js"),
     include_str!("theme.js"),
     include_str!("measures.js"),
     include_str!("designs.js"),
+    include_str!("histogram.js"),
     include_str!("parallel.js"),
     include_str!("effects.js"),
     include_str!("start_sweep.js"),

@@ -40,7 +40,7 @@ fn cell(cell: &Cell) -> String {
     format!("<td{class}>{}</td>", breakable(cell.text()))
 }
 
-/// A cell's text, which may be broken after the underscores of a column's name where the page is narrow.
-fn breakable(cell: &str) -> String {
+/// A text as HTML that may be broken after the underscores of a name where the page is narrow.
+pub(super) fn breakable(cell: &str) -> String {
     html(cell).replace('_', "_<wbr>")
 }

@@ -286,7 +286,7 @@ impl Door {
         match self.unit {
             LengthUnit::Millimetre => 1.0,
             LengthUnit::Metre => 1e-3,
-            LengthUnit::Inch => 1.0 / 25.4,
+            LengthUnit::Inch | LengthUnit::InchPound => 1.0 / 25.4,
         }
     }
 

@@ -376,6 +376,19 @@ fn other_links_of_assetto_corsa_are_named() {
     assert!(refused.contains("LINK_COUNT is 5"), "{refused}");
 }
 
+/// Rate at the left wheel, N/m, from the slope of the wheel load over heave. The pads rise by the cosine of camber
+/// otherwise than the wheel centres: less than 1 %.
+fn springs_alone(study: &Study) -> f64 {
+    let start = study.text.find("[motion]").unwrap();
+    let text = study.text[..start].to_owned()
+        + "[motion]\nheave = [-0.5, 0.0, 0.5]\n[outputs]\ncharacteristics = [\"wheel_load\"]\n";
+    let heaving = self::study(&text);
+    let solved = hardpoint::solved::Solved::of(&heaving).unwrap();
+    let stations = &solved.curves().stations;
+    let load = |k: usize| stations[k].value(0).unwrap();
+    1000.0 * (load(2) - load(0))
+}
+
 /// A car of two double wishbones to Assetto Corsa and back: the same places relative to the wheel centres, wheelbase, weight
 /// distribution and heights.
 #[test]
@@ -416,7 +429,21 @@ fn a_car_comes_back_from_assetto_corsa() {
             "{text}"
         );
     }
+    // The rate at the wheel in N/m.
+    let ini = String::from_utf8(written.bytes).unwrap();
+    let rates = ini.lines().filter_map(|l| l.strip_prefix("SPRING_RATE="));
+    let rates: Vec<f64> = rates.map(|rate| rate.parse().unwrap()).collect();
+    assert_eq!(rates.len(), 2);
+    for (axle, rate) in own.axles.iter().zip(rates) {
+        let slope = springs_alone(axle);
+        assert!((rate / slope - 1.0).abs() < 0.01, "{rate} {slope}");
+    }
     // Springs of the game have a rate at the wheel and no points. The car says what it needs.
+    let left_out = car.axles[0].left_out.join("\n");
+    assert!(
+        left_out.contains("N/m at the wheel") && left_out.contains("motion_ratio^2"),
+        "{left_out}"
+    );
     assert!(
         car.missing.iter().any(|line| line.contains("[spring]")),
         "{:?}",

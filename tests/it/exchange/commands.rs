@@ -280,6 +280,44 @@ fn an_import_says_what_it_did_and_keeps_its_input() {
     }
 }
 
+/// A cell of 5 MB in any format, where a name, a number, a unit or a word is expected: an answer of the usual length.
+#[test]
+fn huge_cells_get_short_answers() {
+    let directory = tempfile::tempdir().unwrap();
+    let long = "7x".repeat(2_500_000);
+    let files = [
+        ("number.csv", format!("name,x,y,z\nLBJ,{long},1,2\n")),
+        ("side.csv", format!("name,x,y,z,side\nLBJ,1,2,3,{long}\n")),
+        (
+            "frame.json",
+            format!("{{\"frame\": \"{long}\", \"LBJ\": [1, 2, 3]}}"),
+        ),
+        (
+            "template.json",
+            format!("{{\"Type\": \"Suspension\", \"Template\": \"{long}\"}}"),
+        ),
+        ("alias.yaml", format!("a: *{long}\n")),
+        ("type.ini", format!("[FRONT]\nTRACK=1.5\nTYPE={long}\n")),
+        (
+            "number.sub",
+            format!("[HARDPOINT]\n 'lca_front' 'left' {long} 2 3\n"),
+        ),
+        (
+            "unit.sub",
+            format!("[UNITS]\n LENGTH = '{long}'\n[HARDPOINT]\n"),
+        ),
+    ];
+    for (name, content) in files {
+        let (at, file) = path(&directory, name);
+        std::fs::write(&at, content).unwrap();
+        let refused = hardpoint(&["import", &file, "--topology", "double_wishbone"])
+            .assert()
+            .code(2);
+        let said = &refused.get_output().stderr;
+        assert!(said.len() < 1_500, "{name}: {} bytes", said.len());
+    }
+}
+
 /// `check` reports as doubtful the cases that an import would refuse: columns in another order, and a wheel at the
 /// centre plane.
 #[test]

@@ -49,7 +49,7 @@ fn a_rounded_workbook_has_the_curves_of_its_points() {
             let step = match unit {
                 LengthUnit::Millimetre => "5",
                 LengthUnit::Metre => "0.005",
-                LengthUnit::Inch => "0.25",
+                LengthUnit::Inch | LengthUnit::InchPound => "0.25",
             };
             let book = directory.path().join("book.xlsx");
             let rounding = ["--round", step, "--round-all", "--unit", unit.symbol()];

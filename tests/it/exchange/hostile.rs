@@ -253,6 +253,53 @@ fn other_files_are_told_from_tables() {
     );
 }
 
+/// A file of rFactor is refused by name. Names that are not known are the cause, not the unit that nothing shows.
+#[test]
+fn causes_are_named_and_not_their_consequences() {
+    let bars = "// suspension\n[BODY]\nname=fl_spindle mass=(8.0)\npos=(0.67,0.0,-1.65)\n[BAR]\nname=fl_fore_upper\n";
+    assert!(refusal(bars, &Said::default()).contains("rFactor"));
+    let unknown = "name,x,y,z\nWC,0,760,300\nBolt A,120,360,195\n";
+    let said = refusal(unknown, &Said::default());
+    assert!(
+        said.contains("missing for macpherson") && said.contains("lower_arm_front"),
+        "{said}"
+    );
+    // A word in brackets begins like JSON.
+    let ini = refusal("[POINTS]\nLCA front = 120\n", &Said::default());
+    assert!(ini.contains("no table of points"), "{ini}");
+}
+
+/// Names of OptimumKinematics below keys of a script, and abbreviations of wishbones and track rods.
+#[test]
+fn keys_of_scripts_hide_no_names() {
+    let directory = tempfile::tempdir().unwrap();
+    let optimum = r#"{"HP_FRONT": {"CHAS_LowFor": [160, 160, 110], "CHAS_LowAft": [-160, 160, 130],
+        "UPRI_LowPnt": [2, 583, 123], "CHAS_UppFor": [120, 245, 267], "CHAS_UppAft": [-120, 245, 258],
+        "UPRI_UppPnt": [-11, 556, 280], "CHAS_TiePnt": [50, 145, 144], "UPRI_TiePnt": [70, 565, 150],
+        "WC": [0, 613, 203]}}"#;
+    let nested = r#"{"hardpoints_front": {"lwb": {"front": [177, 252, 125], "rear": [-175, 282, 126], "outer": [9, 561, 141]},
+        "uwb": {"front": [178, 251, 282], "rear": [-178, 281, 265], "outer": [-16, 545, 324]},
+        "tr": {"inner": [76, 230, 201], "outer": [76, 552, 241]}, "wheel": {"centre": [0, 600, 232]}}}"#;
+    for (text, outer) in [
+        (optimum, [2.0, 583.0, 123.0]),
+        (nested, [9.0, 561.0, 141.0]),
+    ] {
+        let path = file(&directory, "points.json", text.as_bytes());
+        let read = imported(&path, "double_wishbone", &Said::default()).unwrap();
+        let joint = read
+            .hardpoints
+            .iter()
+            .find(|h| h.name == "lower_ball_joint");
+        assert_eq!(joint.unwrap().position, outer);
+        assert_eq!(read.hardpoints.len(), 9, "{:?}", read.left_out);
+        let axle = read
+            .notes
+            .iter()
+            .find(|note| note.starts_with("axle: front"));
+        assert!(axle.is_some(), "{:?}", read.notes);
+    }
+}
+
 /// A map in JSON is the same table, and its errors are as clear.
 #[test]
 fn maps_in_json_are_tables_too() {

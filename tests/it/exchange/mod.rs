@@ -10,6 +10,7 @@ mod formats;
 mod hostile;
 mod other_tools;
 mod parsers;
+mod property_files;
 mod right_or_refused;
 mod round_trips;
 mod schema;

@@ -1,6 +1,6 @@
 //! Solid axles in SIMD lanes against the same one by one.
 
-use super::{case, study_of, text};
+use super::{case, study_of, text, twist_beam};
 use hardpoint::axle::Quantity;
 use hardpoint::evaluate::NotInLanes;
 use hardpoint::number::Width;
@@ -29,16 +29,15 @@ fn study(name: &str, motion: &str, right: &str) -> Study {
     let points: &[(&str, &str)] = match name {
         "solid_four_link" => &[("upper_link_axle", "y"), ("upper_link_chassis", "z")],
         "watt" => &[("watt_upper_rocker", "y"), ("watt_lower_chassis", "z")],
+        "twist_beam" => &[("mount", "z"), ("shear_centre", "x"), ("shear_centre", "z")],
         _ => &[("panhard_axle", "z"), ("upper_link_chassis", "z")],
     };
-    let always = [
-        ("lower_link_axle", "z"),
-        ("lower_link_chassis", "x"),
-        ("wheel_centre", "y"),
-    ];
+    let of_links = [("lower_link_axle", "z"), ("lower_link_chassis", "x")];
+    let of_links = of_links.iter().filter(|_| name != "twist_beam");
     let variables: Vec<String> = points
         .iter()
-        .chain(&always)
+        .chain(of_links)
+        .chain(&[("wheel_centre", "y")])
         .map(|(point, axis)| {
             format!("{{ hardpoint = \"{point}\", axis = \"{axis}\", range = [-10.0, 10.0] }}")
         })
@@ -50,6 +49,7 @@ fn study(name: &str, motion: &str, right: &str) -> Study {
     );
     let text = match name {
         "watt" => text(&WATT, true, &further),
+        "twist_beam" => twist_beam::sample().text(&further),
         _ => study_of(&case(name), &further),
     };
     let mut study =
@@ -80,6 +80,8 @@ fn lanes_have_the_values_of_designs_one_by_one() {
         ("solid_four_link", ROLL, OWN),
         ("solid_three_link_panhard", ROLL, ""),
         ("watt", ROLL, ""),
+        ("twist_beam", ROLL, ""),
+        ("twist_beam", HEAVE, ""),
     ] {
         let study: &'static Study = Box::leak(Box::new(study(name, motion, right)));
         let plan = SweepPlan::of(study, study.sweep.as_ref().unwrap()).unwrap();

@@ -9,6 +9,8 @@ mod planted;
 mod rates;
 mod reference;
 mod refused;
+mod twist_beam;
+mod units;
 mod watt;
 
 use hardpoint::study::{AxleStudy, Study};

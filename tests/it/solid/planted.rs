@@ -181,9 +181,41 @@ fn roll_ends_where_the_links_fold() {
         };
         assert!(at(1.0 - 1e-6).is_ok());
         let failure = at(1.0 + 1e-6).unwrap_err().to_string();
-        assert!(
-            failure.contains("solid axle at a travel difference"),
-            "{failure}"
-        );
+        assert!(failure.contains("axle at a travel difference"), "{failure}");
+    }
+}
+
+/// A wide axle on long links rolls until it stands nearly upright. Both ends are found, and just before them it has positions.
+#[test]
+fn wide_axles_have_limits_of_roll() {
+    use hardpoint::axle::{AxleSolver, Placement};
+    let points = [
+        ("lower_link_chassis", [900.0, 350.0, 380.0]),
+        ("lower_link_axle", [0.0, 420.0, 360.0]),
+        ("upper_link_chassis", [800.0, 420.0, 560.0]),
+        ("upper_link_axle", [20.0, 90.0, 620.0]),
+        ("wheel_centre", [0.0, 850.0, 450.0]),
+    ];
+    let study = axle(&text(&points, false, STILL));
+    let limits = study.axle.limits().unwrap();
+    let mut solver = AxleSolver::<1>::new(&study.axle, &[], false).unwrap();
+    for (end, sign) in limits.roll.iter().zip([-1.0, 1.0]) {
+        let end = end.as_ref().expect("the end of roll is known");
+        assert!((0.3..1.6).contains(&(sign * end.value)), "{}", end.value);
+        let mut at = |share: f64| {
+            let roll = share * end.value;
+            solver.place(&Placement::Roll {
+                heave: 0.0,
+                roll,
+                rack: 0.0,
+            })
+        };
+        for share in [0.3, 0.7, 0.99] {
+            let placed = at(share).unwrap();
+            // Half the difference of travels grows with the sine of the roll angle.
+            let [left, right] = placed.travels;
+            assert!(sign * (right - left) > 0.0, "{left} {right}");
+        }
+        assert!(at(1.01).is_err());
     }
 }

@@ -16,7 +16,9 @@ fn suspensions() -> Vec<Suspension> {
         let study = Study::from_text("row.toml", topology.template, Path::new("."));
         study.expect("a template is valid").into_wheel()
     };
-    Topology::ALL.iter().map(read).collect()
+    // The hinge of a twist beam is not quadratic, and studies of it take no proof.
+    let proved = Topology::ALL.iter().filter(|t| !t.is_twist_beam());
+    proved.map(read).collect()
 }
 
 /// The twelve equations at a displacement of the pose's numbers from the design position, lengths divided by the scale.

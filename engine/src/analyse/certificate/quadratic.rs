@@ -328,7 +328,8 @@ mod tests {
                 .wrapping_add(1);
             (state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
         };
-        for topology in Topology::ALL {
+        // The hinge of a twist beam is not quadratic, and studies of it take no proof.
+        for topology in Topology::ALL.iter().filter(|t| !t.is_twist_beam()) {
             let study = Study::from_text("row.toml", topology.template, Path::new("."));
             let suspension = study.expect("a template is valid").into_wheel();
             let (mechanism, size) = (&suspension.mechanism, suspension.size());

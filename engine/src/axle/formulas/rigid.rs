@@ -238,6 +238,23 @@ pub(crate) fn drive_load_transfer<T: Real, W: WheelParts<T>>(state: &AxleState<T
     (right - left).scaled(0.5)
 }
 
+/// Twist of a twist beam. Each half is read as the near one, against which the far half turns: by opposite angles, which are
+/// positive in the sense of a fall of the far wheel.
+#[inline(always)]
+pub(crate) fn beam_twist<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
+    let [left, right] = state
+        .readings
+        .each_ref()
+        .map(|reading| reading.bar_angle().0);
+    (right - left).scaled(0.5)
+}
+
+/// Torque of a twist beam. The bar that it is to other formulas has a quarter of its rate and twice its angle.
+#[inline(always)]
+pub(crate) fn beam_torque<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
+    -bar_torque(state).scaled(2.0)
+}
+
 /// Direction of the axle's line, seen from above.
 #[inline(always)]
 pub(crate) fn axle_steer<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {

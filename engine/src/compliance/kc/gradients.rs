@@ -173,7 +173,7 @@ impl KcRun<'_> {
         wanted: &[KcValue],
         parameters: &[Parameter],
         tape: &mut Tape,
-        mut receive: impl FnMut(KcGradient<'_>),
+        receive: &mut dyn FnMut(KcGradient<'_>),
     ) -> Result<(), NoEquilibrium> {
         tape.clear();
         let tape = &*tape;

@@ -15,11 +15,13 @@
 //! f' = 0,   m' = (w x (l_n + s l_f)/2) x z,   q' = 0                (4)
 //! ```
 //!
-//! F is linear in the pose.
+//! F is linear in the pose. The far wheel of a twist beam stands on a rocker of the near half: then the wrench of its height and
+//! its rate are those of a force on a rocker (see `rocker_end.rs`), and F is not linear.
 
+use super::rocker_end::constant_push_rate;
 use crate::mechanism::pose::Sink;
 use crate::mechanism::{Configuration, Twist, Wrench};
-use crate::model::{AxleTravel, PointId};
+use crate::model::{AxleTravel, Body, PointId};
 use crate::number::{Each, Real, Vector3};
 
 /// A travel of a rigid axle, as a function of the pose.
@@ -48,8 +50,16 @@ impl TravelRow {
     pub(crate) fn value<T: Real>(&self, at: &Configuration<T>) -> T {
         let [near, far] = self
             .centres
-            .each(|(id, factor)| (at.carried(id).z - at.designed(id).z).scaled(factor));
+            .each(|(id, factor)| (self.place(at, id).z - at.designed(id).z).scaled(factor));
         near + far
+    }
+
+    #[inline(always)]
+    fn place<T: Real>(&self, at: &Configuration<T>, id: PointId) -> Vector3<T> {
+        match at.mechanism.body(id) {
+            Body::Rocker(_) => at.point(id),
+            _ => at.carried(id),
+        }
     }
 
     /// Adds `weight` times (2), without dr.
@@ -58,23 +68,36 @@ impl TravelRow {
         let zero = weight.zero();
         for (id, factor) in self.centres {
             let up = Vector3::new(zero, zero, weight.scaled(factor));
-            at.push_carried(id, up, sink);
+            match at.mechanism.body(id) {
+                Body::Rocker(_) => at.push_point(id, up, sink),
+                _ => at.push_carried(id, up, sink),
+            }
             sink.hardpoint(id, -up);
         }
     }
 
-    /// The moment of (4).
+    /// Equation (4).
     #[inline(always)]
-    pub(crate) fn moment_rate<T: Real>(
+    pub(crate) fn wrench_rate<T: Real>(
         &self,
         at: &Configuration<T>,
         along: &Twist<T>,
-    ) -> Vector3<T> {
-        let [near, far] = self
-            .centres
-            .each(|(id, factor)| at.designed_lever(id).map(|c| c.scaled(factor)));
-        let velocity = along.turn.cross(at.pose.rotation.apply(near + far));
-        Vector3::new(velocity.y, -velocity.x, velocity.x.zero())
+    ) -> Wrench<T> {
+        let mut wrench = Wrench::zero(at.rack);
+        let [near, far] = self.centres;
+        let mut levers = at.designed_lever(near.0).map(|c| c.scaled(near.1));
+        match at.mechanism.body(far.0) {
+            Body::Rocker(_) => {
+                let zero = at.rack.zero();
+                let up = Vector3::new(zero, zero, zero.lit(far.1));
+                wrench = constant_push_rate(far.0, up, at, along);
+            }
+            _ => levers = levers + at.designed_lever(far.0).map(|c| c.scaled(far.1)),
+        }
+        let velocity = along.turn.cross(at.pose.rotation.apply(levers));
+        let moment = Vector3::new(velocity.y, -velocity.x, velocity.x.zero());
+        wrench.moment = wrench.moment + moment;
+        wrench
     }
 
     /// Equation (1).
@@ -93,18 +116,5 @@ impl TravelRow {
     ) {
         self.push(at, weight, sink);
         sink.rack(-weight);
-    }
-
-    /// Equation (4).
-    #[inline(always)]
-    pub(crate) fn wrench_rate<T: Real>(
-        &self,
-        at: &Configuration<T>,
-        along: &Twist<T>,
-    ) -> Wrench<T> {
-        Wrench {
-            moment: self.moment_rate(at, along),
-            ..Wrench::zero(at.rack)
-        }
     }
 }

@@ -17,12 +17,18 @@
 //! ```text
 //! f' = d'/|d0|,   m' = (l' x d + l x d')/|d0|,   q' = -d'_y/|d0|            (4)
 //! ```
+//!
+//! An inner joint may move sideways opposite to a point c of the knuckle (the mount of a twist beam). Then d' gains c'_y
+//! along y, and the row gains the wrench of h = d_y/|d0| y at c, whose lever is k:
+//!
+//! ```text
+//! f = h,   m = k x h,   f' = h',   m' = k' x h + k x h'                     (5)
+//! ```
 
 use crate::mechanism::pose::Sink;
 use crate::mechanism::{Configuration, Twist, Wrench};
 use crate::model::{Body, PointId};
-use crate::number::Real;
-use crate::number::Vector3;
+use crate::number::{Real, Vector3, outlined};
 
 /// The equation of one rod.
 #[derive(Clone, Copy, Debug)]
@@ -80,6 +86,9 @@ impl<T: Real> Link<T> {
         let d = (at.pose.origin + lever - at.grounded(self.inner)) * self.scale;
         let lever_rate = along.turn.cross(lever);
         let d_rate = (along.shift + lever_rate) * self.scale;
+        if let Body::Opposite(other) = at.mechanism.body(self.inner) {
+            return self.opposite_rate(at, along, other, [lever, lever_rate, d, d_rate]);
+        }
         Wrench {
             force: d_rate,
             moment: lever_rate.cross(d) + lever.cross(d_rate),
@@ -87,6 +96,47 @@ impl<T: Real> Link<T> {
                 Body::Rack => -d_rate.y,
                 _ => d_rate.y.zero(),
             },
+        }
+    }
+
+    /// Equation (4) with (5). In a function of its own: it is rare.
+    #[inline(always)]
+    fn opposite_rate(
+        &self,
+        at: &Configuration<T>,
+        along: &Twist<T>,
+        other: PointId,
+        moving: [Vector3<T>; 4],
+    ) -> Wrench<T> {
+        outlined!(
+            [T: Real] at.rack;
+            row: &'p Link<T> = self, at: &'p Configuration<'p, T> = at, along: &'p Twist<T> = along,
+            other: PointId = other, moving: [Vector3<T>; 4] = moving
+                => Wrench<T> { row.opposite_rate_here(at, along, other, moving) }
+        )
+    }
+
+    #[inline(always)]
+    fn opposite_rate_here(
+        &self,
+        at: &Configuration<T>,
+        along: &Twist<T>,
+        other: PointId,
+        [lever, lever_rate, d, d_rate]: [Vector3<T>; 4],
+    ) -> Wrench<T> {
+        let zero = d.x.zero();
+        let across = |y: T| Vector3::new(zero, y, zero);
+        let arm = at.carried(other) - at.pose.origin;
+        let arm_rate = along.turn.cross(arm);
+        let d_rate = d_rate + across((along.shift.y + arm_rate.y) * self.scale);
+        let (push, push_rate) = (across(d.y), across(d_rate.y));
+        Wrench {
+            force: d_rate + push_rate,
+            moment: lever_rate.cross(d)
+                + lever.cross(d_rate)
+                + arm_rate.cross(push)
+                + arm.cross(push_rate),
+            rack: zero,
         }
     }
 }

@@ -95,6 +95,8 @@ impl<T: Real> Row<T> {
             Constraint::Revolute { first, second } => {
                 Row::Pinned(Pinned::all(first, second, design, design, origin)[number])
             }
+            // Of the three equations of a ball joint those along x and z.
+            Constraint::Mount { at } => Row::Pinned(Pinned::point(at, design, origin)[2 * number]),
             Constraint::BallJoint { at } => Row::Pinned(Pinned::point(at, design, origin)[number]),
             Constraint::ArmJoint { arm, at } => {
                 Row::ArmEnd(ArmEnd::joint(mechanism, arm, at, number, design))

@@ -29,11 +29,14 @@
 //! ```text
 //! k' = (N' - k D')/D,   K' = k' s + k s'                                                         (4)
 //! ```
+//!
+//! A force on a point of the body that moves sideways opposite to a point c of the knuckle (the mount of a twist beam) is a force on c
+//! along y, of the other sign.
 
 use crate::mechanism::pose::Sink;
 use crate::mechanism::{Configuration, Twist, Wrench};
 use crate::model::{Body, PointId, Rocker};
-use crate::number::{Each, Real, Vector3, outlined};
+use crate::number::{Real, Vector3, outlined};
 
 /// The equation of the link.
 #[derive(Clone, Copy, Debug)]
@@ -129,53 +132,159 @@ impl<T: Real> RockerEnd<T> {
 
     #[inline(always)]
     fn wrench_rate_here(&self, at: &Configuration<T>, along: &Twist<T>) -> Wrench<T> {
-        let ends = [self.inner, self.outer];
-        let on_rocker = |id: PointId| match at.mechanism.body(id) {
-            Body::Rocker(rocker) => Some(at.mechanism.rocker(rocker)),
-            _ => None,
+        let [inner, outer] = [self.inner, self.outer];
+        let on_rocker = |id: PointId| matches!(at.mechanism.body(id), Body::Rocker(_));
+        let (x, p) = match on_rocker(inner) {
+            true => (inner, outer),
+            false => (outer, inner),
         };
-        let (rocker, x, p) = match ends.map(on_rocker) {
-            [Some(rocker), _] => (rocker, ends[0], ends[1]),
-            [None, Some(rocker)] => (rocker, ends[1], ends[0]),
+        let Some(turned) = TurnedRocker::under(x, at, along) else {
             // Such a link is another row.
-            [None, None] => return Wrench::zero(at.rack),
+            return Wrench::zero(at.rack);
         };
-        let is_carried = |id: PointId| at.mechanism.body(id) == Body::Knuckle;
-        let (is_carrying, is_held) = (is_carried(rocker.first), is_carried(p));
-        let velocity = |place: Vector3<T>, moves: bool| match moves {
-            true => along.shift + along.turn.cross(place - at.pose.origin),
-            false => place.zero(),
-        };
-        let moving = |id: PointId| {
-            let now = at.point(id);
-            let rate = velocity(now, is_carried(id));
-            Moving { now, rate }
-        };
-        let Rocker {
-            first,
-            second,
-            inner,
-            outer,
-            ..
-        } = rocker;
-        let (foot, other) = (moving(first), moving(second));
-        let direction = other.minus(foot);
-        let axis = direction.times(direction.now.x.one() / direction.now.norm());
-        let off = moving(outer);
-        let [end, place] = [inner, x].each(|id| at.point(id));
-        let s = end - off.now;
-        let base = velocity(end, is_carrying);
-        let tangent = axis.now.cross(end - foot.now);
-        let speed = s.dot(off.rate - base) / s.dot(tangent);
-        let turned = |now: Vector3<T>| Moving {
-            now,
-            rate: velocity(now, is_carrying) + axis.now.cross(now - foot.now) * speed,
-        };
-        let (end, place) = (turned(end), turned(place));
-        let s = end.minus(off);
-        let other_end = moving(p);
+        let knuckle = KnuckleMotion { at, along };
+        let (place, other_end) = (turned.point(x), knuckle.point(p));
         // G is along the way from p to x, whichever end is on the rocker.
         let push = place.minus(other_end).times(self.scale);
+        let mut wrench = turned.wrench_rate(place, push);
+        knuckle.add(p, other_end, push, -at.rack.one(), &mut wrench);
+        wrench
+    }
+}
+
+/// The knuckle with its motion.
+#[derive(Clone, Copy)]
+struct KnuckleMotion<'a, 'c, T> {
+    at: &'a Configuration<'c, T>,
+    along: &'a Twist<T>,
+}
+
+impl<T: Real> KnuckleMotion<'_, '_, T> {
+    /// Velocity of the knuckle's point at this place.
+    #[inline(always)]
+    fn velocity(&self, place: Vector3<T>) -> Vector3<T> {
+        self.along.shift + self.along.turn.cross(place - self.at.pose.origin)
+    }
+
+    /// A point that is not on a rocker.
+    #[inline(always)]
+    fn point(&self, id: PointId) -> Moving<T> {
+        let now = self.at.point(id);
+        let rate = match self.at.mechanism.body(id) {
+            Body::Knuckle => self.velocity(now),
+            Body::Opposite(other) => {
+                let opposite = self.velocity(self.at.carried(other));
+                Vector3::new(now.x.zero(), -opposite.y, now.x.zero())
+            }
+            _ => now.zero(),
+        };
+        Moving { now, rate }
+    }
+
+    /// Adds the rate of the wrench of a force, times `sign`, on such a point.
+    #[inline(always)]
+    fn add(
+        &self,
+        id: PointId,
+        place: Moving<T>,
+        force: Moving<T>,
+        sign: T,
+        wrench: &mut Wrench<T>,
+    ) {
+        match self.at.mechanism.body(id) {
+            Body::Knuckle => self.add_at(place, force, sign, wrench),
+            Body::Opposite(other) => {
+                let zero = sign.zero();
+                let across = |v: Vector3<T>| Vector3::new(zero, -v.y, zero);
+                let now = self.at.carried(other);
+                let rate = self.velocity(now);
+                let force = Moving {
+                    now: across(force.now),
+                    rate: across(force.rate),
+                };
+                self.add_at(Moving { now, rate }, force, sign, wrench);
+            }
+            _ => {}
+        }
+    }
+
+    /// The same for a place of the knuckle.
+    #[inline(always)]
+    fn add_at(&self, place: Moving<T>, force: Moving<T>, sign: T, wrench: &mut Wrench<T>) {
+        let origin = Moving {
+            now: self.at.pose.origin,
+            rate: self.along.shift,
+        };
+        let moment = place.minus(origin).cross(force);
+        wrench.force = wrench.force + force.rate * sign;
+        wrench.moment = wrench.moment + moment.rate * sign;
+    }
+}
+
+/// A rocker that its rod turns, with its motion (3).
+struct TurnedRocker<'a, 'c, T> {
+    knuckle: KnuckleMotion<'a, 'c, T>,
+    rocker: Rocker,
+    /// True if the knuckle carries the axis.
+    is_on_knuckle: bool,
+    foot: Moving<T>,
+    axis: Moving<T>,
+    /// Angular rate about the axis, in the base.
+    speed: T,
+    off: Moving<T>,
+}
+
+impl<'a, 'c, T: Real> TurnedRocker<'a, 'c, T> {
+    /// The rocker that a point sits on; `None` for a point of another body.
+    #[inline(always)]
+    fn under(x: PointId, at: &'a Configuration<'c, T>, along: &'a Twist<T>) -> Option<Self> {
+        let Body::Rocker(id) = at.mechanism.body(x) else {
+            return None;
+        };
+        let rocker = at.mechanism.rocker(id);
+        let knuckle = KnuckleMotion { at, along };
+        let is_on_knuckle = at.mechanism.body(rocker.first) == Body::Knuckle;
+        let (foot, other) = (knuckle.point(rocker.first), knuckle.point(rocker.second));
+        let direction = other.minus(foot);
+        let axis = direction.times(direction.now.x.one() / direction.now.norm());
+        let off = knuckle.point(rocker.outer);
+        let end = at.point(rocker.inner);
+        let s = end - off.now;
+        let base = match is_on_knuckle {
+            true => knuckle.velocity(end),
+            false => end.zero(),
+        };
+        let tangent = axis.now.cross(end - foot.now);
+        let speed = s.dot(off.rate - base) / s.dot(tangent);
+        Some(TurnedRocker {
+            knuckle,
+            rocker,
+            is_on_knuckle,
+            foot,
+            axis,
+            speed,
+            off,
+        })
+    }
+
+    /// A point of the rocker.
+    #[inline(always)]
+    fn point(&self, id: PointId) -> Moving<T> {
+        let now = self.knuckle.at.point(id);
+        let turning = self.axis.now.cross(now - self.foot.now) * self.speed;
+        let rate = match self.is_on_knuckle {
+            true => self.knuckle.velocity(now) + turning,
+            false => turning,
+        };
+        Moving { now, rate }
+    }
+
+    /// Rates of the wrench on the knuckle of the force G = `push` at a place of the rocker, by (2) and (4).
+    #[inline(always)]
+    fn wrench_rate(&self, place: Moving<T>, push: Moving<T>) -> Wrench<T> {
+        let (axis, foot, off) = (self.axis, self.foot, self.off);
+        let end = self.point(self.rocker.inner);
+        let s = end.minus(off);
         let [n, n_rate] = axis.dot(place.minus(foot).cross(push));
         let [d, d_rate] = axis.dot(end.minus(foot).cross(s));
         let k = n / d;
@@ -184,27 +293,36 @@ impl<T: Real> RockerEnd<T> {
             now: s.now * k,
             rate: s.now * k_rate + s.rate * k,
         };
-        let origin = Moving {
-            now: at.pose.origin,
-            rate: along.shift,
-        };
-        let mut wrench = Wrench::zero(at.rack);
-        let mut add = |force: Moving<T>, point: Moving<T>, sign: T| {
-            let moment = point.minus(origin).cross(force);
-            wrench.force = wrench.force + force.rate * sign;
-            wrench.moment = wrench.moment + moment.rate * sign;
-        };
-        let one = at.rack.one();
-        if is_held {
-            add(push, other_end, -one);
-        }
-        if is_carried(outer) {
-            add(tension, off, one);
-        }
-        if is_carrying {
-            add(push, place, one);
-            add(tension, off, -one);
+        let one = k.one();
+        let mut wrench = Wrench::zero(k);
+        self.knuckle
+            .add(self.rocker.outer, off, tension, one, &mut wrench);
+        if self.is_on_knuckle {
+            self.knuckle.add_at(place, push, one, &mut wrench);
+            self.knuckle.add_at(off, tension, -one, &mut wrench);
         }
         wrench
     }
+}
+
+/// Rates of the wrench on the knuckle of a force that stays the same, at a point of a rocker: (4) with G' = 0. In a function of
+/// its own: it is rare, and large.
+#[inline(always)]
+pub(super) fn constant_push_rate<T: Real>(
+    x: PointId,
+    push: Vector3<T>,
+    at: &Configuration<T>,
+    along: &Twist<T>,
+) -> Wrench<T> {
+    outlined!(
+        [T: Real] at.rack;
+        x: PointId = x, push: Vector3<T> = push, at: &'p Configuration<'p, T> = at, along: &'p Twist<T> = along
+            => Wrench<T> {
+                let push = Moving { now: push, rate: push.zero() };
+                match TurnedRocker::under(x, at, along) {
+                    Some(turned) => turned.wrench_rate(turned.point(x), push),
+                    None => Wrench::zero(at.rack),
+                }
+            }
+    )
 }

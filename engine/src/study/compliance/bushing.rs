@@ -170,7 +170,7 @@ fn rising(
     written: &Spanned<Vec<Spanned<Vec<Number>>>>,
     problems: &mut Problems,
 ) -> Option<ForceCurve> {
-    let curve = axle::force_curve(written, problems)?;
+    let curve = axle::force_curve(written, 1.0, problems)?;
     for (k, pair) in curve.points().windows(2).enumerate() {
         if pair[0][1] >= pair[1][1] {
             let message = format!(

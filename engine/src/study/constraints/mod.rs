@@ -155,7 +155,7 @@ impl Reader<'_> {
         if let Some((text, both, _)) = of_axle
             && both.axle.is_rigid()
         {
-            let message = "constraints of a solid axle hold in the design position: expected at = \"design\", and no motion";
+            let message = "constraints of this axle hold in the design position: expected at = \"design\", and no motion";
             return problems.refuse(text.span(), message);
         }
         let Some((text, both, (name, motion))) = of_axle else {
@@ -322,6 +322,7 @@ impl Reader<'_> {
         let millimetre = self.length_scale();
         let length = self.suspension().length_unit;
         let symbol = length.symbol();
+        let (force, (_, lever)) = (length.force_symbol(), length.lever());
         let (visible, symbol) = match unit {
             Unit::Angle => (1.0, "deg".to_owned()),
             Unit::Length => (millimetre, symbol.to_owned()),
@@ -329,10 +330,10 @@ impl Reader<'_> {
             Unit::LengthPerAngle => (millimetre, format!("{symbol}/deg")),
             Unit::Percent => (1.0, "%".to_owned()),
             Unit::Ratio | Unit::AnglePerAngle => (0.01, "1".to_owned()),
-            Unit::Force => (1.0, "N".to_owned()),
-            Unit::ForcePerLength => (1.0 / millimetre, format!("N/{symbol}")),
-            Unit::Torque => (1.0, "N m".to_owned()),
-            Unit::TorquePerAngle => (1.0, "N m/deg".to_owned()),
+            Unit::Force => (1.0, force.to_owned()),
+            Unit::ForcePerLength => (1.0 / millimetre, format!("{force}/{symbol}")),
+            Unit::Torque => (1.0, format!("{force} {lever}")),
+            Unit::TorquePerAngle => (1.0, format!("{force} {lever}/deg")),
             Unit::Frequency => (0.01, "Hz".to_owned()),
             Unit::AnglePerForce => (0.001, "deg/kN".to_owned()),
             Unit::LengthPerForce => (0.01 * millimetre, format!("{symbol}/kN")),
@@ -358,15 +359,16 @@ impl Reader<'_> {
         self.takes(&LIMITS, problems);
         let (force, sign) = force(name, self.context, problems)?;
         let limits = self.needed_limits(problems)?;
-        let [lower, upper] = limits.map(|limit| limit.map(|value| value * sign));
+        let unit = self.suspension().length_unit;
+        let [lower, upper] = limits.map(|limit| limit.map(|value| value * unit.newtons() * sign));
         let is_turned = sign < 0.0;
         let of = Limited {
             of: Measure::Carried(force),
             lower: if is_turned { upper } else { lower },
             upper: if is_turned { lower } else { upper },
-            scale: 10.0,
+            scale: 10.0 * unit.newtons(),
             visible: 10.0,
-            unit: "N".to_owned(),
+            unit: unit.force_symbol().to_owned(),
         };
         Some((format!("{} {}", name.get_ref(), words(limits)), vec![of]))
     }

@@ -1,0 +1,307 @@
+//! Poses per second, as in a sweep: many designs, including their preparation and the output of the values.
+//!
+//! Designs are the study's own with every hardpoint moved by up to a hundredth of the mechanism's size,
+//! always the same ones. The seed paper's formulation solves the same designs at the same travels, in the
+//! same rounds, and reads off nothing. What several threads do is measured after the rounds.
+
+mod sweep;
+
+use self::sweep::Sweep;
+use super::{Clock, Job, Timing, Unmeasurable, wheel_travel};
+use hardpoint_attia::{PointCoordinates, Strut, StrutPoints};
+use hardpoint_engine::characteristics::{Characteristic, Constants, Quantity, WheelReading};
+use hardpoint_engine::derive::{DesignSeries, MotionPoint};
+use hardpoint_engine::evaluate::{AngleTarget, BLOCK, Block, Evaluator, Gradients, Stations};
+use hardpoint_engine::model::{Axis, Frame, Suspension};
+use hardpoint_engine::number::{Jet, Vector3, Width};
+use hardpoint_engine::solve::Solver;
+use hardpoint_engine::study::{Drive, Motion, Study};
+use hardpoint_engine::sweep::uniform;
+use std::hint::black_box;
+use std::ops::ControlFlow;
+use std::sync::Mutex;
+
+/// Largest move of a hardpoint, in sizes.
+const SCATTER: f64 = 0.01;
+/// Number of blocks that one thread solves in a sample.
+const BLOCKS: usize = 32;
+/// Number of blocks for each of several threads. Solving them takes long compared with waking the threads.
+const BLOCKS_OF_THREAD: usize = 512;
+/// Number of designs for slow methods.
+const FEW: usize = 16;
+
+/// The measured time of one way to solve poses.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Measurement {
+    /// The quantities that are computed at each pose.
+    pub asked: &'static str,
+    /// Method that finds the poses.
+    pub method: String,
+    /// Threads at work.
+    pub threads: usize,
+    /// Time per pose, all threads together.
+    pub timing: Timing,
+}
+
+impl Measurement {
+    /// Millions of poses per second.
+    pub fn millions(&self) -> f64 {
+        1e3 / self.timing.median
+    }
+}
+
+/// Every way, what is asked for by turns.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Throughput {
+    /// The paper's formulation last, where the suspension is a strut.
+    pub measurements: Vec<Measurement>,
+}
+
+const ANGLES: &str = "four angles";
+/// Cost of the method itself: one evaluation of the closed form at each pose, for a given angle of the arm, and the
+/// four angles from it.
+const LIMIT: &str = "four angles at a given arm angle (the limit)";
+/// Largest angle of the arm for that measurement (rad).
+const LIMIT_ANGLE: f64 = 0.2;
+const ONE_BY_ONE: &str = "one by one";
+const GAINS: &str = "four angles and their gains";
+const POINTS: &str = "four angles and two points";
+const MOTION_RATIO: &str = "motion ratio of the spring";
+const JACOBIAN: &str = "four angles by every hardpoint";
+const DEVIATION: &str = "sum of their squared deviations by every hardpoint";
+
+impl Throughput {
+    /// Measures on the suspension of a study, over its travels, on up to `threads` threads; on an axle over its whole
+    /// motion, a pose being one position of both wheels.
+    pub fn measure(study: &Study, threads: usize, clock: &Clock) -> Result<Self, Unmeasurable> {
+        if let Some(both) = study.axle() {
+            let measurements = super::axle::measure(study, both, threads, clock)?;
+            return Ok(Throughput { measurements });
+        }
+        let suspension = study.wheel();
+        let motion = wheel_travel(&study.motion().values);
+        let stations = Stations::of(&motion, &suspension.frame, &[]);
+        let at_angles = at_arm_angles(&motion, &suspension.frame);
+        Solver::new(&suspension.mechanism, &suspension.design)?;
+        let designs = scattered(suspension);
+        let wanted = Requested::of(suspension);
+        let sweep = Sweep {
+            suspension,
+            stations: &stations,
+            designs: &designs,
+        };
+        let limit = Sweep {
+            stations: &at_angles,
+            ..sweep
+        };
+        let mut planned = Planned::default();
+        planned.values(&sweep, &limit, &wanted, threads)?;
+        planned.derivatives(&sweep, &wanted);
+        if let Some(job) = sweep.by_the_paper() {
+            planned.add("positions", PAPER.to_owned(), 1, job);
+        }
+        Ok(Throughput {
+            measurements: planned.run(clock),
+        })
+    }
+
+    /// The limit of the method: nothing but its formulas, at a given arm angle.
+    pub fn limit(&self) -> Option<&Measurement> {
+        self.measurements.iter().find(|m| m.asked == LIMIT)
+    }
+
+    /// The seed paper's way to the same poses, where the study has one.
+    pub fn by_the_paper(&self) -> Option<&Measurement> {
+        self.measurements.iter().find(|m| m.method == PAPER)
+    }
+}
+
+/// Outputs that the rows request.
+struct Requested {
+    angles: Vec<Quantity>,
+    /// The angles and their derivatives by travel.
+    gains: Vec<Quantity>,
+    /// The angles, the wheel centre and the knuckle's origin.
+    angles_and_points: Vec<Quantity>,
+    /// The motion ratio of the spring, if there is one.
+    motion_ratio: Vec<Quantity>,
+}
+
+impl Requested {
+    fn of(suspension: &Suspension) -> Self {
+        use Characteristic::{
+            BumpSteer, Camber, CamberGain, Caster, CasterGain, KingpinInclination,
+            KingpinInclinationGain, MotionRatio, Toe,
+        };
+        let angles = quantities(suspension, &[Camber, Toe, KingpinInclination, Caster]);
+        let by_travel = [CamberGain, BumpSteer, KingpinInclinationGain, CasterGain];
+        let mechanism = &suspension.mechanism;
+        let points = [mechanism.wheel_centre, mechanism.origin].into_iter();
+        let points = points.flat_map(|id| Axis::ALL.map(|axis| Quantity::Coordinate(id, axis)));
+        let with = |more: Vec<Quantity>| [&angles[..], &more[..]].concat();
+        Requested {
+            gains: with(quantities(suspension, &by_travel)),
+            angles_and_points: with(points.collect()),
+            motion_ratio: quantities(suspension, &[MotionRatio]),
+            angles,
+        }
+    }
+}
+
+/// Jobs that are to be timed, each with the outputs, the method and the threads of its row.
+#[derive(Default)]
+struct Planned<'a> {
+    rows: Vec<(&'static str, String, usize)>,
+    jobs: Vec<Job<'a>>,
+}
+
+impl<'a> Planned<'a> {
+    fn add(&mut self, asked: &'static str, method: String, threads: usize, job: Job<'a>) {
+        self.rows.push((asked, method, threads));
+        self.jobs.push(job);
+    }
+
+    /// Values at given travels, one by one and in lanes, and the `limit` of the method at given arm angles.
+    fn values(
+        &mut self,
+        sweep: &Sweep<'a>,
+        limit: &Sweep<'a>,
+        wanted: &'a Requested,
+        threads: usize,
+    ) -> Result<(), Unmeasurable> {
+        let angles = &wanted.angles;
+        let widest = sweep.runs_in_lanes(angles).then(Width::widest);
+        for (asked, quantities) in [(ANGLES, angles), (GAINS, &wanted.gains)] {
+            for width in sweep.widths(angles) {
+                self.add(
+                    asked,
+                    lanes(width),
+                    1,
+                    sweep.job(quantities, Some(width), 1)?,
+                );
+            }
+            let job = sweep.job(quantities, None, 1)?;
+            self.add(asked, ONE_BY_ONE.to_owned(), 1, job);
+        }
+        let has_limit = hardpoint_engine::solve::has_closed_form(&sweep.suspension.mechanism);
+        if has_limit && limit.runs_in_lanes(angles) {
+            self.add(
+                LIMIT,
+                lanes(Width::widest()),
+                1,
+                limit.job(angles, widest, 1)?,
+            );
+        }
+        let method = || widest.map_or(ONE_BY_ONE.to_owned(), lanes);
+        for threads in 2..=threads {
+            self.add(
+                ANGLES,
+                method(),
+                threads,
+                sweep.job(angles, widest, threads)?,
+            );
+        }
+        let job = sweep.job(&wanted.angles_and_points, widest, 1)?;
+        self.add(POINTS, method(), 1, job);
+        let ratio = &wanted.motion_ratio;
+        if !ratio.is_empty() {
+            self.add(MOTION_RATIO, method(), 1, sweep.job(ratio, widest, 1)?);
+            self.add(
+                MOTION_RATIO,
+                ONE_BY_ONE.to_owned(),
+                1,
+                sweep.job(ratio, None, 1)?,
+            );
+        }
+        Ok(())
+    }
+
+    /// Derivatives by travel and by every hardpoint.
+    fn derivatives(&mut self, sweep: &Sweep<'a>, wanted: &'a Requested) {
+        let angles = &wanted.angles;
+        let one_by_one = || ONE_BY_ONE.to_owned();
+        let job = sweep.series::<3>(angles);
+        self.add("four angles, rates, curvatures", one_by_one(), 1, job);
+        let deviations = Some(sweep.wanted(angles.len()));
+        for (asked, wanted) in [(DEVIATION, deviations), (JACOBIAN, None)] {
+            for width in sweep.widths(angles) {
+                if let Some(job) = sweep.gradients_in_lanes(angles, wanted.clone(), width) {
+                    self.add(asked, lanes(width), 1, job);
+                }
+            }
+        }
+        self.add(JACOBIAN, one_by_one(), 1, sweep.gradients::<1>(angles));
+        let job = sweep.gradients::<3>(angles);
+        self.add("all of it by every hardpoint", one_by_one(), 1, job);
+    }
+
+    /// Times the jobs. Those of several threads run by themselves: between the samples of others their threads would
+    /// lose their cores, and get them back only after tens of milliseconds.
+    fn run(self, clock: &Clock) -> Vec<Measurement> {
+        let (mut alone, mut together): (Vec<Job<'_>>, Vec<Job<'_>>) = (Vec::new(), Vec::new());
+        for (job, (_, _, threads)) in self.jobs.into_iter().zip(&self.rows) {
+            match threads {
+                1 => together.push(job),
+                _ => alone.push(job),
+            }
+        }
+        let mut of_one = clock.in_rounds(&mut together).into_iter();
+        let of_several: Vec<Timing> = alone
+            .iter_mut()
+            .flat_map(|job| clock.in_rounds(std::slice::from_mut(job)))
+            .collect();
+        let mut of_several = of_several.into_iter();
+        let rows = self.rows.into_iter();
+        let measurements = rows.map(|(asked, method, threads)| Measurement {
+            asked,
+            method,
+            threads,
+            timing: match threads {
+                1 => of_one.next(),
+                _ => of_several.next(),
+            }
+            .expect("a time for each job"),
+        });
+        measurements.collect()
+    }
+}
+
+/// Name of the method in lanes of a width.
+fn lanes(width: Width) -> String {
+    format!("lanes, {}", width.name())
+}
+
+const PAPER: &str = "point coordinates (paper)";
+
+/// Returns those of the characteristics for which the suspension has the parts and figures.
+fn quantities(suspension: &Suspension, characteristics: &[Characteristic]) -> Vec<Quantity> {
+    let possible = |c: &&Characteristic| c.info().needs.iter().all(|n| n.met_by(suspension));
+    let possible = characteristics.iter().filter(possible);
+    possible.map(|c| Quantity::Characteristic(*c)).collect()
+}
+
+/// As many stations as the motion has, by the angle of the arm.
+fn at_arm_angles(motion: &Motion, frame: &Frame) -> Stations {
+    let last = motion.values.len().saturating_sub(1).max(1) as f64;
+    let angle = |k: usize| LIMIT_ANGLE * (2.0 * k as f64 / last - 1.0);
+    let motion = Motion {
+        drive: Drive::ArmAngle,
+        values: (0..motion.values.len()).map(angle).collect(),
+        ..motion.clone()
+    };
+    Stations::of(&motion, frame, &[])
+}
+
+/// Designs about the suspension's own, a block of them.
+fn scattered(suspension: &Suspension) -> Vec<Vector3<f64>> {
+    let by = SCATTER * suspension.size();
+    let points = suspension.design.len();
+    let mut designs = Vec::with_capacity(BLOCK * points);
+    for number in 0..BLOCK {
+        for (k, point) in suspension.design.iter().enumerate() {
+            let part = |axis| by * (2.0 * uniform(number as u64, 3 * k + axis, 1) - 1.0);
+            designs.push(*point + Vector3::new(part(0), part(1), part(2)));
+        }
+    }
+    designs
+}

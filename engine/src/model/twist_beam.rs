@@ -1,0 +1,157 @@
+//! Twist beam: two rigid halves that are hinged about the line of the cross member's shear centres.
+//!
+//! Each half is a trailing arm with half of the cross member. The hinge is the line along y through the shear centre S. A mount
+//! holds its half in x and z. The rubber of the mounts lets them move sideways, both by the same distance and oppositely. So
+//! each half has six unknowns, the hinge removes five of both, the mounts five, and two travels move the rest.
+//!
+//! The mechanism is that of the near half. Let M be the far mount, and S and T two points of the hinge. The near mount takes
+//! two rows. M keeps its distances from S and T, which is a link each. The travels are two rows (see `rigid_axle.rs`).
+//! The far half is a rocker on the near half, with the hinge as its axis. Every place P of the far half keeps its distance from
+//! M, so that a rod from M to P turns this rocker. The place does not matter: it is chosen so that the rod is square to
+//! its lever.
+
+use super::rigid_axle::{AxleTravel, RigidAxle};
+use super::rocker::Carriers;
+use super::topology::{
+    Given, SPINDLE, SPINDLE_INNER, SPRING, SPRING_UPPER, Topology, WHEEL_CENTRE, optional, required,
+};
+use super::{Body, Constraint, Mechanism, Point, PointId, Rocker, RockerId, Rod};
+use crate::number::Vector3;
+
+/// The twist beam.
+pub(super) static TWIST_BEAM: Topology = Topology {
+    name: "twist_beam",
+    summary: "Twist beam: two trailing arms and a cross member that twists about its shear centre",
+    hardpoints: &[
+        required("mount", "mount of the arm at the body"),
+        required(
+            "shear_centre",
+            "shear centre of the cross member's section in the middle of the car: y = 0",
+        ),
+        WHEEL_CENTRE,
+        SPINDLE_INNER,
+        SPRING_UPPER,
+        optional("spring_lower", "lower end of spring and damper, on the arm"),
+    ],
+    groups: &[&SPRING],
+    distinct: &[
+        (
+            "mount",
+            "shear_centre",
+            "the arm turns about the line through both",
+        ),
+        SPINDLE,
+    ],
+    build,
+    template: include_str!("../../templates/twist_beam.toml"),
+};
+
+/// Points of a twist beam that hinge and rod need.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TwistBeam {
+    /// The near mount.
+    pub mount: PointId,
+    /// The far mount.
+    pub far_mount: PointId,
+    /// A point of the hinge: the shear centre.
+    pub shear_centre: PointId,
+    /// A second point of the hinge, which stays beside the shear centre.
+    pub hinge: PointId,
+    /// A place of the far half, which stays beside the far mount.
+    pub rod_end: PointId,
+}
+
+impl TwistBeam {
+    /// Points without a place in a study, each with the point that they stay beside.
+    pub fn followers(&self) -> [[PointId; 2]; 2] {
+        [
+            [self.hinge, self.shear_centre],
+            [self.rod_end, self.far_mount],
+        ]
+    }
+
+    /// Places of the second point of the hinge and of the rod's end.
+    pub(super) fn rod_and_hinge(&self, design: &[Vector3<f64>]) -> [Vector3<f64>; 2] {
+        let [mount, centre] = [self.far_mount, self.shear_centre].map(|id| design[id.0]);
+        let aside = Vector3::new(0.0, mount.y.abs(), 0.0);
+        // By Thales: the rod from the mount is square to the lever from the hinge.
+        let (x, z) = (0.5 * (mount.x - centre.x), 0.5 * (mount.z - centre.z));
+        let rod = Vector3::new(-x - z, 0.0, x - z);
+        [centre + aside, mount + rod]
+    }
+}
+
+fn build(topology: &'static Topology, given: &[&'static str]) -> Mechanism {
+    let on_arm = Carriers::all(Body::Knuckle);
+    let mut given = Given::of(topology, given, on_arm, |_| Body::Knuckle);
+    let beam = RockerId(0);
+    let near = (0..given.0.len()).map(PointId);
+    let (singles, near): (Vec<_>, Vec<_>) =
+        near.partition(|id| given.0[id.0].name == "shear_centre");
+    let mount = given.id("mount");
+    let mut pairs = Vec::with_capacity(near.len());
+    for id in near {
+        let Point { name, body } = &given.0[id.0];
+        let far = Point {
+            name: format!("right_{name}"),
+            body: match body {
+                _ if id == mount => Body::Opposite(mount),
+                Body::Knuckle => Body::Rocker(beam),
+                body => *body,
+            },
+        };
+        pairs.push([id, PointId(given.0.len())]);
+        given.0.push(far);
+    }
+    let mut add = |name: &str, body: Body| {
+        let name = name.to_owned();
+        given.0.push(Point { name, body });
+        PointId(given.0.len() - 1)
+    };
+    let (hinge, rod_end) = (
+        add("twist_beam_axis", Body::Knuckle),
+        add("twist_beam_rod", Body::Rocker(beam)),
+    );
+    let [shear_centre, far_mount, far_centre] =
+        ["shear_centre", "right_mount", "right_wheel_centre"].map(|name| given.id(name));
+    let held = AxleTravel::Mean;
+    let link = |outer: PointId| Constraint::Link {
+        inner: far_mount,
+        outer,
+    };
+    let constraints = vec![
+        Constraint::Mount { at: mount },
+        link(shear_centre),
+        link(hinge),
+        Constraint::AxleTravel {
+            near: given.id("wheel_centre"),
+            far: far_centre,
+            held,
+        },
+    ];
+    let bodies = [("chassis", Body::Chassis), ("arm", Body::Knuckle)];
+    Mechanism {
+        constraints,
+        rockers: vec![Rocker {
+            rod: Rod::TwistBeam,
+            first: shear_centre,
+            second: hinge,
+            inner: rod_end,
+            outer: far_mount,
+        }],
+        rigid_axle: Some(RigidAxle {
+            pairs,
+            singles,
+            far_centre,
+            held,
+            twist_beam: Some(TwistBeam {
+                mount,
+                far_mount,
+                shear_centre,
+                hinge,
+                rod_end,
+            }),
+        }),
+        ..given.mechanism(topology, &bodies)
+    }
+}

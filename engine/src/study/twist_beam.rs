@@ -1,0 +1,69 @@
+//! Twist beams: the figure of the cross member, and what the hardpoints must meet.
+
+use super::error::Problems;
+use super::file::{self, File};
+use super::suspension::above_zero;
+use super::value::Text;
+use crate::model::{Suspension, TwistBeam};
+
+/// Ratio of the energy of two turning levers to that of the beam. The twist is half the difference of the angles that both
+/// halves are read to turn by, one against the other: k_t psi^2/2 = (k_t/4) (2 psi)^2/2.
+const OF_BOTH_LEVERS: f64 = 0.25;
+
+/// Rate of the anti-roll bar that a twist beam is to formulas; the inner `None` without `[twist_beam]`. Reports a section that
+/// does not belong to the topology.
+pub(super) fn bar_rate(
+    file: &File,
+    left: &Suspension,
+    problems: &mut Problems,
+) -> Option<Option<f64>> {
+    let is_beam = left.mechanism.topology.is_twist_beam();
+    if let (true, Some(bar)) = (is_beam, &file.anti_roll_bar) {
+        let message = "a twist beam is its own anti-roll bar: leave [anti_roll_bar] out";
+        let error = problems.add(bar.span(), message);
+        error.help("add the rate of a bar in the cross member to torsional_rate in [twist_beam]");
+        return None;
+    }
+    let Some(section) = &file.twist_beam else {
+        return Some(None);
+    };
+    if !is_beam {
+        let message = "[twist_beam] needs topology = \"twist_beam\"";
+        return problems.refuse(section.span(), message);
+    }
+    let rate = above_zero(&section.get_ref().torsional_rate, problems)?;
+    Some(Some(OF_BOTH_LEVERS * rate * left.length_unit.newtons()))
+}
+
+/// Checks that the shear centre is in the middle of the car and apart from the line through both mounts.
+pub(super) fn check(
+    section: &file::Suspension,
+    suspension: &Suspension,
+    beam: &TwistBeam,
+    problems: &mut Problems,
+) -> Option<()> {
+    let design = &suspension.design;
+    let (mount, centre) = (design[beam.mount.0], design[beam.shear_centre.0]);
+    let place = |name: &str| {
+        let mut names = section.hardpoints.get_ref().keys();
+        let written = names.find(|text| text.get_ref() == name);
+        written.map_or(section.hardpoints.span(), Text::span)
+    };
+    if centre.y != 0.0 {
+        let message = "the shear centre is given in the middle of the car: expected y = 0";
+        return problems.refuse(place("shear_centre"), message);
+    }
+    if mount.y <= 0.0 {
+        let message = "the mount of the left half is on the left side of the car";
+        return problems.refuse(place("mount"), message);
+    }
+    let apart = (mount.x - centre.x).hypot(mount.z - centre.z);
+    if apart < LEAST_APART * suspension.size() {
+        let message = "the shear centre is on the line through both mounts, so the halves cannot turn against each other";
+        return problems.refuse(place("shear_centre"), message);
+    }
+    Some(())
+}
+
+/// Least distance of the shear centre from the line through both mounts, in sizes of the mechanism.
+const LEAST_APART: f64 = 1e-3;

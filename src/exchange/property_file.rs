@@ -1,0 +1,189 @@
+//! A bushing of a study as a property file (`.bus`) of Adams Car.
+//!
+//! The file has a curve for each axis: force over deflection, torque over angle in rad. A curve of the study keeps its
+//! points. A law f = k d + c d^3 becomes points at equal steps h over a range -D to D. With c = 0 they lie on the law's
+//! straight line. Else the straight line between two points differs from the law by at most
+//!
+//! ```text
+//! max |f''| h^2/8 = 3 c D h^2/4                                                                   (1)
+//! ```
+
+use super::outgoing::Outgoing;
+use super::subsystem::Written;
+use crate::compliance::{BushingPart, Compliance, Relaxed, Shape};
+use crate::model::LengthUnit;
+use crate::report::shortest;
+use std::fmt::Write;
+
+/// Ends of the range of a law without points: in millimetres, and in radians.
+const RANGE: [f64; 2] = [10.0, 0.2];
+/// Steps from the middle of the range to its end; of a straight line, and of a bent one.
+const STEPS: [usize; 2] = [2, 50];
+
+/// Names of the blocks, along x, y, z and about them.
+const AXES: [&str; 6] = ["FX", "FY", "FZ", "TX", "TY", "TZ"];
+
+/// Property file of the bushing at a hardpoint; without a name, of the only one.
+///
+/// # Errors
+/// The study has no such bushing, or several and no name.
+pub fn property_file(outgoing: &Outgoing<'_>, hardpoint: Option<&str>) -> Result<Written, String> {
+    let study = outgoing.study;
+    let parts = study.compliance().map(|elastic| &elastic.parts);
+    let bushings = parts.map_or(&[][..], |parts| &parts.bushings);
+    let name_of = |part: &BushingPart| study.wheel().mechanism.name(part.point);
+    let names = || bushings.iter().map(name_of).collect::<Vec<_>>().join(", ");
+    let part = match (hardpoint, bushings) {
+        (_, []) => return Err("it has no section [bushings.NAME]".to_owned()),
+        (None, [part]) => part,
+        (None, _) => {
+            return Err(format!(
+                "it has several bushings and a property file holds one: name it with --bushing, one of {}",
+                names()
+            ));
+        }
+        (Some(name), _) => {
+            let found = bushings.iter().find(|part| name_of(part) == name);
+            found.ok_or_else(|| format!("no bushing {name:?}; it has {}", names()))?
+        }
+    };
+    let mut file = File {
+        outgoing,
+        text: head(outgoing.unit),
+        notes: Vec::new(),
+    };
+    for (axis, shape) in part.shapes.iter().enumerate() {
+        file.curve(axis, shape);
+    }
+    let mut notes = file.notes;
+    notes.extend(remarks(name_of(part), part, parts));
+    Ok(Written {
+        bytes: file.text.replace('\n', "\r\n").into_bytes(),
+        notes,
+    })
+}
+
+fn head(unit: LengthUnit) -> String {
+    let length = match unit {
+        LengthUnit::Millimetre => "mm",
+        LengthUnit::Metre => "meter",
+        LengthUnit::Inch | LengthUnit::InchPound => "inch",
+    };
+    let mut text = format!(
+        "{}[MDI_HEADER]\n FILE_TYPE     =  'bus'\n FILE_VERSION  =  4.0\n FILE_FORMAT   =  'ASCII'\n{}[UNITS]\n \
+         LENGTH  =  '{length}'\n ANGLE   =  'radians'\n FORCE   =  'newton'\n MASS    =  'kg'\n TIME    =  'second'\n\
+         {}[DAMPING]\n",
+        rule("MDI_HEADER"),
+        rule("UNITS"),
+        rule("DAMPING"),
+    );
+    for axis in AXES {
+        let _ = writeln!(text, " {axis}_DAMPING  =  0.0");
+    }
+    text
+}
+
+fn rule(name: &str) -> String {
+    format!("${name:->79}\n")
+}
+
+/// Properties of a bushing that the file does not hold.
+fn remarks(name: &str, part: &BushingPart, parts: Option<&Compliance>) -> Vec<String> {
+    let mut remarks = vec![
+        format!(
+            "{name}: x, y and z of the file are the axes of the study's bushing (docs/compliance.md, Axes); turn the bushing \
+             of the template likewise"
+        ),
+        "damping is written as 0: the study has none".to_owned(),
+    ];
+    if part.preload.iter().any(|preload| *preload != 0.0) {
+        remarks.push(format!(
+            "preload is left out, because it stands in the subsystem: {}",
+            part.preload.map(shortest).join(", ")
+        ));
+    }
+    if parts.is_some_and(|parts| parts.relaxed == Relaxed::AtDesignLoad) {
+        remarks.push(
+            "relaxed = \"at_design_load\": the curves begin at the relaxed bushing; the forces at the design load are \
+             preloads in the subsystem, from `hardpoint kc`"
+                .to_owned(),
+        );
+    }
+    remarks
+}
+
+/// The file as it grows.
+struct File<'a> {
+    outgoing: &'a Outgoing<'a>,
+    text: String,
+    notes: Vec<String>,
+}
+
+impl File<'_> {
+    fn curve(&mut self, axis: usize, shape: &Shape) {
+        let is_force = axis < 3;
+        let points = match shape {
+            Shape::Curve { curve, scale } => {
+                let points = curve.points().iter();
+                points.map(|[d, f]| [*d, f * scale]).collect()
+            }
+            Shape::Cubic { rate, cubic } => self.sampled(axis, *rate, *cubic),
+        };
+        let columns = if is_force { "x  fx" } else { "a  tx" };
+        let columns = columns.replace('x', &AXES[axis][1..].to_lowercase());
+        let _ = write!(
+            self.text,
+            "{}[{}_CURVE]\n{{ {columns} }}\n",
+            rule(&format!("{}_CURVE", AXES[axis])),
+            AXES[axis]
+        );
+        for [d, f] in points {
+            // A torque is a force at a length.
+            let [d, f] = match is_force {
+                true => [self.outgoing.length(d), f],
+                false => [d, self.outgoing.length(f)],
+            };
+            let [d, f] = [d, f].map(|number| shortest(number + 0.0));
+            let _ = writeln!(self.text, " {d:>24}  {f:>24}");
+        }
+    }
+
+    /// Points of the law f = k d + c d^3 in the study's units.
+    fn sampled(&mut self, axis: usize, rate: f64, cubic: f64) -> Vec<[f64; 2]> {
+        let is_force = axis < 3;
+        let own = self.outgoing.study.wheel().length_unit;
+        let end = match is_force {
+            true => own.convert(RANGE[0], LengthUnit::Millimetre),
+            false => RANGE[1],
+        };
+        let steps = STEPS[usize::from(cubic != 0.0)];
+        let count = i32::try_from(steps).expect("few steps");
+        let points = (-count..=count)
+            .map(|step| {
+                let d = end * (f64::from(step) / f64::from(count));
+                [d, d * (rate + cubic * d * d)]
+            })
+            .collect();
+        if cubic != 0.0 {
+            let step = end / f64::from(count);
+            let [reach, unit] = match is_force {
+                true => [
+                    format!("{} {}", shortest(end), own.symbol()),
+                    "N".to_owned(),
+                ],
+                false => [
+                    format!("{} rad", shortest(end)),
+                    format!("N {}", own.symbol()),
+                ],
+            };
+            self.notes.push(format!(
+                "{}: the cubic law is written as {} points to {reach} on both sides. A straight line between them is off by up to \
+                 {:.2e} {unit}; the file does not hold the law beyond",
+                AXES[axis],
+                2 * steps + 1,
+                0.75 * cubic * end * step * step
+            ));
+        }
+        points
+    }
+}

@@ -1,0 +1,123 @@
+//! Labels at the ends of curves: short, told apart, none upon another.
+
+use super::layout::EndLabel;
+use super::{Line, Scale};
+
+/// Longest label, in letters.
+const LONGEST: usize = 14;
+/// Height of a label.
+pub(super) const LABEL: f64 = 13.0;
+
+/// A label of at most [`LONGEST`] letters.
+fn shortened(label: &str) -> String {
+    match label.chars().count() > LONGEST {
+        true => label.chars().take(LONGEST - 1).chain(['…']).collect(),
+        false => label.to_owned(),
+    }
+}
+
+/// Labels of lines, shortened. Labels that would become equal lose the words that they begin with.
+pub(super) fn short_labels(lines: &[Line]) -> Vec<Option<String>> {
+    let own: Vec<Option<&str>> = lines.iter().map(|line| line.label.as_deref()).collect();
+    let known: Vec<&str> = own.iter().flatten().copied().collect();
+    let clash = known.iter().enumerate().any(|(k, a)| {
+        let mut before = known[..k].iter();
+        before.any(|b| a != b && shortened(a) == shortened(b))
+    });
+    let common = |a: &str, b: &str| {
+        let same = a.char_indices().zip(b.chars());
+        let same = same.take_while(|((_, x), y)| x == y);
+        same.map(|((at, x), _)| at + x.len_utf8())
+            .last()
+            .unwrap_or(0)
+    };
+    let first = known.first().copied().unwrap_or("");
+    let shared = known.iter().map(|label| common(first, label)).min();
+    let shared = &first[..shared.filter(|_| clash).unwrap_or(0)];
+    let start = shared.rfind([' ', '_', '-', ',']).map_or(0, |at| at + 1);
+    let short = |label: &str| match start {
+        0 => shortened(label),
+        start => shortened(&format!("…{}", &label[start..])),
+    };
+    own.into_iter().map(|label| label.map(short)).collect()
+}
+
+/// Labels beside the ends of curves, none upon another. If there is no room for all, the curves that are neither
+/// first, last nor strong go without.
+pub(super) fn end_labels(
+    lines: &[Line],
+    texts: Vec<Option<String>>,
+    points: &[Vec<Option<[f64; 2]>>],
+    x: &Scale,
+    y: &Scale,
+    plot: [f64; 4],
+) -> Vec<EndLabel> {
+    let mut labels: Vec<EndLabel> = Vec::new();
+    for ((line, text), points) in lines.iter().zip(texts).zip(points) {
+        let last = points.iter().flatten().max_by(|a, b| a[0].total_cmp(&b[0]));
+        let (Some(text), Some([place, value])) = (text, last) else {
+            continue;
+        };
+        let end = [x.place(*place), y.place(*value)];
+        labels.push(EndLabel {
+            text,
+            class: line.class.clone(),
+            at: [plot[2] + 8.0, end[1]],
+            end,
+        });
+    }
+    let most = (((plot[3] - plot[1]) / LABEL) as usize).max(1);
+    if labels.len() > most {
+        let last = labels.len() - 1;
+        let mut number = 0;
+        labels.retain(|label| {
+            let kept = number == 0 || number == last || label.class.contains("strong");
+            number += 1;
+            kept
+        });
+        labels.truncate(most);
+    }
+    labels.sort_by(|a, b| a.end[1].total_cmp(&b.end[1]));
+    let mut free = plot[1] + 4.0;
+    for label in &mut labels {
+        label.at[1] = label.at[1].max(free);
+        free = label.at[1] + LABEL;
+    }
+    let mut most = plot[3];
+    for label in labels.iter_mut().rev() {
+        label.at[1] = label.at[1].min(most);
+        most = label.at[1] - LABEL;
+    }
+    labels
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::chart::Source;
+
+    fn shown(labels: &[&str]) -> Vec<String> {
+        let line = |label: &&str| Line {
+            label: Some((*label).to_owned()),
+            told: String::new(),
+            class: String::new(),
+            is_main: true,
+            has_dots: false,
+            source: Source::default(),
+        };
+        let lines: Vec<Line> = labels.iter().map(line).collect();
+        short_labels(&lines).into_iter().flatten().collect()
+    }
+
+    /// Names that differ at their ends are told apart in 14 letters; names that differ at once keep their beginning.
+    #[test]
+    fn short_labels_differ_where_names_do() {
+        let alike = ["double_wishbone_solve", "double_wishbone_rocker"];
+        assert_eq!(shown(&alike), ["…solve", "…rocker"]);
+        let apart = ["double_wishbone_solve", "macpherson_solve"];
+        assert_eq!(shown(&apart), ["double_wishbo…", "macpherson_so…"]);
+        assert_eq!(shown(&["left", "right"]), ["left", "right"]);
+        // The same name twice is one curve in pieces.
+        assert_eq!(shown(&["a name of many letters"; 2]), ["a name of man…"; 2]);
+    }
+}

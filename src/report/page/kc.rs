@@ -1,0 +1,190 @@
+//! The page of rig tests: key figures, a chart of each load with its tests, and the figures of every station. It has no
+//! script.
+
+use super::charts::Charts;
+use super::escape::html;
+use super::sheet::{Section, sheet};
+use crate::compliance::{KcOutcome, KcState, TestLoad};
+use crate::report::KcResults;
+use crate::report::chart::{Chart, Line, Quantity, Source};
+use crate::report::curve_table::CurveTable;
+
+/// Figures of the verdict, in this order.
+const FIRST: [&str; 5] = [
+    "toe_by_lateral_force",
+    "camber_by_lateral_force",
+    "recession_by_braking",
+    "toe_by_aligning_moment",
+    "compliant_wheel_rate",
+];
+
+/// Columns of a table of levels.
+const COLUMNS: [&str; 4] = ["load", "toe", "camber", "shift"];
+
+/// The page of the tests of a study.
+pub fn kc_page(study: &str, results: &KcResults<'_>) -> String {
+    let mut sections = Vec::new();
+    let (place, charts) = charts(results);
+    if !charts.is_empty() {
+        sections.push(Section {
+            title: format!("Toe, camber and displacement by load, at {place}"),
+            note: "Equilibria under rising load. Toe-in and top outboard are positive.".to_owned(),
+            table: format!("<div class=\"plots\">{charts}</div>"),
+        });
+    }
+    for (place, table) in results.tables_for_readers() {
+        sections.push(Section {
+            title: format!("Figures at {place}"),
+            note: "Value: derivative at the station. Secant: over the whole window of the load."
+                .to_owned(),
+            table: table.html(),
+        });
+    }
+    let lines = |class: &str, lines: Vec<String>| -> String {
+        let line = |line: &String| format!("<p class=\"{class}\">{}</p>", html(line));
+        lines.iter().map(line).collect()
+    };
+    let remarks = lines("unmet", results.failures()) + &lines("note", results.warnings());
+    if !remarks.is_empty() {
+        sections.push(Section {
+            title: "Remarks".to_owned(),
+            note: String::new(),
+            table: remarks,
+        });
+    }
+    sheet(study, "kc", &verdict(results), &sections)
+}
+
+/// The main figures of the first station that has them.
+fn verdict(results: &KcResults<'_>) -> String {
+    let failed = match results.failures().len() {
+        0 => "Every state has an equilibrium.".to_owned(),
+        count => format!("{count} states have no equilibrium."),
+    };
+    let shown: Vec<String> = FIRST
+        .iter()
+        .filter_map(|name| {
+            let [value, unit] = results.first_figure(name)?;
+            Some(format!("{} {value} {unit}", name.replace('_', " ")))
+        })
+        .collect();
+    match shown.is_empty() {
+        true => failed,
+        false => format!("{failed} {}.", shown.join("; ")),
+    }
+}
+
+/// The charts of the first station with levels, and its place.
+fn charts(results: &KcResults<'_>) -> (String, String) {
+    let stations = results.stations.iter();
+    let found = stations
+        .filter_map(|station| Some((station, station.outcomes.as_ref().ok()?)))
+        .find(|(_, outcomes)| outcomes.iter().any(|outcome| !outcome.levels.is_empty()));
+    let Some((station, outcomes)) = found else {
+        return Default::default();
+    };
+    let mut charts = Charts::default();
+    let mut figures = String::new();
+    for (_, load) in TestLoad::ALL {
+        let of_load =
+            |outcome: &&KcOutcome| outcome.test.load == load && !outcome.levels.is_empty();
+        let tests: Vec<&KcOutcome> = outcomes.iter().filter(of_load).collect();
+        if !tests.is_empty() {
+            figures += &charts_of_load(results, load, &tests, &mut charts);
+        }
+    }
+    (results.place(station), figures)
+}
+
+/// Charts of toe, camber and displacement over one load, with a line for each test.
+fn charts_of_load(
+    results: &KcResults<'_>,
+    load: TestLoad,
+    tests: &[&KcOutcome],
+    charts: &mut Charts,
+) -> String {
+    let length = results.suspension.length_unit;
+    let is_moment = load == TestLoad::Aligning;
+    let scale = if is_moment { length.per_metre() } else { 1.0 };
+    let mut columns = vec![Vec::new(); COLUMNS.len()];
+    let mut rows = Vec::new();
+    for test in tests {
+        let start = columns[0].len();
+        let unloaded = test.levels.iter().find(|level| level.level == 0);
+        let unloaded = unloaded.and_then(|level| level.state.as_ref().ok());
+        for level in &test.levels {
+            let state = level.state.as_ref().ok();
+            let angle = |of: fn(&KcState) -> f64| state.map(|state| of(state).to_degrees());
+            let cells = [
+                Some(level.load / scale),
+                angle(|state| state.figures.toe),
+                angle(|state| state.figures.camber),
+                state
+                    .zip(unloaded)
+                    .map(|(state, from)| moved(load, state, from)),
+            ];
+            for (column, cell) in columns.iter_mut().zip(cells) {
+                column.push(cell);
+            }
+        }
+        rows.push((start..columns[0].len()).collect::<Vec<usize>>());
+    }
+    let table = charts.tables.len();
+    charts.tables.push(CurveTable {
+        header: COLUMNS.map(str::to_owned).to_vec(),
+        columns,
+        status: Vec::new(),
+    });
+    let unit = if is_moment { "N m" } else { "N" };
+    let name = match load {
+        TestLoad::Aligning => "aligning moment".to_owned(),
+        load => format!("{} force", load.name()),
+    };
+    let shift = match load {
+        TestLoad::Lateral => "inboard displacement",
+        TestLoad::Braking | TestLoad::Traction => "recession",
+        _ => "rise",
+    };
+    let quantities = [
+        ("toe", "toe", "°"),
+        ("camber", "camber", "°"),
+        ("shift", shift, length.symbol()),
+    ];
+    // A moment turns the wheel; the test holds its height.
+    let count = if is_moment { 2 } else { 3 };
+    let mut figures = String::new();
+    for (column, title, of) in quantities.into_iter().take(count) {
+        let line = |(k, rows): (usize, &Vec<usize>)| Line {
+            label: (tests.len() > 1).then(|| results.test_apart(&tests[k].test)),
+            told: results.test_name(&tests[k].test),
+            class: format!("main hue{k} strong"),
+            is_main: k == 0,
+            has_dots: false,
+            source: Source {
+                table,
+                x: "load".to_owned(),
+                y: column.to_owned(),
+                rows: rows.clone(),
+            },
+        };
+        let chart = Chart {
+            key: format!("{}_{column}", load.name()),
+            x: Quantity::new("load", &name, unit),
+            y: Quantity::new(column, &format!("{title} by {name}"), of),
+            lines: rows.iter().enumerate().map(line).collect(),
+            ..Chart::default()
+        };
+        figures += &charts.figure(chart, "", "");
+    }
+    figures
+}
+
+/// Displacement of the wheel centre from the state without load, along the direction of the load.
+fn moved(load: TestLoad, state: &KcState, from: &KcState) -> f64 {
+    let by = state.figures.centre - from.figures.centre;
+    match load {
+        TestLoad::Lateral => -by.y,
+        TestLoad::Braking | TestLoad::Traction => -by.x,
+        _ => by.z,
+    }
+}

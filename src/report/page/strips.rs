@@ -1,0 +1,126 @@
+//! Strips: ranges, bands and values of one quantity on a line of its own, each with its own scale.
+
+use super::escape::html;
+use crate::report::brief;
+use crate::report::chart::Scale;
+use crate::report::chart::mark::{number, path};
+use std::fmt::Write;
+
+/// Width of the picture, as of a chart.
+const WIDTH: f64 = 420.0;
+/// Room left and right of the scale.
+const MARGIN: f64 = 34.0;
+/// Height of a strip: its name, its line and the numbers below.
+const HEIGHT: f64 = 58.0;
+/// Place of the line in a strip.
+const LINE: f64 = 30.0;
+/// Half the height of a band, and of the ticks at the ends of a range.
+const HALF: f64 = 6.0;
+/// Width of a digit in the numbers.
+const DIGIT: f64 = 7.0;
+
+/// A quantity with a range, a band or values.
+pub(super) struct Strip {
+    /// Name of the quantity.
+    pub title: String,
+    /// Range as a line with ends.
+    pub range: Option<[f64; 2]>,
+    /// Band behind it.
+    pub band: Option<[f64; 2]>,
+    /// Dots: class and value.
+    pub dots: Vec<(&'static str, f64)>,
+}
+
+impl Strip {
+    fn values(&self) -> impl Iterator<Item = f64> {
+        let ends = self.range.into_iter().chain(self.band).flatten();
+        ends.chain(self.dots.iter().map(|(_, value)| *value))
+    }
+}
+
+/// Strips below each other, as a figure; nothing without strips.
+pub(super) fn strips(strips: &[Strip], about: &str) -> String {
+    if strips.is_empty() {
+        return String::new();
+    }
+    let height = HEIGHT * strips.len() as f64;
+    let mut svg = format!(
+        "<svg viewBox=\"0 0 {WIDTH} {height}\" role=\"img\" aria-label=\"{}\">\n",
+        html(about)
+    );
+    for (row, strip) in strips.iter().enumerate() {
+        draw(strip, HEIGHT * row as f64, &mut svg);
+    }
+    format!("<figure class=\"chart strips\">{svg}</svg></figure>\n")
+}
+
+fn draw(strip: &Strip, top: f64, svg: &mut String) {
+    let scale = Scale::showing(strip.values(), 4.0, [MARGIN, WIDTH - MARGIN]);
+    let at = |value: f64| scale.place(value);
+    let (line, foot) = (top + LINE, top + LINE + 20.0);
+    let text = |svg: &mut String, class: &str, x: f64, y: f64, anchor: &str, text: &str| {
+        let _ = writeln!(
+            svg,
+            "<text class=\"{class}\" x=\"{}\" y=\"{}\" text-anchor=\"{anchor}\">{}</text>",
+            number(x),
+            number(y),
+            html(text)
+        );
+    };
+    text(svg, "end", 8.0, top + 15.0, "start", &strip.title);
+    let across = |svg: &mut String, class: &str, x: f64| {
+        path(
+            svg,
+            class,
+            [[x, line - HALF], [x, line + HALF]].into_iter(),
+            false,
+        );
+    };
+    let ends = [[at(scale.low), line], [at(scale.high), line]];
+    path(svg, "grid", ends.into_iter(), false);
+    if let Some([low, high]) = strip.band {
+        let (low, high) = (at(low), at(high));
+        let corners = [[low, -HALF], [high, -HALF], [high, HALF], [low, HALF]];
+        let corners = corners.into_iter().map(|[x, y]| [x, line + y]);
+        path(svg, "band wanted", corners, true);
+        across(svg, "limit wanted", low);
+        across(svg, "limit wanted", high);
+    }
+    if let Some(range) = strip.range {
+        let places = range.map(|end| [at(end), line]);
+        path(svg, "line main strong", places.into_iter(), false);
+        for end in range {
+            across(svg, "line main strong", at(end));
+        }
+    }
+    for (class, value) in &strip.dots {
+        path(
+            svg,
+            &format!("dot {class}"),
+            [[at(*value), line]].into_iter(),
+            false,
+        );
+    }
+    // The values first, then the ends of range and band, as far as there is room.
+    let dots = strip.dots.iter().rev().map(|(_, value)| *value);
+    let ends = strip.range.into_iter().chain(strip.band).flatten();
+    let mut taken: Vec<[f64; 2]> = Vec::new();
+    for value in dots.chain(ends) {
+        let words = brief(rounded(value));
+        let half = DIGIT * words.chars().count() as f64 / 2.0;
+        let x = at(value).clamp(half, WIDTH - half);
+        let place = [x - half - DIGIT / 2.0, x + half + DIGIT / 2.0];
+        if taken
+            .iter()
+            .all(|other| place[1] <= other[0] || other[1] <= place[0])
+        {
+            text(svg, "axis-text", x, foot, "middle", &words);
+            taken.push(place);
+        }
+    }
+}
+
+/// A number with four digits.
+fn rounded(value: f64) -> f64 {
+    format!("{value:.3e}").parse().unwrap_or(value)
+}

@@ -1,0 +1,276 @@
+//! The summary made from a tuning.
+
+use super::*;
+use crate::number::Vector3;
+use crate::optimise::{StandardErrors, Start};
+use crate::study::{Constraint, Variable};
+
+impl TuningSummary {
+    /// The summary of a tuning; `after` are the curves of the tuned design.
+    pub fn of(study: &Study, optimise: &Optimise, tuning: &Tuning, after: Option<&Curves>) -> Self {
+        let source = TunedStudy {
+            study,
+            optimise,
+            tuning,
+        };
+        let best = tuning.best.as_ref();
+        let fit = tuning.starts.best_fit();
+        let errors = best.and_then(|b| b.errors.as_ref());
+        let constraint = |c: &usize| optimise.constraints[*c].name.clone();
+        let target = |t: &usize| source.name(&optimise.targets[*t]);
+        TuningSummary {
+            command: "optimise".to_owned(),
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            study: study.name.clone(),
+            topology: study.wheel().mechanism.topology.name.to_owned(),
+            misfit_before: tuning.before.as_ref().ok().map(|f| f.misfit),
+            design_failure: tuning.before.as_ref().err().map(ToString::to_string),
+            misfit_after: best.map(|b| b.after.misfit),
+            best_start: tuning.starts.best,
+            kkt_residual: fit.map(|fit| fit.residual),
+            variables: source.variables(),
+            targets: source.targets(),
+            starts: source.starts(),
+            rank: best.map(|b| b.identifiability.rank),
+            singular_values: best
+                .map(|b| b.identifiability.singular_values.clone())
+                .unwrap_or_default(),
+            unseen: source.unseen(),
+            scatter: errors.map(|errors| errors.scatter),
+            correlations: errors.map_or(Vec::new(), |errors| source.correlations(errors)),
+            good_enough: optimise.good_enough,
+            constraints: source.constraints(),
+            unmoved: tuning.unmoved.iter().map(target).collect(),
+            unmoved_constraints: tuning.unmoved_constraints.iter().map(constraint).collect(),
+            contradiction: tuning.contradiction.iter().map(constraint).collect(),
+            added_stations: source.added_stations(),
+            prices: Vec::new(),
+            side_effects: Vec::new(),
+            yields: None,
+            scatter_builds: optimise
+                .scatter
+                .as_ref()
+                .filter(|s| s.lowers_misfit())
+                .map(|s| s.builds),
+            condition: after.and_then(ConditionSummary::of),
+            certificate: after.and_then(CertificateSummary::of),
+        }
+    }
+}
+
+/// A study with its tuning.
+struct TunedStudy<'a> {
+    study: &'a Study,
+    optimise: &'a Optimise,
+    tuning: &'a Tuning,
+}
+
+impl TunedStudy<'_> {
+    /// Name of a target: its column, motion, racks and held coordinates.
+    fn name(&self, target: &Target) -> String {
+        let motion = target.site.motion.as_ref();
+        let motion = motion.map_or(String::new(), |(name, _)| format!(", {name}"));
+        let racks: Vec<String> = target.site.racks.iter().map(|r| as_written(*r)).collect();
+        let racks = match racks.as_slice() {
+            [] => String::new(),
+            racks => format!(", rack {}", racks.join(" ")),
+        };
+        let held = target.site.axle.as_ref();
+        let held = held.map_or(String::new(), |site| {
+            format!(" over {}{}", site.over.key(), site.words)
+        });
+        format!("{}{motion}{racks}{held}", target.of.column)
+    }
+
+    fn variables(&self) -> Vec<VariableSummary> {
+        let variables = self.optimise.variables.iter().enumerate();
+        variables.map(|(k, v)| self.variable(k, v)).collect()
+    }
+
+    /// The `k`-th variable.
+    fn variable(&self, k: usize, variable: &Variable) -> VariableSummary {
+        let suspension = self.study.wheel();
+        let best = self.tuning.best.as_ref();
+        let errors = best.and_then(|b| b.errors.as_ref());
+        let fit = self.tuning.starts.best_fit();
+        let coordinate = |design: &[Vector3<f64>]| {
+            let (axis, first) = (variable.axis()?, variable.moves.first()?);
+            let point = suspension.frame.vector(design[first.point.0]).to_array();
+            Some(point[axis as usize])
+        };
+        let fitted = errors.map(|e| FittedOffset::from(e.intervals[k]));
+        let unit = match (&variable.turn, &variable.rate) {
+            (Some(_), _) => ", deg",
+            (None, Some(rate)) if rate.is_relative => ", ln of a factor",
+            (None, _) => "",
+        };
+        let rate = |x: f64| variable.rate.map(|rate| rate.at(x)[0]);
+        VariableSummary {
+            hardpoint: variable.name.clone(),
+            axis: format!("{}{unit}", variable.way()),
+            design: coordinate(&suspension.design).or(rate(0.0)),
+            tuned: best.and_then(|b| coordinate(&b.design).or(rate(b.offsets[k]))),
+            offset: best.map(|b| b.offsets[k] + 0.0),
+            range: variable.range,
+            at_bound: fit.and_then(|fit| match fit.active_bounds[k] {
+                ActiveBound::Free => None,
+                ActiveBound::Lower => Some("lower".to_owned()),
+                ActiveBound::Upper => Some("upper".to_owned()),
+            }),
+            standard_error: errors.and_then(|e| e.sigmas[k]),
+            interval: fitted.and_then(|fitted| fitted.half()),
+            fitted,
+        }
+    }
+
+    fn constraints(&self) -> Vec<ConstraintSummary> {
+        let Some(best) = &self.tuning.best else {
+            return Vec::new();
+        };
+        let outcomes = self.optimise.constraints.iter().zip(&best.constraints);
+        outcomes
+            .map(|(constraint, found)| self.constraint(constraint, found))
+            .collect()
+    }
+
+    fn constraint(&self, constraint: &Constraint, found: &ConstraintOutcome) -> ConstraintSummary {
+        let site = constraint.site.as_ref();
+        let motion = site.and_then(|site| site.motion.as_ref());
+        let drive = motion.map_or(self.study.motion().drive, |(_, motion)| motion.drive);
+        let part = &constraint.parts[0];
+        ConstraintSummary {
+            name: constraint.name.clone(),
+            room: found.room + 0.0,
+            unit: part.unit.clone(),
+            at: found.at.map(|at| drive.printed(at)),
+            at_unit: drive.unit(self.study.wheel().length_unit).to_owned(),
+            price: found.price.per_unit(),
+            price_not_determined: found.price == Price::NotDetermined,
+            status: Some(ConstraintStatus::of(found.room / part.visible)),
+        }
+    }
+
+    fn added_stations(&self) -> Vec<AddedStations> {
+        let drive = self.study.motion().drive;
+        let unit = self.study.wheel().length_unit;
+        let added = self
+            .optimise
+            .targets
+            .iter()
+            .filter(|t| !t.stations.is_empty());
+        let summary = |target: &Target| AddedStations {
+            target: self.name(target),
+            at: target
+                .stations
+                .iter()
+                .map(|at| target.printed_at(drive, *at))
+                .collect(),
+            unit: target.unit_at(drive, unit).to_owned(),
+        };
+        added.map(summary).collect()
+    }
+
+    fn targets(&self) -> Vec<TargetSummary> {
+        let suspension = self.study.wheel();
+        let drive = self.study.motion().drive;
+        let summary = |(k, target): (usize, &Target)| {
+            let deviation = |fulfilment: &Fulfilment| {
+                let d = fulfilment.targets[k];
+                DeviationSummary {
+                    rms: d.rms,
+                    worst: d.worst,
+                    worst_in_unit: Some(d.worst * target.tolerance * target.of.factor() + 0.0),
+                    worst_at: target.printed_at(drive, d.worst_at),
+                    worst_at_unit: target.unit_at(drive, suspension.length_unit).to_owned(),
+                    worst_rack: suspension.frame.sign(Axis::Y) * d.worst_rack + 0.0,
+                }
+            };
+            TargetSummary {
+                output: self.name(target),
+                tolerance: target.tolerance * target.of.factor().abs(),
+                wanted: wanted(target),
+                weight: target.weight,
+                before: self.tuning.before.as_ref().ok().map(deviation),
+                after: self.tuning.best.as_ref().map(|b| deviation(&b.after)),
+            }
+        };
+        let targets = self.optimise.targets.iter().enumerate();
+        targets.map(summary).collect()
+    }
+
+    fn starts(&self) -> Vec<StartSummary> {
+        let starts = self.tuning.starts.starts.iter().enumerate();
+        starts
+            .map(|(number, start)| StartSummary::of(number, start))
+            .collect()
+    }
+
+    /// The largest move along each combination of variables that no target sees.
+    fn unseen(&self) -> Vec<Vec<f64>> {
+        let Some(best) = &self.tuning.best else {
+            return Vec::new();
+        };
+        let directions = best.identifiability.unseen.iter().filter_map(|d| {
+            let [up, down] = d.free;
+            let share = if up >= down { up } else { -down };
+            // A hundredth of the range is no freedom.
+            (share.abs() > 0.01).then(|| d.change.iter().map(|c| c * share).collect())
+        });
+        directions.collect()
+    }
+
+    fn correlations(&self, errors: &StandardErrors) -> Vec<(String, String, f64)> {
+        let name = |j: usize| {
+            let v = &self.optimise.variables[j];
+            format!("{}.{}", v.name, v.way())
+        };
+        let pairs = errors.correlations.iter();
+        pairs.map(|(i, j, c)| (name(*i), name(*j), *c)).collect()
+    }
+}
+
+impl StartSummary {
+    fn of(number: usize, start: &Start) -> Self {
+        let outcome = start.outcome.as_ref();
+        let ended = match outcome {
+            Ok(fit) => fit.ended(),
+            Err(Infeasible::Interrupted) => Termination::Interrupted.to_string(),
+            Err(infeasible) => format!("not begun: {infeasible}"),
+        };
+        let fit = outcome.ok();
+        StartSummary {
+            start: number,
+            offsets: start.x.iter().map(|v| v + 0.0).collect(),
+            ended,
+            iterations: fit.map(|fit| fit.history.last().map_or(0, |i| i.iteration)),
+            evaluations: fit.map(Fit::evaluations),
+            misfit: fit.map(Fit::misfit),
+            kkt_residual: fit.map(|fit| fit.residual),
+        }
+    }
+}
+
+/// Least and largest wanted value, as printed.
+fn wanted(target: &Target) -> [Option<f64>; 2] {
+    let factor = target.of.factor();
+    let range = |points: &[[f64; 2]]| {
+        let values = || points.iter().map(|[_, value]| value * factor);
+        [values().reduce(f64::min), values().reduce(f64::max)]
+    };
+    let limit = |limit: &Option<Limit>| match limit {
+        Some(Limit::Value(value)) => range(&[[0.0, *value]]),
+        Some(Limit::Curve { points, .. }) => range(points),
+        None => [None, None],
+    };
+    match &target.wanted {
+        Wanted::Curve { points, .. } | Wanted::Points(points) => range(points),
+        Wanted::At { value, .. } => range(&[[0.0, *value]]),
+        Wanted::Band { lower, upper, .. } => {
+            let (lower, upper) = match factor < 0.0 {
+                true => (upper, lower),
+                false => (lower, upper),
+            };
+            [limit(lower)[0], limit(upper)[1]]
+        }
+    }
+}

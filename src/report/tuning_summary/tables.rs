@@ -1,0 +1,239 @@
+//! Tables of a tuning.
+
+use super::*;
+
+impl TuningSummary {
+    /// The least misfit by how far the design is moved; none where that was not asked for.
+    pub fn prices_table(&self) -> Option<Table> {
+        (!self.prices.is_empty()).then(|| PriceRecord::table(&self.prices))
+    }
+
+    /// For programs: the misfit in tolerances.
+    pub fn misfit_table(&self) -> Table {
+        let mut table = Table::new(["before", "after"]);
+        table.push([self.misfit_before, self.misfit_after]);
+        table
+    }
+
+    /// Returns the table of the variables and their moves.
+    pub fn variables_table(&self) -> Table {
+        let columns = ["hardpoint", "axis", "design", "tuned", "moved"].map(Column::from);
+        let range = Column::for_readers("range");
+        let ends = ["range min", "range max"].map(Column::for_programs);
+        let columns = columns.into_iter().chain([range]).chain(ends);
+        let is_fit = self.variables.iter().any(|v| v.fitted.is_some());
+        let interval = is_fit.then(FittedOffset::columns).into_iter().flatten();
+        let columns = columns.chain(["bound".into()]).chain(interval);
+        let mut table = Table::with_columns(columns).keyed(2);
+        for v in &self.variables {
+            // A fit shows no more digits than it knows: two of the standard error.
+            let decimals = v.fitted.and_then(|fitted| fitted.decimals(v.offset));
+            let known = decimals.filter(|_| v.at_bound.is_none());
+            let brief = |value: f64| {
+                known.map_or_else(|| brief(value), |decimals| with_decimals(value, decimals))
+            };
+            let moved = Cell::by(v.offset, |offset| match brief(offset) {
+                text if offset > 0.0 => format!("+{text}"),
+                text => text,
+            });
+            let [low, high] = v.range;
+            let range = format!("{} .. {}", as_written(low), as_written(high));
+            let bound = v.at_bound.as_ref().map(|side| format!("at {side} bound"));
+            let mut row = vec![
+                Cell::from(v.hardpoint.as_str()),
+                v.axis.as_str().into(),
+                v.design.into(),
+                Cell::by(v.tuned, brief),
+                moved,
+                range.into(),
+                low.into(),
+                high.into(),
+                bound.into(),
+            ];
+            row.extend(v.fitted.iter().flat_map(|fitted| fitted.cells(decimals)));
+            table.push_row(row);
+        }
+        table
+    }
+
+    /// Moves of the hardpoints by axis, the largest first. Of points that move together it has those of the first, and
+    /// then no distances.
+    pub fn moved_points(&self, unit: &str) -> Table {
+        let mut moves: Vec<(&str, [f64; 3])> = Vec::new();
+        for variable in &self.variables {
+            let (Some(offset), Some(axis)) = (
+                variable.offset,
+                ["x", "y", "z"].iter().position(|a| *a == variable.axis),
+            ) else {
+                continue;
+            };
+            let known = moves
+                .iter()
+                .position(|(name, _)| *name == variable.hardpoint);
+            let at = known.unwrap_or_else(|| {
+                moves.push((&variable.hardpoint, [0.0; 3]));
+                moves.len() - 1
+            });
+            moves[at].1[axis] += offset;
+        }
+        let length = |by: &[f64; 3]| by.iter().map(|c| c * c).sum::<f64>().sqrt();
+        moves.retain(|(_, by)| length(by) > 0.0);
+        moves.sort_by(|a, b| length(&b.1).total_cmp(&length(&a.1)));
+        // A point that also moves with others goes farther than its own row says.
+        let has_distance = !moves.iter().any(|(name, _)| name.contains('+'));
+        let distance = has_distance.then(|| Column::from(format!("distance [{unit}]")));
+        let names = ["point", "x", "y", "z"].map(Column::from);
+        let mut table = Table::with_columns(names.into_iter().chain(distance));
+        let decimals = match unit {
+            "m" => 5,
+            "in" => 4,
+            _ => 2,
+        };
+        let shown = |by: f64| with_decimals(by, decimals);
+        let signed = |by: f64| match shown(by) {
+            text if by > 0.0 => format!("+{text}"),
+            text => text,
+        };
+        for (name, by) in moves {
+            let mut row = vec![Cell::from(name)];
+            row.extend(by.map(|c| Cell::by(Some(c).filter(|c| *c != 0.0), signed)));
+            if has_distance {
+                row.push(Cell::by(Some(length(&by)), shown));
+            }
+            table.push_row(row);
+        }
+        table
+    }
+
+    /// Returns the table of the targets before and after. For readers it has the largest deviation in the unit of the
+    /// target, beside its tolerance. For programs it has all deviations in tolerances.
+    pub fn targets_table(&self) -> Table {
+        let columns = [
+            Column::from("target"),
+            Column::for_readers("wanted"),
+            "tolerance".into(),
+            Column::for_readers("off before"),
+            Column::for_readers("off after"),
+            Column::for_programs("rms before"),
+            Column::for_programs("rms after"),
+            Column::for_programs("worst after"),
+            "at".into(),
+        ];
+        let programs = [
+            "worst before",
+            "worst before at",
+            "weight",
+            "at unit",
+            "wanted from",
+            "wanted to",
+        ];
+        let programs = programs.map(Column::for_programs);
+        let mut table = Table::with_columns(columns.into_iter().chain(programs));
+        for t in &self.targets {
+            let (before, after) = (t.before.as_ref(), t.after.as_ref());
+            let unit = after.map_or("", |d| d.worst_at_unit.as_str());
+            let off = |d: Option<&DeviationSummary>| {
+                let worst = d.map(|d| d.worst_in_unit.unwrap_or(d.worst * t.tolerance));
+                Cell::by(worst, |worst| to_hundredth_of(worst, t.tolerance))
+            };
+            table.push([
+                Cell::from(t.output.as_str()),
+                t.wanted_in_words().into(),
+                t.tolerance.into(),
+                off(before),
+                off(after),
+                before.map(|d| d.rms).into(),
+                after.map(|d| d.rms).into(),
+                after.map(|d| d.worst).into(),
+                Cell::by(after.map(|d| d.worst_at), |at| with_unit(at, unit)),
+                before.map(|d| d.worst).into(),
+                before.map(|d| d.worst_at).into(),
+                t.weight.into(),
+                unit.into(),
+                t.wanted[0].into(),
+                t.wanted[1].into(),
+            ]);
+        }
+        table
+    }
+
+    /// Returns the table of the constraints; `None` without constraints.
+    pub fn constraints_table(&self) -> Option<Table> {
+        if self.constraints.is_empty() {
+            return None;
+        }
+        let columns = ["constraint", "room", "unit", "at", "kept", "price"].map(Column::from);
+        let programs = [Column::for_programs("at unit")];
+        let mut table = Table::with_columns(columns.into_iter().chain(programs));
+        for c in &self.constraints {
+            let status = c.status();
+            let kept = match status {
+                ConstraintStatus::Violated => Some("VIOLATED".to_owned()),
+                ConstraintStatus::Binds => Some("binds".to_owned()),
+                ConstraintStatus::Kept => None,
+            };
+            let brief = |margin: f64| match status {
+                ConstraintStatus::Binds => "0".to_owned(),
+                _ => brief(margin),
+            };
+            table.push([
+                Cell::from(c.name.as_str()),
+                Cell::by(c.room, brief),
+                c.unit.as_str().into(),
+                c.place(),
+                kept.into(),
+                match c.price_not_determined {
+                    true => Cell::from("not determined"),
+                    false => c.price.into(),
+                },
+                c.at_unit.as_str().into(),
+            ]);
+        }
+        Some(table)
+    }
+
+    /// Returns the table of the starts.
+    pub fn starts_table(&self) -> Table {
+        let columns = [
+            Column::for_readers("start"),
+            Column::for_programs("start"),
+            Column::for_programs("kept"),
+        ];
+        let more = ["misfit", "iterations", "ended"].map(Column::from);
+        let mut table = Table::with_columns(columns.into_iter().chain(more));
+        for s in &self.starts {
+            let kept = self.best_start == Some(s.start);
+            let name = match kept {
+                true => format!("{} (kept)", s.start),
+                false => s.start.to_string(),
+            };
+            table.push([
+                Cell::from(name),
+                s.start.into(),
+                kept.into(),
+                Cell::by(s.misfit, hundredths),
+                s.iterations.into(),
+                s.ended.as_str().into(),
+            ]);
+        }
+        table
+    }
+}
+
+impl TargetSummary {
+    fn wanted_in_words(&self) -> String {
+        match self.wanted {
+            [None, None] => String::new(),
+            [Some(lower), None] => format!("from {}", brief(lower)),
+            [None, Some(upper)] => format!("up to {}", brief(upper)),
+            [Some(one), Some(other)] if one == other => brief(one),
+            [Some(lower), Some(upper)] => format!("{} .. {}", brief(lower), brief(upper)),
+        }
+    }
+}
+
+/// A deviation in the unit of its target, to a hundredth of the tolerance.
+fn to_hundredth_of(deviation: f64, tolerance: f64) -> String {
+    let decimals = (2.0 - tolerance.log10().floor()).clamp(0.0, 12.0) as usize;
+    with_decimals(deviation, decimals)
+}

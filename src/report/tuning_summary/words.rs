@@ -1,0 +1,191 @@
+//! A tuning in sentences: headline, remarks, starts.
+
+use super::*;
+
+/// As many starts are listed one by one.
+const FEW_STARTS: usize = 8;
+
+impl TuningSummary {
+    /// Returns remarks on targets and constraints, in sentences.
+    pub fn remarks(&self) -> Vec<String> {
+        let mut remarks = Vec::new();
+        for added in &self.added_stations {
+            let at: Vec<String> = added.at.iter().map(|at| as_written(*at)).collect();
+            remarks.push(format!(
+                "{} has fewer stations of the motion than its curve has points: compared at {}{} as well",
+                added.target,
+                at.join(", "),
+                if added.unit.is_empty() { String::new() } else { format!(" {}", added.unit) }
+            ));
+        }
+        for target in &self.unmoved {
+            remarks.push(format!(
+                "no variable moves {target}: it stays as far from its target as it is"
+            ));
+        }
+        for constraint in &self.unmoved_constraints {
+            remarks.push(format!(
+                "no variable moves this constraint, which stays violated: {constraint}. Add a variable that moves it, or \
+                 change its limit"
+            ));
+        }
+        remarks.extend(self.fit_remarks());
+        for (first, second, correlation) in self.correlations.iter().take(3) {
+            remarks.push(format!(
+                "the measurements hardly tell {first} from {second}: correlation {correlation:.3}"
+            ));
+        }
+        for c in &self.constraints {
+            if let Some(price) = c.price {
+                remarks.push(format!(
+                    "{} costs {} tolerances per {}",
+                    c.name,
+                    brief(price),
+                    c.unit
+                ));
+            }
+        }
+        match self.contradiction.as_slice() {
+            [] => {}
+            [alone] => remarks.push(format!("nothing within the ranges keeps this: {alone}")),
+            several => remarks.push(format!(
+                "these cannot be kept together: {}",
+                several.join("; ")
+            )),
+        }
+        remarks
+    }
+
+    /// Sentences on the intervals of a fit.
+    fn fit_remarks(&self) -> Vec<String> {
+        let Some(scatter) = self.scatter else {
+            return Vec::new();
+        };
+        let mut remarks = vec![format!(
+            "measurements scatter by {} of their tolerances about the fit; the true move is within the interval \
+             \"moved, 95 %\" with 95 % confidence, if the truth lies within all ranges; \"not determined\": anywhere \
+             in its range",
+            brief(scatter)
+        )];
+        if self.variables.iter().any(|v| v.at_bound.is_some()) {
+            remarks.push(
+                "a variable at its bound is not known: its interval is one-sided, and the intervals of the others \
+                 allow for every value that it may have"
+                    .to_owned(),
+            );
+        }
+        let reaches = |v: &&VariableSummary| {
+            let ends = v.fitted.map_or([None; 2], |fitted| fitted.ends());
+            v.at_bound.is_none() && (ends[0] == Some(v.range[0]) || ends[1] == Some(v.range[1]))
+        };
+        let reaching = self.variables.iter().filter(reaches);
+        let reaching: Vec<String> = reaching
+            .map(|v| format!("{}.{}", v.hardpoint, v.axis))
+            .collect();
+        if !reaching.is_empty() {
+            remarks.push(format!(
+                "only the range, not the measurements, limits one side of {}",
+                reaching.join(", ")
+            ));
+        }
+        remarks
+    }
+
+    /// Returns the completed share of an interrupted tuning, in words.
+    pub fn interrupted_in_words(&self) -> String {
+        let [interrupted, all] = self.interrupted();
+        match interrupted {
+            0 => format!(
+                "interrupted: {} done, not all that was to be made of what they came to",
+                counted(all, "start")
+            ),
+            some => format!(
+                "interrupted: {} of {} done",
+                all - some,
+                counted(all, "start")
+            ),
+        }
+    }
+
+    /// The starts in a line or two, where there are more than a few.
+    pub fn starts_in_words(&self) -> Option<String> {
+        let all = self.starts.len();
+        if all <= FEW_STARTS {
+            return None;
+        }
+        let best = self.misfit_after?;
+        let begun: Vec<f64> = self.starts.iter().filter_map(|s| s.misfit).collect();
+        let [interrupted, _] = self.interrupted();
+        let word = Termination::Interrupted.to_string();
+        let ended = self.starts.iter().filter(|s| s.ended != word);
+        let ended: Vec<f64> = ended.filter_map(|s| s.misfit).collect();
+        let near = ended.iter().filter(|m| **m <= 1.01 * best + 1e-6).count();
+        let worst = ended.iter().copied().fold(best, f64::max);
+        let kept = self
+            .best_start
+            .map_or_else(String::new, |k| format!(" (start {k} is kept)"));
+        let mut text = format!(
+            "{all} starts: {near} ended within 1 % of the least misfit{kept}, the worst at {}",
+            hundredths(worst)
+        );
+        match all - begun.len() {
+            0 => {}
+            failed => text += &format!("; {failed} could not be begun"),
+        }
+        match interrupted {
+            0 => {}
+            some => text += &format!("; {some} were interrupted"),
+        }
+        Some(text + "; history.csv and summary.json have all")
+    }
+
+    /// The outcome in a sentence or two.
+    pub fn headline(&self) -> String {
+        match (self.misfit_before, self.misfit_after) {
+            (Some(before), Some(after)) => {
+                let kept = match self.violated().len() {
+                    0 => String::new(),
+                    1 => "; a constraint is violated".to_owned(),
+                    several => format!("; {several} constraints are violated"),
+                };
+                let of_builds = self.scatter_builds.map_or(String::new(), |builds| {
+                    format!(", root mean square of {builds} builds")
+                });
+                let effects = side_effects_in_words(&self.side_effects);
+                let effects = effects.map_or(String::new(), |words| format!("; {words}"));
+                format!(
+                    "misfit {} -> {} tolerances{of_builds}{kept}{effects}",
+                    hundredths(before),
+                    hundredths(after)
+                )
+            }
+            (None, Some(after)) => format!(
+                "misfit {} tolerances; the design itself cannot be compared: {}",
+                hundredths(after),
+                self.design_failure.as_deref().unwrap_or_default()
+            ),
+            _ => format!(
+                "no start could be evaluated: {}",
+                self.design_failure
+                    .as_deref()
+                    .or(self.starts.first().map(|s| s.ended.as_str()))
+                    .unwrap_or_default()
+            ),
+        }
+    }
+
+    /// Combinations of variables that the targets cannot tell apart, in words.
+    pub fn unseen(&self) -> Vec<String> {
+        let describe = |change: &Vec<f64>| {
+            let parts = change
+                .iter()
+                .zip(&self.variables)
+                .filter(|(c, v)| c.abs() > 1e-3 * (v.range[1] - v.range[0]));
+            let parts: Vec<String> = parts
+                .map(|(c, v)| format!("{}.{} {c:+.3}", v.hardpoint, v.axis))
+                .collect();
+            parts.join(", ")
+        };
+        self.unseen.iter().map(describe).collect()
+    }
+}

@@ -2,8 +2,8 @@
 
 use super::figure::{brief, without_zeros};
 use super::files::csv_of;
-use super::{CurveTable, shortest};
 use super::table::{Cell, Table};
+use super::{CurveTable, shortest};
 use crate::optimise::{Choice, Front};
 use crate::study::{Optimise, Study, Variable};
 use serde::{Deserialize, Serialize};

@@ -1,8 +1,10 @@
 //! Tests of a rig on a study: tables and summary, which the command line and embedding programs share.
 
-use crate::compliance::{Compliance, KcRun, KcTest};
+use crate::axle::{AxleMotion, Placement};
+use crate::compliance::{AxleCompliance, AxleKcRun, AxleVehicle, Compliance, KcRun, KcTest};
+use crate::model::{Constraint, Side, Suspension};
 use crate::report::{KcResults, OtherProgram};
-use crate::study::{ComplianceStudy, Drive, Study};
+use crate::study::{AxleComplianceStudy, AxleStudy, ComplianceStudy, Drive, Study};
 use serde_json::{Value, json};
 use std::borrow::Cow;
 
@@ -15,7 +17,8 @@ pub const OTHER_TABLES: [&str; 3] = ["levels.csv", "compliance_matrix.csv", "sen
 /// The tests of a study at its stations.
 pub struct RigTests<'s> {
     study: &'s Study,
-    elastic: Cow<'s, ComplianceStudy>,
+    /// Number of bushings and elastic links.
+    elastic_parts: usize,
     /// Results of the tests.
     pub results: KcResults<'s>,
     sensitivities: Option<Vec<u8>>,
@@ -25,6 +28,9 @@ impl<'s> RigTests<'s> {
     /// Runs the tests of a study: with its elastic parts, or those of the rigid mechanism. `other` is the program whose
     /// names stand beside ours. An error says why there are no tests.
     pub fn of(study: &'s Study, other: Option<OtherProgram>) -> Result<Self, String> {
+        if let Some(axle) = study.axle() {
+            return RigTests::of_axle(study, axle, other);
+        }
         let elastic = elastic_or_rigid(study)?;
         let (suspension, parts) = (study.wheel(), &elastic.parts);
         let run = KcRun::new(suspension, parts, elastic.tyre_rate)
@@ -33,7 +39,8 @@ impl<'s> RigTests<'s> {
         let bushings = parts.bushings.iter();
         let results = KcResults {
             suspension,
-            design_load: run.wheel().design_load(),
+            design_loads: run.wheel().design_load().into_iter().collect(),
+            is_axle: false,
             bushings: bushings
                 .map(|part| mechanism.name(part.point).to_owned())
                 .collect(),
@@ -47,13 +54,59 @@ impl<'s> RigTests<'s> {
             study,
             results,
             sensitivities,
-            elastic,
+            elastic_parts: parts.bushings.len() + parts.links.len(),
         })
     }
 
-    /// Number of bushings and elastic links.
+    /// The tests of an axle.
+    fn of_axle(
+        study: &'s Study,
+        axle: &'s AxleStudy,
+        other: Option<OtherProgram>,
+    ) -> Result<Self, String> {
+        let elastic = match &axle.compliance {
+            Some(elastic) => Cow::Borrowed(elastic),
+            None => Cow::Owned(rigid_axle(axle)?),
+        };
+        if other.is_some() {
+            return Err(
+                "--names is of one wheel: remove [axle] for the left wheel by itself".to_owned(),
+            );
+        }
+        let vehicle = AxleVehicle {
+            suspensions: Side::ALL.map(|side| axle.axle.suspension(side)),
+            tyre_rate: elastic.tyre_rate,
+        };
+        let suspension = &axle.axle.left;
+        let run = AxleKcRun::new(vehicle, &elastic.parts)
+            .map_err(|fault| fault.describe(&elastic.parts.wheels, suspension))?;
+        let loads = run.axle().design_loads();
+        let bushings = elastic.bushing_names(suspension);
+        let rack = usize::from(elastic.parts.rack_rate.is_some());
+        let results = KcResults {
+            suspension,
+            design_loads: loads.into_iter().flatten().collect(),
+            is_axle: true,
+            links: elastic.link_names.clone(),
+            stations: run.run(&stations(&axle.plan.course), &elastic.tests),
+            other,
+            bushings,
+        };
+        Ok(RigTests {
+            study,
+            elastic_parts: results.bushings.len() + results.links.len() + rack,
+            sensitivities: results.axle_sensitivities_csv(
+                &run,
+                &elastic.parts,
+                &axle.plan.sensitivities,
+            ),
+            results,
+        })
+    }
+
+    /// Number of bushings and elastic links; of an axle those of one side, and the rack.
     pub fn elastic_parts(&self) -> usize {
-        self.elastic.parts.bushings.len() + self.elastic.parts.links.len()
+        self.elastic_parts
     }
 
     /// `kc.csv`, and the other tables that there are.
@@ -73,8 +126,11 @@ impl<'s> RigTests<'s> {
         json!({
             "command": "kc",
             "study": self.study.name,
-            "is_rigid": self.elastic.parts.is_rigid(),
-            "design_load_N": self.results.design_load,
+            "is_rigid": self.elastic_parts == 0,
+            "design_load_N": match self.results.is_axle {
+                true => json!(self.results.design_loads),
+                false => json!(self.results.design_loads.first()),
+            },
             "stations": self.results.stations.len(),
             "without_equilibrium": self.results.failures(),
             "warnings": self.results.warnings(),
@@ -82,23 +138,77 @@ impl<'s> RigTests<'s> {
     }
 }
 
-/// The elastic parts of a study, or the rigid mechanism with its tests.
-fn elastic_or_rigid(study: &Study) -> Result<Cow<'_, ComplianceStudy>, String> {
-    if study.axle().is_some() {
+/// Travels of both wheels and rack at each station of an axle's motion.
+fn stations(course: &AxleMotion) -> Vec<([f64; 2], f64)> {
+    let of = |placement: Placement| match placement {
+        Placement::Travels {
+            travels,
+            rack,
+            on_plane: false,
+        } => Some((travels, rack)),
+        // A reader of elastic axles refuses roll on a plane.
+        _ => None,
+    };
+    course.placements().into_iter().filter_map(of).collect()
+}
+
+/// Refuses rigid mechanisms that the tests do not know.
+fn check_rigid(suspension: &Suspension) -> Result<(), String> {
+    let mechanism = &suspension.mechanism;
+    let holds_twice = |c: &Constraint| mechanism.arm_under(c).is_some();
+    if mechanism.constraints.iter().any(holds_twice) {
+        return Err(format!(
+            "`hardpoint kc` is not available for {}: its lower arm holds the wheel carrier at two points. `hardpoint solve` has its curves",
+            mechanism.topology.name
+        ));
+    }
+    match suspension.wheel_radius {
+        Some(_) => Ok(()),
+        None => {
+            Err("`hardpoint kc` needs radius in [wheel]: loads act at the contact point".to_owned())
+        }
+    }
+}
+
+/// The rigid mechanism of an axle with its tests.
+fn rigid_axle(study: &AxleStudy) -> Result<AxleComplianceStudy, String> {
+    if study.axle.is_rigid() {
+        return Err("`hardpoint kc` is not available for solid axles".to_owned());
+    }
+    let suspension = &study.axle.left;
+    check_rigid(suspension)?;
+    let course = &study.plan.course;
+    if course.time.is_some() || stations(course).is_empty() {
         return Err(
-            "axle: `hardpoint kc` is not available for axles: its tests load one wheel. Remove [axle] to use it on the left \
-             wheel"
+            "`hardpoint kc` of an axle needs stations on level pads: expected heave, or travel_left and travel_right, in [motion]"
                 .to_owned(),
         );
     }
+    let rigid = || Compliance::rigid(None);
+    Ok(AxleComplianceStudy {
+        parts: AxleCompliance {
+            wheels: [rigid(), rigid()],
+            subframe: None,
+            rack_rate: None,
+            bar_rate: None,
+        },
+        link_names: Vec::new(),
+        tests: KcTest::defaults_of_axle(
+            true,
+            false,
+            suspension.mechanism.has_rack(),
+            suspension.length_unit,
+        ),
+        tyre_rate: None,
+    })
+}
+
+/// The elastic parts of a study, or the rigid mechanism with its tests.
+fn elastic_or_rigid(study: &Study) -> Result<Cow<'_, ComplianceStudy>, String> {
     if let Some(elastic) = study.compliance() {
         return Ok(Cow::Borrowed(elastic));
     }
-    if study.wheel().wheel_radius.is_none() {
-        return Err(
-            "`hardpoint kc` needs radius in [wheel]: loads act at the contact point".to_owned(),
-        );
-    }
+    check_rigid(study.wheel())?;
     if study.motion().drive != Drive::Travel {
         return Err(
             "`hardpoint kc` needs stations of wheel travel: expected travel in [motion]".to_owned(),

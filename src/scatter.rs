@@ -58,7 +58,7 @@ pub fn with_fans<R>(
         (name, file, found)
     });
     let fans = fans.iter().map(|(name, file, found)| (*name, *file, found));
-    let designs: Vec<_> = fans.chain([("drawn", FAN_FILES[4], &drawn)]).collect();
+    let designs: Vec<_> = fans.chain([("nominal", FAN_FILES[4], &drawn)]).collect();
     Ok(take(&designs))
 }
 

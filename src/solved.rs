@@ -6,7 +6,7 @@ use crate::curves::{Curves, wheel_curves};
 use crate::mechanism::NoPose;
 use crate::plan::Plan;
 use crate::report::{
-    FailureRange, Record, SolveSummary, Summary, both_wheels_plausibility, curves_csv,
+    CurveTable, FailureRange, Record, SolveSummary, Summary, both_wheels_plausibility, curves_csv,
     plausibility, rack_doubt, remarks, sensitivities_csv,
 };
 use crate::study::{AxleStudy, Study, Vehicle, WheelStudy};
@@ -93,6 +93,11 @@ impl<'s> Solved<'s> {
             curves,
             plan,
         }
+    }
+
+    /// Table of the curves of a study with those of its targets; `None` if it cannot be solved.
+    pub fn table(study: &Study) -> Option<CurveTable> {
+        CurveTable::read(&Solved::with_targets(study).ok()?.csv()).ok()
     }
 
     /// The curves.

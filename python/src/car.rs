@@ -5,14 +5,14 @@ use crate::errors::{failure, study_error};
 use crate::study::Study;
 use crate::sweep::collect;
 use crate::threads::{interruptible, on_threads};
-use hardpoint::car::{CarFault, CarRequest, CarSolver, CarVariable, moved, tune};
+use hardpoint::car::{CarFault, CarRequest, CarSolver, CarVariable};
 use hardpoint::optimise::Control;
 use hardpoint::report::{
     CarComparison, CarResults, CarState, CarToleranceSummary, car_limits as limits_of,
     lift_limits_table, optimised_car,
 };
 use hardpoint::scatter;
-use hardpoint::study::CarStudy;
+use hardpoint::study::{CarStudy, TunedCar};
 use hardpoint::sweep::{CarNotBegun, CarSweepPlan, Swept};
 use hardpoint::tolerance::CarProblem;
 use numpy::IntoPyArray;
@@ -236,38 +236,27 @@ pub(crate) fn car_optimise<'py>(
             interrupt: Some(flag),
             ..Control::default()
         };
-        let (variables, targets) = (&wanted.variables, &wanted.targets);
-        let tuned = tune(
-            &study.car,
-            &study.cases,
-            variables,
-            targets,
-            wanted.run,
-            control,
-        )?;
-        let after = CarStudy {
-            car: moved(&study.car, variables, tuned.x.as_slice()),
-            ..study.clone()
-        };
-        let records = [study, &after].map(|of| {
+        let TunedCar { fit, study: tuned } = study.tuned(wanted, control)?;
+        let records = [study, &tuned].map(|of| {
             let solver = CarSolver::new(&of.car).map_err(|fault| of.car.describe_fault(&fault));
             Ok::<_, String>(CarResults::solve(of, &mut solver?, of.cases.len()))
         });
         let [before, after] = records;
-        let targets = after?.target_records(wanted, &before?);
+        let targets = after?.target_records(wanted, &before?, fit.x.as_slice());
         let targets = serde_json::to_string(&targets).map_err(|e| e.to_string())?;
-        Ok::<_, String>((tuned, targets))
+        let texts = optimised_car(study, &tuned.car, fit.x.as_slice());
+        Ok::<_, String>((fit, targets, texts))
     };
-    let (tuned, targets) = interruptible(py, threads, work, |_, _| Ok(()))?.map_err(failure)?;
+    let (tuned, targets, texts) =
+        interruptible(py, threads, work, |_, _| Ok(()))?.map_err(failure)?;
     let x = tuned.x.as_slice();
     let result = PyDict::new(py);
     result.set_item("x", x.to_vec().into_pyarray(py))?;
-    result.set_item("success", tuned.termination.at_minimum())?;
+    let is_kept = tuned.termination.at_minimum() && tuned.is_feasible();
+    result.set_item("success", is_kept)?;
     result.set_item("message", tuned.ended().to_string())?;
     result.set_item("misfit", tuned.misfit())?;
     result.set_item("targets", targets)?;
-    let tuned_car = moved(&study.car, &wanted.variables, x);
-    let texts = optimised_car(study, &tuned_car, x);
     result.set_item("studies", texts.to_vec())?;
     Ok(result)
 }

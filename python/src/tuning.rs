@@ -12,8 +12,7 @@ use hardpoint::optimise::{
     front, price_list, tune,
 };
 use hardpoint::report::{
-    CurveTable, FrontRecord, PriceRecord, Record, TuningSummary, front_csv, history_csv,
-    side_effects_table,
+    FrontRecord, PriceRecord, Record, TuningSummary, front_csv, history_csv, side_effects_table,
 };
 use hardpoint::side_effects::side_effects;
 use hardpoint::solved::Solved;
@@ -82,10 +81,7 @@ fn tune_study(
     Ok(Tuned {
         is_complete: after.as_ref().is_some_and(Solved::is_complete) && has_front,
         front_record: front.as_ref().map(|front| {
-            let record = FrontRecord::of(own, optimise, front, |study| {
-                let solved = Solved::with_targets(study).ok()?;
-                CurveTable::read(&solved.csv()).ok()
-            });
+            let record = FrontRecord::of(own, optimise, front, Solved::table);
             serde_json::to_string(&record).expect("records are plain data")
         }),
         front: front.map(|front| front_csv(own, optimise, &front)),

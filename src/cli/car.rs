@@ -22,7 +22,10 @@ use super::terminal;
 use super::{RunArguments, StudyArguments};
 use crate::car::CarSolver;
 use crate::optimise::Control;
-use crate::report::{CarRecord, CarResults, CarState, car_page, counted, optimised_car};
+use crate::report::{
+    CarRecord, CarResults, CarState, car_constraints_table, car_page, car_targets_json,
+    car_targets_table, counted, optimised_car,
+};
 use crate::results::{Claim, digest_of_texts};
 use crate::study::CarStudy;
 use serde_json::json;
@@ -271,22 +274,11 @@ pub(super) fn optimise(arguments: &RunArguments) -> Result<Exit, Stop> {
         interrupt: Some(interrupt),
         ..Control::default()
     };
-    let (variables, targets) = (&wanted.variables, &wanted.targets);
-    let tuned = crate::car::tune(
-        &study.car,
-        &study.cases,
-        variables,
-        targets,
-        wanted.run,
-        control,
-    );
+    let tuned = study.tuned(wanted, control);
     let tuned = tuned.map_err(|why| Stop::unsolved(path, why))?;
-    let car = crate::car::moved(&study.car, variables, tuned.x.as_slice());
-    let texts = optimised_car(&study, &car, tuned.x.as_slice());
-    let after_study = CarStudy {
-        car,
-        ..study.clone()
-    };
+    let (after_study, tuned) = (tuned.study, tuned.fit);
+    let x = tuned.x.as_slice();
+    let texts = optimised_car(&study, &after_study.car, x);
     let mut after_solver = self::solver(&after_study, path)?;
     let after = CarResults::solve(&after_study, &mut after_solver, after_study.cases.len());
     let mut files = vec!["optimised.toml"];
@@ -300,6 +292,8 @@ pub(super) fn optimise(arguments: &RunArguments) -> Result<Exit, Stop> {
     }
     output.file("cases.csv", &after.cases_csv())?;
     output.file("cases_before.csv", &before.cases_csv())?;
+    let targets = after.target_records(wanted, &before, x);
+    let constraints = after.constraint_records(wanted, &before, x);
     let met = tuned.misfit();
     let summary = json!({
         "command": "optimise",
@@ -308,14 +302,15 @@ pub(super) fn optimise(arguments: &RunArguments) -> Result<Exit, Stop> {
         "ended": tuned.ended(),
         "iterations": tuned.history.len().saturating_sub(1),
         "evaluations": tuned.evaluations(),
-        "variables": after.variables_json(&study, tuned.x.as_slice()),
-        "targets": after.targets_json(wanted),
+        "variables": after.variables_json(&study, x),
+        "targets": car_targets_json(&targets),
+        "constraints": constraints,
     });
     output.json("summary.json", &summary)?;
     files.extend(["cases.csv", "cases_before.csv", "summary.json"]);
     files.extend(keep(&output, &study)?);
     let mut record = after.record("optimise", &mut after_solver, None, &after.warnings());
-    record.targets = after.target_records(wanted, &before);
+    record.targets.clone_from(&targets);
     files.extend(page(&output, record, &files, arguments.report)?);
     output.finish()?;
     output.say(&format!(
@@ -323,12 +318,15 @@ pub(super) fn optimise(arguments: &RunArguments) -> Result<Exit, Stop> {
         headline(&study),
         tuned.ended()
     ))?;
-    output.table("targets", &after.targets_table(wanted, &before))?;
+    output.table("targets", &car_targets_table(&targets))?;
     output.text_only("\n")?;
-    output.table(
-        "variables",
-        &after.variables_table(&study, tuned.x.as_slice()),
-    )?;
+    if let Some(table) = car_constraints_table(&constraints) {
+        output.table("constraints", &table)?;
+        output.text_only("\n")?;
+    }
+    output.table("variables", &after.variables_table(&study, x))?;
     output.print_files(&files)?;
-    Ok(Exit::of(tuned.termination.at_minimum()))
+    Ok(Exit::of(
+        tuned.termination.at_minimum() && tuned.is_feasible(),
+    ))
 }

@@ -26,9 +26,14 @@ pub(super) fn run(arguments: &StudyArguments) -> Result<Exit, Stop> {
     if CarStudy::is_at(path) {
         return super::car::check(arguments);
     }
-    let study = Study::read_elastic(path, &arguments.set)?;
+    let study = Study::read_elastic_axle(path, &arguments.set)?;
     if let Some(elastic) = study.compliance() {
         return super::elastic::check(arguments, &study, elastic);
+    }
+    if let Some(axle) = study.axle()
+        && let Some(elastic) = &axle.compliance
+    {
+        return super::elastic::check_axle(arguments, &study, axle, elastic);
     }
     let fault = |why| Stop::in_file(path, why);
     let alone = motion_alone(&study);

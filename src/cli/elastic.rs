@@ -4,10 +4,10 @@ use super::StudyArguments;
 use super::exit::{Exit, Stop};
 use super::output::design_fault;
 use super::printer::Printer;
-use crate::compliance::{Compliance, ElasticWheel, Relaxed};
-use crate::model::LengthUnit;
+use crate::compliance::{Compliance, ElasticAxle, ElasticWheel, Relaxed};
+use crate::model::{LengthUnit, Side};
 use crate::report::{Table, brief, elastic_parts, no_equilibrium, plausibility};
-use crate::study::{ComplianceStudy, Study};
+use crate::study::{AxleComplianceStudy, AxleStudy, ComplianceStudy, Study};
 
 /// A rate above this is doubtful where lengths are in millimetres, N/mm: N/m may be meant.
 const DOUBTFUL_RATE: f64 = 1e6;
@@ -28,12 +28,7 @@ pub(super) fn check(
     for doubt in doubts(study, &elastic.parts) {
         out.remark(&format!("{doubt}\n\n"))?;
     }
-    let relaxed = match elastic.parts.relaxed {
-        Relaxed::Free => "without force in the design position (relaxed = \"free\")",
-        Relaxed::AtDesignLoad => {
-            "in equilibrium in the design position (relaxed = \"at_design_load\")"
-        }
-    };
+    let relaxed = relaxed_in_words(elastic.parts.relaxed);
     out.say(&format!("Elastic parts, {relaxed}:\n\n"))?;
     out.table("elastic_parts", elastic_parts(study))?;
     out.say(
@@ -43,6 +38,92 @@ pub(super) fn check(
     let complete = say_design(&mut out, study, elastic)?;
     out.finish()?;
     Ok(Exit::of(complete))
+}
+
+/// Prints the elastic parts of an axle, and both wheels at the design height.
+pub(super) fn check_axle(
+    arguments: &StudyArguments,
+    study: &Study,
+    axle: &AxleStudy,
+    elastic: &AxleComplianceStudy,
+) -> Result<Exit, Stop> {
+    let path = &arguments.study;
+    let fault = |fault| design_fault(study, path, &fault);
+    let mut out = Printer::new(arguments.format);
+    out.say(&format!("{}: valid\n\n", path.display()))?;
+    for line in plausibility(study.wheel()).map_err(fault)? {
+        out.remark(&format!("{line}\n\n"))?;
+    }
+    for doubt in doubts(study, &elastic.parts.wheels[0]) {
+        out.remark(&format!("{doubt}\n\n"))?;
+    }
+    out.say(&format!(
+        "Elastic parts of one side, {}:\n\n",
+        relaxed_in_words(elastic.parts.relaxed())
+    ))?;
+    out.table("elastic_parts", elastic_parts(study))?;
+    if let Some(subframe) = &elastic.parts.subframe {
+        let names = subframe.carries.iter();
+        let names: Vec<&str> = names.map(|id| study.wheel().mechanism.name(*id)).collect();
+        out.say(&format!("\nThe subframe holds {}.\n", names.join(", ")))?;
+    }
+    out.say("\nEverything else is rigid. `hardpoint kc` runs the tests; other commands refuse this study.\n")?;
+    let complete = say_axle_design(&mut out, axle, elastic)?;
+    out.finish()?;
+    Ok(Exit::of(complete))
+}
+
+/// Both wheels at the design height. Returns false if they have no equilibrium.
+fn say_axle_design(
+    out: &mut Printer,
+    study: &AxleStudy,
+    elastic: &AxleComplianceStudy,
+) -> Result<bool, Stop> {
+    let suspensions = Side::ALL.map(|side| study.axle.suspension(side));
+    let designs = suspensions.map(|wheel| &wheel.design[..]);
+    // The reader of the study has built it once.
+    let Ok(axle) = ElasticAxle::of(suspensions, designs, &elastic.parts) else {
+        return Ok(false);
+    };
+    let at = match axle.at([0.0; 2], 0.0) {
+        Ok(at) => at,
+        Err(why) => {
+            out.failure(&format!(
+                "\nnot solved: design height: {}\n",
+                no_equilibrium(&why)
+            ))?;
+            return Ok(false);
+        }
+    };
+    out.say("\nEquilibrium at the design height, rack at 0:\n\n")?;
+    let mut table = Table::new(["output", "left", "right", "unit"]);
+    let [left, right] = Side::ALL.map(|side| {
+        let figures = axle.figures(&at, side);
+        let spring = axle.spring(&at, side).map(|spring| spring.force);
+        let angles = [figures.camber, figures.toe].map(f64::to_degrees);
+        (angles, axle.wheel_load(&at, side), spring)
+    });
+    let mut add = |name: &str, [left, right]: [f64; 2], unit: &str| {
+        let figure = |value| crate::report::Cell::figure(value, unit);
+        table.push([name.into(), figure(left), figure(right), unit.into()]);
+    };
+    add("camber", [left.0[0], right.0[0]], "deg");
+    add("toe", [left.0[1], right.0[1]], "deg");
+    add("vertical_force", [left.1, right.1], "N");
+    if let (Some(left), Some(right)) = (left.2, right.2) {
+        add("spring_force", [left, right], "N");
+    }
+    out.table("design", table)?;
+    Ok(true)
+}
+
+fn relaxed_in_words(relaxed: Relaxed) -> &'static str {
+    match relaxed {
+        Relaxed::Free => "without force in the design position (relaxed = \"free\")",
+        Relaxed::AtDesignLoad => {
+            "in equilibrium in the design position (relaxed = \"at_design_load\")"
+        }
+    }
 }
 
 /// The wheel at the design height. Returns false if it has no equilibrium.

@@ -2,6 +2,7 @@
 
 use super::exit::{Exit, Stop};
 use super::import_car;
+use super::instead::instead_of;
 use super::save::save;
 use super::terminal::{eprint, note};
 use crate::exchange::{
@@ -73,7 +74,8 @@ pub(super) struct ImportArguments {
 pub(super) fn topology(name: &str) -> Result<&'static Topology, String> {
     Topology::named(name).ok_or_else(|| {
         let names: Vec<&str> = Topology::ALL.iter().map(|t| t.name).collect();
-        format!("expected one of {}", names.join(", "))
+        let answer = instead_of(name).map_or_else(String::new, |answer| format!("{answer}; "));
+        format!("{answer}expected one of {}", names.join(", "))
     })
 }
 

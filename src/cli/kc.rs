@@ -22,7 +22,7 @@ pub(super) fn run(arguments: &KcArguments) -> Result<Exit, Stop> {
     };
     let arguments = &arguments.run;
     let path = &arguments.study.study;
-    let study = Study::read_elastic(path, &arguments.study.set)?;
+    let study = Study::read_elastic_axle(path, &arguments.study.set)?;
     if arguments.plots.is_some() {
         return Err(Stop::wrong_input(
             "`hardpoint kc` writes no pictures of its own: --report makes a page with charts, `hardpoint solve --plots` \
@@ -58,16 +58,24 @@ pub(super) fn run(arguments: &KcArguments) -> Result<Exit, Stop> {
         parts => counted(parts, "elastic part"),
     };
     output.say(&format!("{}: {parts}, {stations}\n", study.name))?;
-    if let Some(load) = results.design_load {
-        output.say(&format!("design load: {load:.0} N at the contact point\n"))?;
+    match results.design_loads[..] {
+        [load] => output.say(&format!("design load: {load:.0} N at the contact point\n"))?,
+        [left, right] => output.say(&format!(
+            "design loads: {left:.0} N and {right:.0} N at the left and the right contact point\n"
+        ))?,
+        _ => {}
     }
     output.table_for_programs("figures", || results.table());
     for (place, table) in results.tables_for_readers() {
         output.text_only(&format!("\n{place}\n\n{}", table.text(terminal::width())))?;
     }
-    output.text_only(
-        "\nDerivatives at the station and secants over the window, of a left wheel. Signs: docs/compliance.md\n",
-    )?;
+    let signs = match results.is_axle {
+        true => "each wheel as a left wheel, the axle per unit to the left",
+        false => "of a left wheel",
+    };
+    output.text_only(&format!(
+        "\nDerivatives at the station and secants over the window, {signs}. Signs: docs/compliance.md\n"
+    ))?;
     output.say_remarks(results.warnings())?;
     for failure in results.failures() {
         output.say_failure(&format!("\nnot solved: {failure}\n"))?;

@@ -345,7 +345,7 @@ impl Row {
 fn because(limit: &Limit, study: &Study) -> String {
     let name = |id: &PointId| {
         let name = study.wheel().mechanism.name(*id);
-        let ends = ["_outer", "_axle"];
+        let ends = ["_outer", "_axle", "_rocker"];
         let link = ends.iter().find_map(|end| name.strip_suffix(end));
         link.unwrap_or(name).to_owned()
     };

@@ -1,6 +1,7 @@
 //! `hardpoint new`
 
 use super::exit::{Exit, Stop};
+use super::instead::instead_of;
 use crate::car::{CarTemplate, TEMPLATES};
 use crate::model::Topology;
 use crate::study::nearest;
@@ -41,6 +42,8 @@ enum Part {
     Panhard,
     /// Watt linkage and a single upper link of a solid axle
     Watt,
+    /// Rubber bushings, for `hardpoint kc`
+    Bushings,
 }
 
 /// Points of a part, with name and description.
@@ -348,7 +351,11 @@ pub(super) fn run(arguments: &NewArguments) -> Result<Exit, Stop> {
     let Some(topology) = Topology::named(name) else {
         let cars = TEMPLATES.iter().map(|(car, _)| *car);
         let meant = nearest(name, Topology::ALL.iter().map(|t| t.name).chain(cars));
-        let meant = meant.map_or_else(String::new, |near| format!("; did you mean {near}?"));
+        let meant = match (instead_of(name), meant) {
+            (Some(answer), _) => format!(": {answer}"),
+            (None, Some(near)) => format!("; did you mean {near}?"),
+            (None, None) => String::new(),
+        };
         return Err(Stop::wrong_input(format!(
             "there is no topology \"{name}\"{meant}\n{}",
             topologies()
@@ -393,10 +400,20 @@ fn study(topology: &Topology, parts: &[Part]) -> Result<String, String> {
     if is_axle {
         text = with_axle(&text);
     }
-    let is_done = |part: &Part| matches!(part, Part::Axle | Part::Panhard | Part::Watt);
+    let has_bushings = parts.contains(&Part::Bushings);
+    let finished = |text: String| match has_bushings {
+        true => super::new_bushings::with_bushings(&text, topology, is_axle),
+        false => Ok(text),
+    };
+    let is_done = |part: &Part| {
+        matches!(
+            part,
+            Part::Axle | Part::Panhard | Part::Watt | Part::Bushings
+        )
+    };
     let is_sprung = |text: &str| text.contains("\nspring_lower ") || text.contains("\nstrut_top ");
     if parts.iter().all(is_done) {
-        return Ok(match is_axle && is_sprung(&text) {
+        return finished(match is_axle && is_sprung(&text) {
             true => with_springs(&text, false),
             false => text,
         });
@@ -474,7 +491,7 @@ targets = [                      # a curve over the motion, or `at` one value of
 "#
         );
     }
-    Ok(text)
+    finished(text)
 }
 
 /// Outputs of an axle.
@@ -659,7 +676,7 @@ mod tests {
             let all: Vec<Part> = Part::value_variants()
                 .iter()
                 .copied()
-                .filter(|part| study(topology, &[*part]).is_ok())
+                .filter(|part| *part != Part::Bushings && study(topology, &[*part]).is_ok())
                 .collect();
             let alone = all.iter().map(|part| vec![*part]);
             let without = |left_out: &[Part]| {
@@ -693,5 +710,41 @@ mod tests {
                 assert_eq!(study.sweep.is_some(), parts.contains(&Part::Sweep));
             }
         }
+    }
+
+    /// Templates with bushings have equilibria in all their tests, of one wheel and of an axle.
+    #[test]
+    fn templates_with_bushings_run_on_the_rig() {
+        let mut names = Vec::new();
+        for topology in Topology::ALL {
+            let parts = [
+                &[Part::Bushings][..],
+                &[Part::Bushings, Part::Axle],
+                &[Part::Bushings, Part::Axle, Part::AntiRollBar],
+                &[Part::Bushings, Part::Optimise],
+            ];
+            for parts in parts {
+                let Ok(text) = study(topology, parts) else {
+                    continue;
+                };
+                let study = Study::elastic_axle_from_text("new.toml", &text, Path::new(""));
+                let study = study.unwrap_or_else(|e| panic!("{} {parts:?}: {e}", topology.name));
+                let tests = crate::rig::RigTests::of(&study, None).unwrap();
+                assert_eq!(tests.results.failures(), Vec::<String>::new(), "{parts:?}");
+                names.push(topology.name);
+            }
+        }
+        names.dedup();
+        let expected = [
+            "macpherson",
+            "double_wishbone",
+            "five_link",
+            "semi_trailing_arm",
+            "trailing_arm_two_links",
+        ];
+        assert!(
+            expected.iter().all(|name| names.contains(name)),
+            "{names:?}"
+        );
     }
 }

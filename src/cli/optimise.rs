@@ -9,8 +9,8 @@ use super::yields::yields;
 use super::{interrupt, progress, terminal};
 use crate::optimise::{Control, Tuning, tune};
 use crate::report::{
-    CurveTable, FrontRecord, PriceRecord, Record, TuningSummary, counted, history_csv,
-    shown_side_effects, side_effects_table, unchanged_in_words, variable_plausibility,
+    FrontRecord, PriceRecord, Record, TuningSummary, counted, history_csv, shown_side_effects,
+    side_effects_table, unchanged_in_words, variable_plausibility,
 };
 use crate::rig::RigTests;
 use crate::side_effects::side_effects;
@@ -221,11 +221,8 @@ impl Finished<'_> {
         if output.directory().is_some() {
             let record = Solved::record("optimise", &designs).map_err(fault)?;
             let front = self.choices.front.as_ref();
-            let curves = |study: &Study| {
-                let solved = Solved::with_targets(study).ok()?;
-                CurveTable::read(&solved.csv()).ok()
-            };
-            let front = front.map(|front| FrontRecord::of(study, self.optimise, front, curves));
+            let front =
+                front.map(|front| FrontRecord::of(study, self.optimise, front, Solved::table));
             let record = Record { front, ..record };
             output.record("report.json", &record)?;
             files.push("report.json");

@@ -38,7 +38,7 @@ pub(super) fn run(arguments: &ToleranceArguments) -> Result<Exit, Stop> {
     let record = || {
         let plain = scatter::curves_alone(&study);
         let drawn = Solved::of(&plain)?;
-        let mut record = Solved::record("tolerance", &[("drawn", "curves.csv", &drawn)])?;
+        let mut record = Solved::record("tolerance", &[("nominal", "curves.csv", &drawn)])?;
         record.bands = bands(&study, tolerance);
         Ok(record)
     };

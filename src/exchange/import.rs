@@ -116,7 +116,7 @@ pub fn import(table: &PointTable, options: &ImportOptions<'_>) -> Result<Importe
     if options.topology.carries_both_wheels() {
         if options.side == Some(Side::Right) {
             let reason =
-                "--side right: a solid axle has both wheels, and its study gives the left half";
+                "--side right: this axle has both wheels, and its study gives the left half";
             return Err(Refusal::Wrong(reason.to_owned()));
         }
         corner.side = Some(Side::Left);

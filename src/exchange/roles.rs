@@ -136,9 +136,18 @@ pub(super) fn read(name: &str, topology: &Topology, letters: Letters) -> Option<
             body: None,
         });
     }
-    let (hardpoint, marks) = readings(&words, letters)
-        .into_iter()
-        .find_map(|(words, marks)| hardpoint(&words, marks, topology))?;
+    let readings = readings(&words, letters);
+    // The topology's own names with a side, before words are read by their meaning.
+    let own = readings.iter().find_map(|(words, marks)| {
+        let plain = words.join("_");
+        let mut all = topology.all_hardpoints().map(|hardpoint| hardpoint.name);
+        all.find(|known| *known == plain).map(|name| (name, *marks))
+    });
+    let by_words = || {
+        let mut all = readings.iter();
+        all.find_map(|(words, marks)| hardpoint(words, *marks, topology))
+    };
+    let (hardpoint, marks) = own.or_else(by_words)?;
     let body = body(name, hardpoint, topology);
     Some(Role {
         hardpoint,

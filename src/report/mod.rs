@@ -52,9 +52,10 @@ pub use benchmarks::{
     throughput_table,
 };
 pub use car::{
-    CarCase, CarComparison, CarFact, CarLimits, CarMap, CarRecord, CarResults, CarState,
-    CarStateRecord, CarTargetRecord, CarToleranceSummary, car_limits, car_with_axles,
-    lift_limits_table, optimised_car, settings_of_car,
+    CarCase, CarComparison, CarConstraintRecord, CarFact, CarLimits, CarMap, CarRecord, CarResults,
+    CarState, CarStateRecord, CarTargetRecord, CarToleranceSummary, car_constraints_table,
+    car_limits, car_targets_json, car_targets_table, car_with_axles, lift_limits_table,
+    optimised_car, settings_of_car,
 };
 pub use choices::{FrontPoint, FrontRecord, PriceRecord, front_csv, front_remarks, front_table};
 pub use comparison::{

@@ -53,6 +53,7 @@ const BEFORE: &[(&str, &str)] = &[
     ("lower_joint_front", "lower_joint_rear"),
     // A trailing arm trails.
     ("arm_pivot", "wheel_centre"),
+    ("mount", "wheel_centre"),
     ("arm_pivot_inner", "wheel_centre"),
     ("arm_pivot_outer", "wheel_centre"),
 ];
@@ -78,6 +79,8 @@ const OUTBOARD: &[(&str, &str)] = &[
     // The wheel of a solid axle is outboard of its links.
     ("wheel_centre", "lower_link_axle"),
     ("wheel_centre", "upper_link_axle"),
+    ("mount", "shear_centre"),
+    ("wheel_centre", "shear_centre"),
 ];
 
 /// A coordinate and the sign of its growth.

@@ -1,7 +1,7 @@
 //! The study of a car as written: its sections and keys. Unknown ones are refused.
 
 use crate::file::{self, Coordinates};
-use crate::value::{MemberName, Number, Text, Whole};
+use crate::value::{MemberName, Number, OneOrMore, Text, Whole};
 use serde::Deserialize;
 use toml::Spanned;
 
@@ -195,28 +195,51 @@ pub struct Sweep {
     pub format: Option<Text>,
 }
 
-/// An element of `variables` of `[sweep]`.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct SweepVariable {
-    /// `front` or `rear`.
-    pub axle: Option<Text>,
-    /// Name of the axle's hardpoint,
-    pub hardpoint: Option<Text>,
-    /// and `x`, `y` or `z`;
-    pub axis: Option<Text>,
-    /// or a rate of the axle;
-    pub rate: Option<Text>,
-    /// or a figure of the car.
-    pub car: Option<Text>,
-    /// Lowest and highest offset of a hardpoint, else lowest and highest value.
-    pub range: Option<Spanned<Vec<Number>>>,
-    /// Largest change, as a part of the study's value.
-    pub relative: Option<Number>,
-    /// Number of values in a grid.
-    pub steps: Option<Whole>,
-    /// Name of the variable's column.
-    pub name: Option<Text>,
+/// Defines a kind of variable: the keys that name a part of the car and its range, and further keys.
+macro_rules! variable {
+    ($(#[$about:meta])* $name:ident { $($further:tt)* }) => {
+        $(#[$about])*
+        #[derive(Debug, Deserialize)]
+        #[serde(deny_unknown_fields)]
+        pub struct $name {
+            /// `front`, `rear`, or both in a list.
+            pub axle: Option<Spanned<OneOrMore>>,
+            /// Name of the axle's hardpoint,
+            pub hardpoint: Option<Text>,
+            /// or names of several that move together,
+            pub hardpoints: Option<Spanned<Vec<Text>>>,
+            /// with the displacement of each per unit of the variable,
+            pub factors: Option<Spanned<Vec<Number>>>,
+            /// and `x`, `y` or `z`,
+            pub axis: Option<Text>,
+            /// or any direction;
+            pub direction: Option<Coordinates>,
+            /// or a rate of the axle;
+            pub rate: Option<Text>,
+            /// or a figure of the car.
+            pub car: Option<Text>,
+            /// Lowest and highest offset of a hardpoint, else lowest and highest value.
+            pub range: Option<Spanned<Vec<Number>>>,
+            /// Largest change, percent of the study's value.
+            pub percent: Option<Number>,
+            $($further)*
+        }
+    };
+}
+
+variable! {
+    /// An element of `variables` of `[optimise]`.
+    Variable {}
+}
+
+variable! {
+    /// An element of `variables` of `[sweep]`.
+    SweepVariable {
+        /// Number of values in a grid.
+        pub steps: Option<Whole>,
+        /// Name of the variable's column.
+        pub name: Option<Text>,
+    }
 }
 
 /// `[tolerance]` of a car.
@@ -257,8 +280,8 @@ pub struct Scatter {
     pub axis: Option<Text>,
     /// Standard deviation of a normal scatter.
     pub sigma: Option<Number>,
-    /// Standard deviation of a rate or a figure as a part of its value.
-    pub relative: Option<Number>,
+    /// Standard deviation of a rate or a figure, percent of its value.
+    pub percent: Option<Number>,
     /// Ends of a uniform scatter.
     pub limits: Option<Spanned<Vec<Number>>>,
     /// Standard deviation of each component of a jig's shift.
@@ -318,48 +341,9 @@ pub struct Optimise {
     pub seed: Option<Whole>,
     /// Design variables.
     pub variables: Spanned<Vec<Spanned<Variable>>>,
-    /// Targets.
-    pub targets: Spanned<Vec<Spanned<Target>>>,
-}
-
-/// An element of `variables`.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Variable {
-    /// `front` or `rear`.
-    pub axle: Option<Text>,
-    /// Name of the axle's hardpoint,
-    pub hardpoint: Option<Text>,
-    /// and `x`, `y` or `z`;
-    pub axis: Option<Text>,
-    /// or a rate of the axle;
-    pub rate: Option<Text>,
-    /// or a figure of the car.
-    pub car: Option<Text>,
-    /// Lowest and highest offset of a hardpoint, else lowest and highest value.
-    pub range: Option<Spanned<Vec<Number>>>,
-    /// Largest change, as a part of the study's value.
-    pub relative: Option<Number>,
-}
-
-/// An element of `targets`.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Target {
-    /// Name of the result.
-    pub characteristic: Text,
-    /// Name of the case.
-    pub case: Text,
-    /// Its value,
-    pub value: Option<Number>,
-    /// or lowest and highest value,
-    pub between: Option<Spanned<Vec<Number>>>,
-    /// or the lowest alone,
-    pub at_least: Option<Number>,
-    /// or the highest alone.
-    pub at_most: Option<Number>,
-    /// Deviation that counts as one.
-    pub tolerance: Number,
-    /// Weight.
-    pub weight: Option<Number>,
+    /// Targets of cases, and of axles by themselves.
+    pub targets: Spanned<Vec<Spanned<file::Target>>>,
+    /// Constraints of cases, and of axles by themselves.
+    #[serde(default)]
+    pub constraints: Vec<Spanned<file::Constraint>>,
 }

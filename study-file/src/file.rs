@@ -56,7 +56,7 @@ pub struct File {
     /// `[links.NAME]`
     #[serde(default)]
     pub links: BTreeMap<Text, Spanned<LinkStiffness>>,
-    /// `[subframe]`, which is refused with an explanation.
+    /// `[subframe]`
     pub subframe: Option<Spanned<Subframe>>,
     /// `[motion]`
     pub motion: Spanned<Motion>,
@@ -198,7 +198,11 @@ pub struct OwnAngles {
 #[serde(deny_unknown_fields)]
 pub struct Steering {
     /// Rack displacement along +y per turn of the steering wheel to the left.
-    pub c_factor: Number,
+    pub c_factor: Option<Number>,
+    /// Force per length between the commanded rack and the rack.
+    pub rack_stiffness: Option<Number>,
+    /// Torque per angle at the pinion; needs `c_factor`.
+    pub column_stiffness: Option<Number>,
 }
 
 /// `[spring]`
@@ -277,6 +281,8 @@ pub struct Compliance {
     pub relaxed: Option<Text>,
     /// Tests of `hardpoint kc`.
     pub tests: Option<Spanned<Vec<Spanned<ComplianceTest>>>>,
+    /// `connected` or `disconnected`.
+    pub anti_roll_bar: Option<Text>,
 }
 
 /// An element of `tests` of `[compliance]`.
@@ -295,10 +301,12 @@ pub struct ComplianceTest {
     pub levels: Option<Whole>,
     /// `all` or `nearest`.
     pub stations: Option<Text>,
-    /// Loading of both wheels; refused with an explanation.
-    pub mode: Option<Spanned<IgnoredAny>>,
-    /// Lock of the steering; refused with an explanation.
-    pub steering: Option<Spanned<IgnoredAny>>,
+    /// `parallel`, `opposed` or `single`, of an axle.
+    pub mode: Option<Text>,
+    /// `locked_wheel` or `locked_rack`, of an axle.
+    pub steering: Option<Text>,
+    /// `connected` or `disconnected`, of an axle.
+    pub anti_roll_bar: Option<Text>,
 }
 
 /// Pairs of deflection and force, or of angle and torque.
@@ -341,9 +349,9 @@ pub struct Bushing {
 #[serde(deny_unknown_fields)]
 pub struct Subframe {
     /// Hardpoints on it.
-    pub carries: Option<Spanned<IgnoredAny>>,
-    /// Hardpoints of its mounts.
-    pub mounts: Option<Spanned<IgnoredAny>>,
+    pub carries: Spanned<Vec<Text>>,
+    /// Places of its left mounts by their names.
+    pub mounts: BTreeMap<Text, Coordinates>,
 }
 
 /// `[links.NAME]`
@@ -575,6 +583,10 @@ pub struct Variable {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Target {
+    /// In the study of a car, the load case,
+    pub case: Option<Text>,
+    /// or the axle whose own motion it is about.
+    pub axle: Option<Text>,
     /// Name of the characteristic,
     pub characteristic: Option<Text>,
     /// or of a point,
@@ -745,6 +757,10 @@ pub struct Band {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Constraint {
+    /// In the study of a car, the load case,
+    pub case: Option<Text>,
+    /// or the axle that it is about.
+    pub axle: Option<Text>,
     /// Name of the constraint.
     pub name: Option<Text>,
     /// A length: of a member, or between two points.

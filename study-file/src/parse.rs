@@ -58,8 +58,14 @@ fn parse_as<T: DeserializeOwned>(source: &Arc<Source>) -> Result<T, StudyErrors>
     Ok(file)
 }
 
-/// Explains a key that version 0.1 had and that another one replaces.
+/// Explains a key that an earlier version had and that another one replaces.
 fn replaced_key(root: &DeTable, text: &str, key: Option<&str>, message: &str) -> Option<String> {
+    if root.get("car").is_some() && message.starts_with("unknown field `relative`") {
+        return Some(
+            "relative is percent in the study of a car: write percent = 30.0 instead of relative = 0.3"
+                .to_owned(),
+        );
+    }
     if key != Some("setup.ride_height") || !message.starts_with("unknown field `ride_height`") {
         return None;
     }

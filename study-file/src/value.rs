@@ -190,6 +190,20 @@ written!(
     word MemberName::Name, list MemberName::Ends
 );
 
+/// One text, or several.
+#[derive(Clone, Debug)]
+pub enum OneOrMore {
+    /// One.
+    One(String),
+    /// Several.
+    More(Vec<Text>),
+}
+
+written!(
+    [] OneOrMore, "a text or a list of texts",
+    word OneOrMore::One, list OneOrMore::More
+);
+
 /// One number, or a list.
 #[derive(Clone, Debug)]
 pub enum OneOr<T> {

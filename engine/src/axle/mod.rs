@@ -26,6 +26,7 @@ mod solver;
 mod spring;
 mod state;
 mod taylor;
+mod wheel_curve;
 
 pub use crate::mechanism::Ground;
 pub use axle_motion::{AxleMotion, AxleTime, WheelMotion};
@@ -45,6 +46,7 @@ pub use solver::{AxleSolver, Placed, Placement, Read, WheelRead};
 pub use spring::{BumpStop, ForceCurve, Law, SpringLaw};
 pub use state::{AxleState, Carriers, Hold, Motion, WheelState};
 pub use taylor::{Line, Taylor};
+pub(crate) use wheel_curve::WheelCurve;
 
 use crate::ask::Need;
 use crate::characteristics::Slot;

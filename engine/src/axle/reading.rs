@@ -195,6 +195,15 @@ impl Reading<f64> {
         Reading::made_of(&pairs, moving, |((first, _), _): SeriesOfLines<N>| first[0])
     }
 
+    /// The numbers of the wheel; fixed ones as constants.
+    pub(super) fn pose(&self) -> WheelPose<Taylor<f64>> {
+        WheelPose {
+            wheel: self.wheel,
+            rotation: self.rotation,
+            design: self.design.map(Taylor::constant),
+        }
+    }
+
     /// Rotation of the carrier from the design position.
     pub fn rotation(&self) -> Matrix3<f64> {
         Matrix3 {

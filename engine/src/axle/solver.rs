@@ -620,6 +620,13 @@ pub struct WheelRead {
     points: Vec<Vector3<Taylor<f64>>>,
 }
 
+impl WheelRead {
+    /// The wheel; `None` where a rocker is at toggle or beyond.
+    pub(super) fn without_toggle(self) -> Option<Reading<f64>> {
+        self.toggle.is_none().then_some(self.reading)
+    }
+}
+
 /// An axle as it was read in a position.
 pub struct Read<'a> {
     /// The state.
@@ -1052,7 +1059,11 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
 
     /// The roll angle at which both wheels stand on a plane.
     fn tilted(&self, [left, right]: &[Pose<f64>; 2]) -> Result<f64, NoPose> {
-        let mut roll = 0.0_f64;
+        // A rigid axle may stand upright, far from a level ground: it begins at the line through both wheel centres.
+        let mut roll = match self.is_rigid() {
+            false => 0.0_f64,
+            true => (right.origin.z - left.origin.z).atan2(left.origin.y + right.origin.y),
+        };
         let mut smallest = f64::INFINITY;
         for _ in 0..MOST_STEPS {
             let ground = Ground::rolled(roll);

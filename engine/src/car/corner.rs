@@ -91,6 +91,41 @@ fn by_travels<T: Real>(held: AxleTravel, [first, second]: [T; 2]) -> ByTravels<T
     }
 }
 
+impl<T: Copy> WheelRates<T> {
+    fn map<U>(&self, f: impl Fn(T) -> U + Copy) -> WheelRates<U> {
+        WheelRates {
+            centre: self.centre.map(f),
+            turn: self.turn.map(f),
+            spring: f(self.spring),
+            bar: f(self.bar),
+        }
+    }
+}
+
+impl<T: Copy> Corner<T> {
+    /// The wheel over another kind of number.
+    pub(super) fn map<U>(&self, f: impl Fn(T) -> U + Copy) -> Corner<U> {
+        let rocker = &self.rocker;
+        Corner {
+            sign: self.sign,
+            centre: self.centre.map(f),
+            spin: self.spin.map(f),
+            spring: f(self.spring),
+            design_spring: f(self.design_spring),
+            bar: f(self.bar),
+            rocker: RockerMotion {
+                end: rocker.end.map(|end| end.map(f)),
+                design_end: rocker.design_end.map(f),
+                angle: rocker.angle.map(f),
+            },
+            design_centre: self.design_centre.map(f),
+            design_spin: self.design_spin.map(f),
+            own: self.own.map(f),
+            other: self.other.as_ref().map(|rates| rates.map(f)),
+        }
+    }
+}
+
 impl<T: Real> Corner<T> {
     /// The wheel that `wheel` reads in the frame of its own side, a little further. `lift` makes numbers of the wheel into
     /// numbers of this kind.

@@ -30,12 +30,12 @@ impl<'a> CarSolver<'a> {
         case: &Case,
         found: &Equilibrium,
     ) -> Result<Solved<'a, f64>, NoEquilibrium> {
-        let readings = self.readings(found)?;
+        let wheels = self.wheels_of(found)?;
         let parameters = Parameters::of(self.car, case);
-        let base = readings.base(self.held(case, found));
-        let plain = Plain::of(&base, &parameters, found.unknowns);
+        let base = wheels.base(self.held(case, found), found.travels());
+        let plain = Plain::of(&base, &parameters, found);
         let plain = plain.ok_or(NoEquilibrium::Singular)?;
-        let mut solved = Solved::of(self.car, &base, &parameters, &plain, |c: f64| c);
+        let mut solved = Solved::of(self.car, &base, &parameters, (&plain, true), |c: f64| c);
         if let Ok((rest, at_rest)) = self.at_rest(case) {
             let state = self.balance(&rest, &at_rest)?;
             solved.rest_heave = CarQuantity::Whole(WholeResult::Heave).evaluate_state(&state);
@@ -111,7 +111,7 @@ impl<'a> CarSolver<'a> {
         let parameters = Parameters::of(self.car, case);
         let held = self.held(case, found);
         let base = readings.base(held);
-        let plain = Plain::of(&base, &parameters, found.unknowns);
+        let plain = Plain::of(&base, &parameters, found);
         let plain = plain.ok_or(NoEquilibrium::Singular)?;
         let linearised = |axle: usize| {
             let linearised = self.axles[axle].linearised(&found.placed[axle]);
@@ -139,7 +139,7 @@ impl<'a> CarSolver<'a> {
         let is_along = quantities
             .iter()
             .any(|quantity| quantity.info().is_rate && !quantity.is_since_rest());
-        let solved = is_along.then(|| Solved::of(self.car, &base, &tracked, &plain, same));
+        let solved = is_along.then(|| Solved::of(self.car, &base, &tracked, (&plain, false), same));
         let heave = CarQuantity::Whole(WholeResult::Heave);
         let mut adjoints = Vec::new();
         let mut buffers = linearised.each_ref().map(|axle| axle.buffer());

@@ -3,7 +3,8 @@
 use super::Car;
 use super::equations::{BODY, Balance, HELD_ROWS, PITCH, ROLL_MOMENT, UNKNOWNS};
 use super::parameters::{BodyParameter, Parameter, Parameters};
-use super::solver::{Base, Matrix, held_inverse, inverse, tangent};
+use super::solver::{Base, Equilibrium};
+use super::tangent::{Matrix, held_inverse, inverse};
 use crate::axle::{Reading, WheelParts};
 use crate::number::{Jet, Real, Scalar};
 
@@ -65,13 +66,13 @@ impl Plain {
     pub(super) fn of(
         base: &Base<'_, '_, Reading<f64>>,
         parameters: &Parameters<f64>,
-        unknowns: [f64; UNKNOWNS],
+        found: &Equilibrium,
     ) -> Option<Self> {
-        let (_, tangent) = tangent(base, parameters, &unknowns);
+        let unknowns = found.unknowns;
         let mut plain = Plain {
             unknowns,
-            inverse: inverse(&tangent)?,
-            held_inverse: held_inverse(&tangent)?,
+            inverse: inverse(&found.tangent)?,
+            held_inverse: held_inverse(&found.tangent)?,
             rates: [[0.0; UNKNOWNS]; DIRECTIONS.len()],
         };
         for (number, direction) in DIRECTIONS.into_iter().enumerate() {
@@ -150,15 +151,18 @@ pub(super) fn settle<T: Scalar, U: Real, R: WheelParts<U>>(
 }
 
 impl<'c, T: Scalar> Solved<'c, T> {
-    /// The state near plain numbers with all its derivatives.
+    /// The state near plain numbers with all its derivatives. `is_plain` says that the numbers carry no gradients.
     pub(super) fn of<U: Real, R: WheelParts<U>>(
         car: &'c Car,
         base: &Base<'_, '_, R>,
         parameters: &Parameters<T>,
-        plain: &Plain,
+        (plain, is_plain): (&Plain, bool),
         lift: impl Fn(U) -> T + Copy,
     ) -> Self {
-        let x = settle(base, parameters, plain, lift);
+        let x = match is_plain {
+            true => plain.unknowns.map(|c| parameters.0[0].lit(c)),
+            false => settle(base, parameters, plain, lift),
+        };
         let along = |number: usize| {
             let direction = DIRECTIONS[number];
             let moved = direction.moving(parameters);
@@ -171,6 +175,10 @@ impl<'c, T: Scalar> Solved<'c, T> {
                 base.balance(&moved, series, lifted)
             };
             let mut rates = plain.rates[number].map(|c| x[0].lit(c));
+            if is_plain {
+                return evaluate(rates);
+            }
+            // One further step adds the gradients of the rates.
             let first = evaluate(rates);
             let level = first.road.forward.x[0];
             let defect = direction.defect(first.residuals.map(|row| row[1]), level);

@@ -2,20 +2,17 @@
 
 use super::catalogue::WheelPlace;
 use super::corner::{Corner, Steps};
-use super::equations::{
-    BODY, Balance, GROUND, HELD_ROWS, Held, LOADS, LONGITUDINAL, PITCH, PITCH_MOMENT, ROLL,
-    ROLL_MOMENT, SIDE_FORCES, TRAVELS, UNKNOWNS, VERTICAL,
-};
+use super::equations::{Balance, GROUND, Held, LOADS, PITCH, ROLL, TRAVELS, UNKNOWNS};
 use super::parameters::{AxleParameter, Parameters};
+use super::tangent::{Factors, Matrix, tangent};
 use super::{Car, Case, GRAVITY, LateralShares, LongitudinalShares, NoEquilibrium};
 use crate::axle::{
-    AxleQuantity, AxleSolver, Carriers, Placed, Placement, Quantity, Read, Reading, WheelParts,
-    WheelQuantity,
+    Axle, AxleQuantity, AxleSolver, Carriers, Placed, Placement, Quantity, Read, Reading,
+    WheelCurve, WheelParts, WheelQuantity,
 };
-use crate::linear::lu::Lu;
 use crate::mechanism::DesignFault;
 use crate::model::Side;
-use crate::number::{Dual, Each, Real, Scalar};
+use crate::number::{Each, Real, Scalar};
 use crate::threads::checkpoint;
 
 /// Terms of the series of wheels: equations are made of first derivatives by travel, their tangents of second ones, and
@@ -25,13 +22,15 @@ pub(super) const TERMS: usize = 4;
 const MOST_STEPS: usize = 60;
 /// The most sets of wheels in contact that are tried.
 const MOST_SETS: usize = 16;
-/// Steps of the load if the case is not found at once.
-const RAMP: usize = 16;
 /// The longest Newton step: angles in radians, travels in metres.
-const LONGEST_TURN: f64 = 0.0175;
-const LONGEST_TRAVEL: f64 = 0.008;
-
-pub(super) type Matrix = [[f64; UNKNOWNS]; UNKNOWNS];
+pub(super) const LONGEST_TURN: f64 = 0.0175;
+pub(super) const LONGEST_TRAVEL: f64 = 0.008;
+/// Steps fall by this factor at least, else the tangent is computed anew.
+const CONTRACTION: f64 = 0.1;
+/// A tangent serves further steps after a step below this, in sizes.
+const NEAR: f64 = 2e-3;
+/// A step below this, in sizes, is rounding.
+const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
 /// Solves the states of one car, one case after another.
 #[derive(Clone, Debug)]
@@ -43,6 +42,8 @@ pub struct CarSolver<'a> {
     /// The car at rest on rigid and on elastic tyres, once it was solved.
     pub(super) rests: [Option<Result<Equilibrium, NoEquilibrium>>; 2],
     pub(super) axles: [AxleSolver<'a, TERMS>; 2],
+    /// The wheels along their travels; none if they depend on more than their own travel.
+    curves: Option<Box<[WheelCurve; 4]>>,
 }
 
 /// A state in equilibrium.
@@ -56,12 +57,60 @@ pub struct Equilibrium {
     pub evaluations: usize,
     /// For each axle the pose of both wheels.
     pub placed: [Placed; 2],
+    /// True if the wheels come from their curves, which are poses up to rounding.
+    pub(super) is_near: bool,
+    /// Derivatives of the equations by the unknowns.
+    pub(super) tangent: Box<Matrix>,
+    /// The tangent's factors.
+    pub(super) factors: Box<Factors>,
 }
 
-/// A state with the tangent of its equations.
-struct Found {
-    state: Equilibrium,
-    tangent: Matrix,
+/// The wheels of a state on the way to equilibrium.
+pub(super) enum Wheels<'a> {
+    /// From the curves of the wheels.
+    Near(Box<[Reading<f64>; 4]>),
+    /// From poses.
+    Exact(Box<Readings<'a>>),
+}
+
+/// Unknowns, lifted wheels and factors of a tangent that Newton's method starts with.
+#[derive(Clone, Copy)]
+pub(super) struct Start<'f> {
+    unknowns: [f64; UNKNOWNS],
+    lifted: [bool; 4],
+    factors: Option<&'f Factors>,
+    /// True if the wheels of the state may come from their curves.
+    may_be_near: bool,
+}
+
+impl<'f> Start<'f> {
+    /// All wheels down.
+    pub(super) fn of(unknowns: [f64; UNKNOWNS]) -> Self {
+        Start {
+            unknowns,
+            lifted: [false; 4],
+            factors: None,
+            may_be_near: false,
+        }
+    }
+
+    /// A state that was found.
+    pub(super) fn at(found: &'f Equilibrium) -> Self {
+        Start {
+            unknowns: found.unknowns,
+            lifted: found.lifted,
+            factors: Some(&found.factors),
+            may_be_near: false,
+        }
+    }
+
+    /// A neighbour of a state that was found, as in a map.
+    fn beside(found: &'f Equilibrium) -> Self {
+        Start {
+            may_be_near: true,
+            ..Start::at(found)
+        }
+    }
 }
 
 /// The wheels of a state as they were read.
@@ -96,31 +145,42 @@ impl<R> Base<'_, '_, R> {
     where
         R: WheelParts<U>,
     {
-        let step = |number: usize| {
-            let travel = x[TRAVELS + number];
-            travel - travel.lit(self.travels[number])
-        };
-        let corners = [0, 1, 2, 3].each(|number| {
-            let axle = number / 2;
-            let sign = Side::ALL[number % 2].sign();
-            let rack = self.racks.map(|racks| {
-                let rack = parameters.axle(axle, AxleParameter::Rack);
-                (rack - rack.lit(racks[axle])).scaled(sign)
-            });
-            let steps = Steps {
-                own: step(number),
-                other: step(number ^ 1),
-                rack,
-            };
-            Corner::read(
-                self.readings[number],
-                (sign, self.carriers[axle]),
-                parameters.offset(axle),
-                steps,
-                lift,
-            )
+        let corners = [0, 1, 2, 3].each(|number: usize| {
+            let travels = [number, number ^ 1].each(|wheel| x[TRAVELS + wheel]);
+            self.corner(parameters, number, travels, lift)
         });
         Balance::of(&self.held, parameters, corners, x)
+    }
+
+    /// A wheel at its own travel and the other one's.
+    pub(super) fn corner<T: Scalar, U: Real>(
+        &self,
+        parameters: &Parameters<T>,
+        number: usize,
+        [own, other]: [T; 2],
+        lift: impl Fn(U) -> T + Copy,
+    ) -> Corner<T>
+    where
+        R: WheelParts<U>,
+    {
+        let axle = number / 2;
+        let sign = Side::ALL[number % 2].sign();
+        let rack = self.racks.map(|racks| {
+            let rack = parameters.axle(axle, AxleParameter::Rack);
+            (rack - rack.lit(racks[axle])).scaled(sign)
+        });
+        let steps = Steps {
+            own: own - own.lit(self.travels[number]),
+            other: other - other.lit(self.travels[number ^ 1]),
+            rack,
+        };
+        Corner::read(
+            self.readings[number],
+            (sign, self.carriers[axle]),
+            parameters.offset(axle),
+            steps,
+            lift,
+        )
     }
 }
 
@@ -186,12 +246,42 @@ impl<'a> CarSolver<'a> {
             let made = AxleSolver::new(&car.axles[number], &read_of(car, number), by_rack);
             made.map_err(|(side, fault)| (number, side, fault))
         };
+        let axles = [axle(0)?, axle(1)?];
+        let has_curves = !by_rack && !car.axles.iter().any(Axle::is_rigid);
+        let curve = |number: usize| WheelCurve::new(&axles[number / 2], Side::ALL[number % 2]);
         Ok(CarSolver {
             car,
             by_rack,
             rests: [None, None],
-            axles: [axle(0)?, axle(1)?],
+            curves: has_curves.then(|| Box::new([0, 1, 2, 3].map(curve))),
+            axles,
         })
+    }
+
+    /// The wheels at these travels from their curves, if all of them have one there.
+    fn near(&mut self, travels: [f64; 4], racks: [f64; 2]) -> Option<Box<[Reading<f64>; 4]>> {
+        let curves = self.curves.as_mut()?;
+        let mut read = |number: usize| {
+            let axle = number / 2;
+            let solver = &mut self.axles[axle];
+            curves[number].at(solver, travels[number], racks[axle])
+        };
+        let wheels = [read(0)?, read(1)?, read(2)?, read(3)?];
+        Some(Box::new(wheels))
+    }
+
+    /// The poses of all wheels at these travels.
+    fn placed(&mut self, travels: [f64; 4], racks: [f64; 2]) -> Result<[Placed; 2], NoEquilibrium> {
+        let mut place = |axle: usize| {
+            let placement = Placement::Travels {
+                travels: [travels[2 * axle], travels[2 * axle + 1]],
+                rack: racks[axle],
+                on_plane: false,
+            };
+            let placed = self.axles[axle].place(&placement);
+            placed.map_err(|failure| NoEquilibrium::NoPose { axle, failure })
+        };
+        Ok([place(0)?, place(1)?])
     }
 
     /// Reads the wheels at these travels.
@@ -200,15 +290,11 @@ impl<'a> CarSolver<'a> {
         travels: [f64; 4],
         racks: [f64; 2],
     ) -> Result<Readings<'a>, NoEquilibrium> {
+        let placed = self.placed(travels, racks)?;
         let mut read = |axle: usize| {
             let solver = &mut self.axles[axle];
-            let placement = Placement::Travels {
-                travels: [travels[2 * axle], travels[2 * axle + 1]],
-                rack: racks[axle],
-                on_plane: false,
-            };
             let fails = |failure| NoEquilibrium::NoPose { axle, failure };
-            let placed = solver.place(&placement).map_err(fails)?;
+            let placed = placed[axle];
             let read = solver.read(&placed).map_err(fails)?;
             match read.toggle_failure(&placed) {
                 Some(failure) => Err(fails(failure)),
@@ -228,41 +314,27 @@ impl<'a> CarSolver<'a> {
         if self.has_no_springs() {
             return Err(NoEquilibrium::Unsupported);
         }
-        let start = self.start(case);
-        let first = match self.with_contact(case, start, [false; 4]) {
-            Ok(found) => return Self::stable(found),
-            Err(failure) => failure,
-        };
-        // Along the load from rest; the failure of the direct way says more if this fails, too.
-        let mut at = (start, [false; 4]);
-        let mut evaluations = 0;
-        for step in 0..=RAMP {
-            let part = step as f64 / RAMP as f64;
-            let partial = case.scaled(part);
-            match self.with_contact(&partial, at.0, at.1) {
-                Ok(mut found) => {
-                    at = (found.state.unknowns, found.state.lifted);
-                    evaluations += found.state.evaluations;
-                    if step == RAMP {
-                        found.state.evaluations = evaluations;
-                        return Self::stable(found);
-                    }
-                }
-                Err(_) => return Err(first),
-            }
+        match self.with_contact(case, Start::of(self.start(case))) {
+            Ok(found) if found.is_stiff() => Ok(found),
+            Ok(_) => self.along_load(case),
+            // Either way may stop for reasons of its own; those of the direct one say more.
+            Err(first) => self.along_load(case).map_err(|along| match first {
+                NoEquilibrium::NotFound | NoEquilibrium::Singular => along,
+                _ => first,
+            }),
         }
-        Err(first)
     }
 
-    /// Finds the state of a case from a neighbouring state.
+    /// Finds the state of a case from a neighbouring state that was accepted. Its wheels come from their curves, so that its
+    /// numbers may differ from those of [`CarSolver::solve`] by rounding.
     pub fn solve_from(
         &mut self,
         case: &Case,
         from: &Equilibrium,
     ) -> Result<Equilibrium, NoEquilibrium> {
-        match self.with_contact(case, from.unknowns, from.lifted) {
-            Ok(found) => Self::stable(found),
-            Err(_) => self.solve(case),
+        match self.with_contact(case, Start::beside(from)) {
+            Ok(found) if found.is_stiff() || found.follows(from, self.car) => Ok(found),
+            _ => self.solve(case),
         }
     }
 
@@ -274,9 +346,9 @@ impl<'a> CarSolver<'a> {
     ) -> Result<Equilibrium, NoEquilibrium> {
         let mut start = self.start(case);
         start[..7].copy_from_slice(&attitude);
-        match self.with_contact(case, start, [false; 4]) {
-            Ok(found) => Self::stable(found),
-            Err(_) => self.solve(case),
+        match self.with_contact(case, Start::of(start)) {
+            Ok(found) if found.is_stiff() => Ok(found),
+            _ => self.solve(case),
         }
     }
 
@@ -312,29 +384,38 @@ impl<'a> CarSolver<'a> {
     }
 
     /// Solves with one set of wheels in contact after another until one fits.
-    fn with_contact(
+    pub(super) fn with_contact(
         &mut self,
         case: &Case,
-        start: [f64; UNKNOWNS],
-        lifted: [bool; 4],
-    ) -> Result<Found, NoEquilibrium> {
+        start: Start<'_>,
+    ) -> Result<Equilibrium, NoEquilibrium> {
         let mut seen: Vec<[bool; 4]> = Vec::new();
-        let mut lifted = lifted;
-        let mut x = start;
+        let Start {
+            unknowns: mut x,
+            mut lifted,
+            mut factors,
+            may_be_near,
+        } = start;
         let mut evaluations = 0;
         for _ in 0..MOST_SETS {
             checkpoint();
             seen.push(lifted);
             self.refuse_lifted_axles(case, &lifted)?;
-            let mut found = self.newton(case, x, lifted)?;
-            evaluations += found.state.evaluations;
-            let gaps = self.gaps(case, &found.state)?;
+            let start = Start {
+                unknowns: x,
+                lifted,
+                factors: factors.take(),
+                may_be_near,
+            };
+            let mut found = self.newton(case, start)?;
+            evaluations += found.evaluations;
+            let gaps = self.gaps(case, &found)?;
             let next = [0, 1, 2, 3].map(|number| match lifted[number] {
                 true => gaps[number] >= 0.0,
-                false => found.state.unknowns[LOADS + number] < 0.0,
+                false => found.unknowns[LOADS + number] < 0.0,
             });
             if next == lifted {
-                found.state.evaluations = evaluations;
+                found.evaluations = evaluations;
                 return Ok(found);
             }
             if seen.contains(&next) {
@@ -346,7 +427,7 @@ impl<'a> CarSolver<'a> {
                         || setting.longitudinal_shares != LongitudinalShares::ByLoad,
                 });
             }
-            x = found.state.unknowns;
+            x = found.unknowns;
             lifted = next;
         }
         Err(NoEquilibrium::NotFound)
@@ -377,13 +458,24 @@ impl<'a> CarSolver<'a> {
         case: &Case,
         found: &Equilibrium,
     ) -> Result<Balance<f64>, NoEquilibrium> {
-        let readings = self.readings(found)?;
+        let wheels = self.wheels_of(found)?;
         let parameters = Parameters::of(self.car, case);
-        let base = readings.base(self.held(case, found));
+        let base = wheels.base(self.held(case, found), found.travels());
         Ok(base.balance(&parameters, found.unknowns, |c: f64| c))
     }
 
-    /// The wheels of a state that was found.
+    /// The wheels of a state that was found, from their curves if the state has them from there.
+    pub(super) fn wheels_of(&mut self, found: &Equilibrium) -> Result<Wheels<'a>, NoEquilibrium> {
+        if found.is_near {
+            let racks = found.placed.map(|placed| placed.rack);
+            if let Some(near) = self.near(found.travels(), racks) {
+                return Ok(Wheels::Near(near));
+            }
+        }
+        Ok(Wheels::Exact(Box::new(self.readings(found)?)))
+    }
+
+    /// The wheels of a state that was found, from their poses.
     pub(super) fn readings(&mut self, found: &Equilibrium) -> Result<Readings<'a>, NoEquilibrium> {
         let mut read = |axle: usize| {
             let placed = &found.placed[axle];
@@ -409,43 +501,51 @@ impl<'a> CarSolver<'a> {
         }
     }
 
-    /// Newton's method for one set of wheels in contact.
-    fn newton(
+    /// The wheels at these travels. `is_exact` asks for poses.
+    fn wheels(
         &mut self,
-        case: &Case,
-        start: [f64; UNKNOWNS],
-        lifted: [bool; 4],
-    ) -> Result<Found, NoEquilibrium> {
+        travels: [f64; 4],
+        racks: [f64; 2],
+        is_exact: bool,
+    ) -> Result<Wheels<'a>, NoEquilibrium> {
+        if !is_exact && let Some(near) = self.near(travels, racks) {
+            return Ok(Wheels::Near(near));
+        }
+        Ok(Wheels::Exact(Box::new(self.read(travels, racks)?)))
+    }
+
+    /// Newton's method for one set of wheels in contact. It keeps the factors of a tangent, at first those of the start,
+    /// while each step is a tenth of the one before. The wheels come from their curves until the last step, which reads
+    /// poses, unless the state may be near.
+    fn newton(&mut self, case: &Case, start: Start<'_>) -> Result<Equilibrium, NoEquilibrium> {
+        let Start {
+            unknowns: start,
+            lifted,
+            factors: known,
+            may_be_near,
+        } = start;
         let held = Held {
             car: self.car,
             case,
             lifted,
         };
         let parameters = Parameters::of(self.car, case);
-        let metre = self.car.per_metre();
-        let weight = start[LOADS..LOADS + 4]
-            .iter()
-            .map(|n| n.abs())
-            .sum::<f64>()
-            .max(1.0);
-        let size = |k: usize| match k {
-            ROLL | PITCH => 1.0,
-            GROUND..LOADS => metre,
-            _ => weight,
-        };
+        let sizes = Sizes::of(&start, self.car);
         let mut x = start;
         let mut reached: Option<[f64; UNKNOWNS]> = None;
         let mut smallest = f64::INFINITY;
         let mut evaluations = 0;
+        let mut factors = known.cloned();
+        let mut is_last = self.curves.is_none();
         for _ in 0..MOST_STEPS {
             let travels: [f64; 4] = [0, 1, 2, 3].map(|k| x[TRAVELS + k]);
-            let readings = match self.read(travels, case.racks) {
-                Ok(readings) => readings,
+            let wheels = match self.wheels(travels, case.racks, is_last) {
+                Ok(wheels) => wheels,
                 // Half the way back to where the wheels had poses.
                 Err(failure) => {
                     let back = reached.ok_or_else(|| failure.clone())?;
                     let far = (0..4).map(|k| (x[TRAVELS + k] - back[TRAVELS + k]).abs());
-                    if far.fold(0.0, f64::max) <= 1e-9 * metre {
+                    if far.fold(0.0, f64::max) <= 1e-9 * sizes.metre {
                         return Err(failure);
                     }
                     for k in 0..UNKNOWNS {
@@ -455,143 +555,139 @@ impl<'a> CarSolver<'a> {
                 }
             };
             evaluations += 1;
-            let (residuals, tangent) = tangent(&readings.base(held), &parameters, &x);
-            let (matrix, scales) = scaled(&tangent);
-            let lu = Lu::of(matrix, 1.0).ok_or(NoEquilibrium::Singular)?;
-            let mut right = residuals;
-            for (residual, scale) in right.iter_mut().zip(scales) {
-                *residual *= -scale;
-            }
-            let step = lu.solve(right);
-            let longest = (0..UNKNOWNS)
-                .map(|k| (step[k] / size(k)).abs())
-                .fold(0.0_f64, f64::max);
+            let base = wheels.base(held, travels);
+            let is_fresh = factors.is_none();
+            let (residuals, lu) = match factors.take() {
+                Some(factors) => (base.balance(&parameters, x, |c: f64| c).residuals, factors),
+                None => {
+                    let (residuals, tangent) = tangent(&base, &parameters, &x);
+                    let factors = Factors::of(&tangent).ok_or(NoEquilibrium::Singular)?;
+                    (residuals, factors)
+                }
+            };
+            let step = lu.solve(residuals.map(|residual| -residual));
+            let longest = sizes.longest(&step);
             if !longest.is_finite() {
-                return Err(NoEquilibrium::Singular);
+                // Factors from elsewhere may be of no use here.
+                if is_fresh {
+                    return Err(NoEquilibrium::Singular);
+                }
+                continue;
             }
-            if longest <= 2.0 * f64::EPSILON || longest >= smallest && smallest <= 1e-10 {
-                return Ok(Found {
-                    state: Equilibrium {
-                        unknowns: x,
-                        lifted,
-                        evaluations,
-                        placed: readings.placed,
-                    },
-                    tangent,
+            let is_end = longest <= ROUNDING || longest >= smallest && smallest <= 1e-10;
+            let is_near = matches!(wheels, Wheels::Near(_));
+            if is_end && is_near && !may_be_near {
+                (is_last, smallest) = (true, f64::INFINITY);
+                factors = Some(lu);
+                continue;
+            }
+            if is_end {
+                // The wheels are known about their travels, too.
+                if longest <= ROUNDING {
+                    for k in 0..UNKNOWNS {
+                        x[k] += step[k];
+                    }
+                }
+                let (_, tangent) = tangent(&base, &parameters, &x);
+                let factors = Factors::of(&tangent).ok_or(NoEquilibrium::Singular)?;
+                let placed = match &wheels {
+                    Wheels::Exact(readings) => readings.placed,
+                    Wheels::Near(_) => self.placed(travels, case.racks)?,
+                };
+                return Ok(Equilibrium {
+                    unknowns: x,
+                    lifted,
+                    evaluations,
+                    placed,
+                    is_near,
+                    tangent: Box::new(tangent),
+                    factors: Box::new(factors),
                 });
             }
+            if !is_fresh && longest > CONTRACTION * smallest {
+                // The tangent of this place is needed.
+                smallest = longest.max(smallest);
+                continue;
+            }
             smallest = smallest.min(longest);
-            let too_long = (0..LOADS).map(|k| match k {
-                ROLL | PITCH => step[k].abs() / LONGEST_TURN,
-                _ => step[k].abs() / (LONGEST_TRAVEL * metre),
-            });
-            let shrink = 1.0 / too_long.fold(1.0, f64::max);
+            let shrink = sizes.shrink(&step);
             reached = Some(x);
             for k in 0..UNKNOWNS {
                 x[k] += shrink * step[k];
             }
+            if shrink == 1.0 && longest <= NEAR {
+                factors = Some(lu);
+            }
         }
         Err(NoEquilibrium::NotFound)
     }
+}
 
-    /// The state, if springs turn and lift the body back to it: the symmetric part of the body's stiffness is positive
-    /// definite, travels and loads free, A and B held.
-    fn stable(found: Found) -> Result<Equilibrium, NoEquilibrium> {
-        let Found { state, tangent } = found;
-        let inverse = held_inverse(&tangent).ok_or(NoEquilibrium::Singular)?;
-        let stiffness = body_stiffness(&tangent, &inverse);
-        let k = |i: usize, j: usize| 0.5 * (stiffness[i][j] + stiffness[j][i]);
-        let minor = k(0, 0) * k(1, 1) - k(0, 1) * k(0, 1);
-        let determinant = k(0, 0) * (k(1, 1) * k(2, 2) - k(1, 2) * k(1, 2))
-            - k(0, 1) * (k(0, 1) * k(2, 2) - k(1, 2) * k(0, 2))
-            + k(0, 2) * (k(0, 1) * k(1, 2) - k(1, 1) * k(0, 2));
-        match k(0, 0) > 0.0 && minor > 0.0 && determinant > 0.0 {
-            true => Ok(state),
-            false => Err(NoEquilibrium::Tips),
+impl Equilibrium {
+    /// Travels of the wheels.
+    pub(super) fn travels(&self) -> [f64; 4] {
+        [0, 1, 2, 3].map(|k| self.unknowns[TRAVELS + k])
+    }
+}
+
+/// Sizes of the unknowns, by which steps are measured.
+struct Sizes {
+    metre: f64,
+    weight: f64,
+}
+
+impl Sizes {
+    fn of(start: &[f64; UNKNOWNS], car: &Car) -> Self {
+        let loads = start[LOADS..LOADS + 4].iter();
+        Sizes {
+            metre: car.per_metre(),
+            weight: loads.map(|n| n.abs()).sum::<f64>().max(1.0),
         }
     }
+
+    /// The largest part of a step, in sizes. NaN if one is.
+    fn longest(&self, step: &[f64; UNKNOWNS]) -> f64 {
+        let mut longest = 0.0_f64;
+        for (k, part) in step.iter().enumerate() {
+            let size = match k {
+                ROLL | PITCH => 1.0,
+                GROUND..LOADS => self.metre,
+                _ => self.weight,
+            };
+            let part = (part / size).abs();
+            // Written so that NaN stays.
+            if !(part <= longest) {
+                longest = part;
+            }
+            if longest.is_nan() {
+                break;
+            }
+        }
+        longest
+    }
+
+    /// The part of a step that is not too long for attitude and travels.
+    fn shrink(&self, step: &[f64; UNKNOWNS]) -> f64 {
+        let too_long = (0..LOADS).map(|k| match k {
+            ROLL | PITCH => step[k].abs() / LONGEST_TURN,
+            _ => step[k].abs() / (LONGEST_TRAVEL * self.metre),
+        });
+        1.0 / too_long.fold(1.0, f64::max)
+    }
 }
 
-impl Case {
-    /// The case with a part of its accelerations; everything else as it is.
-    fn scaled(&self, part: f64) -> Case {
-        Case {
-            ax: self.ax * part,
-            ay: self.ay * part,
-            az: self.az * part,
-            yaw_acceleration: self.yaw_acceleration * part,
-            ..self.clone()
+impl<'a> Wheels<'a> {
+    /// The inputs from which nearby states are evaluated.
+    pub(super) fn base<'h>(&self, held: Held<'h>, travels: [f64; 4]) -> Base<'h, '_, Reading<f64>> {
+        match self {
+            Wheels::Exact(readings) => readings.base(held),
+            Wheels::Near(wheels) => Base {
+                held,
+                racks: None,
+                carriers: [Carriers::Independent; 2],
+                readings: wheels.each_ref(),
+                travels,
+            },
         }
     }
-}
-
-/// Residuals and their derivatives by the unknowns.
-pub(super) fn tangent(
-    base: &Base<'_, '_, Reading<f64>>,
-    parameters: &Parameters<f64>,
-    x: &[f64; UNKNOWNS],
-) -> ([f64; UNKNOWNS], Matrix) {
-    let mut unknowns = [Dual::<f64, UNKNOWNS>::constant(0.0); UNKNOWNS];
-    for (k, unknown) in unknowns.iter_mut().enumerate() {
-        *unknown = Dual::input(x[k], k);
-    }
-    let balance = base.balance(&parameters.map(Dual::constant), unknowns, Dual::constant);
-    (
-        balance.residuals.map(|row| row.value),
-        balance.residuals.map(|row| row.partials),
-    )
-}
-
-/// The matrix with each row divided by its largest entry, and the factors.
-fn scaled(matrix: &Matrix) -> (Matrix, [f64; UNKNOWNS]) {
-    let scales = matrix.map(|row| 1.0 / row.iter().fold(0.0_f64, |m, c| m.max(c.abs())));
-    let mut scaled = *matrix;
-    for (row, scale) in scaled.iter_mut().zip(scales) {
-        row.iter_mut().for_each(|c| *c *= scale);
-    }
-    (scaled, scales)
-}
-
-/// The inverse of a matrix.
-pub(super) fn inverse(matrix: &Matrix) -> Option<Matrix> {
-    let (scaled, scales) = scaled(matrix);
-    let mut inverse = Lu::of(scaled, 1.0)?.inverse();
-    for row in &mut inverse {
-        for (c, scale) in row.iter_mut().zip(scales) {
-            *c *= scale;
-        }
-    }
-    Some(inverse)
-}
-
-/// Unknowns that are held in motions of the body: the attitude and the forces along the ground.
-pub(super) const HELD: [usize; 6] = [
-    ROLL,
-    PITCH,
-    GROUND,
-    SIDE_FORCES,
-    SIDE_FORCES + 1,
-    LONGITUDINAL,
-];
-
-/// The inverse of the tangent with the equations of the whole car replaced by held unknowns, in the order of [`HELD`].
-pub(super) fn held_inverse(tangent: &Matrix) -> Option<Matrix> {
-    let mut matrix = *tangent;
-    for (row, unknown) in matrix[BODY..].iter_mut().zip(HELD) {
-        row.fill(0.0);
-        row[unknown] = 1.0;
-    }
-    inverse(&matrix)
-}
-
-/// Stiffness of the body by (gamma, phi, theta): growth of the vertical force and of the moments about -x and -e.
-pub(super) fn body_stiffness(tangent: &Matrix, held: &Matrix) -> [[f64; 3]; 3] {
-    let rows = [(VERTICAL, 1.0), (ROLL_MOMENT, -1.0), (PITCH_MOMENT, -1.0)];
-    // The change of all unknowns by one of gamma, phi, theta is a column of the inverse.
-    rows.map(|(row, sign)| {
-        HELD_ROWS.map(|motion| {
-            let change = (0..UNKNOWNS).map(|k| tangent[row][k] * held[k][BODY + motion]);
-            sign * change.sum::<f64>()
-        })
-    })
 }

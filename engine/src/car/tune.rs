@@ -1,47 +1,23 @@
-//! Tuning of a car: results of load cases against targets, by hardpoints, rates and figures of the car.
+//! Tuning of a car: results of load cases, and curves and constraints of the axles on their rigs, by hardpoints, rates and
+//! figures of the car.
+//!
+//! With a target's deviations d in tolerances and its weight w, the misfit is that of a study of an axle:
+//!
+//! ```text
+//! misfit^2 = sum w rms(d)^2 / sum w                                                                              (1)
+//! ```
+//!
+//! A target of a case has one deviation, one of a rig as many as stations.
 
-use super::parameters::{AxleParameter, BodyParameter, Parameter};
-use super::{Car, CarGradient, CarQuantity, CarSolver, Case};
-use crate::axle::Law;
-use crate::model::{Axis, PointId, Side};
+use super::moves::{CarVariable, moved};
+use super::rig::RigRows;
+use super::{Car, CarQuantity, CarSolver, Case, NoEquilibrium};
 use crate::optimise::{
-    Bounds, Control, Fit, Infeasible, LeastSquares, Linearisation, Options, multistart,
+    Assessment, Bounds, Constrained, Control, Fit, Infeasible, LeastSquares, Linearisation,
+    Options, Shape, TargetLayout, constrained_multistart, multistart,
 };
+use crate::study::{Optimise, Vehicle};
 use nalgebra::DVector;
-
-/// Quantity that a variable moves.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Moves {
-    /// A coordinate of a hardpoint of both wheels of an axle, 0 the front one; in the study's axes.
-    Hardpoint {
-        /// The axle.
-        axle: usize,
-        /// The hardpoint.
-        point: PointId,
-        /// The coordinate.
-        axis: Axis,
-    },
-    /// A rate of an axle.
-    Rate {
-        /// The axle.
-        axle: usize,
-        /// The rate.
-        parameter: AxleParameter,
-    },
-    /// A figure of the car, in the axes of the front study.
-    Body(BodyParameter),
-    /// The wheelbase.
-    Wheelbase,
-}
-
-/// A number that moves a part of the car: an offset of a hardpoint, else a value.
-#[derive(Clone, Debug, PartialEq)]
-pub struct CarVariable {
-    /// Quantity that the variable moves.
-    pub moves: Moves,
-    /// Lowest and highest value.
-    pub range: [f64; 2],
-}
 
 /// A target of a case.
 #[derive(Clone, Debug, PartialEq)]
@@ -66,288 +42,43 @@ impl CarTarget {
     }
 }
 
-impl Moves {
-    /// The coordinate of a figure of the car that this is, if it is one.
-    fn axis(parameter: BodyParameter) -> Option<Axis> {
-        match parameter {
-            BodyParameter::CgX => Some(Axis::X),
-            BodyParameter::CgY => Some(Axis::Y),
-            BodyParameter::CgZ => Some(Axis::Z),
-            _ => None,
-        }
-    }
-
-    /// Sign between the study's axes and the kernel's.
-    fn sign(&self, car: &Car) -> f64 {
-        match self {
-            Moves::Hardpoint { axle, axis, .. } => car.axles[*axle].left.frame.sign(*axis),
-            Moves::Body(parameter) => {
-                Moves::axis(*parameter).map_or(1.0, |axis| car.axles[0].left.frame.sign(axis))
-            }
-            _ => 1.0,
-        }
-    }
-
-    /// The value in a car, as the study writes it; 0 for the offset of a hardpoint. `None` if the car has no such figure.
-    pub fn value(&self, car: &Car) -> Option<f64> {
-        match *self {
-            Moves::Hardpoint { .. } => Some(0.0),
-            Moves::Rate { axle, parameter } => {
-                let setup = &car.axles[axle].setup;
-                match parameter {
-                    AxleParameter::SpringRate => match &setup.springs.as_ref()?[0].spring {
-                        Law::Linear { rate, .. } => Some(*rate),
-                        Law::Curve(_) => None,
-                    },
-                    _ if !parameter.is_of(&car.axles[axle]) => None,
-                    AxleParameter::BarRate => setup.bar_rate,
-                    AxleParameter::HeaveSpringRate => Some(setup.rocker_springs.heave_spring?.rate),
-                    AxleParameter::TBarRate => setup.rocker_springs.t_bar,
-                    AxleParameter::HeaveBarRate => Some(setup.rocker_springs.heave_bar?.rate),
-                    AxleParameter::TyreRate => Some(car.tyres?[axle].rate),
-                    _ => None,
-                }
-            }
-            Moves::Body(parameter) => {
-                let sign = self.sign(car);
-                match parameter {
-                    BodyParameter::Mass => Some(car.mass),
-                    BodyParameter::CgX => Some(sign * car.cg.x),
-                    BodyParameter::CgY => Some(sign * car.cg.y),
-                    BodyParameter::CgZ => Some(sign * car.cg.z),
-                    BodyParameter::BrakeShareFront => car.brake_share_front,
-                    BodyParameter::DriveShareFront => car.drive_share_front,
-                    _ => None,
-                }
-            }
-            Moves::Wheelbase => {
-                let mid = |axle: usize| {
-                    let centre = |side: Side| {
-                        let wheel = car.axles[axle].suspension(side);
-                        wheel.design[wheel.mechanism.wheel_centre.0].x
-                    };
-                    0.5 * (centre(Side::Left) + centre(Side::Right))
-                };
-                Some(mid(0) - mid(1) - car.rear_offset.x)
-            }
-        }
-    }
-
-    /// Moves a part of the car to a value; a hardpoint by it.
-    pub fn apply(&self, value: f64, car: &mut Car) {
-        let sign = self.sign(car);
-        let now = self.value(car).unwrap_or(0.0);
-        match *self {
-            Moves::Hardpoint { axle, point, axis } => {
-                let axle = &mut car.axles[axle];
-                let mut left = axle.left.design.clone();
-                left[point.0][axis] += sign * value;
-                axle.complete(&mut left);
-                let right = axle.right_design(&left).map(|points| points.collect());
-                if let (Some(wheel), Some(design)) = (&mut axle.right, right) {
-                    wheel.design = design;
-                }
-                axle.left.design = left;
-            }
-            Moves::Rate { axle, parameter } => {
-                let setup = &mut car.axles[axle].setup;
-                match parameter {
-                    AxleParameter::SpringRate => {
-                        for law in setup.springs.iter_mut().flatten() {
-                            if let Law::Linear { rate, .. } = &mut law.spring {
-                                *rate += value - now;
-                            }
-                        }
-                    }
-                    AxleParameter::BarRate => setup.bar_rate = Some(value),
-                    AxleParameter::TBarRate => setup.rocker_springs.t_bar = Some(value),
-                    AxleParameter::HeaveSpringRate => {
-                        if let Some(law) = &mut setup.rocker_springs.heave_spring {
-                            law.rate = value;
-                        }
-                    }
-                    AxleParameter::HeaveBarRate => {
-                        if let Some(law) = &mut setup.rocker_springs.heave_bar {
-                            law.rate = value;
-                        }
-                    }
-                    _ => {
-                        if let Some(tyres) = &mut car.tyres {
-                            tyres[axle].rate = value;
-                        }
-                    }
-                }
-            }
-            Moves::Body(parameter) => match parameter {
-                BodyParameter::Mass => car.mass = value,
-                BodyParameter::CgX => car.cg.x = sign * value,
-                BodyParameter::CgY => car.cg.y = sign * value,
-                BodyParameter::CgZ => car.cg.z = sign * value,
-                BodyParameter::BrakeShareFront => car.brake_share_front = Some(value),
-                _ => car.drive_share_front = Some(value),
-            },
-            Moves::Wheelbase => car.rear_offset.x -= value - now,
-        }
-    }
-
-    /// Its name in columns, without the unit: `front_tie_rod_inner_dz`, `rear_anti_roll_bar_rate`, `car_cg_z`.
-    pub fn stem(&self, car: &Car) -> String {
-        match *self {
-            Moves::Hardpoint { axle, point, axis } => {
-                let name = car.axles[axle].left.mechanism.name(point);
-                format!("{}_{name}_d{}", ["front", "rear"][axle], axis.name())
-            }
-            _ => self.label(car).replace('.', "_"),
-        }
-    }
-
-    /// Its unit; empty for a share.
-    pub fn unit(&self, car: &Car) -> String {
-        let length = car.length_unit.symbol();
-        match self {
-            Moves::Hardpoint { .. } | Moves::Wheelbase => length.to_owned(),
-            Moves::Rate { parameter, .. } => match parameter {
-                AxleParameter::BarRate | AxleParameter::TBarRate | AxleParameter::HeaveBarRate => {
-                    format!("N_{length}_per_rad")
-                }
-                _ => format!("N_per_{length}"),
-            },
-            Moves::Body(BodyParameter::Mass) => "kg".to_owned(),
-            Moves::Body(parameter) if Moves::axis(*parameter).is_some() => length.to_owned(),
-            Moves::Body(_) => String::new(),
-        }
-    }
-
-    /// The derivative of a result by the variable.
-    pub fn slope(&self, car: &Car, gradient: &CarGradient) -> f64 {
-        let by = |parameter: Parameter| gradient.parameters[parameter.place()];
-        match *self {
-            Moves::Hardpoint { axle, point, axis } => {
-                self.sign(car) * gradient.hardpoints[axle][point.0][axis]
-            }
-            Moves::Rate { axle, parameter } => by(Parameter::Axle(axle, parameter)),
-            Moves::Body(parameter) => self.sign(car) * by(Parameter::Body(parameter)),
-            Moves::Wheelbase => -by(Parameter::Axle(1, AxleParameter::OffsetX)),
-        }
-    }
-
-    /// Name of the variable.
-    pub fn label(&self, car: &Car) -> String {
-        let end = |axle: usize| ["front", "rear"][axle];
-        match *self {
-            Moves::Hardpoint { axle, point, axis } => {
-                let name = car.axles[axle].left.mechanism.name(point);
-                format!("{}.{name}.{}", end(axle), axis.name())
-            }
-            Moves::Rate { axle, parameter } => format!("{}.{}", end(axle), rate_key(parameter)),
-            Moves::Body(parameter) => format!("car.{}", body_key(parameter)),
-            Moves::Wheelbase => "car.wheelbase".to_owned(),
-        }
-    }
+/// Limits of a result of a case.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CarConstraint {
+    /// Name.
+    pub name: String,
+    /// The result.
+    pub quantity: CarQuantity,
+    /// Number of the case.
+    pub case: usize,
+    /// Lowest and highest value, as printed; infinite without a limit.
+    pub between: [f64; 2],
+    /// Change of the printed value that counts as 1: one that anybody would see.
+    pub visible: f64,
 }
 
-/// Key of a rate in an axle's study.
-pub fn rate_key(parameter: AxleParameter) -> &'static str {
-    match parameter {
-        AxleParameter::SpringRate => "spring.rate",
-        AxleParameter::SpringForce => "spring.force",
-        AxleParameter::BarRate => "anti_roll_bar.rate",
-        AxleParameter::HeaveSpringRate => "heave_spring.rate",
-        AxleParameter::HeaveSpringForce => "heave_spring.force",
-        AxleParameter::TBarRate => "t_bar.rate",
-        AxleParameter::HeaveBarRate => "heave_bar.rate",
-        AxleParameter::HeaveBarTorque => "heave_bar.torque",
-        AxleParameter::TyreRate => "tyre.rate",
-        AxleParameter::Radius => "wheel.radius",
-        AxleParameter::UnsprungMass => "vehicle.unsprung_mass",
-        AxleParameter::OffsetX => "offset_x",
-        AxleParameter::OffsetY => "offset_y",
-        AxleParameter::OffsetZ => "offset_z",
-        AxleParameter::Rack => "rack",
-    }
+/// Targets and constraints of an axle by itself, on its rig.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RigGoals {
+    /// Targets, constraints, and variables, as a study of the axle has them.
+    pub optimise: Optimise,
+    /// Numbers of these variables among the car's.
+    pub columns: Vec<usize>,
 }
 
-/// Name of a figure of the body or the case.
-pub fn body_key(parameter: BodyParameter) -> &'static str {
-    match parameter {
-        BodyParameter::Mass => "mass",
-        BodyParameter::CgX => "cg_x",
-        BodyParameter::CgY => "cg_y",
-        BodyParameter::CgZ => "cg_z",
-        BodyParameter::BrakeShareFront => "brake_share_front",
-        BodyParameter::DriveShareFront => "drive_share_front",
-        BodyParameter::Ax => "ax",
-        BodyParameter::Ay => "ay",
-        BodyParameter::Az => "az",
-        BodyParameter::Speed => "speed",
-        BodyParameter::Warp => "warp",
-    }
-}
-
-/// The car with variables at these values.
-pub fn moved(car: &Car, variables: &[CarVariable], x: &[f64]) -> Car {
-    let mut moved = car.clone();
-    for (variable, value) in variables.iter().zip(x) {
-        variable.moves.apply(*value, &mut moved);
-    }
-    moved
-}
-
-/// Targets of cases as a least-squares problem.
-struct Objective<'a> {
-    car: &'a Car,
-    cases: &'a [Case],
-    variables: &'a [CarVariable],
-    targets: &'a [CarTarget],
-}
-
-impl LeastSquares for Objective<'_> {
-    fn variables(&self) -> usize {
-        self.variables.len()
-    }
-
-    fn residuals(&self) -> usize {
-        self.targets.len()
-    }
-
-    fn evaluate(&mut self, x: &DVector<f64>, into: &mut Linearisation) -> Result<(), Infeasible> {
-        let car = moved(self.car, self.variables, x.as_slice());
-        let refused = |text: String| Infeasible::Refused(text);
-        let solver = CarSolver::new(&car);
-        let mut solver = solver.map_err(|(axle, side, fault)| {
-            refused(car.axles[axle].describe_fault((side, fault)))
-        })?;
-        for (number, case) in self.cases.iter().enumerate() {
-            let rows: Vec<usize> = (0..self.targets.len())
-                .filter(|row| self.targets[*row].case == number)
-                .collect();
-            if rows.is_empty() {
-                continue;
-            }
-            let fails = |why: super::NoEquilibrium| refused(format!("case {}: {why}", case.name));
-            let found = solver.solve(case).map_err(fails)?;
-            let quantities: Vec<CarQuantity> =
-                rows.iter().map(|row| self.targets[*row].quantity).collect();
-            let gradients = solver.gradients(case, &found, &quantities).map_err(fails)?;
-            for (row, gradient) in rows.into_iter().zip(&gradients) {
-                let target = &self.targets[row];
-                let printed = target.quantity.info().unit.printed_factor(car.length_unit);
-                let scale = target.weight.sqrt() / target.tolerance;
-                let deviation = target.deviation(printed * gradient.value);
-                into.residuals[row] = scale * deviation;
-                // Inside a band nothing changes the deviation.
-                let is_inside = deviation == 0.0 && target.wanted[0] < target.wanted[1];
-                for (column, variable) in self.variables.iter().enumerate() {
-                    let slope = match is_inside {
-                        true => 0.0,
-                        false => variable.moves.slope(&car, gradient),
-                    };
-                    into.jacobian[(row, column)] = scale * printed * slope;
-                }
-            }
-        }
-        Ok(())
-    }
+/// Goals of a tuning.
+#[derive(Clone, Copy, Debug)]
+pub struct CarGoals<'a> {
+    /// Load cases.
+    pub cases: &'a [Case],
+    /// Design variables.
+    pub variables: &'a [CarVariable],
+    /// Targets of cases.
+    pub targets: &'a [CarTarget],
+    /// Constraints of cases.
+    pub constraints: &'a [CarConstraint],
+    /// Goals of the front and of the rear axle by themselves, with the axle.
+    pub rigs: [Option<(&'a Vehicle, &'a RigGoals)>; 2],
 }
 
 /// Budget and starts of a tuning.
@@ -361,37 +92,263 @@ pub struct CarRun {
     pub seed: u32,
 }
 
+/// Goals as residuals and rows of constraints. The rows of cases come first, then those of the front and of the rear rig.
+struct Objective<'a> {
+    car: &'a Car,
+    goals: CarGoals<'a>,
+    rigs: Vec<RigRows<'a>>,
+    /// Factor of all residuals, by (1).
+    scale: f64,
+}
+
+/// A result that a case is asked for, and its use.
+enum Use {
+    /// Residual of a target.
+    Target(usize),
+    /// Rows of a constraint, by the number of the first.
+    Constraint(usize, usize),
+}
+
+impl Objective<'_> {
+    /// Number of the residuals of cases.
+    fn residuals_of_cases(&self) -> usize {
+        self.goals.targets.len()
+    }
+
+    /// Numbers of the first row of each constraint of a case, and of all their rows.
+    fn rows_of_cases(&self) -> (Vec<usize>, usize) {
+        let mut first = Vec::new();
+        let mut count = 0;
+        for constraint in self.goals.constraints {
+            first.push(count);
+            count += constraint.between.iter().filter(|l| l.is_finite()).count();
+        }
+        (first, count)
+    }
+
+    fn equalities(&self) -> usize {
+        self.rigs.iter().map(|rig| rig.shape().equalities).sum()
+    }
+
+    /// Residuals and rows at `x`.
+    fn evaluate_all(
+        &mut self,
+        x: &DVector<f64>,
+        into: &mut Linearisation,
+        mut rows: Option<&mut Linearisation>,
+    ) -> Result<(), Infeasible> {
+        let car = moved(self.car, self.goals.variables, x.as_slice());
+        let solver = CarSolver::new(&car);
+        let mut solver =
+            solver.map_err(|fault| Infeasible::Refused(self.car.describe_fault(&fault)))?;
+        for number in 0..self.goals.cases.len() {
+            self.evaluate_case(&car, &mut solver, number, into, rows.as_deref_mut())?;
+        }
+        let mut residual = self.residuals_of_cases();
+        // Equalities are before all other rows.
+        let mut equality = 0;
+        let mut row = self.equalities() + self.rows_of_cases().1;
+        for rig in &mut self.rigs {
+            let shape = rig.shape();
+            rig.assess(x)?;
+            rig.write_residuals(residual, self.scale, into);
+            if let Some(rows) = rows.as_deref_mut() {
+                rig.write_rows([equality, row], rows);
+            }
+            residual += shape.goal;
+            equality += shape.equalities;
+            row += shape.rows - shape.equalities;
+        }
+        Ok(())
+    }
+
+    /// Residuals and rows of one case.
+    fn evaluate_case(
+        &self,
+        car: &Car,
+        solver: &mut CarSolver<'_>,
+        number: usize,
+        into: &mut Linearisation,
+        mut rows: Option<&mut Linearisation>,
+    ) -> Result<(), Infeasible> {
+        let goals = &self.goals;
+        let case = &goals.cases[number];
+        let mut uses = Vec::new();
+        let mut quantities: Vec<CarQuantity> = Vec::new();
+        for (row, target) in goals.targets.iter().enumerate() {
+            if target.case == number {
+                uses.push(Use::Target(row));
+                quantities.push(target.quantity);
+            }
+        }
+        if rows.is_some() {
+            let (first, _) = self.rows_of_cases();
+            for (place, constraint) in goals.constraints.iter().enumerate() {
+                if constraint.case == number {
+                    uses.push(Use::Constraint(place, self.equalities() + first[place]));
+                    quantities.push(constraint.quantity);
+                }
+            }
+        }
+        if quantities.is_empty() {
+            return Ok(());
+        }
+        let fails = |why: NoEquilibrium| Infeasible::Refused(format!("case {}: {why}", case.name));
+        let found = solver.solve(case).map_err(fails)?;
+        let gradients = solver.gradients(case, &found, &quantities).map_err(fails)?;
+        for (used, gradient) in uses.iter().zip(&gradients) {
+            let unit = gradient_unit(used, goals);
+            let printed = unit.info().unit.printed_factor(car.length_unit);
+            let value = printed * gradient.value;
+            let slope = |variable: &CarVariable| printed * variable.moves.slope(car, gradient);
+            match *used {
+                Use::Target(row) => {
+                    let target = &goals.targets[row];
+                    let scale = self.scale * target.weight.sqrt() / target.tolerance;
+                    let deviation = target.deviation(value);
+                    into.residuals[row] = scale * deviation;
+                    // Inside a band nothing changes the deviation.
+                    let is_inside = deviation == 0.0 && target.wanted[0] < target.wanted[1];
+                    for (column, variable) in goals.variables.iter().enumerate() {
+                        into.jacobian[(row, column)] = match is_inside {
+                            true => 0.0,
+                            false => scale * slope(variable),
+                        };
+                    }
+                }
+                Use::Constraint(place, first) => {
+                    let Some(rows) = rows.as_deref_mut() else {
+                        continue;
+                    };
+                    let constraint = &goals.constraints[place];
+                    let limits = constraint.between.into_iter().zip([-1.0, 1.0]);
+                    let limits = limits.filter(|(limit, _)| limit.is_finite());
+                    for (row, (limit, sign)) in (first..).zip(limits) {
+                        let scale = sign / constraint.visible;
+                        rows.residuals[row] = scale * (value - limit);
+                        for (column, variable) in goals.variables.iter().enumerate() {
+                            rows.jacobian[(row, column)] = scale * slope(variable);
+                        }
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The result that is used.
+fn gradient_unit(used: &Use, goals: &CarGoals<'_>) -> CarQuantity {
+    match *used {
+        Use::Target(row) => goals.targets[row].quantity,
+        Use::Constraint(place, _) => goals.constraints[place].quantity,
+    }
+}
+
+impl LeastSquares for Objective<'_> {
+    fn variables(&self) -> usize {
+        self.goals.variables.len()
+    }
+
+    fn residuals(&self) -> usize {
+        let of_rigs: usize = self.rigs.iter().map(|rig| rig.shape().goal).sum();
+        self.residuals_of_cases() + of_rigs
+    }
+
+    fn evaluate(&mut self, x: &DVector<f64>, into: &mut Linearisation) -> Result<(), Infeasible> {
+        self.evaluate_all(x, into, None)
+    }
+}
+
+impl Constrained for Objective<'_> {
+    fn shape(&self) -> Shape {
+        let of_rigs: usize = self.rigs.iter().map(|rig| rig.shape().rows).sum();
+        Shape {
+            variables: self.variables(),
+            goal: self.residuals(),
+            levels: Vec::new(),
+            rows: self.rows_of_cases().1 + of_rigs,
+            equalities: self.equalities(),
+        }
+    }
+
+    fn row_limits(&self) -> Vec<f64> {
+        let mut limits = vec![0.0; self.shape().rows];
+        let mut equality = 0;
+        let mut row = self.equalities();
+        for constraint in self.goals.constraints {
+            for limit in constraint.between.iter().filter(|l| l.is_finite()) {
+                limits[row] = limit.abs() / constraint.visible;
+                row += 1;
+            }
+        }
+        for rig in &self.rigs {
+            let equalities = rig.shape().equalities;
+            for (place, limit) in rig.row_limits().into_iter().enumerate() {
+                let next = match place < equalities {
+                    true => &mut equality,
+                    false => &mut row,
+                };
+                limits[*next] = limit;
+                *next += 1;
+            }
+        }
+        limits
+    }
+
+    fn assess(&mut self, x: &DVector<f64>, into: &mut Assessment) -> Result<(), Infeasible> {
+        self.evaluate_all(x, &mut into.goal, Some(&mut into.rows))
+    }
+}
+
 /// Tunes a car, and returns the best of several starts. Errors if the cases cannot be solved in the study's design, or a range
 /// is empty.
 pub fn tune(
     car: &Car,
-    cases: &[Case],
-    variables: &[CarVariable],
-    targets: &[CarTarget],
+    goals: CarGoals<'_>,
     run: CarRun,
     control: Control<'_>,
 ) -> Result<Fit, String> {
-    let ranges: Vec<[f64; 2]> = variables.iter().map(|variable| variable.range).collect();
+    let ranges: Vec<[f64; 2]> = goals.variables.iter().map(|v| v.range).collect();
     let bounds = Bounds::new(&ranges).map_err(|fault| fault.to_string())?;
-    let start = variables
-        .iter()
-        .map(|variable| variable.moves.value(car).unwrap_or(0.0));
-    let start = DVector::from_iterator(variables.len(), start);
+    let start = goals.variables.iter();
+    let start = start.map(|variable| variable.moves.value(car).unwrap_or(0.0));
+    let start = DVector::from_iterator(goals.variables.len(), start);
     let options = Options {
         max_iterations: run.max_iterations,
         max_evaluations: 10 * run.max_iterations,
         ..Options::default()
     };
+    let layouts = goals.rigs.map(|rig| {
+        let (vehicle, own) = rig?;
+        Some((vehicle, own, TargetLayout::of(&own.optimise, vehicle)))
+    });
+    let rigs = || {
+        let layouts = layouts.iter().flatten();
+        let rows = layouts.map(|(vehicle, own, layout)| RigRows::new(vehicle, own, layout));
+        rows.collect::<Result<Vec<_>, _>>()
+    };
+    // Accepted here, the axles are accepted in every start.
+    let accepted = rigs().map_err(|fault| format!("{fault:?}"))?;
+    let residuals: usize = accepted.iter().map(|rig| rig.shape().goal).sum();
+    let of_cases: f64 = goals.targets.iter().map(|target| target.weight).sum();
+    let weights = of_cases + accepted.iter().map(RigRows::weights).sum::<f64>();
+    let scale = ((goals.targets.len() + residuals) as f64 / weights).sqrt();
     let objective = || Objective {
         car,
-        cases,
-        variables,
-        targets,
+        goals,
+        rigs: rigs().unwrap_or_default(),
+        scale,
     };
     let starts = run.starts.max(1);
-    let found = multistart(
-        objective, &bounds, &start, starts, run.seed, &options, control,
-    );
+    let found = match objective().shape().rows {
+        0 => multistart(
+            objective, &bounds, &start, starts, run.seed, &options, control,
+        ),
+        _ => constrained_multistart(
+            objective, &bounds, &start, starts, run.seed, &options, control,
+        ),
+    };
     let mut starts = found.starts;
     // Without a best start the reason is that of the design.
     let best = starts.swap_remove(found.best.unwrap_or(0));

@@ -1,12 +1,14 @@
 //! The system of one design: elastic parts at their hardpoints.
 
+mod seats;
+
 use super::bushing::Bushing;
-use super::definition::{AxialStiffness, Compliance, LinkMember};
+use super::definition::{AxialStiffness, Compliance, LinkMember, Subframe};
 use super::floating::Floating;
-use super::law::Law;
+use super::ground::{Holder, Holders};
+use super::law::{Law, Shape};
 use super::loads::WheelPart;
-use super::parts::{CarrierSeat, Joint, LegSeat, Mount, RodPart};
-use super::point::{RockerSeat, Seat};
+use super::parts::{Joint, Mount, RodPart};
 use super::swinging::{End, Swinging};
 use super::system::{CarrierBushing, Limb, System};
 use crate::derive::DesignedSpinAxis;
@@ -27,6 +29,8 @@ pub(super) enum BushingPlace {
     Mount(usize),
     /// Between body and carrier.
     Carrier(usize),
+    /// Between body and subframe.
+    Subframe(usize),
 }
 
 /// Place of one of the definition's links in the system.
@@ -48,11 +52,20 @@ pub(super) struct Built<T> {
     pub(super) names: Vec<String>,
 }
 
+/// Parts of an axle that a wheel's parts meet.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct OfAxle<'a, T> {
+    pub(super) subframe: Option<&'a Subframe<T>>,
+    /// Rate of the anti-roll bar: torque per angle between its levers.
+    pub(super) bar_rate: Option<T>,
+}
+
 /// Builds a system step by step.
 struct Builder<'a, T> {
     mechanism: &'a Mechanism,
     design: &'a [Vector3<T>],
     compliance: &'a Compliance<T>,
+    of_axle: OfAxle<'a, T>,
     system: System<T>,
     bushings: Vec<Option<BushingPlace>>,
     links: Vec<Option<LinkPlace>>,
@@ -74,6 +87,7 @@ impl<T: Scalar> Built<T> {
         design: &[Vector3<T>],
         radius: f64,
         compliance: &Compliance<T>,
+        of_axle: OfAxle<'_, T>,
     ) -> Self {
         let origin = design[mechanism.origin.0];
         let wheel = WheelPart {
@@ -85,12 +99,17 @@ impl<T: Scalar> Built<T> {
             mechanism,
             design,
             compliance,
+            of_axle,
             system: System {
                 limbs: Vec::new(),
                 bushings: Vec::new(),
                 rods: Vec::new(),
                 joints: Vec::new(),
                 wheel,
+                holders: Holders::none(),
+                subframe: None,
+                bar: None,
+                bar_on: Holder::Body,
             },
             bushings: vec![None; compliance.bushings.len()],
             links: vec![None; compliance.links.len()],
@@ -100,9 +119,12 @@ impl<T: Scalar> Built<T> {
         let arms = builder.arms();
         builder.constraints();
         builder.spring(&arms);
+        builder.bar(&arms);
+        let mounts = builder.subframe();
+        let bushings = builder.bushings.into_iter().flatten();
         Built {
             system: builder.system,
-            bushings: builder.bushings.into_iter().flatten().collect(),
+            bushings: bushings.chain(mounts).collect(),
             links: builder.links.into_iter().flatten().collect(),
             names: builder.names,
         }
@@ -119,6 +141,25 @@ impl<T: Scalar> Builder<'_, T> {
         self.at(id) - self.at(self.mechanism.origin)
     }
 
+    /// The body that holds a point of the vehicle.
+    fn holder(&self, id: PointId) -> Holder {
+        match self.of_axle.subframe {
+            Some(subframe) if subframe.carries.contains(&id) => Holder::Subframe,
+            _ => Holder::Body,
+        }
+    }
+
+    fn push_limb(&mut self, limb: Limb<T>, name: &str, holder: Holder) {
+        self.system.limbs.push(limb);
+        self.system.holders.limbs.push(holder);
+        self.names.push(name.to_owned());
+    }
+
+    fn push_joint(&mut self, joint: Joint<T>, holder: Holder) {
+        self.system.joints.push(joint);
+        self.system.holders.joints.push(holder);
+    }
+
     fn is_on_rack(&self, id: PointId) -> bool {
         self.mechanism.body(id) == Body::Rack
     }
@@ -132,19 +173,15 @@ impl<T: Scalar> Builder<'_, T> {
     /// normal to it.
     fn axes(&self, number: usize, default: Vector3<T>) -> Matrix3<T> {
         let part = &self.compliance.bushings[number];
-        let x = part.x_axis.unwrap_or(default).normalised();
-        let z = part.z_axis.unwrap_or(self.up()).across(x).normalised();
-        Matrix3 {
-            columns: [x, z.cross(x), z],
-        }
+        axes_of(
+            part.x_axis.unwrap_or(default),
+            part.z_axis.unwrap_or(self.up()),
+        )
     }
 
     fn bushing(&self, number: usize, axes: Matrix3<T>) -> Bushing<T> {
         let part = &self.compliance.bushings[number];
-        Bushing {
-            axes,
-            laws: std::array::from_fn(|k| Law::new(part.shapes[k].clone(), part.preload[k])),
-        }
+        bushing(&part.shapes, &part.preload, axes)
     }
 
     /// Arms with a bushing. Returns the limb of each arm.
@@ -179,17 +216,18 @@ impl<T: Scalar> Builder<'_, T> {
                 });
                 parts.push(self.end(id, arm.outer, bushing));
             }
-            self.system.limbs.push(Limb::Swinging(Swinging {
-                joint: self.on_carrier(arm.outer),
-                ends: parts,
-                seat: None,
-                spin: None,
-            }));
             let is_arm = |body: &Body| matches!(body, Body::Arm(id) if id.0 == k);
             let mut bodies = self.mechanism.bodies.iter();
             let name = bodies.find(|(_, body)| is_arm(body));
-            self.names
-                .push(name.map_or("arm", |(name, _)| name).to_owned());
+            let name = name.map_or("arm", |(name, _)| name);
+            let swinging = Limb::Swinging(Swinging {
+                joint: self.on_carrier(arm.outer),
+                ends: parts,
+                seat: None,
+                bar: None,
+                spin: None,
+            });
+            self.push_limb(swinging, name, self.holder(arm.front));
             limbs[k] = Some(limb);
         }
         limbs
@@ -199,12 +237,13 @@ impl<T: Scalar> Builder<'_, T> {
     fn end(&mut self, id: PointId, outer: PointId, bushing: Option<Bushing<T>>) -> End<T> {
         let lever = self.at(id) - self.at(outer);
         if bushing.is_none() {
-            self.system.joints.push(Joint::Rod(RodPart {
+            let rod = RodPart {
                 joint: self.on_carrier(outer),
                 along: -lever,
                 on_rack: self.is_on_rack(id),
                 elastic: None,
-            }));
+            };
+            self.push_joint(Joint::Rod(rod), self.holder(id));
         }
         End {
             lever,
@@ -250,13 +289,14 @@ impl<T: Scalar> Builder<'_, T> {
                 self.bushings[number] = Some(BushingPlace::Limb { limb, end: 0 });
                 let bushing = self.bushing(number, self.axes(number, along));
                 let end = self.end(inner, outer, Some(bushing));
-                self.system.limbs.push(Limb::Swinging(Swinging {
+                let swinging = Limb::Swinging(Swinging {
                     joint: self.on_carrier(outer),
                     ends: vec![end],
                     seat: None,
+                    bar: None,
                     spin: Some(spin),
-                }));
-                self.names.push(name);
+                });
+                self.push_limb(swinging, &name, self.holder(inner));
             }
             (at_inner, Some(number)) => {
                 self.bushings[number] = Some(BushingPlace::Limb { limb, end: 1 });
@@ -265,15 +305,15 @@ impl<T: Scalar> Builder<'_, T> {
                     self.bushings[number] = Some(BushingPlace::Limb { limb, end: 0 });
                     self.bushing(number, self.axes(number, along))
                 });
-                self.system.limbs.push(Limb::Floating(Floating {
+                let floating = Limb::Floating(Floating {
                     along,
                     on_rack: self.is_on_rack(inner),
                     inner: inner_bushing,
                     outer: outer_bushing,
                     joint: self.on_carrier(outer),
                     spin,
-                }));
-                self.names.push(name);
+                });
+                self.push_limb(floating, &name, self.holder(inner));
             }
         }
     }
@@ -287,11 +327,12 @@ impl<T: Scalar> Builder<'_, T> {
             elastic: None,
         };
         match self.compliance.link(member) {
-            None => self.system.joints.push(Joint::Rod(rod)),
+            None => self.push_joint(Joint::Rod(rod), self.holder(inner)),
             Some(stiffness) => {
                 rod.elastic = Some([rate(stiffness, along), along.x.zero()]);
                 self.place_link(member, LinkPlace::Rod(self.system.rods.len()));
                 self.system.rods.push(rod);
+                self.system.holders.rods.push(self.holder(inner));
             }
         }
     }
@@ -312,7 +353,7 @@ impl<T: Scalar> Builder<'_, T> {
             None => {
                 for normal in normals(along) {
                     let top = self.on_carrier(top);
-                    self.system.joints.push(Joint::Line { normal, top });
+                    self.push_joint(Joint::Line { normal, top }, Holder::Body);
                 }
             }
             Some(number) => {
@@ -328,14 +369,14 @@ impl<T: Scalar> Builder<'_, T> {
                     columns: [x, z.cross(x), z],
                 };
                 let law = self.compliance.spring.as_ref();
-                self.system.limbs.push(Limb::Mount(Mount {
+                let mount = Limb::Mount(Mount {
                     top: self.on_carrier(top),
                     along,
                     spring_line: self.at(top) - self.at(lower),
                     bushing: self.bushing(number, axes),
                     spring: law.cloned(),
-                }));
-                self.names.push("strut".to_owned());
+                });
+                self.push_limb(mount, "strut", Holder::Body);
             }
         }
     }
@@ -349,7 +390,7 @@ impl<T: Scalar> Builder<'_, T> {
             Vector3::new(zero, one, zero),
             Vector3::new(zero, zero, one),
         ] {
-            self.system.joints.push(Joint::Pin { lever, direction });
+            self.push_joint(Joint::Pin { lever, direction }, self.holder(at));
         }
     }
 
@@ -370,100 +411,37 @@ impl<T: Scalar> Builder<'_, T> {
                     self.bushings[number] = Some(BushingPlace::Carrier(self.system.bushings.len()));
                     let bushing = self.bushing(number, self.axes(number, along));
                     self.system.bushings.push(CarrierBushing { lever, bushing });
+                    self.system.holders.bushings.push(self.holder(id));
                 }
                 // Two rigid joints on one line: the second one may not hold along it again.
                 None if numbers == [None, None] && k == 1 => {
                     for direction in normals(along) {
-                        self.system.joints.push(Joint::Pin { lever, direction });
+                        self.push_joint(Joint::Pin { lever, direction }, self.holder(id));
                     }
                 }
                 None => {
                     for direction in axes {
-                        self.system.joints.push(Joint::Pin { lever, direction });
+                        self.push_joint(Joint::Pin { lever, direction }, self.holder(id));
                     }
                 }
             }
         }
     }
+}
 
-    /// The spring, where it has a law: on the part that carries its seat.
-    fn spring(&mut self, arms: &[Option<usize>]) {
-        let (Some(spring), Some(law)) = (self.mechanism.spring, &self.compliance.spring) else {
-            return;
-        };
-        let in_strut = self
-            .system
-            .limbs
-            .iter()
-            .any(|l| matches!(l, Limb::Mount(_)));
-        if in_strut && self.mechanism.body(spring.upper) == Body::Chassis {
-            return;
-        }
-        let law = law.clone();
-        let mut point = spring.lower;
-        let rocker = match self.mechanism.body(spring.lower) {
-            Body::Rocker(id) => {
-                let rocker = self.mechanism.rocker(id);
-                point = rocker.outer;
-                let member = LinkMember::RockerRod(id);
-                let along = self.at(rocker.inner) - self.at(rocker.outer);
-                let stiffness = self.compliance.link(member);
-                let rod = stiffness.map(|stiffness| [rate(stiffness, along), along.x.zero()]);
-                if rod.is_some() {
-                    self.place_link(member, LinkPlace::RockerRod);
-                }
-                Some(RockerSeat {
-                    axis: [self.at(rocker.first), self.at(rocker.second)],
-                    inner: self.at(rocker.inner),
-                    spring: self.at(spring.lower),
-                    rod,
-                })
-            }
-            _ => None,
-        };
-        let seat = Seat {
-            point: self.at(point),
-            upper: self.at(spring.upper),
-            law,
-            rocker,
-        };
-        match self.mechanism.body(point) {
-            Body::Arm(id) => {
-                let arm = self.mechanism.arms[id.0];
-                match arms[id.0] {
-                    Some(limb) => {
-                        let lever = self.at(point) - self.at(arm.outer);
-                        if let Limb::Swinging(swinging) = &mut self.system.limbs[limb] {
-                            swinging.seat = Some((lever, seat));
-                        }
-                    }
-                    None => self.leg_seat(&arm, point, seat),
-                }
-            }
-            _ => {
-                let lever = self.on_carrier(point);
-                self.system
-                    .limbs
-                    .push(Limb::CarrierSeat(CarrierSeat { lever, seat }));
-                self.names.push("spring".to_owned());
-            }
-        }
+/// Axes as columns: x along the first direction, z the part of the second that is normal to it.
+fn axes_of<T: Scalar>(x: Vector3<T>, z: Vector3<T>) -> Matrix3<T> {
+    let x = x.normalised();
+    let z = z.across(x).normalised();
+    Matrix3 {
+        columns: [x, z.cross(x), z],
     }
+}
 
-    fn leg_seat(&mut self, arm: &Arm, point: PointId, seat: Seat<T>) {
-        let front = self.at(arm.front);
-        let axis = (self.at(arm.rear) - front).normalised();
-        let radius = (self.at(arm.outer) - front).across(axis);
-        let radial = radius.normalised();
-        let from_axis = self.at(point) - front;
-        self.system.limbs.push(Limb::LegSeat(LegSeat {
-            joint: self.on_carrier(arm.outer),
-            axis,
-            radius,
-            place: [radial.dot(from_axis), axis.cross(radial).dot(from_axis)],
-            seat,
-        }));
-        self.names.push("spring".to_owned());
+fn bushing<T: Scalar>(shapes: &[Shape<T>; 6], preload: &[T; 6], axes: Matrix3<T>) -> Bushing<T> {
+    Bushing {
+        axes,
+        laws: std::array::from_fn(|k| Law::new(shapes[k].clone(), preload[k])),
     }
 }
 

@@ -3,7 +3,7 @@
 use super::law::Shape;
 use crate::axle::SpringLaw;
 use crate::model::{Body, Constraint, Mechanism, PointId, RockerId};
-use crate::number::Vector3;
+use crate::number::{Scalar, Vector3};
 
 /// Position in which elastic parts are relaxed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,6 +27,60 @@ pub struct BushingPart<T = f64> {
     pub x_axis: Option<Vector3<T>>,
     /// Direction whose part normal to the x axis is the z axis; `None` for the vertical.
     pub z_axis: Option<Vector3<T>>,
+}
+
+/// A mount of the subframe at the body: the left one; the right one is its mirror image.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SubframeMount<T = f64> {
+    /// Its name.
+    pub name: String,
+    /// Its place in the design position, in the kernel's frame.
+    pub at: Vector3<T>,
+    /// Laws along and about its axes.
+    pub shapes: [Shape<T>; 6],
+    /// Constant forces and torques.
+    pub preload: [T; 6],
+    /// Direction of its x axis; `None` for forward.
+    pub x_axis: Option<Vector3<T>>,
+    /// Direction whose part normal to the x axis is the z axis; `None` for the vertical.
+    pub z_axis: Option<Vector3<T>>,
+}
+
+/// A subframe that holds inner ends of both wheels' parts, on mounts at the body.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Subframe<T = f64> {
+    /// Hardpoints that it holds.
+    pub carries: Vec<PointId>,
+    /// The mounts of the left side.
+    pub mounts: Vec<SubframeMount<T>>,
+}
+
+impl<T: Scalar> Subframe<T> {
+    /// The middle of its mounts, by which its motion is described.
+    pub(super) fn reference(&self, like: T) -> Vector3<T> {
+        let share = 1.0 / self.mounts.len().max(1) as f64;
+        let places = self.mounts.iter().map(|mount| mount.at.map(|c| c.value()));
+        let middle = places.fold(Vector3::default(), |sum, at| sum + at) * share;
+        Vector3::new(like.lit(middle.x), like.zero(), like.lit(middle.z))
+    }
+}
+
+impl Subframe {
+    /// The subframe over another kind of number.
+    pub fn map<U>(&self, f: impl Fn(f64) -> U + Copy) -> Subframe<U> {
+        let mount = |mount: &SubframeMount| SubframeMount {
+            name: mount.name.clone(),
+            at: mount.at.map(f),
+            shapes: mount.shapes.each_ref().map(|shape| shape.map(f)),
+            preload: mount.preload.map(f),
+            x_axis: mount.x_axis.map(|axis| axis.map(f)),
+            z_axis: mount.z_axis.map(|axis| axis.map(f)),
+        };
+        Subframe {
+            carries: self.carries.clone(),
+            mounts: self.mounts.iter().map(mount).collect(),
+        }
+    }
 }
 
 /// A link with axial stiffness.
@@ -98,19 +152,9 @@ impl Compliance {
 
     /// The parts over another kind of number.
     pub fn map<U>(&self, f: impl Fn(f64) -> U + Copy) -> Compliance<U> {
-        let shape = |shape: &Shape| match shape {
-            Shape::Cubic { rate, cubic } => Shape::Cubic {
-                rate: f(*rate),
-                cubic: f(*cubic),
-            },
-            Shape::Curve { curve, scale } => Shape::Curve {
-                curve: curve.clone(),
-                scale: f(*scale),
-            },
-        };
         let bushing = |part: &BushingPart| BushingPart {
             point: part.point,
-            shapes: part.shapes.each_ref().map(shape),
+            shapes: part.shapes.each_ref().map(|shape| shape.map(f)),
             preload: part.preload.map(f),
             x_axis: part.x_axis.map(|axis| axis.map(f)),
             z_axis: part.z_axis.map(|axis| axis.map(f)),

@@ -14,7 +14,7 @@
 use super::loads::WheelLoads;
 use super::reading::WheelFigures;
 use super::solve::Solution;
-use super::system::{Equations, Hold, Limb, State, Step, Task};
+use super::system::{Equations, Hold, Limb, State, Step, System, Task};
 use super::wheel::{Change, ElasticWheel, Equilibrium, HeldQuantity};
 use crate::linear::square::{MOST, SquareLu};
 use crate::number::{Dual, Jet, Scalar, Vector3};
@@ -138,7 +138,7 @@ impl<T: Scalar> ElasticWheel<T> {
     }
 
     /// The state along its rate, as far as wheels are read.
-    fn moving(&self, state: &State<T>, rate: &Step<T>) -> State<Jet<T, 2>> {
+    pub(super) fn moving(&self, state: &State<T>, rate: &Step<T>) -> State<Jet<T, 2>> {
         let mut moving = state.map(Jet::constant);
         let [x, y, z, a, b, c] = rate.carrier.map(|c| Jet([c.zero(), c]));
         let (shift, turn) = (Vector3::new(x, y, z), Vector3::new(a, b, c));
@@ -154,7 +154,21 @@ impl<T: Scalar> ElasticWheel<T> {
 
     /// An equilibrium as one in which another quantity is held.
     pub(super) fn held_as(&self, from: &Equilibrium<T>, held: HeldQuantity) -> (State<T>, Task<T>) {
-        let (mut state, mut task) = (from.solution.state, from.solution.task);
+        self.built
+            .system
+            .held_as(&from.solution.state, &from.solution.task, held)
+    }
+}
+
+impl<T: Scalar> System<T> {
+    /// A state as one in which another quantity is held.
+    pub(super) fn held_as(
+        &self,
+        state: &State<T>,
+        task: &Task<T>,
+        held: HeldQuantity,
+    ) -> (State<T>, Task<T>) {
+        let (mut state, mut task) = (*state, *task);
         match (task.hold, held) {
             (Hold::Height(_), HeldQuantity::WheelLoad) => {
                 task.loads.contact.z = task.loads.contact.z + state.vertical;
@@ -162,8 +176,8 @@ impl<T: Scalar> ElasticWheel<T> {
                 task.hold = Hold::Load;
             }
             (Hold::Load, HeldQuantity::WheelHeight) => {
-                let centre = self.built.system.wheel.centre;
-                task.hold = Hold::Height(state.carrier.displacement(centre).z);
+                let moved = state.carrier.displacement(self.wheel.centre);
+                task.hold = Hold::Height(moved.z);
             }
             _ => {}
         }

@@ -2,7 +2,7 @@
 
 use super::definition::Compliance;
 use crate::mechanism::{DesignFault, NoPose};
-use crate::model::{Axis, Suspension};
+use crate::model::{Axis, Side, Suspension};
 
 /// Reason why a suspension has no elastic model.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,6 +28,15 @@ pub enum ElasticFault {
     },
     /// The spring has no leverage on the wheel, or does not exist.
     NoLeverage,
+}
+
+/// Reason why an axle has no elastic model.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AxleFault {
+    /// The wheel; `None` for the parts that both share.
+    pub side: Option<Side>,
+    /// The reason.
+    pub fault: ElasticFault,
 }
 
 /// A motion of a part.
@@ -83,6 +92,15 @@ impl ElasticFault {
     /// The same as a fault of the design.
     pub fn of_design<T>(&self, parts: &Compliance<T>, suspension: &Suspension) -> DesignFault {
         DesignFault::Elastic(self.describe(parts, suspension))
+    }
+}
+
+impl AxleFault {
+    /// The reason in words.
+    pub fn describe<T>(&self, parts: &[Compliance<T>; 2], suspension: &Suspension) -> String {
+        let number = self.side.map_or(0, |side| side as usize);
+        let words = self.fault.describe(&parts[number], suspension);
+        self.side.map_or(words.clone(), |side| side.about(&words))
     }
 }
 

@@ -30,6 +30,10 @@ pub enum Parameter {
     SpringRate,
     /// The force of a linear spring in the design position.
     SpringForce,
+    /// The stiffness between commanded rack and rack.
+    RackRate,
+    /// The rate of the anti-roll bar.
+    BarRate,
     /// Wheel travel, where the height is held.
     Travel,
     /// Displacement of the rack along the kernel's +y.
@@ -72,7 +76,7 @@ pub struct OnTape<'t> {
 }
 
 /// Position of the parameter's number in a bushing's law.
-fn law_of<'c, 't>(
+pub(super) fn law_of<'c, 't>(
     parts: &'c mut Compliance<Tracked<'t>>,
     parameter: Parameter,
 ) -> Option<&'c mut Tracked<'t>> {

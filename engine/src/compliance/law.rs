@@ -43,6 +43,22 @@ impl Shape {
     }
 }
 
+impl<T: Copy> Shape<T> {
+    /// The shape over another kind of number.
+    pub(super) fn map<U>(&self, f: impl Fn(T) -> U) -> Shape<U> {
+        match self {
+            Shape::Cubic { rate, cubic } => Shape::Cubic {
+                rate: f(*rate),
+                cubic: f(*cubic),
+            },
+            Shape::Curve { curve, scale } => Shape::Curve {
+                curve: curve.clone(),
+                scale: f(*scale),
+            },
+        }
+    }
+}
+
 impl<T: Scalar> Shape<T> {
     /// Force and its slope at a deflection.
     #[inline]

@@ -82,11 +82,15 @@ impl<T: Scalar> Sum<T> {
     }
 }
 
-/// Conditions under which parts are evaluated.
+/// Conditions under which parts are evaluated, seen from the body that holds them.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Conditions<T> {
     pub(super) carrier: Placed<T>,
     pub(super) rack: T,
+    /// Displacement of a spring's upper end on another body.
+    pub(super) upper: Vector3<T>,
+    /// Twist of the middle of the anti-roll bar.
+    pub(super) twist: T,
     /// True for the forces at the design load: elements have their slope and no force, springs their force and no
     /// slope, torsion is left out.
     pub(super) balance_only: bool,
@@ -116,6 +120,55 @@ impl<T: Scalar> Conditions<T> {
             bushing.force(e, turn, body)
         }
     }
+}
+
+/// Number of the coordinates of [`Beside`].
+pub(super) const BESIDE: usize = 4;
+/// Number of the twist among them.
+pub(super) const TWIST_BESIDE: usize = 3;
+
+/// Forces of a part on coordinates beside the carrier's: the displacement of a spring's upper end on another body, and
+/// the twist of the middle of the anti-roll bar. Inner unknowns are eliminated.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Beside<T> {
+    /// Derivatives of the energy by these coordinates.
+    pub(super) force: [T; BESIDE],
+    pub(super) own: [[T; BESIDE]; BESIDE],
+    /// Tangent by the carrier's shift and turn.
+    pub(super) by_carrier: [[T; 6]; BESIDE],
+    /// Tangent of the carrier's force and moment by these coordinates.
+    pub(super) carrier_by: [[T; BESIDE]; 6],
+    /// Response of the inner unknowns: dy = -(rest + by dx + inner_by de).
+    pub(super) inner_by: [[T; BESIDE]; 6],
+}
+
+impl<T: Scalar> Beside<T> {
+    pub(super) fn zero(like: T) -> Self {
+        let zero = like.zero();
+        Beside {
+            force: [zero; BESIDE],
+            own: [[zero; BESIDE]; BESIDE],
+            by_carrier: [[zero; 6]; BESIDE],
+            carrier_by: [[zero; BESIDE]; 6],
+            inner_by: [[zero; BESIDE]; 6],
+        }
+    }
+
+    /// Sets the tangents of one coordinate and a point of the carrier at this lever: derivatives of the coordinate's force by
+    /// the point's displacement, and of the force at the point by the coordinate.
+    pub(super) fn couple(&mut self, k: usize, lever: Vector3<T>, by: Vector3<T>, at: Vector3<T>) {
+        self.by_carrier[k] = joined(by, lever.cross(by));
+        for (row, entry) in self.carrier_by.iter_mut().zip(joined(at, lever.cross(at))) {
+            row[k] = entry;
+        }
+    }
+}
+
+/// Two vectors, one after the other.
+#[inline]
+pub(super) fn joined<T: Copy>(first: Vector3<T>, second: Vector3<T>) -> [T; 6] {
+    let (f, s) = (first, second);
+    [f.x, f.y, f.z, s.x, s.y, s.z]
 }
 
 /// State of the inner unknowns of a part.
@@ -204,9 +257,14 @@ impl<T: Scalar> Followers<T> {
     }
 
     /// The step of the inner unknowns after a step of the carrier. `is_rate`: the rate along a motion in balance,
-    /// which has no rest.
+    /// which has no rest. `beside`: how inner unknowns follow coordinates of [`Beside`], and the step of these.
     #[inline]
-    pub(super) fn step(&self, carrier: &[T; 6], is_rate: bool) -> LimbStep<T> {
+    pub(super) fn step(
+        &self,
+        carrier: &[T; 6],
+        beside: Option<&([[T; BESIDE]; 6], [T; BESIDE])>,
+        is_rate: bool,
+    ) -> LimbStep<T> {
         let [x, y, z, a, b, c] = *carrier;
         let mut outer = [x, y, z, a, b, c];
         let mut dimensions = 6;
@@ -221,6 +279,11 @@ impl<T: Scalar> Followers<T> {
             let mut sum = if is_rate { x.zero() } else { self.rest[k] };
             for (by, outer) in self.by[k].iter().zip(&outer).take(dimensions) {
                 sum = sum + *by * *outer;
+            }
+            if let Some((by, moved)) = beside {
+                for (by, moved) in by[k].iter().zip(moved) {
+                    sum = sum + *by * *moved;
+                }
             }
             *inner = -sum;
         }

@@ -2,10 +2,12 @@
 
 use super::bushing::Bushing;
 use super::floating::Floating;
-use super::law::{Law, Shape};
+use super::ground::SubframePart;
+use super::law::Law;
+use super::legs::{BarFoot, BarPart, LegPoint, LegSeat};
 use super::loads::WheelPart;
-use super::parts::{CarrierSeat, Joint, LegSeat, Mount, RodPart};
-use super::point::{RockerSeat, Seat};
+use super::parts::{CarrierSeat, Joint, Mount, RodPart};
+use super::point::{BarSeat, RockerSeat, Seat};
 use super::reading::WheelFigures;
 use super::swinging::{End, Swinging};
 use super::system::{CarrierBushing, Limb, System};
@@ -13,17 +15,7 @@ use crate::number::Scalar;
 
 impl<T: Scalar> Law<T> {
     fn map<U: Scalar>(&self, f: impl Fn(T) -> U + Copy) -> Law<U> {
-        let shape = match &self.shape {
-            Shape::Cubic { rate, cubic } => Shape::Cubic {
-                rate: f(*rate),
-                cubic: f(*cubic),
-            },
-            Shape::Curve { curve, scale } => Shape::Curve {
-                curve: curve.clone(),
-                scale: f(*scale),
-            },
-        };
-        self.with(shape, f)
+        self.with(self.shape.map(f), f)
     }
 }
 
@@ -42,12 +34,55 @@ impl<T: Scalar> Seat<T> {
             point: self.point.map(f),
             upper: self.upper.map(f),
             law: self.law.map(f),
-            rocker: self.rocker.as_ref().map(|rocker| RockerSeat {
-                axis: rocker.axis.map(|point| point.map(f)),
-                inner: rocker.inner.map(f),
-                spring: rocker.spring.map(f),
-                rod: rocker.rod.map(|rod| rod.map(f)),
-            }),
+            rocker: self.rocker.as_ref().map(|rocker| rocker.map(f)),
+            is_across: self.is_across,
+        }
+    }
+}
+
+impl<T: Scalar> RockerSeat<T> {
+    fn map<U: Scalar>(&self, f: impl Fn(T) -> U + Copy) -> RockerSeat<U> {
+        RockerSeat {
+            axis: self.axis.map(|point| point.map(f)),
+            inner: self.inner.map(f),
+            spring: self.spring.map(f),
+            rod: self.rod.map(|rod| rod.map(f)),
+        }
+    }
+}
+
+impl<T: Scalar> BarSeat<T> {
+    fn map<U: Scalar>(&self, f: impl Fn(T) -> U + Copy) -> BarSeat<U> {
+        let rocker = self.rocker.as_ref();
+        BarSeat {
+            point: self.point.map(f),
+            rocker: rocker.map(|(rocker, link)| (rocker.map(f), link.map(f))),
+            axis: self.axis.map(|point| point.map(f)),
+            inner: self.inner.map(f),
+            rate: f(self.rate),
+        }
+    }
+}
+
+impl<T: Scalar> LegPoint<T> {
+    fn map<U: Scalar>(&self, f: impl Fn(T) -> U + Copy) -> LegPoint<U> {
+        LegPoint {
+            joint: self.joint.map(f),
+            axis: self.axis.map(f),
+            radius: self.radius.map(f),
+            place: self.place.map(f),
+        }
+    }
+}
+
+impl<T: Scalar> BarPart<T> {
+    fn map<U: Scalar>(&self, f: impl Fn(T) -> U + Copy) -> BarPart<U> {
+        BarPart {
+            foot: match &self.foot {
+                BarFoot::Carrier(lever) => BarFoot::Carrier(lever.map(f)),
+                BarFoot::Leg(leg) => BarFoot::Leg(leg.map(f)),
+            },
+            seat: self.seat.map(f),
         }
     }
 }
@@ -82,6 +117,10 @@ impl<T: Scalar> Limb<T> {
                     .seat
                     .as_ref()
                     .map(|(lever, seat)| (lever.map(f), seat.map(f))),
+                bar: arm
+                    .bar
+                    .as_ref()
+                    .map(|(lever, bar)| (lever.map(f), bar.map(f))),
                 spin: arm.spin.map(|spin| spin.map(f)),
             }),
             Limb::Floating(link) => Limb::Floating(Floating {
@@ -99,12 +138,9 @@ impl<T: Scalar> Limb<T> {
                 bushing: mount.bushing.map(f),
                 spring: mount.spring.as_ref().map(|spring| spring.map(f)),
             }),
-            Limb::LegSeat(leg) => Limb::LegSeat(LegSeat {
-                joint: leg.joint.map(f),
-                axis: leg.axis.map(f),
-                radius: leg.radius.map(f),
-                seat: leg.seat.map(f),
-                place: leg.place.map(f),
+            Limb::LegSeat(own) => Limb::LegSeat(LegSeat {
+                leg: own.leg.map(f),
+                seat: own.seat.map(f),
             }),
             Limb::CarrierSeat(part) => Limb::CarrierSeat(CarrierSeat {
                 lever: part.lever.map(f),
@@ -147,6 +183,14 @@ impl<T: Scalar> System<T> {
                 spin_axis: self.wheel.spin_axis.map(f),
                 radius: self.wheel.radius,
             },
+            holders: self.holders.clone(),
+            subframe: self.subframe.as_ref().map(|part| SubframePart {
+                to_carrier: part.to_carrier.map(f),
+                mounts: part.mounts.iter().map(bushing).collect(),
+                upper: part.upper.map(|upper| upper.map(f)),
+            }),
+            bar: self.bar.as_ref().map(|bar| bar.map(f)),
+            bar_on: self.bar_on,
         }
     }
 }

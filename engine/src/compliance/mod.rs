@@ -8,16 +8,21 @@
 //! same code.
 
 mod algebra;
+mod axle;
 mod build;
 mod bushing;
 mod characteristics;
+mod coupling;
 mod definition;
 mod derivatives;
 mod fault;
 mod floating;
+mod gather;
+mod ground;
 mod inputs;
 mod kc;
 mod law;
+mod legs;
 mod limb;
 mod loads;
 mod map;
@@ -31,16 +36,18 @@ mod swinging;
 mod system;
 mod wheel;
 
+pub use axle::{AxleChange, AxleCompliance, AxleEquilibrium, AxleOnTape, AxleTangent, ElasticAxle};
 pub use characteristics::not_of_equilibrium;
 pub use definition::{
-    AxialStiffness, BushingPart, Compliance, LinkMember, LinkPart, Relaxed, bushing_points,
-    link_members,
+    AxialStiffness, BushingPart, Compliance, LinkMember, LinkPart, Relaxed, Subframe,
+    SubframeMount, bushing_points, link_members,
 };
 pub use derivatives::Tangent;
-pub use fault::{ElasticFault, Motion, NoEquilibrium};
+pub use fault::{AxleFault, ElasticFault, Motion, NoEquilibrium};
 pub use inputs::{OnTape, Parameter};
 pub use kc::{
-    KcFigure, KcGradient, KcLevel, KcOutcome, KcRun, KcState, KcStation, KcTest, KcValue, TestLoad,
+    AxleKcRun, AxleVehicle, FigureGradients, KcAxleState, KcFigure, KcGradient, KcLevel, KcOutcome,
+    KcRun, KcState, KcStation, KcSubject, KcTest, KcValue, KcWheelState, TestLoad, TestMode,
     TestPlace, quantities,
 };
 pub use law::Shape;

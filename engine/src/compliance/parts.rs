@@ -1,5 +1,4 @@
-//! Parts at the carrier itself: the top mount of a strut, the seat of a spring on an arm without bushings, rigid rods
-//! and joints.
+//! Parts at the carrier itself: the top mount of a strut, the seat of a spring, rigid rods and joints.
 //!
 //! **Top mount.** The strut's line is fixed in the carrier, along the unit vector a. The mount's point is on that line,
 //! at the distance t from where the carrier has the design position of `strut_top`, at the lever l. It moves by
@@ -15,19 +14,11 @@
 //! ```
 //!
 //! has components about the mount's x and y.
-//!
-//! **Seat on an arm of legs.** The seat keeps its place in the frame of the arm's axis e and outer joint. With r the
-//! unit vector from the axis to the joint, n = e x r, l the joint's distance from the axis and b, c the seat's
-//! distances along r and n, a force F at the seat is, at the joint,
-//!
-//! ```text
-//! n p/l,   p = F.(b n - c r);   tangent -(p/l^2)(r n' + n r') - (F.(b r + c n)/l^2) n n'          (3)
-//! ```
 
-use super::algebra::{Placed, angle_by_sine, cross_matrix, second_order};
+use super::algebra::{angle_by_sine, cross_matrix, second_order};
 use super::bushing::Bushing;
-use super::limb::{Conditions, Evaluated, Followers, LimbState, Sum};
-use super::point::{PointForce, Seat, SeatForce, Stretched};
+use super::limb::{Conditions, Evaluated, Followers, LimbState, Sum, joined};
+use super::point::{PointForce, Seat, Stretched};
 use crate::axle::SpringLaw;
 use crate::number::{Dual, Matrix3, Real, Scalar, Vector3};
 
@@ -193,106 +184,6 @@ impl<T: Scalar> Mount<T> {
     }
 }
 
-/// The seat of a spring on an arm of rigid or stretching legs.
-#[derive(Clone, Debug)]
-pub(super) struct LegSeat<T> {
-    /// The outer joint, from the carrier's reference point.
-    pub(super) joint: Vector3<T>,
-    /// Unit vector along the arm's axis.
-    pub(super) axis: Vector3<T>,
-    /// From the axis to the outer joint, square to it.
-    pub(super) radius: Vector3<T>,
-    pub(super) seat: Seat<T>,
-    /// b and c of equation (3).
-    pub(super) place: [T; 2],
-}
-
-/// The frame of an arm of legs: r, n, 1/l and the displacement of the seat.
-struct LegFrame<T> {
-    radial: Vector3<T>,
-    normal: Vector3<T>,
-    inverse: T,
-    moved: Vector3<T>,
-}
-
-impl<T: Scalar> LegSeat<T> {
-    fn frame(&self, carrier: &Placed<T>) -> LegFrame<T> {
-        let moved = carrier.displacement(self.joint).across(self.axis);
-        let line = Stretched::of(self.radius, moved);
-        let before = self.radius.normalised();
-        // r - r0 from the displacement, so that it keeps all digits.
-        let change = (moved - before * line.stretch) * line.inverse_length;
-        let turned = self.axis.cross(change);
-        LegFrame {
-            radial: line.direction,
-            normal: self.axis.cross(line.direction),
-            inverse: line.inverse_length,
-            moved: change * self.place[0] + turned * self.place[1],
-        }
-    }
-
-    /// Shift of the seat in a small step of the joint from the design position.
-    pub(super) fn shift(&self, joint: Vector3<T>) -> Vector3<T> {
-        let r = self.radius.normalised();
-        let n = self.axis.cross(r);
-        let turn = n.dot(joint) / self.radius.norm();
-        (n * self.place[0] - r * self.place[1]) * turn
-    }
-
-    /// Displacement of the seat.
-    pub(super) fn displacement(&self, carrier: &Placed<T>) -> Vector3<T> {
-        self.frame(carrier).moved
-    }
-
-    pub(super) fn evaluate(
-        &self,
-        at: &Conditions<T>,
-        state: &LimbState<T>,
-        held: &[T; 7],
-        sum: &mut Sum<T>,
-    ) -> Evaluated<T> {
-        let frame = self.frame(&at.carrier);
-        let SeatForce {
-            point,
-            slide,
-            moment,
-            is_stable,
-        } = self
-            .seat
-            .force(frame.moved, state.slide, held[6], at.balance_only);
-        let (r, n, [b, c]) = (frame.radial, frame.normal, self.place);
-        let arm = n * b - r * c;
-        let along = n * frame.inverse;
-        let at_joint = |force: Vector3<T>| along * arm.dot(force);
-        let mut stiffness = Matrix3::null(at.rack);
-        stiffness.add_product(along, along, arm.dot(point.stiffness.apply(arm)));
-        if !at.balance_only {
-            let square = frame.inverse * frame.inverse;
-            let turning = -(arm.dot(point.force) * square);
-            stiffness.add_product(r, n, turning);
-            stiffness.add_product(n, r, turning);
-            let radial = (r * b + n * c).dot(point.force) * square;
-            stiffness.add_product(n, n, -radial);
-        }
-        let at_joint = PointForce {
-            force: at_joint(point.force),
-            condensed: at_joint(point.condensed),
-            stiffness,
-        };
-        let lever = at.carrier.lever(self.joint);
-        sum.add_point(lever, &at_joint.leverless_if(at.balance_only));
-        let slide = slide.map(|slide| (along * arm.dot(slide.by), slide.rest));
-        let mut inner = [at.rack.zero(); 7];
-        inner[6] = moment;
-        Evaluated {
-            followers: Followers::of_joint(lever, slide),
-            inner,
-            is_stable,
-            least_pivot: 1.0,
-        }
-    }
-}
-
 /// The seat of a spring on the carrier.
 #[derive(Clone, Debug)]
 pub(super) struct CarrierSeat<T> {
@@ -383,6 +274,11 @@ pub(super) enum Joint<T> {
 }
 
 impl<T: Scalar> Joint<T> {
+    /// Returns true if the rack holds it.
+    pub(super) fn is_on_rack(&self) -> bool {
+        matches!(self, Joint::Rod(rod) if rod.on_rack)
+    }
+
     /// Residual and its derivatives by the carrier. Adds the joint's force and its tangent.
     #[inline]
     pub(super) fn evaluate(&self, at: &Conditions<T>, force: T, sum: &mut Sum<T>) -> (T, [T; 6]) {
@@ -395,7 +291,7 @@ impl<T: Scalar> Joint<T> {
                 sum.add_point(lever, &point);
                 (
                     line.stretch,
-                    row(line.direction, lever.cross(line.direction)),
+                    joined(line.direction, lever.cross(line.direction)),
                 )
             }
             Joint::Line { normal, top } => {
@@ -411,20 +307,15 @@ impl<T: Scalar> Joint<T> {
                     [&nothing, &across.negated()],
                     [&across, &across.crossed_by(lever).negated()],
                 ]);
-                (normal.dot(moved), row(normal, lever.cross(normal)))
+                (normal.dot(moved), joined(normal, lever.cross(normal)))
             }
             Joint::Pin { lever, direction } => {
                 let now = at.carrier.lever(*lever);
                 let pull = PointForce::of(*direction * force, Matrix3::null(force));
                 sum.add_point(now, &pull);
                 let residual = direction.dot(at.carrier.displacement(*lever));
-                (residual, row(*direction, now.cross(*direction)))
+                (residual, joined(*direction, now.cross(*direction)))
             }
         }
     }
-}
-
-fn row<T: Copy>(force: Vector3<T>, moment: Vector3<T>) -> [T; 6] {
-    let (f, m) = (force, moment);
-    [f.x, f.y, f.z, m.x, m.y, m.z]
 }

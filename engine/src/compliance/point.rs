@@ -18,10 +18,20 @@
 //!
 //! A rigid rod makes theta, and so the length of the spring, a function of the rod's outer end; its second derivatives
 //! come from nested derivative numbers.
+//!
+//! An anti-roll bar of the rate k between levers at the angles b_l and b_r is two bars of the rate 2 k, joined at a
+//! middle with the twist t:
+//!
+//! ```text
+//! k (b_l - b_r)^2/2 = min over t of k (b_l - t)^2 + k (b_r - t)^2                                 (4)
+//! ```
+//!
+//! So each wheel has a part of its own, and the twist is an unknown of the axle.
 
 use super::algebra::{cross_matrix, second_order};
 use crate::axle::SpringLaw;
 use crate::mechanism::Turn;
+use crate::model::Rod;
 use crate::number::{Dual, Matrix3, Scalar, Vector3};
 
 /// A force at a moving point: the derivative of an energy by the point's position, and its tangent.
@@ -135,6 +145,66 @@ pub(super) struct Seat<T> {
     /// The spring; `None` if the study has hardpoints of a spring without a law.
     pub(super) law: SpringLaw<T>,
     pub(super) rocker: Option<RockerSeat<T>>,
+    /// True if another body than that of the arm's axis holds the upper end.
+    pub(super) is_across: bool,
+}
+
+/// Lever of an anti-roll bar with its drop link, in the design position.
+#[derive(Clone, Debug)]
+pub(super) struct BarSeat<T> {
+    /// The drop link's outer end, or that of the rigid rod which turns the rocker under it.
+    pub(super) point: Vector3<T>,
+    /// The rocker on which the drop link stands, and the drop link's outer end on it.
+    pub(super) rocker: Option<(RockerSeat<T>, Vector3<T>)>,
+    /// Two points of the axis and the drop link's inner end.
+    pub(super) axis: [Vector3<T>; 2],
+    pub(super) inner: Vector3<T>,
+    /// Rate of the half of the bar: torque per angle between lever and middle.
+    pub(super) rate: T,
+}
+
+/// Force of one half of an anti-roll bar. Equation (4).
+#[derive(Clone, Copy, Debug)]
+pub(super) struct BarForce<T> {
+    pub(super) point: PointForce<T>,
+    /// Derivative of the force by the twist of the middle.
+    pub(super) by_twist: Vector3<T>,
+    /// Derivative of the energy by the twist.
+    pub(super) torque: T,
+    /// Angle of the lever.
+    pub(super) angle: T,
+}
+
+impl<T: Scalar> BarSeat<T> {
+    /// Force by a displacement of the drop link's outer end and the twist of the middle.
+    pub(super) fn force(&self, displacement: Vector3<T>, twist: T) -> BarForce<T> {
+        let constant = |v: Vector3<T>| v.map(|c| Dual::constant(Dual::constant(c)));
+        let (angle, gradient, second) = second_order(displacement.to_array(), |moved| {
+            let mut outer = constant(self.point);
+            let mut now = outer + Vector3::from(moved);
+            if let Some((rocker, link)) = &self.rocker {
+                let [first, second] = rocker.axis.map(constant);
+                let turn = Turn::of([first, second, constant(rocker.inner), outer, now]);
+                outer = constant(*link);
+                now = turn.moved(outer);
+            }
+            let [first, second] = self.axis.map(constant);
+            Turn::of([first, second, constant(self.inner), outer, now]).angle(Rod::DropLink)
+        });
+        let gradient = Vector3::from(gradient);
+        let torque = self.rate * (angle - twist);
+        let mut stiffness = Matrix3::null(torque);
+        stiffness.add_product(gradient, gradient, self.rate);
+        for (column, second) in stiffness.columns.iter_mut().zip(second) {
+            *column = *column + Vector3::from(second) * torque;
+        }
+        BarForce {
+            point: PointForce::of(gradient * torque, stiffness),
+            by_twist: -(gradient * self.rate),
+            torque: -torque,
+            angle,
+        }
+    }
 }
 
 /// Response of the rocker: dtheta = -(rest + by.dp). Equation (3).

@@ -12,9 +12,9 @@
 //! same elimination solves it as an equilibrium. A link's spin, which no force affects, is held.
 
 use super::build::{Built, BushingPlace, LinkPlace};
-use super::limb::Conditions;
+use super::ground::{Frames, Holder, SHARED, Surroundings};
 use super::solve::{Bounds, is_definite};
-use super::system::{LOOSE, Limb, Singular, State, Step};
+use super::system::{Equations, LOOSE, Limb, Singular, State, Step};
 use crate::linear::square::SquareLu;
 use crate::number::{Scalar, Vector3};
 
@@ -32,34 +32,65 @@ pub(super) enum NoPreload {
     },
 }
 
+/// A small step from the design position, as the holders of a wheel's parts see it.
+pub(super) struct SeenStep<'s, T> {
+    pub(super) step: &'s Step<T>,
+    pub(super) around: &'s Surroundings<T>,
+    pub(super) frames: &'s Frames<T>,
+    pub(super) shared: &'s [T; SHARED],
+}
+
 impl<T: Scalar> Built<T> {
-    /// Sets the forces at the design load and returns the state in the design position.
+    /// Sets the forces at the design load of a wheel by itself, and returns the state in the design position.
     pub(super) fn preload(&mut self, bounds: Bounds) -> Result<State<T>, NoPreload> {
         let like = self.system.like();
         let design = State::design(like);
-        let at = Conditions {
-            carrier: design.carrier,
-            rack: like,
-            balance_only: true,
-        };
+        let around = Surroundings::of_rack(like);
+        let frames = self.system.frames(&design.carrier, &around, true);
         let singular = NoPreload::Singular;
-        let mut equations = self
+        let mut equations = Equations::empty(like, self.system.joints.len(), None);
+        let gathered = self
             .system
-            .assembled(&at, &design, None)
-            .map_err(singular)?;
-        if let Some(limb) = equations.loose {
-            return Err(singular(Singular::Limb(limb)));
-        }
-        let upward = self.system.vertical_force(&design.carrier);
-        self.system.border(&mut equations, &design, upward, like);
-        if !is_definite(&equations, bounds, LOOSE) {
-            return Err(singular(Singular::Carrier));
-        }
+            .gather(&frames, &design, None, false, &mut equations);
+        self.system
+            .add_alone(&gathered.map_err(singular)?, &mut equations);
+        self.border_for_preload(&mut equations, bounds)?;
         let factors = SquareLu::of(equations.matrix, equations.size);
         let factors = factors.ok_or(singular(Singular::Carrier))?;
         let solution = factors.solve(&equations.residual.map(|c| -c));
         let step = equations.step(&solution, false);
-        let mut start = design;
+        self.set_preload(&SeenStep {
+            step: &step,
+            around: &around,
+            frames: &frames,
+            shared: &[like; SHARED],
+        })
+    }
+
+    /// Adds the vertical force with the row that holds the contact point, and refuses motions without stiffness.
+    pub(super) fn border_for_preload(
+        &self,
+        equations: &mut Equations<T>,
+        bounds: Bounds,
+    ) -> Result<(), NoPreload> {
+        let singular = NoPreload::Singular;
+        if let Some(limb) = equations.loose {
+            return Err(singular(Singular::Limb(limb)));
+        }
+        let design = State::design(self.system.like());
+        let upward = self.system.vertical_force(&design.carrier);
+        self.system
+            .border(equations, &design, upward, self.system.like());
+        match is_definite(equations, bounds, LOOSE) {
+            true => Ok(()),
+            false => Err(singular(Singular::Carrier)),
+        }
+    }
+
+    /// Sets the forces that go with a step of equation (1), and returns the state in the design position.
+    pub(super) fn set_preload(&mut self, seen: &SeenStep<'_, T>) -> Result<State<T>, NoPreload> {
+        let step = seen.step;
+        let mut start = State::design(self.system.like());
         start.joints = step.joints;
         start.vertical = step.vertical;
         for (k, limb) in self.system.limbs.iter().enumerate() {
@@ -68,14 +99,14 @@ impl<T: Scalar> Built<T> {
                 start.limbs[k].pivot = [d, e];
             }
         }
-        self.set_bushings(&step)?;
-        self.set_links(&step);
+        self.set_bushings(seen)?;
+        self.set_links(seen);
         Ok(start)
     }
 
-    fn set_bushings(&mut self, step: &Step<T>) -> Result<(), NoPreload> {
+    fn set_bushings(&mut self, seen: &SeenStep<'_, T>) -> Result<(), NoPreload> {
         for (number, place) in self.bushings.iter().enumerate() {
-            let moved = self.shift_at(*place, step);
+            let moved = self.shift_at(*place, seen);
             let bushing = match *place {
                 BushingPlace::Limb { limb, end } => match &mut self.system.limbs[limb] {
                     Limb::Swinging(arm) => arm.ends[end].bushing.as_mut(),
@@ -88,6 +119,10 @@ impl<T: Scalar> Built<T> {
                     _ => None,
                 },
                 BushingPlace::Carrier(part) => Some(&mut self.system.bushings[part].bushing),
+                BushingPlace::Subframe(mount) => {
+                    let own = self.system.subframe.as_mut();
+                    own.map(|own| &mut own.mounts[mount].bushing)
+                }
             };
             let Some(bushing) = bushing else { continue };
             let along = bushing.axes.apply_transposed(moved).to_array();
@@ -110,17 +145,36 @@ impl<T: Scalar> Built<T> {
     }
 
     /// Relative shift of the bodies at a bushing.
-    fn shift_at(&self, place: BushingPlace, step: &Step<T>) -> Vector3<T> {
-        let at = |lever: Vector3<T>| carrier_shift(step, lever);
+    fn shift_at(&self, place: BushingPlace, seen: &SeenStep<'_, T>) -> Vector3<T> {
+        let step = seen.step;
+        let body = |lever: Vector3<T>| shifted(&step.carrier, lever);
+        let of_limb = |limb: usize| {
+            let on_rack = self.system.limbs[limb].is_on_rack();
+            self.carrier_seen(self.system.holders.limbs[limb], on_rack, seen)
+        };
         match place {
-            BushingPlace::Carrier(part) => at(self.system.bushings[part].lever),
+            BushingPlace::Carrier(part) => {
+                let holder = self.system.holders.bushings[part];
+                let carrier = self.carrier_seen(holder, false, seen);
+                shifted(&carrier, self.system.bushings[part].lever)
+            }
+            BushingPlace::Subframe(mount) => {
+                let own = self.system.subframe.as_ref();
+                let lever = own.map(|own| own.mounts[mount].lever);
+                let [x, y, z, a, b, c, ..] = *seen.shared;
+                lever.map_or(body(self.system.wheel.centre.zero()), |lever| {
+                    shifted(&[x, y, z, a, b, c], lever)
+                })
+            }
             BushingPlace::Mount(limb) => match &self.system.limbs[limb] {
-                Limb::Mount(mount) => at(mount.top) + mount.along * step.limbs[limb].inner[0],
-                _ => at(self.system.wheel.centre.zero()),
+                Limb::Mount(mount) => body(mount.top) + mount.along * step.limbs[limb].inner[0],
+                _ => body(self.system.wheel.centre.zero()),
             },
             BushingPlace::Limb { limb, end } => {
                 let [a, b, c, d, e, f] = step.limbs[limb].inner;
                 let (first, second) = (Vector3::new(a, b, c), Vector3::new(d, e, f));
+                let carrier = of_limb(limb);
+                let at = |lever: Vector3<T>| shifted(&carrier, lever);
                 match &self.system.limbs[limb] {
                     Limb::Swinging(arm) => at(arm.joint) + first.cross(arm.ends[end].lever),
                     Limb::Floating(link) => {
@@ -140,34 +194,60 @@ impl<T: Scalar> Built<T> {
         }
     }
 
-    fn set_links(&mut self, step: &Step<T>) {
+    /// A step of the carrier as a holder sees it.
+    fn carrier_seen(&self, holder: Holder, on_rack: bool, seen: &SeenStep<'_, T>) -> [T; 6] {
+        let carrier = &seen.step.carrier;
+        let found = self.system.seen_by(
+            holder,
+            on_rack,
+            carrier,
+            seen.shared,
+            seen.frames,
+            seen.around,
+        );
+        found.0
+    }
+
+    fn set_links(&mut self, seen: &SeenStep<'_, T>) {
         for place in self.links.clone() {
             match place {
                 LinkPlace::Rod(number) => {
+                    let on_rack = self.system.rods[number].on_rack;
+                    let holder = self.system.holders.rods[number];
+                    let carrier = self.carrier_seen(holder, on_rack, seen);
                     let rod = &mut self.system.rods[number];
                     if let Some([rate, tension]) = &mut rod.elastic {
-                        let moved = carrier_shift(step, rod.joint);
+                        let moved = shifted(&carrier, rod.joint);
                         *tension = *rate * rod.along.normalised().dot(moved);
                     }
                 }
-                LinkPlace::RockerRod => self.set_rocker_rod(step),
+                LinkPlace::RockerRod => self.set_rocker_rod(seen),
             }
         }
     }
 
-    fn set_rocker_rod(&mut self, step: &Step<T>) {
-        for (limb, step_of) in self.system.limbs.iter_mut().zip(&step.limbs) {
+    fn set_rocker_rod(&mut self, seen: &SeenStep<'_, T>) {
+        let holders = self.system.holders.limbs.clone();
+        let carriers: Vec<[T; 6]> = holders
+            .into_iter()
+            .map(|holder| self.carrier_seen(holder, false, seen))
+            .collect();
+        let limbs = self.system.limbs.iter_mut().zip(&carriers);
+        for ((limb, carrier), step_of) in limbs.zip(&seen.step.limbs) {
             let [a, b, c, ..] = step_of.inner;
             let (moved, seat) = match limb {
                 Limb::Swinging(arm) => {
-                    let joint = carrier_shift(step, arm.joint);
+                    let joint = shifted(carrier, arm.joint);
                     let Some((lever, seat)) = &mut arm.seat else {
                         continue;
                     };
                     (joint + Vector3::new(a, b, c).cross(*lever), seat)
                 }
-                Limb::LegSeat(leg) => (leg.shift(carrier_shift(step, leg.joint)), &mut leg.seat),
-                Limb::CarrierSeat(part) => (carrier_shift(step, part.lever), &mut part.seat),
+                Limb::LegSeat(own) => {
+                    let joint = shifted(carrier, own.leg.joint);
+                    (own.leg.shift(joint), &mut own.seat)
+                }
+                Limb::CarrierSeat(part) => (shifted(carrier, part.lever), &mut part.seat),
                 _ => continue,
             };
             seat.preload_rod(moved, step_of.slide);
@@ -175,8 +255,8 @@ impl<T: Scalar> Built<T> {
     }
 }
 
-/// Shift of a point of the carrier in a small step from the design position.
-fn carrier_shift<T: Scalar>(step: &Step<T>, lever: Vector3<T>) -> Vector3<T> {
-    let [x, y, z, a, b, c] = step.carrier;
+/// Shift of a point at this lever in a small step of a body.
+fn shifted<T: Scalar>(step: &[T; 6], lever: Vector3<T>) -> Vector3<T> {
+    let [x, y, z, a, b, c] = *step;
     Vector3::new(x, y, z) + Vector3::new(a, b, c).cross(lever)
 }

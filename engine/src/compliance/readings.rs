@@ -1,9 +1,10 @@
 //! Forces and deflections of bushings, links and spring in a state.
 
-use super::algebra::Logarithm;
+use super::algebra::{Logarithm, Placed};
 use super::build::{Built, BushingPlace, LinkPlace};
 use super::bushing::{Bushing, BushingState};
 use super::floating::Floating;
+use super::ground::Surroundings;
 use super::limb::LimbStep;
 use super::parts::Joint;
 use super::reading::WheelFigures;
@@ -17,11 +18,16 @@ const LARGEST_ROTATION: f64 = std::f64::consts::FRAC_PI_3;
 
 impl<T: Scalar> Built<T> {
     /// State of each bushing, in the order of the definition.
-    pub(super) fn bushing_readings(&self, state: &State<T>, rack: T) -> Vec<BushingReading<T>> {
-        let at = self.system.conditions(state, rack);
+    pub(super) fn bushing_readings(
+        &self,
+        state: &State<T>,
+        around: &Surroundings<T>,
+    ) -> Vec<BushingReading<T>> {
+        let frames = self.system.frames(&state.carrier, around, false);
         let read = |place: &BushingPlace| match *place {
             BushingPlace::Limb { limb, end } => {
-                let states = self.system.limb_bushings(limb, &at, state);
+                let at = frames.of(self.system.holders.limbs[limb]);
+                let states = self.system.limb_bushings(limb, at, state);
                 let bushing = match &self.system.limbs[limb] {
                     Limb::Swinging(arm) => arm.ends[end].bushing.as_ref(),
                     Limb::Floating(link) if end == 0 => link.inner.as_ref(),
@@ -33,16 +39,17 @@ impl<T: Scalar> Built<T> {
                     .map(|(state, bushing)| reading(&state, bushing))
             }
             BushingPlace::Carrier(part) => {
+                let at = frames.of(self.system.holders.bushings[part]);
                 let part = &self.system.bushings[part];
-                let e = state.carrier.displacement(part.lever);
-                let state = part.bushing.state(e, &state.carrier.turn);
+                let e = at.carrier.displacement(part.lever);
+                let state = part.bushing.state(e, &at.carrier.turn);
                 Some(reading(&state, &part.bushing))
             }
             BushingPlace::Mount(limb) => {
                 let Limb::Mount(mount) = &self.system.limbs[limb] else {
                     return None;
                 };
-                let found = self.system.mount(&at, state)?;
+                let found = self.system.mount(&frames, state)?;
                 let ([x, y], [a, b]) = (found.tilt, found.tilt_torque);
                 // The law's force is on the body; the moving part has the opposite.
                 let state = BushingState {
@@ -53,27 +60,37 @@ impl<T: Scalar> Built<T> {
                 };
                 Some(reading(&state, &mount.bushing))
             }
+            BushingPlace::Subframe(number) => {
+                let mounts = &self.system.subframe.as_ref()?.mounts;
+                let state = self.system.mount_state(number, around)?;
+                Some(reading(&state, &mounts[number].bushing))
+            }
         };
         self.bushings.iter().filter_map(read).collect()
     }
 
     /// Tension of each link, in the order of the definition.
-    pub(super) fn tensions(&self, state: &State<T>, rack: T) -> Vec<T> {
-        let at = self.system.conditions(state, rack);
+    pub(super) fn tensions(&self, state: &State<T>, around: &Surroundings<T>) -> Vec<T> {
+        let frames = self.system.frames(&state.carrier, around, false);
         let tension = |place: &LinkPlace| match *place {
             LinkPlace::Rod(number) => {
                 let rod = &self.system.rods[number];
                 let [rate, tension] = rod.elastic?;
-                Some(tension + rate * rod.line(&at).stretch)
+                let at = frames.of(self.system.holders.rods[number]);
+                Some(tension + rate * rod.line(at).stretch)
             }
-            LinkPlace::RockerRod => self.system.seat(&at, state)?.rod_tension,
+            LinkPlace::RockerRod => self.system.seat(&frames, state)?.rod_tension,
         };
         self.links.iter().filter_map(tension).collect()
     }
 
     /// State of the spring.
-    pub(super) fn spring_reading(&self, state: &State<T>, rack: T) -> Option<SpringReading<T>> {
-        let at = self.system.conditions(state, rack);
+    pub(super) fn spring_reading(
+        &self,
+        state: &State<T>,
+        around: &Surroundings<T>,
+    ) -> Option<SpringReading<T>> {
+        let frames = self.system.frames(&state.carrier, around, false);
         let laws = self.system.limbs.iter().find_map(|limb| match limb {
             Limb::Mount(mount) => mount.spring.as_ref(),
             Limb::Swinging(arm) => arm.seat.as_ref().map(|(_, seat)| &seat.law),
@@ -81,11 +98,11 @@ impl<T: Scalar> Built<T> {
             Limb::CarrierSeat(part) => Some(&part.seat.law),
             Limb::Floating(_) => None,
         })?;
-        let seat = self.system.seat(&at, state);
+        let seat = self.system.seat(&frames, state);
         let (length, design, force) = match seat {
             Some(seat) => (seat.spring_length, seat.design_length, seat.spring_force),
             None => {
-                let mount = self.system.mount(&at, state)?;
+                let mount = self.system.mount(&frames, state)?;
                 (mount.spring_length, mount.design_length, mount.spring_force)
             }
         };
@@ -96,10 +113,11 @@ impl<T: Scalar> Built<T> {
         })
     }
 
-    /// Force on the rack along +y that holds it: the derivative of the energy by the rack's displacement.
-    pub(super) fn rack_force(&self, state: &State<T>, rack: T) -> T {
-        let at = self.system.conditions(state, rack);
-        let mut force = rack.zero();
+    /// Force on the rack along +y of its holder that holds it: the derivative of the energy by the rack's displacement.
+    pub(super) fn rack_force(&self, state: &State<T>, around: &Surroundings<T>) -> T {
+        let frames = self.system.frames(&state.carrier, around, false);
+        let at = *frames.of(self.system.holders.rack);
+        let mut force = around.rack.zero();
         for rod in &self.system.rods {
             if let Some([rate, tension]) = rod.elastic.filter(|_| rod.on_rack) {
                 let line = rod.line(&at);
@@ -126,7 +144,7 @@ impl<T: Scalar> Built<T> {
                     }
                 }
                 Limb::Floating(link) if link.on_rack => {
-                    force = force - rack_force_of(link, &states, state)
+                    force = force - rack_force_of(link, &states, &at.carrier)
                 }
                 _ => {}
             }
@@ -143,10 +161,10 @@ impl<T: Scalar> Built<T> {
 impl<T: Scalar> System<T> {
     /// Length of the spring; `None` without one.
     pub(super) fn spring_length(&self, state: &State<T>, rack: T) -> Option<T> {
-        let at = self.conditions(state, rack);
-        match self.seat(&at, state) {
+        let frames = self.frames(&state.carrier, &Surroundings::of_rack(rack), false);
+        match self.seat(&frames, state) {
             Some(seat) => Some(seat.spring_length),
-            None => Some(self.mount(&at, state)?.spring_length),
+            None => Some(self.mount(&frames, state)?.spring_length),
         }
     }
 }
@@ -171,25 +189,22 @@ impl<T: Scalar> ElasticWheel<T> {
     /// State of each bushing, in the order of the definition.
     pub fn bushings(&self, at: &Equilibrium<T>) -> Vec<BushingReading<T>> {
         self.built
-            .bushing_readings(&at.solution.state, at.solution.task.rack)
+            .bushing_readings(&at.solution.state, &at.around())
     }
 
     /// Tension of each link, in the order of the definition.
     pub fn tensions(&self, at: &Equilibrium<T>) -> Vec<T> {
-        self.built
-            .tensions(&at.solution.state, at.solution.task.rack)
+        self.built.tensions(&at.solution.state, &at.around())
     }
 
     /// State of the spring, if it has a law.
     pub fn spring(&self, at: &Equilibrium<T>) -> Option<SpringReading<T>> {
-        self.built
-            .spring_reading(&at.solution.state, at.solution.task.rack)
+        self.built.spring_reading(&at.solution.state, &at.around())
     }
 
     /// Force on the rack along the kernel's +y that holds it.
     pub fn rack_force(&self, at: &Equilibrium<T>) -> T {
-        self.built
-            .rack_force(&at.solution.state, at.solution.task.rack)
+        self.built.rack_force(&at.solution.state, &at.around())
     }
 
     /// Rotation vector of the carrier.
@@ -202,16 +217,16 @@ impl<T: Scalar> ElasticWheel<T> {
 fn rack_force_of<T: Scalar>(
     link: &Floating<T>,
     states: &[Option<BushingState<T>>; 2],
-    state: &State<T>,
+    carrier: &Placed<T>,
 ) -> T {
     match (&link.inner, states) {
         (Some(bushing), [Some(found), _]) => bushing.axes.apply(found.force).y,
         (_, [_, Some(found)]) => {
             let in_carrier = link.outer.axes.apply(found.force);
             // The force on the link at the carrier is -F; at the rack the link gets +F, so the rack gets -F.
-            -state.carrier.rotation().apply(in_carrier).y
+            -carrier.rotation().apply(in_carrier).y
         }
-        _ => state.vertical.zero(),
+        _ => carrier.shift.x.zero(),
     }
 }
 

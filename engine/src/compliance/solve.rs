@@ -100,8 +100,8 @@ impl System<f64> {
         bounds: Bounds,
     ) -> Result<Solution<f64>, Obstacle> {
         let mut state = *start;
-        let mut before = f64::INFINITY;
-        for steps in 1..=MOST_STEPS {
+        let mut judge = Judge::new(bounds);
+        loop {
             checkpoint();
             let equations = self
                 .equations(&state, task, held)
@@ -111,29 +111,17 @@ impl System<f64> {
                 .ok_or(Obstacle::Singular(Singular::Carrier))?;
             let solution = factors.solve(&equations.residual.map(|c| -c));
             let step = equations.step(&solution, false);
-            let sizes = self.size_of(&step);
-            if steps == 1 && bounds.is_too_far(sizes) {
-                return Err(Obstacle::Diverges);
-            }
+            let verdict = judge.judge(self.size_of(&step))?;
             state = self.stepped(&state, &step);
-            let size = bounds.size(sizes);
-            // NaN is not smaller.
-            let contracts = size < CONTRACTION * before;
-            let is_rounding = size < ROUNDING && !contracts;
-            if bounds.is_last(sizes) || is_rounding {
+            if verdict == Verdict::Settled {
                 self.check_stable(&equations, bounds)?;
                 return Ok(Solution {
                     state,
                     task: *task,
-                    steps,
+                    steps: judge.steps(),
                 });
             }
-            if !contracts {
-                return Err(Obstacle::Diverges);
-            }
-            before = size;
         }
-        Err(Obstacle::Diverges)
     }
 
     /// Refuses a state that is not stable.
@@ -161,48 +149,140 @@ impl System<f64> {
         held: Option<&Held<f64>>,
         bounds: Bounds,
     ) -> Result<Solution<f64>, Box<Stuck>> {
-        if let Ok(solution) = self.newton(start, to, None, bounds) {
-            return Ok(solution);
-        }
-        let (mut reached, mut step, mut state) = (0.0, 0.5, *start);
-        let mut steps = 0;
-        let mut last = None;
-        loop {
-            let share: f64 = if reached + step < 1.0 {
-                reached + step
-            } else {
-                1.0
-            };
+        let newton = |state: &State<f64>, share: f64, is_first: bool| {
             let task = between(from, to, share);
-            let rest = held.map(|held| held.share(1.0 - share));
-            match self.newton(&state, &task, rest.as_ref(), bounds) {
-                Ok(mut solution) => {
-                    steps += solution.steps;
-                    if share >= 1.0 {
-                        solution.steps = steps;
-                        return Ok(solution);
-                    }
-                    (reached, state) = (share, solution.state);
-                    last = Some((state, task));
-                    step *= 2.0;
+            let rest = held
+                .filter(|_| !is_first)
+                .map(|held| held.share(1.0 - share));
+            let found = self.newton(state, &task, rest.as_ref(), bounds)?;
+            Ok((found.state, found.steps))
+        };
+        match raised(start, newton) {
+            Ok((state, steps)) => Ok(Solution {
+                state,
+                task: *to,
+                steps,
+            }),
+            Err(Unraised {
+                share,
+                obstacle,
+                last,
+            }) => Err(Box::new(Stuck {
+                share,
+                obstacle,
+                last: last.map(|state| (state, between(from, to, share))),
+            })),
+        }
+    }
+}
+
+/// The end of a way that could not be raised to the whole.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Unraised<S> {
+    pub(super) share: f64,
+    pub(super) obstacle: Obstacle,
+    /// The state at this share; `None` if even the start has none.
+    pub(super) last: Option<S>,
+}
+
+/// Raises the loads: the whole way at once, or in shares. `newton` finds the state at a share from another state; its last
+/// argument is true for the first try. Returns the state and the number of its steps.
+#[inline]
+pub(super) fn raised<S: Copy>(
+    start: &S,
+    mut newton: impl FnMut(&S, f64, bool) -> Result<(S, usize), Obstacle>,
+) -> Result<(S, usize), Unraised<S>> {
+    if let Ok(found) = newton(start, 1.0, true) {
+        return Ok(found);
+    }
+    let (mut reached, mut step, mut state) = (0.0, 0.5, *start);
+    let mut steps = 0;
+    let mut last = None;
+    loop {
+        let share: f64 = if reached + step < 1.0 {
+            reached + step
+        } else {
+            1.0
+        };
+        match newton(&state, share, false) {
+            Ok((found, more)) => {
+                steps += more;
+                if share >= 1.0 {
+                    return Ok((found, steps));
                 }
-                Err(obstacle) => {
-                    step *= 0.5;
-                    if step < LEAST_SHARE {
-                        return Err(Box::new(Stuck {
-                            share: reached,
-                            obstacle,
-                            last,
-                        }));
-                    }
+                (reached, state) = (share, found);
+                last = Some(found);
+                step *= 2.0;
+            }
+            Err(obstacle) => {
+                step *= 0.5;
+                if step < LEAST_SHARE {
+                    return Err(Unraised {
+                        share: reached,
+                        obstacle,
+                        last,
+                    });
                 }
             }
         }
     }
 }
 
+/// Judges the corrections of Newton's method.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Judge {
+    bounds: Bounds,
+    before: f64,
+    steps: usize,
+}
+
+/// Verdict about a correction.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Verdict {
+    /// The state after it is settled.
+    Settled,
+    /// Another one is needed.
+    GoesOn,
+}
+
+impl Judge {
+    pub(super) fn new(bounds: Bounds) -> Self {
+        Judge {
+            bounds,
+            before: f64::INFINITY,
+            steps: 0,
+        }
+    }
+
+    /// Judges the next correction by its largest shift and turn.
+    #[inline]
+    pub(super) fn judge(&mut self, sizes: [f64; 2]) -> Result<Verdict, Obstacle> {
+        self.steps += 1;
+        if self.steps == 1 && self.bounds.is_too_far(sizes) || self.steps > MOST_STEPS {
+            return Err(Obstacle::Diverges);
+        }
+        let size = self.bounds.size(sizes);
+        // NaN is not smaller.
+        let contracts = size < CONTRACTION * self.before;
+        let is_rounding = size < ROUNDING && !contracts;
+        if self.bounds.is_last(sizes) || is_rounding {
+            return Ok(Verdict::Settled);
+        }
+        if !contracts {
+            return Err(Obstacle::Diverges);
+        }
+        self.before = size;
+        Ok(Verdict::GoesOn)
+    }
+
+    /// Number of corrections.
+    pub(super) fn steps(&self) -> usize {
+        self.steps
+    }
+}
+
 /// A share of the way from one task to another of the same kind.
-fn between(from: &Task<f64>, to: &Task<f64>, share: f64) -> Task<f64> {
+pub(super) fn between(from: &Task<f64>, to: &Task<f64>, share: f64) -> Task<f64> {
     let hold = match (from.hold, to.hold) {
         (Hold::Height(a), Hold::Height(b)) => Hold::Height(a + (b - a) * share),
         _ => to.hold,

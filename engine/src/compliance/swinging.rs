@@ -1,10 +1,12 @@
 //! Arms on bushings, and links with a ball joint at the carrier: parts that swing about their outer joint.
 
+use super::algebra::cross_matrix;
 use super::bushing::{Bushing, BushingState};
 use super::limb::{
-    Conditions, Eliminated, Evaluated, Followers, LimbState, Sum, eliminated, is_positive,
+    BESIDE, Beside, Conditions, Eliminated, Evaluated, Followers, LimbState, Sum, TWIST_BESIDE,
+    eliminated, is_positive,
 };
-use super::point::{PointForce, Seat};
+use super::point::{BarSeat, PointForce, Seat};
 use crate::number::{Each, Matrix3, Scalar, Vector3, array_of};
 
 /// An end of an arm or a link at body or rack.
@@ -28,6 +30,8 @@ pub(super) struct Swinging<T> {
     pub(super) ends: Vec<End<T>>,
     /// The spring's seat on the arm with its lever from the outer joint.
     pub(super) seat: Option<(Vector3<T>, Seat<T>)>,
+    /// The drop link of an anti-roll bar with its lever from the outer joint.
+    pub(super) bar: Option<(Vector3<T>, BarSeat<T>)>,
     /// A direction about which nothing but torsion holds the part: a link's line. Scaled, see [`Bushing::slack`].
     pub(super) spin: Option<Vector3<T>>,
 }
@@ -55,14 +59,34 @@ impl<T: Scalar> Swinging<T> {
         bushing.state(self.deflection(end, at, state), &state.placed.turn)
     }
 
-    /// Displacement of the spring's seat.
-    pub(super) fn seat_displacement(
+    /// Displacement of the point of the arm at this lever from the outer joint.
+    pub(super) fn displacement(
         &self,
         lever: Vector3<T>,
         at: &Conditions<T>,
         state: &LimbState<T>,
     ) -> Vector3<T> {
         at.carrier.displacement(self.joint) + state.placed.turn.apply(lever)
+    }
+
+    /// Displacement of the spring's seat, against the upper end if that is on another body.
+    pub(super) fn seat_displacement(
+        &self,
+        (lever, seat): &(Vector3<T>, Seat<T>),
+        at: &Conditions<T>,
+        state: &LimbState<T>,
+    ) -> Vector3<T> {
+        let moved = self.displacement(*lever, at, state);
+        if seat.is_across {
+            moved - at.upper
+        } else {
+            moved
+        }
+    }
+
+    /// Returns true if coordinates of [`Beside`] move the arm.
+    pub(super) fn has_beside(&self) -> bool {
+        self.bar.is_some() || self.seat.as_ref().is_some_and(|(_, seat)| seat.is_across)
     }
 
     #[inline]
@@ -72,9 +96,11 @@ impl<T: Scalar> Swinging<T> {
         state: &LimbState<T>,
         held: &[T; 7],
         sum: &mut Sum<T>,
+        beside: Option<&mut Beside<T>>,
     ) -> Option<Evaluated<T>> {
         let like = at.rack;
         let mut own = OwnSum::zero(like);
+        let mut own_beside = beside.is_some().then(|| OwnBeside::zero(like));
         for end in &self.ends {
             let lever = state.placed.lever(end.lever);
             match &end.bushing {
@@ -97,14 +123,30 @@ impl<T: Scalar> Swinging<T> {
         followers.joint = Some(lever);
         let mut inner = [like.zero(); 7];
         let mut is_stable = true;
-        if let Some((seat_lever, seat)) = &self.seat {
-            let moved = self.seat_displacement(*seat_lever, at, state);
+        if let Some(place) = &self.seat {
+            let (seat_lever, seat) = place;
+            let moved = self.seat_displacement(place, at, state);
             let force = seat.force(moved, state.slide, held[6], at.balance_only);
             let now = state.placed.lever(*seat_lever);
+            if let Some(beside) = own_beside.as_mut().filter(|_| seat.is_across) {
+                beside.add_upper(now, &force.point);
+            }
             own.add(now, &force.point.leverless_if(at.balance_only));
             followers.slide = force.slide.map(|slide| (now, slide.by, slide.rest));
             inner[6] = force.moment;
             is_stable = force.is_stable;
+        }
+        if let (Some((bar_lever, bar)), Some(beside), false) =
+            (&self.bar, &mut own_beside, at.balance_only)
+        {
+            let moved = self.displacement(*bar_lever, at, state);
+            let force = bar.force(moved, at.twist);
+            let now = state.placed.lever(*bar_lever);
+            own.add(now, &force.point);
+            beside.force[TWIST_BESIDE] = force.torque;
+            beside.own[TWIST_BESIDE][TWIST_BESIDE] = bar.rate;
+            beside.by_joint[TWIST_BESIDE] = force.by_twist;
+            beside.by_turn[TWIST_BESIDE] = now.cross(force.by_twist);
         }
         if at.balance_only
             && let Some(spin) = self.spin
@@ -115,7 +157,12 @@ impl<T: Scalar> Swinging<T> {
         inner[..3].copy_from_slice(&own.moment.to_array());
         let pivot = self.ends.iter().find(|end| end.bushing.is_none());
         let found = match pivot {
-            None => own.eliminate_turns(&mut followers)?,
+            None => {
+                if let (Some(beside), Some(own_beside)) = (beside, &own_beside) {
+                    own_beside.condense(&own, None, lever, beside)?;
+                }
+                own.eliminate_turns(&mut followers)?
+            }
             Some(end) => {
                 let miss = self.deflection(end, at, state);
                 let open = end.normals.each(|normal| normal.dot(miss));
@@ -125,6 +172,9 @@ impl<T: Scalar> Swinging<T> {
                     normals: end.normals,
                     open: [open[0] - held[3], open[1] - held[4]],
                 };
+                if let (Some(beside), Some(own_beside)) = (beside, &own_beside) {
+                    own_beside.condense(&own, Some(&pivot), lever, beside)?;
+                }
                 own.eliminate_with_pivot(&pivot, &mut followers)?
             }
         };
@@ -155,6 +205,9 @@ struct Pivot<T> {
     /// Miss of the joint along the normals.
     open: [T; 2],
 }
+
+/// Equations of [`OwnSum::with_pivot`].
+type PivotEquations<T> = ([[T; 5]; 5], [T; 5], [[T; 3]; 5], [[T; 5]; 3]);
 
 /// Stability of inner equations.
 struct Firmness {
@@ -214,13 +267,10 @@ impl<T: Scalar> OwnSum<T> {
         })
     }
 
-    /// Eliminates the three turns and the two forces in a ball joint, normal to its lever. The part may then turn about
-    /// the lever alone.
-    fn eliminate_with_pivot(
-        &mut self,
-        pivot: &Pivot<T>,
-        followers: &mut Followers<T>,
-    ) -> Option<Firmness> {
+    /// Equations of the three turns and the two forces in a ball joint: matrix, forces, tangents by the joint, and of
+    /// the joint's force.
+    #[inline]
+    fn with_pivot(&self, pivot: &Pivot<T>) -> PivotEquations<T> {
         let zero = self.moment.x.zero();
         let mut rows = [[zero; 5]; 5];
         let mut by_joint = [[zero; 3]; 5];
@@ -244,6 +294,18 @@ impl<T: Scalar> OwnSum<T> {
                 joint_by[i][3 + k] = along[i];
             }
         }
+        (rows, force, by_joint, joint_by)
+    }
+
+    /// Eliminates the three turns and the two forces in a ball joint, normal to its lever. The part may then turn about
+    /// the lever alone.
+    fn eliminate_with_pivot(
+        &mut self,
+        pivot: &Pivot<T>,
+        followers: &mut Followers<T>,
+    ) -> Option<Firmness> {
+        let zero = self.moment.x.zero();
+        let (rows, force, by_joint, joint_by) = self.with_pivot(pivot);
         let Eliminated { rest, by, .. } = eliminated(rows, force, &by_joint, [1.0; 5])?;
         let mut less = [zero; 3];
         let mut change = [[zero; 3]; 3];
@@ -272,6 +334,108 @@ impl<T: Scalar> OwnSum<T> {
             is_stable: about > 0.0,
             least_pivot: about.abs() / diagonal.fold(0.0, f64::max),
         })
+    }
+}
+
+/// Forces of an arm on coordinates of [`Beside`], before its turns are eliminated. The tangents of the arm's own forces
+/// by these coordinates are the transposed ones.
+struct OwnBeside<T> {
+    force: [T; BESIDE],
+    own: [[T; BESIDE]; BESIDE],
+    by_joint: [Vector3<T>; BESIDE],
+    by_turn: [Vector3<T>; BESIDE],
+}
+
+impl<T: Scalar> OwnBeside<T> {
+    fn zero(like: T) -> Self {
+        let zero = like.zero();
+        let nothing = Vector3::new(zero, zero, zero);
+        OwnBeside {
+            force: [zero; BESIDE],
+            own: [[zero; BESIDE]; BESIDE],
+            by_joint: [nothing; BESIDE],
+            by_turn: [nothing; BESIDE],
+        }
+    }
+
+    /// Adds a force at a point of the arm that depends on the displacement of the point less that of the upper end.
+    fn add_upper(&mut self, lever: Vector3<T>, point: &PointForce<T>) {
+        let turning = point.stiffness.times(&cross_matrix(lever));
+        for k in 0..3 {
+            self.force[k] = -point.force.to_array()[k];
+            for j in 0..3 {
+                self.own[k][j] = point.stiffness.entry(k, j);
+            }
+            let row = |m: &Matrix3<T>| Vector3::new(m.entry(k, 0), m.entry(k, 1), m.entry(k, 2));
+            self.by_joint[k] = -row(&point.stiffness);
+            self.by_turn[k] = row(&turning);
+        }
+    }
+
+    /// Eliminates the turns of the arm, and the force in its ball joint.
+    fn condense(
+        &self,
+        arm: &OwnSum<T>,
+        pivot: Option<&Pivot<T>>,
+        lever: Vector3<T>,
+        into: &mut Beside<T>,
+    ) -> Option<()> {
+        match pivot {
+            None => {
+                let rows: [[T; 3]; 3] = entries(&arm.by_turn);
+                let by_joint: [[T; 3]; 3] = entries(&arm.moment_by_joint);
+                let joint_by: [[T; 3]; 3] = entries(&arm.joint_by_turn);
+                self.condense_on(rows, arm.moment.to_array(), by_joint, joint_by, lever, into)
+            }
+            Some(pivot) => {
+                let (rows, force, by_joint, joint_by) = arm.with_pivot(pivot);
+                self.condense_on(rows, force, by_joint, joint_by, lever, into)
+            }
+        }
+    }
+
+    fn condense_on<const N: usize>(
+        &self,
+        rows: [[T; N]; N],
+        force: [T; N],
+        by_joint: [[T; 3]; N],
+        joint_by: [[T; N]; 3],
+        lever: Vector3<T>,
+        into: &mut Beside<T>,
+    ) -> Option<()> {
+        let zero = force[0].zero();
+        let turning: [[T; 3]; BESIDE] = array_of(|k| self.by_turn[k].to_array());
+        let by: [[T; BESIDE]; N] =
+            array_of(|i| array_of(|k| if i < 3 { turning[k][i] } else { zero }));
+        let own = eliminated(rows, force, &by, [1.0; N])?;
+        let outer = eliminated(rows, force, &by_joint, [1.0; N])?;
+        for k in 0..BESIDE {
+            let mut row = self.by_joint[k].to_array();
+            let mut column = row;
+            into.force[k] = self.force[k];
+            for i in 0..3 {
+                into.force[k] = into.force[k] - turning[k][i] * own.rest[i];
+                for (row, by) in row.iter_mut().zip(outer.by[i]) {
+                    *row = *row - turning[k][i] * by;
+                }
+            }
+            for (column, by) in column.iter_mut().zip(joint_by) {
+                for i in 0..N {
+                    *column = *column - by[i] * own.by[i][k];
+                }
+            }
+            for j in 0..BESIDE {
+                into.own[k][j] = self.own[k][j];
+                for i in 0..3 {
+                    into.own[k][j] = into.own[k][j] - turning[k][i] * own.by[i][j];
+                }
+            }
+            into.couple(k, lever, Vector3::from(row), Vector3::from(column));
+        }
+        for (inner, by) in into.inner_by.iter_mut().zip(own.by) {
+            *inner = by;
+        }
+        Some(())
     }
 }
 

@@ -14,9 +14,11 @@
 use super::algebra::Placed;
 use super::bushing::{Bushing, BushingState};
 use super::floating::Floating;
-use super::limb::{Conditions, Evaluated, Followers, LimbState, LimbStep, Sum};
+use super::ground::{Frames, Holder, Holders, SubframePart, Surroundings};
+use super::legs::{BarPart, LegSeat};
+use super::limb::{Beside, Conditions, Evaluated, Followers, LimbState, LimbStep, Sum};
 use super::loads::{WheelLoads, WheelPart};
-use super::parts::{CarrierSeat, Joint, LegSeat, Mount, MountState, RodPart};
+use super::parts::{CarrierSeat, Joint, Mount, MountState, RodPart};
 use super::point::SeatState;
 use super::swinging::Swinging;
 use crate::linear::square::{MOST, SquareLu};
@@ -55,6 +57,14 @@ pub(super) struct System<T> {
     pub(super) rods: Vec<RodPart<T>>,
     pub(super) joints: Vec<Joint<T>>,
     pub(super) wheel: WheelPart<T>,
+    /// Bodies that hold the inner ends of these parts.
+    pub(super) holders: Holders,
+    /// The wheel's side of the subframe.
+    pub(super) subframe: Option<SubframePart<T>>,
+    /// The drop link, if it is on the carrier or an arm of legs.
+    pub(super) bar: Option<BarPart<T>>,
+    /// The body that holds the anti-roll bar.
+    pub(super) bar_on: Holder,
 }
 
 /// A state of all unknowns.
@@ -189,13 +199,32 @@ impl<T: Scalar> Limb<T> {
         state: &LimbState<T>,
         held: &[T; 7],
         sum: &mut Sum<T>,
+        beside: Option<&mut Beside<T>>,
     ) -> Option<Evaluated<T>> {
         match self {
-            Limb::Swinging(arm) => arm.evaluate(at, state, held, sum),
+            Limb::Swinging(arm) => arm.evaluate(at, state, held, sum, beside),
             Limb::Floating(link) => link.evaluate(at, state, held, sum),
             Limb::Mount(mount) => mount.evaluate(at, state, held, sum),
-            Limb::LegSeat(seat) => Some(seat.evaluate(at, state, held, sum)),
+            Limb::LegSeat(seat) => Some(seat.evaluate(at, state, held, sum, beside)),
             Limb::CarrierSeat(seat) => Some(seat.evaluate(at, state, held, sum)),
+        }
+    }
+
+    /// Returns true if coordinates of [`Beside`] move the part.
+    pub(super) fn has_beside(&self) -> bool {
+        match self {
+            Limb::Swinging(arm) => arm.has_beside(),
+            Limb::LegSeat(leg) => leg.seat.is_across,
+            _ => false,
+        }
+    }
+
+    /// Returns true if the rack holds the inner end.
+    pub(super) fn is_on_rack(&self) -> bool {
+        match self {
+            Limb::Swinging(arm) => arm.ends.iter().any(|end| end.on_rack),
+            Limb::Floating(link) => link.on_rack,
+            _ => false,
         }
     }
 
@@ -228,6 +257,42 @@ impl<T: Scalar> Limb<T> {
 }
 
 impl<T: Scalar> Equations<T> {
+    /// Equations of this many rigid joints, without forces and rows apart from forces that hold the carrier from outside.
+    #[inline]
+    pub(super) fn empty(like: T, joints: usize, held: Option<&Held<T>>) -> Self {
+        let zero = like.zero();
+        let mut residual = [zero; MOST];
+        if let Some(held) = held {
+            for (residual, held) in residual.iter_mut().zip(held.carrier) {
+                *residual = -held;
+            }
+        }
+        Equations {
+            size: 6 + joints,
+            residual,
+            matrix: [[zero; MOST]; MOST],
+            followers: [Followers::none(zero); MOST_LIMBS],
+            inner: [[zero; 7]; MOST_LIMBS],
+            unstable: None,
+            loose: None,
+            joints,
+        }
+    }
+
+    #[inline]
+    pub(super) fn note(&mut self, limb: usize, of: &Evaluated<T>) {
+        if !of.is_stable {
+            self.unstable = self.unstable.or(Some(limb));
+        }
+        // NaN is not above.
+        let is_held = of.least_pivot > LOOSE;
+        if !is_held {
+            self.loose = self.loose.or(Some(limb));
+        }
+        self.followers[limb] = of.followers;
+        self.inner[limb] = of.inner;
+    }
+
     /// The tangent of the carrier.
     pub(super) fn tangent(&self) -> [[f64; 6]; 6] {
         std::array::from_fn(|i| std::array::from_fn(|j| self.matrix[i][j].value()))
@@ -239,6 +304,17 @@ impl<T: Scalar> Equations<T> {
         (6..self.size).map(row)
     }
 
+    /// Sets the row and the column of a rigid joint.
+    #[inline]
+    pub(super) fn set_joint(&mut self, number: usize, miss: T, row: [T; 6]) {
+        let k = 6 + number;
+        self.residual[k] = miss;
+        for i in 0..6 {
+            self.matrix[k][i] = row[i];
+            self.matrix[i][k] = row[i];
+        }
+    }
+
     pub(super) fn factors(&self) -> Option<SquareLu<T>> {
         SquareLu::of(self.matrix, self.size)
     }
@@ -247,15 +323,23 @@ impl<T: Scalar> Equations<T> {
     #[inline]
     pub(super) fn step(&self, solution: &[T; MOST], is_rate: bool) -> Step<T> {
         let carrier: [T; 6] = array_of(|i| solution[i]);
+        self.step_seen(solution, |_, limb| limb.step(&carrier, None, is_rate))
+    }
+
+    /// The same; `of_limb` gives the step of each limb by its number.
+    #[inline]
+    pub(super) fn step_seen(
+        &self,
+        solution: &[T; MOST],
+        of_limb: impl Fn(usize, &Followers<T>) -> LimbStep<T>,
+    ) -> Step<T> {
+        let carrier: [T; 6] = array_of(|i| solution[i]);
         let zero = carrier[0].zero();
         let mut joints = [zero; MOST_JOINTS];
         joints[..self.joints].copy_from_slice(&solution[6..6 + self.joints]);
         Step {
             carrier,
-            limbs: self
-                .followers
-                .each_ref()
-                .each(|limb| limb.step(&carrier, is_rate)),
+            limbs: array_of(|k| of_limb(k, &self.followers[k])),
             joints,
             vertical: if self.size > 6 + self.joints {
                 solution[6 + self.joints]
@@ -271,15 +355,7 @@ impl<T: Scalar> System<T> {
         self.wheel.centre.x.zero()
     }
 
-    pub(super) fn conditions(&self, state: &State<T>, rack: T) -> Conditions<T> {
-        Conditions {
-            carrier: state.carrier,
-            rack,
-            balance_only: false,
-        }
-    }
-
-    /// The equations (1) in a state.
+    /// The equations (1) in a state, of a wheel by itself.
     #[inline]
     pub(super) fn equations(
         &self,
@@ -287,13 +363,23 @@ impl<T: Scalar> System<T> {
         task: &Task<T>,
         held: Option<&Held<T>>,
     ) -> Result<Equations<T>, Singular> {
-        let at = self.conditions(state, task.rack);
+        let around = Surroundings::of_rack(task.rack);
+        let frames = self.frames(&state.carrier, &around, false);
+        let mut equations = Equations::empty(around.rack, self.joints.len(), held);
+        let gathered = self.gather(&frames, state, held, false, &mut equations)?;
+        self.add_alone(&gathered, &mut equations);
+        self.add_loads(&mut equations, state, task);
+        Ok(equations)
+    }
+
+    /// Adds loads and, where the height is held, the vertical force with its row.
+    #[inline]
+    pub(super) fn add_loads(&self, equations: &mut Equations<T>, state: &State<T>, task: &Task<T>) {
         let mut loads = task.loads;
         if let Hold::Height(_) = task.hold {
             loads.contact.z = loads.contact.z + state.vertical;
         }
-        let mut equations = self.assembled(&at, state, held)?;
-        let mut load = Sum::zero(at.rack);
+        let mut load = Sum::zero(task.rack);
         self.wheel.subtract(&state.carrier, &loads, &mut load);
         for i in 0..6 {
             equations.residual[i] = equations.residual[i] + load.force[i];
@@ -303,9 +389,8 @@ impl<T: Scalar> System<T> {
         }
         if let Hold::Height(travel) = task.hold {
             let (row, height) = self.height(&state.carrier);
-            self.border(&mut equations, state, row, height - travel);
+            self.border(equations, state, row, height - travel);
         }
-        Ok(equations)
     }
 
     /// Height of the wheel centre above its design position, and its derivative by the carrier.
@@ -340,85 +425,6 @@ impl<T: Scalar> System<T> {
         let mut unit = WheelLoads::none(carrier.shift.x);
         unit.contact.z = unit.contact.z.one();
         self.wheel.wrench(carrier, &unit).to_array()
-    }
-
-    /// Equations of elastic parts and joints, without loads.
-    #[inline]
-    pub(super) fn assembled(
-        &self,
-        at: &Conditions<T>,
-        state: &State<T>,
-        held: Option<&Held<T>>,
-    ) -> Result<Equations<T>, Singular> {
-        let like = at.rack.zero();
-        let mut sum = Sum::zero(like);
-        let mut followers = [Followers::none(like); MOST_LIMBS];
-        let mut inner = [[like; 7]; MOST_LIMBS];
-        let (mut unstable, mut loose) = (None, None);
-        let nothing = [like; 7];
-        for (k, limb) in self.limbs.iter().enumerate() {
-            let held = held.map_or(&nothing, |held| &held.limbs[k]);
-            let found = limb.evaluate(at, &state.limbs[k], held, &mut sum);
-            let found = found.ok_or(Singular::Limb(k))?;
-            if !found.is_stable {
-                unstable = unstable.or(Some(k));
-            }
-            // NaN is not above.
-            let is_held = found.least_pivot > LOOSE;
-            if !is_held {
-                loose = loose.or(Some(k));
-            }
-            followers[k] = found.followers;
-            inner[k] = found.inner;
-        }
-        for part in &self.bushings {
-            let e = at.carrier.displacement(part.lever);
-            let force = if at.balance_only {
-                part.bushing.slack()
-            } else {
-                part.bushing.force(e, &at.carrier.turn, None)
-            };
-            let point = super::point::PointForce::of(force.force, force.by_shift);
-            sum.add_point(at.carrier.lever(part.lever), &point);
-            sum.add_moment(force.moment, &force.by_turn);
-        }
-        for rod in &self.rods {
-            if let Some(elastic) = rod.elastic {
-                rod.add(at, elastic, &mut sum);
-            }
-        }
-        let mut residual = [like; MOST];
-        let mut matrix = [[like; MOST]; MOST];
-        for (k, joint) in self.joints.iter().enumerate() {
-            let force = if at.balance_only {
-                like
-            } else {
-                state.joints[k]
-            };
-            let (miss, row) = joint.evaluate(at, force, &mut sum);
-            residual[6 + k] = miss;
-            for i in 0..6 {
-                matrix[6 + k][i] = row[i];
-                matrix[i][6 + k] = row[i];
-            }
-        }
-        for i in 0..6 {
-            residual[i] = sum.force[i];
-            if let Some(held) = held {
-                residual[i] = residual[i] - held.carrier[i];
-            }
-            matrix[i][..6].copy_from_slice(&sum.tangent[i]);
-        }
-        Ok(Equations {
-            size: 6 + self.joints.len(),
-            residual,
-            matrix,
-            followers,
-            inner,
-            unstable,
-            loose,
-            joints: self.joints.len(),
-        })
     }
 
     /// The state after a step.
@@ -487,33 +493,50 @@ impl<T: Scalar> System<T> {
     }
 
     /// The top mount with its state.
-    pub(super) fn mount(&self, at: &Conditions<T>, state: &State<T>) -> Option<MountState<T>> {
+    pub(super) fn mount(&self, frames: &Frames<T>, state: &State<T>) -> Option<MountState<T>> {
         self.limbs
             .iter()
             .zip(&state.limbs)
             .find_map(|(limb, own)| match limb {
-                Limb::Mount(mount) => Some(mount.state(at, own)),
+                Limb::Mount(mount) => Some(mount.state(&frames.body, own)),
                 _ => None,
             })
     }
 
     /// The seat of the spring with its state.
-    pub(super) fn seat(&self, at: &Conditions<T>, state: &State<T>) -> Option<SeatState<T>> {
-        self.limbs
-            .iter()
-            .zip(&state.limbs)
-            .find_map(|(limb, own)| match limb {
-                Limb::Swinging(arm) => arm.seat.as_ref().map(|(lever, seat)| {
-                    seat.state(arm.seat_displacement(*lever, at, own), own.slide)
+    pub(super) fn seat(&self, frames: &Frames<T>, state: &State<T>) -> Option<SeatState<T>> {
+        let limbs = self.limbs.iter().zip(&self.holders.limbs);
+        limbs.zip(&state.limbs).find_map(|((limb, holder), own)| {
+            let at = frames.of(*holder);
+            match limb {
+                Limb::Swinging(arm) => arm.seat.as_ref().map(|place| {
+                    let moved = arm.seat_displacement(place, at, own);
+                    place.1.state(moved, own.slide)
                 }),
-                Limb::LegSeat(leg) => {
-                    Some(leg.seat.state(leg.displacement(&at.carrier), own.slide))
-                }
+                Limb::LegSeat(leg) => Some(leg.seat.state(leg.displacement(at), own.slide)),
                 Limb::CarrierSeat(part) => {
                     let moved = at.carrier.displacement(part.lever);
                     Some(part.seat.state(moved, own.slide))
                 }
                 _ => None,
-            })
+            }
+        })
+    }
+
+    /// Angle of the anti-roll bar's lever.
+    pub(super) fn bar_angle(&self, frames: &Frames<T>, state: &State<T>) -> Option<T> {
+        if let Some(bar) = &self.bar {
+            return Some(bar.angle(frames.of(self.bar_on)));
+        }
+        let limbs = self.limbs.iter().zip(&self.holders.limbs);
+        limbs.zip(&state.limbs).find_map(|((limb, holder), own)| {
+            let at = frames.of(*holder);
+            let Limb::Swinging(arm) = limb else {
+                return None;
+            };
+            let (lever, bar) = arm.bar.as_ref()?;
+            let moved = arm.displacement(*lever, at, own);
+            Some(bar.force(moved, at.twist).angle)
+        })
     }
 }

@@ -1,20 +1,21 @@
 //! An elastic wheel: its equilibria, and their changes.
 
-use super::build::Built;
-use super::definition::{Compliance, Relaxed};
+use super::build::{Built, OfAxle};
+use super::definition::{BushingPart, Compliance, Relaxed};
 use super::fault::{ElasticFault, Motion, NoEquilibrium};
+use super::ground::Surroundings;
 use super::loads::WheelLoads;
 use super::preload::NoPreload;
 use super::reading::WheelGeometry;
 use super::solve::{Bounds, Obstacle, Solution, Stuck};
-use super::system::{Held, Hold, Limb, Singular, State, Task};
+use super::system::{Equations, Held, Hold, Limb, Singular, State, Task};
 use crate::characteristics::Constants;
 use crate::linear::square::MOST;
 use crate::model::{Axis, Suspension};
 use crate::number::{Scalar, Vector3};
 
 /// A turn is compared with a shift at this distance, mm.
-const TURN_LEVER: f64 = 300.0;
+pub(super) const TURN_LEVER: f64 = 300.0;
 /// Steps of inverse iteration that find the softest motion.
 const SOFT_STEPS: usize = 8;
 /// A wheel load below this share of the spring's force is no leverage.
@@ -50,6 +51,11 @@ impl<T: Scalar> Equilibrium<T> {
     /// Newton steps that led to it.
     pub fn steps(&self) -> usize {
         self.solution.steps
+    }
+
+    /// Positions of the bodies that hold the wheel's parts.
+    pub(super) fn around(&self) -> Surroundings<T> {
+        Surroundings::of_rack(self.solution.task.rack)
     }
 
     /// Rack displacement, along the kernel's +y.
@@ -92,10 +98,10 @@ pub struct ElasticWheel<T = f64> {
     pub(super) geometry: WheelGeometry<T>,
     pub(super) constants: Constants,
     pub(super) bounds: Bounds,
-    relaxed: Relaxed,
+    pub(super) relaxed: Relaxed,
     /// True if a bushing has a constant force or torque, which moves the wheel out of the design position.
-    has_offset: bool,
-    start: State<T>,
+    pub(super) has_offset: bool,
+    pub(super) start: State<T>,
 }
 
 /// No loads beside the vertical force that holds the height.
@@ -121,42 +127,53 @@ impl<T: Scalar> ElasticWheel<T> {
         design: &[Vector3<T>],
         compliance: &Compliance<T>,
     ) -> Result<Self, ElasticFault> {
-        let mechanism = &suspension.mechanism;
-        let radius = suspension.wheel_radius.unwrap_or(0.0);
-        let bounds = Bounds {
-            millimetre: suspension.length_unit.per_metre() / 1000.0,
+        let alone = OfAxle {
+            subframe: None,
+            bar_rate: None,
         };
-        let mut built = Built::of(mechanism, design, radius, compliance);
-        let start = match compliance.relaxed {
-            Relaxed::Free => State::design(built.system.like()),
-            Relaxed::AtDesignLoad => {
-                let found = built.preload(bounds);
-                found.map_err(|fault| preload_fault(&built.names, fault))?
-            }
-        };
-        let geometry = WheelGeometry::of(mechanism, design, &built.system);
-        let wheel = ElasticWheel {
-            geometry,
-            constants: Constants::of(suspension),
-            bounds,
-            relaxed: compliance.relaxed,
-            has_offset: compliance
-                .bushings
-                .iter()
-                .any(|part| part.preload.iter().any(|offset| offset.value() != 0.0)),
-            built,
-            start,
-        };
-        if wheel.relaxed == Relaxed::AtDesignLoad {
-            let spring = wheel.built.spring_reading(&start, start.vertical.zero());
-            let force = spring.map_or(0.0, |spring| spring.force.value());
-            let has_leverage = start.vertical.value().abs() > LEAST_LEVERAGE * force.abs();
-            if !has_leverage {
-                return Err(ElasticFault::NoLeverage);
-            }
+        let mut wheel = Self::unloaded(suspension, design, compliance, alone);
+        if compliance.relaxed == Relaxed::AtDesignLoad {
+            let found = wheel.built.preload(wheel.bounds);
+            wheel.start = found.map_err(|fault| preload_fault(&wheel.built.names, fault))?;
+            let around = Surroundings::of_rack(wheel.start.vertical.zero());
+            wheel.check_leverage(&around)?;
         }
         wheel.check_held()?;
         Ok(wheel)
+    }
+
+    /// The same in the design position, without forces at the design load.
+    pub(super) fn unloaded(
+        suspension: &Suspension,
+        design: &[Vector3<T>],
+        compliance: &Compliance<T>,
+        of_axle: OfAxle<'_, T>,
+    ) -> Self {
+        let mechanism = &suspension.mechanism;
+        let radius = suspension.wheel_radius.unwrap_or(0.0);
+        let built = Built::of(mechanism, design, radius, compliance, of_axle);
+        let has_offset = |part: &BushingPart<T>| part.preload.iter().any(|p| p.value() != 0.0);
+        ElasticWheel {
+            geometry: WheelGeometry::of(mechanism, design, &built.system),
+            constants: Constants::of(suspension),
+            bounds: Bounds {
+                millimetre: suspension.length_unit.per_metre() / 1000.0,
+            },
+            relaxed: compliance.relaxed,
+            has_offset: compliance.bushings.iter().any(has_offset),
+            start: State::design(built.system.like()),
+            built,
+        }
+    }
+
+    /// Refuses a spring that does not carry the wheel in the design position.
+    pub(super) fn check_leverage(&self, around: &Surroundings<T>) -> Result<(), ElasticFault> {
+        let spring = self.built.spring_reading(&self.start, around);
+        let force = spring.map_or(0.0, |spring| spring.force.value());
+        match self.start.vertical.value().abs() > LEAST_LEVERAGE * force.abs() {
+            true => Ok(()),
+            false => Err(ElasticFault::NoLeverage),
+        }
     }
 
     /// Refuses a design in which a motion has no stiffness while the height is held.
@@ -178,7 +195,7 @@ impl<T: Scalar> ElasticWheel<T> {
     }
 
     /// The axis of the vehicle nearest to a link's line, about which nothing but torsion holds it.
-    fn spin_of(&self, limb: usize) -> Motion {
+    pub(super) fn spin_of(&self, limb: usize) -> Motion {
         let along = match &self.built.system.limbs[limb] {
             Limb::Swinging(arm) => arm.ends[0].lever,
             Limb::Floating(link) => link.along,
@@ -205,9 +222,12 @@ impl ElasticWheel {
     /// its force at a lever of 300 mm. Infinite if the state has no equations.
     pub fn out_of_balance(&self, at: &Equilibrium) -> f64 {
         let Solution { state, task, .. } = &at.solution;
-        let Ok(equations) = self.built.system.equations(state, task, None) else {
-            return f64::INFINITY;
-        };
+        let equations = self.built.system.equations(state, task, None);
+        equations.map_or(f64::INFINITY, |equations| self.largest_force(&equations))
+    }
+
+    /// The largest residual force of the equations.
+    pub(super) fn largest_force(&self, equations: &Equations<f64>) -> f64 {
         let lever = TURN_LEVER * self.bounds.millimetre;
         let mut worst = 0.0;
         // NaN is not in balance.
@@ -356,9 +376,9 @@ impl ElasticWheel {
 }
 
 /// Name of the wheel carrier in messages.
-const CARRIER: &str = "the wheel carrier";
+pub(super) const CARRIER: &str = "the wheel carrier";
 
-fn largest_axis(v: Vector3<f64>) -> Axis {
+pub(super) fn largest_axis(v: Vector3<f64>) -> Axis {
     let size = |axis: &Axis| v[*axis].abs();
     let [x, y, z] = Axis::ALL;
     [y, z]
@@ -366,7 +386,7 @@ fn largest_axis(v: Vector3<f64>) -> Axis {
         .fold(x, |m, a| if size(&a) > size(&m) { a } else { m })
 }
 
-fn preload_fault(names: &[String], fault: NoPreload) -> ElasticFault {
+pub(super) fn preload_fault(names: &[String], fault: NoPreload) -> ElasticFault {
     match fault {
         NoPreload::Singular(Singular::Limb(limb)) => ElasticFault::NoBalance {
             part: names[limb].clone(),

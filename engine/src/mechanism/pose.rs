@@ -221,7 +221,8 @@ impl<'a, T: Real> Configuration<'a, T> {
         match self.mechanism.body(id) {
             Body::Rack => Vector3::new(p.x, p.y + self.rack, p.z),
             Body::Opposite(other) => {
-                let moved = self.carried(other).y - self.designed(other).y;
+                // In a call, since it is rare.
+                let moved = self.point(other).y - self.designed(other).y;
                 Vector3::new(p.x, p.y - moved, p.z)
             }
             _ => p,
@@ -237,7 +238,7 @@ impl<'a, T: Real> Configuration<'a, T> {
             Body::Opposite(other) => {
                 let zero = gradient.x.zero();
                 let opposite = Vector3::new(zero, -gradient.y, zero);
-                self.push_carried(other, opposite, sink);
+                self.push_point(other, opposite, sink);
                 sink.hardpoint(other, -opposite);
             }
             _ => {}

@@ -152,7 +152,7 @@ impl<T: Real> Turn<T> {
     /// The angle from the design position, positive where a rod of this kind has pushed the rocker, or a pullrod has
     /// pulled it.
     #[inline(always)]
-    fn angle(&self, rod: Rod) -> T {
+    pub(crate) fn angle(&self, rod: Rod) -> T {
         (self.sine * self.sense(rod)).atan2(self.cosine)
     }
 

@@ -263,6 +263,11 @@ impl Mechanism {
         self.points.iter().position(|p| p.name == name).map(PointId)
     }
 
+    /// Returns true if a rack steers the wheel.
+    pub fn has_rack(&self) -> bool {
+        self.points.iter().any(|point| point.body == Body::Rack)
+    }
+
     /// The name of a point. A built wheel has one more than a study that gives camber and toe as angles: faults of builds
     /// name it, too.
     pub fn name(&self, id: PointId) -> &str {

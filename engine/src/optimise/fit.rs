@@ -259,13 +259,13 @@ impl Fit {
 /// residuals even there.
 pub fn fit(
     index: usize,
-    mut problem: impl LeastSquares,
+    problem: impl LeastSquares,
     bounds: &Bounds,
     start: &DVector<f64>,
     options: &Options,
     control: Control<'_>,
 ) -> Result<Fit, Infeasible> {
-    let mut method = LevenbergMarquardt::new(bounds, options, control, index);
-    let x = execute(&mut problem, &mut method, bounds, start)?;
-    Ok(method.into_fit(x))
+    let solver = LevenbergMarquardt::new(bounds, options, control, index);
+    let (solver, state) = execute(problem, solver, bounds, start)?;
+    Ok(solver.into_fit(state))
 }

@@ -1,36 +1,42 @@
-//! Common parts of every method here: the loop, and the record of iterations and of the reason for the end.
+//! Common parts of every method here. argmin runs the method, and the record keeps its iterations and the reason for
+//! its end. Only this module calls argmin.
 
 use super::{ActiveBound, Bounds, Control, Infeasible, Iteration, Options, Termination};
+use argmin::core::{Executor, IterState, Problem, Solver, TerminationReason, TerminationStatus};
 use nalgebra::DVector;
 
-/// A method that minimises a problem `P` step by step.
-pub(super) trait Method<'a, P> {
-    /// Evaluates the start. An error says why there are no residuals there.
-    fn begin(&mut self, problem: &mut P, x: &DVector<f64>) -> Result<(), Infeasible>;
+/// State of a run in argmin: the variables and the cost.
+pub type ArgminState = IterState<DVector<f64>, (), (), (), (), f64>;
 
-    /// Makes one accepted step, or ends the run. `done` is the number of iterations before.
-    fn iterate(&mut self, problem: &mut P, x: DVector<f64>, done: u64) -> DVector<f64>;
-
-    /// The record of the run.
-    fn record(&mut self) -> &mut FitRecord<'a>;
-}
-
-/// Runs a method from the point of the box nearest to `start`. Returns the last point; an error says why there are no
-/// residuals even at the start.
-pub(super) fn execute<'a, P>(
-    problem: &mut P,
-    method: &mut impl Method<'a, P>,
+/// Runs a solver from the point of the box nearest to `start`; an error says why there are no residuals even
+/// there.
+pub(super) fn execute<P, S: Solver<P, ArgminState>>(
+    problem: P,
+    solver: S,
     bounds: &Bounds,
     start: &DVector<f64>,
-) -> Result<DVector<f64>, Infeasible> {
-    let mut x = bounds.nearest(start);
-    method.begin(problem, &x)?;
-    let mut done = 0;
-    while method.record().goes_on(done) {
-        x = method.iterate(problem, x, done);
-        done += 1;
+) -> Result<(S, ArgminState), Infeasible> {
+    let result = Executor::new(problem, solver)
+        .configure(|state| state.param(bounds.nearest(start)))
+        // The process has one handler for Ctrl-C, and it is not argmin's.
+        .ctrlc(false)
+        .timer(false)
+        .run();
+    match result {
+        Ok(result) => Ok((result.solver, result.state)),
+        Err(error) => Err(error
+            .downcast()
+            .expect("the only error of a solver is that of its start")),
     }
-    Ok(x)
+}
+
+/// The problem itself. argmin lends it as `&P` and counts calls by name; its evaluation has a
+/// workspace, and the history counts.
+pub(super) fn of<P>(problem: &mut Problem<P>) -> &mut P {
+    problem
+        .problem
+        .as_mut()
+        .expect("argmin gives the problem back")
 }
 
 /// Record of a run: its start, its iterations and the reason for its end.
@@ -94,7 +100,8 @@ impl<'a> FitRecord<'a> {
         (reason.checked(residual), self.history)
     }
 
-    /// Records an iteration that ended at `x`, in the history and for the control.
+    /// Records an iteration that ended at `x`, in the history and for the control. argmin's own log would be for its
+    /// observers, and there are none.
     pub(super) fn add(&mut self, x: &DVector<f64>, mut iteration: Iteration) {
         let active_bounds = self.bounds.active_bounds(x);
         let held = active_bounds
@@ -107,16 +114,23 @@ impl<'a> FitRecord<'a> {
         self.history.push(iteration);
     }
 
-    /// Returns true if the run continues after so many iterations.
-    fn goes_on(&mut self, done: u64) -> bool {
+    /// Tells argmin after every iteration if the run continues.
+    pub(super) fn status(&mut self, state: &ArgminState) -> TerminationStatus {
         if self.termination.is_none() {
             if self.control.is_interrupted() {
                 self.termination = Some(Termination::Interrupted);
-            } else if done >= self.options.max_iterations {
+            } else if state.iter >= self.options.max_iterations {
                 self.termination = Some(Termination::IterationLimit);
             }
         }
-        self.termination.is_none()
+        match &self.termination {
+            None => TerminationStatus::NotTerminated,
+            // In our words: argmin's own are fewer, and nobody asks it.
+            Some(reason) => {
+                let reason = TerminationReason::SolverExit(reason.to_string());
+                TerminationStatus::Terminated(reason)
+            }
+        }
     }
 }
 

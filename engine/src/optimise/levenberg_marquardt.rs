@@ -1,4 +1,4 @@
-//! Levenberg-Marquardt between bounds.
+//! Levenberg-Marquardt between bounds, as a solver for argmin.
 //!
 //! At x, with residuals r and Jacobian J, the step d = W s (W the widths of the ranges) is
 //!
@@ -34,12 +34,13 @@
 //! nonlinear problems, 2004, sections 3.3 and 4.3). The corrections are those against the Maratos effect (J. Nocedal,
 //! S. Wright, Numerical optimization, 2nd ed., section 18.3). Every trial that is finally accepted has descended.
 
-use super::fit_record::{FitRecord, Method};
+use super::fit_record::{ArgminState, FitRecord, of};
 use super::local_model::LocalModel;
 use super::stationarity::{CONVERGED, between_bounds};
 use super::{
     Bounds, Control, Fit, Infeasible, Iteration, LeastSquares, Linearisation, Options, Termination,
 };
+use argmin::core::{Error, KV, Problem, Solver, TerminationStatus};
 use nalgebra::DVector;
 
 /// The fraction of its range a direction that the residuals do not see may move by in one step,
@@ -98,7 +99,8 @@ impl<'a> LevenbergMarquardt<'a> {
     }
 
     /// Turns the finished run into its result.
-    pub(super) fn into_fit(self, x: DVector<f64>) -> Fit {
+    pub(super) fn into_fit(self, state: ArgminState) -> Fit {
+        let x = state.param.expect("the state was given its start");
         let active_bounds = self.record.bounds.active_bounds(&x);
         let residual = self.residual(&self.current, &x);
         let (termination, history) = self.record.finished(residual);
@@ -189,12 +191,17 @@ impl<'a> LevenbergMarquardt<'a> {
     }
 }
 
-impl<'a, P: LeastSquares> Method<'a, P> for LevenbergMarquardt<'a> {
-    fn record(&mut self) -> &mut FitRecord<'a> {
-        &mut self.record
+impl<P: LeastSquares> Solver<P, ArgminState> for LevenbergMarquardt<'_> {
+    fn name(&self) -> &str {
+        "bounded Levenberg-Marquardt"
     }
 
-    fn begin(&mut self, problem: &mut P, x: &DVector<f64>) -> Result<(), Infeasible> {
+    fn init(
+        &mut self,
+        problem: &mut Problem<P>,
+        state: ArgminState,
+    ) -> Result<(ArgminState, Option<KV>), Error> {
+        let problem = of(problem);
         let (m, n) = (problem.residuals(), problem.variables());
         assert_eq!(n, self.record.bounds.variables(), "one range per variable");
         self.current = Linearisation::new(m, n);
@@ -204,6 +211,7 @@ impl<'a, P: LeastSquares> Method<'a, P> for LevenbergMarquardt<'a> {
         self.promised = DVector::zeros(m);
         self.excess = DVector::zeros(m);
 
+        let x = state.param.as_ref().expect("the state was given its start");
         problem.evaluate(x, &mut self.current)?;
         self.current.check()?;
         self.rebuild_model(x);
@@ -211,10 +219,16 @@ impl<'a, P: LeastSquares> Method<'a, P> for LevenbergMarquardt<'a> {
         let cost = self.current.cost();
         self.damping_factor = FIRST_DAMPING * longest * longest / (2.0 * cost);
         self.record.add(x, Iteration::at(&self.current));
-        Ok(())
+        Ok((state.cost(cost), None))
     }
 
-    fn iterate(&mut self, problem: &mut P, mut x: DVector<f64>, done: u64) -> DVector<f64> {
+    fn next_iter(
+        &mut self,
+        problem: &mut Problem<P>,
+        mut state: ArgminState,
+    ) -> Result<(ArgminState, Option<KV>), Error> {
+        let problem = of(problem);
+        let mut x = state.take_param().expect("the state was given its start");
         let cost = self.current.cost();
         let negligible = self.record.options.reduction_below * cost;
         let drift = f64::EPSILON / DRIFT * self.model.norm() * (2.0 * cost).sqrt();
@@ -289,7 +303,7 @@ impl<'a, P: LeastSquares> Method<'a, P> for LevenbergMarquardt<'a> {
         }
 
         let iteration = Iteration {
-            iteration: done + 1,
+            iteration: state.iter + 1,
             step,
             damping,
             evaluations,
@@ -297,6 +311,10 @@ impl<'a, P: LeastSquares> Method<'a, P> for LevenbergMarquardt<'a> {
             ..Iteration::at(&self.current)
         };
         self.record.add(&x, iteration);
-        x
+        Ok((state.param(x).cost(self.current.cost()), None))
+    }
+
+    fn terminate(&mut self, state: &ArgminState) -> TerminationStatus {
+        self.record.status(state)
     }
 }

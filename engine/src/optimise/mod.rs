@@ -3,7 +3,7 @@
 //! [`tune()`] lays the targets of a study out as an [`Objective`]. Nothing below it knows of suspensions. A
 //! [`LeastSquares`] problem yields residuals, in units of their tolerances, and their exact Jacobian in one pass.
 //! [`fit()`] finds a minimum from one start, [`multistart()`] from several in parallel. [`Identifiability`] names the
-//! directions in which the residuals do not change.
+//! directions in which the residuals do not change. This is the only module that uses argmin.
 //!
 //! Steps are measured in fractions of the variables' ranges. The ranges say which moves are comparable, so the method
 //! does not depend on units. MINPACK scales by the column norms of the Jacobian instead. Such a scale lets a variable
@@ -64,11 +64,12 @@ pub use bounds::{Bounds, EmptyRange};
 pub use choices::{Choice, Front, front, price_list};
 pub use constrained::{Assessment, Constrained, ConstrainedFit, Shape, constrained_fit};
 pub use fit::{ConstraintState, Control, Fit, Iteration, ProgressCallback, Termination, fit};
+pub use fit_record::ArgminState;
 pub use identifiability::{Direction, Identifiability};
 pub use layout::{Deviation, RowLabel, TargetLayout};
 pub use levenberg_marquardt::LevenbergMarquardt;
 pub use moves::{PointRate, moved_design, point_rates};
-pub use multistart::{Multistart, Start, multistart, starting_point};
+pub use multistart::{Multistart, Start, constrained_multistart, multistart, starting_point};
 pub use objective::Objective;
 pub use options::Options;
 pub use problem::{Infeasible, LeastSquares, Linearisation};

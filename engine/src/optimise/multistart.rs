@@ -1,7 +1,9 @@
 //! Several starts, and the best of where they end.
 
 use super::fit::fit;
-use super::{Bounds, Control, Fit, Infeasible, LeastSquares, Options};
+use super::{
+    Bounds, Constrained, Control, Fit, Infeasible, LeastSquares, Options, constrained_fit,
+};
 use crate::sweep::sobol;
 use nalgebra::DVector;
 use rayon::prelude::*;
@@ -60,6 +62,39 @@ pub fn multistart<P: LeastSquares>(
         nearest(&starts, good, distance, SAME_MISFIT)
     });
     Multistart { starts, best }
+}
+
+/// The same as [`multistart`] under constraints. If no start keeps them, the one that violates them least is kept.
+pub fn constrained_multistart<P: Constrained>(
+    problem: impl Fn() -> P + Sync,
+    bounds: &Bounds,
+    design: &DVector<f64>,
+    starts: usize,
+    seed: u32,
+    options: &Options,
+    control: Control<'_>,
+) -> Multistart {
+    let run = |index, x: &DVector<f64>| {
+        let fit = constrained_fit(index, problem(), bounds, x, options, control)?;
+        Ok(fit.into_fit(bounds, true))
+    };
+    let starts = every_start(0..starts, bounds, design, seed, control, run);
+    let best = match least_misfit(&starts) {
+        Some(least) => {
+            let good = (least * (1.0 + SAME_MISFIT)).max(options.misfit_below);
+            let distance = |x: &DVector<f64>| bounds.distance(design, x);
+            nearest(&starts, good, distance, SAME_MISFIT)
+        }
+        None => least_violation(&starts),
+    };
+    Multistart { starts, best }
+}
+
+/// The start that violates the constraints least.
+pub(super) fn least_violation(starts: &[Start]) -> Option<usize> {
+    let by_violation =
+        |a: &(usize, &Fit), b: &(usize, &Fit)| a.1.violation().total_cmp(&b.1.violation());
+    fits(starts).min_by(by_violation).map(|(index, _)| index)
 }
 
 /// Runs the starts of these numbers in parallel. After a request to stop none but the first begins.

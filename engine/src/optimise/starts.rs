@@ -1,16 +1,13 @@
 //! The starts of a tuning: runs from several points, and the choice among where they end.
 
-use super::constrained::{ConstrainedFit, constrained_fit};
+use super::constrained::constrained_fit;
 use super::fit::fit;
 use super::fixed::{FixedRows, Without};
-use super::multistart::{every_start, fits, least_misfit, nearest};
+use super::multistart::{every_start, fits, least_misfit, least_violation, nearest};
 use super::nearest::Level;
 use super::pool::Lent;
 use super::tune::Tuner;
-use super::{
-    ConstraintState, Fit, Linearisation, Multistart, Objective, Options, Start, Termination,
-    multistart,
-};
+use super::{Fit, Linearisation, Multistart, Objective, Options, Start, Termination, multistart};
 use nalgebra::DVector;
 use rayon::prelude::*;
 
@@ -141,7 +138,7 @@ impl<'a> Tuner<'a> {
             }
             let fit = constrained_fit(index, problem, bounds, x, &until_good, self.control)?;
             let good = fit.at.goal.misfit() <= until_good.misfit_below;
-            Ok(self.as_fit(fit, !good))
+            Ok(fit.into_fit(&self.bounds, !good))
         };
         let run = |numbers| {
             let (bounds, design, seed) = (&self.bounds, &self.design, optimise.seed);
@@ -188,9 +185,7 @@ impl<'a> Tuner<'a> {
     /// `least` is the least misfit of those that keep them.
     fn choose(&self, starts: &[Start], least: Option<f64>, good: f64) -> Option<usize> {
         let Some(least) = least else {
-            let by_violation =
-                |a: &(usize, &Fit), b: &(usize, &Fit)| a.1.violation().total_cmp(&b.1.violation());
-            return fits(starts).min_by(by_violation).map(|(index, _)| index);
+            return least_violation(starts);
         };
         let good = match good {
             0.0 => least * (1.0 + 1e-9),
@@ -199,25 +194,5 @@ impl<'a> Tuner<'a> {
         };
         let distance = self.distance();
         nearest(starts, good, |x| distance.of(x), 1e-6)
-    }
-
-    fn as_fit(&self, fit: ConstrainedFit, at_minimum: bool) -> Fit {
-        let is_minimum = at_minimum && fit.termination.at_minimum();
-        Fit {
-            active_bounds: self.bounds.active_bounds(&fit.x),
-            x: fit.x,
-            evaluation: fit.at.goal,
-            termination: fit.termination,
-            residual: fit.imbalance,
-            history: fit.history,
-            constraints: Some(ConstraintState {
-                values: fit.at.rows.residuals,
-                violation: fit.violation,
-                movable: fit.movable,
-                multipliers: is_minimum.then_some(fit.multipliers),
-                alternatives: fit.alternatives.filter(|_| is_minimum),
-                culprits: fit.culprits,
-            }),
-        }
     }
 }

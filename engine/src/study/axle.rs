@@ -12,7 +12,7 @@ use super::solid_axle;
 use super::suspension::{above_zero, kilograms, positive};
 use super::twist_beam;
 use super::value::{Number, Text, Values};
-use super::{MOST_STATIONS, TimeLaw};
+use super::{AxleComplianceStudy, MOST_STATIONS, TimeLaw};
 use crate::axle::{
     Axle, AxleKind, AxleMotion, AxlePlan, AxleTime, BumpStop, Coordinate, ForceCurve, Law, Motion,
     Quantity, Setup, SpringLaw, WheelMotion,
@@ -30,6 +30,8 @@ pub struct AxleStudy {
     pub plan: AxlePlan,
     /// Further motions of the axle by name, in the order of the names.
     pub motions: Vec<(String, AxleMotion)>,
+    /// The elastic parts and their tests, if there are any.
+    pub compliance: Option<AxleComplianceStudy>,
 }
 
 impl AxleStudy {
@@ -39,6 +41,7 @@ impl AxleStudy {
             axle,
             plan,
             motions: Vec::new(),
+            compliance: None,
         }
     }
 }
@@ -170,6 +173,7 @@ pub(super) fn axle(
         axle,
         plan,
         motions,
+        compliance: None,
     })
 }
 
@@ -228,7 +232,8 @@ fn setup(file: &File, left: &Suspension, problems: &mut Problems) -> Option<Setu
     let masses = [&vehicle.sprung_mass, &vehicle.unsprung_mass].map(|m| positive(m, problems));
     let masses = masses.map(|mass| Some(mass?.map(|mass| mass * kilograms.unwrap_or(1.0))));
     let newtons = left.length_unit.newtons();
-    let c_factor = match file.steering.as_ref().map(|s| &s.get_ref().c_factor) {
+    let given = file.steering.as_ref().map(Spanned::get_ref);
+    let c_factor = match given.and_then(|steering| steering.c_factor.as_ref()) {
         None => Some(None),
         Some(zero) if zero.value == 0.0 => {
             let message = "a c_factor of 0 never moves the rack";

@@ -1,6 +1,11 @@
 //! Studies of a car: `[car]` with two studies of axles, load cases, and outputs.
 
 mod asked;
+mod tuned;
+mod tuning;
+mod variables;
+
+pub use tuned::TunedCar;
 
 use super::error::Problems;
 use super::names::{choose, choose_or};
@@ -11,8 +16,8 @@ use super::{
 use crate::ask::Need;
 use crate::axle::Axle;
 use crate::car::{
-    Air, AirForce, Car, CarQuantity, CarRun, CarTarget, CarVariable, Case, LateralShares,
-    Longitudinal, LongitudinalShares, Masses, Moves, Tyre, TyreAxes,
+    Air, AirForce, Car, CarConstraint, CarGoals, CarQuantity, CarRun, CarTarget, CarVariable, Case,
+    LateralShares, Longitudinal, LongitudinalShares, Masses, Moves, RigGoals, Tyre, TyreAxes,
 };
 use crate::model::{Axis, AxlePosition, Frame, Side};
 use crate::number::Vector3;
@@ -72,8 +77,12 @@ pub struct CarOptimise {
     pub run: CarRun,
     /// Design variables.
     pub variables: Vec<CarVariable>,
-    /// Targets.
+    /// Targets of cases.
     pub targets: Vec<CarTarget>,
+    /// Constraints of cases.
+    pub constraints: Vec<CarConstraint>,
+    /// Targets and constraints of the front and of the rear axle by themselves.
+    pub rigs: [Option<RigGoals>; 2],
 }
 
 /// Sweep of a car.
@@ -146,6 +155,9 @@ pub struct CarBand {
     /// Lower and upper limit.
     pub between: [f64; 2],
 }
+
+/// Names of the axles.
+const ENDS: [(&str, usize); 2] = [("front", 0), ("rear", 1)];
 
 /// Names that are no names of cases.
 const RESERVED: [&str; 5] = ["front", "rear", "left", "right", "static"];
@@ -251,6 +263,21 @@ impl CarStudy {
         match self.quantities == CarQuantity::default_columns(&self.car) {
             true => CarQuantity::key_columns(&self.car),
             false => self.quantities.clone(),
+        }
+    }
+
+    /// The goals of a tuning.
+    pub fn goals<'s>(&'s self, optimise: &'s CarOptimise) -> CarGoals<'s> {
+        let rig = |end: usize| {
+            let goals = optimise.rigs[end].as_ref()?;
+            Some((&self.axles[end].vehicle, goals))
+        };
+        CarGoals {
+            cases: &self.cases,
+            variables: &optimise.variables,
+            targets: &optimise.targets,
+            constraints: &optimise.constraints,
+            rigs: [rig(0), rig(1)],
         }
     }
 
@@ -367,7 +394,11 @@ impl Resolver<'_> {
         }
         let unit = axles[0].left.length_unit;
         if axles[1].left.length_unit != unit {
-            let message = "both axle studies must have the same length_unit";
+            let message = format!(
+                "the rear study is in {}, the front study in {}: both axles of a car need one length_unit",
+                axles[1].left.length_unit.symbol(),
+                unit.symbol()
+            );
             return self.problems.refuse(section.rear.span(), message);
         }
         let rear_offset = self.rear_offset(&axles)?;

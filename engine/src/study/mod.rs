@@ -48,9 +48,9 @@ pub use crate::solve::Drive;
 pub use axle::AxleStudy;
 pub use axle_targets::AxleSite;
 pub use car::{
-    CarBand, CarContributor, CarOptimise, CarStudy, CarSweep, CarTolerance, GgMap, edited,
+    CarBand, CarContributor, CarOptimise, CarStudy, CarSweep, CarTolerance, GgMap, TunedCar, edited,
 };
-pub use compliance::ComplianceStudy;
+pub use compliance::{AxleComplianceStudy, ComplianceStudy};
 pub use designs_file::DesignTable;
 pub use hardpoint_study_file::bushing_file;
 pub use hardpoint_study_file::error::{Source as FileText, StudyError, StudyErrors};

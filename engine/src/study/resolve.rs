@@ -8,7 +8,7 @@ use super::{
     Sweep, Tolerance, Vehicle, WheelStudy, axle, compliance, edit, file, motion, optimise, outputs,
     overrides, parse, setup, solver, source, suspension, sweep, tolerance,
 };
-use crate::model::Suspension;
+use crate::model::{Suspension, Topology};
 use std::path::Path;
 use std::sync::Arc;
 use toml::Spanned;
@@ -68,6 +68,12 @@ impl Study {
         Study::read_parts(path, overrides, Parts::Elastic)
     }
 
+    /// The same as [`Study::read_elastic`], for callers that support elastic axles, too: [`AxleStudy::compliance`] may be
+    /// present.
+    pub fn read_elastic_axle(path: &Path, overrides: &[String]) -> Result<Study, StudyErrors> {
+        Study::read_parts(path, overrides, Parts::ElasticAxles)
+    }
+
     fn read_parts(path: &Path, overrides: &[String], parts: Parts) -> Result<Study, StudyErrors> {
         let is_input = path == Path::new("-");
         let path = if is_input { Path::new("stdin") } else { path };
@@ -89,9 +95,11 @@ impl Study {
     /// The study with edits `path=value`, as `--set` makes them; `name` is the file name it goes by.
     pub fn with_overrides(&self, name: &str, overrides: &[String]) -> Result<Study, StudyErrors> {
         let text = overrides::apply(name, &self.text, overrides)?;
-        let parts = match self.compliance() {
-            Some(_) => Parts::Elastic,
-            None => Parts::Rigid,
+        let of_axle = self.axle().and_then(|axle| axle.compliance.as_ref());
+        let parts = match (self.compliance(), of_axle) {
+            (_, Some(_)) => Parts::ElasticAxles,
+            (Some(_), None) => Parts::Elastic,
+            (None, None) => Parts::Rigid,
         };
         resolve(Path::new(name), name.to_owned(), text, Path::new(""), parts)
     }
@@ -111,6 +119,17 @@ impl Study {
     ) -> Result<Study, StudyErrors> {
         let (path, shown) = (Path::new(name), name.to_owned());
         resolve(path, shown, text.to_owned(), directory, Parts::Elastic)
+    }
+
+    /// The same as [`Study::elastic_from_text`], for callers that support elastic axles, too.
+    pub fn elastic_axle_from_text(
+        name: &str,
+        text: &str,
+        directory: &Path,
+    ) -> Result<Study, StudyErrors> {
+        let (path, shown) = (Path::new(name), name.to_owned());
+        let parts = Parts::ElasticAxles;
+        resolve(path, shown, text.to_owned(), directory, parts)
     }
 }
 
@@ -140,11 +159,13 @@ fn check_sensitivities(
 
 /// Parts that a reader of studies knows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Parts {
+pub(super) enum Parts {
     /// Rigid ones: elastic parts are refused, so that no result leaves them out.
     Rigid,
-    /// Elastic ones, too.
+    /// Elastic ones of one wheel, too.
     Elastic,
+    /// Those of an axle, too.
+    ElasticAxles,
 }
 
 /// `shown` is the name of the file in messages.
@@ -162,8 +183,9 @@ fn resolve(
 
     let suspension = suspension::suspension(&file, &mut problems);
     // A solid axle is one without [axle], too.
-    let is_rigid = |s: &Suspension| s.mechanism.rigid_axle.is_some();
-    let of_axle = file.axle.is_some() || suspension.as_ref().is_some_and(is_rigid);
+    let topology = Topology::named(file.suspension.topology.get_ref());
+    let is_rigid = topology.is_some_and(Topology::carries_both_wheels);
+    let of_axle = file.axle.is_some() || is_rigid;
     let motion = match of_axle {
         true => Some(Motion::still()),
         false => motion::motion(&file.motion, false, &mut problems),
@@ -173,16 +195,31 @@ fn resolve(
     let Some(suspension) = suspension else {
         return problems.finish(None);
     };
-    let axle = match of_axle {
+    let mut axle = match of_axle {
         true => axle::axle(&file, &suspension, &mut problems).map(Some),
         false => {
             axle::refuse_without_axle(&file, &mut problems);
             Some(None)
         }
     };
-    let knows_elastic = parts == Parts::Elastic;
-    let elastic =
-        compliance::compliance(&file, &suspension, knows_elastic, directory, &mut problems);
+    let elastic = match &mut axle {
+        Some(None) => compliance::compliance(&file, &suspension, parts, directory, &mut problems),
+        Some(Some(both)) => {
+            let course = &both.plan.course;
+            let found = compliance::axle_compliance(
+                &file,
+                &both.axle,
+                course,
+                parts,
+                directory,
+                &mut problems,
+            );
+            both.compliance = found.flatten();
+            // The elastic parts of an axle are in its study.
+            Some(None)
+        }
+        None => Some(None),
+    };
     if let Some(motion) = &motion {
         motion::check_drive(&file.motion, motion, &suspension, &mut problems);
     }

@@ -27,9 +27,19 @@ fn names(root: Root, path: &str) -> Option<Vec<String>> {
             _ => return None,
         }),
         Root::Car => match path {
-            "outputs.characteristics[]"
-            | "optimise.targets[].characteristic"
-            | "tolerance.bands[].characteristic" => CarQuantity::names(),
+            "outputs.characteristics[]" | "tolerance.bands[].characteristic" => {
+                CarQuantity::names()
+            }
+            // Results of cases, and quantities of an axle by itself.
+            "optimise.targets[].characteristic" => {
+                let mut names = CarQuantity::names();
+                let own = crate::axle::Quantity::names()
+                    .into_iter()
+                    .map(str::to_owned);
+                let further: Vec<String> = own.filter(|name| !names.contains(name)).collect();
+                names.extend(further);
+                names
+            }
             _ => return None,
         },
     })

@@ -10,7 +10,7 @@ use super::resolve::{Context, each, some};
 use super::sheet_file::{self, SheetTarget};
 use super::subject::{site, subject};
 use super::suspension::above_zero;
-use super::value::{LimitText, Number};
+use super::value::{LimitText, Number, Text};
 use super::{About, Interpolation, Limit, Motion, Site, Subject, Target, Wanted};
 use crate::compliance::KcValue;
 use std::ops::Range as Span;
@@ -39,6 +39,33 @@ pub(super) fn targets(
 ) -> Option<ReadTargets> {
     let written = some(&section.targets, "target", problems)?;
     let is_fit = section.fit.as_ref().is_some_and(|fit| *fit.get_ref());
+    for own in written.iter().map(Spanned::get_ref) {
+        refuse_keys_of_cars([&own.case, &own.axle], problems)?;
+    }
+    each_target(written, is_fit, context, problems)
+}
+
+/// Refuses the keys of an entry that only the study of a car has.
+pub(super) fn refuse_keys_of_cars(
+    written: [&Option<Text>; 2],
+    problems: &mut Problems,
+) -> Option<()> {
+    for (key, given) in ["case", "axle"].into_iter().zip(written) {
+        if let Some(text) = given {
+            let message = format!("{key} needs [car]: the study of a car has load cases and axles");
+            return problems.refuse(text.span(), message);
+        }
+    }
+    Some(())
+}
+
+/// The targets of a list.
+pub(super) fn each_target<'w>(
+    written: impl IntoIterator<Item = &'w Spanned<Written>>,
+    is_fit: bool,
+    context: &Context,
+    problems: &mut Problems,
+) -> Option<ReadTargets> {
     let read = each(written, |t| {
         match sheet_file::targets(t, context, problems) {
             Some(sheet) => {

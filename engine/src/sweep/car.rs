@@ -3,7 +3,7 @@
 use super::record::{Kind, MoveRecord, OutputColumn, TargetColumn, VariableRecord};
 use super::rows::{Failing, Rows};
 use super::{BLOCKS_OF_PART, FORM, Samples, SweepRecord};
-use crate::car::{Car, CarFault, CarQuantity, CarRequest, CarTarget, CaseResult, Moves, moved};
+use crate::car::{Car, CarFault, CarQuantity, CarRequest, CarTarget, CaseResult, moved};
 use crate::study::{CarStudy, CarSweep, FileFormat, Sampled, Sampling};
 
 /// Plan of the results for each design of a car.
@@ -208,25 +208,22 @@ fn describe(study: &CarStudy, sweep: &CarSweep, targets: &[CarTarget]) -> SweepR
     let Sampled { method, seed, .. } = sweep.sampled;
     let columns = sweep.sampled.variables.iter();
     let variables = columns.zip(&sweep.variables).map(|(column, variable)| {
-        let moves = match variable.moves {
-            Moves::Hardpoint { axle, point, axis } => vec![MoveRecord {
-                hardpoint: format!(
-                    "{}_{}",
-                    ["front", "rear"][axle],
-                    car.axles[axle].left.mechanism.name(point)
-                ),
-                axis: axis.name().to_owned(),
-                factor: 1.0,
-            }],
-            _ => Vec::new(),
-        };
+        let moves = variable.moves.points().iter().map(|at| MoveRecord {
+            hardpoint: format!(
+                "{}_{}",
+                ["front", "rear"][at.axle],
+                car.axles[at.axle].left.mechanism.name(at.point)
+            ),
+            axis: at.axis.name().to_owned(),
+            factor: at.factor,
+        });
         VariableRecord {
             column: crate::ask::with_unit(column.name.clone(), &variable.moves.unit(car)),
             low: variable.range[0],
             high: variable.range[1],
             steps: column.steps.filter(|_| method == Sampling::Grid),
             at_design: variable.moves.value(car).unwrap_or(f64::NAN) + 0.0,
-            moves,
+            moves: moves.collect(),
         }
     });
     let targets = targets.iter().map(|target| TargetColumn {

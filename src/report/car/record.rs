@@ -6,7 +6,6 @@ use crate::car::{
     WholeResult,
 };
 use crate::report::scene::Scene;
-use crate::study::CarOptimise;
 use serde::{Deserialize, Serialize};
 
 /// The form of the record. A reader takes no other.
@@ -130,6 +129,21 @@ pub struct CarTargetRecord {
     pub deviation: Option<f64>,
 }
 
+/// A constraint of a tuning.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CarConstraintRecord {
+    /// Name.
+    pub name: String,
+    /// The case, or the axle by itself.
+    pub place: String,
+    /// Lowest and highest value; none without a limit, and for an axle by itself.
+    pub limits: [Option<f64>; 2],
+    /// Unit of limits and margins.
+    pub unit: String,
+    /// Margins to the nearer limit before and after; negative if it is violated.
+    pub margins: [Option<f64>; 2],
+}
+
 impl<'s> CarResults<'s> {
     /// The record of a run.
     pub fn record(
@@ -237,28 +251,6 @@ impl<'s> CarResults<'s> {
             centres: drawing.centres,
             sprung_cg: drawing.sprung_cg,
         })
-    }
-
-    /// The targets of a tuning, with `before` the results of the study's own car.
-    pub fn target_records(
-        &self,
-        wanted: &CarOptimise,
-        before: &CarResults<'_>,
-    ) -> Vec<CarTargetRecord> {
-        let records = wanted.targets.iter().map(|target| {
-            let value = |of: &CarResults<'_>| of.target_value(target.case, target.quantity);
-            let after = value(self);
-            let finite = |limit: f64| limit.is_finite().then_some(limit);
-            CarTargetRecord {
-                output: target.quantity.column(self.study.car.length_unit),
-                case: self.study.cases[target.case].name.clone(),
-                wanted: target.wanted.map(finite),
-                tolerance: target.tolerance,
-                values: [value(before), after],
-                deviation: after.map(|value| target.deviation(value) / target.tolerance),
-            }
-        });
-        records.collect()
     }
 }
 

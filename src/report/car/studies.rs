@@ -29,7 +29,7 @@ impl Edits {
         };
         for (variable, value) in variables.iter().zip(x) {
             match variable.moves {
-                Moves::Hardpoint { .. } => {}
+                Moves::Hardpoints(_) => {}
                 Moves::Rate { axle, parameter } => {
                     of_axles[axle].push(format!("{}={}", rate_key(parameter), shortest(*value)));
                 }
@@ -75,16 +75,16 @@ pub fn settings_of_car(
 ) -> Vec<String> {
     let ends = ["front", "rear"];
     let mut points = Vec::new();
-    for variable in variables {
-        let Moves::Hardpoint { axle, point, .. } = variable.moves else {
-            continue;
-        };
-        let wheel = &car.axles[axle].left;
-        let place = wheel.frame.vector(wheel.design[point.0]);
+    for at in variables
+        .iter()
+        .flat_map(|variable| variable.moves.points())
+    {
+        let wheel = &car.axles[at.axle].left;
+        let place = wheel.frame.vector(wheel.design[at.point.0]);
         let setting = format!(
             "{}.suspension.hardpoints.{}=[{}]",
-            ends[axle],
-            wheel.mechanism.name(point),
+            ends[at.axle],
+            wheel.mechanism.name(at.point),
             place.to_array().map(shortest).join(", ")
         );
         if !points.contains(&setting) {

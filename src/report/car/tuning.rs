@@ -1,21 +1,87 @@
-//! Targets and variables of a tuned car, for the terminal and for programs.
+//! Targets, constraints and variables of a tuned car, for the terminal and for programs.
 
+use super::record::{CarConstraintRecord, CarTargetRecord};
 use super::{CarResults, CarState};
-use crate::car::{CarQuantity, CarTarget};
+use crate::car::{CarQuantity, RigGoals, RigOutcome};
 use crate::report::figure;
 use crate::report::table::{Cell, Table};
 use crate::study::{CarOptimise, CarStudy};
 use serde_json::{Value, json};
 
 /// The wanted value or band, for the terminal.
-fn wanted_cell(target: &CarTarget, unit: &str) -> Cell {
-    let [low, high] = target.wanted;
-    match (low.is_finite(), high.is_finite()) {
-        _ if low == high => Cell::figure(low, unit),
-        (true, true) => format!("{} to {}", figure(low, unit), figure(high, unit)).into(),
-        (true, false) => format!("at least {}", figure(low, unit)).into(),
-        _ => format!("at most {}", figure(high, unit)).into(),
+fn wanted_cell(wanted: [Option<f64>; 2], unit: &str) -> Cell {
+    match wanted {
+        [Some(low), Some(high)] if low == high => Cell::figure(low, unit),
+        [Some(low), Some(high)] => {
+            format!("{} to {}", figure(low, unit), figure(high, unit)).into()
+        }
+        [Some(low), None] => format!("at least {}", figure(low, unit)).into(),
+        [None, Some(high)] => format!("at most {}", figure(high, unit)).into(),
+        [None, None] => Cell::from(""),
     }
+}
+
+/// Targets with their values for the terminal.
+pub fn car_targets_table(records: &[CarTargetRecord]) -> Table {
+    let mut table = Table::new(["target", "case", "wanted", "before", "after", "tolerance"]);
+    for target in records {
+        let unit = target.unit();
+        let cell = |value: Option<f64>| Cell::by(value, |value| figure(value, unit));
+        let cells: [Cell; 6] = [
+            target.output.as_str().into(),
+            target.case.as_str().into(),
+            wanted_cell(target.wanted, unit),
+            cell(target.values[0]),
+            cell(target.values[1]),
+            cell(Some(target.tolerance)),
+        ];
+        table.push(cells);
+    }
+    table
+}
+
+/// Targets with their values for programs.
+pub fn car_targets_json(records: &[CarTargetRecord]) -> Value {
+    let targets = records.iter().map(|target| {
+        json!({
+            "name": target.output,
+            "case": target.case,
+            "wanted": match target.wanted {
+                [Some(low), Some(high)] if low == high => json!(low),
+                // A side without a limit is null.
+                limits => json!(limits),
+            },
+            "tolerance": target.tolerance,
+            "value": target.values[1],
+        })
+    });
+    targets.collect()
+}
+
+/// Constraints with their margins for the terminal; `None` without any.
+pub fn car_constraints_table(records: &[CarConstraintRecord]) -> Option<Table> {
+    if records.is_empty() {
+        return None;
+    }
+    let mut table = Table::new([
+        "constraint",
+        "of",
+        "limits",
+        "margin before",
+        "margin after",
+    ]);
+    for own in records {
+        let cell = |value: Option<f64>| Cell::by(value, |value| figure(value, &own.unit));
+        let cells: [Cell; 5] = [
+            own.name.as_str().into(),
+            own.place.as_str().into(),
+            wanted_cell(own.limits, &own.unit),
+            cell(own.margins[0]),
+            cell(own.margins[1]),
+        ];
+        table.push(cells);
+    }
+    Some(table)
 }
 
 impl CarResults<'_> {
@@ -26,49 +92,91 @@ impl CarResults<'_> {
         }
     }
 
-    /// Targets with their values for the terminal.
-    pub fn targets_table(&self, wanted: &CarOptimise, before: &CarResults<'_>) -> Table {
-        let mut table = Table::new(["target", "case", "wanted", "before", "after", "tolerance"]);
-        for target in &wanted.targets {
-            let unit = target
-                .quantity
-                .info()
-                .unit
-                .suffix(self.study.car.length_unit);
-            let cell = |value: Option<f64>| Cell::by(value, |value| figure(value, &unit));
-            let cells: [Cell; 6] = [
-                target
-                    .quantity
-                    .column(self.study.car.length_unit)
-                    .as_str()
-                    .into(),
-                self.study.cases[target.case].name.as_str().into(),
-                wanted_cell(target, &unit),
-                cell(before.target_value(target.case, target.quantity)),
-                cell(self.target_value(target.case, target.quantity)),
-                cell(Some(target.tolerance)),
-            ];
-            table.push(cells);
+    /// The targets of a tuning, with `before` the results of the study's own car and `x` the values of the variables.
+    pub fn target_records(
+        &self,
+        wanted: &CarOptimise,
+        before: &CarResults<'_>,
+        x: &[f64],
+    ) -> Vec<CarTargetRecord> {
+        let finite = |limit: f64| limit.is_finite().then_some(limit);
+        let of_cases = wanted.targets.iter().map(|target| {
+            let value = |of: &CarResults<'_>| of.target_value(target.case, target.quantity);
+            let after = value(self);
+            CarTargetRecord {
+                output: target.quantity.column(self.study.car.length_unit),
+                case: self.study.cases[target.case].name.clone(),
+                wanted: target.wanted.map(finite),
+                tolerance: target.tolerance,
+                values: [value(before), after],
+                deviation: after.map(|value| target.deviation(value) / target.tolerance),
+            }
+        });
+        let mut records: Vec<CarTargetRecord> = of_cases.collect();
+        for (end, name, goals, outcomes) in rigs(before.study, wanted, x) {
+            let length = before.study.axles[end].wheel().length_unit;
+            for (number, target) in goals.optimise.targets.iter().enumerate() {
+                let rms = outcomes.each_ref().map(|outcome| {
+                    let outcome = outcome.as_ref()?;
+                    Some(outcome.targets[number].rms)
+                });
+                let tolerance = (target.tolerance * target.of.factor()).abs();
+                let unit = target.of.unit.suffix(length);
+                records.push(CarTargetRecord {
+                    output: format!("{}_rms_deviation_{unit}", target.name(length)),
+                    case: format!("{name} axle by itself"),
+                    wanted: [None, Some(tolerance)],
+                    tolerance,
+                    values: rms.map(|rms| Some(rms? * tolerance)),
+                    deviation: rms[1],
+                });
+            }
         }
-        table
+        records
     }
 
-    /// Targets with their values for programs.
-    pub fn targets_json(&self, wanted: &CarOptimise) -> Value {
-        let targets = wanted.targets.iter().map(|target| {
-            json!({
-                "name": target.quantity.column(self.study.car.length_unit),
-                "case": self.study.cases[target.case].name,
-                "wanted": match target.wanted {
-                    [low, high] if low == high => json!(low),
-                    // A side without a limit is null.
-                    limits => json!(limits),
-                },
-                "tolerance": target.tolerance,
-                "value": self.target_value(target.case, target.quantity),
-            })
+    /// The constraints of a tuning, as [`CarResults::target_records`].
+    pub fn constraint_records(
+        &self,
+        wanted: &CarOptimise,
+        before: &CarResults<'_>,
+        x: &[f64],
+    ) -> Vec<CarConstraintRecord> {
+        let finite = |limit: f64| limit.is_finite().then_some(limit);
+        let of_cases = wanted.constraints.iter().map(|own| {
+            let [low, high] = own.between;
+            let margin = |of: &CarResults<'_>| {
+                let value = of.target_value(own.case, own.quantity)?;
+                Some((value - low).min(high - value))
+            };
+            CarConstraintRecord {
+                name: own.name.clone(),
+                place: self.study.cases[own.case].name.clone(),
+                limits: own.between.map(finite),
+                unit: own.quantity.info().unit.suffix(self.study.car.length_unit),
+                margins: [margin(before), margin(self)],
+            }
         });
-        targets.collect()
+        let mut records: Vec<CarConstraintRecord> = of_cases.collect();
+        for (_, name, goals, outcomes) in rigs(before.study, wanted, x) {
+            for (number, own) in goals.optimise.constraints.iter().enumerate() {
+                let margin = |outcome: &Option<RigOutcome>| {
+                    let margin = outcome.as_ref()?.margins[number];
+                    finite(margin)
+                };
+                records.push(CarConstraintRecord {
+                    name: own.name.clone(),
+                    place: format!("{name} axle by itself"),
+                    limits: [None; 2],
+                    unit: own
+                        .parts
+                        .first()
+                        .map_or(String::new(), |part| part.unit.clone()),
+                    margins: outcomes.each_ref().map(margin),
+                });
+            }
+        }
+        records
     }
 
     /// Variables for the terminal; offsets of hardpoints, values of the rest.
@@ -102,4 +210,25 @@ impl CarResults<'_> {
             })
             .collect()
     }
+}
+
+/// Number, name and goals of an axle by itself, with its outcome before and after a tuning.
+type Rig<'s> = (usize, &'static str, &'s RigGoals, [Option<RigOutcome>; 2]);
+
+/// The axles with goals of their own, in the design of the study and with the variables at `x`.
+fn rigs<'s>(study: &CarStudy, wanted: &'s CarOptimise, x: &[f64]) -> Vec<Rig<'s>> {
+    let mut found = Vec::new();
+    let start = vec![0.0; x.len()];
+    for (end, name) in ["front", "rear"].into_iter().enumerate() {
+        let Some(goals) = &wanted.rigs[end] else {
+            continue;
+        };
+        // Offsets of hardpoints are 0 in the study's design.
+        let outcomes = [start.as_slice(), x].map(|x| {
+            let outcome = goals.outcome(&study.axles[end].vehicle, x);
+            outcome.ok()
+        });
+        found.push((end, name, goals, outcomes));
+    }
+    found
 }

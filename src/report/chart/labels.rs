@@ -16,30 +16,36 @@ fn shortened(label: &str) -> String {
     }
 }
 
-/// Labels of lines, shortened. Labels that would become equal lose the words that they begin with.
+/// Labels of lines, shortened.
 pub(super) fn short_labels(lines: &[Line]) -> Vec<Option<String>> {
-    let own: Vec<Option<&str>> = lines.iter().map(|line| line.label.as_deref()).collect();
-    let known: Vec<&str> = own.iter().flatten().copied().collect();
-    let clash = known.iter().enumerate().any(|(k, a)| {
-        let mut before = known[..k].iter();
+    let own = lines.iter().filter_map(|line| line.label.as_deref());
+    let own: Vec<&str> = own.collect();
+    let mut short = told_apart(&own).into_iter();
+    let of_line = |line: &Line| line.label.as_ref().and_then(|_| short.next());
+    lines.iter().map(of_line).collect()
+}
+
+/// Names of at most [`LONGEST`] letters. Names that would become equal lose the words that they begin with.
+pub(in crate::report) fn told_apart(names: &[&str]) -> Vec<String> {
+    let clash = names.iter().enumerate().any(|(k, a)| {
+        let mut before = names[..k].iter();
         before.any(|b| a != b && shortened(a) == shortened(b))
     });
     let common = |a: &str, b: &str| {
         let same = a.char_indices().zip(b.chars());
         let same = same.take_while(|((_, x), y)| x == y);
-        same.map(|((at, x), _)| at + x.len_utf8())
-            .last()
-            .unwrap_or(0)
+        let ends = same.map(|((at, x), _)| at + x.len_utf8());
+        ends.last().unwrap_or(0)
     };
-    let first = known.first().copied().unwrap_or("");
-    let shared = known.iter().map(|label| common(first, label)).min();
+    let first = names.first().copied().unwrap_or("");
+    let shared = names.iter().map(|name| common(first, name)).min();
     let shared = &first[..shared.filter(|_| clash).unwrap_or(0)];
     let start = shared.rfind([' ', '_', '-', ',']).map_or(0, |at| at + 1);
-    let short = |label: &str| match start {
-        0 => shortened(label),
-        start => shortened(&format!("…{}", &label[start..])),
+    let short = |name: &&str| match start {
+        0 => shortened(name),
+        start => shortened(&format!("…{}", &name[start..])),
     };
-    own.into_iter().map(|label| label.map(short)).collect()
+    names.iter().map(short).collect()
 }
 
 /// Labels beside the ends of curves, none upon another. If there is no room for all, the curves that are neither
@@ -94,30 +100,19 @@ pub(super) fn end_labels(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::chart::Source;
-
-    fn shown(labels: &[&str]) -> Vec<String> {
-        let line = |label: &&str| Line {
-            label: Some((*label).to_owned()),
-            told: String::new(),
-            class: String::new(),
-            is_main: true,
-            has_dots: false,
-            source: Source::default(),
-        };
-        let lines: Vec<Line> = labels.iter().map(line).collect();
-        short_labels(&lines).into_iter().flatten().collect()
-    }
 
     /// Names that differ at their ends are told apart in 14 letters; names that differ at once keep their beginning.
     #[test]
     fn short_labels_differ_where_names_do() {
         let alike = ["double_wishbone_solve", "double_wishbone_rocker"];
-        assert_eq!(shown(&alike), ["…solve", "…rocker"]);
+        assert_eq!(told_apart(&alike), ["…solve", "…rocker"]);
         let apart = ["double_wishbone_solve", "macpherson_solve"];
-        assert_eq!(shown(&apart), ["double_wishbo…", "macpherson_so…"]);
-        assert_eq!(shown(&["left", "right"]), ["left", "right"]);
+        assert_eq!(told_apart(&apart), ["double_wishbo…", "macpherson_so…"]);
+        assert_eq!(told_apart(&["left", "right"]), ["left", "right"]);
         // The same name twice is one curve in pieces.
-        assert_eq!(shown(&["a name of many letters"; 2]), ["a name of man…"; 2]);
+        assert_eq!(
+            told_apart(&["a name of many letters"; 2]),
+            ["a name of man…"; 2]
+        );
     }
 }

@@ -3,6 +3,10 @@
 //! A [`Chart`] has curves over one quantity, their targets, and stations without a value. [`Chart::layout`] chooses
 //! scales, ticks, titles and places of labels. A [`Layout`] is written as SVG, and as JSON with the scales and the rows
 //! of the curves. The script of a page adds a crosshair and a zoom to that SVG and draws no chart of its own.
+//!
+//! The live page draws its curves itself (`src/studio/page/curves.js`): during a drag it moves the paths that are there.
+//! A layout from here would be a new SVG of each chart for each movement of the pointer, which takes a browser longer than
+//! a picture may take.
 
 mod glyphs;
 mod labels;
@@ -14,6 +18,7 @@ mod scale;
 mod style;
 mod wanted;
 
+pub(super) use labels::told_apart;
 pub(super) use layout::{AxisLayout, Layout, SIZE};
 pub(super) use lettering::Lettering;
 pub(super) use of_run::{

@@ -1,17 +1,18 @@
 //! `levels.csv`: equilibria under the levels of test loads.
 
 use super::super::shortest;
-use super::{KcResults, csv, held, no_equilibrium, optional, status};
-use crate::compliance::{BushingReading, KcLevel, KcState, KcStation, KcTest, TestLoad};
-use crate::model::Axis;
+use super::{KcResults, bar, csv, held, mode, no_equilibrium, optional, status};
+use crate::compliance::{
+    BushingReading, KcLevel, KcState, KcStation, KcTest, KcWheelState, TestLoad, TestMode,
+};
+use crate::model::{Axis, Frame};
 use crate::number::Vector3;
 
 impl KcResults<'_> {
     /// `levels.csv`: a row for each level; `None` if no test has levels.
     pub fn levels_csv(&self) -> Option<Vec<u8>> {
-        let mut header = self.columns(&[
-            "travel_U",
-            "rack_U",
+        let mut header = self.station_columns();
+        header.extend(self.columns(&[
             "load",
             "trail_U",
             "mode",
@@ -21,6 +22,35 @@ impl KcResults<'_> {
             "level",
             "force_N",
             "moment_N_m",
+        ]));
+        let sides: &[&str] = if self.is_axle {
+            &["left_", "right_"]
+        } else {
+            &[""]
+        };
+        for side in sides {
+            let own = self.wheel_columns();
+            header.extend(own.into_iter().map(|name| format!("{side}{name}")));
+        }
+        if self.is_axle {
+            let of_axle = ["mean_steer_deg", "rack_force_N", "anti_roll_bar_torque_N_m"];
+            header.extend(of_axle.map(str::to_owned));
+        }
+        header.extend(["share", "reason", "status"].map(str::to_owned));
+        let mut rows = Vec::new();
+        for station in &self.stations {
+            for outcome in station.outcomes.iter().flatten() {
+                for level in &outcome.levels {
+                    rows.push(self.level_row(station, &outcome.test, level, header.len()));
+                }
+            }
+        }
+        (!rows.is_empty()).then(|| csv(&header, rows))
+    }
+
+    /// Columns of a wheel's state.
+    fn wheel_columns(&self) -> Vec<String> {
+        let mut header = self.columns(&[
             "vertical_force_N",
             "toe_deg",
             "camber_deg",
@@ -46,16 +76,7 @@ impl KcResults<'_> {
             }
         }
         header.extend(self.links.iter().map(|name| format!("{name}_tension_N")));
-        header.extend(["share", "reason", "status"].map(str::to_owned));
-        let mut rows = Vec::new();
-        for station in &self.stations {
-            for outcome in station.outcomes.iter().flatten() {
-                for level in &outcome.levels {
-                    rows.push(self.level_row(station, &outcome.test, level, header.len()));
-                }
-            }
-        }
-        (!rows.is_empty()).then(|| csv(&header, rows))
+        header
     }
 
     fn level_row(
@@ -70,7 +91,11 @@ impl KcResults<'_> {
         let is_moment = test.load == TestLoad::Aligning;
         let mut row = self.station(station);
         row.extend([test.load.name().to_owned(), optional(trail)]);
-        row.extend(["", held(test), "", ""].map(str::to_owned));
+        let side = match test.mode {
+            TestMode::Single(side) => side.name(),
+            _ => "",
+        };
+        row.extend([mode(test), held(test), bar(test), side].map(str::to_owned));
         row.extend([
             level.level.to_string(),
             optional((!is_moment).then_some(level.load)),
@@ -94,10 +119,28 @@ impl KcResults<'_> {
     }
 
     fn state_cells(&self, state: &KcState) -> Vec<Option<f64>> {
+        let frame = self.suspension.frame;
+        let frames = [frame, frame.of_other_side()];
+        let wheels = state.wheels.iter().zip(frames);
+        let mut cells: Vec<Option<f64>> = wheels
+            .flat_map(|(wheel, frame)| self.wheel_cells(wheel, frame))
+            .collect();
+        if let Some(axle) = state.axle {
+            let per_metre = self.length().per_metre();
+            cells.extend([
+                Some(axle.mean_steer.to_degrees()),
+                Some(axle.rack_force),
+                axle.bar_torque.map(|torque| torque / per_metre),
+            ]);
+        }
+        cells
+    }
+
+    fn wheel_cells(&self, state: &KcWheelState, frame: Frame) -> Vec<Option<f64>> {
         let per_metre = self.length().per_metre();
         let figures = &state.figures;
         let degrees = |angle: f64| Some(angle.to_degrees());
-        let point = |v: Vector3<f64>| self.suspension.frame.vector(v).to_array().map(Some);
+        let point = |v: Vector3<f64>| frame.vector(v).to_array().map(Some);
         let mut cells = vec![
             Some(state.wheel_load),
             degrees(figures.toe),

@@ -1,4 +1,4 @@
-//! Results of rig tests on one wheel: `kc.csv` and `compliance_matrix.csv`, and in the modules below levels, tables,
+//! Results of rig tests on one wheel or an axle: `kc.csv` and `compliance_matrix.csv`, and in the modules below levels, tables,
 //! sensitivities and remarks.
 
 mod levels;
@@ -14,8 +14,8 @@ pub use parts::elastic_parts;
 use super::shortest;
 use crate::ask::Unit;
 use crate::compliance::{
-    HeldQuantity, KcFigure, KcOutcome, KcStation, KcTest, Motion, NoEquilibrium, TestLoad,
-    TestPlace,
+    HeldQuantity, KcFigure, KcOutcome, KcStation, KcSubject, KcTest, Motion, NoEquilibrium,
+    TestLoad, TestMode, TestPlace,
 };
 use crate::model::{Axis, LengthUnit, Suspension};
 use names::{OtherFigure, StationMatrix};
@@ -28,8 +28,10 @@ pub struct KcResults<'a> {
     pub bushings: Vec<String>,
     /// Names of the links, in the order of their tensions.
     pub links: Vec<String>,
-    /// The vertical force at the contact point in the design position, if that is an equilibrium.
-    pub design_load: Option<f64>,
+    /// The vertical force at each contact point in the design position, if that is an equilibrium.
+    pub design_loads: Vec<f64>,
+    /// True for both wheels of an axle.
+    pub is_axle: bool,
     /// The stations.
     pub stations: Vec<KcStation>,
     /// The program whose names and values stand beside ours.
@@ -63,6 +65,32 @@ fn place(place: TestPlace) -> &'static str {
         TestPlace::ContactPoint => "contact_point",
         TestPlace::WheelCentre => "wheel_centre",
         TestPlace::Moment => "moment",
+    }
+}
+
+/// The state of the anti-roll bar in a test.
+fn bar(test: &KcTest) -> &'static str {
+    match (test.mode, test.has_bar) {
+        (TestMode::OneWheel, _) => "",
+        (_, true) => "connected",
+        (_, false) => "disconnected",
+    }
+}
+
+/// The mode of a test of loads.
+fn mode(test: &KcTest) -> &'static str {
+    match test.load.is_motion() {
+        true => "",
+        false => test.mode.name(),
+    }
+}
+
+/// The part that a figure is of.
+fn subject(of: KcSubject) -> &'static str {
+    match of {
+        KcSubject::OneWheel => "",
+        KcSubject::Wheel(side) => side.name(),
+        KcSubject::Axle => "axle",
     }
 }
 
@@ -103,14 +131,36 @@ impl KcResults<'_> {
     }
 
     fn station(&self, station: &KcStation) -> Vec<String> {
-        vec![shortest(station.travel), shortest(station.rack)]
+        let mut cells = vec![shortest(station.travel)];
+        cells.extend(station.right_travel.map(shortest));
+        cells.push(shortest(station.rack));
+        cells
+    }
+
+    /// Names of the columns of [`KcResults::station`].
+    fn station_columns(&self) -> Vec<String> {
+        match self.is_axle {
+            true => self.columns(&["travel_left_U", "travel_right_U", "rack_U"]),
+            false => self.columns(&["travel_U", "rack_U"]),
+        }
+    }
+
+    /// A station in words.
+    pub(in crate::report) fn station_name(&self, station: &KcStation) -> String {
+        let u = self.length().symbol();
+        let [travel, rack] = [station.travel, station.rack].map(super::brief);
+        match station.right_travel.map(super::brief) {
+            Some(right) if right != travel => {
+                format!("travel {travel} and {right} {u}, rack {rack} {u}")
+            }
+            _ => format!("travel {travel} {u}, rack {rack} {u}"),
+        }
     }
 
     /// `kc.csv`: a row for each station, test and quantity.
     pub fn kc_csv(&self) -> Vec<u8> {
-        let mut header = self.columns(&[
-            "travel_U",
-            "rack_U",
+        let mut header = self.station_columns();
+        header.extend(self.columns(&[
             "load",
             "at",
             "trail_U",
@@ -123,7 +173,7 @@ impl KcResults<'_> {
             "secant",
             "window",
             "unit",
-        ]);
+        ]));
         if self.other.is_some() {
             header.extend(["other_name", "other_value", "other_unit"].map(str::to_owned));
         }
@@ -138,7 +188,7 @@ impl KcResults<'_> {
                 }
                 Err(why) => {
                     for (test, at) in &station.tests {
-                        let mut row = self.test_cells(station, test, *at);
+                        let mut row = self.test_cells(station, test, *at, KcSubject::OneWheel);
                         row.resize(header.len() - 2, String::new());
                         row.extend([no_equilibrium(why), status(why).to_owned()]);
                         rows.push(row);
@@ -150,7 +200,13 @@ impl KcResults<'_> {
     }
 
     /// Cells from the station to the wheel.
-    fn test_cells(&self, station: &KcStation, test: &KcTest, at: TestPlace) -> Vec<String> {
+    fn test_cells(
+        &self,
+        station: &KcStation,
+        test: &KcTest,
+        at: TestPlace,
+        of: KcSubject,
+    ) -> Vec<String> {
         let trail = (test.load == TestLoad::Lateral).then_some(test.trail);
         let mut cells = self.station(station);
         cells.extend([
@@ -158,7 +214,8 @@ impl KcResults<'_> {
             place(at).to_owned(),
             optional(trail),
         ]);
-        cells.extend(["", held(test), "", ""].map(str::to_owned));
+        let words = [mode(test), held(test), bar(test), subject(of)];
+        cells.extend(words.map(str::to_owned));
         cells
     }
 
@@ -187,7 +244,7 @@ impl KcResults<'_> {
     fn figure_rows(&self, station: &KcStation, outcome: &KcOutcome, rows: &mut Vec<Vec<String>>) {
         let failed = outcome.levels.iter().find_map(|l| l.state.as_ref().err());
         for figure in &outcome.figures {
-            let mut row = self.test_cells(station, &outcome.test, outcome.place);
+            let mut row = self.test_cells(station, &outcome.test, outcome.place, figure.of);
             let has_window = !outcome.levels.is_empty();
             let reason = match (figure.value, failed) {
                 (None, _) if figure.unit == Unit::Stiffness => {
@@ -220,21 +277,32 @@ impl KcResults<'_> {
         }
     }
 
-    /// `compliance_matrix.csv`: six rows for each station; `None` if the wheel load cannot be held anywhere.
+    /// `compliance_matrix.csv`: six rows for each station, twelve of an axle; `None` if the wheel load cannot be held
+    /// anywhere.
     pub fn matrix_csv(&self) -> Option<Vec<u8>> {
         let u = self.length().symbol();
-        let mut header = self.columns(&["travel_U", "rack_U", "output", "unit"]);
-        header.extend(["fx", "fy", "fz", "mx", "my", "mz", "reason", "status"].map(str::to_owned));
+        let sides: &[&str] = if self.is_axle {
+            &["left_", "right_"]
+        } else {
+            &[""]
+        };
+        let mut header = self.station_columns();
+        header.extend(["output", "unit"].map(str::to_owned));
+        for side in sides {
+            let loads = ["fx", "fy", "fz", "mx", "my", "mz"];
+            header.extend(loads.map(|load| format!("{side}{load}")));
+        }
+        header.extend(["reason", "status"].map(str::to_owned));
         let mut rows = Vec::new();
         for station in &self.stations {
             let Some(matrix) = &station.matrix else {
                 continue;
             };
             for (k, values) in matrix.iter().enumerate() {
-                let axis = Axis::ALL[k % 3].name();
-                let (output, unit) = match k < 3 {
-                    true => (format!("wheel_centre_{axis}"), u),
-                    false => (format!("rotation_{axis}"), "rad"),
+                let (side, axis) = (sides[k / 6], Axis::ALL[k % 3].name());
+                let (output, unit) = match k % 6 < 3 {
+                    true => (format!("{side}wheel_centre_{axis}"), u),
+                    false => (format!("{side}rotation_{axis}"), "rad"),
                 };
                 let mut row = self.station(station);
                 row.extend([output, unit.to_owned()]);
@@ -265,13 +333,17 @@ impl KcResults<'_> {
         if test.held == HeldQuantity::WheelLoad && test.load != TestLoad::Vertical {
             parts.push("wheel load held".to_owned());
         }
+        if let (TestMode::Single(side), false) = (test.mode, test.load.is_motion()) {
+            parts.push(format!("{} wheel alone", side.name()));
+        } else if !mode(test).is_empty() {
+            parts.push(mode(test).to_owned());
+        }
+        if bar(test) == "disconnected" {
+            parts.push("bar disconnected".to_owned());
+        }
+        if test.locks_rack {
+            parts.push("rack locked".to_owned());
+        }
         parts.join(", ")
-    }
-
-    /// A station in words: `travel 10 mm, rack 0 mm`.
-    pub(in crate::report) fn place(&self, station: &KcStation) -> String {
-        let u = self.length().symbol();
-        let [travel, rack] = [station.travel, station.rack].map(super::brief);
-        format!("travel {travel} {u}, rack {rack} {u}")
     }
 }

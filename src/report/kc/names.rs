@@ -41,7 +41,7 @@ pub(super) struct OtherFigure {
 /// The matrix of a station of a wheel, with the units of its entries.
 pub(super) struct StationMatrix<'a> {
     /// In the study's axes and length unit.
-    pub(super) matrix: &'a [[f64; 6]; 6],
+    pub(super) matrix: &'a [Vec<f64>],
     pub(super) frame: Frame,
     pub(super) length: LengthUnit,
     /// Loaded radius of the wheel.

@@ -1,43 +1,65 @@
 //! The elastic parts of a study, as a table.
 
 use super::super::table::{Cell, Table};
+use crate::compliance::{AxialStiffness, LinkPart, Shape};
 use crate::study::Study;
 
-/// Returns the elastic parts of a study, one in a row.
+/// Returns the elastic parts of a study, one in a row; of an axle those of the left side, and the rack.
 pub fn elastic_parts(study: &Study) -> Table {
     let mut table = Table::new(["part", "elastic", "rates", "torsional rates", "unit"]);
-    let Some(elastic) = study.compliance() else {
-        return table;
-    };
     let u = study.wheel().length_unit.symbol();
-    let joined = |rates: [f64; 3]| rates.map(super::super::brief).join(", ");
-    for part in &elastic.parts.bushings {
-        let slopes = part
-            .shapes
-            .each_ref()
-            .map(crate::compliance::Shape::initial_rate);
-        let [a, b, c, d, e, f] = slopes;
-        table.push([
-            Cell::from(study.wheel().mechanism.name(part.point)),
-            Cell::from("bushing"),
-            Cell::from(joined([a, b, c])),
-            Cell::from(joined([d, e, f])),
-            Cell::from(format!("N/{u}, N {u}/rad")),
-        ]);
+    let mechanism = &study.wheel().mechanism;
+    if let Some(elastic) = study.compliance() {
+        for part in &elastic.parts.bushings {
+            push_bushing(&mut table, mechanism.name(part.point), &part.shapes, u);
+        }
+        push_links(&mut table, &elastic.link_names, &elastic.parts.links, u);
     }
-    for (name, part) in elastic.link_names.iter().zip(&elastic.parts.links) {
-        use crate::compliance::AxialStiffness;
+    let of_axle = study.axle().and_then(|axle| axle.compliance.as_ref());
+    if let Some(elastic) = of_axle {
+        let [left, _] = &elastic.parts.wheels;
+        for part in &left.bushings {
+            push_bushing(&mut table, mechanism.name(part.point), &part.shapes, u);
+        }
+        for mount in elastic.parts.subframe.iter().flat_map(|own| &own.mounts) {
+            push_bushing(&mut table, &mount.name, &mount.shapes, u);
+        }
+        push_links(&mut table, &elastic.link_names, &left.links, u);
+        if let Some(rate) = elastic.parts.rack_rate {
+            push_axial(&mut table, "rack", rate, format!("N/{u}"));
+        }
+    }
+    table
+}
+
+fn push_bushing(table: &mut Table, name: &str, shapes: &[Shape; 6], u: &str) {
+    let joined = |rates: [f64; 3]| rates.map(super::super::brief).join(", ");
+    let [a, b, c, d, e, f] = shapes.each_ref().map(Shape::initial_rate);
+    table.push([
+        Cell::from(name),
+        Cell::from("bushing"),
+        Cell::from(joined([a, b, c])),
+        Cell::from(joined([d, e, f])),
+        Cell::from(format!("N/{u}, N {u}/rad")),
+    ]);
+}
+
+fn push_links(table: &mut Table, names: &[String], links: &[LinkPart], u: &str) {
+    for (name, part) in names.iter().zip(links) {
         let (rate, unit) = match part.stiffness {
             AxialStiffness::Rate(rate) => (rate, format!("N/{u}")),
             AxialStiffness::PerStrain(force) => (force, "N per strain".to_owned()),
         };
-        table.push([
-            Cell::from(name.as_str()),
-            Cell::from("axial"),
-            Cell::from(super::super::brief(rate)),
-            Cell::from(""),
-            Cell::from(unit),
-        ]);
+        push_axial(table, name, rate, unit);
     }
-    table
+}
+
+fn push_axial(table: &mut Table, name: &str, rate: f64, unit: String) {
+    table.push([
+        Cell::from(name),
+        Cell::from("axial"),
+        Cell::from(super::super::brief(rate)),
+        Cell::from(""),
+        Cell::from(unit),
+    ]);
 }

@@ -1,7 +1,7 @@
 //! Stations and levels without equilibrium, and warnings.
 
 use super::{KcResults, no_equilibrium};
-use crate::compliance::{KcState, TestLoad};
+use crate::compliance::{KcWheelState, TestLoad};
 
 impl KcResults<'_> {
     /// Returns true if every station and level has an equilibrium.
@@ -14,11 +14,7 @@ impl KcResults<'_> {
         let u = self.length().symbol();
         let mut failures = Vec::new();
         for station in &self.stations {
-            let at = format!(
-                "travel {} {u}, rack {} {u}",
-                super::super::brief(station.travel),
-                super::super::brief(station.rack)
-            );
+            let at = self.station_name(station);
             match &station.outcomes {
                 Err(why) => failures.push(format!("{at}: {}", no_equilibrium(why))),
                 Ok(outcomes) => {
@@ -56,7 +52,7 @@ impl KcResults<'_> {
         let states = outcomes
             .flat_map(|outcome| &outcome.levels)
             .filter_map(|level| level.state.as_ref().ok());
-        let states: Vec<&KcState> = states.collect();
+        let states: Vec<&KcWheelState> = states.flat_map(|state| &state.wheels).collect();
         let mut warnings = Vec::new();
         for (k, name) in self.bushings.iter().enumerate() {
             let beyond = states.iter().filter(|s| s.bushings[k].is_extrapolated);

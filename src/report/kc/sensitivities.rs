@@ -1,9 +1,12 @@
 //! `sensitivities.csv` of rig tests: derivatives of every figure by hardpoints, rates, preloads and the spring.
 
 use super::super::shortest;
-use super::{KcResults, csv, held};
+use super::{KcResults, bar, csv, held, mode, subject};
 use crate::axle::Law;
-use crate::compliance::{AxialStiffness, Compliance, KcRun, KcValue, Parameter, Shape, TestLoad};
+use crate::compliance::{
+    AxialStiffness, AxleCompliance, AxleKcRun, Compliance, FigureGradients, KcOutcome, KcRun,
+    KcStation, KcValue, Parameter, Shape, SubframeMount, TestLoad,
+};
 use crate::model::{Axis, PointId};
 use crate::number::Tape;
 use crate::study::RATE_AXES;
@@ -19,8 +22,14 @@ struct Input {
 }
 
 impl KcResults<'_> {
-    /// The inputs of a suspension: the coordinates of these points, and the inputs of its elastic parts.
-    fn inputs(&self, parts: &Compliance, points: &[PointId]) -> Vec<Input> {
+    /// The inputs of a suspension: the coordinates of these points, and the inputs of its elastic parts and of these
+    /// mounts of a subframe.
+    fn inputs(
+        &self,
+        parts: &Compliance,
+        mounts: &[SubframeMount],
+        points: &[PointId],
+    ) -> Vec<Input> {
         let suspension = self.suspension;
         let u = suspension.length_unit.symbol();
         let mut inputs = Vec::new();
@@ -33,8 +42,10 @@ impl KcResults<'_> {
                 factor: suspension.frame.sign(axis),
             }));
         }
-        for (number, (part, name)) in parts.bushings.iter().zip(&self.bushings).enumerate() {
-            for (k, shape) in part.shapes.iter().enumerate() {
+        let shapes = parts.bushings.iter().map(|part| &part.shapes);
+        let shapes = shapes.chain(mounts.iter().map(|mount| &mount.shapes));
+        for (number, (shapes, name)) in shapes.zip(&self.bushings).enumerate() {
+            for (k, shape) in shapes.iter().enumerate() {
                 let unit = match (shape, k) {
                     // An axis without stiffness has none that could change.
                     (Shape::Cubic { rate: 0.0, .. }, _) => continue,
@@ -93,94 +104,156 @@ impl KcResults<'_> {
         inputs
     }
 
-    /// `sensitivities.csv`: a row for each station, test, figure and input; `None` if no points are requested.
+    /// `sensitivities.csv` of one wheel; `None` if no points are requested.
     pub fn sensitivities_csv(
         &self,
         run: &KcRun<'_>,
         parts: &Compliance,
         points: &[PointId],
     ) -> Option<Vec<u8>> {
-        if points.is_empty() {
-            return None;
-        }
-        let length = self.suspension.length_unit;
-        let inputs = self.inputs(parts, points);
+        let inputs = self.inputs(parts, &[], points);
         let parameters: Vec<Parameter> = inputs.iter().map(|input| input.parameter).collect();
-        let header = self.columns(&[
-            "travel_U",
-            "rack_U",
-            "load",
-            "trail_U",
-            "hold",
-            "quantity",
-            "parameter",
-            "axis",
-            "value",
-            "secant",
-            "unit",
-        ]);
-        let mut rows = Vec::new();
         let mut tape = Tape::default();
+        let gradients = |station: &KcStation, outcome: &KcOutcome| {
+            let test = outcome.test;
+            let mut wanted = Vec::new();
+            for figure in &outcome.figures {
+                wanted.extend([false, true].map(|is_secant| KcValue::Figure {
+                    test,
+                    quantity: figure.quantity,
+                    is_secant,
+                }));
+            }
+            let has_levels = !outcome.levels.is_empty();
+            wanted.retain(|value| {
+                has_levels
+                    || !matches!(
+                        value,
+                        KcValue::Figure {
+                            is_secant: true,
+                            ..
+                        }
+                    )
+            });
+            let mut found: Vec<Option<Vec<f64>>> = vec![None; wanted.len()];
+            let at = [station.travel, station.rack];
+            let read = run.gradients(at, &wanted, &parameters, &mut tape, &mut |gradient| {
+                found[gradient.number] = gradient.value.map(|_| gradient.by.to_vec());
+            });
+            read.ok()?;
+            let each = found.chunks(if has_levels { 2 } else { 1 });
+            Some(
+                each.map(|of| [of[0].clone(), of.get(1).cloned().flatten()])
+                    .collect(),
+            )
+        };
+        (!points.is_empty()).then(|| self.sensitivity_rows(&inputs, gradients))
+    }
+
+    /// The same of an axle.
+    pub fn axle_sensitivities_csv(
+        &self,
+        run: &AxleKcRun<'_>,
+        parts: &AxleCompliance,
+        points: &[PointId],
+    ) -> Option<Vec<u8>> {
+        let mounts = parts.subframe.as_ref().map_or(&[][..], |own| &own.mounts);
+        let mut inputs = self.inputs(&parts.wheels[0], mounts, points);
+        let u = self.suspension.length_unit.symbol();
+        let shared = [
+            (
+                Parameter::RackRate,
+                "rack_stiffness",
+                parts.rack_rate,
+                format!("N_per_{u}"),
+            ),
+            (
+                Parameter::BarRate,
+                "anti_roll_bar",
+                parts.bar_rate,
+                format!("N_{u}_per_rad"),
+            ),
+        ];
+        for (parameter, name, rate, unit) in shared {
+            inputs.extend(rate.map(|_| Input {
+                parameter,
+                name: name.to_owned(),
+                axis: String::new(),
+                unit,
+                factor: 1.0,
+            }));
+        }
+        let parameters: Vec<Parameter> = inputs.iter().map(|input| input.parameter).collect();
+        let mut tape = Tape::default();
+        let gradients = |station: &KcStation, outcome: &KcOutcome| {
+            let travels = [
+                station.travel,
+                station.right_travel.unwrap_or(station.travel),
+            ];
+            run.gradients(travels, station.rack, &outcome.test, &parameters, &mut tape)
+        };
+        (!points.is_empty()).then(|| self.sensitivity_rows(&inputs, gradients))
+    }
+
+    /// A row for each station, test, figure and input. `gradients` gives the derivatives of an outcome's figures.
+    fn sensitivity_rows(
+        &self,
+        inputs: &[Input],
+        mut gradients: impl FnMut(&KcStation, &KcOutcome) -> Option<Vec<FigureGradients>>,
+    ) -> Vec<u8> {
+        let length = self.suspension.length_unit;
+        let mut header = self.station_columns();
+        header.extend(self.columns(&["load", "trail_U"]));
+        header.extend(self.is_axle.then(|| "mode".to_owned()));
+        header.push("hold".to_owned());
+        if self.is_axle {
+            header.extend(["anti_roll_bar", "wheel"].map(str::to_owned));
+        }
+        let last = ["quantity", "parameter", "axis", "value", "secant", "unit"];
+        header.extend(last.map(str::to_owned));
+        let number = |value: Option<f64>| value.map_or_else(String::new, shortest);
+        let mut rows = Vec::new();
         for station in &self.stations {
             for outcome in station.outcomes.iter().flatten() {
-                let test = outcome.test;
-                let value = |quantity, is_secant| KcValue::Figure {
-                    test,
-                    quantity,
-                    is_secant,
-                };
-                let has_levels = !outcome.levels.is_empty();
-                let kinds: &[bool] = if has_levels { &[false, true] } else { &[false] };
-                let mut wanted = Vec::new();
-                for figure in &outcome.figures {
-                    wanted.extend(
-                        kinds
-                            .iter()
-                            .map(|is_secant| value(figure.quantity, *is_secant)),
-                    );
-                }
-                let mut found: Vec<Option<Vec<f64>>> = vec![None; wanted.len()];
-                let at = [station.travel, station.rack];
                 // The station has an equilibrium: its figures are there.
-                let read = run.gradients(at, &wanted, &parameters, &mut tape, &mut |gradient| {
-                    found[gradient.number] = gradient.value.map(|_| gradient.by.to_vec());
-                });
-                if read.is_err() {
+                let Some(found) = gradients(station, outcome) else {
                     continue;
-                }
+                };
+                let test = outcome.test;
                 let trail = (test.load == TestLoad::Lateral).then_some(test.trail);
-                for (figure, found) in outcome.figures.iter().zip(found.chunks(kinds.len())) {
+                for (figure, found) in outcome.figures.iter().zip(found) {
                     let printed = figure.unit.printed_factor(length);
                     let of = figure.unit.suffix(length);
                     for (k, input) in inputs.iter().enumerate() {
-                        let slope = |kind: usize| {
-                            let by = found.get(kind)?.as_ref()?;
-                            Some(by[k] * printed * input.factor + 0.0)
+                        let slope = |by: &Option<Vec<f64>>| {
+                            Some(by.as_ref()?[k] * printed * input.factor + 0.0)
                         };
-                        let number = |value: Option<f64>| value.map_or_else(String::new, shortest);
                         let unit = match (of.is_empty(), input.unit.is_empty()) {
                             (true, true) => String::new(),
                             (false, true) => of.clone(),
                             (true, false) => format!("1_per_{}", input.unit),
                             (false, false) => format!("{of}_per_{}", input.unit),
                         };
-                        rows.push(vec![
-                            shortest(station.travel),
-                            shortest(station.rack),
-                            test.load.name().to_owned(),
-                            number(trail),
-                            held(&test).to_owned(),
+                        let mut row = self.station(station);
+                        row.extend([test.load.name().to_owned(), number(trail)]);
+                        row.extend(self.is_axle.then(|| mode(&test).to_owned()));
+                        row.push(held(&test).to_owned());
+                        if self.is_axle {
+                            row.extend([bar(&test), subject(figure.of)].map(str::to_owned));
+                        }
+                        row.extend([
                             figure.quantity.to_owned(),
                             input.name.clone(),
                             input.axis.clone(),
-                            number(slope(0)),
-                            number(slope(1)),
+                            number(slope(&found[0])),
+                            number(slope(&found[1])),
                             unit,
                         ]);
+                        rows.push(row);
                     }
                 }
             }
         }
-        Some(csv(&header, rows))
+        csv(&header, rows)
     }
 }

@@ -1,7 +1,7 @@
 //! Figures of rig tests as tables of the terminal.
 
 use super::super::table::{Cell, Table};
-use super::KcResults;
+use super::{KcResults, subject};
 use crate::ask::Unit;
 use crate::compliance::KcFigure;
 use crate::model::LengthUnit;
@@ -15,6 +15,9 @@ fn unit_shown(unit: Unit, length: LengthUnit) -> String {
         Unit::AnglePerTorque => "deg/(100 N m)".to_owned(),
         Unit::Stiffness => "N/mm".to_owned(),
         Unit::AnglePerLength => format!("deg/{u}"),
+        Unit::AnglePerAngle => "deg/deg".to_owned(),
+        Unit::TorquePerAngle => "N m/deg".to_owned(),
+        Unit::Length => u.to_owned(),
         Unit::Ratio => "-".to_owned(),
         unit => unit.suffix(length),
     }
@@ -25,15 +28,24 @@ impl KcResults<'_> {
     pub fn table(&self) -> Table {
         let u = self.length().symbol();
         let mut columns = vec!["test".to_owned()];
-        columns.extend([format!("travel {u}"), format!("rack {u}")]);
+        match self.is_axle {
+            true => columns.extend(["left travel", "right travel"].map(|c| format!("{c} {u}"))),
+            false => columns.push(format!("travel {u}")),
+        }
+        columns.push(format!("rack {u}"));
+        columns.extend(self.is_axle.then(|| "wheel".to_owned()));
         columns.extend(["quantity", "value", "secant", "unit"].map(str::to_owned));
-        let mut table = Table::with_columns(columns).keyed(4);
+        let keys = columns.len() - 3;
+        let mut table = Table::with_columns(columns).keyed(keys);
         for station in &self.stations {
             for outcome in station.outcomes.iter().flatten() {
                 let name = self.test_name(&outcome.test);
                 for figure in &outcome.figures {
                     let mut row = vec![Cell::from(name.as_str())];
-                    row.extend([Cell::from(station.travel), Cell::from(station.rack)]);
+                    row.push(Cell::from(station.travel));
+                    row.extend(station.right_travel.map(Cell::from));
+                    row.push(Cell::from(station.rack));
+                    row.extend(self.is_axle.then(|| Cell::from(subject(figure.of))));
                     row.extend(self.figure_cells(figure));
                     table.push_row(row);
                 }
@@ -49,15 +61,25 @@ impl KcResults<'_> {
             let Ok(outcomes) = &station.outcomes else {
                 continue;
             };
-            let mut table = Table::new(["quantity", "value", "secant", "unit"]);
+            let mut columns = vec!["quantity", "value", "secant", "unit"];
+            if self.is_axle {
+                columns.insert(0, "wheel");
+            }
+            let width = columns.len();
+            let columns: Vec<String> = columns.into_iter().map(str::to_owned).collect();
+            let mut table = Table::with_columns(columns);
             for outcome in outcomes {
-                let name = self.test_name(&outcome.test);
-                table.push([Cell::from(name), "".into(), "".into(), "".into()]);
+                let mut title = vec![Cell::from(self.test_name(&outcome.test))];
+                title.resize_with(width, || "".into());
+                table.push_row(title);
                 for figure in &outcome.figures {
-                    table.push_row(self.figure_cells(figure));
+                    let mut row = Vec::new();
+                    row.extend(self.is_axle.then(|| Cell::from(subject(figure.of))));
+                    row.extend(self.figure_cells(figure));
+                    table.push_row(row);
                 }
             }
-            tables.push((self.place(station), table));
+            tables.push((self.station_name(station), table));
         }
         tables
     }

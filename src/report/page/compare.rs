@@ -4,7 +4,7 @@ use super::charts::{Charts, attribute};
 use super::escape::html;
 use super::{Page, STAGE};
 use crate::report::chart::{
-    Chart, Family, Layout, Line, Quantity, Source, families, hue, in_words,
+    Chart, Family, Layout, Line, Quantity, Source, families, hue, in_words, told_apart,
 };
 use crate::report::comparison::Comparison;
 use crate::report::curve_table::CurveTable;
@@ -49,6 +49,8 @@ fn figures(comparison: &Comparison, moving: &[String], charts: &mut Charts) -> S
     let designs = comparison.labels.len();
     charts.tables = comparison.tables();
     let mut figures = String::new();
+    let names: Vec<&str> = comparison.labels.iter().map(String::as_str).collect();
+    let short = told_apart(&names);
     for (title, column, unit) in comparison.compared_columns() {
         for over in moving {
             for kind in [Kind::Curves, Kind::Differences] {
@@ -60,7 +62,7 @@ fn figures(comparison: &Comparison, moving: &[String], charts: &mut Charts) -> S
                     .skip((kind == Kind::Differences) as usize)
                 {
                     let apart: Vec<&String> = moving.iter().filter(|m| *m != over).collect();
-                    let label = &comparison.labels[design];
+                    let label = [names[design], &short[design]];
                     let found = lines_of_design(&charts.tables[table], &apart, label, design);
                     let source = |rows| Source {
                         table,
@@ -114,11 +116,11 @@ fn figures(comparison: &Comparison, moving: &[String], charts: &mut Charts) -> S
 }
 
 /// Curves of a design, without their columns: one for each value of the coordinate that moves beside the abscissa,
-/// and its rows.
+/// and its rows. The name of the design is given whole and short.
 fn lines_of_design(
     table: &CurveTable,
     apart: &[&String],
-    label: &str,
+    [label, short]: [&str; 2],
     design: usize,
 ) -> Vec<(Line, Vec<usize>)> {
     let (families, _) = families(apart, table);
@@ -130,7 +132,7 @@ fn lines_of_design(
         };
         let stroke = if family.is_present { "strong" } else { "faint" };
         let line = Line {
-            label: family.is_present.then(|| label.to_owned()),
+            label: family.is_present.then(|| short.to_owned()),
             told,
             class: format!("{} {stroke}", hue(design)),
             is_main: family.is_present,

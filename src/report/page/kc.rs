@@ -4,7 +4,8 @@
 use super::charts::Charts;
 use super::escape::html;
 use super::sheet::{Section, sheet};
-use crate::compliance::{KcOutcome, KcState, TestLoad};
+use crate::compliance::{KcOutcome, KcWheelState, TestLoad};
+use crate::model::Side;
 use crate::report::KcResults;
 use crate::report::chart::{Chart, Line, Quantity, Source};
 use crate::report::curve_table::CurveTable;
@@ -93,7 +94,7 @@ fn charts(results: &KcResults<'_>) -> (String, String) {
             figures += &charts_of_load(results, load, &tests, &mut charts);
         }
     }
-    (results.place(station), figures)
+    (results.station_name(station), figures)
 }
 
 /// Charts of toe, camber and displacement over one load, with a line for each test.
@@ -108,26 +109,39 @@ fn charts_of_load(
     let scale = if is_moment { length.per_metre() } else { 1.0 };
     let mut columns = vec![Vec::new(); COLUMNS.len()];
     let mut rows = Vec::new();
-    for test in tests {
-        let start = columns[0].len();
+    for (number, test) in tests.iter().enumerate() {
         let unloaded = test.levels.iter().find(|level| level.level == 0);
         let unloaded = unloaded.and_then(|level| level.state.as_ref().ok());
-        for level in &test.levels {
-            let state = level.state.as_ref().ok();
-            let angle = |of: fn(&KcState) -> f64| state.map(|state| of(state).to_degrees());
-            let cells = [
-                Some(level.load / scale),
-                angle(|state| state.figures.toe),
-                angle(|state| state.figures.camber),
-                state
-                    .zip(unloaded)
-                    .map(|(state, from)| moved(load, state, from)),
-            ];
-            for (column, cell) in columns.iter_mut().zip(cells) {
-                column.push(cell);
+        let mut states = test
+            .levels
+            .iter()
+            .filter_map(|level| level.state.as_ref().ok());
+        let wheels = states.next().map_or(0, |state| state.wheels.len());
+        for wheel in 0..wheels {
+            let start = columns[0].len();
+            for level in &test.levels {
+                let state = level.state.as_ref().ok().map(|state| &state.wheels[wheel]);
+                let unloaded = unloaded.map(|state| &state.wheels[wheel]);
+                let angle = |of: fn(&KcWheelState) -> f64| state.map(|s| of(s).to_degrees());
+                let cells = [
+                    Some(level.load / scale),
+                    angle(|state| state.figures.toe),
+                    angle(|state| state.figures.camber),
+                    state
+                        .zip(unloaded)
+                        .map(|(state, from)| moved(load, state, from)),
+                ];
+                for (column, cell) in columns.iter_mut().zip(cells) {
+                    column.push(cell);
+                }
             }
+            let side = (wheels > 1).then(|| Side::ALL[wheel]);
+            rows.push((
+                number,
+                side,
+                (start..columns[0].len()).collect::<Vec<usize>>(),
+            ));
         }
-        rows.push((start..columns[0].len()).collect::<Vec<usize>>());
     }
     let table = charts.tables.len();
     charts.tables.push(CurveTable {
@@ -154,18 +168,24 @@ fn charts_of_load(
     let count = if is_moment { 2 } else { 3 };
     let mut figures = String::new();
     for (column, title, of) in quantities.into_iter().take(count) {
-        let line = |(k, rows): (usize, &Vec<usize>)| Line {
-            label: (tests.len() > 1).then(|| results.test_apart(&tests[k].test)),
-            told: results.test_name(&tests[k].test),
-            class: format!("main hue{k} strong"),
-            is_main: k == 0,
-            has_dots: false,
-            source: Source {
-                table,
-                x: "load".to_owned(),
-                y: column.to_owned(),
-                rows: rows.clone(),
-            },
+        let line = |(k, (test, side, rows)): (usize, &(usize, Option<Side>, Vec<usize>))| {
+            let side = side.map(|side| side.name().to_owned());
+            let told = results.test_name(&tests[*test].test);
+            let apart = Some(results.test_apart(&tests[*test].test)).filter(|a| !a.is_empty());
+            let parts: Vec<String> = apart.into_iter().chain(side.clone()).collect();
+            Line {
+                label: (!parts.is_empty()).then(|| parts.join(", ")),
+                told: side.map_or(told.clone(), |side| format!("{told}, {side}")),
+                class: format!("main hue{k} strong"),
+                is_main: k == 0,
+                has_dots: false,
+                source: Source {
+                    table,
+                    x: "load".to_owned(),
+                    y: column.to_owned(),
+                    rows: rows.clone(),
+                },
+            }
         };
         let chart = Chart {
             key: format!("{}_{column}", load.name()),
@@ -180,7 +200,7 @@ fn charts_of_load(
 }
 
 /// Displacement of the wheel centre from the state without load, along the direction of the load.
-fn moved(load: TestLoad, state: &KcState, from: &KcState) -> f64 {
+fn moved(load: TestLoad, state: &KcWheelState, from: &KcWheelState) -> f64 {
     let by = state.figures.centre - from.figures.centre;
     match load {
         TestLoad::Lateral => -by.y,

@@ -124,3 +124,38 @@ fn draw(strip: &Strip, top: f64, svg: &mut String) {
 fn rounded(value: f64) -> f64 {
     format!("{value:.3e}").parse().unwrap_or(value)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Ends of range and band, and dots, at places in proportion to their values.
+    #[test]
+    fn values_are_drawn_to_scale() {
+        let strip = Strip {
+            title: "travel_mm".to_owned(),
+            range: Some([-100.0, 300.0]),
+            band: Some([-50.0, 50.0]),
+            dots: vec![("former", 0.0)],
+        };
+        let svg = strips(&[strip], "ranges");
+        let at = |class: &str| -> Vec<f64> {
+            let marks = svg.lines().filter(|line| line.contains(class));
+            let places = marks.map(|line| {
+                let place = line.split("d=\"M").nth(1).unwrap();
+                place.split(' ').next().unwrap().parse().unwrap()
+            });
+            places.collect()
+        };
+        let (line, band, dot) = (at("line main"), at("limit"), at("dot"));
+        // The line begins at its lower end; then its two ends.
+        assert_eq!(line[0], line[1]);
+        let per_unit = (line[2] - line[1]) / 400.0;
+        for (place, value) in [(band[0], -50.0), (band[1], 50.0), (dot[0], 0.0)] {
+            let wanted = line[1] + (value + 100.0) * per_unit;
+            assert!((place - wanted).abs() <= 0.1, "{value}: {place} {wanted}");
+        }
+        assert!(svg.contains(">300<") && svg.contains(">0<"));
+        assert_eq!(strips(&[], "nothing"), "");
+    }
+}

@@ -146,12 +146,12 @@ fn mistakes_are_named() {
         ),
         (
             "[optimise]",
-            "[sweep]\nvariables = [{ car = \"mass\", relative = 0.1 }]\n[optimise]",
+            "[sweep]\nvariables = [{ car = \"mass\", percent = 10.0 }]\n[optimise]",
             "car_mass needs steps",
         ),
         (
             "[optimise]",
-            "[sweep]\nmethod = \"sobol\"\nsamples = 4\nvariables = [{ car = \"mass\", relative = 0.1 }, { car = \"mass\", relative = 0.2 }]\n[optimise]",
+            "[sweep]\nmethod = \"sobol\"\nsamples = 4\nvariables = [{ car = \"mass\", percent = 10.0 }, { car = \"mass\", percent = 20.0 }]\n[optimise]",
             "car_mass is already a variable",
         ),
         (

@@ -79,9 +79,14 @@ fn limits_of_a_mirror_image_are_mirrored() {
         assert_eq!(one.wheel.0 ^ 1, other.wheel.0);
         assert!(one.others_loaded && other.others_loaded);
     }
-    // Under brakes this car ends where its stiffness is no longer positive, with both rear wheels almost unloaded.
+    // Under brakes both rear wheels lift at once, and the rear axle cannot brake any more.
     let braking = &limits[4];
-    assert!(braking.lift.is_none(), "{braking:?}");
+    let lift = braking.lift.unwrap();
+    assert!(!lift.others_loaded && lift.wheel.0 / 2 == 1, "{braking:?}");
+    assert!(
+        (braking.end - lift.acceleration).abs() < 1e-5,
+        "{braking:?}"
+    );
     let last = at(&directions(&study.car)[4], braking.end - 1e-5);
     let (loads, _) = loads(&mut solver, &last);
     assert!(loads[2] > 0.0 && loads[2] < 0.1 * loads[0], "{loads:?}");

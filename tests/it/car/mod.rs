@@ -4,21 +4,24 @@ mod commands;
 mod comparison;
 mod free_bodies;
 mod limits;
+mod maps;
 mod mechanics;
 mod page;
 mod reference;
+mod rigs;
 mod solid;
+mod stability;
 mod sweep;
 mod textbook;
 mod tolerance;
 
 use hardpoint::axle::{Axle, BumpStop, ForceCurve, Law, Setup, SpringLaw};
 use hardpoint::car::{
-    Air, AirForce, Car, Case, LateralShares, Longitudinal, LongitudinalShares, Masses, Tyre,
-    TyreAxes,
+    Air, AirForce, Car, Case, LateralShares, Longitudinal, LongitudinalShares, Masses, Moves,
+    PointMove, Tyre, TyreAxes,
 };
 use hardpoint::characteristics::Constants;
-use hardpoint::model::{LengthUnit, Suspension};
+use hardpoint::model::{Axis, LengthUnit, PointId, Suspension};
 use hardpoint::number::Vector3;
 use hardpoint::study::Study;
 use serde_json::Value;
@@ -175,6 +178,16 @@ pub fn case(value: &Value) -> Case {
         setting.tyre_axes = TyreAxes::Road;
     }
     case
+}
+
+/// A variable that moves one coordinate of a hardpoint.
+fn one_point(axle: usize, point: PointId, axis: Axis) -> Moves {
+    Moves::Hardpoints(vec![PointMove {
+        axle,
+        point,
+        axis,
+        factor: 1.0,
+    }])
 }
 
 /// The reference car: strut front and five-link rear, at 90 digits.

@@ -2,8 +2,8 @@
 
 use crate::support::random::Random;
 use hardpoint::car::{
-    AxleEnd, AxleResult, Car, CarQuantity, CarSolver, Case, GRAVITY, Longitudinal, Moves,
-    WheelPlace, WheelResult, WholeResult,
+    AxleEnd, AxleResult, Car, CarQuantity, CarSolver, Case, GRAVITY, Longitudinal, WheelPlace,
+    WheelResult, WholeResult,
 };
 use hardpoint::mechanism::Configuration;
 use hardpoint::model::{Axis, PointId, Side};
@@ -25,11 +25,7 @@ fn random_car(random: &mut Random) -> Car {
     let points = car.axles[1].left.design.len();
     for point in 0..points {
         for axis in Axis::ALL {
-            let moves = Moves::Hardpoint {
-                axle: 1,
-                point: PointId(point),
-                axis,
-            };
+            let moves = super::one_point(1, PointId(point), axis);
             moves.apply(4.0 * random.signed(), &mut car);
         }
     }
@@ -199,7 +195,7 @@ fn derivatives_are_those_of_moved_cars() {
             let step = 5e-3;
             let at = |by: f64| {
                 let mut moved = car.clone();
-                Moves::Hardpoint { axle, point, axis }.apply(by, &mut moved);
+                super::one_point(axle, point, axis).apply(by, &mut moved);
                 values(&moved, &case)
             };
             let exact = |k: usize| gradients[k].hardpoints[axle][point.0][axis];

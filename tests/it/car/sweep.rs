@@ -21,13 +21,13 @@ method = "sobol"
 samples = {samples}
 seed = 3
 variables = [
-  {{ axle = "front", rate = "anti_roll_bar", relative = 0.3 }},
+  {{ axle = "front", rate = "anti_roll_bar", percent = 30.0 }},
   {{ axle = "rear", hardpoint = "toe_link_inner", axis = "z", range = [-8.0, 8.0] }},
-  {{ axle = "rear", rate = "spring", relative = 0.1 }},
-  {{ axle = "front", rate = "tyre", relative = 0.1 }},
+  {{ axle = "rear", rate = "spring", percent = 10.0 }},
+  {{ axle = "front", rate = "tyre", percent = 10.0 }},
   {{ car = "mass", range = [1400.0, 1500.0] }},
   {{ car = "cg_z", range = [540.0, 580.0], name = "height" }},
-  {{ car = "wheelbase", relative = 0.01 }},
+  {{ car = "wheelbase", percent = 1.0 }},
 ]
 
 [optimise]"#

@@ -32,7 +32,7 @@ fn first_order_of_figures_is_that_of_differences() {
         directory.path(),
         r#"[tolerance]
 scatter = [
-  { axle = "front", rate = "spring", relative = 0.03 },
+  { axle = "front", rate = "spring", percent = 3.0 },
   { axle = "rear", rate = "anti_roll_bar", sigma = 2000.0 },
   { car = "mass", sigma = 15.0 },
   { car = "cg_y", limits = [-5.0, 5.0] },
@@ -46,7 +46,7 @@ scatter = [
             panic!("a figure");
         };
         let variable = hardpoint::car::CarVariable {
-            moves: *moves,
+            moves: moves.clone(),
             range: [0.0, 1.0],
         };
         let now = moves.value(&study.car).unwrap();
@@ -91,7 +91,7 @@ scatter = [
   { axle = "front", hardpoints = ["tie_rod_inner", "lower_arm_front"], sigma = 0.05 },
   { axle = "rear", length = "toe_link", sigma = 0.05 },
   { axle = "rear", hardpoint = "toe_link_inner", axis = "z", side = "left", limits = [-0.1, 0.1] },
-  { axle = "front", rate = "spring", relative = 0.001 },
+  { axle = "front", rate = "spring", percent = 0.1 },
 ]"#,
     );
     let problem = problem(&study);

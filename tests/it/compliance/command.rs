@@ -349,3 +349,63 @@ targets = [
     let found = figure(&at.join("kc/kc.csv"), "toe_by_lateral_force");
     assert!((found - 0.04).abs() < 1e-9, "{found}");
 }
+
+/// The page of the tests: the slope of the drawn toe over the side force is the figure, and each load has its charts.
+#[test]
+fn the_page_draws_the_figures() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = study("double_wishbone_compliance.toml");
+    let ran = hardpoint(&["kc", &path, "--report", "--out", "kc"], directory.path());
+    assert_eq!(ran.status.code(), Some(0));
+    let page = std::fs::read_to_string(directory.path().join("kc/report.html")).unwrap();
+    // Of the reference corner, as above.
+    let toe = 8.01723593199302e-7 * 1000.0_f64.to_degrees();
+    assert!(page.contains(&format!("toe by lateral force {toe:.5} deg/kN")));
+    for load in [
+        "lateral force",
+        "braking force",
+        "traction force",
+        "aligning moment",
+    ] {
+        assert!(
+            page.contains(&format!("toe by {load} [\u{b0}] over")),
+            "{load}"
+        );
+    }
+    let start = page.find("aria-label=\"toe by lateral force").unwrap();
+    let chart = &page[start..start + page[start..].find("</svg>").unwrap()];
+    // Ticks of the vertical axis: place and value; and the ends of the line, which is at -1000 N and 1000 N.
+    let ticks: Vec<[f64; 2]> = chart
+        .split("<text class=\"axis-text\" ")
+        .filter(|text| text.contains("text-anchor=\"end\""))
+        .map(|text| {
+            let y = text.split('"').nth(3).unwrap().parse::<f64>().unwrap();
+            let value = text[text.find('>').unwrap() + 1..].split('<').next();
+            [y, value.unwrap().replace('\u{2212}', "-").parse().unwrap()]
+        })
+        .collect();
+    let (first, last) = (ticks[0], ticks[ticks.len() - 1]);
+    let per_place = (last[1] - first[1]) / (last[0] - first[0]);
+    let line = chart.find("line main hue0").unwrap();
+    let line = chart[line..].split("d=\"M").nth(1).unwrap();
+    let places: Vec<f64> = line[..line.find('"').unwrap()]
+        .split('L')
+        .map(|point| point.split(' ').nth(1).unwrap().parse().unwrap())
+        .collect();
+    let drawn = (places[places.len() - 1] - places[0]) * per_place / 2.0;
+    // A tenth of a unit of the picture at both ends.
+    assert!((drawn - toe).abs() < 0.1 * per_place.abs(), "{drawn} {toe}");
+}
+
+/// Carriers that an arm holds at two points are not what the wheel of the tests is: `kc` refuses them.
+#[test]
+fn kc_refuses_arms_that_hold_the_carrier_twice() {
+    let directory = tempfile::tempdir().unwrap();
+    for topology in ["integral_link", "h_arm"] {
+        let path = study(&format!("{topology}_solve.toml"));
+        let refused = hardpoint(&["kc", &path, "--out", "kc"], directory.path());
+        let said = String::from_utf8_lossy(&refused.stderr).into_owned();
+        assert_eq!(refused.status.code(), Some(2), "{said}");
+        assert!(said.contains("at two points"), "{said}");
+    }
+}

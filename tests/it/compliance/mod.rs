@@ -1,5 +1,6 @@
 //! Elasto-kinematics: against answers computed independently at 120 digits, and against mechanics.
 
+mod axle;
 mod command;
 mod curves;
 mod derivatives;

@@ -92,9 +92,9 @@ fn mistakes_are_named_by_line() {
         (spring, "", "[compliance]", "needs [spring]"),
         (
             "[tyre]",
-            "[subframe]\ncarries = []\n[tyre]",
+            "[subframe]\ncarries = []\nmounts = { front = [0.0, 300.0, 200.0] }\n[tyre]",
             "[subframe]",
-            "not available yet",
+            "needs [axle]",
         ),
         (
             "[tyre]",
@@ -129,8 +129,20 @@ fn mistakes_are_named_by_line() {
         (
             relaxed,
             &format!("{relaxed}\ntests = [{{ load = \"braking\", mode = \"parallel\" }}]"),
-            "mode",
-            "not available yet",
+            "parallel",
+            "it needs [axle]",
+        ),
+        (
+            relaxed,
+            &format!("{relaxed}\ntests = [{{ load = \"roll\" }}]"),
+            "roll",
+            "it needs [axle]",
+        ),
+        (
+            relaxed,
+            &format!("{relaxed}\nanti_roll_bar = \"connected\""),
+            "connected",
+            "needs [axle]",
         ),
         (
             relaxed,
@@ -144,12 +156,13 @@ fn mistakes_are_named_by_line() {
 }
 
 #[test]
-fn an_elastic_axle_is_refused() {
+fn readers_of_one_elastic_wheel_refuse_an_elastic_axle() {
     let text = text(STUDIES[0]).replace("[tyre]", "[axle]\nright = \"mirrored\"\n[tyre]");
+    let text = text.replace("travel = {", "heave = {");
     let errors = Study::elastic_from_text("study.toml", &text, Path::new(".")).unwrap_err();
     let rendered = errors.render(false);
     assert!(
-        rendered.contains("[axle] with [compliance] is not available yet"),
+        rendered.contains("this command does not take elastic parts of an axle"),
         "{rendered}"
     );
 }
@@ -199,4 +212,51 @@ fn mutilated_studies_are_tested_or_refused_with_a_reason() {
         }
     }
     assert!(ran > 30 && refused > 50, "{ran} {refused}");
+}
+
+/// Mistakes of elastic axles name the place and what is expected.
+#[test]
+fn mistakes_of_elastic_axles_are_named() {
+    let text = text("subframe_axle_compliance.toml");
+    let bar = "\"anti_roll_bar_inner\", \"anti_roll_bar_outer\",";
+    for (from, to, phrase) in [
+        (
+            "\"lower_arm_rear\", ",
+            "",
+            "expected both in carries, or neither",
+        ),
+        (bar, "", "both on the subframe, or both on the body"),
+        (
+            "\"tie_rod_inner\", ",
+            "\"tie_rod_outer\", ",
+            "expected a hardpoint of the body or the rack",
+        ),
+        (
+            "[bushings.subframe_front]",
+            "[bushings.subframe_fron]",
+            "has no [bushings.subframe_front]",
+        ),
+        ("c_factor = -60.0 ", "# ", "column_stiffness needs c_factor"),
+        (
+            "heave = {",
+            "roll = {",
+            "ask the test load = \"roll\" of kc",
+        ),
+        (
+            "{ load = \"roll\" },",
+            "{ load = \"roll\" }, { load = \"roll\" },",
+            "this test is there already",
+        ),
+        (
+            "mode = \"single\"",
+            "mode = \"singel\"",
+            "did you mean \"single\"",
+        ),
+    ] {
+        let wrong = text.replacen(from, to, 1);
+        assert_ne!(wrong, text, "{from}");
+        let read = Study::elastic_axle_from_text("study.toml", &wrong, Path::new("."));
+        let rendered = read.map(|_| ()).unwrap_err().render(false);
+        assert!(rendered.contains(phrase), "{from}: {rendered}");
+    }
 }

@@ -5,7 +5,7 @@ use hardpoint::exchange::{
     CAR_FILES, ImportOptions, ImportedCar, Outgoing, csv, import_car, point_rows, read_points,
     suspensions_ini, suspensions_ini_of_car,
 };
-use hardpoint::model::{AxlePosition, Frame, LengthUnit, Side, Topology};
+use hardpoint::model::{AxlePosition, Frame, FrameConvention, LengthUnit, Side, Topology};
 use hardpoint::number::Vector3;
 use hardpoint::study::{CarStudy, Study};
 use std::collections::BTreeMap;
@@ -299,18 +299,45 @@ fn solid_axles_come_back_from_assetto_corsa() {
     }
 }
 
-/// A solid axle as a table and back: the same doubles of the left half. Points of another right half are named.
+/// Solid axles and a twist beam as tables and back, in every unit and in every axes: the numbers of the left half. Points of
+/// another right half are named.
 #[test]
-fn solid_axles_come_back_from_tables() {
+fn axles_of_one_body_come_back_from_tables() {
     let directory = tempfile::tempdir().unwrap();
-    for name in ["solid_axle_solve.toml", "solid_axle_rear.toml"] {
+    for (name, topology) in [
+        ("solid_axle_solve.toml", "solid_axle"),
+        ("solid_axle_rear.toml", "solid_axle"),
+        ("twist_beam_solve.toml", "twist_beam"),
+    ] {
         let own = Study::read(&studies().join(name), &[]).unwrap();
+        let mechanism = &own.wheel().mechanism;
+        for unit in LengthUnit::ALL {
+            for convention in FrameConvention::ALL {
+                let rows = point_rows(&Outgoing::of(&own, Some(unit), Some(convention)));
+                let path = file(&directory, "points.csv", &csv(&rows));
+                let back = imported(&path, topology, &Said::default()).unwrap();
+                assert_eq!(back.left_out, Vec::<String>::new(), "{name}");
+                assert_eq!((back.unit, back.frame), (unit, convention));
+                let frame = Frame::new(convention, Side::Left);
+                for hardpoint in &back.hardpoints {
+                    let id = mechanism.point(hardpoint.name).unwrap();
+                    let length = |x: f64| unit.convert(x, own.wheel().length_unit);
+                    let wanted = frame
+                        .vector(own.wheel().design[id.0].map(length))
+                        .to_array();
+                    assert_eq!(
+                        hardpoint.position.map(|x| x + 0.0),
+                        wanted.map(|x| x + 0.0),
+                        "{name} {}",
+                        hardpoint.name
+                    );
+                }
+            }
+        }
         let rows = point_rows(&Outgoing::of(&own, None, None));
         let path = file(&directory, "points.csv", &csv(&rows));
-        let back = imported(&path, "solid_axle", &Said::default()).unwrap();
-        assert_eq!(back.left_out, Vec::<String>::new());
+        let back = imported(&path, topology, &Said::default()).unwrap();
         let again = study(&back.study("back", "there").unwrap());
-        let mechanism = &own.wheel().mechanism;
         assert_eq!(
             again.wheel().mechanism.points.len(),
             mechanism.points.len(),
@@ -324,7 +351,7 @@ fn solid_axles_come_back_from_tables() {
         let mut moved = String::from_utf8(csv(&rows)).unwrap();
         moved += "wheel_centre,0.0,-750.0,330.0,right,iso8855,\n";
         let path = file(&directory, "points.csv", moved.as_bytes());
-        let back = imported(&path, "solid_axle", &Said::default()).unwrap();
+        let back = imported(&path, topology, &Said::default()).unwrap();
         assert!(
             back.left_out[0].contains("right half (wheel_centre)"),
             "{:?}",

@@ -814,6 +814,57 @@ fn fronts_and_price_lists_are_written_and_shown() {
     let summary: serde_json::Value =
         serde_json::from_slice(&std::fs::read(out.join("summary.json")).unwrap()).unwrap();
     assert!(summary["prices"].as_array().unwrap().len() >= 10);
+    curves_of_a_point_are_those_of_its_study(&out);
+}
+
+/// A point of the front has the curves that its study gives when it is solved, with six digits.
+fn curves_of_a_point_are_those_of_its_study(run: &std::path::Path) {
+    let record = std::fs::read(run.join("report.json")).unwrap();
+    let record: serde_json::Value = serde_json::from_slice(&record).unwrap();
+    let front = &record["front"];
+    let points = front["points"].as_array().unwrap();
+    let point = &points[points.len() / 2];
+    let text = |value: &serde_json::Value| value.as_str().unwrap().to_owned();
+    let mut lines: Vec<String> = front["study"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(text)
+        .collect();
+    for changed in point["lines"].as_array().unwrap() {
+        lines[changed[0].as_u64().unwrap() as usize] = text(&changed[1]);
+    }
+    let study = run.with_file_name("point.toml");
+    std::fs::write(&study, lines.join("\n")).unwrap();
+    let solved = run.with_file_name("solved");
+    let [study, out] = [&study, &solved].map(|path| path.to_str().unwrap());
+    hardpoint(&["solve", study, "--out", out]).success();
+    let table = std::fs::read(solved.join("curves.csv")).unwrap();
+    let table = hardpoint::report::CurveTable::read(&table).unwrap();
+    let curves = &point["curves"];
+    let names: Vec<String> = curves["header"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(text)
+        .collect();
+    let mut compared = 0;
+    for (name, column) in table.header.iter().zip(&table.columns) {
+        let Some(place) = names.iter().position(|known| known == name) else {
+            continue;
+        };
+        let drawn = curves["columns"][place].as_array().unwrap();
+        assert_eq!(drawn.len(), column.len());
+        for (drawn, wanted) in drawn.iter().zip(column) {
+            let (drawn, wanted) = (drawn.as_f64().unwrap(), wanted.unwrap());
+            assert!(
+                (drawn - wanted).abs() <= 1e-5 * wanted.abs(),
+                "{name}: {drawn} {wanted}"
+            );
+        }
+        compared += 1;
+    }
+    assert!(compared > 4, "{names:?}");
 }
 
 /// Missing inputs of front, scatter and constraints are reported with the line.

@@ -28,6 +28,8 @@ pub(super) struct Sheet<'a> {
     pub(super) has_axis: bool,
     /// Rate of the tyre, force per length.
     pub(super) tyre_rate: Option<f64>,
+    /// Side of the wheel.
+    pub(super) side: Side,
 }
 
 /// Values of a state that the figures of a test need.
@@ -68,6 +70,7 @@ impl Sheet<'_> {
     pub(super) fn figures<T: Scalar>(&self, test: &KcTest, read: &Read<T>) -> Vec<Figure<T>> {
         match test.load {
             TestLoad::Heave => self.by_heave(read),
+            TestLoad::Roll => self.by_roll(read),
             TestLoad::Steering => self.by_steering(read),
             TestLoad::Lateral => self.by_lateral(test, read),
             TestLoad::Braking | TestLoad::Traction => self.by_longitudinal(test, read),
@@ -115,13 +118,31 @@ impl Sheet<'_> {
         found
     }
 
-    fn by_steering<T: Scalar>(&self, read: &Read<T>) -> Vec<Figure<T>> {
-        let along = self.suspension.frame.sign(Axis::Y);
-        // Toe-in is a turn to the right at a left wheel.
-        let to_left = match self.suspension.frame.meaning().1 {
+    /// Derivatives by the roll angle, which `read` has.
+    fn by_roll<T: Scalar>(&self, read: &Read<T>) -> Vec<Figure<T>> {
+        let to_left = self.to_left();
+        let steer = read.by.map(|by| by.toe.scaled(to_left));
+        vec![
+            figure("steer_by_roll", Unit::AnglePerAngle, steer),
+            figure(
+                "camber_by_roll",
+                Unit::AnglePerAngle,
+                read.by.map(|by| by.camber),
+            ),
+        ]
+    }
+
+    /// Steer to the left per toe: toe-in is a turn to the right at a left wheel.
+    pub(super) fn to_left(&self) -> f64 {
+        match self.side {
             Side::Left => -1.0,
             Side::Right => 1.0,
-        };
+        }
+    }
+
+    fn by_steering<T: Scalar>(&self, read: &Read<T>) -> Vec<Figure<T>> {
+        let along = self.suspension.frame.sign(Axis::Y);
+        let to_left = self.to_left();
         let toe = read.by.map(|by| by.toe.scaled(to_left * along));
         let mut found = vec![figure("steer_by_rack", Unit::AnglePerLength, toe)];
         if self.has_axis {

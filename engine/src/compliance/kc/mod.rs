@@ -1,15 +1,17 @@
-//! Tests of a kinematics and compliance rig on one wheel.
+//! Tests of a kinematics and compliance rig on one wheel, and on both wheels of an axle (`axle.rs`).
 //!
 //! At a station (travel, rack) the wheel stands in equilibrium without horizontal loads, its height held. About this
 //! state a test changes a load, or travel or rack, and figures are the derivatives by it. Windows give secants, levels
 //! the equilibria between their ends. All figures are those of a left wheel in ISO 8855 axes.
 
+mod axle;
 mod figures;
 mod gradients;
 mod test;
 
+pub use axle::{AxleKcRun, AxleVehicle, FigureGradients};
 pub use gradients::{KcGradient, KcValue};
-pub use test::{KcTest, TestLoad, TestPlace};
+pub use test::{KcTest, TestLoad, TestMode, TestPlace};
 
 use super::definition::Compliance;
 use super::fault::{ElasticFault, NoEquilibrium};
@@ -17,7 +19,7 @@ use super::loads::WheelLoads;
 use super::reading::WheelFigures;
 use super::wheel::{BushingReading, ElasticWheel, Equilibrium, HeldQuantity, SpringReading};
 use crate::ask::Unit;
-use crate::model::{Axis, SteeringAxis, Suspension};
+use crate::model::{Axis, Frame, Side, SteeringAxis, Suspension};
 use crate::number::{Scalar, Vector3};
 use figures::{Read, Sheet};
 use gradients::Station;
@@ -33,11 +35,44 @@ pub struct KcFigure {
     pub value: Option<f64>,
     /// Quotient of differences over the window.
     pub secant: Option<f64>,
+    /// Part of the axle that it is of.
+    pub of: KcSubject,
+}
+
+/// Part that a figure is of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum KcSubject {
+    /// The only wheel of a study.
+    OneWheel,
+    /// A wheel of an axle.
+    Wheel(Side),
+    /// An axle.
+    Axle,
 }
 
 /// An equilibrium under a level of a test load.
 #[derive(Clone, Debug, PartialEq)]
 pub struct KcState {
+    /// The wheel; of an axle the left and the right one.
+    pub wheels: Vec<KcWheelState>,
+    /// Values of an axle as a whole.
+    pub axle: Option<KcAxleState>,
+}
+
+/// Values of an axle in an equilibrium.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct KcAxleState {
+    /// Mean steer of both wheels, to the left.
+    pub mean_steer: f64,
+    /// Force along the study's +y that holds the rack.
+    pub rack_force: f64,
+    /// Torque of the anti-roll bar, if it acts.
+    pub bar_torque: Option<f64>,
+}
+
+/// A wheel in an equilibrium.
+#[derive(Clone, Debug, PartialEq)]
+pub struct KcWheelState {
     /// Angles and positions.
     pub figures: WheelFigures,
     /// Vertical force at the contact point.
@@ -77,8 +112,10 @@ pub struct KcOutcome {
 /// Outcome of a station.
 #[derive(Clone, Debug, PartialEq)]
 pub struct KcStation {
-    /// Wheel travel.
+    /// Wheel travel; of an axle that of the left wheel.
     pub travel: f64,
+    /// Travel of the right wheel of an axle.
+    pub right_travel: Option<f64>,
     /// Rack displacement along the study's +y.
     pub rack: f64,
     /// Tests, or why the station has no equilibrium.
@@ -86,8 +123,9 @@ pub struct KcStation {
     /// Tests that belong to a station without equilibrium.
     pub tests: Vec<(KcTest, TestPlace)>,
     /// Displacement and rotation of the wheel centre by forces and moments there, in the study's axes: rows x, y, z,
-    /// rotations, columns forces, moments. `None` if the wheel load cannot be held.
-    pub matrix: Option<[[f64; 6]; 6]>,
+    /// rotations, columns forces, moments; of an axle first the left wheel, then the right one. `None` if the wheel load
+    /// cannot be held.
+    pub matrix: Option<Vec<Vec<f64>>>,
 }
 
 /// The tests of a study.
@@ -132,6 +170,7 @@ impl<'a> KcRun<'a> {
             is_rigid: self.compliance.is_rigid(),
             has_axis: self.wheel.figures(at).steering.is_some(),
             tyre_rate: self.tyre_rate,
+            side: self.suspension.frame.meaning().1,
         }
     }
 
@@ -147,18 +186,9 @@ impl<'a> KcRun<'a> {
             .flat_map(|travel| racks.iter().map(move |rack| (*travel, *rack)));
         let stations: Vec<(f64, f64)> = stations.collect();
         let distance = |(travel, rack): &(f64, f64)| travel.abs() + rack.abs();
-        let nearest = stations
-            .iter()
-            .enumerate()
-            .min_by(|(_, a), (_, b)| distance(a).total_cmp(&distance(b)))
-            .map_or(0, |(k, _)| k);
         let mut found = Vec::new();
-        for (k, (travel, rack)) in stations.into_iter().enumerate() {
-            let here = |test: &&KcTest| test.at_all_stations || k == nearest;
-            let here: Vec<KcTest> = tests.iter().filter(here).copied().collect();
-            if !here.is_empty() {
-                found.push(self.station(travel, rack, &here));
-            }
+        for ((travel, rack), here) in at_stations(&stations, distance, tests) {
+            found.push(self.station(travel, rack, &here));
         }
         found
     }
@@ -173,6 +203,7 @@ impl<'a> KcRun<'a> {
         let vehicle = &self.suspension.vehicle;
         KcStation {
             travel,
+            right_travel: None,
             rack,
             tests: tests
                 .iter()
@@ -195,7 +226,7 @@ impl<'a> KcRun<'a> {
             false => self.levels(&station.at, test, &load),
         };
         let values = station.figures(test);
-        let secants = station.secants(test, secant(&levels));
+        let secants = station.secants(test, secant(&levels, 0));
         let figures = values.into_iter().zip(secants);
         let figures = figures.map(|(value, secant)| KcFigure {
             quantity: value.quantity,
@@ -204,6 +235,7 @@ impl<'a> KcRun<'a> {
             secant: secant
                 .value
                 .filter(|value| value.is_finite() && !levels.is_empty()),
+            of: KcSubject::OneWheel,
         });
         KcOutcome {
             test: *test,
@@ -215,70 +247,36 @@ impl<'a> KcRun<'a> {
 
     /// Equilibria from the lowest load to the highest. Each starts from its neighbour nearer to no load.
     fn levels(&self, at: &Equilibrium, test: &KcTest, load: &WheelLoads) -> Vec<KcLevel> {
-        let count = test.levels as i64;
-        let level_load = |level: i64| test.window * level as f64 / count as f64;
-        let mut sides = [Vec::new(), Vec::new()];
-        for (sign, side) in [-1, 1].into_iter().zip(&mut sides) {
-            let mut before = Ok(*at);
-            // Levels that are reached, with the share of the next one.
-            let mut reached = 0.0;
-            for step in 1..=count {
-                let level = sign * step;
-                let loads = end_loads(load, level_load(level));
-                before = match before {
-                    Ok(from) => {
-                        let next = self.wheel.loaded_about(at, &from, &loads, test.held);
-                        reached += next.as_ref().map_or_else(|why| why.share, |_| 1.0);
-                        next
-                    }
-                    failed => failed,
-                };
-                if let Err(why) = &mut before {
-                    why.share = reached / step as f64;
-                }
-                side.push(self.level(level, level_load(level), &before));
-            }
-        }
-        let [mut low, high] = sides;
-        low.reverse();
-        low.push(self.level(0, 0.0, &Ok(*at)));
-        low.extend(high);
-        low
+        let next = |from: &Equilibrium, force: f64| {
+            let loads = end_loads(load, force);
+            self.wheel.loaded_about(at, from, &loads, test.held)
+        };
+        levels(at, test, next, |level, load, at| {
+            self.level(level, load, at)
+        })
     }
 
     fn level(&self, level: i64, load: f64, at: &Result<Equilibrium, NoEquilibrium>) -> KcLevel {
         let state = at.as_ref().map_err(Clone::clone).map(|at| KcState {
-            figures: self.wheel.figures(at),
-            wheel_load: self.wheel.wheel_load(at),
-            spring: self.wheel.spring(at),
-            bushings: self.wheel.bushings(at),
-            tensions: self.wheel.tensions(at),
+            wheels: vec![KcWheelState {
+                figures: self.wheel.figures(at),
+                wheel_load: self.wheel.wheel_load(at),
+                spring: self.wheel.spring(at),
+                bushings: self.wheel.bushings(at),
+                tensions: self.wheel.tensions(at),
+            }],
+            axle: None,
         });
         KcLevel { level, load, state }
     }
 
     /// The matrix of the wheel centre, in the study's axes.
-    fn matrix(&self, station: &mut Station<'_, f64>) -> Option<[[f64; 6]; 6]> {
-        let frame = self.suspension.frame;
-        let signs: [f64; 6] = std::array::from_fn(|k| {
-            let axis = Axis::ALL[k % 3];
-            if k < 3 {
-                frame.sign(axis)
-            } else {
-                frame.turn_sign(axis)
-            }
-        });
+    fn matrix(&self, station: &mut Station<'_, f64>) -> Option<Vec<Vec<f64>>> {
+        let signs = twist_signs(self.suspension.frame);
         let tangent = station.tangent(HeldQuantity::WheelLoad)?;
-        let mut matrix = [[0.0; 6]; 6];
+        let mut matrix = vec![vec![0.0; 6]; 6];
         for column in 0..6 {
-            let mut unit = Vector3::new(0.0, 0.0, 0.0);
-            unit[Axis::ALL[column % 3]] = 1.0;
-            let mut load = WheelLoads::none(0.0);
-            if column < 3 {
-                load.centre = unit;
-            } else {
-                load.moment = unit;
-            }
+            let load = unit_at_centre(column);
             let [shift, turn] = self.wheel.twist_along(tangent, &load)?;
             let twist = shift.to_array().into_iter().chain(turn.to_array());
             for (row, value) in twist.enumerate() {
@@ -288,6 +286,50 @@ impl<'a> KcRun<'a> {
         }
         Some(matrix)
     }
+}
+
+/// The stations that have tests, with these.
+fn at_stations<S: Copy>(
+    stations: &[S],
+    distance: impl Fn(&S) -> f64,
+    tests: &[KcTest],
+) -> Vec<(S, Vec<KcTest>)> {
+    let nearest = stations
+        .iter()
+        .enumerate()
+        .min_by(|(_, a), (_, b)| distance(a).total_cmp(&distance(b)))
+        .map_or(0, |(k, _)| k);
+    let here = |k: usize| {
+        let here = |test: &&KcTest| test.at_all_stations || k == nearest;
+        tests.iter().filter(here).copied().collect::<Vec<_>>()
+    };
+    let all = stations.iter().enumerate().map(|(k, s)| (*s, here(k)));
+    all.filter(|(_, tests)| !tests.is_empty()).collect()
+}
+
+/// Signs of shifts and turns from the kernel's frame to the study's axes.
+fn twist_signs(frame: Frame) -> [f64; 6] {
+    std::array::from_fn(|k| {
+        let axis = Axis::ALL[k % 3];
+        if k < 3 {
+            frame.sign(axis)
+        } else {
+            frame.turn_sign(axis)
+        }
+    })
+}
+
+/// A unit force at the wheel centre, or a unit moment.
+fn unit_at_centre(component: usize) -> WheelLoads {
+    let mut unit = Vector3::new(0.0, 0.0, 0.0);
+    unit[Axis::ALL[component % 3]] = 1.0;
+    let mut load = WheelLoads::none(0.0);
+    if component < 3 {
+        load.centre = unit;
+    } else {
+        load.moment = unit;
+    }
+    load
 }
 
 /// The figures of a test of a study, with their units.
@@ -303,6 +345,7 @@ pub fn quantities(
         is_rigid: compliance.is_rigid(),
         has_axis: matches!(steering, Some(SteeringAxis::Through { .. })),
         tyre_rate,
+        side: suspension.frame.meaning().1,
     };
     let read = Read {
         by: None,
@@ -315,6 +358,43 @@ pub fn quantities(
         .collect()
 }
 
+/// Levels of a test from the lowest load to the highest. `next` finds the equilibrium under a load from its neighbour.
+fn levels<E: Copy>(
+    at: &E,
+    test: &KcTest,
+    next: impl Fn(&E, f64) -> Result<E, NoEquilibrium>,
+    read: impl Fn(i64, f64, &Result<E, NoEquilibrium>) -> KcLevel,
+) -> Vec<KcLevel> {
+    let count = test.levels as i64;
+    let level_load = |level: i64| test.window * level as f64 / count as f64;
+    let mut sides = [Vec::new(), Vec::new()];
+    for (sign, side) in [-1, 1].into_iter().zip(&mut sides) {
+        let mut before = Ok(*at);
+        // Levels that are reached, with the share of the next one.
+        let mut reached = 0.0;
+        for step in 1..=count {
+            let level = sign * step;
+            before = match before {
+                Ok(from) => {
+                    let found = next(&from, level_load(level));
+                    reached += found.as_ref().map_or_else(|why| why.share, |_| 1.0);
+                    found
+                }
+                failed => failed,
+            };
+            if let Err(why) = &mut before {
+                why.share = reached / step as f64;
+            }
+            side.push(read(level, level_load(level), &before));
+        }
+    }
+    let [mut low, high] = sides;
+    low.reverse();
+    low.push(read(0, 0.0, &Ok(*at)));
+    low.extend(high);
+    low
+}
+
 /// A multiple of a unit load.
 fn end_loads(unit: &WheelLoads, factor: f64) -> WheelLoads {
     let mut loads = WheelLoads::none(0.0).plus(unit, factor);
@@ -322,16 +402,17 @@ fn end_loads(unit: &WheelLoads, factor: f64) -> WheelLoads {
     loads
 }
 
-/// Quotients of differences between the ends of the window; `None` if an end has no equilibrium.
-fn secant(levels: &[KcLevel]) -> Option<WheelFigures> {
+/// Quotients of differences between the ends of the window of a wheel; `None` if an end has no equilibrium.
+fn secant(levels: &[KcLevel], wheel: usize) -> Option<WheelFigures> {
     let (low, high) = (levels.first()?, levels.last()?);
     let (a, b) = (low.state.as_ref().ok()?, high.state.as_ref().ok()?);
-    let with_load = |state: &KcState| WheelFigures {
+    let with_load = |state: &KcWheelState| WheelFigures {
         vertical: state.wheel_load,
         ..state.figures
     };
     let inverse = 1.0 / (high.load - low.load);
-    Some(quotient(&with_load(a), &with_load(b), inverse))
+    let [a, b] = [a, b].map(|state| with_load(&state.wheels[wheel]));
+    Some(quotient(&a, &b, inverse))
 }
 
 /// The difference of two states times a factor.

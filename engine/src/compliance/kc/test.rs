@@ -1,13 +1,15 @@
 //! Tests of a rig: loaded or moved quantities, and their ranges.
 
 use crate::compliance::{Change, HeldQuantity, WheelLoads};
-use crate::model::{LengthUnit, TorquePath, VehicleFigures};
+use crate::model::{LengthUnit, Side, TorquePath, VehicleFigures};
 
 /// Load or motion of a test.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TestLoad {
     /// Wheel travel.
     Heave,
+    /// Equal opposite travels of both wheels.
+    Roll,
     /// Displacement of the rack.
     Steering,
     /// Side force towards the inside of the car.
@@ -24,8 +26,9 @@ pub enum TestLoad {
 
 impl TestLoad {
     /// Every test, with its name in studies.
-    pub const ALL: [(&'static str, TestLoad); 7] = [
+    pub const ALL: [(&'static str, TestLoad); 8] = [
         ("heave", TestLoad::Heave),
+        ("roll", TestLoad::Roll),
         ("steering", TestLoad::Steering),
         ("lateral", TestLoad::Lateral),
         ("braking", TestLoad::Braking),
@@ -42,7 +45,7 @@ impl TestLoad {
 
     /// Returns true if a motion and no load drives the test.
     pub fn is_motion(self) -> bool {
-        matches!(self, TestLoad::Heave | TestLoad::Steering)
+        matches!(self, TestLoad::Heave | TestLoad::Roll | TestLoad::Steering)
     }
 }
 
@@ -57,6 +60,31 @@ pub enum TestPlace {
     WheelCentre,
     /// A moment.
     Moment,
+}
+
+/// Wheels that a load acts on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TestMode {
+    /// The only one.
+    OneWheel,
+    /// Both, in the same direction of the vehicle.
+    Parallel,
+    /// Both, mirrored or in opposite directions.
+    Opposed,
+    /// One of both.
+    Single(Side),
+}
+
+impl TestMode {
+    /// Name in results.
+    pub fn name(self) -> &'static str {
+        match self {
+            TestMode::OneWheel => "",
+            TestMode::Parallel => "parallel",
+            TestMode::Opposed => "opposed",
+            TestMode::Single(_) => "single",
+        }
+    }
 }
 
 /// One test.
@@ -74,6 +102,12 @@ pub struct KcTest {
     pub levels: usize,
     /// True for all stations, false for the one nearest to travel 0 and rack 0.
     pub at_all_stations: bool,
+    /// Wheels that it loads.
+    pub mode: TestMode,
+    /// True if the anti-roll bar acts between the wheels.
+    pub has_bar: bool,
+    /// True if the rack is held in its housing, false if the steering wheel holds it.
+    pub locks_rack: bool,
 }
 
 impl KcTest {
@@ -92,6 +126,9 @@ impl KcTest {
             },
             levels: if load.is_motion() { 0 } else { 5 },
             at_all_stations: false,
+            mode: TestMode::OneWheel,
+            has_bar: false,
+            locks_rack: false,
         }
     }
 
@@ -118,11 +155,55 @@ impl KcTest {
         tests
     }
 
+    /// The tests of an axle that names none: motions, and loads on both wheels, parallel and opposed.
+    pub fn defaults_of_axle(
+        is_rigid: bool,
+        has_spring: bool,
+        steers: bool,
+        length: LengthUnit,
+    ) -> Vec<KcTest> {
+        let mut tests = Vec::new();
+        for test in KcTest::defaults(is_rigid, has_spring, length) {
+            if test.load == TestLoad::Steering && !steers {
+                continue;
+            }
+            let modes: &[TestMode] = match test.load.is_motion() {
+                true => &[TestMode::Parallel],
+                false => &[TestMode::Parallel, TestMode::Opposed],
+            };
+            let in_mode = |mode: &TestMode| KcTest {
+                mode: *mode,
+                has_bar: true,
+                ..test
+            };
+            tests.extend(modes.iter().map(in_mode));
+            if test.load == TestLoad::Heave {
+                tests.push(KcTest {
+                    load: TestLoad::Roll,
+                    ..in_mode(&TestMode::Parallel)
+                });
+            }
+        }
+        tests
+    }
+
+    /// Multiples of the unit load on left and right wheel, each in the frame of its side.
+    pub(super) fn factors(&self) -> [f64; 2] {
+        let is_lateral = matches!(self.load, TestLoad::Lateral | TestLoad::Aligning);
+        match self.mode {
+            TestMode::OneWheel | TestMode::Single(Side::Left) => [1.0, 0.0],
+            TestMode::Single(Side::Right) => [0.0, 1.0],
+            // The mirror image of a load to the left is one to the right.
+            TestMode::Parallel => [1.0, if is_lateral { -1.0 } else { 1.0 }],
+            TestMode::Opposed => [1.0, if is_lateral { 1.0 } else { -1.0 }],
+        }
+    }
+
     /// The unit load of a test, and where it acts.
     pub(super) fn unit_load(&self, vehicle: &VehicleFigures) -> (WheelLoads, TestPlace) {
         let mut load = WheelLoads::none(0.0);
         let place = match self.load {
-            TestLoad::Heave | TestLoad::Steering => TestPlace::Nowhere,
+            TestLoad::Heave | TestLoad::Roll | TestLoad::Steering => TestPlace::Nowhere,
             TestLoad::Lateral => {
                 (load.side, load.trail) = (1.0, self.trail);
                 TestPlace::ContactPoint
@@ -158,7 +239,8 @@ impl KcTest {
     /// The input that the test changes, per unit.
     pub(super) fn change(&self, vehicle: &VehicleFigures) -> Change {
         match self.load {
-            TestLoad::Heave => Change::Travel,
+            // One wheel has no roll: studies refuse it.
+            TestLoad::Heave | TestLoad::Roll => Change::Travel,
             TestLoad::Steering => Change::Rack,
             _ => Change::Load(self.unit_load(vehicle).0),
         }

@@ -1,12 +1,16 @@
-//! The method: one accepted step for each iteration.
+//! The loop: one accepted step for each iteration of argmin.
 
 use super::super::active_set::Held;
-use super::super::fit_record::{FitRecord, Method, evaluations, execute};
-use super::super::{Bounds, Control, Infeasible, Iteration, Linearisation, Options, Termination};
+use super::super::fit_record::{ArgminState, FitRecord, evaluations, execute, of};
+use super::super::{
+    Bounds, ConstraintState, Control, Fit, Infeasible, Iteration, Linearisation, Options,
+    Termination,
+};
 use super::filter::Filter;
 use super::model::{ConvexModel, Proposal};
 use super::movable::Movable;
 use super::{Assessment, Constrained};
+use argmin::core::{Error, KV, Problem, Solver, TerminationStatus};
 use nalgebra::DVector;
 
 /// Rows violated by no more than this are kept. It is a millionth of a visible difference.
@@ -75,13 +79,34 @@ impl ConstrainedFit {
     pub fn is_feasible(&self) -> bool {
         self.violation <= KEPT
     }
+
+    /// The end as that of any fit. `at_minimum` says whether multipliers mean something.
+    pub(in crate::optimise) fn into_fit(self, bounds: &Bounds, at_minimum: bool) -> Fit {
+        let is_minimum = at_minimum && self.termination.at_minimum();
+        Fit {
+            active_bounds: bounds.active_bounds(&self.x),
+            x: self.x,
+            evaluation: self.at.goal,
+            termination: self.termination,
+            residual: self.imbalance,
+            history: self.history,
+            constraints: Some(ConstraintState {
+                values: self.at.rows.residuals,
+                violation: self.violation,
+                movable: self.movable,
+                multipliers: is_minimum.then_some(self.multipliers),
+                alternatives: self.alternatives.filter(|_| is_minimum),
+                culprits: self.culprits,
+            }),
+        }
+    }
 }
 
 /// Minimises from the point of the box nearest to `start`; an error says why there are no residuals
 /// even there.
 pub fn constrained_fit(
     index: usize,
-    mut problem: impl Constrained,
+    problem: impl Constrained,
     bounds: &Bounds,
     start: &DVector<f64>,
     options: &Options,
@@ -90,7 +115,7 @@ pub fn constrained_fit(
     let shape = problem.shape();
     let levels: Vec<f64> = shape.levels.iter().map(|level| level.1).collect();
     let n = bounds.variables();
-    let mut method = SequentialConvex {
+    let solver = SequentialConvex {
         record: FitRecord::new(bounds, options, control, index),
         equalities: shape.equalities,
         model: ConvexModel::new(bounds, &shape),
@@ -106,8 +131,8 @@ pub fn constrained_fit(
         radius: FIRST_RADIUS,
         culprits: Vec::new(),
     };
-    let x = execute(&mut problem, &mut method, bounds, start)?;
-    Ok(method.into_fit(x))
+    let (solver, state) = execute(problem, solver, bounds, start)?;
+    Ok(solver.into_fit(state))
 }
 
 struct SequentialConvex<'a> {
@@ -131,7 +156,8 @@ struct SequentialConvex<'a> {
 }
 
 impl SequentialConvex<'_> {
-    fn into_fit(mut self, x: DVector<f64>) -> ConstrainedFit {
+    fn into_fit(mut self, state: ArgminState) -> ConstrainedFit {
+        let x = state.param.expect("the state was given its start");
         // Multipliers of the end itself, not of the step that led there.
         self.model.solve(WHOLE, false);
         let settled = self.model.settle_multipliers(&self.beside);
@@ -236,27 +262,39 @@ impl SequentialConvex<'_> {
     }
 }
 
-impl<'a, P: Constrained> Method<'a, P> for SequentialConvex<'a> {
-    fn record(&mut self) -> &mut FitRecord<'a> {
-        &mut self.record
+impl<P: Constrained> Solver<P, ArgminState> for SequentialConvex<'_> {
+    fn name(&self) -> &str {
+        "sequential convex programs"
     }
 
-    fn begin(&mut self, problem: &mut P, x: &DVector<f64>) -> Result<(), Infeasible> {
+    fn init(
+        &mut self,
+        problem: &mut Problem<P>,
+        state: ArgminState,
+    ) -> Result<(ArgminState, Option<KV>), Error> {
+        let problem = of(problem);
         assert_eq!(problem.shape().variables, self.record.bounds.variables());
+        let x = state.param.as_ref().expect("the state was given its start");
         problem.assess(x, &mut self.current)?;
         self.current.check()?;
         let (rows, bounds) = (&self.current.rows, self.record.bounds);
         self.movable = Some(Movable::new(&self.limits, rows, bounds));
         self.rebuild_model(x);
-        let [_, violation] = self.pair(&self.current);
+        let [cost, violation] = self.pair(&self.current);
         self.filter = Filter::new(violation, self.record.options.violation_below);
         self.record.add(x, Iteration::at(self.reported()));
-        Ok(())
+        Ok((state.cost(cost), None))
     }
 
-    fn iterate(&mut self, problem: &mut P, mut x: DVector<f64>, done: u64) -> DVector<f64> {
+    fn next_iter(
+        &mut self,
+        problem: &mut Problem<P>,
+        mut state: ArgminState,
+    ) -> Result<(ArgminState, Option<KV>), Error> {
+        let problem = of(problem);
+        let mut x = state.take_param().expect("the state was given its start");
         let mut from = self.pair(&self.current);
-        let curved = done >= CURVED_FROM;
+        let curved = state.iter >= CURVED_FROM;
         let negligible = self.record.options.reduction_below * NEGLIGIBLE * from[0];
         let (mut evaluations, mut infeasible) = (0, 0);
         let mut obstacle = None;
@@ -369,14 +407,19 @@ impl<'a, P: Constrained> Method<'a, P> for SequentialConvex<'a> {
             self.rebuild_model(&x);
             break;
         }
+        let cost = self.current.goal.cost();
         let iteration = Iteration {
-            iteration: done + 1,
+            iteration: state.iter + 1,
             step,
             evaluations,
             infeasible,
             ..Iteration::at(self.reported())
         };
         self.record.add(&x, iteration);
-        x
+        Ok((state.param(x).cost(cost), None))
+    }
+
+    fn terminate(&mut self, state: &ArgminState) -> TerminationStatus {
+        self.record.status(state)
     }
 }

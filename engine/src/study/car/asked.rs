@@ -1,16 +1,14 @@
-//! Requests of a study of a car: results, tuning, sweep and tolerances.
+//! Requests of a study of a car: results, sweep and tolerances.
 
 use super::super::motion::within;
 use super::super::names::choose;
 use super::super::resolve::{each, some};
-use super::super::suspension::{above_zero, positive};
+use super::super::suspension::above_zero;
 use super::super::sweep as samples;
 use super::super::{Law, SweepVariable, Tolerance, tolerance};
-use super::{CarBand, CarContributor, CarOptimise, CarSweep, CarTolerance, Resolver};
-use crate::car::{
-    AxleParameter, BodyParameter, Car, CarQuantity, CarRun, CarTarget, CarVariable, Case, Moves,
-};
-use crate::model::{Axis, PointId};
+use super::variables::Written;
+use super::{CarBand, CarContributor, CarSweep, CarTolerance, ENDS, Resolver};
+use crate::car::{Car, CarQuantity, CarVariable, Case};
 use hardpoint_study_file::car_file;
 use hardpoint_study_file::value::{Number, Text};
 use std::ops::Range as Span;
@@ -19,65 +17,6 @@ use toml::Spanned;
 /// The most builds: their values are held in memory.
 const MOST_BUILDS: i64 = 100_000;
 
-/// The keys that name a part of the car and its move.
-struct Written<'a> {
-    place: Span<usize>,
-    axle: Option<&'a Text>,
-    hardpoint: Option<&'a Text>,
-    axis: Option<&'a Text>,
-    rate: Option<&'a Text>,
-    car: Option<&'a Text>,
-    range: Option<&'a Spanned<Vec<Number>>>,
-    relative: Option<&'a Number>,
-}
-
-/// These keys of an entry that may have all of them.
-macro_rules! moved_by {
-    ($written:expr) => {{
-        let own = $written.get_ref();
-        Written {
-            place: $written.span(),
-            axle: own.axle.as_ref(),
-            hardpoint: own.hardpoint.as_ref(),
-            axis: own.axis.as_ref(),
-            rate: own.rate.as_ref(),
-            car: own.car.as_ref(),
-            range: own.range.as_ref(),
-            relative: own.relative.as_ref(),
-        }
-    }};
-}
-
-impl<'a> Written<'a> {
-    fn of(written: &'a Spanned<car_file::Variable>) -> Self {
-        moved_by!(written)
-    }
-
-    fn of_sweep(written: &'a Spanned<car_file::SweepVariable>) -> Self {
-        moved_by!(written)
-    }
-
-    /// A rate or a figure that scatters.
-    fn of_scatter(written: &'a Spanned<car_file::Scatter>) -> Self {
-        let own = written.get_ref();
-        Written {
-            place: written.span(),
-            axle: own.axle.as_ref(),
-            hardpoint: None,
-            axis: None,
-            rate: own.rate.as_ref(),
-            car: own.car.as_ref(),
-            range: None,
-            relative: own.relative.as_ref(),
-        }
-    }
-}
-
-/// Names of the axles.
-const ENDS: [(&str, usize); 2] = [("front", 0), ("rear", 1)];
-
-/// The most starts of a tuning.
-const MOST_STARTS: i64 = 10_000;
 /// Distance of the seeds of both axles and of the figures.
 const STREAM: u32 = 0x9e37_79b9;
 
@@ -104,7 +43,7 @@ impl Resolver<'_> {
         sound.then_some(found)
     }
 
-    fn named(&mut self, car: &Car, text: &Text) -> Option<Vec<CarQuantity>> {
+    pub(super) fn named(&mut self, car: &Car, text: &Text) -> Option<Vec<CarQuantity>> {
         let found = CarQuantity::named(text.get_ref());
         if found.is_empty() {
             let names: Vec<String> = CarQuantity::all()
@@ -128,7 +67,7 @@ impl Resolver<'_> {
     }
 
     /// The case of this name, in which the results have values.
-    fn case_of(
+    pub(super) fn case_of(
         &mut self,
         quantities: &[CarQuantity],
         written: &Text,
@@ -150,7 +89,7 @@ impl Resolver<'_> {
     }
 
     /// The lower and the upper limit of an entry at `place`.
-    fn limits(
+    pub(super) fn limits(
         &mut self,
         (between, at_least, at_most): Limits<'_>,
         place: Span<usize>,
@@ -171,208 +110,6 @@ impl Resolver<'_> {
                 self.problems.refuse(place, message)
             }
         }
-    }
-
-    pub(super) fn optimise(&mut self, car: &Car, cases: &[Case]) -> Option<Option<CarOptimise>> {
-        let file = self.file;
-        let Some(section) = &file.optimise else {
-            return Some(None);
-        };
-        let mut variables = Vec::new();
-        let mut targets = Vec::new();
-        let mut sound = true;
-        for written in section.variables.get_ref() {
-            match self.variable(car, &Written::of(written)) {
-                Some(variable) => variables.push(variable),
-                None => sound = false,
-            }
-        }
-        for written in section.targets.get_ref() {
-            match self.target(car, cases, written.get_ref()) {
-                Some(found) => targets.extend(found),
-                None => sound = false,
-            }
-        }
-        for (list, span) in [
-            (variables.is_empty(), section.variables.span()),
-            (targets.is_empty(), section.targets.span()),
-        ] {
-            if list && sound {
-                self.problems.add(span, "expected at least one element");
-                sound = false;
-            }
-        }
-        let max_iterations = match &section.max_iterations {
-            Some(most) if *most.get_ref() < 1 => {
-                return self
-                    .problems
-                    .refuse(most.span(), "expected at least 1 iteration");
-            }
-            Some(most) => *most.get_ref() as u64,
-            None => 200,
-        };
-        let starts = match &section.starts {
-            Some(starts) if !(1..=MOST_STARTS).contains(starts.get_ref()) => {
-                let message = format!("expected 1 to {MOST_STARTS} starts");
-                return self.problems.refuse(starts.span(), message);
-            }
-            Some(starts) => *starts.get_ref() as usize,
-            None => 1,
-        };
-        let seed = match &section.seed {
-            Some(seed) => match u32::try_from(*seed.get_ref()) {
-                Ok(seed) => seed,
-                Err(_) => {
-                    let message = format!("expected a seed from 0 to {}", u32::MAX);
-                    return self.problems.refuse(seed.span(), message);
-                }
-            },
-            None => 1,
-        };
-        sound.then_some(Some(CarOptimise {
-            run: CarRun {
-                max_iterations,
-                starts,
-                seed,
-            },
-            variables,
-            targets,
-        }))
-    }
-
-    fn target(
-        &mut self,
-        car: &Car,
-        cases: &[Case],
-        written: &car_file::Target,
-    ) -> Option<Vec<CarTarget>> {
-        let quantities = self.named(car, &written.characteristic)?;
-        let case = self.case_of(&quantities, &written.case, cases)?;
-        let tolerance = above_zero(&written.tolerance, self.problems)?;
-        let weight = positive(&written.weight, self.problems)?.unwrap_or(1.0);
-        let wanted = match &written.value {
-            Some(value)
-                if written.between.is_some()
-                    || written.at_least.is_some()
-                    || written.at_most.is_some() =>
-            {
-                let message = "expected one of value, between, at_least and at_most";
-                return self.problems.refuse(value.span.clone(), message);
-            }
-            Some(value) => [value.value; 2],
-            None => {
-                let limits = (
-                    written.between.as_ref(),
-                    written.at_least.as_ref(),
-                    written.at_most.as_ref(),
-                );
-                self.limits(limits, written.characteristic.span())?
-            }
-        };
-        let target = |quantity: CarQuantity| CarTarget {
-            quantity,
-            case,
-            wanted,
-            tolerance,
-            weight,
-        };
-        Some(quantities.into_iter().map(target).collect())
-    }
-
-    /// Part of the car that an entry names: a hardpoint with its axis, a rate or a figure of the car.
-    fn moves(&mut self, car: &Car, own: &Written<'_>) -> Option<Moves> {
-        let place = own.place.clone();
-        let axle = match own.axle {
-            Some(text) => Some(choose(text, "axle", &ENDS, self.problems)?),
-            None => None,
-        };
-        match (axle, own.hardpoint, own.rate, own.car) {
-            (Some(axle), Some(hardpoint), None, None) => {
-                let mechanism = &car.axles[axle].left.mechanism;
-                let points: Vec<(&str, PointId)> = (0..mechanism.points.len())
-                    .map(|k| (mechanism.name(PointId(k)), PointId(k)))
-                    .collect();
-                let point = choose(hardpoint, "hardpoint", &points, self.problems)?;
-                let axes = [("x", Axis::X), ("y", Axis::Y), ("z", Axis::Z)];
-                let Some(axis) = own.axis else {
-                    return self.problems.refuse(
-                        hardpoint.span(),
-                        "a hardpoint needs axis = \"x\", \"y\" or \"z\"",
-                    );
-                };
-                let axis = choose(axis, "axis", &axes, self.problems)?;
-                Some(Moves::Hardpoint { axle, point, axis })
-            }
-            (Some(axle), None, Some(rate), None) => {
-                let rates = [
-                    ("spring", AxleParameter::SpringRate),
-                    ("anti_roll_bar", AxleParameter::BarRate),
-                    ("heave_spring", AxleParameter::HeaveSpringRate),
-                    ("t_bar", AxleParameter::TBarRate),
-                    ("heave_bar", AxleParameter::HeaveBarRate),
-                    ("tyre", AxleParameter::TyreRate),
-                ];
-                let parameter = choose(rate, "rate", &rates, self.problems)?;
-                Some(Moves::Rate { axle, parameter })
-            }
-            (None, None, None, Some(figure)) => {
-                let figures = [
-                    ("mass", Moves::Body(BodyParameter::Mass)),
-                    ("cg_x", Moves::Body(BodyParameter::CgX)),
-                    ("cg_y", Moves::Body(BodyParameter::CgY)),
-                    ("cg_z", Moves::Body(BodyParameter::CgZ)),
-                    (
-                        "brake_share_front",
-                        Moves::Body(BodyParameter::BrakeShareFront),
-                    ),
-                    (
-                        "drive_share_front",
-                        Moves::Body(BodyParameter::DriveShareFront),
-                    ),
-                    ("wheelbase", Moves::Wheelbase),
-                ];
-                choose(figure, "figure of the car", &figures, self.problems)
-            }
-            _ => {
-                let message = "expected axle with hardpoint and axis, axle with rate, or car";
-                self.problems.refuse(place, message)
-            }
-        }
-    }
-
-    fn variable(&mut self, car: &Car, own: &Written<'_>) -> Option<CarVariable> {
-        let place = own.place.clone();
-        let moves = self.moves(car, own)?;
-        let Some(now) = moves.value(car) else {
-            let message = "the study gives no such figure: there is nothing to vary";
-            return self.problems.refuse(place, message);
-        };
-        let range = match (own.range, own.relative) {
-            (Some(list), None) => {
-                let numbers: Vec<f64> = list.get_ref().iter().map(|n| n.value).collect();
-                match numbers.as_slice() {
-                    [low, high] if low < high => [*low, *high],
-                    _ => {
-                        let message = "expected two rising numbers [lowest, highest]";
-                        return self.problems.refuse(list.span(), message);
-                    }
-                }
-            }
-            (None, Some(part)) => {
-                let part = above_zero(part, self.problems)?;
-                let change = part * now.abs();
-                [now - change, now + change]
-            }
-            _ => {
-                let message = "expected range or relative, and only one of them";
-                return self.problems.refuse(place, message);
-            }
-        };
-        if !(range[0]..=range[1]).contains(&now) {
-            let message = format!("the range leaves out the study's value {now}");
-            return self.problems.refuse(place, message);
-        }
-        Some(CarVariable { moves, range })
     }
 
     pub(super) fn sweep(&mut self, car: &Car) -> Option<Option<CarSweep>> {
@@ -511,12 +248,12 @@ impl Resolver<'_> {
             let message = "the study gives no such figure: nothing can scatter";
             return self.problems.refuse(written.span(), message);
         };
-        let law = match (&own.sigma, &own.relative, &own.limits) {
+        let law = match (&own.sigma, &own.percent, &own.limits) {
             (Some(sigma), None, None) => Law::Normal {
                 sigma: above_zero(sigma, self.problems)?,
             },
             (None, Some(part), None) => Law::Normal {
-                sigma: above_zero(part, self.problems)? * now.abs(),
+                sigma: above_zero(part, self.problems)? / 100.0 * now.abs(),
             },
             (None, None, Some(limits)) => match limits.get_ref().as_slice() {
                 [low, high] if low.value < high.value => Law::Uniform {
@@ -529,7 +266,7 @@ impl Resolver<'_> {
                 }
             },
             _ => {
-                let message = "expected one of sigma, relative and limits";
+                let message = "expected one of sigma, percent and limits";
                 return self.problems.refuse(written.span(), message);
             }
         };
@@ -551,8 +288,8 @@ impl Resolver<'_> {
             return self.problems.refuse(written.span(), message);
         };
         let axle = choose(text, "axle", &ENDS, self.problems)?;
-        if let Some(part) = &own.relative {
-            let message = "relative is of rates and figures; a part has sigma or limits";
+        if let Some(part) = &own.percent {
+            let message = "percent is for rates and figures; a part has sigma or limits";
             return self.problems.refuse(part.span.clone(), message);
         }
         let study = self.axles[axle].axle()?;

@@ -57,8 +57,41 @@ pub(super) fn bushing(
     directory: &Path,
     problems: &mut Problems,
 ) -> Option<BushingPart> {
-    let part = written.get_ref();
     let point = bushing_point(name, suspension, problems)?;
+    let Rubber {
+        shapes,
+        preload,
+        x_axis,
+        z_axis,
+    } = rubber(name, written, suspension, directory, problems)?;
+    let part = BushingPart {
+        point,
+        shapes,
+        preload,
+        x_axis,
+        z_axis,
+    };
+    check_axes(name, written, &part, suspension, problems)?;
+    Some(part)
+}
+
+/// Laws and axes of a bushing, wherever it is.
+pub(super) struct Rubber {
+    pub(super) shapes: [Shape; 6],
+    pub(super) preload: [f64; 6],
+    pub(super) x_axis: Option<Vector3<f64>>,
+    pub(super) z_axis: Option<Vector3<f64>>,
+}
+
+/// Laws and axes as written.
+pub(super) fn rubber(
+    name: &Text,
+    written: &Spanned<file::Bushing>,
+    suspension: &Suspension,
+    directory: &Path,
+    problems: &mut Problems,
+) -> Option<Rubber> {
+    let part = written.get_ref();
     let shapes = match &part.file {
         None => shapes(name, written, problems)?,
         Some(file) => {
@@ -81,15 +114,12 @@ pub(super) fn bushing(
     };
     let x_axis = direction(&part.x_axis, problems)?;
     let z_axis = direction(&part.z_axis, problems)?;
-    let part = BushingPart {
-        point,
+    Some(Rubber {
         shapes,
         preload,
         x_axis,
         z_axis,
-    };
-    check_axes(name, written, &part, suspension, problems)?;
-    Some(part)
+    })
 }
 
 fn bushing_point(name: &Text, suspension: &Suspension, problems: &mut Problems) -> Option<PointId> {
@@ -214,10 +244,22 @@ fn check_axes(
             part.z_axis.unwrap_or(up),
         ),
     };
+    check_directions(name, written, [x, z], part.z_axis.is_some(), problems)
+}
+
+/// The axes of a bushing must be given by two directions that differ.
+pub(super) fn check_directions(
+    name: &Text,
+    written: &Spanned<file::Bushing>,
+    [x, z]: [Vector3<f64>; 2],
+    has_z: bool,
+    problems: &mut Problems,
+) -> Option<()> {
     if x.normalised().cross(z.normalised()).norm() >= UPRIGHT {
         return Some(());
     }
-    let message = match part.z_axis {
+    let z_axis = has_z.then_some(());
+    let message = match z_axis {
         Some(_) => format!("x_axis and z_axis of {:?} are parallel", name.get_ref()),
         None => format!(
             "the x axis of {:?} is within 1 degree of the vertical: expected z_axis",

@@ -1,19 +1,25 @@
-//! `[compliance]`, `[bushings.NAME]` and `[links.NAME]`: the elastic parts of one wheel and their tests.
+//! `[compliance]`, `[bushings.NAME]` and `[links.NAME]`: the elastic parts of one wheel and their tests. `axle.rs` has those
+//! of both wheels.
 
+mod axle;
 mod bushing;
 mod link;
+mod subframe;
 mod tests;
 
+pub use axle::AxleComplianceStudy;
+pub(super) use axle::axle_compliance;
 pub(super) use bushing::BushingText;
 
-use super::axle;
+use super::axle as of_axle;
 use super::error::Problems;
 use super::file::{self, File};
 use super::names::choose;
-use super::resolve::each;
+use super::resolve::{Parts, each};
 use super::suspension::positive;
 use super::value::Text;
-use crate::compliance::{Compliance, ElasticWheel, KcTest, Relaxed};
+use crate::axle::SpringLaw;
+use crate::compliance::{BushingPart, Compliance, ElasticWheel, KcTest, LinkPart, Relaxed};
 use crate::model::{Body, Constraint, Suspension};
 use std::path::Path;
 use toml::Spanned;
@@ -31,41 +37,31 @@ pub struct ComplianceStudy {
     pub tyre_rate: Option<f64>,
 }
 
-/// The elastic parts, if they have no error; the inner `None` without elastic parts.
-pub(super) fn compliance(
-    file: &File,
+/// The section `[compliance]`, if it is there and has elastic parts; the inner `None` without both.
+fn section<'f>(
+    file: &'f File,
     suspension: &Suspension,
-    knows_elastic: bool,
-    directory: &Path,
+    parts: Parts,
     problems: &mut Problems,
-) -> Option<Option<ComplianceStudy>> {
-    if let Some(subframe) = &file.subframe {
-        return problems.refuse(subframe.span(), "subframes are not available yet");
-    }
-    let parts = file.bushings.iter().map(|(name, part)| (name, part.span()));
-    let links = file.links.iter().map(|(name, part)| (name, part.span()));
-    let mut parts = parts.chain(links);
+) -> Option<Option<&'f Spanned<file::Compliance>>> {
+    let bushings = file.bushings.keys().map(|name| ("[bushings]", name.span()));
+    let links = file.links.keys().map(|name| ("[links]", name.span()));
+    let mut elastic = bushings.chain(links);
+    let subframe = file.subframe.as_ref().map(Spanned::span);
     let Some(section) = &file.compliance else {
-        let Some((name, _)) = parts.next() else {
+        let Some((_, place)) = elastic.next().or(subframe.map(|span| ("[subframe]", span))) else {
             return Some(None);
         };
         let message = "an elastic part needs the section [compliance]";
-        let error = problems.add(name.span(), message);
-        error.help(RELAXED);
+        problems.add(place, message).help(RELAXED);
         return None;
     };
-    if !knows_elastic {
+    if parts == Parts::Rigid {
         let message = "this command does not know elastic parts; here they would be left out";
         let error = problems.add(section.span(), message);
         error.help(
             "kc, solve, sweep, optimise, tolerance, compare and export take them; for the rigid mechanism remove [compliance], [bushings] and [links]",
         );
-        return None;
-    }
-    if let Some(axle) = &file.axle {
-        let message = "[axle] with [compliance] is not available yet";
-        let error = problems.add(axle.span(), message);
-        error.help("without [axle] the study is of the left wheel alone");
         return None;
     }
     let mechanism = &suspension.mechanism;
@@ -85,7 +81,11 @@ pub(super) fn compliance(
         let message = "[compliance] needs radius in [wheel]: loads act at the contact point";
         return problems.refuse(section.span(), message);
     }
-    if parts.next().is_none() {
+    let steering = file.steering.as_ref().map(Spanned::get_ref);
+    let stiffness = steering.map(|own| [&own.rack_stiffness, &own.column_stiffness]);
+    let is_steering_elastic =
+        stiffness.is_some_and(|rates| rates.iter().any(|rate| rate.is_some()));
+    if elastic.next().is_none() && !is_steering_elastic {
         let message = "nothing is elastic: expected [bushings.NAME] or [links.NAME]";
         let error = problems.add(section.span(), message);
         error.help(
@@ -93,33 +93,111 @@ pub(super) fn compliance(
         );
         return None;
     }
-    refuse_motions(file, problems)?;
+    Some(Some(section))
+}
+
+/// Parts of one wheel as they are read.
+struct WheelParts {
+    bushings: Vec<BushingPart>,
+    links: Vec<(String, LinkPart)>,
+    relaxed: Relaxed,
+}
+
+/// Bushings, except those of these mounts, and links.
+fn wheel_parts(
+    file: &File,
+    section: &Spanned<file::Compliance>,
+    suspension: &Suspension,
+    mounts: &[&str],
+    directory: &Path,
+    problems: &mut Problems,
+) -> Option<WheelParts> {
     let relaxed = relaxed(section, problems);
-    let springs = axle::springs(file, suspension, problems);
-    let bushings = each(&file.bushings, |(name, part)| {
+    let of_wheel = file
+        .bushings
+        .iter()
+        .filter(|(name, _)| !mounts.contains(&name.get_ref().as_str()));
+    let bushings = each(of_wheel, |(name, part)| {
         bushing::bushing(name, part, suspension, directory, problems)
     });
     let links = each(&file.links, |(name, part)| {
         link::link(name, part, suspension, problems)
     });
-    let tyre_rate = positive(
-        &file.tyre.as_ref().map(|t| t.get_ref().rate.clone()),
-        problems,
-    );
-    let (links, springs) = (links?, springs?);
-    let link_names = links.iter().map(|(name, _)| name.clone()).collect();
-    let spring = springs.map(|[left, _]| left);
-    if relaxed? == Relaxed::AtDesignLoad && spring.is_none() {
+    Some(WheelParts {
+        bushings: bushings?,
+        links: links?,
+        relaxed: relaxed?,
+    })
+}
+
+impl WheelParts {
+    fn link_names(&self) -> Vec<String> {
+        self.links.iter().map(|(name, _)| name.clone()).collect()
+    }
+
+    /// The parts with a spring.
+    fn with(self, spring: Option<SpringLaw>) -> Compliance {
+        Compliance {
+            relaxed: self.relaxed,
+            bushings: self.bushings,
+            links: self.links.into_iter().map(|(_, part)| part).collect(),
+            spring,
+        }
+    }
+}
+
+/// Refuses a design load without a spring.
+fn check_design_load(
+    section: &Spanned<file::Compliance>,
+    relaxed: Relaxed,
+    has_spring: bool,
+    problems: &mut Problems,
+) -> Option<()> {
+    if relaxed == Relaxed::AtDesignLoad && !has_spring {
         let message = "relaxed = \"at_design_load\" needs [spring]: its force at design gives the design load";
         return problems.refuse(section.span(), message);
     }
-    check_spring(suspension, section, problems)?;
-    let parts = Compliance {
-        relaxed: relaxed?,
-        bushings: bushings?,
-        links: links.into_iter().map(|(_, part)| part).collect(),
-        spring,
+    Some(())
+}
+
+/// Rate of the tyre.
+fn tyre_rate(file: &File, problems: &mut Problems) -> Option<Option<f64>> {
+    let rate = file.tyre.as_ref().map(|tyre| tyre.get_ref().rate.clone());
+    positive(&rate, problems)
+}
+
+/// The elastic parts of one wheel, if they have no error; the inner `None` without elastic parts.
+pub(super) fn compliance(
+    file: &File,
+    suspension: &Suspension,
+    parts: Parts,
+    directory: &Path,
+    problems: &mut Problems,
+) -> Option<Option<ComplianceStudy>> {
+    let Some(section) = section(file, suspension, parts, problems)? else {
+        return Some(None);
     };
+    if let Some(subframe) = &file.subframe {
+        let error = problems.add(
+            subframe.span(),
+            "[subframe] needs [axle]: it holds both wheels",
+        );
+        error.help("[axle] with right = \"mirrored\" makes it a study of both wheels");
+        return None;
+    }
+    if let Some(bar) = &section.get_ref().anti_roll_bar {
+        let message = "anti_roll_bar needs [axle]: the bar acts between the wheels";
+        return problems.refuse(bar.span(), message);
+    }
+    refuse_motions(file, problems)?;
+    let springs = of_axle::springs(file, suspension, problems);
+    let parts = wheel_parts(file, section, suspension, &[], directory, problems);
+    let tyre_rate = tyre_rate(file, problems);
+    let (parts, springs) = (parts?, springs?);
+    let link_names = parts.link_names();
+    let parts = parts.with(springs.map(|[left, _]| left));
+    check_design_load(section, parts.relaxed, parts.spring.is_some(), problems)?;
+    check_spring(suspension, section, problems)?;
     link::check_members(file, suspension, &parts, problems)?;
     let tests = tests::tests(section, suspension, parts.spring.is_some(), problems)?;
     match ElasticWheel::new(suspension, &parts) {

@@ -6,14 +6,14 @@ use super::super::names::{choose, choose_or};
 use super::super::resolve::each;
 use super::super::suspension::above_zero;
 use super::super::value::Text;
-use crate::compliance::{HeldQuantity, KcTest, TestLoad};
-use crate::model::Suspension;
+use crate::compliance::{HeldQuantity, KcTest, TestLoad, TestMode};
+use crate::model::{Side, Suspension};
 use toml::Spanned;
 
 /// The most levels of a test.
 const MOST_LEVELS: i64 = 1001;
 
-/// The tests of `[compliance]`, or the default ones.
+/// The tests of `[compliance]` of one wheel, or the default ones.
 pub(super) fn tests(
     section: &Spanned<file::Compliance>,
     suspension: &Suspension,
@@ -24,19 +24,138 @@ pub(super) fn tests(
         return Some(KcTest::defaults(false, has_spring, suspension.length_unit));
     };
     let tests = each(list.get_ref(), |written| {
+        refuse_of_axles(written.get_ref(), problems)?;
         test(written, suspension, has_spring, problems)
     })?;
-    for (k, test) in tests.iter().enumerate() {
-        let same = |other: &KcTest| {
-            (other.load, other.trail, other.held) == (test.load, test.trail, test.held)
-        };
-        if let Some(first) = tests[..k].iter().position(same) {
-            let error = problems.add(list.get_ref()[k].span(), "this test is there already");
-            error.related(list.get_ref()[first].span(), "first here");
-            return None;
+    refuse_twins(list.get_ref(), &tests, problems)?;
+    Some(tests)
+}
+
+/// Refuses the loads and keys of both wheels in a study of one.
+fn refuse_of_axles(written: &file::ComplianceTest, problems: &mut Problems) -> Option<()> {
+    let is_roll = written.load.get_ref() == TestLoad::Roll.name();
+    let keys = [
+        ("load = \"roll\"", Some(&written.load).filter(|_| is_roll)),
+        ("mode", written.mode.as_ref()),
+        ("steering", written.steering.as_ref()),
+        ("anti_roll_bar", written.anti_roll_bar.as_ref()),
+    ];
+    for (key, text) in keys {
+        if let Some(text) = text {
+            let message = format!("{key} is of both wheels: it needs [axle]");
+            return problems.refuse(text.span(), &message);
+        }
+    }
+    Some(())
+}
+
+/// Words for the anti-roll bar of tests.
+const BAR: [(&str, bool); 2] = [("connected", true), ("disconnected", false)];
+
+/// The tests of `[compliance]` of an axle, or the default ones.
+pub(super) fn tests_of_axle(
+    section: &Spanned<file::Compliance>,
+    suspension: &Suspension,
+    has_spring: bool,
+    steers: bool,
+    problems: &mut Problems,
+) -> Option<Vec<KcTest>> {
+    let bar = &section.get_ref().anti_roll_bar;
+    let has_bar = choose_or(bar, true, "state of the bar", &BAR, problems)?;
+    let Some(list) = &section.get_ref().tests else {
+        let length = suspension.length_unit;
+        let mut tests = KcTest::defaults_of_axle(false, has_spring, steers, length);
+        tests.iter_mut().for_each(|test| test.has_bar = has_bar);
+        return Some(tests);
+    };
+    let mut tests = Vec::new();
+    for written in list.get_ref() {
+        let found = test(written, suspension, has_spring, problems)?;
+        let before = tests.len();
+        tests.extend(in_modes(
+            written.get_ref(),
+            found,
+            has_bar,
+            steers,
+            problems,
+        )?);
+        let (old, new) = tests.split_at(before);
+        if new
+            .iter()
+            .any(|test| old.iter().any(|other| is_twin(test, other)))
+        {
+            return problems.refuse(written.span(), "this test is there already");
         }
     }
     Some(tests)
+}
+
+/// A test in the mode that it is written in: of a single wheel, one for each.
+fn in_modes(
+    written: &file::ComplianceTest,
+    test: KcTest,
+    has_bar: bool,
+    steers: bool,
+    problems: &mut Problems,
+) -> Option<Vec<KcTest>> {
+    if test.load == TestLoad::Steering && !steers {
+        let message = "these wheels are not steered: nothing is on a rack";
+        return problems.refuse(written.load.span(), message);
+    }
+    let both: &[TestMode] = &[TestMode::Parallel];
+    let modes = [
+        ("parallel", both),
+        ("opposed", &[TestMode::Opposed]),
+        ("single", &Side::ALL.map(TestMode::Single)),
+    ];
+    if let (Some(mode), true) = (&written.mode, test.load.is_motion()) {
+        let message = format!("mode is of loads; {} is a motion", test.load.name());
+        return problems.refuse(mode.span(), &message);
+    }
+    let modes = choose_or(&written.mode, both, "mode", &modes, problems)?;
+    let has_bar = choose_or(
+        &written.anti_roll_bar,
+        has_bar,
+        "state of the bar",
+        &BAR,
+        problems,
+    )?;
+    let locks = [("locked_wheel", false), ("locked_rack", true)];
+    let locks_rack = choose_or(
+        &written.steering,
+        false,
+        "value of steering",
+        &locks,
+        problems,
+    )?;
+    let of = |mode: &TestMode| KcTest {
+        mode: *mode,
+        has_bar,
+        locks_rack,
+        ..test
+    };
+    Some(modes.iter().map(of).collect())
+}
+
+/// Returns true if two tests have the same name in results.
+fn is_twin(a: &KcTest, b: &KcTest) -> bool {
+    let key = |t: &KcTest| (t.load, t.trail, t.held, t.mode, t.has_bar, t.locks_rack);
+    key(a) == key(b)
+}
+
+fn refuse_twins(
+    list: &[Spanned<file::ComplianceTest>],
+    tests: &[KcTest],
+    problems: &mut Problems,
+) -> Option<()> {
+    for (k, test) in tests.iter().enumerate() {
+        if let Some(first) = tests[..k].iter().position(|other| is_twin(test, other)) {
+            let error = problems.add(list[k].span(), "this test is there already");
+            error.related(list[first].span(), "first here");
+            return None;
+        }
+    }
+    Some(())
 }
 
 fn test(
@@ -47,18 +166,6 @@ fn test(
 ) -> Option<KcTest> {
     let part = written.get_ref();
     let load = choose(&part.load, "test load", &TestLoad::ALL, problems)?;
-    let not_yet = [
-        (
-            &part.mode,
-            "mode is of both wheels of an axle, which is not available yet",
-        ),
-        (&part.steering, "steering is not available yet"),
-    ];
-    for (key, message) in not_yet {
-        if let Some(key) = key {
-            return problems.refuse(key.span(), message);
-        }
-    }
     let mut test = KcTest::new(load, suspension.length_unit);
     let of_loads = [
         ("hold", part.hold.as_ref().map(Text::span)),

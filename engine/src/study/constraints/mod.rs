@@ -11,13 +11,14 @@ use super::outputs::characteristic;
 use super::resolve::{Context, each};
 use super::subject::{force, length, member, point, site};
 use super::suspension::three;
+use super::targets::refuse_keys_of_cars;
 use super::value::{Number, Text};
 use super::{Constraint, Limited, Motion, Site};
 use crate::ask::Unit;
 use crate::characteristics::{Measure, Quantity};
 use crate::compliance::KcValue;
 use crate::mechanism::DEGENERATE;
-use crate::model::{Axis, Side, Suspension};
+use crate::model::{Axis, LengthUnit, Side, Suspension};
 use crate::number::Vector3;
 use std::ops::Range as Span;
 use toml::Spanned;
@@ -28,7 +29,19 @@ pub(super) fn constraints(
     context: &Context,
     problems: &mut Problems,
 ) -> Option<Vec<Constraint>> {
-    let read = each(&section.constraints, |written| {
+    for own in section.constraints.iter().map(Spanned::get_ref) {
+        refuse_keys_of_cars([&own.case, &own.axle], problems)?;
+    }
+    each_constraint(&section.constraints, context, problems)
+}
+
+/// The constraints of a list.
+pub(super) fn each_constraint<'w>(
+    written: impl IntoIterator<Item = &'w Spanned<Written>>,
+    context: &Context,
+    problems: &mut Problems,
+) -> Option<Vec<Constraint>> {
+    let read = each(written, |written| {
         let reader = Reader {
             written: written.get_ref(),
             place: written.span(),
@@ -319,28 +332,8 @@ impl Reader<'_> {
             }
         };
         let limits = self.needed_limits(problems)?;
-        let millimetre = self.length_scale();
         let length = self.suspension().length_unit;
-        let symbol = length.symbol();
-        let (force, (_, lever)) = (length.force_symbol(), length.lever());
-        let (visible, symbol) = match unit {
-            Unit::Angle => (1.0, "deg".to_owned()),
-            Unit::Length => (millimetre, symbol.to_owned()),
-            Unit::AnglePerLength => (1e-3 / millimetre, format!("deg/{symbol}")),
-            Unit::LengthPerAngle => (millimetre, format!("{symbol}/deg")),
-            Unit::Percent => (1.0, "%".to_owned()),
-            Unit::Ratio | Unit::AnglePerAngle => (0.01, "1".to_owned()),
-            Unit::Force => (1.0, force.to_owned()),
-            Unit::ForcePerLength => (1.0 / millimetre, format!("{force}/{symbol}")),
-            Unit::Torque => (1.0, format!("{force} {lever}")),
-            Unit::TorquePerAngle => (1.0, format!("{force} {lever}/deg")),
-            Unit::Frequency => (0.01, "Hz".to_owned()),
-            Unit::AnglePerForce => (0.001, "deg/kN".to_owned()),
-            Unit::LengthPerForce => (0.01 * millimetre, format!("{symbol}/kN")),
-            Unit::AnglePerTorque => (0.001, "deg/(100 N m)".to_owned()),
-            Unit::Stiffness => (1.0, "N/mm".to_owned()),
-            Unit::AnglePerG => (0.01, "deg per g".to_owned()),
-        };
+        let (visible, symbol) = visible_change(unit, length);
         let inside = |printed: f64| unit.from_printed(printed, length);
         let [lower, upper] = limits.map(|limit| limit.map(inside));
         let limited = Limited {
@@ -529,5 +522,30 @@ fn words(limits: Limits) -> String {
         [Some(low), None] => format!("at least {low}"),
         [None, Some(high)] => format!("at most {high}"),
         [None, None] => String::new(),
+    }
+}
+
+/// The change of a printed value that counts as 1 in the rows of a tuning, a visible one, and the unit in words.
+pub(super) fn visible_change(unit: Unit, length: LengthUnit) -> (f64, String) {
+    let millimetre = length.per_metre() / 1000.0;
+    let symbol = length.symbol();
+    let (force, (_, lever)) = (length.force_symbol(), length.lever());
+    match unit {
+        Unit::Angle => (1.0, "deg".to_owned()),
+        Unit::Length => (millimetre, symbol.to_owned()),
+        Unit::AnglePerLength => (1e-3 / millimetre, format!("deg/{symbol}")),
+        Unit::LengthPerAngle => (millimetre, format!("{symbol}/deg")),
+        Unit::Percent => (1.0, "%".to_owned()),
+        Unit::Ratio | Unit::AnglePerAngle => (0.01, "1".to_owned()),
+        Unit::Force => (1.0, force.to_owned()),
+        Unit::ForcePerLength => (1.0 / millimetre, format!("{force}/{symbol}")),
+        Unit::Torque => (1.0, format!("{force} {lever}")),
+        Unit::TorquePerAngle => (1.0, format!("{force} {lever}/deg")),
+        Unit::Frequency => (0.01, "Hz".to_owned()),
+        Unit::AnglePerForce => (0.001, "deg/kN".to_owned()),
+        Unit::LengthPerForce => (0.01 * millimetre, format!("{symbol}/kN")),
+        Unit::AnglePerTorque => (0.001, "deg/(100 N m)".to_owned()),
+        Unit::Stiffness => (1.0, "N/mm".to_owned()),
+        Unit::AnglePerG => (0.01, "deg per g".to_owned()),
     }
 }

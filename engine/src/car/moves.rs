@@ -1,0 +1,314 @@
+//! Parts of a car that a design variable moves.
+
+use super::parameters::{AxleParameter, BodyParameter, Parameter};
+use super::{Car, CarGradient};
+use crate::axle::Law;
+use crate::model::{Axis, PointId, Side};
+
+/// Quantity that a variable moves.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Moves {
+    /// Coordinates of hardpoints, in the axes of their study.
+    Hardpoints(Vec<PointMove>),
+    /// A rate of an axle.
+    Rate {
+        /// The axle.
+        axle: usize,
+        /// The rate.
+        parameter: AxleParameter,
+    },
+    /// A figure of the car, in the axes of the front study.
+    Body(BodyParameter),
+    /// The wheelbase.
+    Wheelbase,
+}
+
+/// A coordinate of a hardpoint of both wheels of an axle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PointMove {
+    /// The axle, 0 the front one.
+    pub axle: usize,
+    /// The hardpoint.
+    pub point: PointId,
+    /// The coordinate.
+    pub axis: Axis,
+    /// Displacement per unit of the variable.
+    pub factor: f64,
+}
+
+impl PointMove {
+    /// Sign between the study's axes and the kernel's.
+    fn sign(&self, car: &Car) -> f64 {
+        car.axles[self.axle].left.frame.sign(self.axis)
+    }
+}
+
+/// A number that moves a part of the car: an offset of a hardpoint, else a value.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CarVariable {
+    /// Quantity that the variable moves.
+    pub moves: Moves,
+    /// Lowest and highest value.
+    pub range: [f64; 2],
+}
+
+impl Moves {
+    /// The coordinate of a figure of the car that this is, if it is one.
+    fn axis(parameter: BodyParameter) -> Option<Axis> {
+        match parameter {
+            BodyParameter::CgX => Some(Axis::X),
+            BodyParameter::CgY => Some(Axis::Y),
+            BodyParameter::CgZ => Some(Axis::Z),
+            _ => None,
+        }
+    }
+
+    /// Sign between the study's axes and the kernel's, for a figure of the car.
+    fn sign(parameter: BodyParameter, car: &Car) -> f64 {
+        Moves::axis(parameter).map_or(1.0, |axis| car.axles[0].left.frame.sign(axis))
+    }
+
+    /// Coordinates of hardpoints that it moves; none for anything else.
+    pub fn points(&self) -> &[PointMove] {
+        match self {
+            Moves::Hardpoints(points) => points,
+            _ => &[],
+        }
+    }
+
+    /// Names of the hardpoints, each after `separator` and its axle, and the axis that all of them share.
+    fn names(&self, car: &Car, separator: char) -> (String, Option<Axis>) {
+        let points = self.points();
+        let name = |at: &PointMove| {
+            let name = car.axles[at.axle].left.mechanism.name(at.point);
+            format!("{}{separator}{name}", ["front", "rear"][at.axle])
+        };
+        let mut names: Vec<String> = points.iter().map(name).collect();
+        // Along a direction a point moves in several coordinates.
+        names.dedup();
+        let first = points.first().map(|at| at.axis);
+        let axis = first.filter(|axis| points.iter().all(|at| at.axis == *axis));
+        (names.join("+"), axis)
+    }
+
+    /// The value in a car, as the study writes it; 0 for the offset of a hardpoint. `None` if the car has no such figure.
+    pub fn value(&self, car: &Car) -> Option<f64> {
+        match *self {
+            Moves::Hardpoints(_) => Some(0.0),
+            Moves::Rate { axle, parameter } => {
+                let setup = &car.axles[axle].setup;
+                match parameter {
+                    AxleParameter::SpringRate => match &setup.springs.as_ref()?[0].spring {
+                        Law::Linear { rate, .. } => Some(*rate),
+                        Law::Curve(_) => None,
+                    },
+                    _ if !parameter.is_of(&car.axles[axle]) => None,
+                    AxleParameter::BarRate => setup.bar_rate,
+                    AxleParameter::HeaveSpringRate => Some(setup.rocker_springs.heave_spring?.rate),
+                    AxleParameter::TBarRate => setup.rocker_springs.t_bar,
+                    AxleParameter::HeaveBarRate => Some(setup.rocker_springs.heave_bar?.rate),
+                    AxleParameter::TyreRate => Some(car.tyres?[axle].rate),
+                    _ => None,
+                }
+            }
+            Moves::Body(parameter) => {
+                let sign = Moves::sign(parameter, car);
+                match parameter {
+                    BodyParameter::Mass => Some(car.mass),
+                    BodyParameter::CgX => Some(sign * car.cg.x),
+                    BodyParameter::CgY => Some(sign * car.cg.y),
+                    BodyParameter::CgZ => Some(sign * car.cg.z),
+                    BodyParameter::BrakeShareFront => car.brake_share_front,
+                    BodyParameter::DriveShareFront => car.drive_share_front,
+                    _ => None,
+                }
+            }
+            Moves::Wheelbase => {
+                let mid = |axle: usize| {
+                    let centre = |side: Side| {
+                        let wheel = car.axles[axle].suspension(side);
+                        wheel.design[wheel.mechanism.wheel_centre.0].x
+                    };
+                    0.5 * (centre(Side::Left) + centre(Side::Right))
+                };
+                Some(mid(0) - mid(1) - car.rear_offset.x)
+            }
+        }
+    }
+
+    /// Moves a part of the car to a value; a hardpoint by it.
+    pub fn apply(&self, value: f64, car: &mut Car) {
+        let now = self.value(car).unwrap_or(0.0);
+        match *self {
+            Moves::Hardpoints(ref points) => move_points(points, value, car),
+            Moves::Rate { axle, parameter } => {
+                let setup = &mut car.axles[axle].setup;
+                match parameter {
+                    AxleParameter::SpringRate => {
+                        for law in setup.springs.iter_mut().flatten() {
+                            if let Law::Linear { rate, .. } = &mut law.spring {
+                                *rate += value - now;
+                            }
+                        }
+                    }
+                    AxleParameter::BarRate => setup.bar_rate = Some(value),
+                    AxleParameter::TBarRate => setup.rocker_springs.t_bar = Some(value),
+                    AxleParameter::HeaveSpringRate => {
+                        if let Some(law) = &mut setup.rocker_springs.heave_spring {
+                            law.rate = value;
+                        }
+                    }
+                    AxleParameter::HeaveBarRate => {
+                        if let Some(law) = &mut setup.rocker_springs.heave_bar {
+                            law.rate = value;
+                        }
+                    }
+                    _ => {
+                        if let Some(tyres) = &mut car.tyres {
+                            tyres[axle].rate = value;
+                        }
+                    }
+                }
+            }
+            Moves::Body(parameter) => {
+                let signed = Moves::sign(parameter, car) * value;
+                match parameter {
+                    BodyParameter::Mass => car.mass = value,
+                    BodyParameter::CgX => car.cg.x = signed,
+                    BodyParameter::CgY => car.cg.y = signed,
+                    BodyParameter::CgZ => car.cg.z = signed,
+                    BodyParameter::BrakeShareFront => car.brake_share_front = Some(value),
+                    _ => car.drive_share_front = Some(value),
+                }
+            }
+            Moves::Wheelbase => car.rear_offset.x -= value - now,
+        }
+    }
+
+    /// Its name in columns, without the unit: `front_tie_rod_inner_dz`, `rear_anti_roll_bar_rate`, `car_cg_z`.
+    pub fn stem(&self, car: &Car) -> String {
+        if self.points().is_empty() {
+            return self.label(car).replace('.', "_");
+        }
+        match self.names(car, '_') {
+            (names, Some(axis)) => format!("{names}_d{}", axis.name()),
+            (names, None) => format!("{names}_along"),
+        }
+    }
+
+    /// Its unit; empty for a share.
+    pub fn unit(&self, car: &Car) -> String {
+        let length = car.length_unit.symbol();
+        match self {
+            Moves::Hardpoints(_) | Moves::Wheelbase => length.to_owned(),
+            Moves::Rate { parameter, .. } => match parameter {
+                AxleParameter::BarRate | AxleParameter::TBarRate | AxleParameter::HeaveBarRate => {
+                    format!("N_{length}_per_rad")
+                }
+                _ => format!("N_per_{length}"),
+            },
+            Moves::Body(BodyParameter::Mass) => "kg".to_owned(),
+            Moves::Body(parameter) if Moves::axis(*parameter).is_some() => length.to_owned(),
+            Moves::Body(_) => String::new(),
+        }
+    }
+
+    /// The derivative of a result by the variable.
+    pub fn slope(&self, car: &Car, gradient: &CarGradient) -> f64 {
+        let by = |parameter: Parameter| gradient.parameters[parameter.place()];
+        match *self {
+            Moves::Hardpoints(ref points) => {
+                let slope = |at: &PointMove| {
+                    let along = gradient.hardpoints[at.axle][at.point.0][at.axis];
+                    at.sign(car) * at.factor * along
+                };
+                points.iter().map(slope).sum()
+            }
+            Moves::Rate { axle, parameter } => by(Parameter::Axle(axle, parameter)),
+            Moves::Body(parameter) => Moves::sign(parameter, car) * by(Parameter::Body(parameter)),
+            Moves::Wheelbase => -by(Parameter::Axle(1, AxleParameter::OffsetX)),
+        }
+    }
+
+    /// Name of the variable.
+    pub fn label(&self, car: &Car) -> String {
+        let end = |axle: usize| ["front", "rear"][axle];
+        match *self {
+            Moves::Hardpoints(_) => match self.names(car, '.') {
+                (names, Some(axis)) => format!("{names}.{}", axis.name()),
+                (names, None) => names,
+            },
+            Moves::Rate { axle, parameter } => format!("{}.{}", end(axle), rate_key(parameter)),
+            Moves::Body(parameter) => format!("car.{}", body_key(parameter)),
+            Moves::Wheelbase => "car.wheelbase".to_owned(),
+        }
+    }
+}
+
+/// Moves hardpoints of the axles by `value` units.
+fn move_points(points: &[PointMove], value: f64, car: &mut Car) {
+    for end in [0, 1] {
+        let own: Vec<&PointMove> = points.iter().filter(|at| at.axle == end).collect();
+        if own.is_empty() {
+            continue;
+        }
+        let mut left = car.axles[end].left.design.clone();
+        for at in own {
+            left[at.point.0][at.axis] += at.sign(car) * at.factor * value;
+        }
+        let axle = &mut car.axles[end];
+        axle.complete(&mut left);
+        let right = axle.right_design(&left).map(|points| points.collect());
+        if let (Some(wheel), Some(design)) = (&mut axle.right, right) {
+            wheel.design = design;
+        }
+        axle.left.design = left;
+    }
+}
+
+/// Key of a rate in an axle's study.
+pub fn rate_key(parameter: AxleParameter) -> &'static str {
+    match parameter {
+        AxleParameter::SpringRate => "spring.rate",
+        AxleParameter::SpringForce => "spring.force",
+        AxleParameter::BarRate => "anti_roll_bar.rate",
+        AxleParameter::HeaveSpringRate => "heave_spring.rate",
+        AxleParameter::HeaveSpringForce => "heave_spring.force",
+        AxleParameter::TBarRate => "t_bar.rate",
+        AxleParameter::HeaveBarRate => "heave_bar.rate",
+        AxleParameter::HeaveBarTorque => "heave_bar.torque",
+        AxleParameter::TyreRate => "tyre.rate",
+        AxleParameter::Radius => "wheel.radius",
+        AxleParameter::UnsprungMass => "vehicle.unsprung_mass",
+        AxleParameter::OffsetX => "offset_x",
+        AxleParameter::OffsetY => "offset_y",
+        AxleParameter::OffsetZ => "offset_z",
+        AxleParameter::Rack => "rack",
+    }
+}
+
+/// Name of a figure of the body or the case.
+pub fn body_key(parameter: BodyParameter) -> &'static str {
+    match parameter {
+        BodyParameter::Mass => "mass",
+        BodyParameter::CgX => "cg_x",
+        BodyParameter::CgY => "cg_y",
+        BodyParameter::CgZ => "cg_z",
+        BodyParameter::BrakeShareFront => "brake_share_front",
+        BodyParameter::DriveShareFront => "drive_share_front",
+        BodyParameter::Ax => "ax",
+        BodyParameter::Ay => "ay",
+        BodyParameter::Az => "az",
+        BodyParameter::Speed => "speed",
+        BodyParameter::Warp => "warp",
+    }
+}
+
+/// The car with variables at these values.
+pub fn moved(car: &Car, variables: &[CarVariable], x: &[f64]) -> Car {
+    let mut moved = car.clone();
+    for (variable, value) in variables.iter().zip(x) {
+        variable.moves.apply(*value, &mut moved);
+    }
+    moved
+}

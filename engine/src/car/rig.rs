@@ -1,0 +1,121 @@
+//! Targets and constraints of one axle on its rig, in the tuning of a car.
+
+use super::tune::RigGoals;
+use crate::mechanism::DesignFault;
+use crate::optimise::{
+    Assessment, Constrained, Deviation, Infeasible, Linearisation, Objective, Shape, TargetLayout,
+};
+use crate::study::Vehicle;
+use nalgebra::DVector;
+
+/// The rows of one axle.
+pub(super) struct RigRows<'a> {
+    goals: &'a RigGoals,
+    layout: &'a TargetLayout,
+    objective: Objective<'a>,
+    assessment: Assessment,
+}
+
+impl<'a> RigRows<'a> {
+    pub(super) fn new(
+        vehicle: &'a Vehicle,
+        goals: &'a RigGoals,
+        layout: &'a TargetLayout,
+    ) -> Result<Self, DesignFault> {
+        let objective = Objective::new(vehicle.wheel(), &goals.optimise.variables, layout)?;
+        Ok(RigRows {
+            goals,
+            layout,
+            assessment: Assessment::new(&objective.shape()),
+            objective,
+        })
+    }
+
+    pub(super) fn shape(&self) -> Shape {
+        self.objective.shape()
+    }
+
+    pub(super) fn row_limits(&self) -> Vec<f64> {
+        self.objective.row_limits()
+    }
+
+    /// Sum of the targets' weights.
+    pub(super) fn weights(&self) -> f64 {
+        self.goals.optimise.targets.iter().map(|t| t.weight).sum()
+    }
+
+    /// Evaluates the axle with the car's variables at `x`.
+    pub(super) fn assess(&mut self, x: &DVector<f64>) -> Result<(), Infeasible> {
+        let own = self.goals.columns.iter().map(|column| x[*column]);
+        let own = DVector::from_iterator(self.goals.columns.len(), own);
+        self.objective.assess(&own, &mut self.assessment)
+    }
+
+    /// Writes the residuals from a row on. A residual of the axle has the share of its target in the axle's misfit;
+    /// here its square is to be the target's weight over the number of its stations.
+    pub(super) fn write_residuals(&self, first: usize, scale: f64, into: &mut Linearisation) {
+        let own = &self.assessment.goal;
+        let rows = own.residuals.len();
+        let share = scale * (self.weights() / rows.max(1) as f64).sqrt();
+        for row in 0..rows {
+            self.write(own, (row, first + row), share, into);
+        }
+    }
+
+    /// Writes the rows of constraints: equalities and others from these rows on.
+    pub(super) fn write_rows(&self, first: [usize; 2], into: &mut Linearisation) {
+        let equalities = self.shape().equalities;
+        for row in 0..self.assessment.rows.residuals.len() {
+            let place = match row < equalities {
+                true => first[0] + row,
+                false => first[1] + row - equalities,
+            };
+            self.write(&self.assessment.rows, (row, place), 1.0, into);
+        }
+    }
+
+    fn write(
+        &self,
+        own: &Linearisation,
+        (from, to): (usize, usize),
+        scale: f64,
+        into: &mut Linearisation,
+    ) {
+        into.residuals[to] = scale * own.residuals[from];
+        into.jacobian.row_mut(to).fill(0.0);
+        for (place, column) in self.goals.columns.iter().enumerate() {
+            into.jacobian[(to, *column)] += scale * own.jacobian[(from, place)];
+        }
+    }
+}
+
+/// Deviations from the targets of an axle, and margins of its constraints.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RigOutcome {
+    /// Deviation from each target.
+    pub targets: Vec<Deviation>,
+    /// Least margin of each constraint, in its unit; negative if it is violated.
+    pub margins: Vec<f64>,
+}
+
+impl RigGoals {
+    /// The outcome with the car's variables at `x`. Errors say why the axle has none.
+    pub fn outcome(&self, vehicle: &Vehicle, x: &[f64]) -> Result<RigOutcome, String> {
+        let layout = TargetLayout::of(&self.optimise, vehicle);
+        let mut rows =
+            RigRows::new(vehicle, self, &layout).map_err(|fault| format!("{fault:?}"))?;
+        let x = DVector::from_column_slice(x);
+        rows.assess(&x).map_err(|why| why.to_string())?;
+        let values = &rows.assessment.rows.residuals;
+        let labels = rows.layout.labels().iter().enumerate();
+        let mut margins = vec![f64::INFINITY; self.optimise.constraints.len()];
+        for (row, label) in labels {
+            let margin = &mut margins[label.constraint];
+            *margin = margin.min(layout.room(row, values[row]));
+        }
+        Ok(RigOutcome {
+            targets: layout.deviations(&rows.assessment.goal.residuals),
+            margins,
+        })
+    }
+}

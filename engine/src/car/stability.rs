@@ -1,0 +1,139 @@
+//! Stability of equilibria, and the way along the load that leads to them.
+//!
+//! A small vertical force and small moments on the body, f, move it by q = (gamma, phi, theta). With the tangent G_x of the
+//! equations of [`super`] and all other unknowns free,
+//!
+//! ```text
+//! q = C f,      C = the rows (gamma, phi, theta) of G_x^-1 in the columns of the vertical force and both moments  (1)
+//! ```
+//!
+//! At rest all forces are along n. Then C^-1 is the Hessian of the energy, and a positive definite C means a minimum. Forces
+//! along the ground do work by the attitude (jacking, anti-dive), and make C unsymmetric. A positive symmetric part,
+//!
+//! ```text
+//! f.C f > 0   for every f,                                                                                        (2)
+//! ```
+//!
+//! still says that the body yields to every force; this is enough. It is not needed: a car that brakes hard with strong
+//! anti-features loses (2) while its loads change smoothly and every wheel presses on the ground. The state ends where it
+//! cannot follow the load. Let the accelerations be s times those of the case. Along the states x(s) that begin at rest,
+//!
+//! ```text
+//! G_x x' = -G_s.                                                                                                  (3)
+//! ```
+//!
+//! The way turns back where det G_x = 0 (a fold), and there the car tips. At a change of contact, the row of wheel b passes
+//! from gap_b = 0 to N_b = 0. The other rows leave one direction v free; x' adds a multiple of it on either side, and
+//!
+//! ```text
+//! gap_b' (lifted) = -(gap_b.v)/(N_b.v) N_b' (down),      (gap_b.v)/(N_b.v) = det G_x (down)/det G_x (lifted)      (4)
+//! ```
+//!
+//! The load falls towards the lift, so the gap grows beyond it if both determinants have the same sign; else both branches
+//! lie on the same side of s, and the way turns back. A tyre spring has N_b - k p = 0, with a penetration p that is a
+//! positive multiple of -gap_b, in place of gap_b = 0; (4) then has the same sign. So a state is accepted if
+//!
+//! ```text
+//! (2) holds there, or (2) holds at rest and det G_x keeps its sign on the whole way from rest.                    (5)
+//! ```
+
+use super::equations::{GROUND, LOADS, PITCH, PITCH_MOMENT, ROLL, ROLL_MOMENT, UNKNOWNS, VERTICAL};
+use super::solver::{CarSolver, Equilibrium, LONGEST_TRAVEL, LONGEST_TURN, Start};
+use super::{Car, Case, NoEquilibrium};
+
+/// The longest step along the load, as a part of it.
+const LONGEST: f64 = 1.0 / 16.0;
+/// The shortest one. A way that goes no further has turned back.
+const SHORTEST: f64 = LONGEST / 1024.0;
+/// Budget of steps, those back included.
+const MOST_STEPS: usize = 400;
+
+impl Equilibrium {
+    /// The flexibility (1).
+    fn flexibility(&self) -> [[f64; 3]; 3] {
+        let rows = [(VERTICAL, 1.0), (ROLL_MOMENT, -1.0), (PITCH_MOMENT, -1.0)];
+        let answers = rows.map(|(row, sign)| {
+            let mut right = [0.0; UNKNOWNS];
+            right[row] = sign;
+            self.factors.solve(right)
+        });
+        [GROUND, ROLL, PITCH].map(|unknown| answers.map(|answer| answer[unknown]))
+    }
+
+    /// Condition (2), by the leading minors of the symmetric part.
+    pub(super) fn is_stiff(&self) -> bool {
+        let flexibility = self.flexibility();
+        let c = |i: usize, j: usize| 0.5 * (flexibility[i][j] + flexibility[j][i]);
+        let minor = c(0, 0) * c(1, 1) - c(0, 1) * c(0, 1);
+        let determinant = c(0, 0) * (c(1, 1) * c(2, 2) - c(1, 2) * c(1, 2))
+            - c(0, 1) * (c(0, 1) * c(2, 2) - c(1, 2) * c(0, 2))
+            + c(0, 2) * (c(0, 1) * c(1, 2) - c(1, 1) * c(0, 2));
+        c(0, 0) > 0.0 && minor > 0.0 && determinant > 0.0
+    }
+
+    /// Returns true if the way from an accepted state leads here: det G_x has the same sign, and body and wheels have moved
+    /// by no more than a Newton step may.
+    pub(super) fn follows(&self, from: &Equilibrium, car: &Car) -> bool {
+        let near = |k: usize| {
+            let longest = match k {
+                ROLL | PITCH => LONGEST_TURN,
+                _ => LONGEST_TRAVEL * car.per_metre(),
+            };
+            (self.unknowns[k] - from.unknowns[k]).abs() <= longest
+        };
+        self.factors.orientation() == from.factors.orientation() && (0..LOADS).all(near)
+    }
+}
+
+impl CarSolver<'_> {
+    /// Follows the load from rest to a case, by (3) to (5).
+    pub(super) fn along_load(&mut self, case: &Case) -> Result<Equilibrium, NoEquilibrium> {
+        let rest = case.scaled(0.0);
+        let start = self.start(&rest);
+        let mut at = self.with_contact(&rest, Start::of(start))?;
+        if !at.is_stiff() {
+            return Err(NoEquilibrium::Tips);
+        }
+        let (mut part, mut step) = (0.0, LONGEST);
+        let mut evaluations = at.evaluations;
+        for _ in 0..MOST_STEPS {
+            let next = f64::min(part + step, 1.0);
+            let found = self.with_contact(&case.scaled(next), Start::at(&at));
+            let why = match found {
+                Ok(found) if found.follows(&at, self.car) => {
+                    evaluations += found.evaluations;
+                    (at, part) = (found, next);
+                    if part == 1.0 {
+                        at.evaluations = evaluations;
+                        return Ok(at);
+                    }
+                    step = f64::min(2.0 * step, LONGEST);
+                    continue;
+                }
+                Ok(_) | Err(NoEquilibrium::NotFound | NoEquilibrium::Singular) => {
+                    NoEquilibrium::Tips
+                }
+                Err(why) => why,
+            };
+            step *= 0.5;
+            if step < SHORTEST {
+                return Err(why);
+            }
+        }
+        Err(NoEquilibrium::NotFound)
+    }
+}
+
+impl Case {
+    /// The case with a part of its accelerations and of its pressure of the air; everything else as it is.
+    fn scaled(&self, part: f64) -> Case {
+        Case {
+            ax: self.ax * part,
+            ay: self.ay * part,
+            az: self.az * part,
+            speed: self.speed * part.sqrt(),
+            yaw_acceleration: self.yaw_acceleration * part,
+            ..self.clone()
+        }
+    }
+}

@@ -1,0 +1,146 @@
+//! Changes of an axle's equilibrium, as `compliance/derivatives.rs` has them for one wheel.
+
+use super::equations::{AxleEquations, AxleState, AxleStep, AxleTask};
+use super::{AxleEquilibrium, ElasticAxle};
+use crate::compliance::ground::{RACK, SHARED};
+use crate::compliance::loads::WheelLoads;
+use crate::compliance::reading::WheelFigures;
+use crate::compliance::wheel::HeldQuantity;
+use crate::linear::square::MOST;
+use crate::model::Side;
+use crate::number::{Jet, Scalar, Vector3};
+
+/// Input along which an equilibrium changes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum AxleChange<T = f64> {
+    /// Loads on both wheels, in the kernel's frame of each side.
+    Loads([WheelLoads<T>; 2]),
+    /// Travels of both wheels; the heights are held.
+    Travels([T; 2]),
+    /// Commanded displacement of the rack along the left wheel's +y.
+    Rack,
+}
+
+/// The equations in an equilibrium, solved, with one quantity held.
+#[derive(Clone, Debug)]
+pub struct AxleTangent<T = f64> {
+    state: AxleState<T>,
+    task: AxleTask<T>,
+    equations: AxleEquations<T>,
+}
+
+impl<T: Scalar> ElasticAxle<T> {
+    /// The tangent in an equilibrium.
+    pub fn tangent(&self, at: &AxleEquilibrium<T>, held: HeldQuantity) -> Option<AxleTangent<T>> {
+        let (state, task) = self.held_as(at, held);
+        Some(AxleTangent {
+            equations: self.equations(&state, &task)?,
+            state,
+            task,
+        })
+    }
+
+    /// An equilibrium of the same design in plain numbers, with the derivatives of these numbers.
+    pub(super) fn carried(
+        &self,
+        at: &AxleState<f64>,
+        task: &AxleTask<T>,
+    ) -> Option<AxleEquilibrium<T>> {
+        let like = self.like();
+        let mut state = at.map(|c| like.lit(c));
+        if self.shared.rack.is_none() {
+            state.around.rack = task.rack;
+        }
+        let equations = self.equations(&state, task)?;
+        let step = equations.newton_step(&self.wheels);
+        Some(AxleEquilibrium {
+            state: state.stepped(&self.wheels, &step),
+            task: *task,
+            steps: 1,
+        })
+    }
+
+    /// Rate of all unknowns along a change of an input.
+    fn rate(&self, tangent: &AxleTangent<T>, change: &AxleChange<T>) -> AxleStep<T> {
+        let zero = self.like();
+        let equations = &tangent.equations;
+        let mut wheels = [[zero; MOST]; 2];
+        let mut shared = [zero; SHARED];
+        // A rack without stiffness of its own moves as it is commanded.
+        let mut moved = false;
+        match change {
+            AxleChange::Loads(loads) => {
+                for (side, right) in wheels.iter_mut().enumerate() {
+                    let wheel = &self.wheels[side].built.system.wheel;
+                    let carrier = &tangent.state.wheels[side].carrier;
+                    let by_load = wheel.wrench(carrier, &loads[side]).to_array();
+                    right[..6].copy_from_slice(&by_load);
+                }
+            }
+            AxleChange::Travels(travels) => {
+                for (side, right) in wheels.iter_mut().enumerate() {
+                    if Self::holds_height(&tangent.task, side) {
+                        right[equations.sides[side].equations.size - 1] = travels[side];
+                    }
+                }
+            }
+            AxleChange::Rack => match self.shared.rack {
+                Some([rate, _]) => shared[RACK] = rate,
+                None => {
+                    moved = true;
+                    for (side, right) in wheels.iter_mut().enumerate() {
+                        let by = equations.sides[side].by_shared(side, RACK);
+                        for (right, by) in right.iter_mut().zip(by) {
+                            *right = -by;
+                        }
+                    }
+                    for (k, right) in shared.iter_mut().enumerate().take(RACK) {
+                        *right = -equations.own(k, RACK);
+                    }
+                }
+            },
+        }
+        let (wheels, mut shared) = equations.solve(&wheels, &shared);
+        if moved {
+            shared[RACK] = zero.one();
+        }
+        equations.step(&self.wheels, &wheels, &shared, true)
+    }
+
+    /// Derivatives of angles, positions and vertical force of both wheels along a change of an input.
+    pub fn figures_along(
+        &self,
+        tangent: &AxleTangent<T>,
+        change: &AxleChange<T>,
+    ) -> [WheelFigures<T>; 2] {
+        let rate = self.rate(tangent, change);
+        [0, 1].map(|side: usize| {
+            let wheel = &self.wheels[side];
+            let moving = wheel.moving(&tangent.state.wheels[side], &rate.wheels[side]);
+            let geometry = wheel.geometry.map(Jet::constant);
+            geometry.figures(&moving, wheel.constants).map(|c| c[1])
+        })
+    }
+
+    /// Shifts of the wheel centres and turns of the carriers by loads, each in the frame of its side.
+    pub fn twists_along(
+        &self,
+        tangent: &AxleTangent<T>,
+        loads: &[WheelLoads<T>; 2],
+    ) -> [[Vector3<T>; 2]; 2] {
+        let rate = self.rate(tangent, &AxleChange::Loads(*loads));
+        [0, 1].map(|side: usize| {
+            let [x, y, z, a, b, c] = rate.wheels[side].carrier;
+            let turn = Vector3::new(a, b, c);
+            let carrier = &tangent.state.wheels[side].carrier;
+            let lever = carrier.lever(self.wheels[side].built.system.wheel.centre);
+            [Vector3::new(x, y, z) + turn.cross(lever), turn]
+        })
+    }
+
+    /// Number of a side's limbs and rigid joints, for tests of the size of a system.
+    pub fn parts(&self, side: Side) -> [usize; 2] {
+        let system = &self.wheels[side as usize].built.system;
+        [system.limbs.len(), system.joints.len()]
+    }
+}

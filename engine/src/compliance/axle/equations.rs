@@ -1,0 +1,475 @@
+//! The equations of both wheels and of the bodies that they share.
+//!
+//! Each wheel has the equations of `system.rs` (matrix A_c, residual r_c) with the shared unknowns q held. With B_c = dr_c/dq,
+//! C_c = ds/dx_c of the forces s on the shared bodies and D = ds/dq, a Newton step solves
+//!
+//! ```text
+//! (D - sum C_c A_c^-1 B_c) dq = -(s - sum C_c A_c^-1 r_c),   dx_c = -A_c^-1 (r_c + B_c dq)        (1)
+//! ```
+//!
+//! The right wheel is a left one in a mirror, with the signs [`MIRROR`] of the shared unknowns.
+
+use super::super::floating::Floating;
+use super::super::ground::{Coupling, Frames, MIRROR, RACK, SHARED, Surroundings, TWIST};
+use super::super::limb::is_positive;
+use super::super::preload::NoPreload;
+use super::super::solve::{Bounds, Obstacle};
+use super::super::system::{Equations, Held, Limb, Singular, State, Step, Task};
+use super::super::wheel::ElasticWheel;
+use crate::linear::square::{MOST, SquareLu};
+use crate::number::{Scalar, Vector3, array_of};
+
+/// Parts between body and both wheels, beside the subframe's mounts.
+#[derive(Clone, Copy, Debug)]
+pub(in super::super) struct SharedParts<T> {
+    pub(in super::super) has_subframe: bool,
+    /// Stiffness between the commanded rack and the rack, with its force in the design position.
+    pub(in super::super) rack: Option<[T; 2]>,
+    pub(in super::super) has_bar: bool,
+}
+
+/// A state of both wheels. The shared bodies are in the left wheel's axes.
+#[derive(Clone, Copy, Debug)]
+pub(in super::super) struct AxleState<T> {
+    pub(in super::super) wheels: [State<T>; 2],
+    pub(in super::super) around: Surroundings<T>,
+}
+
+impl<T: Scalar> AxleState<T> {
+    pub(in super::super) fn map<U: Scalar>(&self, f: impl Fn(T) -> U + Copy) -> AxleState<U> {
+        let around = &self.around;
+        AxleState {
+            wheels: self.wheels.each_ref().map(|wheel| wheel.map(f)),
+            around: Surroundings {
+                subframe: around.subframe.map(f),
+                rack: f(around.rack),
+                twist: f(around.twist),
+            },
+        }
+    }
+
+    /// Shared bodies as the wheel of a side sees them.
+    pub(in super::super) fn around(&self, side: usize) -> Surroundings<T> {
+        match side {
+            0 => self.around,
+            _ => self.around.mirrored(),
+        }
+    }
+}
+
+/// Inputs of an equilibrium of both wheels.
+#[derive(Clone, Copy, Debug)]
+pub(in super::super) struct AxleTask<T> {
+    /// Commanded displacement of the rack, along the left wheel's +y.
+    pub(in super::super) rack: T,
+    pub(in super::super) wheels: [Task<T>; 2],
+}
+
+/// A change of all unknowns, or their rate.
+#[derive(Clone, Copy, Debug)]
+pub(in super::super) struct AxleStep<T> {
+    pub(in super::super) wheels: [Step<T>; 2],
+    pub(in super::super) shared: [T; SHARED],
+}
+
+/// Forces from outside that hold a pose which is no equilibrium.
+#[derive(Clone, Copy, Debug)]
+pub(in super::super) struct AxleHeld<T> {
+    pub(in super::super) wheels: [Held<T>; 2],
+    pub(in super::super) shared: [T; SHARED],
+}
+
+/// Why there is no step: a part of a wheel, or of both.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in super::super) enum AxleSingular {
+    Wheel(usize, Singular),
+    Shared,
+}
+
+/// The equations of one wheel.
+#[derive(Clone, Debug)]
+pub(in super::super) struct SideEquations<T> {
+    pub(in super::super) equations: Equations<T>,
+    coupling: Coupling<T>,
+    factors: SquareLu<T>,
+    frames: Frames<T>,
+    around: Surroundings<T>,
+    /// A_c^-1 B_c, a column for each shared unknown that moves.
+    responses: Vec<[T; MOST]>,
+}
+
+/// The equations in a state, solved as far as equation (1) needs it.
+#[derive(Clone, Debug)]
+pub(in super::super) struct AxleEquations<T> {
+    pub(in super::super) sides: [SideEquations<T>; 2],
+    /// Numbers of the shared unknowns that move.
+    active: Vec<usize>,
+    /// Forces on the shared bodies, in the left wheel's axes.
+    pub(in super::super) force: [T; SHARED],
+    own: [[T; SHARED]; SHARED],
+    factors: Option<SquareLu<T>>,
+}
+
+/// How the equations are formed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in super::super) enum Purpose {
+    /// An equilibrium under loads.
+    Balance,
+    /// Forces at the design load: elements have their slope and no force.
+    Preload,
+}
+
+impl<T: Scalar> SideEquations<T> {
+    /// Tangent of the wheel's forces by a shared unknown of the left wheel's axes.
+    pub(in super::super) fn by_shared(&self, side: usize, shared: usize) -> [T; MOST] {
+        let mirror = sign(side, shared);
+        array_of(|i| self.coupling.corner_by[i][shared].scaled(mirror))
+    }
+
+    /// Tangent of a shared force by another shared unknown, in the left wheel's axes.
+    fn own(&self, side: usize, i: usize, j: usize) -> T {
+        self.coupling.own[i][j].scaled(sign(side, i) * sign(side, j))
+    }
+
+    /// C_c x of one shared force.
+    fn on_shared(&self, side: usize, shared: usize, x: &[T; MOST]) -> T {
+        let by = &self.coupling.by_corner[shared];
+        let mut sum = x[0].zero();
+        for (by, x) in by.iter().zip(x).take(self.equations.size) {
+            sum = sum + *by * *x;
+        }
+        sum.scaled(sign(side, shared))
+    }
+}
+
+/// Sign of a shared unknown in the axes of a side.
+pub(in super::super) fn sign(side: usize, shared: usize) -> f64 {
+    match side {
+        0 => 1.0,
+        _ => MIRROR[shared],
+    }
+}
+
+impl<T: Scalar> SharedParts<T> {
+    /// Shared unknowns that move.
+    pub(in super::super) fn active(&self, purpose: Purpose) -> Vec<usize> {
+        let mut active: Vec<usize> = Vec::new();
+        if self.has_subframe {
+            active.extend(0..RACK);
+        }
+        active.extend(self.rack.is_some().then_some(RACK));
+        // Without forces the bar holds nothing.
+        active.extend((self.has_bar && purpose == Purpose::Balance).then_some(TWIST));
+        active
+    }
+
+    /// The equations in a state.
+    pub(in super::super) fn equations(
+        &self,
+        wheels: &[ElasticWheel<T>; 2],
+        state: &AxleState<T>,
+        task: &AxleTask<T>,
+        held: Option<&AxleHeld<T>>,
+        purpose: Purpose,
+    ) -> Result<AxleEquations<T>, AxleSingular> {
+        let active = self.active(purpose);
+        let mut sides = Vec::new();
+        for (side, wheel) in wheels.iter().enumerate() {
+            let held = held.map(|held| &held.wheels[side]);
+            let found = side_equations(wheel, side, state, task, held, purpose, &active);
+            sides.push(found.map_err(|why| AxleSingular::Wheel(side, why))?);
+        }
+        let sides: [SideEquations<T>; 2] = match sides.try_into() {
+            Ok(sides) => sides,
+            Err(_) => return Err(AxleSingular::Shared),
+        };
+        let zero = task.rack.zero();
+        let mut force = [zero; SHARED];
+        let mut own = [[zero; SHARED]; SHARED];
+        for (side, of) in sides.iter().enumerate() {
+            for i in 0..SHARED {
+                force[i] = force[i] + of.coupling.force[i].scaled(sign(side, i));
+                for (j, own) in own[i].iter_mut().enumerate() {
+                    *own = *own + of.own(side, i, j);
+                }
+            }
+        }
+        if let Some([rate, preload]) = self.rack {
+            own[RACK][RACK] = own[RACK][RACK] + rate;
+            if purpose == Purpose::Balance {
+                let moved = state.around.rack - task.rack;
+                force[RACK] = force[RACK] + preload + rate * moved;
+            }
+        }
+        if let Some(held) = held {
+            for (force, held) in force.iter_mut().zip(held.shared) {
+                *force = *force - held;
+            }
+        }
+        let mut matrix = [[zero; MOST]; MOST];
+        for (a, i) in active.iter().enumerate() {
+            for (b, j) in active.iter().enumerate() {
+                matrix[a][b] = own[*i][*j];
+                for (side, of) in sides.iter().enumerate() {
+                    let less = of.on_shared(side, *i, &of.responses[b]);
+                    matrix[a][b] = matrix[a][b] - less;
+                }
+            }
+        }
+        let factors = match active.is_empty() {
+            true => None,
+            false => Some(SquareLu::of(matrix, active.len()).ok_or(AxleSingular::Shared)?),
+        };
+        Ok(AxleEquations {
+            sides,
+            active,
+            force,
+            own,
+            factors,
+        })
+    }
+}
+
+fn side_equations<T: Scalar>(
+    wheel: &ElasticWheel<T>,
+    side: usize,
+    state: &AxleState<T>,
+    task: &AxleTask<T>,
+    held: Option<&Held<T>>,
+    purpose: Purpose,
+    active: &[usize],
+) -> Result<SideEquations<T>, Singular> {
+    let system = &wheel.built.system;
+    let around = state.around(side);
+    let own = &state.wheels[side];
+    let frames = system.frames(&own.carrier, &around, purpose == Purpose::Preload);
+    let mut equations = Equations::empty(around.rack, system.joints.len(), held);
+    let gathered = system.gather(&frames, own, held, true, &mut equations)?;
+    let coupling = system.add_coupled(&gathered, &frames, &around, &mut equations);
+    match purpose {
+        Purpose::Balance => system.add_loads(&mut equations, own, &task.wheels[side]),
+        Purpose::Preload => {
+            let bordered = wheel.built.border_for_preload(&mut equations, wheel.bounds);
+            bordered.map_err(|why| match why {
+                NoPreload::Singular(why) => why,
+                NoPreload::OutOfReach { .. } => Singular::Carrier,
+            })?;
+        }
+    }
+    let factors = equations.factors().ok_or(Singular::Carrier)?;
+    let mut found = SideEquations {
+        equations,
+        coupling,
+        factors,
+        frames,
+        around,
+        responses: Vec::new(),
+    };
+    for shared in active {
+        let column = found.by_shared(side, *shared);
+        found.responses.push(found.factors.solve(&column));
+    }
+    Ok(found)
+}
+
+impl<T: Scalar> AxleEquations<T> {
+    /// Solves the tangent for these forces. Equation (1).
+    pub(in super::super) fn solve(
+        &self,
+        wheels: &[[T; MOST]; 2],
+        shared: &[T; SHARED],
+    ) -> ([[T; MOST]; 2], [T; SHARED]) {
+        let zero = shared[0].zero();
+        let mut found = [0, 1].map(|side: usize| self.sides[side].factors.solve(&wheels[side]));
+        let mut moved = [zero; SHARED];
+        if let Some(factors) = &self.factors {
+            let mut right = [zero; MOST];
+            for (a, i) in self.active.iter().enumerate() {
+                right[a] = shared[*i];
+                for (side, of) in self.sides.iter().enumerate() {
+                    right[a] = right[a] - of.on_shared(side, *i, &found[side]);
+                }
+            }
+            let solution = factors.solve(&right);
+            for (a, i) in self.active.iter().enumerate() {
+                moved[*i] = solution[a];
+                for (side, of) in self.sides.iter().enumerate() {
+                    for (x, by) in found[side].iter_mut().zip(&of.responses[a]) {
+                        *x = *x - *by * solution[a];
+                    }
+                }
+            }
+        }
+        (found, moved)
+    }
+
+    /// Tangent of a shared force by a shared unknown.
+    pub(in super::super) fn own(&self, i: usize, j: usize) -> T {
+        self.own[i][j]
+    }
+
+    /// The residuals with opposite signs, for a Newton step.
+    pub(in super::super) fn residuals(&self) -> ([[T; MOST]; 2], [T; SHARED]) {
+        let wheels = [0, 1].map(|side: usize| self.sides[side].equations.residual.map(|c| -c));
+        (wheels, self.force.map(|c| -c))
+    }
+
+    /// A Newton step.
+    pub(in super::super) fn newton_step(&self, axle: &[ElasticWheel<T>; 2]) -> AxleStep<T> {
+        let (wheels, shared) = self.residuals();
+        let (wheels, shared) = self.solve(&wheels, &shared);
+        self.step(axle, &wheels, &shared, false)
+    }
+
+    /// All unknowns from those of equation (1).
+    pub(in super::super) fn step(
+        &self,
+        axle: &[ElasticWheel<T>; 2],
+        wheels: &[[T; MOST]; 2],
+        shared: &[T; SHARED],
+        is_rate: bool,
+    ) -> AxleStep<T> {
+        let of = |side: usize| {
+            let part = &self.sides[side];
+            let system = &axle[side].built.system;
+            let own: [T; SHARED] = array_of(|k| shared[k].scaled(sign(side, k)));
+            let solution = &wheels[side];
+            let carrier: [T; 6] = array_of(|i| solution[i]);
+            part.equations.step_seen(solution, |k, followers| {
+                let Some(limb) = system.limbs.get(k) else {
+                    return followers.step(&carrier, None, is_rate);
+                };
+                let (seen, beside) =
+                    system.seen_step(k, &carrier, &own, &part.frames, &part.around);
+                let by = part.coupling.beside.iter().find(|(number, _)| *number == k);
+                let beside = by.map(|(_, by)| (*by, beside));
+                let mut step = followers.step(&seen, beside.as_ref(), is_rate);
+                // A link's own shift is against the holder of the rack, not against the rack.
+                if let Limb::Floating(Floating {
+                    inner: Some(_),
+                    on_rack: true,
+                    ..
+                }) = limb
+                {
+                    step.inner[1] = step.inner[1] + own[RACK];
+                }
+                step
+            })
+        };
+        AxleStep {
+            wheels: [of(0), of(1)],
+            shared: *shared,
+        }
+    }
+}
+
+impl<T: Scalar> AxleState<T> {
+    /// The state after a step.
+    pub(in super::super) fn stepped(
+        &self,
+        axle: &[ElasticWheel<T>; 2],
+        step: &AxleStep<T>,
+    ) -> Self {
+        let wheel = |side: usize| {
+            let system = &axle[side].built.system;
+            system.stepped(&self.wheels[side], &step.wheels[side])
+        };
+        let [x, y, z, a, b, c, rack, twist] = step.shared;
+        let around = &self.around;
+        AxleState {
+            wheels: [wheel(0), wheel(1)],
+            around: Surroundings {
+                subframe: around
+                    .subframe
+                    .moved(Vector3::new(x, y, z), Vector3::new(a, b, c)),
+                rack: around.rack + rack,
+                twist: around.twist + twist,
+            },
+        }
+    }
+}
+
+impl<T: Scalar> AxleStep<T> {
+    /// Largest shift and largest turn.
+    pub(in super::super) fn sizes(&self, axle: &[ElasticWheel<T>; 2]) -> [f64; 2] {
+        let shared = self.shared.each_ref().map(|c| c.value().abs());
+        // Keeps NaN.
+        let largest = |m: f64, c: f64| if m >= c { m } else { c };
+        let shift = shared[..3].iter().copied().fold(shared[RACK], largest);
+        let turn = shared[3..RACK].iter().copied().fold(shared[TWIST], largest);
+        let mut sizes = [shift, turn];
+        for (side, wheel) in axle.iter().enumerate() {
+            let own = wheel.built.system.size_of(&self.wheels[side]);
+            sizes = [largest(own[0], sizes[0]), largest(own[1], sizes[1])];
+        }
+        sizes
+    }
+}
+
+impl AxleEquations<f64> {
+    /// Refuses a state that is not stable: a wheel with the shared bodies held, or these with the wheels following.
+    pub(in super::super) fn check_stable(
+        &self,
+        axle: &[ElasticWheel; 2],
+        bounds: Bounds,
+    ) -> Result<(), (Option<usize>, Obstacle)> {
+        for (side, of) in self.sides.iter().enumerate() {
+            let system = &axle[side].built.system;
+            let stable = system.check_stable(&of.equations, bounds);
+            stable.map_err(|why| (Some(side), why))?;
+        }
+        match self.is_definite() {
+            true => Ok(()),
+            false => Err((None, Obstacle::Unstable(None))),
+        }
+    }
+
+    /// Returns true if the symmetric part of equation (1)'s matrix, rows on both sides, is positive definite on the shared
+    /// unknowns.
+    fn is_definite(&self) -> bool {
+        let count = self.active.len();
+        let mut matrix = [[0.0; SHARED]; SHARED];
+        for (k, row) in matrix.iter_mut().enumerate() {
+            row[k] = 1.0;
+        }
+        for (a, i) in self.active.iter().enumerate() {
+            for (b, j) in self.active.iter().enumerate() {
+                matrix[a][b] = 0.5 * (self.own[*i][*j] + self.own[*j][*i]);
+            }
+        }
+        for (side, of) in self.sides.iter().enumerate() {
+            let size = of.equations.size;
+            let mut symmetric = [[0.0; MOST]; MOST];
+            for i in 0..6 {
+                for j in 0..6 {
+                    let entry = of.equations.matrix[i][j] + of.equations.matrix[j][i];
+                    symmetric[i][j] = 0.5 * entry;
+                }
+                for k in 6..size {
+                    symmetric[k][i] = of.equations.matrix[k][i];
+                    symmetric[i][k] = of.equations.matrix[k][i];
+                }
+            }
+            let Some(factors) = SquareLu::of(symmetric, size) else {
+                return false;
+            };
+            let column = |shared: usize| -> [f64; MOST] {
+                let by = of.by_shared(side, shared);
+                let mirror = sign(side, shared);
+                std::array::from_fn(|i| match i {
+                    0..6 => 0.5 * (by[i] + mirror * of.coupling.by_corner[shared][i]),
+                    _ => by[i],
+                })
+            };
+            let columns: Vec<[f64; MOST]> = self.active.iter().map(|i| column(*i)).collect();
+            for b in 0..count {
+                let response = factors.solve(&columns[b]);
+                for a in 0..count {
+                    let less = columns[a].iter().zip(&response).take(size);
+                    matrix[a][b] -= less.map(|(c, r)| c * r).sum::<f64>();
+                }
+            }
+        }
+        is_positive(&matrix, 0.0)
+    }
+}

@@ -1,0 +1,309 @@
+//! An axle of two elastic wheels, coupled by rack, anti-roll bar and subframe.
+
+mod definition;
+mod derivatives;
+mod equations;
+mod solve;
+mod tape;
+
+pub use definition::AxleCompliance;
+pub use derivatives::{AxleChange, AxleTangent};
+pub use tape::AxleOnTape;
+
+use super::build::OfAxle;
+use super::definition::Relaxed;
+use super::fault::{AxleFault, ElasticFault, Motion};
+use super::ground::{RACK, SHARED};
+use super::preload::{NoPreload, SeenStep};
+use super::reading::WheelFigures;
+use super::system::{Hold, Singular, State};
+use super::wheel::{
+    BushingReading, CARRIER, ElasticWheel, HeldQuantity, SpringReading, level_task, preload_fault,
+};
+use crate::model::{Axis, Side, Suspension};
+use crate::number::{Scalar, Vector3};
+use equations::{AxleEquations, AxleSingular, AxleState, AxleTask, Purpose, SharedParts};
+
+/// An equilibrium of both wheels.
+#[derive(Clone, Copy, Debug)]
+pub struct AxleEquilibrium<T = f64> {
+    state: AxleState<T>,
+    task: AxleTask<T>,
+    steps: usize,
+}
+
+impl<T: Scalar> AxleEquilibrium<T> {
+    /// Newton steps that led to it.
+    pub fn steps(&self) -> usize {
+        self.steps
+    }
+}
+
+/// An axle of two elastic wheels, in one design. Each wheel is in the kernel's frame of a left wheel; the rack moves along
+/// the left wheel's +y.
+#[derive(Clone, Debug)]
+pub struct ElasticAxle<T = f64> {
+    wheels: [ElasticWheel<T>; 2],
+    shared: SharedParts<T>,
+    /// Rate of the anti-roll bar.
+    bar_rate: Option<T>,
+}
+
+impl<T: Scalar> ElasticAxle<T> {
+    /// The axle of two suspensions with their hardpoints at `designs`.
+    pub fn of(
+        suspensions: [&Suspension; 2],
+        designs: [&[Vector3<T>]; 2],
+        parts: &AxleCompliance<T>,
+    ) -> Result<Self, AxleFault> {
+        let of_axle = OfAxle {
+            subframe: parts.subframe.as_ref(),
+            bar_rate: parts.bar_rate,
+        };
+        let wheel = |side: usize| {
+            let own = &parts.wheels[side];
+            ElasticWheel::unloaded(suspensions[side], designs[side], own, of_axle)
+        };
+        let mut axle = ElasticAxle {
+            wheels: [wheel(0), wheel(1)],
+            shared: SharedParts {
+                has_subframe: parts.subframe.is_some(),
+                rack: parts.rack_rate.map(|rate| [rate, rate.zero()]),
+                has_bar: parts.bar_rate.is_some(),
+            },
+            bar_rate: parts.bar_rate,
+        };
+        if axle.relaxed() == Relaxed::AtDesignLoad {
+            axle.preload()?;
+        }
+        axle.check_held()?;
+        Ok(axle)
+    }
+
+    fn relaxed(&self) -> Relaxed {
+        self.wheels[0].relaxed
+    }
+
+    fn like(&self) -> T {
+        self.wheels[0].built.system.like()
+    }
+
+    /// The design position with the forces at the design load.
+    fn start(&self) -> AxleState<T> {
+        AxleState {
+            wheels: [self.wheels[0].start, self.wheels[1].start],
+            around: super::ground::Surroundings::of_rack(self.like()),
+        }
+    }
+
+    /// Sets the forces at the design load.
+    fn preload(&mut self) -> Result<(), AxleFault> {
+        let state = self.start();
+        let task = self.level([0.0; 2], 0.0);
+        let found = self
+            .shared
+            .equations(&self.wheels, &state, &task, None, Purpose::Preload);
+        let equations = found.map_err(|why| self.singular(why))?;
+        let step = equations.newton_step(&self.wheels);
+        for (side, name) in [0, 1].into_iter().zip(Side::ALL) {
+            let around = state.around(side);
+            let system = &self.wheels[side].built.system;
+            let frames = system.frames(&state.wheels[side].carrier, &around, true);
+            let shared: [T; SHARED] =
+                std::array::from_fn(|k| step.shared[k].scaled(equations::sign(side, k)));
+            let seen = SeenStep {
+                step: &step.wheels[side],
+                around: &around,
+                frames: &frames,
+                shared: &shared,
+            };
+            let wheel = &mut self.wheels[side];
+            let start = wheel.built.set_preload(&seen);
+            wheel.start = start.map_err(|fault| AxleFault {
+                side: Some(name),
+                fault: preload_fault(&wheel.built.names, fault),
+            })?;
+            let has_leverage = wheel.check_leverage(&around);
+            has_leverage.map_err(|fault| AxleFault {
+                side: Some(name),
+                fault,
+            })?;
+        }
+        if let Some([rate, preload]) = &mut self.shared.rack {
+            *preload = *rate * step.shared[RACK];
+        }
+        Ok(())
+    }
+
+    fn singular(&self, why: AxleSingular) -> AxleFault {
+        match why {
+            AxleSingular::Wheel(side, why) => AxleFault {
+                side: Some(Side::ALL[side]),
+                fault: preload_fault(&self.wheels[side].built.names, NoPreload::Singular(why)),
+            },
+            AxleSingular::Shared => AxleFault {
+                side: None,
+                fault: ElasticFault::NoBalance {
+                    part: SHARED_NAME.to_owned(),
+                },
+            },
+        }
+    }
+
+    /// Refuses a design in which a motion has no stiffness while the heights are held.
+    fn check_held(&self) -> Result<(), AxleFault> {
+        let state = self.start();
+        let task = self.level([0.0; 2], 0.0);
+        let found = self
+            .shared
+            .equations(&self.wheels, &state, &task, None, Purpose::Balance);
+        let loose = |side: Option<usize>, limb: Option<usize>| {
+            let (part, motion) = match (side, limb) {
+                (Some(side), Some(limb)) => {
+                    let wheel = &self.wheels[side];
+                    (wheel.built.names[limb].clone(), wheel.spin_of(limb))
+                }
+                (Some(_), None) => (CARRIER.to_owned(), Motion::Turn(Axis::X)),
+                (None, _) => (SHARED_NAME.to_owned(), Motion::Turn(Axis::Y)),
+            };
+            Err(AxleFault {
+                side: side.map(|side| Side::ALL[side]),
+                fault: ElasticFault::Loose { part, motion },
+            })
+        };
+        match found {
+            Err(AxleSingular::Wheel(side, Singular::Limb(limb))) => loose(Some(side), Some(limb)),
+            Err(AxleSingular::Wheel(side, Singular::Carrier)) => loose(Some(side), None),
+            Err(AxleSingular::Shared) => loose(None, None),
+            Ok(equations) => {
+                for (side, of) in equations.sides.iter().enumerate() {
+                    if let Some(limb) = of.equations.loose {
+                        return loose(Some(side), Some(limb));
+                    }
+                }
+                Ok(())
+            }
+        }
+    }
+
+    fn level(&self, travels: [f64; 2], rack: f64) -> AxleTask<T> {
+        let like = self.like();
+        let task = |travel: f64| level_task(like.lit(travel), like.zero());
+        AxleTask {
+            rack: like.lit(rack),
+            wheels: travels.map(task),
+        }
+    }
+
+    /// The vertical forces at the contact points in the design position, if that is an equilibrium.
+    pub fn design_loads(&self) -> Option<[T; 2]> {
+        let loads = self.wheels.each_ref().map(|wheel| wheel.start.vertical);
+        (self.relaxed() == Relaxed::AtDesignLoad).then_some(loads)
+    }
+
+    /// Angles and positions of a wheel, in the kernel's frame of its side.
+    pub fn figures(&self, at: &AxleEquilibrium<T>, side: Side) -> WheelFigures<T> {
+        let wheel = &self.wheels[side as usize];
+        let state = &at.state.wheels[side as usize];
+        wheel.geometry.figures(state, wheel.constants)
+    }
+
+    /// Height of a wheel centre above its design position.
+    pub fn travel(&self, at: &AxleEquilibrium<T>, side: Side) -> T {
+        let centre = self.wheels[side as usize].built.system.wheel.centre;
+        let carrier = &at.state.wheels[side as usize].carrier;
+        carrier.displacement(centre).z
+    }
+
+    /// All of the vertical force at a contact point.
+    pub fn wheel_load(&self, at: &AxleEquilibrium<T>, side: Side) -> T {
+        let loads = &at.task.wheels[side as usize].loads;
+        at.state.wheels[side as usize].vertical + loads.contact.z
+    }
+
+    /// State of each bushing of a side, in the order of the definition; mounts of the subframe at the end.
+    pub fn bushings(&self, at: &AxleEquilibrium<T>, side: Side) -> Vec<BushingReading<T>> {
+        let around = at.state.around(side as usize);
+        let built = &self.wheels[side as usize].built;
+        built.bushing_readings(&at.state.wheels[side as usize], &around)
+    }
+
+    /// Tension of each link of a side, in the order of the definition.
+    pub fn tensions(&self, at: &AxleEquilibrium<T>, side: Side) -> Vec<T> {
+        let around = at.state.around(side as usize);
+        let built = &self.wheels[side as usize].built;
+        built.tensions(&at.state.wheels[side as usize], &around)
+    }
+
+    /// State of the spring of a side, if it has a law.
+    pub fn spring(&self, at: &AxleEquilibrium<T>, side: Side) -> Option<SpringReading<T>> {
+        let around = at.state.around(side as usize);
+        let built = &self.wheels[side as usize].built;
+        built.spring_reading(&at.state.wheels[side as usize], &around)
+    }
+
+    /// Force on the rack along the left wheel's +y that holds it.
+    pub fn rack_force(&self, at: &AxleEquilibrium<T>) -> T {
+        let of = |side: usize| {
+            let around = at.state.around(side);
+            let built = &self.wheels[side].built;
+            built.rack_force(&at.state.wheels[side], &around)
+        };
+        of(0) - of(1)
+    }
+
+    /// Torque of the anti-roll bar: its rate times the left lever's angle less the right one's.
+    pub fn bar_torque(&self, at: &AxleEquilibrium<T>) -> Option<T> {
+        let angle = |side: usize| {
+            let around = at.state.around(side);
+            let state = &at.state.wheels[side];
+            let system = &self.wheels[side].built.system;
+            let frames = system.frames(&state.carrier, &around, false);
+            system.bar_angle(&frames, state)
+        };
+        Some(self.bar_rate? * (angle(0)? - angle(1)?))
+    }
+
+    /// Displacement of the rack, along the left wheel's +y.
+    pub fn rack(&self, at: &AxleEquilibrium<T>) -> T {
+        at.state.around.rack
+    }
+
+    /// Displacement of the subframe's reference point and its rotation vector.
+    pub fn subframe(&self, at: &AxleEquilibrium<T>) -> [Vector3<T>; 2] {
+        let subframe = &at.state.around.subframe;
+        [
+            subframe.shift,
+            super::algebra::Logarithm::of(&subframe.turn).vector,
+        ]
+    }
+}
+
+/// Name of the shared bodies in messages.
+const SHARED_NAME: &str = "the subframe, rack or anti-roll bar";
+
+impl<T: Scalar> ElasticAxle<T> {
+    /// An equilibrium as one in which another quantity is held.
+    fn held_as(&self, at: &AxleEquilibrium<T>, held: HeldQuantity) -> (AxleState<T>, AxleTask<T>) {
+        let (mut state, mut task) = (at.state, at.task);
+        for (side, wheel) in self.wheels.iter().enumerate() {
+            let system = &wheel.built.system;
+            let found: (State<T>, _) =
+                system.held_as(&state.wheels[side], &task.wheels[side], held);
+            (state.wheels[side], task.wheels[side]) = found;
+        }
+        (state, task)
+    }
+
+    /// Returns true if the height of a wheel is held.
+    fn holds_height(task: &AxleTask<T>, side: usize) -> bool {
+        matches!(task.wheels[side].hold, Hold::Height(_))
+    }
+
+    fn equations(&self, state: &AxleState<T>, task: &AxleTask<T>) -> Option<AxleEquations<T>> {
+        let found = self
+            .shared
+            .equations(&self.wheels, state, task, None, Purpose::Balance);
+        found.ok()
+    }
+}

@@ -1,0 +1,263 @@
+//! Equilibria of an axle, as `compliance/solve.rs` and `compliance/wheel.rs` have them for one wheel.
+
+use super::equations::{AxleHeld, AxleSingular, AxleState, AxleStep, AxleTask, Purpose};
+use super::{AxleEquilibrium, ElasticAxle};
+use crate::compliance::definition::Relaxed;
+use crate::compliance::fault::{Motion, NoEquilibrium};
+use crate::compliance::ground::{RACK, SHARED, TWIST};
+use crate::compliance::loads::WheelLoads;
+use crate::compliance::solve::{Judge, Obstacle, Unraised, Verdict, between, raised};
+use crate::compliance::system::{Held, Singular};
+use crate::compliance::wheel::{CARRIER, HeldQuantity, TURN_LEVER, largest_axis};
+use crate::linear::square::MOST;
+use crate::model::{Axis, Side};
+use crate::number::Vector3;
+
+/// Steps of inverse iteration that find the softest motion.
+const SOFT_STEPS: usize = 8;
+
+impl ElasticAxle {
+    /// The equilibrium with the wheel centres at heights and without horizontal loads.
+    pub fn at(&self, travels: [f64; 2], rack: f64) -> Result<AxleEquilibrium, NoEquilibrium> {
+        let (from, to) = (self.level([0.0; 2], 0.0), self.level(travels, rack));
+        let has_offset = self.wheels.iter().any(|wheel| wheel.has_offset);
+        let held = match self.relaxed() {
+            Relaxed::AtDesignLoad if !has_offset => None,
+            _ => {
+                let equations = self.shared.equations(
+                    &self.wheels,
+                    &self.start(),
+                    &from,
+                    None,
+                    Purpose::Balance,
+                );
+                equations.ok().map(|equations| AxleHeld {
+                    wheels: [0, 1].map(|side: usize| {
+                        let of = &equations.sides[side].equations;
+                        Held {
+                            carrier: std::array::from_fn(|i| of.residual[i]),
+                            limbs: of.inner,
+                        }
+                    }),
+                    shared: equations.force,
+                })
+            }
+        };
+        self.solved(&self.start(), &from, &to, held.as_ref())
+    }
+
+    /// The equilibrium under loads beside those of a station, from a neighbour of it. Loads are in the kernel's frame of
+    /// each side. What is held are the station's heights or wheel loads.
+    pub fn loaded_about(
+        &self,
+        station: &AxleEquilibrium,
+        from: &AxleEquilibrium,
+        loads: &[WheelLoads; 2],
+        held: HeldQuantity,
+    ) -> Result<AxleEquilibrium, NoEquilibrium> {
+        let (_, base) = self.held_as(station, held);
+        let (state, mut task) = self.held_as(from, held);
+        let mut to = base;
+        for (side, load) in loads.iter().enumerate() {
+            task.wheels[side].loads.trail = load.trail;
+            to.wheels[side].loads = base.wheels[side].loads.plus(load, 1.0);
+            to.wheels[side].loads.trail = load.trail;
+        }
+        self.solved(&state, &task, &to, None)
+    }
+
+    fn solved(
+        &self,
+        start: &AxleState<f64>,
+        from: &AxleTask<f64>,
+        to: &AxleTask<f64>,
+        held: Option<&AxleHeld<f64>>,
+    ) -> Result<AxleEquilibrium, NoEquilibrium> {
+        let way = |share: f64| AxleTask {
+            rack: from.rack + (to.rack - from.rack) * share,
+            wheels: [0, 1].map(|side: usize| between(&from.wheels[side], &to.wheels[side], share)),
+        };
+        let mut side = None;
+        let newton = |state: &AxleState<f64>, share: f64, is_first: bool| {
+            let rest = held.filter(|_| !is_first).map(|held| AxleHeld {
+                wheels: held.wheels.each_ref().map(|held| held.share(1.0 - share)),
+                shared: held.shared.map(|force| force * (1.0 - share)),
+            });
+            let found = self.newton(state, &way(share), rest.as_ref());
+            found.map_err(|(of, obstacle)| {
+                side = of;
+                obstacle
+            })
+        };
+        match raised(start, newton) {
+            Ok((state, steps)) => Ok(AxleEquilibrium {
+                state,
+                task: *to,
+                steps,
+            }),
+            Err(stuck) => Err(self.explained(&stuck, side, way)),
+        }
+    }
+
+    /// Newton's method from a state. An obstacle of one wheel comes with its number.
+    fn newton(
+        &self,
+        start: &AxleState<f64>,
+        task: &AxleTask<f64>,
+        held: Option<&AxleHeld<f64>>,
+    ) -> Result<(AxleState<f64>, usize), (Option<usize>, Obstacle)> {
+        let mut state = *start;
+        if self.shared.rack.is_none() {
+            state.around.rack = task.rack;
+        }
+        let bounds = self.wheels[0].bounds;
+        let mut judge = Judge::new(bounds);
+        loop {
+            let found = self
+                .shared
+                .equations(&self.wheels, &state, task, held, Purpose::Balance);
+            let equations = found.map_err(|why| match why {
+                AxleSingular::Wheel(side, why) => (Some(side), Obstacle::Singular(why)),
+                AxleSingular::Shared => (None, Obstacle::Singular(Singular::Carrier)),
+            })?;
+            let step = equations.newton_step(&self.wheels);
+            let verdict = judge.judge(step.sizes(&self.wheels));
+            let verdict = verdict.map_err(|why| (None, why))?;
+            state = state.stepped(&self.wheels, &step);
+            if verdict == Verdict::Settled {
+                equations.check_stable(&self.wheels, bounds)?;
+                return Ok((state, judge.steps()));
+            }
+        }
+    }
+
+    fn explained(
+        &self,
+        stuck: &Unraised<AxleState<f64>>,
+        side: Option<usize>,
+        way: impl Fn(f64) -> AxleTask<f64>,
+    ) -> NoEquilibrium {
+        let by_limb = match (side, stuck.obstacle) {
+            (
+                Some(side),
+                Obstacle::Unstable(Some(limb)) | Obstacle::Singular(Singular::Limb(limb)),
+            ) => {
+                let wheel = &self.wheels[side];
+                let name = of_side(side, &wheel.built.names[limb]);
+                Some((name, wheel.spin_of(limb)))
+            }
+            _ => None,
+        };
+        let last = stuck.last.as_ref();
+        NoEquilibrium {
+            share: stuck.share,
+            is_unstable: stuck.share == 0.0 && matches!(stuck.obstacle, Obstacle::Unstable(_)),
+            softest: last
+                .and_then(|state| self.softest(state, &way(stuck.share)))
+                .or(by_limb),
+        }
+    }
+
+    /// The motion with the least stiffness: inverse iteration on the tangent.
+    fn softest(&self, state: &AxleState<f64>, task: &AxleTask<f64>) -> Option<(String, Motion)> {
+        let found = self
+            .shared
+            .equations(&self.wheels, state, task, None, Purpose::Balance);
+        let equations = found.ok()?;
+        let mut wheels = [[0.0; MOST]; 2];
+        for (k, right) in wheels.iter_mut().enumerate() {
+            let k = k as f64;
+            right[..6].copy_from_slice(&[1.0, 0.8 - k, 0.6, 100.0, 80.0 + k, 60.0]);
+        }
+        let mut shared = [0.0; SHARED];
+        let mut step = None;
+        for _ in 0..SOFT_STEPS {
+            let (solution, moved) = equations.solve(&wheels, &shared);
+            let all = solution.iter().flat_map(|x| &x[..6]).chain(&moved);
+            let size = all.fold(0.0_f64, |m, c| m.max(c.abs()));
+            wheels = [[0.0; MOST]; 2];
+            for (right, solution) in wheels.iter_mut().zip(&solution) {
+                for (right, x) in right.iter_mut().zip(&solution[..6]) {
+                    *right = x / size;
+                }
+            }
+            shared = moved.map(|c| c / size);
+            step = Some(equations.step(&self.wheels, &solution, &moved, true));
+        }
+        Some(self.largest_motion(&step?))
+    }
+
+    /// The largest motion of a step, with the name of its part.
+    fn largest_motion(&self, step: &AxleStep<f64>) -> (String, Motion) {
+        let lever = TURN_LEVER * self.wheels[0].bounds.millimetre;
+        let mut found = (-1.0, String::new(), Motion::Turn(Axis::X));
+        let mut note = |size: f64, name: String, motion: Motion| {
+            if size > found.0 {
+                found = (size, name, motion);
+            }
+        };
+        let mut body = |[x, y, z, a, b, c]: [f64; 6], name: &str| {
+            let (shift, turn) = (Vector3::new(x, y, z), Vector3::new(a, b, c));
+            note(
+                shift.norm(),
+                name.to_owned(),
+                Motion::Shift(largest_axis(shift)),
+            );
+            note(
+                turn.norm() * lever,
+                name.to_owned(),
+                Motion::Turn(largest_axis(turn)),
+            );
+        };
+        for (side, wheel) in self.wheels.iter().enumerate() {
+            let own = &step.wheels[side];
+            body(own.carrier, &of_side(side, CARRIER));
+            for (k, limb) in wheel.built.system.limbs.iter().enumerate() {
+                let turn = limb.turn_vector(&own.limbs[k]);
+                let [a, b, c] = turn.to_array();
+                body(
+                    [0.0, 0.0, 0.0, a, b, c],
+                    &of_side(side, &wheel.built.names[k]),
+                );
+            }
+        }
+        let [x, y, z, a, b, c, rack, twist] = step.shared;
+        body([x, y, z, a, b, c], "the subframe");
+        body([0.0, rack, 0.0, 0.0, 0.0, 0.0], "the rack");
+        body([0.0, 0.0, 0.0, 0.0, twist, 0.0], "the anti-roll bar");
+        (found.1, found.2)
+    }
+
+    /// The largest force that is out of balance in a state. A moment counts by its force at a lever of 300 mm. Infinite if
+    /// the state has no equations.
+    pub fn out_of_balance(&self, at: &AxleEquilibrium) -> f64 {
+        let found =
+            self.shared
+                .equations(&self.wheels, &at.state, &at.task, None, Purpose::Balance);
+        let Ok(equations) = found else {
+            return f64::INFINITY;
+        };
+        let mut worst = 0.0;
+        for (side, wheel) in self.wheels.iter().enumerate() {
+            let own = wheel.largest_force(&equations.sides[side].equations);
+            worst = if own <= worst { worst } else { own };
+        }
+        let lever = TURN_LEVER * self.wheels[0].bounds.millimetre;
+        for k in self.shared.active(Purpose::Balance) {
+            let unit = if (3..RACK).contains(&k) || k == TWIST {
+                lever
+            } else {
+                1.0
+            };
+            let force = equations.force[k].abs() / unit;
+            worst = if force <= worst { worst } else { force };
+        }
+        worst
+    }
+}
+
+/// A part of a side in words.
+fn of_side(side: usize, name: &str) -> String {
+    let name = name.strip_prefix("the ").unwrap_or(name);
+    format!("the {} {name}", Side::ALL[side].name())
+}

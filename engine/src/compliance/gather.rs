@@ -1,0 +1,106 @@
+//! Sums of the forces and tangents of a wheel's parts.
+
+use super::ground::{Frames, Holder};
+use super::limb::{Beside, Sum};
+use super::point::PointForce;
+use super::system::{Equations, Held, MOST_JOINTS, MOST_LIMBS, Singular, State, System};
+use crate::number::Scalar;
+
+/// Forces and tangents of a wheel's parts, summed by the bodies that hold them.
+#[derive(Clone, Debug)]
+pub(super) struct Gathered<T> {
+    /// Of body, subframe and rack, each in the axes of its holder.
+    pub(super) sums: [Sum<T>; 3],
+    /// Miss of each rigid joint and its row by the carrier, in the axes of its holder.
+    pub(super) joints: [(T, [T; 6]); MOST_JOINTS],
+    /// Parts that coordinates beside the carrier's move: number of the limb, holder, forces. The bar by itself has the
+    /// number [`MOST_LIMBS`].
+    pub(super) beside: Vec<(usize, Holder, Beside<T>)>,
+}
+
+impl<T: Scalar> System<T> {
+    /// Forces and tangents of elastic parts and joints, each seen from the body that holds it. `is_apart`: sums of body,
+    /// subframe and rack by themselves; else all in the first. The responses of parts go into `equations`.
+    #[inline]
+    pub(super) fn gather(
+        &self,
+        frames: &Frames<T>,
+        state: &State<T>,
+        held: Option<&Held<T>>,
+        is_apart: bool,
+        equations: &mut Equations<T>,
+    ) -> Result<Gathered<T>, Singular> {
+        let like = frames.body.rack.zero();
+        let holders = &self.holders;
+        let mut found = Gathered {
+            sums: [Sum::zero(like); 3],
+            joints: [(like, [like; 6]); MOST_JOINTS],
+            beside: Vec::new(),
+        };
+        let group = |holder: Holder, on_rack: bool| match (is_apart, on_rack) {
+            (false, _) => 0,
+            (true, true) => Holder::RACK,
+            (true, false) => holder as usize,
+        };
+        let nothing = [like; 7];
+        for (k, limb) in self.limbs.iter().enumerate() {
+            let held = held.map_or(&nothing, |held| &held.limbs[k]);
+            let at = frames.of(holders.limbs[k]);
+            let number = group(holders.limbs[k], limb.is_on_rack());
+            let sum = &mut found.sums[number];
+            let mut beside = limb.has_beside().then(|| Beside::zero(like));
+            let of = limb.evaluate(at, &state.limbs[k], held, sum, beside.as_mut());
+            let of = of.ok_or(Singular::Limb(k))?;
+            equations.note(k, &of);
+            found
+                .beside
+                .extend(beside.map(|beside| (k, holders.limbs[k], beside)));
+        }
+        if let (Some(bar), false) = (&self.bar, frames.body.balance_only) {
+            let mut beside = Beside::zero(like);
+            let sum = &mut found.sums[group(self.bar_on, false)];
+            bar.evaluate(frames.of(self.bar_on), sum, &mut beside);
+            found.beside.push((MOST_LIMBS, self.bar_on, beside));
+        }
+        for (part, holder) in self.bushings.iter().zip(&holders.bushings) {
+            let at = frames.of(*holder);
+            let e = at.carrier.displacement(part.lever);
+            let force = at.force(&part.bushing, e, &at.carrier.turn, None);
+            let point = PointForce::of(force.force, force.by_shift);
+            let sum = &mut found.sums[group(*holder, false)];
+            sum.add_point(at.carrier.lever(part.lever), &point);
+            sum.add_moment(force.moment, &force.by_turn);
+        }
+        for (rod, holder) in self.rods.iter().zip(&holders.rods) {
+            if let Some(elastic) = rod.elastic {
+                let sum = &mut found.sums[group(*holder, rod.on_rack)];
+                rod.add(frames.of(*holder), elastic, sum);
+            }
+        }
+        for (k, (joint, holder)) in self.joints.iter().zip(&holders.joints).enumerate() {
+            let at = frames.of(*holder);
+            let force = if at.balance_only {
+                like
+            } else {
+                state.joints[k]
+            };
+            let number = group(*holder, joint.is_on_rack());
+            let (miss, row) = joint.evaluate(at, force, &mut found.sums[number]);
+            found.joints[k] = (miss, row);
+        }
+        Ok(found)
+    }
+
+    /// Adds elastic parts and joints of a wheel by itself.
+    #[inline]
+    pub(super) fn add_alone(&self, found: &Gathered<T>, equations: &mut Equations<T>) {
+        let sum = &found.sums[0];
+        for i in 0..6 {
+            equations.residual[i] = equations.residual[i] + sum.force[i];
+            equations.matrix[i][..6].copy_from_slice(&sum.tangent[i]);
+        }
+        for (k, (miss, row)) in found.joints[..self.joints.len()].iter().enumerate() {
+            equations.set_joint(k, *miss, *row);
+        }
+    }
+}

@@ -1,0 +1,362 @@
+//! Bodies that hold the inner ends of a wheel's parts: body, subframe and rack.
+//!
+//! The energy of parts that the subframe holds depends on the carrier's pose seen from the subframe alone. So they are
+//! evaluated in the subframe's axes, by the formulas that serve a body at rest. With O the carrier's reference point, S
+//! that of the subframe, r = O - S, R the subframe's rotation and f, m the force and moment on the carrier,
+//!
+//! ```text
+//! du' = R'(du - ds - w_s x r),   dw' = R'(dw - w_s)                                               (1)
+//! on the subframe: -f, -(m + r x f)                                                               (2)
+//! d(R f) = R df' + w_s x f                                                                        (3)
+//! ```
+//!
+//! A point P of the body, at p = P - S, is seen to move by dp' = R'(-ds + p x w_s) (4). The rack shifts along y in the
+//! axes of its holder: a shift of it is the opposite shift of the carrier, seen by the parts that it holds (5).
+
+use super::algebra::{Placed, cross_matrix};
+use super::bushing::BushingState;
+use super::coupling::{InFrame, JointRow};
+use super::gather::Gathered;
+use super::limb::{BESIDE, Conditions, Sum, TWIST_BESIDE, joined};
+use super::point::PointForce;
+use super::system::{CarrierBushing, Equations, System};
+use crate::linear::square::MOST;
+use crate::number::{Matrix3, Scalar, Vector3};
+
+/// Unknowns that both wheels share: shift and turn of the subframe, shift of the rack, twist of the middle of the
+/// anti-roll bar.
+pub(super) const SHARED: usize = 8;
+/// Number of the rack's shift among them.
+pub(super) const RACK: usize = 6;
+/// Number of the bar's twist among them.
+pub(super) const TWIST: usize = 7;
+
+/// Body that holds an inner end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Holder {
+    Body,
+    Subframe,
+}
+
+impl Holder {
+    /// Number of the sum of the rack's parts, after those of the holders.
+    pub(super) const RACK: usize = 2;
+}
+
+/// Holders of the parts of a system, in the order of the parts.
+#[derive(Clone, Debug)]
+pub(super) struct Holders {
+    pub(super) limbs: Vec<Holder>,
+    pub(super) bushings: Vec<Holder>,
+    pub(super) rods: Vec<Holder>,
+    pub(super) joints: Vec<Holder>,
+    /// Holder of the rack's housing.
+    pub(super) rack: Holder,
+}
+
+impl Holders {
+    /// No parts yet.
+    pub(super) fn none() -> Self {
+        Holders {
+            limbs: Vec::new(),
+            bushings: Vec::new(),
+            rods: Vec::new(),
+            joints: Vec::new(),
+            rack: Holder::Body,
+        }
+    }
+}
+
+/// One wheel's side of the subframe.
+#[derive(Clone, Debug)]
+pub(super) struct SubframePart<T> {
+    /// From the subframe's reference point to the carrier's, in the design position.
+    pub(super) to_carrier: Vector3<T>,
+    /// Mounts at the body, with levers from the subframe's reference point.
+    pub(super) mounts: Vec<CarrierBushing<T>>,
+    /// The spring's upper end at the body, from the subframe's reference point, if the spring stands on an arm of the
+    /// subframe.
+    pub(super) upper: Option<Vector3<T>>,
+}
+
+/// Positions of the shared bodies, in the axes of a left wheel.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Surroundings<T> {
+    pub(super) subframe: Placed<T>,
+    pub(super) rack: T,
+    pub(super) twist: T,
+}
+
+impl<T: Scalar> Surroundings<T> {
+    /// The rack alone has moved.
+    pub(super) fn of_rack(rack: T) -> Self {
+        Surroundings {
+            subframe: Placed::design(rack),
+            rack,
+            twist: rack.zero(),
+        }
+    }
+
+    /// The same, seen by the other wheel in its axes.
+    pub(super) fn mirrored(&self) -> Self {
+        let Placed { shift, turn } = &self.subframe;
+        let [a, b, c] = turn.columns;
+        Surroundings {
+            subframe: Placed {
+                shift: Vector3::new(shift.x, -shift.y, shift.z),
+                turn: Matrix3 {
+                    columns: [
+                        Vector3::new(a.x, -a.y, a.z),
+                        Vector3::new(-b.x, b.y, -b.z),
+                        Vector3::new(c.x, -c.y, c.z),
+                    ],
+                },
+            },
+            rack: -self.rack,
+            twist: self.twist,
+        }
+    }
+}
+
+/// Signs of the shared unknowns in the axes of the other wheel.
+pub(super) const MIRROR: [f64; SHARED] = [1.0, -1.0, 1.0, -1.0, 1.0, -1.0, -1.0, 1.0];
+
+/// Conditions as body and subframe see them.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Frames<T> {
+    pub(super) body: Conditions<T>,
+    pub(super) subframe: Conditions<T>,
+}
+
+impl<T: Scalar> Frames<T> {
+    #[inline]
+    pub(super) fn of(&self, holder: Holder) -> &Conditions<T> {
+        match holder {
+            Holder::Body => &self.body,
+            Holder::Subframe => &self.subframe,
+        }
+    }
+}
+
+/// Forces of a wheel's parts on the shared bodies, in the axes of a left wheel, and their tangents.
+#[derive(Clone, Debug)]
+pub(super) struct Coupling<T> {
+    pub(super) force: [T; SHARED],
+    pub(super) own: [[T; SHARED]; SHARED],
+    pub(super) by_corner: [[T; MOST]; SHARED],
+    pub(super) corner_by: [[T; SHARED]; MOST],
+    /// Limbs that coordinates beside the carrier's move, with their responses.
+    pub(super) beside: Vec<(usize, [[T; BESIDE]; 6])>,
+}
+
+impl<T: Scalar> System<T> {
+    #[inline]
+    pub(super) fn frames(
+        &self,
+        carrier: &Placed<T>,
+        around: &Surroundings<T>,
+        balance_only: bool,
+    ) -> Frames<T> {
+        let zero = around.rack.zero();
+        let body = Conditions {
+            carrier: *carrier,
+            rack: around.rack,
+            upper: Vector3::new(zero, zero, zero),
+            twist: around.twist,
+            balance_only,
+        };
+        let subframe = match &self.subframe {
+            None => body,
+            Some(part) => part.seen(&body, &around.subframe),
+        };
+        Frames { body, subframe }
+    }
+
+    /// Adds elastic parts and joints of a wheel on shared bodies. Returns their forces on these.
+    pub(super) fn add_coupled(
+        &self,
+        found: &Gathered<T>,
+        frames: &Frames<T>,
+        around: &Surroundings<T>,
+        equations: &mut Equations<T>,
+    ) -> Coupling<T> {
+        let zero = around.rack.zero();
+        let mut coupling = Coupling {
+            force: [zero; SHARED],
+            own: [[zero; SHARED]; SHARED],
+            by_corner: [[zero; MOST]; SHARED],
+            corner_by: [[zero; SHARED]; MOST],
+            beside: Vec::new(),
+        };
+        for holder in [Holder::Body, Holder::Subframe] {
+            let mut part = InFrame::of(&found.sums[holder as usize]);
+            if self.holders.rack == holder {
+                part.add_rack(&found.sums[Holder::RACK]);
+            }
+            for (limb, on, beside) in &found.beside {
+                if *on == holder {
+                    part.add_beside(beside);
+                    coupling.beside.push((*limb, beside.inner_by));
+                }
+            }
+            let seat = match (&self.subframe, holder) {
+                (Some(own), Holder::Subframe) => Some(own.pose(frames, around)),
+                _ => None,
+            };
+            part.add_to(seat.as_ref(), equations, &mut coupling);
+            for (k, joint) in self.joints.iter().enumerate() {
+                if self.holders.joints[k] == holder {
+                    let row = JointRow {
+                        number: k,
+                        miss: found.joints[k].0,
+                        row: found.joints[k].1,
+                        on_rack: joint.is_on_rack(),
+                    };
+                    row.add_to(seat.as_ref(), equations, &mut coupling);
+                }
+            }
+        }
+        if let Some(own) = &self.subframe {
+            own.add_mounts(frames, around, &mut coupling);
+        }
+        coupling
+    }
+
+    /// A step of carrier and shared bodies as a limb sees it: of the carrier, and of the coordinates of [`Beside`].
+    pub(super) fn seen_step(
+        &self,
+        limb: usize,
+        carrier: &[T; 6],
+        shared: &[T; SHARED],
+        frames: &Frames<T>,
+        around: &Surroundings<T>,
+    ) -> ([T; 6], [T; BESIDE]) {
+        let on_rack = self.limbs[limb].is_on_rack();
+        self.seen_by(
+            self.holders.limbs[limb],
+            on_rack,
+            carrier,
+            shared,
+            frames,
+            around,
+        )
+    }
+
+    /// The same of a holder.
+    pub(super) fn seen_by(
+        &self,
+        holder: Holder,
+        on_rack: bool,
+        carrier: &[T; 6],
+        shared: &[T; SHARED],
+        frames: &Frames<T>,
+        around: &Surroundings<T>,
+    ) -> ([T; 6], [T; BESIDE]) {
+        let zero = shared[0].zero();
+        let mut seen = *carrier;
+        let mut beside = [zero; BESIDE];
+        beside[TWIST_BESIDE] = shared[TWIST];
+        if let (Some(own), Holder::Subframe) = (&self.subframe, holder) {
+            let pose = own.pose(frames, around);
+            let [x, y, z, a, b, c, ..] = *shared;
+            let (s, w) = (Vector3::new(x, y, z), Vector3::new(a, b, c));
+            let [x, y, z, a, b, c] = *carrier;
+            let shift = Vector3::new(x, y, z) - s + pose.lever.cross(w);
+            let turn = Vector3::new(a, b, c) - w;
+            let back = |v: Vector3<T>| pose.rotation.apply_transposed(v);
+            seen = joined(back(shift), back(turn));
+            if let Some(upper) = pose.upper {
+                let moved = back(upper.cross(w) - s).to_array();
+                beside[..3].copy_from_slice(&moved);
+            }
+        }
+        if on_rack {
+            seen[1] = seen[1] - shared[RACK];
+        }
+        (seen, beside)
+    }
+
+    /// State of a mount of the subframe.
+    pub(super) fn mount_state(
+        &self,
+        number: usize,
+        around: &Surroundings<T>,
+    ) -> Option<BushingState<T>> {
+        let mount = self.subframe.as_ref()?.mounts.get(number)?;
+        let moved = around.subframe.displacement(mount.lever);
+        Some(mount.bushing.state(moved, &around.subframe.turn))
+    }
+}
+
+/// Present position of the subframe as equations (1) to (4) need it.
+pub(super) struct Pose<T> {
+    pub(super) rotation: Matrix3<T>,
+    /// r
+    pub(super) lever: Vector3<T>,
+    /// p of the spring's upper end.
+    pub(super) upper: Option<Vector3<T>>,
+    /// As [`Conditions::balance_only`]: forces do not turn with the subframe, and keep their levers.
+    balance_only: bool,
+}
+
+impl<T: Scalar> Pose<T> {
+    /// Cross-product matrix of a force, by which it changes where it turns or where its lever changes.
+    pub(super) fn turning(&self, force: Vector3<T>) -> Matrix3<T> {
+        match self.balance_only {
+            true => Matrix3::null(force.x),
+            false => cross_matrix(force),
+        }
+    }
+}
+
+impl<T: Scalar> SubframePart<T> {
+    /// Conditions as the subframe sees them.
+    fn seen(&self, body: &Conditions<T>, subframe: &Placed<T>) -> Conditions<T> {
+        let back = subframe.turn.transposed();
+        let unturned = |v: Vector3<T>| v + back.apply(v);
+        let carrier = Placed {
+            shift: unturned(body.carrier.shift - subframe.shift) + back.apply(self.to_carrier),
+            turn: back
+                .plus(&body.carrier.turn)
+                .plus(&back.times(&body.carrier.turn)),
+        };
+        let upper = match self.upper {
+            Some(upper) => back.apply(upper) - unturned(subframe.shift),
+            None => body.upper,
+        };
+        Conditions {
+            carrier,
+            upper,
+            ..*body
+        }
+    }
+
+    fn pose(&self, frames: &Frames<T>, around: &Surroundings<T>) -> Pose<T> {
+        Pose {
+            rotation: around.subframe.rotation(),
+            lever: self.to_carrier + frames.body.carrier.shift - around.subframe.shift,
+            upper: self.upper.map(|upper| upper - around.subframe.shift),
+            balance_only: frames.body.balance_only,
+        }
+    }
+
+    /// Forces of the mounts at the body.
+    fn add_mounts(&self, frames: &Frames<T>, around: &Surroundings<T>, coupling: &mut Coupling<T>) {
+        let mut sum = Sum::zero(around.rack);
+        for mount in &self.mounts {
+            let e = around.subframe.displacement(mount.lever);
+            let force = frames
+                .body
+                .force(&mount.bushing, e, &around.subframe.turn, None);
+            let point = PointForce::of(force.force, force.by_shift);
+            sum.add_point(around.subframe.lever(mount.lever), &point);
+            sum.add_moment(force.moment, &force.by_turn);
+        }
+        for i in 0..6 {
+            coupling.force[i] = coupling.force[i] + sum.force[i];
+            for j in 0..6 {
+                coupling.own[i][j] = coupling.own[i][j] + sum.tangent[i][j];
+            }
+        }
+    }
+}

@@ -1,0 +1,478 @@
+//! Tests of a rig on both wheels of an axle.
+//!
+//! A wheel's figure is per unit of the load on that wheel, counted positive as for one wheel. Figures of the axle are per
+//! unit of a force to the vehicle's left at each wheel; steer is positive to the left. With track t, wheel loads F and
+//! contact points C, roll is
+//!
+//! ```text
+//! phi = atan2(C_r.z - C_l.z, t),   M = t (F_r - F_l)/2                                            (1)
+//! ```
+
+mod gradients;
+
+pub use gradients::FigureGradients;
+
+use super::figures::{Read, Sheet};
+use super::test::{KcTest, TestLoad, TestMode};
+use super::{
+    KcAxleState, KcFigure, KcLevel, KcOutcome, KcState, KcStation, KcSubject, KcWheelState,
+    at_stations, end_loads, levels, secant, twist_signs, unit_at_centre,
+};
+use crate::ask::Unit;
+use crate::compliance::{
+    AxleChange, AxleCompliance, AxleEquilibrium, AxleFault, AxleTangent, ElasticAxle, HeldQuantity,
+    NoEquilibrium, WheelFigures, WheelLoads,
+};
+use crate::model::{Axis, AxlePosition, Side, Suspension};
+use crate::number::{Scalar, Vector3};
+
+/// Suspensions and figures of an axle under test.
+#[derive(Clone, Copy, Debug)]
+pub struct AxleVehicle<'a> {
+    /// The left and the right wheel, each in the kernel's frame of a left wheel.
+    pub suspensions: [&'a Suspension; 2],
+    /// Rate of the tyre, force per length.
+    pub tyre_rate: Option<f64>,
+}
+
+/// The tests of an axle.
+#[derive(Clone, Debug)]
+pub struct AxleKcRun<'a> {
+    vehicle: AxleVehicle<'a>,
+    parts: AxleCompliance,
+    axle: ElasticAxle,
+}
+
+/// Conditions under which a station is solved: bar connected, rack locked.
+type Variant = (bool, bool);
+
+/// A station under some conditions.
+struct Here<T = f64> {
+    axle: ElasticAxle<T>,
+    at: AxleEquilibrium<T>,
+    tangents: [Option<Option<AxleTangent<T>>>; 2],
+}
+
+/// A figure of a test, in numbers that may carry derivatives.
+#[derive(Clone, Copy)]
+struct AxleFigure<T> {
+    quantity: &'static str,
+    unit: Unit,
+    value: Option<T>,
+    secant: Option<T>,
+    of: KcSubject,
+}
+
+impl<T: Scalar> Here<T> {
+    fn tangent(&mut self, held: HeldQuantity) -> Option<&AxleTangent<T>> {
+        let (axle, at) = (&self.axle, &self.at);
+        let known = &mut self.tangents[usize::from(held == HeldQuantity::WheelLoad)];
+        known.get_or_insert_with(|| axle.tangent(at, held)).as_ref()
+    }
+
+    /// Derivatives of both wheels along a change.
+    fn by(&mut self, held: HeldQuantity, change: &AxleChange<T>) -> Option<[WheelFigures<T>; 2]> {
+        self.tangent(held)?;
+        let known = &self.tangents[usize::from(held == HeldQuantity::WheelLoad)];
+        let tangent = known.as_ref()?.as_ref()?;
+        Some(self.axle.figures_along(tangent, change))
+    }
+
+    /// Loads in the numbers of the station.
+    fn loads(&self, loads: &[WheelLoads; 2]) -> AxleChange<T> {
+        let like = self.axle.travel(&self.at, Side::Left);
+        AxleChange::Loads(loads.map(|load| load.map(|c| like.lit(c))))
+    }
+}
+
+impl<'a> AxleKcRun<'a> {
+    /// Prepares the tests of an axle.
+    pub fn new(vehicle: AxleVehicle<'a>, parts: &AxleCompliance) -> Result<Self, AxleFault> {
+        Ok(AxleKcRun {
+            vehicle,
+            axle: axle_of(&vehicle, parts)?,
+            parts: parts.clone(),
+        })
+    }
+
+    /// The elastic axle, with the bar connected.
+    pub fn axle(&self) -> &ElasticAxle {
+        &self.axle
+    }
+
+    /// The parts under other conditions.
+    fn parts_of(&self, (has_bar, locks_rack): Variant) -> AxleCompliance {
+        let mut parts = self.parts.clone();
+        if !has_bar {
+            parts.bar_rate = None;
+        }
+        if locks_rack {
+            parts.rack_rate = None;
+        }
+        parts
+    }
+
+    /// The axle under other conditions.
+    fn variant(&self, variant: Variant) -> Result<ElasticAxle, AxleFault> {
+        let parts = self.parts_of(variant);
+        match parts == self.parts {
+            true => Ok(self.axle.clone()),
+            false => axle_of(&self.vehicle, &parts),
+        }
+    }
+
+    /// The tests at every station that has any. A station is travel of left and right wheel, and the rack along the study's
+    /// +y.
+    pub fn run(&self, stations: &[([f64; 2], f64)], tests: &[KcTest]) -> Vec<KcStation> {
+        let distance =
+            |([left, right], rack): &([f64; 2], f64)| left.abs() + right.abs() + rack.abs();
+        let mut found = Vec::new();
+        for ((travels, rack), here) in at_stations(stations, distance, tests) {
+            found.push(self.station(travels, rack, &here));
+        }
+        found
+    }
+
+    fn here(&self, variant: Variant, travels: [f64; 2], rack: f64) -> Result<Here, NoEquilibrium> {
+        let along = self.vehicle.suspensions[0].frame.sign(Axis::Y);
+        let axle = self.variant(variant).map_err(|_| NoEquilibrium {
+            share: 0.0,
+            is_unstable: true,
+            softest: None,
+        })?;
+        Ok(Here {
+            at: axle.at(travels, along * rack)?,
+            axle,
+            tangents: [None, None],
+        })
+    }
+
+    fn station(&self, travels: [f64; 2], rack: f64, tests: &[KcTest]) -> KcStation {
+        let mut known: Vec<(Variant, Result<Here, NoEquilibrium>)> = Vec::new();
+        let mut outcomes = Ok(Vec::new());
+        let mut matrix = None;
+        for test in tests {
+            let variant = (test.has_bar, test.locks_rack);
+            if !known.iter().any(|(of, _)| *of == variant) {
+                known.push((variant, self.here(variant, travels, rack)));
+            }
+            let Some((_, here)) = known.iter_mut().find(|(of, _)| *of == variant) else {
+                continue;
+            };
+            match (here, &mut outcomes) {
+                (Ok(here), Ok(outcomes)) => {
+                    if matrix.is_none() {
+                        matrix = self.matrix(here);
+                    }
+                    outcomes.push(self.outcome(here, test));
+                }
+                (Err(why), outcomes) => *outcomes = Err(why.clone()),
+                (Ok(_), Err(_)) => {}
+            }
+        }
+        let vehicle = &self.vehicle.suspensions[0].vehicle;
+        KcStation {
+            travel: travels[0],
+            right_travel: Some(travels[1]),
+            rack,
+            outcomes,
+            tests: tests
+                .iter()
+                .map(|test| (*test, test.unit_load(vehicle).1))
+                .collect(),
+            matrix,
+        }
+    }
+
+    /// The figures of a wheel. The axes are those of the left wheel: a rack is common to both.
+    fn sheet(&self, side: Side, has_axis: bool) -> Sheet<'_> {
+        Sheet {
+            suspension: self.vehicle.suspensions[0],
+            side,
+            is_rigid: self.parts.is_rigid(),
+            has_axis,
+            tyre_rate: self.vehicle.tyre_rate,
+        }
+    }
+
+    fn outcome(&self, here: &mut Here, test: &KcTest) -> KcOutcome {
+        let (load, place) = test.unit_load(&self.vehicle.suspensions[0].vehicle);
+        let factors = test.factors();
+        let loads = |force: f64| factors.map(|factor| end_loads(&load, force * factor));
+        let has_levels = !test.load.is_motion() && test.levels > 0;
+        let levels = match has_levels {
+            false => Vec::new(),
+            true => {
+                let (axle, at) = (&here.axle, &here.at);
+                let next = |from: &AxleEquilibrium, force: f64| {
+                    axle.loaded_about(at, from, &loads(force), test.held)
+                };
+                let read = |level, load, at: &Result<AxleEquilibrium, NoEquilibrium>| KcLevel {
+                    level,
+                    load,
+                    state: at.clone().map(|at| self.state(axle, &at)),
+                };
+                levels(at, test, next, read)
+            }
+        };
+        let secants = match levels.is_empty() {
+            true => None,
+            false => secant(&levels, 0)
+                .zip(secant(&levels, 1))
+                .map(|(l, r)| [l, r]),
+        };
+        let figures = self.figures(here, test, secants);
+        let figures = figures.into_iter().map(|figure| KcFigure {
+            quantity: figure.quantity,
+            unit: figure.unit,
+            value: figure.value,
+            secant: figure.secant,
+            of: figure.of,
+        });
+        KcOutcome {
+            test: *test,
+            place,
+            figures: figures.collect(),
+            levels,
+        }
+    }
+
+    /// The figures of a test, first those of the wheels.
+    fn figures<T: Scalar>(
+        &self,
+        here: &mut Here<T>,
+        test: &KcTest,
+        secants: Option<[WheelFigures<T>; 2]>,
+    ) -> Vec<AxleFigure<T>> {
+        let (load, _) = test.unit_load(&self.vehicle.suspensions[0].vehicle);
+        let unit = test.factors().map(|factor| end_loads(&load, factor));
+        let by = self.derivatives(here, test, &unit);
+        let mut figures = self.wheel_figures(here, test, by, secants);
+        figures.extend(self.axle_figures(here, test, by, secants));
+        figures
+    }
+
+    /// Derivatives of both wheels by the load or motion, each in the frame of its side.
+    fn derivatives<T: Scalar>(
+        &self,
+        here: &mut Here<T>,
+        test: &KcTest,
+        unit: &[WheelLoads; 2],
+    ) -> Option<[WheelFigures<T>; 2]> {
+        let height = HeldQuantity::WheelHeight;
+        let one = here.axle.travel(&here.at, Side::Left).one();
+        match test.load {
+            TestLoad::Heave => here.by(height, &AxleChange::Travels([one, one])),
+            TestLoad::Roll => here.by(height, &AxleChange::Travels([-one, one])),
+            TestLoad::Steering => here.by(height, &AxleChange::Rack),
+            _ => {
+                let loads = here.loads(unit);
+                here.by(test.held, &loads)
+            }
+        }
+    }
+
+    /// Roll angle and roll moment along opposite travels. Equation (1).
+    fn roll<T: Scalar>(&self, here: &Here<T>, by: &[WheelFigures<T>; 2]) -> [T; 2] {
+        let figures = Side::ALL.map(|side| here.axle.figures(&here.at, side));
+        let loads = Side::ALL.map(|side| here.axle.wheel_load(&here.at, side));
+        let track = figures[0].contact.y + figures[1].contact.y;
+        let track_by = by[0].contact.y + by[1].contact.y;
+        let height = figures[1].contact.z - figures[0].contact.z;
+        let height_by = by[1].contact.z - by[0].contact.z;
+        let square = track * track + height * height;
+        let angle = (height_by * track - height * track_by) / square;
+        let (load, load_by) = (loads[1] - loads[0], by[1].vertical - by[0].vertical);
+        let moment = track_by * load + track * load_by;
+        [angle, moment.scaled(0.5)]
+    }
+
+    fn wheel_figures<T: Scalar>(
+        &self,
+        here: &mut Here<T>,
+        test: &KcTest,
+        by: Option<[WheelFigures<T>; 2]>,
+        secants: Option<[WheelFigures<T>; 2]>,
+    ) -> Vec<AxleFigure<T>> {
+        let one = here.axle.travel(&here.at, Side::Left).one();
+        // Derivatives by a unit at the wheel itself.
+        let units = match test.load {
+            TestLoad::Heave | TestLoad::Steering => [one; 2],
+            TestLoad::Roll => match &by {
+                Some(by) => [one / self.roll(here, by)[0]; 2],
+                None => [one; 2],
+            },
+            _ => test.factors().map(|factor| one.scaled(factor)),
+        };
+        let rates = self.wheel_rates(here, test);
+        let mut found = Vec::new();
+        for (k, side) in Side::ALL.into_iter().enumerate() {
+            if units[k].value() == 0.0 {
+                continue;
+            }
+            let steering = here.axle.figures(&here.at, side).steering;
+            let sheet = self.sheet(side, steering.is_some());
+            let read = |by: Option<[WheelFigures<T>; 2]>| Read {
+                by: by.map(|by| by[k].map(|c| c * units[k])),
+                wheel_rate: rates.map(|rates| rates[k]),
+                rack_force: None,
+            };
+            let values = sheet.figures(test, &read(by));
+            let at_ends = sheet.figures(test, &read(secants));
+            let finite = |value: Option<T>| value.filter(|value| value.value().is_finite());
+            found.extend(
+                values
+                    .into_iter()
+                    .zip(at_ends)
+                    .map(|(value, secant)| AxleFigure {
+                        quantity: value.quantity,
+                        unit: value.unit,
+                        value: finite(value.value),
+                        secant: finite(secant.value.filter(|_| secants.is_some())),
+                        of: KcSubject::Wheel(side),
+                    }),
+            );
+        }
+        found
+    }
+
+    /// Wheel loads by heights of the contact points that rise together, for ride rates by heave.
+    fn wheel_rates<T: Scalar>(&self, here: &mut Here<T>, test: &KcTest) -> Option<[T; 2]> {
+        if test.load != TestLoad::Heave || self.vehicle.tyre_rate.is_none() {
+            return None;
+        }
+        let mut load = WheelLoads::none(0.0);
+        load.contact.z = 1.0;
+        let loads = here.loads(&[load; 2]);
+        let by = here.by(HeldQuantity::WheelLoad, &loads)?;
+        Some(by.map(|by| by.contact.z.one() / by.contact.z))
+    }
+
+    /// Figures of the axle as a whole.
+    fn axle_figures<T: Scalar>(
+        &self,
+        here: &Here<T>,
+        test: &KcTest,
+        by: Option<[WheelFigures<T>; 2]>,
+        secants: Option<[WheelFigures<T>; 2]>,
+    ) -> Vec<AxleFigure<T>> {
+        let like = here.axle.travel(&here.at, Side::Left);
+        let mut found = Vec::new();
+        let mut push = |quantity, unit, of: &dyn Fn(&[WheelFigures<T>; 2]) -> T| {
+            let finite = |value: Option<T>| value.filter(|value| value.value().is_finite());
+            found.push(AxleFigure {
+                quantity,
+                unit,
+                value: finite(by.as_ref().map(of)),
+                secant: finite(secants.as_ref().map(of)),
+                of: KcSubject::Axle,
+            });
+        };
+        let steer = |by: &[WheelFigures<T>; 2]| (by[1].toe - by[0].toe).scaled(0.5);
+        // Loads are to the right at the left wheel.
+        let to_left = |by: &[WheelFigures<T>; 2]| -steer(by);
+        let position = self.vehicle.suspensions[0].vehicle.position;
+        let understeer = match position {
+            Some(AxlePosition::Rear) => 1.0,
+            _ => -1.0,
+        };
+        let is_elastic = !self.parts.is_rigid();
+        let has_spring = here.axle.spring(&here.at, Side::Left).is_some();
+        match (test.load, test.mode) {
+            (TestLoad::Roll, _) => {
+                let angle = by.map_or(like.lit(f64::NAN), |by| self.roll(here, &by)[0]);
+                push("steer_by_roll", Unit::AnglePerAngle, &|by| {
+                    steer(by) / angle
+                });
+                if has_spring {
+                    push("compliant_roll_stiffness", Unit::TorquePerAngle, &|by| {
+                        self.roll(here, by)[1] / angle
+                    });
+                }
+            }
+            (TestLoad::Steering, _) => {
+                let along = self.vehicle.suspensions[0].frame.sign(Axis::Y);
+                push("steer_by_rack", Unit::AnglePerLength, &|by| {
+                    steer(by).scaled(along)
+                });
+                if has_spring {
+                    let force = here.axle.rack_force(&here.at).scaled(along);
+                    push("rack_force", Unit::Force, &|_| force);
+                }
+            }
+            (TestLoad::Lateral, TestMode::Parallel) => {
+                if is_elastic {
+                    push("axle_steer_by_lateral_force", Unit::AnglePerForce, &to_left);
+                    push("understeer_by_lateral_force", Unit::AnglePerForce, &|by| {
+                        to_left(by).scaled(understeer)
+                    });
+                }
+                if test.held == HeldQuantity::WheelHeight {
+                    let at = Side::ALL.map(|side| here.axle.figures(&here.at, side).contact.y);
+                    let track = at[0] + at[1];
+                    push("force_roll_centre_height_compliant", Unit::Length, &|by| {
+                        (track * (by[0].vertical - by[1].vertical)).scaled(0.25)
+                    });
+                }
+            }
+            (TestLoad::Aligning, TestMode::Parallel) if is_elastic => {
+                push(
+                    "understeer_by_aligning_moment",
+                    Unit::AnglePerTorque,
+                    &|by| to_left(by).scaled(understeer),
+                );
+            }
+            _ => {}
+        }
+        found
+    }
+
+    fn state(&self, axle: &ElasticAxle, at: &AxleEquilibrium) -> KcState {
+        let wheel = |side: Side| KcWheelState {
+            figures: axle.figures(at, side),
+            wheel_load: axle.wheel_load(at, side),
+            spring: axle.spring(at, side),
+            bushings: axle.bushings(at, side),
+            tensions: axle.tensions(at, side),
+        };
+        let wheels: Vec<KcWheelState> = Side::ALL.into_iter().map(wheel).collect();
+        let along = self.vehicle.suspensions[0].frame.sign(Axis::Y);
+        KcState {
+            axle: Some(KcAxleState {
+                mean_steer: 0.5 * (wheels[1].figures.toe - wheels[0].figures.toe),
+                rack_force: along * axle.rack_force(at),
+                bar_torque: axle.bar_torque(at),
+            }),
+            wheels,
+        }
+    }
+
+    /// The matrix of both wheel centres, in the study's axes.
+    fn matrix(&self, here: &mut Here) -> Option<Vec<Vec<f64>>> {
+        let frame = self.vehicle.suspensions[0].frame;
+        let signs = [twist_signs(frame), twist_signs(frame.of_other_side())];
+        let axle = here.axle.clone();
+        let tangent = here.tangent(HeldQuantity::WheelLoad)?;
+        let mut matrix = vec![vec![0.0; 12]; 12];
+        for column in 0..12 {
+            let (side, component) = (column / 6, column % 6);
+            let mut loads = [WheelLoads::none(0.0); 2];
+            loads[side] = unit_at_centre(component);
+            let twists = axle.twists_along(tangent, &loads);
+            let rows = twists
+                .iter()
+                .flatten()
+                .flat_map(|v: &Vector3<f64>| v.to_array());
+            for (row, value) in rows.enumerate() {
+                let sign = signs[row / 6][row % 6] * signs[side][component];
+                matrix[row][column] = Some(value * sign).filter(|value| value.is_finite())?;
+            }
+        }
+        Some(matrix)
+    }
+}
+
+fn axle_of(vehicle: &AxleVehicle<'_>, parts: &AxleCompliance) -> Result<ElasticAxle, AxleFault> {
+    let designs = vehicle.suspensions.map(|wheel| &wheel.design[..]);
+    ElasticAxle::of(vehicle.suspensions, designs, parts)
+}

@@ -1,0 +1,211 @@
+//! Seats of springs and drop links of anti-roll bars on arms of rigid or stretching legs.
+//!
+//! The seat keeps its place in the frame of the arm's axis e and outer joint. With r the unit vector from the axis to the
+//! joint, n = e x r, l the joint's distance from the axis and b, c the seat's distances along r and n, a force F at the
+//! seat is, at the joint,
+//!
+//! ```text
+//! n p/l,   p = F.(b n - c r);   tangent -(p/l^2)(r n' + n r') - (F.(b r + c n)/l^2) n n'          (1)
+//! ```
+
+use super::algebra::Placed;
+use super::limb::{Beside, Conditions, Evaluated, Followers, LimbState, Sum, TWIST_BESIDE};
+use super::point::{BarSeat, PointForce, Seat, SeatForce, Stretched};
+use crate::number::{Matrix3, Scalar, Vector3};
+
+/// A point of an arm of rigid or stretching legs.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct LegPoint<T> {
+    /// The outer joint, from the carrier's reference point.
+    pub(super) joint: Vector3<T>,
+    /// Unit vector along the arm's axis.
+    pub(super) axis: Vector3<T>,
+    /// From the axis to the outer joint, square to it.
+    pub(super) radius: Vector3<T>,
+    /// b and c of equation (1).
+    pub(super) place: [T; 2],
+}
+
+/// The seat of a spring on an arm of rigid or stretching legs.
+#[derive(Clone, Debug)]
+pub(super) struct LegSeat<T> {
+    pub(super) leg: LegPoint<T>,
+    pub(super) seat: Seat<T>,
+}
+
+/// The frame of an arm of legs: r, n/l, the arm b n - c r and the displacement of the point.
+struct LegFrame<T> {
+    radial: Vector3<T>,
+    normal: Vector3<T>,
+    inverse: T,
+    moved: Vector3<T>,
+    /// Turn of the arm by the displacement of the joint.
+    along: Vector3<T>,
+    /// Displacement of the point by the turn of the arm.
+    arm: Vector3<T>,
+    place: [T; 2],
+}
+
+impl<T: Scalar> LegFrame<T> {
+    /// The force at the joint by a force at the point. Equation (1).
+    fn at_joint(&self, point: &PointForce<T>, balance_only: bool) -> PointForce<T> {
+        let (r, n, [b, c]) = (self.radial, self.normal, self.place);
+        let at_joint = |force: Vector3<T>| self.along * self.arm.dot(force);
+        let mut stiffness = Matrix3::null(b);
+        let bend = self.arm.dot(point.stiffness.apply(self.arm));
+        stiffness.add_product(self.along, self.along, bend);
+        if !balance_only {
+            let square = self.inverse * self.inverse;
+            let turning = -(self.arm.dot(point.force) * square);
+            stiffness.add_product(r, n, turning);
+            stiffness.add_product(n, r, turning);
+            let radial = (r * b + n * c).dot(point.force) * square;
+            stiffness.add_product(n, n, -radial);
+        }
+        PointForce {
+            force: at_joint(point.force),
+            condensed: at_joint(point.condensed),
+            stiffness,
+        }
+    }
+}
+
+impl<T: Scalar> LegPoint<T> {
+    fn frame(&self, carrier: &Placed<T>) -> LegFrame<T> {
+        let moved = carrier.displacement(self.joint).across(self.axis);
+        let line = Stretched::of(self.radius, moved);
+        let before = self.radius.normalised();
+        // r - r0 from the displacement, so that it keeps all digits.
+        let change = (moved - before * line.stretch) * line.inverse_length;
+        let turned = self.axis.cross(change);
+        let (radial, normal) = (line.direction, self.axis.cross(line.direction));
+        LegFrame {
+            radial,
+            normal,
+            inverse: line.inverse_length,
+            moved: change * self.place[0] + turned * self.place[1],
+            along: normal * line.inverse_length,
+            arm: normal * self.place[0] - radial * self.place[1],
+            place: self.place,
+        }
+    }
+
+    /// Shift of the seat in a small step of the joint from the design position.
+    pub(super) fn shift(&self, joint: Vector3<T>) -> Vector3<T> {
+        let r = self.radius.normalised();
+        let n = self.axis.cross(r);
+        let turn = n.dot(joint) / self.radius.norm();
+        (n * self.place[0] - r * self.place[1]) * turn
+    }
+
+    /// Displacement of the seat.
+    pub(super) fn displacement(&self, carrier: &Placed<T>) -> Vector3<T> {
+        self.frame(carrier).moved
+    }
+}
+
+impl<T: Scalar> LegSeat<T> {
+    /// Displacement of the seat, against the upper end if that is on another body.
+    pub(super) fn displacement(&self, at: &Conditions<T>) -> Vector3<T> {
+        let moved = self.leg.displacement(&at.carrier);
+        if self.seat.is_across {
+            moved - at.upper
+        } else {
+            moved
+        }
+    }
+
+    pub(super) fn evaluate(
+        &self,
+        at: &Conditions<T>,
+        state: &LimbState<T>,
+        held: &[T; 7],
+        sum: &mut Sum<T>,
+        beside: Option<&mut Beside<T>>,
+    ) -> Evaluated<T> {
+        let frame = self.leg.frame(&at.carrier);
+        let SeatForce {
+            point,
+            slide,
+            moment,
+            is_stable,
+        } = self
+            .seat
+            .force(self.displacement(at), state.slide, held[6], at.balance_only);
+        let lever = at.carrier.lever(self.leg.joint);
+        if let Some(beside) = beside.filter(|_| self.seat.is_across) {
+            let across = point.stiffness.apply(frame.arm).to_array();
+            for k in 0..3 {
+                beside.force[k] = -point.force.to_array()[k];
+                for j in 0..3 {
+                    beside.own[k][j] = point.stiffness.entry(k, j);
+                }
+                let by = -(frame.along * across[k]);
+                beside.couple(k, lever, by, by);
+            }
+        }
+        let at_joint = frame.at_joint(&point, at.balance_only);
+        sum.add_point(lever, &at_joint.leverless_if(at.balance_only));
+        let slide = slide.map(|slide| (frame.along * frame.arm.dot(slide.by), slide.rest));
+        let mut inner = [at.rack.zero(); 7];
+        inner[6] = moment;
+        Evaluated {
+            followers: Followers::of_joint(lever, slide),
+            inner,
+            is_stable,
+            least_pivot: 1.0,
+        }
+    }
+}
+
+/// The drop link of an anti-roll bar on the carrier, or on an arm of legs.
+#[derive(Clone, Debug)]
+pub(super) struct BarPart<T> {
+    pub(super) foot: BarFoot<T>,
+    pub(super) seat: BarSeat<T>,
+}
+
+/// Place of a drop link's outer end.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum BarFoot<T> {
+    /// On the carrier, from its reference point.
+    Carrier(Vector3<T>),
+    /// On an arm of legs.
+    Leg(LegPoint<T>),
+}
+
+impl<T: Scalar> BarPart<T> {
+    /// Displacement of the drop link's outer end.
+    fn displacement(&self, carrier: &Placed<T>) -> Vector3<T> {
+        match &self.foot {
+            BarFoot::Carrier(lever) => carrier.displacement(*lever),
+            BarFoot::Leg(leg) => leg.displacement(carrier),
+        }
+    }
+
+    /// Angle of the lever.
+    pub(super) fn angle(&self, at: &Conditions<T>) -> T {
+        let moved = self.displacement(&at.carrier);
+        self.seat.force(moved, at.twist).angle
+    }
+
+    pub(super) fn evaluate(&self, at: &Conditions<T>, sum: &mut Sum<T>, beside: &mut Beside<T>) {
+        let force = self.seat.force(self.displacement(&at.carrier), at.twist);
+        beside.force[TWIST_BESIDE] = force.torque;
+        beside.own[TWIST_BESIDE][TWIST_BESIDE] = self.seat.rate;
+        match &self.foot {
+            BarFoot::Carrier(lever) => {
+                let lever = at.carrier.lever(*lever);
+                sum.add_point(lever, &force.point);
+                beside.couple(TWIST_BESIDE, lever, force.by_twist, force.by_twist);
+            }
+            BarFoot::Leg(leg) => {
+                let frame = leg.frame(&at.carrier);
+                let lever = at.carrier.lever(leg.joint);
+                sum.add_point(lever, &frame.at_joint(&force.point, false));
+                let by = frame.along * frame.arm.dot(force.by_twist);
+                beside.couple(TWIST_BESIDE, lever, by, by);
+            }
+        }
+    }
+}

@@ -1,0 +1,101 @@
+//! `hardpoint new --with bushings`: the elastic parts of a template.
+
+use crate::compliance::{bushing_points, link_members};
+use crate::model::{Body, Constraint, Mechanism, PointId, Topology};
+use crate::study::Study;
+use std::fmt::Write as _;
+use std::path::Path;
+
+/// Characteristics that an equilibrium of any topology has.
+const OUTPUTS: &str = "[\"camber\", \"toe\", \"camber_gain\", \"bump_steer\", \"half_track_change\", \"wheelbase_change\"]";
+
+/// Bushing at a pivot of an arm: x along the arm's axis.
+const OF_ARM: &str = "[900.0, 6000.0, 6000.0, 6.0e4, 2.0e5, 2.0e5]";
+/// Bushing at an end of a link: x along the link.
+const OF_LINK: &str = "[9000.0, 1200.0, 9000.0, 5.0e4, 1.2e5, 5.0e4]";
+/// Top mount of a strut: z up the strut, which turns freely about it.
+const OF_STRUT: &str = "[600.0, 600.0, 1500.0, 2.0e4, 2.0e4, 0.0]";
+
+/// The text of a template with a spring, bushings and a stretching link.
+///
+/// # Errors
+/// The reason in words why the topology has no elastic parts.
+pub(super) fn with_bushings(
+    text: &str,
+    topology: &Topology,
+    is_axle: bool,
+) -> Result<String, String> {
+    let read = Study::from_text("template.toml", text, Path::new(""));
+    let study = read.map_err(|e| e.to_string())?;
+    let mechanism = &study.wheel().mechanism;
+    let two_joints = |c: &Constraint| mechanism.arm_under(c).is_some();
+    if topology.carries_both_wheels() || mechanism.constraints.iter().any(two_joints) {
+        return Err(format!("{} has no elastic parts yet", topology.name));
+    }
+    let mut written = String::new();
+    for line in text.lines() {
+        if line.starts_with("characteristics = [") && !is_axle {
+            let _ = writeln!(written, "characteristics = {OUTPUTS}");
+        } else if !(is_axle && line.starts_with("roll = ")) {
+            written = written + line + "\n";
+        }
+    }
+    if is_axle {
+        let plane =
+            "[motion]                         # every combination is solved, on a plane ground";
+        written = written.replace(
+            plane,
+            "[motion]                         # every combination is a station of `hardpoint kc`",
+        );
+    }
+    written += &sections(mechanism);
+    Ok(written)
+}
+
+/// Spring, elastic parts and their relaxation.
+fn sections(mechanism: &Mechanism) -> String {
+    let mut text = String::from(
+        "\n[spring]\n\
+         rate = 40.0                      # N/mm along the spring\n\
+         force = 4000.0                   # N in the design position\n\n\
+         # Elastic parts: `hardpoint kc` loads the wheel as a rig does. Without these sections the mechanism is rigid.\n\
+         [compliance]\n\
+         relaxed = \"at_design_load\"       # the hardpoints are of the loaded car; or \"free\": bushings are slack in the drawing\n\n\
+         # Stiffness along x, y, z in N/mm, and about them in N mm/rad. Arms: x from the rear to the front pivot; links: from the\n\
+         # inner to the outer end.\n",
+    );
+    let links = link_members(mechanism);
+    let stretching = links.iter().find(|(name, _)| is_toe_link(name));
+    let of_link = |id: PointId| {
+        let name = mechanism.name(id);
+        stretching.is_some_and(|(link, _)| name.starts_with(link.as_str()))
+    };
+    for id in bushing_points(mechanism) {
+        if mechanism.body(id) == Body::Rack || of_link(id) {
+            continue;
+        }
+        let name = mechanism.name(id);
+        let of_arm = mechanism
+            .arms
+            .iter()
+            .any(|arm| [arm.front, arm.rear].contains(&id));
+        let stiffness = match name {
+            "strut_top" => OF_STRUT,
+            _ if of_arm || name.starts_with("arm_pivot") => OF_ARM,
+            _ => OF_LINK,
+        };
+        let _ = writeln!(text, "[bushings.{name}]\nstiffness = {stiffness}\n");
+    }
+    if let Some((name, _)) = stretching {
+        let _ = writeln!(
+            text,
+            "[links.{name}]\nmodulus = 70000.0                # N/mm^2\narea = 110.0                     # mm^2 of its section"
+        );
+    }
+    text
+}
+
+/// Returns true for the link that steers the wheel.
+fn is_toe_link(name: &str) -> bool {
+    matches!(name, "tie_rod" | "toe_link")
+}

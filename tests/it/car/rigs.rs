@@ -1,0 +1,226 @@
+//! Tunings of a car with targets and constraints of its axles by themselves, and variables that move several hardpoints.
+
+use super::commands::{hardpoint, studies};
+use hardpoint::axle::{AxleSolver, Placement, Quantity};
+use hardpoint::car::{CarGoals, CarQuantity, CarSolver, CarTarget, moved, tune};
+use hardpoint::study::CarStudy;
+use serde_json::Value;
+use std::path::Path;
+
+/// The sample car with this section in place of its `[optimise]`.
+fn car(directory: &Path, optimise: &str) -> std::path::PathBuf {
+    for name in ["car.toml", "car_front.toml", "car_rear.toml"] {
+        std::fs::copy(studies().join(name), directory.join(name)).unwrap();
+    }
+    let path = directory.join("car.toml");
+    let text = std::fs::read_to_string(&path).unwrap();
+    let (text, _) = text.split_once("[optimise]").unwrap();
+    std::fs::write(&path, format!("{text}\n{optimise}")).unwrap();
+    path
+}
+
+const BUMP_STEER: &str = r#"
+[optimise]
+variables = [
+  { axle = "front", hardpoint = "tie_rod_inner", axis = "z", range = [-10.0, 10.0] },
+  { axle = "front", hardpoints = ["lower_arm_front", "lower_arm_rear"], axis = "z", factors = [1.0, 1.0], range = [-10.0, 10.0] },
+  { axle = "front", rate = "anti_roll_bar", percent = 40.0 },
+  { axle = "rear", rate = "anti_roll_bar", percent = 40.0 },
+]
+targets = [
+  { axle = "front", characteristic = "toe", side = "left", over = "roll", points = [[-3.0, 0.03], [0.0, 0.0], [3.0, -0.04]], tolerance = 0.01 },
+  { case = "turn", characteristic = "lateral_load_transfer_distribution", value = 48.0, tolerance = 0.1 },
+  { case = "turn", characteristic = "roll", value = 2.4, tolerance = 0.02 },
+]
+constraints = [
+  { axle = "front", length = "tie_rod", kept = true },
+  { case = "turn", characteristic = "front_right_wheel_load", at_most = 7000.0 },
+]
+"#;
+
+/// Gradients of all rows are those of differences, and the misfit is the weighted mean of both kinds of targets.
+#[test]
+fn targets_of_cases_and_axles_are_tuned_together() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = car(directory.path(), BUMP_STEER);
+    let study = CarStudy::read(&path, &[]).unwrap();
+    let wanted = study.optimise.as_ref().unwrap();
+    let tuned = study.tuned(wanted, Default::default()).unwrap();
+    let rig = wanted.rigs[0].as_ref().unwrap();
+    let outcome = rig
+        .outcome(&study.axles[0].vehicle, tuned.fit.x.as_slice())
+        .unwrap();
+    // The tie rod keeps its length, although its inner point moves.
+    assert!(outcome.margins[0].abs() < 1e-6, "{outcome:?}");
+    let design = &tuned.study.car.axles[0].left.design;
+    let before = &study.car.axles[0].left.design;
+    let point = |name: &str| study.car.axles[0].left.mechanism.point(name).unwrap();
+    let [inner, outer] = ["tie_rod_inner", "tie_rod_outer"].map(point);
+    let length = |of: &[hardpoint::number::Vector3<f64>]| (of[inner.0] - of[outer.0]).norm();
+    assert!((length(design) - length(before)).abs() < 1e-6);
+    // Both arms' points move alike.
+    let moved_by = |name: &str| (design[point(name).0] - before[point(name).0]).z;
+    assert_eq!(moved_by("lower_arm_front"), moved_by("lower_arm_rear"));
+    assert!(moved_by("lower_arm_front") != 0.0);
+    // The misfit, put together from published values.
+    let mut solver = CarSolver::new(&tuned.study.car).unwrap();
+    let turn = study
+        .cases
+        .iter()
+        .position(|case| case.name == "turn")
+        .unwrap();
+    let case = &study.cases[turn];
+    let found = solver.solve(case).unwrap();
+    let solved = solver.solved(case, &found).unwrap();
+    let mut sum = outcome.targets[0].rms.powi(2);
+    for target in &wanted.targets {
+        let value = target.quantity.printed(&solved, case).unwrap();
+        sum += (target.deviation(value) / target.tolerance).powi(2);
+    }
+    let misfit = (sum / 3.0).sqrt();
+    assert!(
+        (tuned.fit.misfit() / misfit - 1.0).abs() < 1e-9,
+        "{} {misfit}",
+        tuned.fit.misfit()
+    );
+    let load = CarQuantity::named("front_right_wheel_load")[0];
+    assert!(load.printed(&solved, case).unwrap() < 7000.0 + 1e-3);
+}
+
+/// An axle's target counts as many stations as one target: planted at a known design, both kinds are met there.
+#[test]
+fn planted_bump_steer_and_distribution_are_found() {
+    let directory = tempfile::tempdir().unwrap();
+    let kept = "{ axle = \"front\", length = \"tie_rod\", kept = true },";
+    let without_tie_rod = BUMP_STEER.replace(kept, "");
+    let path = car(directory.path(), &without_tie_rod);
+    let study = CarStudy::read(&path, &[]).unwrap();
+    let wanted = study.optimise.clone().unwrap();
+    let planted = [2.0, -3.0, 700_000.0, 350_000.0];
+    let truth = moved(&study.car, &wanted.variables, &planted);
+    // The curve of the planted car, from the study of its axle.
+    let text = study.axles[0].with_design(&truth.axles[0].left.design);
+    let axle = hardpoint::study::Study::from_text("front.toml", &text, Path::new(".")).unwrap();
+    let own = axle.axle().unwrap();
+    let toe = Quantity::named("toe");
+    let mut solver = AxleSolver::<4>::new(&own.axle, &toe, false).unwrap();
+    let mut points = Vec::new();
+    for roll in [-3.0_f64, -2.0, -1.0, 0.0, 1.0, 2.0, 3.0] {
+        let placement = Placement::Roll {
+            heave: 0.0,
+            roll: roll.to_radians(),
+            rack: 0.0,
+        };
+        let placed = solver.place(&placement).unwrap();
+        // The left wheel's is the first.
+        let value = solver.read(&placed).unwrap().value(toe[0]).unwrap();
+        points.push(format!("[{roll:?}, {:?}]", value.to_degrees()));
+    }
+    let curve = "points = [[-3.0, 0.03], [0.0, 0.0], [3.0, -0.04]]";
+    let text = without_tie_rod.replace(
+        curve,
+        &format!(
+            "points = [{}], interpolation = \"linear\"",
+            points.join(", ")
+        ),
+    );
+    let path = car(directory.path(), &text);
+    let study = CarStudy::read(&path, &[]).unwrap();
+    let wanted = study.optimise.as_ref().unwrap();
+    let mut solver = CarSolver::new(&truth).unwrap();
+    let values: Vec<CarTarget> = wanted
+        .targets
+        .iter()
+        .map(|target| {
+            let case = &study.cases[target.case];
+            let found = solver.solve(case).unwrap();
+            let solved = solver.solved(case, &found).unwrap();
+            let value = target.quantity.printed(&solved, case).unwrap();
+            CarTarget {
+                wanted: [value; 2],
+                ..target.clone()
+            }
+        })
+        .collect();
+    let goals = CarGoals {
+        targets: &values,
+        constraints: &[],
+        ..study.goals(wanted)
+    };
+    let tuned = tune(&study.car, goals, wanted.run, Default::default()).unwrap();
+    assert!(tuned.misfit() < 1e-6, "{:e}", tuned.misfit());
+    for (found, planted) in tuned.x.iter().zip(planted) {
+        assert!(
+            (found - planted).abs() < 1e-4 * planted.abs(),
+            "{:?}",
+            tuned.x
+        );
+    }
+}
+
+/// The terminal names both kinds of targets and the constraints, and programs read them.
+#[test]
+fn the_command_reports_both_kinds() {
+    let directory = tempfile::tempdir().unwrap();
+    car(directory.path(), BUMP_STEER);
+    let arguments = ["optimise", "car.toml", "--out", "tuned"];
+    let said = hardpoint(directory.path(), &arguments).get_output().clone();
+    let text = String::from_utf8(said.stdout).unwrap();
+    assert!(
+        text.contains("toe_rms_deviation_deg") && text.contains("front axle by itself"),
+        "{text}"
+    );
+    assert!(text.contains("margin after"), "{text}");
+    let summary = std::fs::read_to_string(directory.path().join("tuned/summary.json")).unwrap();
+    let summary: Value = serde_json::from_str(&summary).unwrap();
+    assert_eq!(summary["targets"].as_array().unwrap().len(), 3);
+    assert_eq!(summary["constraints"].as_array().unwrap().len(), 2);
+}
+
+/// Entries that are neither of a case nor of an axle, or of both, are refused with the place; so are keys and rates that do not
+/// fit.
+#[test]
+fn mistakes_of_places_are_named() {
+    let directory = tempfile::tempdir().unwrap();
+    for (from, to, expected) in [
+        (
+            "{ case = \"turn\", characteristic = \"roll\",",
+            "{ characteristic = \"roll\",",
+            "expected case (a load case) or axle",
+        ),
+        (
+            "{ case = \"turn\", characteristic = \"roll\",",
+            "{ case = \"turn\", axle = \"front\", characteristic = \"roll\",",
+            "only one of them",
+        ),
+        (
+            "{ case = \"turn\", characteristic = \"roll\",",
+            "{ case = \"turn\", over = \"roll\", characteristic = \"roll\",",
+            "over is for an axle by itself",
+        ),
+        (
+            "characteristic = \"toe\", side = \"left\"",
+            "characteristic = \"roll_stiffness_at_load\"",
+            "depends on rates of the front axle",
+        ),
+        (
+            "factors = [1.0, 1.0]",
+            "factors = [1.0]",
+            "expected 2 factors",
+        ),
+        ("percent = 40.0", "relative = 0.4", "relative is percent"),
+    ] {
+        let path = car(directory.path(), &BUMP_STEER.replacen(from, to, 1));
+        let errors = CarStudy::read(&path, &[]).unwrap_err();
+        let text = format!("{errors}");
+        assert!(text.contains(expected), "{expected}: {text}");
+    }
+    // A study of an axle has no cases.
+    let front = std::fs::read_to_string(studies().join("car_front.toml")).unwrap();
+    let text = format!(
+        "{front}\n[optimise]\nvariables = [{{ hardpoint = \"tie_rod_inner\", axis = \"z\", range = [-5.0, 5.0] }}]\ntargets = [{{ case = \"turn\", characteristic = \"toe\", at = 0.0, value = 0.0, tolerance = 0.1 }}]\n"
+    );
+    let errors =
+        hardpoint::study::Study::from_text("front.toml", &text, Path::new(".")).unwrap_err();
+    assert!(format!("{errors}").contains("case needs [car]"), "{errors}");
+}

@@ -1,0 +1,143 @@
+//! Where equilibria end: planted tips, and states that hold although their stiffness is not symmetric.
+
+use hardpoint::axle::{Preloaded, RockerSprings};
+use hardpoint::car::{Car, CarQuantity, CarSolver, Case, Longitudinal, NoEquilibrium};
+use hardpoint::study::CarStudy;
+use std::path::Path;
+
+fn formula_student_car() -> Car {
+    let path = super::commands::studies().join("formula_student_car.toml");
+    CarStudy::read(&path, &[]).unwrap().car
+}
+
+fn value(solver: &mut CarSolver<'_>, case: &Case, name: &str) -> f64 {
+    let found = solver.solve(case).unwrap();
+    let solved = solver.solved(case, &found).unwrap();
+    CarQuantity::named(name)[0].evaluate(&solved)
+}
+
+fn at_rest() -> Case {
+    let mut case = Case::at_rest("rest");
+    case.setting.elastic_tyres = false;
+    case
+}
+
+/// The stiffness against roll falls with the height of the centre of gravity: its weight turns the body. A car at rest tips just
+/// above the height where nothing is left of it, and not just below.
+#[test]
+fn a_high_car_tips_where_its_roll_stiffness_ends() {
+    let car = formula_student_car();
+    let at = |height: f64| {
+        let mut high = car.clone();
+        high.cg.z = height;
+        high
+    };
+    let solve = |height: f64| {
+        let high = at(height);
+        let solved = CarSolver::new(&high).unwrap().solve(&at_rest());
+        solved.map(|found| found.lifted)
+    };
+    let (mut low, mut high) = (car.cg.z, 6.0 * car.cg.z);
+    assert_eq!(solve(high), Err(NoEquilibrium::Tips));
+    for _ in 0..40 {
+        let middle = 0.5 * (low + high);
+        match solve(middle) {
+            Ok(lifted) => {
+                assert_eq!(lifted, [false; 4]);
+                low = middle;
+            }
+            Err(why) => {
+                assert_eq!(why, NoEquilibrium::Tips);
+                high = middle;
+            }
+        }
+    }
+    let stiffness = |height: f64| {
+        let high = at(height);
+        let mut solver = CarSolver::new(&high).unwrap();
+        value(&mut solver, &at_rest(), "body_roll_stiffness")
+    };
+    // The root of the stiffness, along its tangent from just below.
+    let [near, far] = [1e-5, 2e-5].map(|part| stiffness(low * (1.0 - part)));
+    let root = low * (1.0 - 1e-5 + 1e-5 * near / (far - near));
+    assert!((root / low - 1.0).abs() < 1e-8, "{root} {low}");
+    let at_design = stiffness(car.cg.z);
+    assert!(near > 0.0 && near < 1e-4 * at_design, "{near} {at_design}");
+}
+
+/// A car with rockers whose front axle has a heave bar alone: the same load at rest, and no stiffness in roll.
+fn without_front_roll_stiffness() -> Car {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/own/free_bodies.toml");
+    let mut car = CarStudy::read(&path, &[]).unwrap().car;
+    let mut solver = CarSolver::new(&car).unwrap();
+    let rest = at_rest();
+    let found = solver.solve(&rest).unwrap();
+    let state = solver.balance(&rest, &found).unwrap();
+    let wheel = &state.wheels[0];
+    let [angle, by_travel] = wheel.corner.rocker.angle;
+    let work = wheel.parts[0] * state.road.up.dot(wheel.contact_rate);
+    // 60 N/mm at each wheel.
+    let rate = 0.5 * 60.0 / (by_travel * by_travel);
+    let setup = &mut car.axles[0].setup;
+    (setup.springs, setup.bar_rate) = (None, None);
+    setup.rocker_springs = RockerSprings {
+        heave_bar: Some(Preloaded {
+            load: work / by_travel - 2.0 * rate * angle,
+            rate,
+        }),
+        ..RockerSprings::default()
+    };
+    car
+}
+
+/// Nothing but the rear axle resists roll. When its inner wheel lifts, the body stands on one rear wheel and on the middle of the
+/// front axle: it falls. The limit of equilibrium is that lift, and the program calls it tipping.
+#[test]
+fn a_car_on_two_supports_tips_at_the_lift() {
+    let car = without_front_roll_stiffness();
+    let mut solver = CarSolver::new(&car).unwrap();
+    let case = Case::along("turn", 90.0, &at_rest());
+    let limits = solver.limits(&case).unwrap();
+    let lift = limits.lift.unwrap();
+    assert_eq!(lift.wheel.0, 2, "{lift:?}");
+    assert!(lift.others_loaded, "{lift:?}");
+    assert!((limits.end - lift.acceleration).abs() < 1e-5, "{limits:?}");
+    let beyond = Case {
+        ay: lift.acceleration + 1e-3,
+        ..case
+    };
+    assert_eq!(solver.solve(&beyond).unwrap_err(), NoEquilibrium::Tips);
+}
+
+/// Anti-features of strong brakes make the stiffness so unsymmetric that its symmetric part is not positive, and yet each wheel
+/// presses on the ground, and its load changes smoothly. The car is solved until its rear wheels have no load, and not beyond.
+#[test]
+fn a_braking_car_is_solved_until_its_rear_wheels_lift() {
+    let car = formula_student_car();
+    let mut solver = CarSolver::new(&car).unwrap();
+    let mut rest = Case::at_rest("rest");
+    rest.setting.elastic_tyres = car.tyres.is_some();
+    let braking = Case::along("braking", 180.0, &rest);
+    let limits = solver.limits(&braking).unwrap();
+    let at = |g: f64| Case {
+        ax: -g,
+        ..braking.clone()
+    };
+    println!("{limits:?}");
+    assert_eq!(braking.setting.longitudinal, Longitudinal::Brake);
+    let loads = |solver: &mut CarSolver<'_>, g: f64| {
+        let found = solver.solve(&at(g)).unwrap();
+        [found.unknowns[7], found.unknowns[9], found.unknowns[10]]
+    };
+    // Just below the end nothing is left on the rear wheels.
+    let [front, left, right] = loads(&mut solver, limits.end - 1e-5);
+    assert!((left - right).abs() < 1e-6 * front);
+    assert!(left > 0.0 && left < 1e-3 * front, "{left} {front}");
+    assert_eq!(limits.why, Some(NoEquilibrium::AxleLifted { axle: 1 }));
+    // The load falls steadily, without the vertical slope of a fold.
+    let steps = [0.12, 0.09, 0.06, 0.03].map(|less| loads(&mut solver, limits.end - less)[1]);
+    let slopes: Vec<f64> = steps.windows(2).map(|pair| pair[0] - pair[1]).collect();
+    for pair in slopes.windows(2) {
+        assert!((pair[1] / pair[0] - 1.0).abs() < 0.1, "{slopes:?}");
+    }
+}

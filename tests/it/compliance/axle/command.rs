@@ -1,0 +1,213 @@
+//! `hardpoint kc` and `hardpoint check` of an axle as a user runs them.
+
+use std::collections::HashMap;
+use std::path::Path;
+use std::process::{Command, Output};
+
+const STUDY: &str = "subframe_axle_compliance.toml";
+
+fn hardpoint(arguments: &[&str], directory: &Path) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_hardpoint"))
+        .args(arguments)
+        .current_dir(directory)
+        .output()
+        .unwrap()
+}
+
+fn study() -> String {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("studies")
+        .join(STUDY);
+    path.display().to_string()
+}
+
+/// Rows of a table by column.
+fn rows(path: &Path) -> Vec<HashMap<String, String>> {
+    let mut reader = csv::Reader::from_path(path).unwrap();
+    let header: Vec<String> = reader
+        .headers()
+        .unwrap()
+        .iter()
+        .map(str::to_owned)
+        .collect();
+    let row = |record: csv::StringRecord| {
+        let cells = record.iter().map(str::to_owned);
+        header.iter().cloned().zip(cells).collect()
+    };
+    reader
+        .records()
+        .map(|record| row(record.unwrap()))
+        .collect()
+}
+
+#[test]
+fn kc_tests_both_wheels_of_an_axle() {
+    let directory = tempfile::tempdir().unwrap();
+    let ran = hardpoint(&["kc", &study(), "--out", "kc"], directory.path());
+    let said = String::from_utf8_lossy(&ran.stdout).into_owned();
+    let errors = String::from_utf8_lossy(&ran.stderr);
+    assert_eq!(ran.status.code(), Some(0), "{said}{errors}");
+    let figures = rows(&directory.path().join("kc/kc.csv"));
+    let values = |load: &str, mode: &str, wheel: &str, quantity: &str| -> Vec<f64> {
+        let is = |row: &&HashMap<String, String>| {
+            row["load"] == load
+                && row["mode"] == mode
+                && row["wheel"] == wheel
+                && row["quantity"] == quantity
+        };
+        let found: Vec<f64> = figures
+            .iter()
+            .filter(is)
+            .map(|row| row["value"].parse().unwrap())
+            .collect();
+        assert!(!found.is_empty(), "{load} {mode} {wheel} {quantity}");
+        found
+    };
+    let value = |load: &str, mode: &str, wheel: &str, quantity: &str| {
+        values(load, mode, wheel, quantity)[0]
+    };
+    // A symmetric axle gives both wheels one number, and its figures follow from them.
+    for (load, mode, quantity) in [
+        ("heave", "", "toe_by_heave"),
+        ("roll", "", "camber_by_roll"),
+        ("roll", "", "steer_by_roll"),
+        ("steering", "", "steer_by_rack"),
+        ("steering", "", "caster_by_rack"),
+        ("lateral", "parallel", "toe_by_lateral_force"),
+        ("lateral", "opposed", "toe_by_lateral_force"),
+        ("lateral", "single", "contact_by_lateral_force"),
+        ("braking", "parallel", "recession_by_braking"),
+        ("vertical", "opposed", "compliant_wheel_rate"),
+    ] {
+        let [left, right] = ["left", "right"].map(|wheel| value(load, mode, wheel, quantity));
+        // In roll and by the rack the wheels move in opposite ways; steer counts to the left at both.
+        let is_opposite = ["camber_by_roll", "caster_by_rack"].contains(&quantity);
+        let sign = if is_opposite { -1.0 } else { 1.0 };
+        assert!(
+            (left - sign * right).abs() < 1e-9 * left.abs(),
+            "{quantity}: {left} {right}"
+        );
+    }
+    let toe = value("lateral", "parallel", "left", "toe_by_lateral_force");
+    let steer = value("lateral", "parallel", "axle", "axle_steer_by_lateral_force");
+    assert!((steer - toe).abs() < 1e-9 * toe.abs(), "{steer} {toe}");
+    let understeer = value("lateral", "parallel", "axle", "understeer_by_lateral_force");
+    assert!((understeer + steer).abs() < 1e-12);
+    // Bar: it stiffens roll and not heave.
+    let stiffness = values("roll", "", "axle", "compliant_roll_stiffness");
+    assert_eq!(stiffness.len(), 2);
+    assert!(stiffness[0] > 1.05 * stiffness[1], "{stiffness:?}");
+    let rates =
+        ["parallel", "opposed"].map(|mode| value("vertical", mode, "left", "compliant_wheel_rate"));
+    assert!(rates[1] > 1.05 * rates[0], "{rates:?}");
+    let states: Vec<&str> = figures
+        .iter()
+        .map(|row| row["anti_roll_bar"].as_str())
+        .collect();
+    assert!(states.contains(&"connected") && states.contains(&"disconnected"));
+
+    // The window is centred on the derivative: secants are near it.
+    let secants = figures
+        .iter()
+        .filter(|row| !row["secant"].is_empty() && row["quantity"] == "toe_by_lateral_force");
+    for row in secants {
+        let [value, secant] = ["value", "secant"].map(|key| row[key].parse::<f64>().unwrap());
+        assert!(
+            (value - secant).abs() < 0.05 * value.abs(),
+            "{value} {secant}"
+        );
+    }
+
+    let levels = rows(&directory.path().join("kc/levels.csv"));
+    let level = levels
+        .iter()
+        .find(|row| row["load"] == "lateral" && row["mode"] == "single" && row["level"] == "5");
+    let level = level.unwrap();
+    assert_eq!(level["side"], "left");
+    for column in [
+        "left_toe_deg",
+        "right_subframe_front_force_y_N",
+        "mean_steer_deg",
+        "rack_force_N",
+        "anti_roll_bar_torque_N_m",
+    ] {
+        level[column]
+            .parse::<f64>()
+            .unwrap_or_else(|_| panic!("{column}"));
+    }
+
+    let matrix = rows(&directory.path().join("kc/compliance_matrix.csv"));
+    assert_eq!(matrix.len(), 12);
+    let names = ["fx", "fy", "fz", "mx", "my", "mz"];
+    let names: Vec<String> = ["left_", "right_"]
+        .iter()
+        .flat_map(|side| names.map(|n| format!("{side}{n}")))
+        .collect();
+    let entry = |i: usize, j: usize| matrix[i][&names[j]].parse::<f64>().unwrap();
+    for i in 0..12 {
+        for j in 0..i {
+            let scale = (entry(i, i) * entry(j, j)).sqrt();
+            assert!((entry(i, j) - entry(j, i)).abs() < 1e-10 * scale, "{i} {j}");
+        }
+    }
+}
+
+#[test]
+fn check_lists_mounts_and_other_commands_refuse() {
+    let directory = tempfile::tempdir().unwrap();
+    let checked = hardpoint(&["check", &study()], directory.path());
+    let said = String::from_utf8_lossy(&checked.stdout).into_owned();
+    assert_eq!(checked.status.code(), Some(0), "{said}");
+    for word in [
+        "subframe_front",
+        "rack",
+        "The subframe holds lower_arm_front",
+        "vertical_force",
+    ] {
+        assert!(said.contains(word), "{word}: {said}");
+    }
+    for command in ["solve", "limits", "setup"] {
+        let refused = hardpoint(&[command, &study()], directory.path());
+        let errors = String::from_utf8_lossy(&refused.stderr).into_owned();
+        assert_eq!(refused.status.code(), Some(2), "{command}: {errors}");
+        assert!(errors.contains("elastic parts"), "{command}: {errors}");
+    }
+    let named = hardpoint(&["kc", &study(), "--names", "adams"], directory.path());
+    assert_eq!(named.status.code(), Some(2));
+}
+
+/// Without elastic parts an axle has the tests of its rigid mechanism, and they agree with its curves.
+#[test]
+fn kc_tests_the_rigid_mechanism_of_an_axle() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/subframe_axle_compliance.toml");
+    let text = std::fs::read_to_string(path).unwrap();
+    let (rigid, _) = text.split_once("[compliance]").unwrap();
+    let rigid = rigid
+        .replace("rack_stiffness", "# rack")
+        .replace("column_stiffness", "# column");
+    let more = "[outputs]\ncharacteristics = [\"force_roll_centre_height\", \"bump_steer\"]\n";
+    std::fs::write(directory.path().join("axle.toml"), format!("{rigid}{more}")).unwrap();
+    for (command, out) in [("kc", "kc"), ("solve", "solve")] {
+        let ran = hardpoint(&[command, "axle.toml", "--out", out], directory.path());
+        let errors = String::from_utf8_lossy(&ran.stderr).into_owned();
+        assert_eq!(ran.status.code(), Some(0), "{errors}");
+    }
+    let figures = rows(&directory.path().join("kc/kc.csv"));
+    let value = |wheel: &str, quantity: &str| -> f64 {
+        let is =
+            |row: &&HashMap<String, String>| row["wheel"] == wheel && row["quantity"] == quantity;
+        figures.iter().find(is).unwrap()["value"].parse().unwrap()
+    };
+    let curves = rows(&directory.path().join("solve/curves.csv"));
+    let at_design = curves
+        .iter()
+        .find(|row| row["heave_mm"].parse() == Ok(0.0))
+        .unwrap();
+    let curve = |column: &str| at_design[column].parse::<f64>().unwrap();
+    let height = value("axle", "force_roll_centre_height_compliant");
+    assert!((height - curve("force_roll_centre_height_mm")).abs() < 1e-9 * height);
+    let steer = value("right", "toe_by_heave");
+    assert!((steer - curve("right_bump_steer_deg_per_mm")).abs() < 1e-9 * steer.abs());
+    value("axle", "steer_by_roll");
+}

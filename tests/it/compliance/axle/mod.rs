@@ -1,0 +1,553 @@
+//! Elastic axles against a second formulation (`world.rs`) and against mechanics.
+
+mod command;
+mod mechanics;
+mod world;
+
+use super::support::elastic_axle;
+use crate::support::random::Random;
+use hardpoint::axle::Law;
+use hardpoint::compliance::{
+    AxialStiffness, AxleCompliance, AxleEquilibrium, BushingPart, ElasticAxle, HeldQuantity,
+    Relaxed, Shape, Subframe, SubframeMount, WheelFigures, WheelLoads,
+};
+use hardpoint::derive::DesignedSpinAxis;
+use hardpoint::model::{Body, Constraint as Rigid, PointId, Side, Suspension};
+use hardpoint::number::Vector3;
+use std::collections::HashMap;
+use world::{Constraint, Energy, Freedom, GROUND, Load, On, World};
+
+const HELD: HeldQuantity = HeldQuantity::WheelHeight;
+
+/// An axle with its parts.
+struct Case {
+    suspension: Suspension,
+    parts: AxleCompliance,
+}
+
+impl Case {
+    fn axle(&self) -> ElasticAxle {
+        let design = &self.suspension.design[..];
+        ElasticAxle::of([&self.suspension; 2], [design; 2], &self.parts)
+            .unwrap_or_else(|e| panic!("{e:?}"))
+    }
+}
+
+fn cubic(rate: f64, cubic: f64) -> Shape {
+    Shape::Cubic { rate, cubic }
+}
+
+fn mount(name: &str, at: [f64; 3], rates: [f64; 6], bent: f64) -> SubframeMount {
+    SubframeMount {
+        name: name.to_owned(),
+        at: Vector3::from(at),
+        shapes: std::array::from_fn(|k| cubic(rates[k], if k < 3 { bent } else { 0.0 })),
+        preload: [0.0; 6],
+        x_axis: None,
+        z_axis: None,
+    }
+}
+
+/// A sample axle with a subframe that holds these points, a compliant rack and an anti-roll bar.
+fn sample(topology: &str, carries: &[&str], relaxed: Relaxed, random: &mut Random) -> Case {
+    let (suspension, mut wheel) = elastic_axle(topology);
+    let mut suspension = suspension;
+    suspension.design = random.scattered(&suspension.design, 8.0);
+    wheel.relaxed = relaxed;
+    let mut factor = || random.signed().exp2();
+    for part in &mut wheel.bushings {
+        for (k, shape) in part.shapes.iter_mut().enumerate() {
+            let Shape::Cubic { rate, cubic } = shape else {
+                continue;
+            };
+            *rate *= factor();
+            *cubic = if k < 3 && relaxed == Relaxed::Free {
+                0.05 * *rate
+            } else {
+                0.0
+            };
+        }
+    }
+    for link in &mut wheel.links {
+        if let AxialStiffness::PerStrain(force) = link.stiffness {
+            link.stiffness = AxialStiffness::Rate(force / 300.0 * factor());
+        }
+    }
+    let mechanism = &suspension.mechanism;
+    let carries: Vec<PointId> = carries
+        .iter()
+        .map(|name| mechanism.point(name).unwrap())
+        .collect();
+    let bent = if relaxed == Relaxed::Free { 40.0 } else { 0.0 };
+    let rates = [3000.0, 4000.0, 2500.0, 2e5, 3e5, 2e5];
+    let mounts = vec![
+        mount(
+            "subframe_front",
+            [220.0, 350.0, 160.0],
+            rates.map(|r| r * factor()),
+            bent,
+        ),
+        mount(
+            "subframe_rear",
+            [-280.0, 340.0, 170.0],
+            rates.map(|r| r * factor()),
+            bent,
+        ),
+    ];
+    let subframe = (!carries.is_empty()).then_some(Subframe { carries, mounts });
+    let steers = (0..mechanism.points.len()).any(|k| mechanism.body(PointId(k)) == Body::Rack);
+    Case {
+        parts: AxleCompliance {
+            wheels: [wheel.clone(), wheel],
+            subframe,
+            rack_rate: steers.then(|| 15_000.0 * factor()),
+            bar_rate: Some(4.0e5 * factor()),
+        },
+        suspension,
+    }
+}
+
+fn mirrored(v: Vector3<f64>) -> Vector3<f64> {
+    Vector3::new(v.x, -v.y, v.z)
+}
+
+/// Numbers of the second formulation's bodies.
+struct Built {
+    world: World,
+    carriers: [usize; 2],
+    subframe: usize,
+    rack: Option<usize>,
+    levers: [usize; 2],
+}
+
+/// Builds one side of the second formulation.
+struct Builder<'c> {
+    case: &'c Case,
+    world: World,
+    side: usize,
+    subframe: usize,
+    rack: Option<usize>,
+    carrier: usize,
+}
+
+impl Builder<'_> {
+    fn true_side(&self, v: Vector3<f64>) -> Vector3<f64> {
+        if self.side == 0 { v } else { mirrored(v) }
+    }
+
+    fn at(&self, id: PointId) -> Vector3<f64> {
+        self.true_side(self.case.suspension.design[id.0])
+    }
+
+    fn holder(&self, id: PointId) -> usize {
+        let subframe = self.case.parts.subframe.as_ref();
+        let is_held = subframe.is_some_and(|s| s.carries.contains(&id));
+        match self.case.suspension.mechanism.body(id) {
+            Body::Rack => self.rack.unwrap(),
+            _ if is_held => self.subframe,
+            _ => GROUND,
+        }
+    }
+
+    fn bushing(
+        &mut self,
+        i: usize,
+        j: usize,
+        point: Vector3<f64>,
+        along: Vector3<f64>,
+        part: &[Shape; 6],
+    ) {
+        let x = along.normalised();
+        let up = Vector3::new(0.0, 0.0, 1.0);
+        let z = (up - x * x.dot(up)).normalised();
+        let mut rates = [0.0; 6];
+        let mut bent = [0.0; 3];
+        for (k, shape) in part.iter().enumerate() {
+            let Shape::Cubic { rate, cubic } = shape else {
+                panic!()
+            };
+            rates[k] = *rate;
+            if k < 3 {
+                bent[k] = *cubic;
+            }
+        }
+        self.world.energies.push(Energy::Bushing(
+            i,
+            j,
+            point,
+            [x, z.cross(x), z],
+            rates,
+            bent,
+        ));
+    }
+
+    fn part(&self, id: PointId) -> Option<BushingPart> {
+        let parts = &self.case.parts.wheels[self.side].bushings;
+        parts.iter().find(|part| part.point == id).cloned()
+    }
+
+    /// The wheel's parts. Returns carrier and lever.
+    fn wheel(&mut self) -> [usize; 2] {
+        let mechanism = self.case.suspension.mechanism.clone();
+        self.carrier = self.world.body(Freedom::Free, self.at(mechanism.origin));
+        let mut bodies = HashMap::new();
+        for (k, arm) in mechanism.arms.iter().enumerate() {
+            if self.part(arm.front).is_none() {
+                continue;
+            }
+            let body = self.world.body(Freedom::Free, self.at(arm.outer));
+            bodies.insert(k, body);
+            let joint = self.at(arm.outer);
+            let ends = (On(body, joint), On(self.carrier, joint));
+            self.world
+                .constraints
+                .push(Constraint::Ball(ends.0, ends.1));
+            let along = self.at(arm.front) - self.at(arm.rear);
+            for id in [arm.front, arm.rear] {
+                let part = self.part(id).unwrap();
+                self.bushing(self.holder(id), body, self.at(id), along, &part.shapes);
+            }
+        }
+        for constraint in &mechanism.constraints {
+            let Rigid::Link { inner, outer } = *constraint else {
+                panic!()
+            };
+            let of_arm = |k: &usize| mechanism.arms[*k].outer == outer;
+            if !bodies.keys().any(of_arm) {
+                self.link(inner, outer);
+            }
+        }
+        self.spring(&bodies);
+        [self.carrier, self.lever(&bodies)]
+    }
+
+    fn link(&mut self, inner: PointId, outer: PointId) {
+        let (a, b) = (self.at(inner), self.at(outer));
+        let ends = (On(self.holder(inner), a), On(self.carrier, b));
+        match (self.part(inner), self.part(outer)) {
+            (Some(first), Some(second)) => {
+                let body = self.world.body(Freedom::Free, a);
+                self.bushing(ends.0.0, body, a, b - a, &first.shapes);
+                self.bushing(self.carrier, body, b, b - a, &second.shapes);
+            }
+            (None, None) => {
+                let links = &self.case.parts.wheels[self.side].links;
+                let stiff = links
+                    .iter()
+                    .find_map(|link| match (link.member, link.stiffness) {
+                        (
+                            hardpoint::compliance::LinkMember::Rod { inner: i, .. },
+                            AxialStiffness::Rate(rate),
+                        ) if i == inner => Some(rate),
+                        _ => None,
+                    });
+                match stiff {
+                    Some(rate) => self.world.energies.push(Energy::Rod(ends.0, ends.1, rate)),
+                    None => self.world.constraints.push(Constraint::Rod(ends.0, ends.1)),
+                }
+            }
+            _ => panic!(),
+        }
+    }
+
+    fn on(&self, bodies: &HashMap<usize, usize>, id: PointId) -> On {
+        let body = match self.case.suspension.mechanism.body(id) {
+            Body::Arm(arm) => bodies[&arm.0],
+            Body::Knuckle => self.carrier,
+            other => panic!("{other:?}"),
+        };
+        On(body, self.at(id))
+    }
+
+    fn spring(&mut self, bodies: &HashMap<usize, usize>) {
+        let spring = self.case.suspension.mechanism.spring.unwrap();
+        let law = self.case.parts.wheels[self.side].spring.as_ref().unwrap();
+        let Law::Linear { force, rate } = law.spring else {
+            panic!()
+        };
+        let upper = On(self.holder(spring.upper), self.at(spring.upper));
+        let lower = self.on(bodies, spring.lower);
+        self.world
+            .energies
+            .push(Energy::Spring(upper, lower, force, rate));
+    }
+
+    fn lever(&mut self, bodies: &HashMap<usize, usize>) -> usize {
+        let mechanism = &self.case.suspension.mechanism;
+        let rocker = mechanism.rocker(mechanism.anti_roll_bar().unwrap());
+        // In a mirror a turn about an axis is one about the opposite of its image.
+        let sign = if self.side == 0 { 1.0 } else { -1.0 };
+        let axis = (self.at(rocker.second) - self.at(rocker.first)) * sign;
+        let holder = self.holder(rocker.first);
+        let lever = self.world.body(
+            Freedom::About(holder, axis.normalised()),
+            self.at(rocker.first),
+        );
+        let outer = self.on(bodies, rocker.outer);
+        let inner = On(lever, self.at(rocker.inner));
+        self.world.constraints.push(Constraint::Rod(outer, inner));
+        lever
+    }
+}
+
+/// The second formulation of a case.
+fn build(case: &Case, command: f64) -> Built {
+    let mut world = World::new();
+    let mut subframe = GROUND;
+    if let Some(own) = &case.parts.subframe {
+        subframe = world.body(Freedom::Free, Vector3::new(-30.0, 0.0, 165.0));
+        for mount in &own.mounts {
+            for side in [1.0, -1.0] {
+                let at = Vector3::new(mount.at.x, side * mount.at.y, mount.at.z);
+                let axes = [(1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)];
+                let axes = axes.map(|(x, y, z)| Vector3::new(x, y, z));
+                let rates = mount.shapes.each_ref().map(|s| match s {
+                    Shape::Cubic { rate, .. } => *rate,
+                    Shape::Curve { .. } => panic!(),
+                });
+                let bent = [0, 1, 2].map(|k: usize| match &mount.shapes[k] {
+                    Shape::Cubic { cubic, .. } => *cubic,
+                    Shape::Curve { .. } => panic!(),
+                });
+                world
+                    .energies
+                    .push(Energy::Bushing(GROUND, subframe, at, axes, rates, bent));
+            }
+        }
+    }
+    let mechanism = &case.suspension.mechanism;
+    let points = (0..mechanism.points.len()).map(PointId);
+    let on_rack: Vec<PointId> = points
+        .filter(|id| mechanism.body(*id) == Body::Rack)
+        .collect();
+    let rack = on_rack.first().map(|id| {
+        let held = case
+            .parts
+            .subframe
+            .as_ref()
+            .is_some_and(|s| s.carries.contains(id));
+        let holder = if held { subframe } else { GROUND };
+        let along = Vector3::new(0.0, 1.0, 0.0);
+        let reference = world.bodies[holder].reference;
+        let rack = world.body(Freedom::Along(holder, along), reference);
+        match case.parts.rack_rate {
+            Some(rate) => world.energies.push(Energy::Slide(rack, command, rate)),
+            None => world.constraints.push(Constraint::Slide(rack, command)),
+        }
+        rack
+    });
+    let mut found = Built {
+        world,
+        carriers: [0; 2],
+        subframe,
+        rack,
+        levers: [0; 2],
+    };
+    for side in 0..2 {
+        let mut builder = Builder {
+            case,
+            world: found.world,
+            side,
+            subframe,
+            rack,
+            carrier: 0,
+        };
+        [found.carriers[side], found.levers[side]] = builder.wheel();
+        found.world = builder.world;
+    }
+    let [left, right] = found.levers;
+    found
+        .world
+        .energies
+        .push(Energy::Bar(left, right, case.parts.bar_rate.unwrap_or(0.0)));
+    found
+}
+
+/// The left wheel's axis in the design position, outboard.
+fn spin_axis(case: &Case) -> Vector3<f64> {
+    let own = &case.suspension;
+    DesignedSpinAxis::of(&own.mechanism, &own.design).direction
+}
+
+/// The axis of a wheel, outboard, in true coordinates.
+fn axis(case: &Case, built: &Built, side: usize) -> Vector3<f64> {
+    let designed = spin_axis(case);
+    let designed = if side == 0 {
+        designed
+    } else {
+        mirrored(designed)
+    };
+    built.world.direction(built.carriers[side], designed)
+}
+
+/// Contact point from wheel centre and axis.
+fn contact(case: &Case, centre: Vector3<f64>, axis: Vector3<f64>) -> Vector3<f64> {
+    let up = Vector3::new(0.0, 0.0, 1.0);
+    let across = (up - axis * axis.dot(up)).normalised();
+    centre - across * case.suspension.wheel_radius.unwrap()
+}
+
+/// Loads in a state of the second formulation.
+fn loads(case: &Case, built: &Built, world: &World, given: &[WheelLoads; 2]) -> Vec<Load> {
+    let mut found = Vec::new();
+    for side in 0..2 {
+        let flip = |v: Vector3<f64>| if side == 0 { v } else { mirrored(v) };
+        let carrier = built.carriers[side];
+        let designed = spin_axis(case);
+        let axis = world.direction(carrier, flip(designed));
+        let centre_id = case.suspension.mechanism.wheel_centre;
+        let centre = world.position(On(carrier, flip(case.suspension.design[centre_id.0])));
+        let contact = contact(case, centre, axis);
+        let load = &given[side];
+        let heading = Vector3::new(axis.y, -axis.x, 0.0).normalised();
+        let heading = if side == 0 { heading } else { -heading };
+        let side_at = contact - heading * load.trail;
+        let m = load.moment;
+        // A moment turns the other way in a mirror.
+        let moment = if side == 0 {
+            m
+        } else {
+            Vector3::new(-m.x, m.y, -m.z)
+        };
+        let mut push = |point, force, moment| {
+            found.push(Load {
+                body: carrier,
+                point,
+                force,
+                moment,
+            });
+        };
+        let none = Vector3::new(0.0, 0.0, 0.0);
+        push(contact, flip(load.contact), none);
+        push(centre, flip(load.centre), none);
+        push(side_at, flip(Vector3::new(0.0, -load.side, 0.0)), none);
+        push(centre, none, moment);
+        // The force that holds the height acts at the contact point; the constraint's acts at the centre. Heights are
+        // the last constraints.
+        let count = world.multipliers.len();
+        let held = Vector3::new(0.0, 0.0, -world.multipliers[count - 2 + side]);
+        push(centre, none, (contact - centre).cross(held));
+    }
+    found
+}
+
+fn random_loads(random: &mut Random, size: f64) -> [WheelLoads; 2] {
+    [0, 1].map(|_| {
+        let mut load = WheelLoads::none(0.0);
+        load.contact = random.vector(size);
+        load.contact.z = 0.0;
+        load.centre = random.vector(0.5 * size);
+        (load.side, load.trail) = (size * random.signed(), 30.0);
+        load.moment = random.vector(30.0 * size);
+        load
+    })
+}
+
+/// Largest difference of a state from the second formulation: mm over 100 mm, and rad.
+fn difference(case: &Case, built: &Built, axle: &ElasticAxle, at: &AxleEquilibrium) -> f64 {
+    let mut worst = 0.0_f64;
+    let centre_id = case.suspension.mechanism.wheel_centre;
+    for side in Side::ALL {
+        let k = side as usize;
+        let flip = |v: Vector3<f64>| if k == 0 { v } else { mirrored(v) };
+        let figures: WheelFigures = axle.figures(at, side);
+        let centre = built.world.position(On(
+            built.carriers[k],
+            flip(case.suspension.design[centre_id.0]),
+        ));
+        worst = worst.max((centre - flip(figures.centre)).norm() / 100.0);
+        let axis = flip(axis(case, built, k));
+        worst = worst.max((figures.toe - axis.x.atan2(axis.y)).abs());
+        worst = worst.max((figures.camber + axis.z.asin()).abs());
+    }
+    if case.parts.subframe.is_some() {
+        let reference = axle.subframe(at)[0] + Vector3::new(-30.0, 0.0, 165.0);
+        let found = built
+            .world
+            .position(On(built.subframe, Vector3::new(-30.0, 0.0, 165.0)));
+        worst = worst.max((found - reference).norm() / 100.0);
+    }
+    if let Some(rack) = built.rack {
+        worst = worst.max((built.world.bodies[rack].slide - axle.rack(at)).abs() / 100.0);
+    }
+    worst
+}
+
+/// Compares random loads on random designs with the second formulation.
+fn compare(topology: &str, carries: &[&str], seed: u64, designs: usize) {
+    let mut random = Random(seed);
+    let mut compared = 0;
+    for _ in 0..designs {
+        let case = sample(topology, carries, Relaxed::Free, &mut random);
+        let axle = case.axle();
+        let travels = [0, 1].map(|_| 20.0 * random.signed());
+        let command = if case.parts.rack_rate.is_some() {
+            15.0 * random.signed()
+        } else {
+            0.0
+        };
+        let given = random_loads(&mut random, 1500.0);
+        let Ok(station) = axle.at(travels, command) else {
+            continue;
+        };
+        let Ok(at) = axle.loaded_about(&station, &station, &given, HELD) else {
+            continue;
+        };
+        assert!(axle.out_of_balance(&at) < 1e-6);
+        let mut built = build(&case, command);
+        let centre = case.suspension.mechanism.wheel_centre;
+        for side in 0..2 {
+            let point = case.suspension.design[centre.0];
+            let point = if side == 0 { point } else { mirrored(point) };
+            let on = On(built.carriers[side], point);
+            built
+                .world
+                .constraints
+                .push(Constraint::Height(on, travels[side]));
+        }
+        let numbers = Built {
+            world: World::new(),
+            ..built
+        };
+        built
+            .world
+            .solve(|world| loads(&case, &numbers, world, &given));
+        let off = difference(&case, &built, &axle, &at);
+        assert!(off < 1e-11, "{topology}: {off:e}");
+        compared += 1;
+    }
+    assert!(compared * 4 >= designs * 3, "{compared} of {designs}");
+}
+
+const WISHBONES: &str = "double_wishbone";
+const LOWER: [&str; 5] = [
+    "lower_arm_front",
+    "lower_arm_rear",
+    "tie_rod_inner",
+    "anti_roll_bar_inner",
+    "anti_roll_bar_outer",
+];
+const LINKS: [&str; 7] = [
+    "upper_front_link_inner",
+    "upper_rear_link_inner",
+    "lower_front_link_inner",
+    "lower_rear_link_inner",
+    "toe_link_inner",
+    "anti_roll_bar_inner",
+    "anti_roll_bar_outer",
+];
+
+#[test]
+fn axles_agree_with_bodies_of_six_coordinates() {
+    compare(WISHBONES, &[], 3, 1);
+    compare(WISHBONES, &LOWER, 5, 2);
+    compare("five_link", &LINKS, 7, 1);
+}
+
+#[test]
+#[ignore = "600 designs: minutes"]
+fn six_hundred_axles_agree_with_bodies_of_six_coordinates() {
+    compare(WISHBONES, &[], 13, 200);
+    compare(WISHBONES, &LOWER, 15, 200);
+    compare("five_link", &LINKS, 17, 200);
+}

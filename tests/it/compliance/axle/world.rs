@@ -1,0 +1,507 @@
+//! A second formulation of elastic axles: every body has six coordinates of its own, ball joints, rods and heights are
+//! constraints with multipliers, and forces are the gradient of one energy in true coordinates of both sides.
+
+use hardpoint::number::{Real, Scalar, Tape, Tracked, Vector3};
+
+/// The ground, which does not move.
+pub const GROUND: usize = 0;
+
+type Rotation = [[f64; 3]; 3];
+
+const IDENTITY: Rotation = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+
+/// How a body moves.
+#[derive(Clone, Copy)]
+pub enum Freedom {
+    Fixed,
+    Free,
+    /// Along a direction of a holder.
+    Along(usize, Vector3<f64>),
+    /// About an axis of a holder.
+    About(usize, Vector3<f64>),
+}
+
+pub struct Body {
+    pub freedom: Freedom,
+    /// Reference point in the design position; a point of the axis for a lever.
+    pub reference: Vector3<f64>,
+    pub shift: Vector3<f64>,
+    pub rotation: Rotation,
+    /// Shift along the direction, or angle about the axis.
+    pub slide: f64,
+}
+
+/// A point of a body, in the design position.
+#[derive(Clone, Copy)]
+pub struct On(pub usize, pub Vector3<f64>);
+
+pub enum Energy {
+    /// Holder, moving body, point, axes, rates, cubic terms of the forces, forces at design.
+    Bushing(
+        usize,
+        usize,
+        Vector3<f64>,
+        [Vector3<f64>; 3],
+        [f64; 6],
+        [f64; 3],
+    ),
+    /// Ends, force in compression at design, rate.
+    Spring(On, On, f64, f64),
+    /// Ends, rate.
+    Rod(On, On, f64),
+    /// Two levers, rate.
+    Bar(usize, usize, f64),
+    /// Slide of a body against a command, rate.
+    Slide(usize, f64, f64),
+}
+
+pub enum Constraint {
+    Rod(On, On),
+    Ball(On, On),
+    /// Height of a point above its design position.
+    Height(On, f64),
+    Slide(usize, f64),
+}
+
+/// Force at a point of a body, and a moment on it.
+pub struct Load {
+    pub body: usize,
+    pub point: Vector3<f64>,
+    pub force: Vector3<f64>,
+    pub moment: Vector3<f64>,
+}
+
+pub struct World {
+    pub bodies: Vec<Body>,
+    pub energies: Vec<Energy>,
+    pub constraints: Vec<Constraint>,
+    pub multipliers: Vec<f64>,
+}
+
+/// A body over tracked numbers: reference point and columns of the rotation.
+struct Moved<'t> {
+    at: Vector3<Tracked<'t>>,
+    columns: [Vector3<Tracked<'t>>; 3],
+    slide: Tracked<'t>,
+    /// Numbers of its inputs on the tape.
+    inputs: Vec<usize>,
+}
+
+impl World {
+    pub fn new() -> Self {
+        let mut world = World {
+            bodies: Vec::new(),
+            energies: Vec::new(),
+            constraints: Vec::new(),
+            multipliers: Vec::new(),
+        };
+        world.body(Freedom::Fixed, Vector3::new(0.0, 0.0, 0.0));
+        world
+    }
+
+    pub fn body(&mut self, freedom: Freedom, reference: Vector3<f64>) -> usize {
+        self.bodies.push(Body {
+            freedom,
+            reference,
+            shift: Vector3::new(0.0, 0.0, 0.0),
+            rotation: IDENTITY,
+            slide: 0.0,
+        });
+        self.bodies.len() - 1
+    }
+
+    fn sizes(&self) -> (Vec<usize>, usize) {
+        let mut first = Vec::new();
+        let mut count = 0;
+        for body in &self.bodies {
+            first.push(count);
+            count += match body.freedom {
+                Freedom::Fixed => 0,
+                Freedom::Free => 6,
+                _ => 1,
+            };
+        }
+        (first, count)
+    }
+
+    fn rows(&self) -> usize {
+        let of = |c: &Constraint| {
+            if matches!(c, Constraint::Ball(..)) {
+                3
+            } else {
+                1
+            }
+        };
+        self.constraints.iter().map(of).sum()
+    }
+
+    fn moved<'t>(&self, tape: &'t Tape) -> Vec<Moved<'t>> {
+        let constant = |v: Vector3<f64>| v.map(Tracked::constant);
+        let mut all: Vec<Moved> = Vec::new();
+        for body in &self.bodies {
+            let first = tape.len();
+            let columns: [Vector3<Tracked>; 3] = std::array::from_fn(|j| {
+                let r = &body.rotation;
+                constant(Vector3::new(r[0][j], r[1][j], r[2][j]))
+            });
+            let now = match body.freedom {
+                Freedom::Fixed => Moved {
+                    at: constant(body.reference),
+                    columns,
+                    slide: Tracked::constant(0.0),
+                    inputs: Vec::new(),
+                },
+                Freedom::Free => {
+                    let [x, y, z, a, b, c] = std::array::from_fn(|_| tape.input(0.0));
+                    let turn = Vector3::new(a, b, c);
+                    Moved {
+                        at: constant(body.reference + body.shift) + Vector3::new(x, y, z),
+                        columns: columns.map(|v| v + turn.cross(v)),
+                        slide: x,
+                        inputs: (first..first + 6).collect(),
+                    }
+                }
+                Freedom::Along(holder, direction) => {
+                    let slide = tape.input(0.0) + Tracked::constant(body.slide);
+                    let holder = &all[holder];
+                    let along = rotated(holder, direction);
+                    Moved {
+                        at: placed(holder, self.reference_of(body), body.reference) + along * slide,
+                        columns: holder.columns,
+                        slide,
+                        inputs: vec![first],
+                    }
+                }
+                Freedom::About(holder, axis) => {
+                    let change = tape.input(0.0);
+                    let slide = change + Tracked::constant(body.slide);
+                    let holder = &all[holder];
+                    let axis = constant(axis);
+                    let (sine, cosine) = body.slide.sin_cos();
+                    // The turn by the angle, with its first derivative.
+                    let turned = |v: Vector3<f64>| {
+                        let v = constant(v);
+                        let across = v - axis * axis.dot(v);
+                        let square = axis.cross(across);
+                        let (s, c) = (Tracked::constant(sine), Tracked::constant(cosine));
+                        let now = v - across + across * c + square * s;
+                        now + axis.cross(now) * change
+                    };
+                    let unit = |k: usize| {
+                        let mut v = Vector3::new(0.0, 0.0, 0.0);
+                        match k {
+                            0 => v.x = 1.0,
+                            1 => v.y = 1.0,
+                            _ => v.z = 1.0,
+                        }
+                        let w = turned(v);
+                        holder.columns[0] * w.x + holder.columns[1] * w.y + holder.columns[2] * w.z
+                    };
+                    Moved {
+                        at: placed(holder, self.reference_of(body), body.reference),
+                        columns: [unit(0), unit(1), unit(2)],
+                        slide,
+                        inputs: vec![first],
+                    }
+                }
+            };
+            all.push(now);
+        }
+        all
+    }
+
+    /// Reference point of a body's holder.
+    fn reference_of(&self, body: &Body) -> Vector3<f64> {
+        match body.freedom {
+            Freedom::Along(holder, _) | Freedom::About(holder, _) => self.bodies[holder].reference,
+            _ => body.reference,
+        }
+    }
+
+    fn at<'t>(&self, all: &[Moved<'t>], on: On) -> Vector3<Tracked<'t>> {
+        placed(&all[on.0], self.bodies[on.0].reference, on.1)
+    }
+
+    fn energy<'t>(&self, all: &[Moved<'t>], energy: &Energy) -> Tracked<'t> {
+        let lit = Tracked::constant;
+        match energy {
+            Energy::Bushing(i, j, point, axes, rates, cubic) => {
+                let e = self.at(all, On(*j, *point)) - self.at(all, On(*i, *point));
+                let rotation = logarithm(&all[*i], &all[*j]);
+                let mut sum = lit(0.0);
+                for k in 0..3 {
+                    let axis = axes[k];
+                    let d = rotated(&all[*i], axis).dot(e);
+                    let square = d * d;
+                    sum =
+                        sum + square * lit(0.5 * rates[k]) + square * square * lit(0.25 * cubic[k]);
+                    let phi = axis.map(lit).dot(rotation);
+                    sum = sum + phi * phi * lit(0.5 * rates[3 + k]);
+                }
+                sum
+            }
+            Energy::Spring(a, b, force, rate) => {
+                let shortened =
+                    lit((a.1 - b.1).norm()) - (self.at(all, *a) - self.at(all, *b)).norm();
+                shortened * (lit(*force) + shortened * lit(0.5 * rate))
+            }
+            Energy::Rod(a, b, rate) => {
+                let stretch =
+                    (self.at(all, *a) - self.at(all, *b)).norm() - lit((a.1 - b.1).norm());
+                stretch * stretch * lit(0.5 * rate)
+            }
+            Energy::Bar(left, right, rate) => {
+                let twist = all[*left].slide - all[*right].slide;
+                twist * twist * lit(0.5 * rate)
+            }
+            Energy::Slide(body, command, rate) => {
+                let off = all[*body].slide - lit(*command);
+                off * off * lit(0.5 * rate)
+            }
+        }
+    }
+
+    fn misses<'t>(&self, all: &[Moved<'t>]) -> Vec<Tracked<'t>> {
+        let lit = Tracked::constant;
+        let mut found = Vec::new();
+        for constraint in &self.constraints {
+            match constraint {
+                Constraint::Rod(a, b) => {
+                    let length = (self.at(all, *a) - self.at(all, *b)).norm();
+                    found.push(length - lit((a.1 - b.1).norm()));
+                }
+                Constraint::Ball(a, b) => {
+                    found.extend((self.at(all, *a) - self.at(all, *b)).to_array());
+                }
+                Constraint::Height(on, travel) => {
+                    found.push(self.at(all, *on).z - lit(on.1.z + travel));
+                }
+                Constraint::Slide(body, command) => found.push(all[*body].slide - lit(*command)),
+            }
+        }
+        found
+    }
+
+    /// Forces out of balance, then the misses of the constraints.
+    fn residual(&self, loads: &[Load], tape: &mut Tape) -> Vec<f64> {
+        tape.clear();
+        let tape = &*tape;
+        let (first, count) = self.sizes();
+        let all = self.moved(tape);
+        let mut sum = Tracked::constant(0.0);
+        for energy in &self.energies {
+            sum = sum + self.energy(&all, energy);
+        }
+        let misses = self.misses(&all);
+        for (miss, multiplier) in misses.iter().zip(&self.multipliers) {
+            sum = sum + *miss * Tracked::constant(*multiplier);
+        }
+        let mut gradient = Vec::new();
+        tape.gradient(sum, &mut gradient);
+        let mut residual = vec![0.0; count];
+        for (first, moved) in first.iter().zip(&all) {
+            for (k, index) in moved.inputs.iter().enumerate() {
+                residual[first + k] = gradient[*index];
+            }
+        }
+        for load in loads {
+            let body = &self.bodies[load.body];
+            let lever = load.point - (body.reference + body.shift);
+            let moment = lever.cross(load.force) + load.moment;
+            let all = load.force.to_array().into_iter().chain(moment.to_array());
+            for (k, force) in all.enumerate() {
+                residual[first[load.body] + k] -= force;
+            }
+        }
+        residual.extend(misses.iter().map(|miss| miss.value()));
+        residual
+    }
+
+    fn step(&mut self, step: &[f64]) {
+        let (first, count) = self.sizes();
+        for (body, k) in self.bodies.iter_mut().zip(first) {
+            match body.freedom {
+                Freedom::Fixed => {}
+                Freedom::Free => {
+                    body.shift = body.shift + Vector3::new(step[k], step[k + 1], step[k + 2]);
+                    let turn = Vector3::new(step[k + 3], step[k + 4], step[k + 5]);
+                    body.rotation = turned(&body.rotation, turn);
+                }
+                _ => body.slide += step[k],
+            }
+        }
+        for (multiplier, step) in self.multipliers.iter_mut().zip(&step[count..]) {
+            *multiplier += step;
+        }
+    }
+
+    /// Newton's method; the tangent by central differences. `loads` gives the loads in the present state.
+    pub fn solve(&mut self, loads: impl Fn(&World) -> Vec<Load>) {
+        let mut tape = Tape::default();
+        self.multipliers = vec![0.0; self.rows()];
+        let (_, count) = self.sizes();
+        let total = count + self.multipliers.len();
+        let mut matrix = Vec::new();
+        for round in 0..60 {
+            let residual = self.residual(&loads(self), &mut tape);
+            if round % 4 == 0 && round < 12 {
+                matrix = vec![vec![0.0; total]; total];
+                for column in 0..total {
+                    let scale = if column < count { 1e-4 } else { 1.0 };
+                    let mut ends = [-1.0, 1.0].map(|sign: f64| {
+                        let mut near = self.copy();
+                        let mut step = vec![0.0; total];
+                        step[column] = sign * scale;
+                        near.step(&step);
+                        near.residual(&loads(&near), &mut tape)
+                    });
+                    let [low, high] = &mut ends;
+                    for row in 0..total {
+                        matrix[row][column] = (high[row] - low[row]) / (2.0 * scale);
+                    }
+                }
+            }
+            let right: Vec<f64> = residual.iter().map(|r| -r).collect();
+            let step = solved(matrix.clone(), right);
+            let size = step[..count].iter().fold(0.0_f64, |m, s| m.max(s.abs()));
+            self.step(&step);
+            if size < 1e-12 {
+                return;
+            }
+        }
+    }
+
+    fn copy(&self) -> World {
+        let body = |b: &Body| Body {
+            freedom: b.freedom,
+            reference: b.reference,
+            shift: b.shift,
+            rotation: b.rotation,
+            slide: b.slide,
+        };
+        World {
+            bodies: self.bodies.iter().map(body).collect(),
+            energies: self.energies.iter().map(Energy::copy).collect(),
+            constraints: self.constraints.iter().map(Constraint::copy).collect(),
+            multipliers: self.multipliers.clone(),
+        }
+    }
+
+    /// Present position of a point.
+    pub fn position(&self, on: On) -> Vector3<f64> {
+        let tape = Tape::default();
+        let all = self.moved(&tape);
+        self.at(&all, on).map(|c| c.value())
+    }
+
+    /// A direction of a body, turned with it.
+    pub fn direction(&self, body: usize, v: Vector3<f64>) -> Vector3<f64> {
+        let r = &self.bodies[body].rotation;
+        let row = |k: usize| r[k][0] * v.x + r[k][1] * v.y + r[k][2] * v.z;
+        Vector3::new(row(0), row(1), row(2))
+    }
+}
+
+impl Energy {
+    fn copy(&self) -> Energy {
+        match *self {
+            Energy::Bushing(i, j, p, a, k, c) => Energy::Bushing(i, j, p, a, k, c),
+            Energy::Spring(a, b, f, k) => Energy::Spring(a, b, f, k),
+            Energy::Rod(a, b, k) => Energy::Rod(a, b, k),
+            Energy::Bar(a, b, k) => Energy::Bar(a, b, k),
+            Energy::Slide(b, c, k) => Energy::Slide(b, c, k),
+        }
+    }
+}
+
+impl Constraint {
+    fn copy(&self) -> Constraint {
+        match *self {
+            Constraint::Rod(a, b) => Constraint::Rod(a, b),
+            Constraint::Ball(a, b) => Constraint::Ball(a, b),
+            Constraint::Height(a, z) => Constraint::Height(a, z),
+            Constraint::Slide(b, c) => Constraint::Slide(b, c),
+        }
+    }
+}
+
+fn rotated<'t>(body: &Moved<'t>, v: Vector3<f64>) -> Vector3<Tracked<'t>> {
+    let [a, b, c] = body.columns;
+    a * Tracked::constant(v.x) + b * Tracked::constant(v.y) + c * Tracked::constant(v.z)
+}
+
+fn placed<'t>(
+    body: &Moved<'t>,
+    reference: Vector3<f64>,
+    point: Vector3<f64>,
+) -> Vector3<Tracked<'t>> {
+    body.at + rotated(body, point - reference)
+}
+
+/// Rotation vector of j seen from i.
+fn logarithm<'t>(i: &Moved<'t>, j: &Moved<'t>) -> Vector3<Tracked<'t>> {
+    let entry = |a: usize, b: usize| i.columns[a].dot(j.columns[b]);
+    let half = Tracked::constant(0.5);
+    let sine = Vector3::new(
+        (entry(2, 1) - entry(1, 2)) * half,
+        (entry(0, 2) - entry(2, 0)) * half,
+        (entry(1, 0) - entry(0, 1)) * half,
+    );
+    let square = sine.norm_squared();
+    if square.value() < 1e-5 {
+        let lit = Tracked::constant;
+        let series = square * lit(5.0 / 112.0) + lit(3.0 / 40.0);
+        let series = (series * square + lit(1.0 / 6.0)) * square + lit(1.0);
+        return sine * series;
+    }
+    let one = Tracked::constant(1.0);
+    let cosine = (entry(0, 0) + entry(1, 1) + entry(2, 2) - one) * half;
+    let size = square.sqrt();
+    sine * (size.atan2(cosine) / size)
+}
+
+/// The rotation after a turn about fixed axes.
+fn turned(rotation: &Rotation, turn: Vector3<f64>) -> Rotation {
+    let angle = turn.norm();
+    if angle == 0.0 {
+        return *rotation;
+    }
+    let axis = turn * (1.0 / angle);
+    let (sine, cosine) = angle.sin_cos();
+    let mut found = *rotation;
+    for j in 0..3 {
+        let v = Vector3::new(rotation[0][j], rotation[1][j], rotation[2][j]);
+        let along = axis * axis.dot(v);
+        let across = v - along;
+        let now = along + across * cosine + axis.cross(across) * sine;
+        (found[0][j], found[1][j], found[2][j]) = (now.x, now.y, now.z);
+    }
+    found
+}
+
+/// Gaussian elimination with partial pivoting.
+fn solved(mut a: Vec<Vec<f64>>, mut b: Vec<f64>) -> Vec<f64> {
+    let n = b.len();
+    for k in 0..n {
+        let pivot = (k..n)
+            .max_by(|i, j| a[*i][k].abs().total_cmp(&a[*j][k].abs()))
+            .unwrap();
+        a.swap(k, pivot);
+        b.swap(k, pivot);
+        for i in k + 1..n {
+            let factor = a[i][k] / a[k][k];
+            if factor != 0.0 {
+                let (upper, lower) = a.split_at_mut(i);
+                for (entry, of_pivot) in lower[0][k..].iter_mut().zip(&upper[k][k..]) {
+                    *entry -= factor * of_pivot;
+                }
+                b[i] -= factor * b[k];
+            }
+        }
+    }
+    for k in (0..n).rev() {
+        let sum: f64 = (k + 1..n).map(|j| a[k][j] * b[j]).sum();
+        b[k] = (b[k] - sum) / a[k][k];
+    }
+    b
+}

@@ -32,6 +32,7 @@ def _program(*arguments: Any) -> str:
 
 def said_here(text: str) -> str:
     """A message of the program; options of the command line are parameters here."""
+    text = text.replace("in a file for --map", "in names")
     text = re.sub(r"--force\b", "force=True", text.strip().removeprefix("error: "))
     return re.sub(r"(?<![\w-])--([a-z][a-z-]*)", lambda option: option[1].replace("-", "_"), text)
 

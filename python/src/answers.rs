@@ -8,7 +8,7 @@ use hardpoint::assembled;
 use hardpoint::compared;
 use hardpoint::report::{
     Comparison, FinishedRun, OtherProgram, Picture, Record, Run, ToleranceSummary, car_page,
-    comparison_page, page, pictures as drawn_pictures, rejected, set_up_page, sweep_page,
+    comparison_page, kc_page, page, pictures as drawn_pictures, rejected, set_up_page, sweep_page,
 };
 use hardpoint::results::RunDirectory;
 use hardpoint::rig::RigTests;
@@ -145,7 +145,10 @@ pub(crate) fn kc<'py>(
     let own = study.whole();
     let answer = on_threads(py, Some(1), |_| -> Result<Answer, String> {
         let tests = RigTests::of(own, other)?;
-        Ok(Answer::of(tests.tables(), &tests.summary()))
+        let mut files = tests.tables();
+        let page = kc_page(&own.name, &tests.results);
+        files.push(("report.html", page.into_bytes()));
+        Ok(Answer::of(files, &tests.summary()))
     })?;
     answer.map_err(failure)?.into_dict(py)
 }

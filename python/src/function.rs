@@ -44,7 +44,10 @@ impl Function {
     fn new(py: Python<'_>, study: Py<Study>, variables: Option<Vec<String>>) -> PyResult<Self> {
         let own = &study.get().study;
         let variables = named(own, variables)?;
-        let function = py.detach(|| DesignFunction::with_variables(own, variables));
+        let made = on_threads(py, Some(1), |_| {
+            DesignFunction::with_variables(own, variables)
+        });
+        let function = made?;
         Ok(Function {
             function: function.map_err(|e| failure(e.to_string()))?,
             is_axle: own.axle().is_some(),

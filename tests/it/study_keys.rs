@@ -37,6 +37,7 @@ const TABLES: &[(&str, &str, &str)] = &[
     ),
     ("steering", "[steering]", "[steering]\nbogus = 1"),
     ("spring", "[spring]", "[spring]\nbogus = 1"),
+    ("twist_beam", "[twist_beam]", "[twist_beam]\nbogus = 1"),
     ("bump_stop", "[bump_stop]", "[bump_stop]\nbogus = 1"),
     (
         "rebound_stop",
@@ -154,6 +155,8 @@ seat = { body = "knuckle", position = [0.0, 0.0, 0.0] }
 right = "mirrored"
 [steering]
 c_factor = 1.0
+[twist_beam]
+torsional_rate = 1.0
 [spring]
 [bump_stop]
 gap = 1.0
@@ -272,6 +275,26 @@ const TABLES_OF_CAR: &[(&str, &str)] = &[
         "[optimise]\nvariables = [{ bogus = 1 }]",
     ),
     ("optimise.targets", "[optimise]\ntargets = [{ bogus = 1 }]"),
+    (
+        "optimise.constraints",
+        "[optimise]\nconstraints = [{ bogus = 1 }]",
+    ),
+    (
+        "optimise.constraints.inside (and outside)",
+        "[optimise]\nconstraints = [{ inside = { bogus = 1 } }]",
+    ),
+    (
+        "optimise.constraints.inside.half_space",
+        "[optimise]\nconstraints = [{ inside = { half_space = { bogus = 1 } } }]",
+    ),
+    (
+        "optimise.constraints.inside.sphere",
+        "[optimise]\nconstraints = [{ inside = { sphere = { bogus = 1 } } }]",
+    ),
+    (
+        "optimise.constraints.inside.cylinder",
+        "[optimise]\nconstraints = [{ inside = { cylinder = { bogus = 1 } } }]",
+    ),
     ("tolerance", "[tolerance]\nbogus = 1"),
     (
         "tolerance.scatter",

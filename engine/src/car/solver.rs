@@ -319,7 +319,12 @@ impl<'a> CarSolver<'a> {
             Ok(_) => self.along_load(case),
             // Either way may stop for reasons of its own; those of the direct one say more.
             Err(first) => self.along_load(case).map_err(|along| match first {
-                NoEquilibrium::NotFound | NoEquilibrium::Singular => along,
+                NoEquilibrium::NotFound
+                | NoEquilibrium::Singular
+                | NoEquilibrium::NoContactSet {
+                    equal_shares: false,
+                    ..
+                } => along,
                 _ => first,
             }),
         }

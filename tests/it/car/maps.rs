@@ -13,7 +13,7 @@ fn map(car: &Car, count: usize) -> Vec<Vec<Case>> {
     let case = |i: usize, j: usize| {
         let mut case = Case::at_rest("map");
         case.setting.elastic_tyres = car.tyres.is_some();
-        (case.ax, case.ay) = (at(i, -0.8, 0.4), at(j, 0.0, 0.9));
+        (case.ax, case.ay) = (at(i, -0.75, 0.4), at(j, 0.0, 0.9));
         if case.ax < 0.0 {
             case.setting.longitudinal = Longitudinal::Brake;
         }

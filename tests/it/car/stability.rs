@@ -37,7 +37,7 @@ fn a_high_car_tips_where_its_roll_stiffness_ends() {
         let solved = CarSolver::new(&high).unwrap().solve(&at_rest());
         solved.map(|found| found.lifted)
     };
-    let (mut low, mut high) = (car.cg.z, 6.0 * car.cg.z);
+    let (mut low, mut high) = (car.cg.z, 60.0 * car.cg.z);
     assert_eq!(solve(high), Err(NoEquilibrium::Tips));
     for _ in 0..40 {
         let middle = 0.5 * (low + high);

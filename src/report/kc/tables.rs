@@ -3,7 +3,7 @@
 use super::super::table::{Cell, Table};
 use super::{KcResults, subject};
 use crate::ask::Unit;
-use crate::compliance::KcFigure;
+use crate::compliance::{KcFigure, KcStation};
 use crate::model::LengthUnit;
 
 /// The unit for a reader.
@@ -84,11 +84,23 @@ impl KcResults<'_> {
         tables
     }
 
-    /// Value and unit of a figure at the first station that has it.
+    /// The stations, those nearest to the design position first.
+    pub(in crate::report) fn nearest_stations(&self) -> Vec<&KcStation> {
+        let far = |station: &KcStation| {
+            let right = station.right_travel.unwrap_or(0.0);
+            station.travel.abs() + right.abs() + station.rack.abs()
+        };
+        let stations = self.stations.iter();
+        let mut stations: Vec<(f64, &KcStation)> = stations.map(|s| (far(s), s)).collect();
+        stations.sort_by(|a, b| a.0.total_cmp(&b.0));
+        stations.into_iter().map(|(_, station)| station).collect()
+    }
+
+    /// Value and unit of a figure at the station nearest to the design position that has it.
     pub(in crate::report) fn first_figure(&self, quantity: &str) -> Option<[String; 2]> {
-        let outcomes = self
-            .stations
-            .iter()
+        let stations = self.nearest_stations();
+        let outcomes = stations
+            .into_iter()
             .flat_map(|s| s.outcomes.iter().flatten());
         let mut figures = outcomes.flat_map(|outcome| &outcome.figures);
         let figure = figures.find(|figure| figure.quantity == quantity)?;

@@ -59,7 +59,7 @@ pub fn kc_page(study: &str, results: &KcResults<'_>) -> String {
     sheet(study, "kc", &verdict(results), &sections)
 }
 
-/// The main figures of the first station that has them.
+/// The main figures, each of the station nearest to the design position that has it.
 fn verdict(results: &KcResults<'_>) -> String {
     let failed = match results.failures().len() {
         0 => "Every state has an equilibrium.".to_owned(),
@@ -78,10 +78,11 @@ fn verdict(results: &KcResults<'_>) -> String {
     }
 }
 
-/// The charts of the first station with levels, and its place.
+/// The charts of the station with levels that is nearest to the design position, and its place.
 fn charts(results: &KcResults<'_>) -> (String, String) {
-    let stations = results.stations.iter();
+    let stations = results.nearest_stations();
     let found = stations
+        .into_iter()
         .filter_map(|station| Some((station, station.outcomes.as_ref().ok()?)))
         .find(|(_, outcomes)| outcomes.iter().any(|outcome| !outcome.levels.is_empty()));
     let Some((station, outcomes)) = found else {

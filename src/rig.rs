@@ -80,7 +80,7 @@ impl<'s> RigTests<'s> {
         let suspension = &axle.axle.left;
         let run = AxleKcRun::new(vehicle, &elastic.parts)
             .map_err(|fault| fault.describe(&elastic.parts.wheels, suspension))?;
-        let loads = run.axle().design_loads();
+        let loads = run.design_loads();
         let bushings = elastic.bushing_names(suspension);
         let rack = usize::from(elastic.parts.rack_rate.is_some());
         let results = KcResults {

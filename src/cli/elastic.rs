@@ -4,7 +4,7 @@ use super::StudyArguments;
 use super::exit::{Exit, Stop};
 use super::output::design_fault;
 use super::printer::Printer;
-use crate::compliance::{Compliance, ElasticAxle, ElasticWheel, Relaxed};
+use crate::compliance::{AxleKcRun, AxleVehicle, Compliance, ElasticWheel, KcWheelState, Relaxed};
 use crate::model::{LengthUnit, Side};
 use crate::report::{Table, brief, elastic_parts, no_equilibrium, plausibility};
 use crate::study::{AxleComplianceStudy, AxleStudy, ComplianceStudy, Study};
@@ -79,14 +79,16 @@ fn say_axle_design(
     study: &AxleStudy,
     elastic: &AxleComplianceStudy,
 ) -> Result<bool, Stop> {
-    let suspensions = Side::ALL.map(|side| study.axle.suspension(side));
-    let designs = suspensions.map(|wheel| &wheel.design[..]);
+    let vehicle = AxleVehicle {
+        suspensions: Side::ALL.map(|side| study.axle.suspension(side)),
+        tyre_rate: elastic.tyre_rate,
+    };
     // The reader of the study has built it once.
-    let Ok(axle) = ElasticAxle::of(suspensions, designs, &elastic.parts) else {
+    let Ok(run) = AxleKcRun::new(vehicle, &elastic.parts) else {
         return Ok(false);
     };
-    let at = match axle.at([0.0; 2], 0.0) {
-        Ok(at) => at,
+    let state = match run.at_design() {
+        Ok(state) => state,
         Err(why) => {
             out.failure(&format!(
                 "\nnot solved: design height: {}\n",
@@ -97,21 +99,19 @@ fn say_axle_design(
     };
     out.say("\nEquilibrium at the design height, rack at 0:\n\n")?;
     let mut table = Table::new(["output", "left", "right", "unit"]);
-    let [left, right] = Side::ALL.map(|side| {
-        let figures = axle.figures(&at, side);
-        let spring = axle.spring(&at, side).map(|spring| spring.force);
-        let angles = [figures.camber, figures.toe].map(f64::to_degrees);
-        (angles, axle.wheel_load(&at, side), spring)
-    });
+    let [left, right] = &state.wheels[..] else {
+        return Ok(false);
+    };
     let mut add = |name: &str, [left, right]: [f64; 2], unit: &str| {
         let figure = |value| crate::report::Cell::figure(value, unit);
         table.push([name.into(), figure(left), figure(right), unit.into()]);
     };
-    add("camber", [left.0[0], right.0[0]], "deg");
-    add("toe", [left.0[1], right.0[1]], "deg");
-    add("vertical_force", [left.1, right.1], "N");
-    if let (Some(left), Some(right)) = (left.2, right.2) {
-        add("spring_force", [left, right], "N");
+    let angles = |of: fn(&KcWheelState) -> f64| [left, right].map(|wheel| of(wheel).to_degrees());
+    add("camber", angles(|wheel| wheel.figures.camber), "deg");
+    add("toe", angles(|wheel| wheel.figures.toe), "deg");
+    add("vertical_force", [left.wheel_load, right.wheel_load], "N");
+    if let (Some(left), Some(right)) = (left.spring, right.spring) {
+        add("spring_force", [left.force, right.force], "N");
     }
     out.table("design", table)?;
     Ok(true)

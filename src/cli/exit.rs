@@ -21,8 +21,9 @@ fn shortened(reason: &str) -> String {
         match word.char_indices().nth(LONGEST_WORD) {
             None => short += word,
             Some((end, _)) => {
+                let word = word.trim_end();
                 let count = word.chars().count();
-                let head: String = word[..end].chars().take(40).collect();
+                let head: String = word[..end.min(word.len())].chars().take(40).collect();
                 short += &format!("{head}... ({count} characters) ");
             }
         }

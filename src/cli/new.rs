@@ -411,9 +411,13 @@ fn study(topology: &Topology, parts: &[Part]) -> Result<String, String> {
             Part::Axle | Part::Panhard | Part::Watt | Part::Bushings
         )
     };
-    let is_sprung = |text: &str| text.contains("\nspring_lower ") || text.contains("\nstrut_top ");
+    // Elastic parts bring a spring of their own.
+    let is_sprung = |text: &str| {
+        let has_ends = text.contains("\nspring_lower ") || text.contains("\nstrut_top ");
+        has_ends && is_axle && !has_bushings
+    };
     if parts.iter().all(is_done) {
-        return finished(match is_axle && is_sprung(&text) {
+        return finished(match is_sprung(&text) {
             true => with_springs(&text, false),
             false => text,
         });
@@ -452,7 +456,7 @@ fn study(topology: &Topology, parts: &[Part]) -> Result<String, String> {
             text = text.replacen("\n[wheel]", &said, 1);
         }
     }
-    if is_axle && is_sprung(&text) {
+    if is_sprung(&text) {
         text = with_springs(&text, parts.contains(&Part::AntiRollBar));
     }
     let steers = fitting.steers;
@@ -649,17 +653,18 @@ mod tests {
     use crate::study::Study;
     use std::path::Path;
 
-    /// An axle with springs has what loads, stiffnesses and frequencies need; one without springs has no such sections.
+    /// An axle has what loads, stiffnesses and frequencies need; one wheel has no such sections.
     #[test]
     fn axles_with_springs_have_their_rates() {
         for (name, parts, sprung) in [
             ("macpherson", vec![Part::AntiRollBar, Part::Axle], true),
             ("double_wishbone", vec![Part::Pushrod, Part::Axle], true),
-            ("double_wishbone", vec![Part::Axle], false),
+            ("double_wishbone", vec![Part::Axle], true),
+            ("double_wishbone", vec![Part::Pushrod], false),
         ] {
             let topology = Topology::named(name).unwrap();
             let text = study(topology, &parts).unwrap();
-            for section in ["[spring]", "[bump_stop]", "[tyre]", "[vehicle]"] {
+            for section in ["\n[spring]", "\n[bump_stop]", "\n[tyre]", "\n[vehicle]"] {
                 assert_eq!(text.contains(section), sprung, "{name} {section}");
             }
             let has_bar = parts.contains(&Part::AntiRollBar);

@@ -284,7 +284,7 @@ impl OutputRecord {
 
 /// `deg_per_mm2` -> `deg/mm²`.
 pub(crate) fn readable_unit(unit: &str) -> String {
-    let unit = unit.replace("N_m", "N m");
+    let unit = unit.replace("N_m", "N m").replace("lbf_ft", "lbf ft");
     let unit = match unit.strip_prefix("per_") {
         Some(below) => format!("1/{below}"),
         None => unit.replace("_per_", "/"),

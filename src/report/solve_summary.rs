@@ -170,6 +170,10 @@ impl SolveSummary {
             format!("{solved} of {} stations solved", self.stations)
         });
         match &self.axle {
+            // A solid axle has the word in its name.
+            Some(axle) if self.topology.ends_with("axle") => {
+                format!("{}: {}, {axle}; {stations}", self.study, self.topology)
+            }
             Some(axle) => format!("{}: {} axle, {axle}; {stations}", self.study, self.topology),
             None => format!("{}: {}, {stations}", self.study, self.topology),
         }

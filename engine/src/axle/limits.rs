@@ -50,6 +50,8 @@ pub struct AxleEnd {
 
 /// Share of the roll angle at the end that must be reached for the end to be believed.
 const BEFORE_END: f64 = 0.999;
+/// The same for a rigid axle. Near its fold the heights of the wheels change with the root of the way that is left.
+const BEFORE_FOLD: f64 = 0.97;
 
 impl Axle {
     /// Returns the limits of the axle's motion from its design position.
@@ -124,9 +126,13 @@ impl<const N: usize> AxleSolver<'_, N> {
             Side::Right => [other, limit.pose],
         };
         let roll = self.plane_under(&poses).filter(|roll| roll.is_finite())?;
+        let share = match self.is_rigid() {
+            true => BEFORE_FOLD,
+            false => BEFORE_END,
+        };
         let before = Placement::Roll {
             heave: 0.0,
-            roll: BEFORE_END * roll,
+            roll: share * roll,
             rack: 0.0,
         };
         self.place(&before).is_ok().then_some(roll)

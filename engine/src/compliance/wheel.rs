@@ -1,7 +1,7 @@
 //! An elastic wheel: its equilibria, and their changes.
 
 use super::build::{Built, OfAxle};
-use super::definition::{BushingPart, Compliance, Relaxed};
+use super::definition::{Compliance, Relaxed};
 use super::fault::{ElasticFault, Motion, NoEquilibrium};
 use super::ground::Surroundings;
 use super::loads::WheelLoads;
@@ -152,7 +152,10 @@ impl<T: Scalar> ElasticWheel<T> {
         let mechanism = &suspension.mechanism;
         let radius = suspension.wheel_radius.unwrap_or(0.0);
         let built = Built::of(mechanism, design, radius, compliance, of_axle);
-        let has_offset = |part: &BushingPart<T>| part.preload.iter().any(|p| p.value() != 0.0);
+        let mounts = of_axle.subframe.iter().flat_map(|own| &own.mounts);
+        let preloads = compliance.bushings.iter().map(|part| &part.preload);
+        let mut preloads = preloads.chain(mounts.map(|mount| &mount.preload)).flatten();
+        let has_offset = preloads.any(|offset| offset.value() != 0.0);
         ElasticWheel {
             geometry: WheelGeometry::of(mechanism, design, &built.system),
             constants: Constants::of(suspension),
@@ -160,7 +163,7 @@ impl<T: Scalar> ElasticWheel<T> {
                 millimetre: suspension.length_unit.per_metre() / 1000.0,
             },
             relaxed: compliance.relaxed,
-            has_offset: compliance.bushings.iter().any(has_offset),
+            has_offset,
             start: State::design(built.system.like()),
             built,
         }

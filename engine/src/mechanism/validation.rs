@@ -5,7 +5,7 @@
 //! remedy.
 
 use super::rocker::has_leverage;
-use crate::model::{Body, Group, LengthUnit, PointId, Suspension, Topology};
+use crate::model::{Body, Group, LengthUnit, PointId, Rod, Suspension, Topology};
 use thiserror::Error;
 
 /// Points closer than this share of the mechanism's size coincide.
@@ -233,7 +233,9 @@ fn arms_turn(suspension: &Suspension) -> Vec<GeometryFault> {
 fn levers_turn(suspension: &Suspension) -> Vec<GeometryFault> {
     let design = &suspension.design;
     let mut faults = Vec::new();
-    for rocker in &suspension.mechanism.rockers {
+    // A twist beam has no real rod; the study checks the places of its points.
+    let rockers = suspension.mechanism.rockers.iter();
+    for rocker in rockers.filter(|rocker| rocker.rod != Rod::TwistBeam) {
         let [inner, outer, first, second] =
             [rocker.inner, rocker.outer, rocker.first, rocker.second].map(|p| name(suspension, p));
         let axis = (design[rocker.second.0] - design[rocker.first.0]).normalised();

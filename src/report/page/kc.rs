@@ -4,8 +4,7 @@
 use super::charts::Charts;
 use super::escape::html;
 use super::sheet::{Section, sheet};
-use crate::compliance::{KcOutcome, KcWheelState, TestLoad};
-use crate::model::Side;
+use crate::compliance::{KcLevel, KcOutcome, KcWheelState, TestLoad, TestMode};
 use crate::report::KcResults;
 use crate::report::chart::{Chart, Line, Quantity, Source};
 use crate::report::curve_table::CurveTable;
@@ -29,7 +28,11 @@ pub fn kc_page(study: &str, results: &KcResults<'_>) -> String {
     if !charts.is_empty() {
         sections.push(Section {
             title: format!("Toe, camber and displacement by load, at {place}"),
-            note: "Equilibria under rising load. Toe-in and top outboard are positive.".to_owned(),
+            note: match results.is_axle {
+                true => "Equilibria under rising load, of the left wheel; of the right one where it is loaded alone. Toe-in and top outboard are positive.",
+                false => "Equilibria under rising load. Toe-in and top outboard are positive.",
+            }
+            .to_owned(),
             table: format!("<div class=\"plots\">{charts}</div>"),
         });
     }
@@ -109,39 +112,32 @@ fn charts_of_load(
     let scale = if is_moment { length.per_metre() } else { 1.0 };
     let mut columns = vec![Vec::new(); COLUMNS.len()];
     let mut rows = Vec::new();
-    for (number, test) in tests.iter().enumerate() {
+    for test in tests {
+        let start = columns[0].len();
+        let wheel = match test.test.mode {
+            TestMode::Single(side) => side as usize,
+            _ => 0,
+        };
+        let of_level = |level: &KcLevel| Some(level.state.as_ref().ok()?.wheels[wheel].clone());
         let unloaded = test.levels.iter().find(|level| level.level == 0);
-        let unloaded = unloaded.and_then(|level| level.state.as_ref().ok());
-        let mut states = test
-            .levels
-            .iter()
-            .filter_map(|level| level.state.as_ref().ok());
-        let wheels = states.next().map_or(0, |state| state.wheels.len());
-        for wheel in 0..wheels {
-            let start = columns[0].len();
-            for level in &test.levels {
-                let state = level.state.as_ref().ok().map(|state| &state.wheels[wheel]);
-                let unloaded = unloaded.map(|state| &state.wheels[wheel]);
-                let angle = |of: fn(&KcWheelState) -> f64| state.map(|s| of(s).to_degrees());
-                let cells = [
-                    Some(level.load / scale),
-                    angle(|state| state.figures.toe),
-                    angle(|state| state.figures.camber),
-                    state
-                        .zip(unloaded)
-                        .map(|(state, from)| moved(load, state, from)),
-                ];
-                for (column, cell) in columns.iter_mut().zip(cells) {
-                    column.push(cell);
-                }
+        let unloaded = unloaded.and_then(of_level);
+        for level in &test.levels {
+            let state = of_level(level);
+            let angle = |of: fn(&KcWheelState) -> f64| Some(of(state.as_ref()?).to_degrees());
+            let cells = [
+                Some(level.load / scale),
+                angle(|state| state.figures.toe),
+                angle(|state| state.figures.camber),
+                state
+                    .as_ref()
+                    .zip(unloaded.as_ref())
+                    .map(|(state, from)| moved(load, state, from)),
+            ];
+            for (column, cell) in columns.iter_mut().zip(cells) {
+                column.push(cell);
             }
-            let side = (wheels > 1).then(|| Side::ALL[wheel]);
-            rows.push((
-                number,
-                side,
-                (start..columns[0].len()).collect::<Vec<usize>>(),
-            ));
         }
+        rows.push((start..columns[0].len()).collect::<Vec<usize>>());
     }
     let table = charts.tables.len();
     charts.tables.push(CurveTable {
@@ -168,24 +164,18 @@ fn charts_of_load(
     let count = if is_moment { 2 } else { 3 };
     let mut figures = String::new();
     for (column, title, of) in quantities.into_iter().take(count) {
-        let line = |(k, (test, side, rows)): (usize, &(usize, Option<Side>, Vec<usize>))| {
-            let side = side.map(|side| side.name().to_owned());
-            let told = results.test_name(&tests[*test].test);
-            let apart = Some(results.test_apart(&tests[*test].test)).filter(|a| !a.is_empty());
-            let parts: Vec<String> = apart.into_iter().chain(side.clone()).collect();
-            Line {
-                label: (!parts.is_empty()).then(|| parts.join(", ")),
-                told: side.map_or(told.clone(), |side| format!("{told}, {side}")),
-                class: format!("main hue{k} strong"),
-                is_main: k == 0,
-                has_dots: false,
-                source: Source {
-                    table,
-                    x: "load".to_owned(),
-                    y: column.to_owned(),
-                    rows: rows.clone(),
-                },
-            }
+        let line = |(k, rows): (usize, &Vec<usize>)| Line {
+            label: Some(results.test_apart(&tests[k].test)).filter(|apart| !apart.is_empty()),
+            told: results.test_name(&tests[k].test),
+            class: format!("main hue{k} strong"),
+            is_main: k == 0,
+            has_dots: false,
+            source: Source {
+                table,
+                x: "load".to_owned(),
+                y: column.to_owned(),
+                rows: rows.clone(),
+            },
         };
         let chart = Chart {
             key: format!("{}_{column}", load.name()),

@@ -143,7 +143,7 @@ fn what_is_not_there_for_an_axle_is_refused_by_name() {
     for (command, why) in [
         ("tolerance", "the section [tolerance] is missing"),
         ("setup", "the section [setup] is missing"),
-        ("kc", "its tests load one wheel"),
+        ("kc", "of an axle needs stations on level pads"),
     ] {
         let (_, said) = run(&[command, path], 2);
         assert!(said.contains(why), "{command}: {said}");
@@ -736,6 +736,7 @@ fn the_table_of_quantities_is_the_catalogue() {
         Need::CFactor => "c_factor",
         Need::SpringForce => "[spring]",
         Need::BarRate => "[anti_roll_bar]",
+        Need::TorsionalRate => "[twist_beam]",
         Need::TyreRate => "[tyre]",
         Need::SprungMass => "sprung_mass",
         Need::UnsprungMass => "unsprung_mass",

@@ -169,7 +169,7 @@ fn a_mirror_exchanges_the_sides() {
 
 fn assert_all_compared(compared: &BTreeMap<&str, usize>) {
     let wheel = W::ALL.iter().map(|q| q.info().name);
-    // A solid axle has quantities of its own, which `tests/it/solid` compares.
+    // Solid axles and twist beams have quantities of their own, which `tests/it/solid` compares.
     let of_solid = [
         A::AxleSteer,
         A::AxleLateral,
@@ -179,6 +179,8 @@ fn assert_all_compared(compared: &BTreeMap<&str, usize>) {
         A::RigidAntiLift,
         A::RigidAntiDive,
         A::DriveLoadTransfer,
+        A::BeamTwist,
+        A::BeamTorque,
     ];
     // Springs between the rockers are compared with their energies in `rocker_springs`.
     let between = [
@@ -188,7 +190,10 @@ fn assert_all_compared(compared: &BTreeMap<&str, usize>) {
         A::TBarTorque,
         A::HeaveBarTorque,
     ];
-    let elsewhere = |q: &A| of_solid.contains(q) || between.contains(q);
+    // Stiffnesses with and without tyres are compared with slopes of moments in `springs`.
+    let tyres = [A::RollStiffnessWithTyres, A::RideRateWithoutTyres];
+    let lists: [&[A]; 3] = [&of_solid, &between, &tyres];
+    let elsewhere = |q: &A| lists.iter().any(|list| list.contains(q));
     let axle = A::ALL.iter().filter(|q| !elsewhere(q));
     let axle = axle.map(|q| q.info().name);
     for name in wheel.chain(axle) {

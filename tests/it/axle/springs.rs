@@ -103,8 +103,16 @@ fn tyres_are_in_series_with_the_roll_stiffness() {
             "right_wheel_load_N",
             "roll_moment_N_m",
             "travel_left_mm",
+            "travel_right_mm",
         ];
-        let found = columns(path, &[pads, asked, &wheel, &tyre], &names);
+        // Of all combinations those with opposite travels.
+        let all = columns(path, &[pads, asked, &wheel, &tyre], &names);
+        let is_opposite = |station: &usize| all[6][*station] == -all[7][*station];
+        let opposite: Vec<usize> = (0..all[0].len()).filter(is_opposite).collect();
+        let found: Vec<Vec<f64>> = all
+            .iter()
+            .map(|column| opposite.iter().map(|station| column[*station]).collect())
+            .collect();
         let stations = found[0].len();
         let angle = |station: usize, yields: f64| {
             let side = |camber: usize, load: usize, travel: f64| {

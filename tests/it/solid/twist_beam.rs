@@ -111,10 +111,10 @@ impl Beam {
 
     fn solved(&self, travels: [f64; 2]) -> Unknowns {
         let mut x = AT_REST;
-        const STEPS: u32 = 8;
+        const STEPS: u32 = 3;
         for step in 1..=STEPS {
             let travels = travels.map(|travel| travel * f64::from(step) / f64::from(STEPS));
-            for _ in 0..7 {
+            for _ in 0..6 {
                 let residuals = self.residuals(&x, travels);
                 let mut rows: Vec<Vec<f64>> = residuals.iter().map(|_| Vec::new()).collect();
                 for k in 0..14 {

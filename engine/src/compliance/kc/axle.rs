@@ -95,9 +95,15 @@ impl<'a> AxleKcRun<'a> {
         })
     }
 
-    /// The elastic axle, with the bar connected.
-    pub fn axle(&self) -> &ElasticAxle {
-        &self.axle
+    /// The vertical forces at the contact points in the design position, if that is an equilibrium.
+    pub fn design_loads(&self) -> Option<[f64; 2]> {
+        self.axle.design_loads()
+    }
+
+    /// The equilibrium at the design height with the bar connected.
+    pub fn at_design(&self) -> Result<KcState, NoEquilibrium> {
+        let at = self.axle.at([0.0; 2], 0.0)?;
+        Ok(self.state(&self.axle, &at))
     }
 
     /// The parts under other conditions.

@@ -175,10 +175,7 @@ impl<'c, T: Scalar> Solved<'c, T> {
                 base.balance(&moved, series, lifted)
             };
             let mut rates = plain.rates[number].map(|c| x[0].lit(c));
-            if is_plain {
-                return evaluate(rates);
-            }
-            // One further step adds the gradients of the rates.
+            // One further step removes the rounding of the inverse. It also adds the gradients of the rates.
             let first = evaluate(rates);
             let level = first.road.forward.x[0];
             let defect = direction.defect(first.residuals.map(|row| row[1]), level);

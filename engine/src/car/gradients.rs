@@ -35,7 +35,7 @@ impl<'a> CarSolver<'a> {
         let base = wheels.base(self.held(case, found), found.travels());
         let plain = Plain::of(&base, &parameters, found);
         let plain = plain.ok_or(NoEquilibrium::Singular)?;
-        let mut solved = Solved::of(self.car, &base, &parameters, (&plain, true), |c: f64| c);
+        let mut solved = Solved::of(self.car, &base, &parameters, &plain, |c: f64| c);
         if let Ok((rest, at_rest)) = self.at_rest(case) {
             let state = self.balance(&rest, &at_rest)?;
             solved.rest_heave = CarQuantity::Whole(WholeResult::Heave).evaluate_state(&state);
@@ -139,7 +139,7 @@ impl<'a> CarSolver<'a> {
         let is_along = quantities
             .iter()
             .any(|quantity| quantity.info().is_rate && !quantity.is_since_rest());
-        let solved = is_along.then(|| Solved::of(self.car, &base, &tracked, (&plain, false), same));
+        let solved = is_along.then(|| Solved::of(self.car, &base, &tracked, &plain, same));
         let heave = CarQuantity::Whole(WholeResult::Heave);
         let mut adjoints = Vec::new();
         let mut buffers = linearised.each_ref().map(|axle| axle.buffer());

@@ -151,18 +151,15 @@ pub(super) fn settle<T: Scalar, U: Real, R: WheelParts<U>>(
 }
 
 impl<'c, T: Scalar> Solved<'c, T> {
-    /// The state near plain numbers with all its derivatives. `is_plain` says that the numbers carry no gradients.
+    /// The state near plain numbers with all its derivatives.
     pub(super) fn of<U: Real, R: WheelParts<U>>(
         car: &'c Car,
         base: &Base<'_, '_, R>,
         parameters: &Parameters<T>,
-        (plain, is_plain): (&Plain, bool),
+        plain: &Plain,
         lift: impl Fn(U) -> T + Copy,
     ) -> Self {
-        let x = match is_plain {
-            true => plain.unknowns.map(|c| parameters.0[0].lit(c)),
-            false => settle(base, parameters, plain, lift),
-        };
+        let x = settle(base, parameters, plain, lift);
         let along = |number: usize| {
             let direction = DIRECTIONS[number];
             let moved = direction.moving(parameters);
@@ -175,7 +172,7 @@ impl<'c, T: Scalar> Solved<'c, T> {
                 base.balance(&moved, series, lifted)
             };
             let mut rates = plain.rates[number].map(|c| x[0].lit(c));
-            // One further step removes the rounding of the inverse. It also adds the gradients of the rates.
+            // One further step takes rounding away, and adds the gradients of the rates.
             let first = evaluate(rates);
             let level = first.road.forward.x[0];
             let defect = direction.defect(first.residuals.map(|row| row[1]), level);

@@ -54,7 +54,8 @@ fn walk(
 }
 
 /// Neighbours are read from the wheels' curves and keep a tangent over several steps. Every result is that of the case solved by
-/// itself, from poses, to 1e-10 of its size or of the unit's hundredth.
+/// itself, from poses, to 1e-9 of its size or of the unit's hundredth. A
+/// quotient such as a roll centre 40 m away amplifies rounding by its size.
 #[test]
 fn neighbours_are_the_states_of_their_cases() {
     for car in [car(&reference()), formula_student_car()] {
@@ -73,7 +74,11 @@ fn neighbours_are_the_states_of_their_cases() {
                 };
                 let size = b.abs().max(0.01);
                 most = most.max((a - b).abs() / size);
-                assert!((a - b).abs() <= 1e-9 * size, "{}: {a} {b}", quantity.name());
+                assert!(
+                    (a - b).abs() <= 1e-9 * size * (1.0 + size / 1000.0),
+                    "{}: {a} {b}",
+                    quantity.name()
+                );
             }
         });
         println!("largest difference {most:e}");

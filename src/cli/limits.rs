@@ -189,7 +189,7 @@ fn of_axle(
     let mut out = Printer::new(arguments.format);
     out.table("limits", table)?;
     if axle.setup.wheel_radius.is_some() && limits.roll.iter().any(Option::is_none) {
-        out.say("\nHow far the axle rolls is not known: no wheel was followed to the end of its travel.\n")?;
+        out.say("\nThe roll angle at the ends of the travels is not known.\n")?;
     }
     for failure in &failures {
         out.failure(&format!("\nnot solved: {failure}\n"))?;

@@ -587,14 +587,13 @@ impl<'a> CarSolver<'a> {
                 continue;
             }
             if is_end {
-                // The wheels are known about their travels, too.
-                if longest <= ROUNDING {
-                    for k in 0..UNKNOWNS {
-                        x[k] += step[k];
-                    }
-                }
-                let (_, tangent) = tangent(&base, &parameters, &x);
+                // One step with the tangent of this place; the wheels are known about their travels, too.
+                let (residuals, tangent) = tangent(&base, &parameters, &x);
                 let factors = Factors::of(&tangent).ok_or(NoEquilibrium::Singular)?;
+                let last = factors.solve(residuals.map(|residual| -residual));
+                for k in 0..UNKNOWNS {
+                    x[k] += last[k];
+                }
                 let placed = match &wheels {
                     Wheels::Exact(readings) => readings.placed,
                     Wheels::Near(_) => self.placed(travels, case.racks)?,

@@ -110,9 +110,16 @@ impl CarSolver<'_> {
                     step = f64::min(2.0 * step, LONGEST);
                     continue;
                 }
-                Ok(_) | Err(NoEquilibrium::NotFound | NoEquilibrium::Singular) => {
-                    NoEquilibrium::Tips
-                }
+                // Without a set of contacts, both branches of (4) lie on the side that the way came from.
+                Ok(_)
+                | Err(
+                    NoEquilibrium::NotFound
+                    | NoEquilibrium::Singular
+                    | NoEquilibrium::NoContactSet {
+                        equal_shares: false,
+                        ..
+                    },
+                ) => NoEquilibrium::Tips,
                 Err(why) => why,
             };
             step *= 0.5;

@@ -54,8 +54,9 @@ fn walk(
 }
 
 /// Neighbours are read from the wheels' curves and keep a tangent over several steps. Every result is that of the case solved by
-/// itself, from poses, to 1e-9 of its size or of the unit's hundredth. A
-/// quotient such as a roll centre 40 m away amplifies rounding by its size.
+/// itself, from poses, to 1e-9 of its size. Points of 300 mm are known to 8 roundings, 5e-13 mm, and a roll centre amplifies
+/// that a hundred times: below a twentieth of the unit that is the bound. A quotient such as a roll centre 40 m away amplifies
+/// rounding by its size.
 #[test]
 fn neighbours_are_the_states_of_their_cases() {
     for car in [car(&reference()), formula_student_car()] {
@@ -72,7 +73,7 @@ fn neighbours_are_the_states_of_their_cases() {
                 let (Some(a), Some(b)) = (printed(&ours), printed(&theirs)) else {
                     continue;
                 };
-                let size = b.abs().max(0.01);
+                let size = b.abs().max(0.05);
                 most = most.max((a - b).abs() / size);
                 assert!(
                     (a - b).abs() <= 1e-9 * size * (1.0 + size / 1000.0),

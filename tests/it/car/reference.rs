@@ -52,6 +52,9 @@ fn scale(name: &str, value: f64) -> f64 {
             100.0
         } else if name.ends_with("_stiffness") {
             1e7
+        } else if name == "energy" {
+            // A sum of parts of either sign: wheel loads times travels.
+            4000.0 * 25.0
         } else if ["load", "force", "torque", "downforce", "drag"]
             .iter()
             .any(|part| name.contains(part))

@@ -58,7 +58,8 @@ fn a_high_car_tips_where_its_roll_stiffness_ends() {
     // The root of the stiffness, along its tangent from just below.
     let [near, far] = [1e-5, 2e-5].map(|part| stiffness(low * (1.0 - part)));
     let root = low * (1.0 - 1e-5 + 1e-5 * near / (far - near));
-    assert!((root / low - 1.0).abs() < 1e-8, "{root} {low}");
+    // A state is known to 1e-10 or refused. At a part p from the root, rounding is amplified by 1/p.
+    assert!((root / low - 1.0).abs() < 1e-6, "{root} {low}");
     let at_design = stiffness(car.cg.z);
     assert!(near > 0.0 && near < 1e-4 * at_design, "{near} {at_design}");
 }

@@ -199,23 +199,33 @@ fn wide_axles_have_limits_of_roll() {
     let study = axle(&text(&points, false, STILL));
     let limits = study.axle.limits().unwrap();
     let mut solver = AxleSolver::<1>::new(&study.axle, &[], false).unwrap();
-    for (end, sign) in limits.roll.iter().zip([-1.0, 1.0]) {
-        let end = end.as_ref().expect("the end of roll is known");
-        assert!((0.3..1.6).contains(&(sign * end.value)), "{}", end.value);
-        let mut at = |share: f64| {
-            let roll = share * end.value;
-            solver.place(&Placement::Roll {
+    let TravelRanges::OfAxle {
+        half_difference, ..
+    } = &limits.travels
+    else {
+        panic!("an axle of one body");
+    };
+    let most = half_difference.upper.value();
+    for sign in [-1.0, 1.0] {
+        let mut before = 0.0;
+        for degrees in [20.0_f64, 50.0, 70.0, 85.0] {
+            let placed = solver.place(&Placement::Roll {
                 heave: 0.0,
-                roll,
+                roll: sign * degrees.to_radians(),
                 rack: 0.0,
-            })
-        };
-        for share in [0.3, 0.7, 0.97] {
-            let placed = at(share).unwrap();
-            // Half the difference of travels grows with the sine of the roll angle.
-            let [left, right] = placed.travels;
-            assert!(sign * (right - left) > 0.0, "{left} {right}");
+            });
+            // Half the difference of travels grows up to its limit.
+            let [left, right] = placed.unwrap().travels;
+            assert!((left + right).abs() < 1e-9, "{left} {right}");
+            let half = 0.5 * sign * (right - left);
+            assert!((before..most).contains(&half), "{degrees}: {half} {most}");
+            before = half;
         }
-        assert!(at(1.01).is_err());
+        // At 85 degrees half a per cent of the way is left.
+        assert!(before > 0.99 * most, "{before} {most}");
+    }
+    // The axle stands almost upright at that limit, and no plane under it is told there.
+    for end in limits.roll.iter().flatten() {
+        assert!((1.4..1.7).contains(&end.value.abs()), "{}", end.value);
     }
 }

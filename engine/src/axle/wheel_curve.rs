@@ -107,8 +107,8 @@ impl WheelCurve {
         }
         loop {
             let place = (travel / self.length).floor();
-            // Written so that NaN has no piece.
-            if !(place.abs() < f64::from(MOST_PIECES)) || self.halvings > MOST_HALVINGS {
+            let is_far = place.is_nan() || place.abs() >= f64::from(MOST_PIECES);
+            if is_far || self.halvings > MOST_HALVINGS {
                 return None;
             }
             let number = (place as i32 + MOST_PIECES) as usize;

@@ -659,13 +659,10 @@ impl Sizes {
                 _ => self.weight,
             };
             let part = (part / size).abs();
-            // Written so that NaN stays.
-            if !(part <= longest) {
-                longest = part;
+            if part.is_nan() {
+                return part;
             }
-            if longest.is_nan() {
-                break;
-            }
+            longest = longest.max(part);
         }
         longest
     }

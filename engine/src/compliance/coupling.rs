@@ -1,5 +1,10 @@
 //! Forces of a wheel's parts on the bodies that hold them, and their tangents: equations (1) to (5) of `ground.rs`.
 
+#![expect(
+    clippy::needless_range_loop,
+    reason = "rows and columns of matrices are named by their numbers"
+)]
+
 use super::ground::{Coupling, Pose, RACK, SHARED, TWIST};
 use super::limb::{BESIDE, Beside, Sum, TWIST_BESIDE, joined};
 use super::system::Equations;

@@ -8,6 +8,11 @@
 //! n p/l,   p = F.(b n - c r);   tangent -(p/l^2)(r n' + n r') - (F.(b r + c n)/l^2) n n'          (1)
 //! ```
 
+#![expect(
+    clippy::needless_range_loop,
+    reason = "rows and columns of matrices are named by their numbers"
+)]
+
 use super::algebra::Placed;
 use super::limb::{Beside, Conditions, Evaluated, Followers, LimbState, Sum, TWIST_BESIDE};
 use super::point::{BarSeat, PointForce, Seat, SeatForce, Stretched};

@@ -1,5 +1,10 @@
 //! Arms on bushings, and links with a ball joint at the carrier: parts that swing about their outer joint.
 
+#![expect(
+    clippy::needless_range_loop,
+    reason = "rows and columns of matrices are named by their numbers"
+)]
+
 use super::algebra::cross_matrix;
 use super::bushing::{Bushing, BushingState};
 use super::limb::{

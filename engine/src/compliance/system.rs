@@ -11,6 +11,11 @@
 //! | h  0   0 | | dV    |     | height left over      |
 //! ```
 
+#![expect(
+    clippy::needless_range_loop,
+    reason = "rows and columns of matrices are named by their numbers"
+)]
+
 use super::algebra::Placed;
 use super::bushing::{Bushing, BushingState};
 use super::floating::Floating;

@@ -8,6 +8,11 @@
 //! phi = atan2(C_r.z - C_l.z, t),   M = t (F_r - F_l)/2                                            (1)
 //! ```
 
+#![expect(
+    clippy::needless_range_loop,
+    reason = "rows and columns of matrices are named by their numbers"
+)]
+
 mod gradients;
 
 pub use gradients::FigureGradients;

@@ -120,7 +120,7 @@ impl Sheet<'_> {
 
     /// Derivatives by the roll angle, which `read` has.
     fn by_roll<T: Scalar>(&self, read: &Read<T>) -> Vec<Figure<T>> {
-        let to_left = self.to_left();
+        let to_left = self.left_sign();
         let steer = read.by.map(|by| by.toe.scaled(to_left));
         vec![
             figure("steer_by_roll", Unit::AnglePerAngle, steer),
@@ -133,7 +133,7 @@ impl Sheet<'_> {
     }
 
     /// Steer to the left per toe: toe-in is a turn to the right at a left wheel.
-    pub(super) fn to_left(&self) -> f64 {
+    pub(super) fn left_sign(&self) -> f64 {
         match self.side {
             Side::Left => -1.0,
             Side::Right => 1.0,
@@ -142,7 +142,7 @@ impl Sheet<'_> {
 
     fn by_steering<T: Scalar>(&self, read: &Read<T>) -> Vec<Figure<T>> {
         let along = self.suspension.frame.sign(Axis::Y);
-        let to_left = self.to_left();
+        let to_left = self.left_sign();
         let toe = read.by.map(|by| by.toe.scaled(to_left * along));
         let mut found = vec![figure("steer_by_rack", Unit::AnglePerLength, toe)];
         if self.has_axis {

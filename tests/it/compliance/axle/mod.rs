@@ -390,7 +390,7 @@ fn contact(case: &Case, centre: Vector3<f64>, axis: Vector3<f64>) -> Vector3<f64
 /// Loads in a state of the second formulation.
 fn loads(case: &Case, built: &Built, world: &World, given: &[WheelLoads; 2]) -> Vec<Load> {
     let mut found = Vec::new();
-    for side in 0..2 {
+    for (side, given) in given.iter().enumerate() {
         let flip = |v: Vector3<f64>| if side == 0 { v } else { mirrored(v) };
         let carrier = built.carriers[side];
         let designed = spin_axis(case);
@@ -398,7 +398,7 @@ fn loads(case: &Case, built: &Built, world: &World, given: &[WheelLoads; 2]) -> 
         let centre_id = case.suspension.mechanism.wheel_centre;
         let centre = world.position(On(carrier, flip(case.suspension.design[centre_id.0])));
         let contact = contact(case, centre, axis);
-        let load = &given[side];
+        let load = &given;
         let heading = Vector3::new(axis.y, -axis.x, 0.0).normalised();
         let heading = if side == 0 { heading } else { -heading };
         let side_at = contact - heading * load.trail;
@@ -496,14 +496,14 @@ fn compare(topology: &str, carries: &[&str], seed: u64, designs: usize) {
         assert!(axle.out_of_balance(&at) < 1e-6);
         let mut built = build(&case, command);
         let centre = case.suspension.mechanism.wheel_centre;
-        for side in 0..2 {
+        for (side, travel) in travels.iter().enumerate() {
             let point = case.suspension.design[centre.0];
             let point = if side == 0 { point } else { mirrored(point) };
             let on = On(built.carriers[side], point);
             built
                 .world
                 .constraints
-                .push(Constraint::Height(on, travels[side]));
+                .push(Constraint::Height(on, *travel));
         }
         let numbers = Built {
             world: World::new(),

@@ -144,14 +144,17 @@ def test_residuals_travel_and_shorten_the_steps_of_scipy(front):
     assert fit.cost <= 0.5 * np.sum(r(x) ** 2)
 
 
-SUSPENSIONS = [path for path in sorted(STUDIES.glob("*.toml")) if "\n[car]\n" not in path.read_text()]
+# Elastic axles are for `kc` and `check` alone.
+OTHERS = ("\n[car]\n", "\n[subframe]\n")
+SUSPENSIONS = [path for path in sorted(STUDIES.glob("*.toml")) if not any(key in path.read_text() for key in OTHERS)]
 
 
 @pytest.mark.parametrize("path", SUSPENSIONS, ids=lambda path: path.stem)
 def test_moved_points_are_those_of_the_text(path):
     """Points alone are replaced without reading the text again: the result is that of the text."""
     study = hp.load(path)
-    names = study.points[:2]
+    # The shear centre of a twist beam stays in the middle of the car.
+    names = [name for name in study.points if name != "shear_centre"][:2]
     moved = study.replace(points={name: study[name] + [0.25, -0.5, 0.125] for name in names})
     read = hp.loads(moved.text, name=f"{moved.name}.toml", directory=path.parent)
     np.testing.assert_array_equal(moved.design, read.design)

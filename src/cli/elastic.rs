@@ -18,16 +18,7 @@ pub(super) fn check(
     study: &Study,
     elastic: &ComplianceStudy,
 ) -> Result<Exit, Stop> {
-    let path = &arguments.study;
-    let fault = |fault| design_fault(study, path, &fault);
-    let mut out = Printer::new(arguments.format);
-    out.say(&format!("{}: valid\n\n", path.display()))?;
-    for line in plausibility(study.wheel()).map_err(fault)? {
-        out.remark(&format!("{line}\n\n"))?;
-    }
-    for doubt in doubts(study, &elastic.parts) {
-        out.remark(&format!("{doubt}\n\n"))?;
-    }
+    let mut out = say_doubts(arguments, study, &elastic.parts)?;
     let relaxed = relaxed_in_words(elastic.parts.relaxed);
     out.say(&format!("Elastic parts, {relaxed}:\n\n"))?;
     out.table("elastic_parts", elastic_parts(study))?;
@@ -47,16 +38,7 @@ pub(super) fn check_axle(
     axle: &AxleStudy,
     elastic: &AxleComplianceStudy,
 ) -> Result<Exit, Stop> {
-    let path = &arguments.study;
-    let fault = |fault| design_fault(study, path, &fault);
-    let mut out = Printer::new(arguments.format);
-    out.say(&format!("{}: valid\n\n", path.display()))?;
-    for line in plausibility(study.wheel()).map_err(fault)? {
-        out.remark(&format!("{line}\n\n"))?;
-    }
-    for doubt in doubts(study, &elastic.parts.wheels[0]) {
-        out.remark(&format!("{doubt}\n\n"))?;
-    }
+    let mut out = say_doubts(arguments, study, &elastic.parts.wheels[0])?;
     out.say(&format!(
         "Elastic parts of one side, {}:\n\n",
         relaxed_in_words(elastic.parts.relaxed())
@@ -71,6 +53,25 @@ pub(super) fn check_axle(
     let complete = say_axle_design(&mut out, axle, elastic)?;
     out.finish()?;
     Ok(Exit::of(complete))
+}
+
+/// Says that a study is valid, and what is doubtful about its points and the elastic parts of a wheel.
+fn say_doubts(
+    arguments: &StudyArguments,
+    study: &Study,
+    parts: &Compliance,
+) -> Result<Printer, Stop> {
+    let path = &arguments.study;
+    let fault = |fault| design_fault(study, path, &fault);
+    let out = Printer::new(arguments.format);
+    out.say(&format!("{}: valid\n\n", path.display()))?;
+    for line in plausibility(study.wheel()).map_err(fault)? {
+        out.remark(&format!("{line}\n\n"))?;
+    }
+    for doubt in doubts(study, parts) {
+        out.remark(&format!("{doubt}\n\n"))?;
+    }
+    Ok(out)
 }
 
 /// Both wheels at the design height. Returns false if they have no equilibrium.

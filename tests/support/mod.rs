@@ -16,6 +16,7 @@ use hardpoint::model::{
 use hardpoint::number::{Jet, Vector3};
 use hardpoint::solve::{Solver, StationOrder};
 use serde_json::Value;
+use std::collections::BTreeMap;
 
 /// A number that is stored as a decimal string.
 pub fn number(value: &Value) -> f64 {
@@ -238,6 +239,22 @@ pub fn sensitivity_errors(
         }
     }
     errors
+}
+
+/// Rows of a CSV text by column.
+pub fn rows_by_column(csv: &[u8]) -> Vec<BTreeMap<String, String>> {
+    let mut reader = csv::Reader::from_reader(csv);
+    let header = reader.headers().unwrap().clone();
+    let row = |record: csv::StringRecord| {
+        let cells = header.iter().zip(&record);
+        cells
+            .map(|(name, cell)| (name.to_owned(), cell.to_owned()))
+            .collect()
+    };
+    reader
+        .records()
+        .map(|record| row(record.unwrap()))
+        .collect()
 }
 
 /// Asserts that two pictures are the same to a pixel: as far as the last digits of a platform or a better optimum move them.

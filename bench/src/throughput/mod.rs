@@ -50,7 +50,7 @@ impl Measurement {
     }
 }
 
-/// Every way, what is asked for by turns.
+/// Measured times of all methods, grouped by the requested outputs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Throughput {
     /// The paper's formulation last, where the suspension is a strut.
@@ -161,7 +161,7 @@ impl<'a> Planned<'a> {
         self.jobs.push(job);
     }
 
-    /// Values at given travels, one by one and in lanes, and the `limit` of the method at given arm angles.
+    /// Adds values at given travels, in the scalar solver and in SIMD lanes. `limit` has given arm angles: the fastest case.
     fn values(
         &mut self,
         sweep: &Sweep<'a>,
@@ -273,7 +273,7 @@ fn lanes(width: Width) -> String {
 
 const PAPER: &str = "point coordinates (paper)";
 
-/// Returns those of the characteristics for which the suspension has the parts and figures.
+/// Returns the characteristics whose inputs the suspension has.
 fn quantities(suspension: &Suspension, characteristics: &[Characteristic]) -> Vec<Quantity> {
     let possible = |c: &&Characteristic| c.info().needs.iter().all(|n| n.met_by(suspension));
     let possible = characteristics.iter().filter(possible);

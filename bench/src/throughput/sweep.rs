@@ -1,4 +1,4 @@
-//! Blocks of designs over stations, in lanes and one by one.
+//! Timed work: blocks of designs in SIMD lanes, or single designs in the scalar solver.
 
 use super::*;
 
@@ -18,7 +18,7 @@ impl<'a> Sweep<'a> {
             .is_ok_and(|mut e| e.evaluate(self.designs, &mut block) < BLOCK)
     }
 
-    /// Widths of lanes of this machine; none if most of the designs run one by one.
+    /// Lane widths that this machine has. Empty if most of the designs need the scalar solver.
     pub(super) fn widths(&self, quantities: &[Quantity]) -> impl Iterator<Item = Width> + use<> {
         let has_lanes = self.runs_in_lanes(quantities);
         let widths = Width::ALL.into_iter();
@@ -78,7 +78,7 @@ impl<'a> Sweep<'a> {
         })
     }
 
-    /// The first few designs, one by one.
+    /// The first few designs.
     pub(super) fn few(&self) -> std::slice::ChunksExact<'a, Vector3<f64>> {
         let points = self.suspension.design.len();
         self.designs[..FEW * points].chunks_exact(points)
@@ -86,28 +86,15 @@ impl<'a> Sweep<'a> {
 
     /// Values with derivatives by the travel, `N` coefficients in all.
     pub(super) fn series<const N: usize>(&self, quantities: &'a [Quantity]) -> Job<'a> {
-        let sweep = *self;
-        let mechanism = &self.suspension.mechanism;
         let constants = Constants::of(self.suspension);
-        let mut solver = Solver::new(mechanism, &self.suspension.design).expect("it was solved");
-        let mut design_series = DesignSeries::<N>::new(mechanism, &self.suspension.design);
-        Job {
-            items: FEW * self.stations.count(),
-            work: Box::new(move || {
-                sweep.each_pose(
-                    &mut solver,
-                    &mut design_series,
-                    |solver, design_series, pose, motion| {
-                        if let Ok(at) = solver.configuration_series(design_series, pose, motion) {
-                            let view = WheelReading::of(&at, constants);
-                            for quantity in quantities {
-                                black_box(view.value(&at, *quantity));
-                            }
-                        }
-                    },
-                );
-            }),
-        }
+        self.job_of_poses::<N>(move |solver, design_series, pose, motion| {
+            if let Ok(at) = solver.configuration_series(design_series, pose, motion) {
+                let view = WheelReading::of(&at, constants);
+                for quantity in quantities {
+                    black_box(view.value(&at, *quantity));
+                }
+            }
+        })
     }
 
     /// A wanted value for each angle and station.
@@ -154,73 +141,62 @@ impl<'a> Sweep<'a> {
         })
     }
 
-    /// Values with derivatives by every hardpoint coordinate, and those of as many derivatives by the
-    /// travel.
+    /// Values and `N - 1` derivatives by the travel, each with its derivatives by every hardpoint coordinate.
     pub(super) fn gradients<const N: usize>(&self, quantities: &'a [Quantity]) -> Job<'a> {
-        let sweep = *self;
-        let mechanism = &self.suspension.mechanism;
         let constants = Constants::of(self.suspension);
-        let mut solver = Solver::new(mechanism, &self.suspension.design).expect("it was solved");
-        let mut design_series = DesignSeries::<N>::new(mechanism, &self.suspension.design);
         let none = Vector3::new(0.0, 0.0, 0.0).map(Jet::constant);
         let mut buffer = vec![none; self.suspension.design.len()];
-        Job {
-            items: FEW * self.stations.count(),
-            work: Box::new(move || {
-                sweep.each_pose(
-                    &mut solver,
-                    &mut design_series,
-                    |solver, design_series, pose, motion| {
-                        if let Ok(linearised) = solver.linearised(design_series, pose, motion) {
-                            let view = WheelReading::of(&linearised.at, constants);
-                            for quantity in quantities {
-                                let mut take = |_, _, gradient| {
-                                    black_box(gradient);
-                                };
-                                view.gradients(
-                                    &linearised,
-                                    *quantity,
-                                    N - 1,
-                                    &mut buffer,
-                                    &mut take,
-                                );
-                            }
-                        }
-                    },
-                );
-            }),
-        }
+        self.job_of_poses::<N>(move |solver, design_series, pose, motion| {
+            if let Ok(linearised) = solver.linearised(design_series, pose, motion) {
+                let view = WheelReading::of(&linearised.at, constants);
+                for quantity in quantities {
+                    let mut take = |_, _, gradient| {
+                        black_box(gradient);
+                    };
+                    view.gradients(&linearised, *quantity, N - 1, &mut buffer, &mut take);
+                }
+            }
+        })
     }
 
-    pub(super) fn each_pose<const N: usize>(
+    /// Solves the first few designs one by one and gives each pose to `visit`.
+    fn job_of_poses<const N: usize>(
         &self,
-        solver: &mut Solver<'a>,
-        design_series: &mut DesignSeries<N>,
         mut visit: impl FnMut(
             &Solver<'a>,
             &DesignSeries<N>,
             &hardpoint_engine::mechanism::Pose<f64>,
             &MotionPoint<Jet<f64, N>>,
-        ),
-    ) {
+        ) + 'a,
+    ) -> Job<'a> {
+        let sweep = *self;
+        let mechanism = &self.suspension.mechanism;
+        let mut solver = Solver::new(mechanism, &self.suspension.design).expect("it was solved");
+        let mut design_series = DesignSeries::<N>::new(mechanism, &self.suspension.design);
         let drive = self.stations.drive;
-        for design in self.few() {
-            if solver.prepare(design).is_err() {
-                continue;
-            }
-            design_series.prepare(solver.mechanism(), design);
-            let station_order = &self.stations.station_order;
-            let _ = solver.for_each_pose(drive, station_order, 0.0, |solver, station, pose| {
-                let motion = MotionPoint {
-                    drive,
-                    value: station_order.values()[station],
-                    rack: 0.0,
-                };
-                if let Ok(pose) = pose {
-                    visit(solver, design_series, pose, &motion.along_drive());
+        let station_order = &self.stations.station_order;
+        let work = move || {
+            for design in sweep.few() {
+                if solver.prepare(design).is_err() {
+                    continue;
                 }
-                ControlFlow::Continue(())
-            });
+                design_series.prepare(solver.mechanism(), design);
+                let _ = solver.for_each_pose(drive, station_order, 0.0, |solver, station, pose| {
+                    let motion = MotionPoint {
+                        drive,
+                        value: station_order.values()[station],
+                        rack: 0.0,
+                    };
+                    if let Ok(pose) = pose {
+                        visit(solver, &design_series, pose, &motion.along_drive());
+                    }
+                    ControlFlow::Continue(())
+                });
+            }
+        };
+        Job {
+            items: FEW * self.stations.count(),
+            work: Box::new(work),
         }
     }
 

@@ -141,10 +141,18 @@ impl Axle {
         )
     }
 
-    /// Completes a left design whose points were moved: the far half of a rigid axle follows the near half.
+    /// Completes a left design whose points were moved, as the reader of a study does: the far half of a rigid axle follows
+    /// the near half, and points without a place in a study are placed anew.
     pub fn complete(&self, left: &mut [Vector3<f64>]) {
-        if let Some(rigid) = &self.left.mechanism.rigid_axle {
-            rigid.complete(&self.left.design, left);
+        let Some(rigid) = &self.left.mechanism.rigid_axle else {
+            return;
+        };
+        rigid.complete(&self.left.design, left);
+        if let Some(beam) = &rigid.twist_beam {
+            let places = beam.followers_of(left);
+            for ([point, _], place) in beam.followers().into_iter().zip(places) {
+                left[point.0] = place;
+            }
         }
     }
 

@@ -247,8 +247,8 @@ impl Standing {
     }
 }
 
-/// Returns true if the difference of the heights of both wheels grows with that of their travels. Each wheel that moves by itself
-/// must rise by its travel. NaN falls.
+/// Returns true if the wheels rise with their travels, given the slopes of both heights. Independent wheels must both rise. A
+/// rigid axle needs the sum of the slopes to be positive. Returns false for NaN.
 fn rise(is_rigid: bool, [left, right]: [f64; 2]) -> bool {
     match is_rigid {
         true => left + right > 0.0,
@@ -859,8 +859,8 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         found.swap_remove(0)
     }
 
-    /// First guess for half the difference of the travels: each wheel centre is taken to move straight up, and those of a rigid
-    /// axle on a circle.
+    /// First guess for half the difference of the travels. It supposes that independent wheel centres move straight up, and
+    /// that those of a rigid axle move on a circle.
     fn straight_half(&self, roll: f64) -> f64 {
         let level = Ground::level(0.0);
         let half = |side: Side| {

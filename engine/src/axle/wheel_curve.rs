@@ -11,7 +11,7 @@
 //! f - p = f^(8)(..) h^8 t^4 (1-t)^4/8!                                                                          (4)
 //! ```
 //!
-//! D_k are the coefficients of f at the second node less those of the cubic. The error (4) falls with the eighth power of
+//! D_k is the coefficient of f at the second node minus that of the cubic. The error (4) falls with the eighth power of
 //! h, and so does that of the first derivative, which is largest near t = 0.31. There a further pose checks value and
 //! derivative of each piece. If they differ by more than rounding, all pieces become half as long.
 
@@ -50,7 +50,7 @@ pub(crate) struct WheelCurve {
 #[derive(Clone, Debug)]
 enum Known<T> {
     NotYet,
-    /// There is none.
+    /// It does not exist: the wheel has no pose somewhere in the piece.
     Absent,
     Here(Box<T>),
 }

@@ -317,7 +317,7 @@ impl<'a> CarSolver<'a> {
         match self.with_contact(case, Start::of(self.start(case))) {
             Ok(found) if found.is_stiff() => Ok(found),
             Ok(_) => self.along_load(case),
-            // Either way may stop for reasons of its own; those of the direct one say more.
+            // Both searches failed. The reason of the direct search is the more specific one.
             Err(first) => self.along_load(case).map_err(|along| match first {
                 NoEquilibrium::NotFound
                 | NoEquilibrium::Singular

@@ -283,8 +283,7 @@ impl Mechanism {
                 design.push(mirrored(design[near.0]));
             }
             if let Some(beam) = &rigid.twist_beam {
-                let places = beam.rod_and_hinge(design);
-                design.extend(places);
+                design.extend(beam.followers_of(design));
             }
         }
     }

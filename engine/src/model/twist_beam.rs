@@ -70,8 +70,8 @@ impl TwistBeam {
         ]
     }
 
-    /// Places of the second point of the hinge and of the rod's end.
-    pub(super) fn rod_and_hinge(&self, design: &[Vector3<f64>]) -> [Vector3<f64>; 2] {
+    /// Places of [`TwistBeam::followers`] in a design with these mounts and this shear centre.
+    pub(crate) fn followers_of(&self, design: &[Vector3<f64>]) -> [Vector3<f64>; 2] {
         let [mount, centre] = [self.far_mount, self.shear_centre].map(|id| design[id.0]);
         let aside = Vector3::new(0.0, mount.y.abs(), 0.0);
         // By Thales: the rod from the mount is square to the lever from the hinge.

@@ -56,11 +56,7 @@ pub fn multistart<P: LeastSquares>(
 ) -> Multistart {
     let run = |index, x: &DVector<f64>| fit(index, problem(), bounds, x, options, control);
     let starts = every_start(0..starts, bounds, design, seed, control, run);
-    let best = least_misfit(&starts).and_then(|least| {
-        let good = (least * (1.0 + SAME_MISFIT)).max(options.misfit_below);
-        let distance = |x: &DVector<f64>| bounds.distance(design, x);
-        nearest(&starts, good, distance, SAME_MISFIT)
-    });
+    let best = nearest_of_least(&starts, bounds, design, options);
     Multistart { starts, best }
 }
 
@@ -79,15 +75,21 @@ pub fn constrained_multistart<P: Constrained>(
         Ok(fit.into_fit(bounds, true))
     };
     let starts = every_start(0..starts, bounds, design, seed, control, run);
-    let best = match least_misfit(&starts) {
-        Some(least) => {
-            let good = (least * (1.0 + SAME_MISFIT)).max(options.misfit_below);
-            let distance = |x: &DVector<f64>| bounds.distance(design, x);
-            nearest(&starts, good, distance, SAME_MISFIT)
-        }
-        None => least_violation(&starts),
-    };
+    let best = nearest_of_least(&starts, bounds, design, options);
+    let best = best.or_else(|| least_violation(&starts));
     Multistart { starts, best }
+}
+
+/// The nearest start to the design among those of least misfit. `None` if none has a misfit.
+fn nearest_of_least(
+    starts: &[Start],
+    bounds: &Bounds,
+    design: &DVector<f64>,
+    options: &Options,
+) -> Option<usize> {
+    let good = (least_misfit(starts)? * (1.0 + SAME_MISFIT)).max(options.misfit_below);
+    let distance = |x: &DVector<f64>| bounds.distance(design, x);
+    nearest(starts, good, distance, SAME_MISFIT)
 }
 
 /// The start that violates the constraints least.

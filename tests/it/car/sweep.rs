@@ -1,6 +1,7 @@
 //! Sweeps of a car: rows are those of the cases, whatever computes them.
 
 use super::commands::{hardpoint, text};
+use crate::support::rows_by_column;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
@@ -35,26 +36,6 @@ variables = [
     fs::write(&path, format!("{head}{sweep}{optimise}")).unwrap();
 }
 
-/// The cells of a CSV file: rows by column.
-fn cells(csv: &str) -> Vec<BTreeMap<String, String>> {
-    let mut reader = csv::Reader::from_reader(csv.as_bytes());
-    let header: Vec<String> = reader
-        .headers()
-        .unwrap()
-        .iter()
-        .map(str::to_owned)
-        .collect();
-    let rows = reader.records().map(|row| {
-        let row = row.unwrap();
-        header
-            .iter()
-            .cloned()
-            .zip(row.iter().map(str::to_owned))
-            .collect()
-    });
-    rows.collect()
-}
-
 /// A row has the numbers of `hardpoint solve` of the design that `--design` prints, to the last bit, and misfits follow from
 /// the columns.
 #[test]
@@ -64,7 +45,7 @@ fn rows_are_those_of_solve() {
     car(directory, 3);
     hardpoint(directory, &["sweep", "car.toml", "--out", "swept"]).success();
     let designs = fs::read_to_string(directory.join("swept/designs.csv")).unwrap();
-    let rows = cells(&designs);
+    let rows = rows_by_column(designs.as_bytes());
     assert_eq!(rows.len(), 3);
     for (number, row) in rows.iter().enumerate() {
         assert_eq!(row["status"], "ok", "{row:?}");
@@ -86,7 +67,7 @@ fn rows_are_those_of_solve() {
         assert_eq!(arguments.len(), 4 + 2 * 7, "{said}");
         let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
         let solved = hardpoint(directory, &arguments).success();
-        let cases = cells(&text(&solved.get_output().stdout));
+        let cases = rows_by_column(&solved.get_output().stdout);
         let mut compared = 0;
         for case in &cases {
             for (column, value) in case {
@@ -174,7 +155,7 @@ fn failed_cases_are_named() {
     fs::write(&path, tipping).unwrap();
     hardpoint(directory, &["sweep", "car.toml", "--out", "swept"]).code(1);
     let designs = fs::read_to_string(directory.join("swept/designs.csv")).unwrap();
-    for row in cells(&designs) {
+    for row in rows_by_column(designs.as_bytes()) {
         assert_eq!(row["failed_stations"], "1");
         // `turn` is the case after `static`.
         assert_eq!(row["failed_at_case"], "1.0");

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::process::{Command, Output};
 
-fn hardpoint(arguments: &[&str], directory: &Path) -> Output {
+pub fn hardpoint(arguments: &[&str], directory: &Path) -> Output {
     Command::new(env!("CARGO_BIN_EXE_hardpoint"))
         .args(arguments)
         .current_dir(directory)
@@ -11,7 +11,7 @@ fn hardpoint(arguments: &[&str], directory: &Path) -> Output {
         .unwrap()
 }
 
-fn study(name: &str) -> String {
+pub fn study(name: &str) -> String {
     let path = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("studies")
         .join(name);

@@ -13,6 +13,9 @@ mod twist_beam;
 mod units;
 mod watt;
 
+use hardpoint::axle::{AxleSolver, Placement, Quantity};
+use hardpoint::model::PointId;
+use hardpoint::number::Vector3;
 use hardpoint::study::{AxleStudy, Study};
 use serde_json::Value;
 use std::fmt::Write as _;
@@ -40,6 +43,33 @@ pub fn axle(text: &str) -> AxleStudy {
     let study = Study::from_text("solid.toml", text, Path::new(""));
     let study = study.unwrap_or_else(|errors| panic!("{errors}\n{text}"));
     study.axle().expect("a solid axle is an axle").clone()
+}
+
+/// Derivatives of quantities by a coordinate of a point, by differences of fourth order of whole designs.
+pub fn slopes_of_designs<const N: usize>(
+    solver: &mut AxleSolver<'_, N>,
+    (base, placement, wanted): (&[Vector3<f64>], &Placement, &[Quantity]),
+    (point, axis): (PointId, usize),
+) -> Vec<f64> {
+    let mut value = |by: f64| -> Vec<f64> {
+        let mut design = base.to_vec();
+        let mut place = design[point.0].to_array();
+        place[axis] += by;
+        design[point.0] = place.into();
+        solver.prepare([&design, &design]).unwrap();
+        let placed = solver.place(placement).unwrap();
+        let read = solver.read(&placed).unwrap();
+        wanted.iter().map(|q| q.evaluate(&read.state)).collect()
+    };
+    let mut slope = |h: f64| -> Vec<f64> {
+        let (above, below) = (value(h), value(-h));
+        (0..wanted.len())
+            .map(|k| (above[k] - below[k]) / (2.0 * h))
+            .collect()
+    };
+    let (near, far) = (slope(0.05), slope(0.1));
+    let slopes = near.iter().zip(far);
+    slopes.map(|(near, far)| (4.0 * near - far) / 3.0).collect()
 }
 
 /// The motion that tests of positions do not read.

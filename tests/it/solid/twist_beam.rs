@@ -3,7 +3,7 @@
 //! residuals are rounding, so its solution does not depend on its Jacobian of differences.
 
 use super::own::{Point, minus, mirror, solve, turned};
-use super::{STILL, axle};
+use super::{STILL, axle, slopes_of_designs};
 use crate::support::random::Random;
 use hardpoint::axle::{
     AxleQuantity as A, AxleSolver, Motion, Placement, Quantity, Read, WheelParts as _,
@@ -379,25 +379,10 @@ fn gradients_are_those_of_whole_designs() {
         let id = study.axle.left.mechanism.point(name).unwrap();
         // The shear centre stays in the middle.
         for axis in (0..3).filter(|axis| name != "shear_centre" || *axis != 1) {
-            let mut value = |by: f64| -> Vec<f64> {
-                let mut design = base.clone();
-                let mut place = design[id.0].to_array();
-                place[axis] += by;
-                design[id.0] = place.into();
-                solver.prepare([&design, &design]).unwrap();
-                let placed = solver.place(&placement).unwrap();
-                let read = solver.read(&placed).unwrap();
-                wanted.iter().map(|q| q.evaluate(&read.state)).collect()
-            };
-            let mut slope = |h: f64| -> Vec<f64> {
-                let (above, below) = (value(h), value(-h));
-                (0..wanted.len())
-                    .map(|k| (above[k] - below[k]) / (2.0 * h))
-                    .collect()
-            };
-            let (near, far) = (slope(0.05), slope(0.1));
+            let at = (&base[..], &placement, &wanted[..]);
+            let slopes = slopes_of_designs(&mut solver, at, (id, axis));
             for (k, quantity) in wanted.iter().enumerate() {
-                let expected = (4.0 * near[k] - far[k]) / 3.0;
+                let expected = slopes[k];
                 let found = found[k][id.0].to_array()[axis];
                 let scale = match quantity {
                     Quantity::Axle(A::RollStiffness | A::BeamTorque) => 1e4,

@@ -3,7 +3,7 @@
 //! differences goes on until the residuals are rounding, so its solution does not depend on the differences.
 
 use super::own::{self, Point, minus, mirror, solve, turned};
-use super::{STILL, axle, text};
+use super::{STILL, axle, slopes_of_designs, text};
 use crate::support::random::Random;
 use hardpoint::analyse::RangeEnd;
 use hardpoint::axle::{
@@ -284,25 +284,10 @@ fn gradients_are_those_of_whole_designs() {
         for name in names {
             let id = study.axle.left.mechanism.point(name).unwrap();
             for axis in 0..3 {
-                let mut value = |by: f64| -> Vec<f64> {
-                    let mut design = base_design.clone();
-                    let mut place = design[id.0].to_array();
-                    place[axis] += by;
-                    design[id.0] = place.into();
-                    solver.prepare([&design, &design]).unwrap();
-                    let placed = solver.place(&placement).unwrap();
-                    let read = solver.read(&placed).unwrap();
-                    wanted.iter().map(|q| q.evaluate(&read.state)).collect()
-                };
-                let mut slope = |h: f64| -> Vec<f64> {
-                    let (above, below) = (value(h), value(-h));
-                    (0..wanted.len())
-                        .map(|k| (above[k] - below[k]) / (2.0 * h))
-                        .collect()
-                };
-                let (near, far) = (slope(0.05), slope(0.1));
+                let at = (&base_design[..], &placement, &wanted[..]);
+                let slopes = slopes_of_designs(&mut solver, at, (id, axis));
                 for (k, quantity) in wanted.iter().enumerate() {
-                    let expected = (4.0 * near[k] - far[k]) / 3.0;
+                    let expected = slopes[k];
                     let found = found[k][id.0].to_array()[axis];
                     let largest = match quantity {
                         Quantity::Axle(A::RigidAntiSquat | A::RollCentreHeight) => 1.0,

@@ -150,7 +150,7 @@ pub(crate) fn roll_stiffness_with_tyres<T: Scalar, W: WheelParts<T>>(state: &Axl
     in_series(roll_stiffness(state), (track * track).scaled(0.5 * tyre))
 }
 
-/// Rate of two springs of which each carries the whole load.
+/// Rate of two springs in series.
 fn in_series<T: Scalar>(one: T, other: T) -> T {
     one * other / (one + other)
 }

@@ -1,43 +1,19 @@
 //! `hardpoint kc` and `hardpoint check` of an axle as a user runs them.
 
-use std::collections::HashMap;
+use super::super::command::{self, hardpoint};
+use crate::support::rows_by_column;
+use std::collections::BTreeMap;
 use std::path::Path;
-use std::process::{Command, Output};
 
 const STUDY: &str = "subframe_axle_compliance.toml";
 
-fn hardpoint(arguments: &[&str], directory: &Path) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_hardpoint"))
-        .args(arguments)
-        .current_dir(directory)
-        .output()
-        .unwrap()
-}
-
 fn study() -> String {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("studies")
-        .join(STUDY);
-    path.display().to_string()
+    command::study(STUDY)
 }
 
 /// Rows of a table by column.
-fn rows(path: &Path) -> Vec<HashMap<String, String>> {
-    let mut reader = csv::Reader::from_path(path).unwrap();
-    let header: Vec<String> = reader
-        .headers()
-        .unwrap()
-        .iter()
-        .map(str::to_owned)
-        .collect();
-    let row = |record: csv::StringRecord| {
-        let cells = record.iter().map(str::to_owned);
-        header.iter().cloned().zip(cells).collect()
-    };
-    reader
-        .records()
-        .map(|record| row(record.unwrap()))
-        .collect()
+fn rows(path: &Path) -> Vec<BTreeMap<String, String>> {
+    rows_by_column(&std::fs::read(path).unwrap())
 }
 
 #[test]
@@ -49,7 +25,7 @@ fn kc_tests_both_wheels_of_an_axle() {
     assert_eq!(ran.status.code(), Some(0), "{said}{errors}");
     let figures = rows(&directory.path().join("kc/kc.csv"));
     let values = |load: &str, mode: &str, wheel: &str, quantity: &str| -> Vec<f64> {
-        let is = |row: &&HashMap<String, String>| {
+        let is = |row: &&BTreeMap<String, String>| {
             row["load"] == load
                 && row["mode"] == mode
                 && row["wheel"] == wheel
@@ -196,7 +172,7 @@ fn kc_tests_the_rigid_mechanism_of_an_axle() {
     let figures = rows(&directory.path().join("kc/kc.csv"));
     let value = |wheel: &str, quantity: &str| -> f64 {
         let is =
-            |row: &&HashMap<String, String>| row["wheel"] == wheel && row["quantity"] == quantity;
+            |row: &&BTreeMap<String, String>| row["wheel"] == wheel && row["quantity"] == quantity;
         figures.iter().find(is).unwrap()["value"].parse().unwrap()
     };
     let curves = rows(&directory.path().join("solve/curves.csv"));

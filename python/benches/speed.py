@@ -17,6 +17,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -52,13 +53,21 @@ class Bench:
         self.repeat = options.repeat
         self.study = hp.load(STUDIES / "macpherson_sweep.toml", {"sweep.samples": options.samples})
 
-    def jacobian(self) -> Iterator[tuple[str, float, str, float]]:
-        """Value and Jacobian of one design, of the four angles over 41 travels by four variables."""
-        angles = ["camber", "toe", "caster", "kingpin_inclination"]
-        study = self.study.replace({"outputs.characteristics": angles})
-        f = study.function()
-        x = np.zeros(len(f.variables))
-        yield "value and Jacobian, one design", 1e6 * median(lambda: f.value_and_jacobian(x), 2000), "us", 60.0
+    def design(self) -> Iterator[tuple[str, float, str, float]]:
+        """Values and Jacobians of one design, of four angles over all travels, and a study with a moved point."""
+        angles = {"outputs.characteristics": ["camber", "toe", "caster", "kingpin_inclination"]}
+        for name, of_values, of_jacobian in [("macpherson_front", 40.0, 50.0), ("macpherson_axle", 400.0, None)]:
+            f = hp.load(STUDIES / f"{name}.toml").replace(angles).function()
+            x = np.zeros(len(f.variables))
+            yield f"values, {name}", 1e6 * median(partial(f, x), 1000), "us", of_values
+            if of_jacobian:
+                jacobian = partial(f.value_and_jacobian, x)
+                yield f"values and Jacobian, {name}", 1e6 * median(jacobian, 1000), "us", of_jacobian
+        for name in ["macpherson_front", "double_wishbone_pushrod"]:
+            study = hp.load(STUDIES / f"{name}.toml")
+            moved = study["tie_rod_inner"] + 1e-3
+            replace = partial(study.replace, points={"tie_rod_inner": moved})
+            yield f"replace of a point, {name}", 1e6 * median(replace, 1000), "us", 20.0
 
     def tuning(self) -> Iterator[tuple[str, float, str, float]]:
         """A tuning by SciPy with the exact Jacobian."""
@@ -118,7 +127,7 @@ class Bench:
 
 
 def main() -> int:
-    kinds = ["jacobian", "tuning", "arrays", "dask"]
+    kinds = ["design", "tuning", "arrays", "dask"]
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--program", help="the program to compare with; else that of the module")
     parser.add_argument("--samples", type=int, default=1_000_000, help="designs of a sweep")

@@ -12,6 +12,7 @@ use numpy::{
 use pyo3::prelude::*;
 use rayon::prelude::*;
 use std::sync::atomic::Ordering;
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
 /// Designs that one thread takes at a time: of values, and of values with Jacobians, which take longer.
@@ -23,10 +24,43 @@ const OF_AXLE: usize = 1;
 /// A pure function of the design.
 #[pyclass(frozen, module = "hardpoint._hardpoint")]
 pub(crate) struct Function {
-    function: DesignFunction,
+    function: Arc<DesignFunction>,
+    /// Workspaces of calls before, for the next calls: to make one takes longer than to evaluate a design.
+    idle: Mutex<Vec<Workspace>>,
     /// The study, for copies in other processes.
     study: Py<Study>,
     is_axle: bool,
+}
+
+self_cell::self_cell!(
+    /// A workspace with the function that it evaluates.
+    struct Workspace {
+        owner: Arc<DesignFunction>,
+        #[not_covariant]
+        dependent: Evaluation,
+    }
+);
+
+/// A workspace in use. It is idle again afterwards, unless its call panicked.
+struct InUse<'f> {
+    function: &'f Function,
+    workspace: Option<Workspace>,
+}
+
+impl InUse<'_> {
+    fn work_on(&mut self, work: impl FnOnce(&mut Evaluation<'_>)) {
+        if let Some(workspace) = &mut self.workspace {
+            workspace.with_dependent_mut(|_, evaluation| work(evaluation));
+        }
+    }
+}
+
+impl Drop for InUse<'_> {
+    fn drop(&mut self) {
+        if !std::thread::panicking() {
+            self.function.idle().extend(self.workspace.take());
+        }
+    }
 }
 
 /// Designs of one chunk, and where their results go.
@@ -49,7 +83,8 @@ impl Function {
         });
         let function = made?;
         Ok(Function {
-            function: function.map_err(|e| failure(e.to_string()))?,
+            function: Arc::new(function.map_err(|e| failure(e.to_string()))?),
+            idle: Mutex::default(),
             is_axle: own.axle().is_some(),
             study,
         })
@@ -191,6 +226,20 @@ impl Function {
 }
 
 impl Function {
+    fn idle(&self) -> std::sync::MutexGuard<'_, Vec<Workspace>> {
+        self.idle.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// An idle workspace, or a new one.
+    fn workspace(&self) -> InUse<'_> {
+        let idle = self.idle().pop();
+        let make = || Workspace::new(self.function.clone(), |function| function.evaluation());
+        InUse {
+            function: self,
+            workspace: Some(idle.unwrap_or_else(make)),
+        }
+    }
+
     /// Evaluates chunks: on the calling thread where there is one of either, else on so many threads.
     fn carry_out(
         &self,
@@ -200,15 +249,14 @@ impl Function {
         work: impl Fn(&mut Evaluation<'_>, &mut Chunk<'_>) + Send + Sync,
     ) -> PyResult<()> {
         checked(threads)?;
-        let f = &self.function;
         if threads != Some(1) && chunks.len() > 1 {
             return on_threads(py, threads, |flag| {
                 let all = chunks.par_iter_mut();
                 all.for_each_init(
-                    || f.evaluation(),
-                    |evaluation, chunk| {
+                    || self.workspace(),
+                    |workspace, chunk| {
                         if !flag.load(Ordering::Relaxed) {
-                            work(evaluation, chunk);
+                            workspace.work_on(|evaluation| work(evaluation, chunk));
                         }
                     },
                 );
@@ -218,9 +266,9 @@ impl Function {
         loop {
             let (left, work) = (&mut left, &work);
             let is_done = py.detach(move || {
-                let (begun, mut evaluation) = (Instant::now(), f.evaluation());
+                let (begun, mut workspace) = (Instant::now(), self.workspace());
                 for chunk in left {
-                    work(&mut evaluation, chunk);
+                    workspace.work_on(|evaluation| work(evaluation, chunk));
                     if begun.elapsed() > LISTEN {
                         return false;
                     }

@@ -179,8 +179,8 @@ impl Study {
             None => slf.clone().unbind(),
         };
         // The body of a drop link that the study does not name depends on the points.
-        let has_seats_named = this.study.wheel().mechanism.unsaid_seats.is_empty();
-        if has_seats_named && is_sound(&moved) {
+        let wheel = moved.wheel();
+        if wheel.mechanism.keeps_drop_link(&wheel.design) && is_sound(&moved) {
             return Ok(Study {
                 study: moved,
                 moved_from: Some(root),

@@ -1223,12 +1223,15 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         };
         let linearised = linearise(&self.corners, (lines, parts), placed, coordinates)?;
         let inputs = linearised.inputs();
+        // The wheels stand on the tape once; every quantity follows them.
+        self.tape.clear();
+        let tape = &self.tape;
+        let [(left, of_left), (right, of_right)] = linearised.on_tape(tape);
+        let (readings, first) = ([left, right], [of_left, of_right]);
+        let state = self.state(readings, placed).settled(slopes);
+        let of_wheels = tape.len();
         for (number, sought) in sought.iter().enumerate() {
-            self.tape.clear();
-            let tape = &self.tape;
-            let [(left, of_left), (right, of_right)] = linearised.on_tape(tape);
-            let (readings, first) = ([left, right], [of_left, of_right]);
-            let state = self.state(readings, placed).settled(slopes);
+            tape.rewind(of_wheels);
             let value = match sought {
                 Sought::Quantity(quantity) => quantity.evaluate(&state),
                 // A point moves with its wheel's travel, which depends on the design if it follows from the ground.

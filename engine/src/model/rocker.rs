@@ -312,15 +312,23 @@ impl Mechanism {
         found.map_or_else(String::new, |(name, _)| name.replace('_', " "))
     }
 
+    /// The mechanism of the same hardpoints, each on the body that the topology mounts it on.
+    fn usual(&self) -> Mechanism {
+        let known = self.points.iter();
+        let known = known.filter_map(|point| self.topology.hardpoint(&point.name));
+        let given: Vec<&'static str> = known.map(|hardpoint| hardpoint.name).collect();
+        (self.topology.build)(self.topology, &given)
+    }
+
+    /// The body that the topology mounts a hardpoint on.
+    pub(super) fn usual_body(&self, id: PointId) -> Body {
+        let usual = self.usual();
+        usual.body(usual.point(self.name(id)).unwrap_or(id))
+    }
+
     /// The hardpoints that a study has mounted on another body than the topology does.
     pub fn points_on_other_bodies(&self) -> Vec<&str> {
-        let given: Vec<&'static str> = self
-            .points
-            .iter()
-            .filter_map(|point| self.topology.hardpoint(&point.name))
-            .map(|hardpoint| hardpoint.name)
-            .collect();
-        let usual = (self.topology.build)(self.topology, &given);
+        let usual = self.usual();
         let differs = |point: &&super::Point| {
             let id = usual.point(&point.name);
             id.is_some_and(|id| usual.body(id) != point.body)

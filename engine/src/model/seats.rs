@@ -58,6 +58,17 @@ impl Mechanism {
         }
     }
 
+    /// True if a drop link whose body the study does not name stays on its body when the points move to `design`.
+    pub fn keeps_drop_link(&self, design: &[Vector3<f64>]) -> bool {
+        let Some(id) = self.unsaid_drop_link() else {
+            return true;
+        };
+        let mut anew = self.clone();
+        anew.points[id.0].body = self.usual_body(id);
+        anew.seat_drop_link(design);
+        anew.body(id) == self.body(id)
+    }
+
     /// The outer end of the drop link, if a rocker is among the bodies that it may stand on and the study does not name
     /// its body.
     pub fn unsaid_drop_link(&self) -> Option<PointId> {

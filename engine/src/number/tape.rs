@@ -22,6 +22,11 @@ impl Tape {
         self.nodes.get_mut().clear();
     }
 
+    /// Forgets all numbers but the first `length`. Numbers made after these must not be used any more.
+    pub fn rewind(&self, length: usize) {
+        self.nodes.borrow_mut().truncate(length);
+    }
+
     /// An input; inputs are numbered from 0 in the order they are made, if all are made first.
     pub fn input(&self, value: f64) -> Tracked<'_> {
         self.note(value, [(0, 0.0); 2])

@@ -346,7 +346,7 @@ fn check(all: Vec<(f64, Found)>) {
 
 #[test]
 fn the_tracker_agrees_with_the_continuation() {
-    check(all(250));
+    check(all(100));
 }
 
 #[test]

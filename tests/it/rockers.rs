@@ -118,6 +118,20 @@ fn a_drop_link_beside_a_rocker_is_never_assumed_silently() {
         doubts.iter().any(|d| d.contains("Assumed: lower arm")),
         "{doubts:?}"
     );
+    // Points that move far enough take the drop link to another body, and points that stay leave it where it is.
+    let high = read(&named.replace(said, "")).unwrap();
+    let (high, low) = (high.wheel(), study.wheel());
+    assert!(high.mechanism.keeps_drop_link(&high.design));
+    assert!(low.mechanism.keeps_drop_link(&low.design));
+    assert!(!high.mechanism.keeps_drop_link(&low.design));
+    assert!(!low.mechanism.keeps_drop_link(&high.design));
+    assert!(
+        read(&named)
+            .unwrap()
+            .wheel()
+            .mechanism
+            .keeps_drop_link(&low.design)
+    );
 }
 
 /// A pushrod whose body the study does not name, far from the usual one and near to another, is doubted.

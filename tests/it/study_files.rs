@@ -209,7 +209,16 @@ fn judge(study: &Study) -> bool {
 
 #[test]
 fn mutilated_studies_are_solved_or_refused_with_a_reason() {
-    let cases: u64 = std::env::var("CASES").map_or(300, |text| text.parse().unwrap());
+    mutilate(100);
+}
+
+#[test]
+#[ignore = "CASES times as many studies as there are, by default 3,000, take minutes"]
+fn many_mutilated_studies_are_solved_or_refused_with_a_reason() {
+    mutilate(std::env::var("CASES").map_or(3_000, |text| text.parse().unwrap()));
+}
+
+fn mutilate(cases: u64) {
     let mut paths: Vec<_> = fs::read_dir(directory("studies"))
         .unwrap()
         .map(|entry| entry.unwrap().path())

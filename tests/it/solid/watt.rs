@@ -191,14 +191,24 @@ fn random(random: &mut Random, base: Base, lever: f64) -> Linkage {
     Linkage { points, base }
 }
 
-/// 1,000 axles, half of each kind, at random travels; and the derivatives of two quantities by heave and roll, which are
-/// differences of the other formulation.
 #[test]
 fn positions_and_rates_are_those_of_another_formulation() {
+    compare(150);
+}
+
+#[test]
+#[ignore = "1,000 axles"]
+fn positions_and_rates_of_a_thousand_axles_are_those_of_another_formulation() {
+    compare(500);
+}
+
+/// `each` axles of each kind, at random travels; and the derivatives of two quantities by heave and roll, which are
+/// differences of the other formulation.
+fn compare(each: usize) {
     let mut generator = Random(64);
     for base in BASES {
         let (mut worst, mut worst_rate, mut solved) = (0.0_f64, 0.0_f64, 0);
-        for _ in 0..500 {
+        for _ in 0..each {
             let linkage = random(&mut generator, base, 70.0);
             let study = axle(&text(&linkage.points, true, STILL));
             let wanted = [A::AxleLateral, A::AxleLongitudinal].map(Quantity::Axle);
@@ -244,7 +254,7 @@ fn positions_and_rates_are_those_of_another_formulation() {
             }
         }
         println!("{base:?}: {solved} solved, {worst:e} mm, rates {worst_rate:e}");
-        assert!(solved > 480, "{base:?}: {solved}");
+        assert!(25 * solved > 24 * each, "{base:?}: {solved}");
         // Rounding of 1e-12 mm at a condition below 1e3; differences of the step 1 leave the fifth derivative.
         assert!(worst < 1e-9, "{base:?}: {worst:e} mm");
         assert!(worst_rate < 1e-8, "{base:?}: {worst_rate:e}");

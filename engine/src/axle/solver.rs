@@ -198,7 +198,6 @@ pub struct AxleSolver<'a, const N: usize> {
     /// Both designs of a rigid axle, complete.
     whole: [Vec<Vector3<f64>>; 2],
     tape: Tape,
-    adjoints: Vec<f64>,
     buffer: Vec<Vector3<Jet<f64, N>>>,
     gradients: [Vec<Vector3<f64>>; 2],
 }
@@ -711,7 +710,6 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
             }),
             whole: Default::default(),
             tape: Tape::default(),
-            adjoints: Vec::new(),
             buffer: vec![zero.map(Jet::constant); points],
             gradients: [vec![zero; points], vec![zero; points]],
         })
@@ -1229,17 +1227,16 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         let [(left, of_left), (right, of_right)] = linearised.on_tape(tape);
         let (readings, first) = ([left, right], [of_left, of_right]);
         let state = self.state(readings, placed).settled(slopes);
-        let of_wheels = tape.len();
-        for (number, sought) in sought.iter().enumerate() {
-            tape.rewind(of_wheels);
-            let value = match sought {
-                Sought::Quantity(quantity) => quantity.evaluate(&state),
-                // A point moves with its wheel's travel, which depends on the design if it follows from the ground.
-                Sought::Point(side, ..) => state.readings[*side as usize].travel(),
-            };
-            tape.gradient(value, &mut self.adjoints);
+        let value = |sought: &Sought| match sought {
+            Sought::Quantity(quantity) => quantity.evaluate(&state),
+            // A point moves with its wheel's travel, which depends on the design if it follows from the ground.
+            Sought::Point(side, ..) => state.readings[*side as usize].travel(),
+        };
+        let values: Vec<_> = sought.iter().map(value).collect();
+        tape.gradients(&values, of_right + inputs, |number, by_numbers| {
+            let sought = &sought[number];
             for side in Side::ALL {
-                let by = &self.adjoints[first[side as usize]..][..inputs];
+                let by = &by_numbers[first[side as usize]..][..inputs];
                 let gradient = &mut self.gradients[side as usize];
                 gradient.fill(Vector3::new(0.0, 0.0, 0.0));
                 linearised.add_gradient(side, by, &mut self.buffer, gradient);
@@ -1274,7 +1271,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
                 rigid.gather([left, right]);
             }
             receive(number, [left, right]);
-        }
+        });
         Ok(())
     }
 

@@ -141,20 +141,19 @@ impl<'a> CarSolver<'a> {
             .any(|quantity| quantity.info().is_rate && !quantity.is_since_rest());
         let solved = is_along.then(|| Solved::of(self.car, &base, &tracked, &plain, same));
         let heave = CarQuantity::Whole(WholeResult::Heave);
-        let mut adjoints = Vec::new();
         let mut buffers = linearised.each_ref().map(|axle| axle.buffer());
-        let gradient = |quantity: &CarQuantity| {
-            let value = match &solved {
-                // The part of the car at rest is added below.
-                _ if quantity.is_since_rest() => -heave.evaluate_state(&now),
-                Some(solved) if quantity.info().is_rate => quantity.evaluate(solved),
-                _ => quantity.evaluate_state(&now),
-            };
-            tape.gradient(value, &mut adjoints);
+        let value = |quantity: &CarQuantity| match &solved {
+            // The part of the car at rest is added below.
+            _ if quantity.is_since_rest() => -heave.evaluate_state(&now),
+            Some(solved) if quantity.info().is_rate => quantity.evaluate(solved),
+            _ => quantity.evaluate_state(&now),
+        };
+        let values: Vec<_> = quantities.iter().map(value).collect();
+        let inputs = linearised.each_ref().map(|axle| axle.inputs());
+        let mut gradients = Vec::with_capacity(quantities.len());
+        tape.gradients(&values, first[1][1] + inputs[1], |number, by_numbers| {
             let mut parameters = [0.0; Parameter::COUNT];
-            if adjoints.len() >= Parameter::COUNT {
-                parameters.copy_from_slice(&adjoints[..Parameter::COUNT]);
-            }
+            parameters.copy_from_slice(&by_numbers[..Parameter::COUNT]);
             if !self.by_rack {
                 for axle in [0, 1] {
                     parameters[Parameter::Axle(axle, AxleParameter::Rack).place()] = f64::NAN;
@@ -166,18 +165,10 @@ impl<'a> CarSolver<'a> {
             };
             let mut wheels = [0, 0, 1, 1].map(none);
             for axle in [0, 1] {
-                let inputs = linearised[axle].inputs();
                 for side in Side::ALL {
-                    let from = first[axle][side as usize];
-                    // A shorter list means that the value does not depend on the rest.
-                    let to = (from + inputs).min(adjoints.len());
-                    if from >= to {
-                        continue;
-                    }
-                    let mut by = vec![0.0; inputs];
-                    by[..to - from].copy_from_slice(&adjoints[from..to]);
+                    let by = &by_numbers[first[axle][side as usize]..][..inputs[axle]];
                     let into = &mut wheels[2 * axle + side as usize];
-                    linearised[axle].add_gradient(side, &by, &mut buffers[axle], into);
+                    linearised[axle].add_gradient(side, by, &mut buffers[axle], into);
                 }
                 if let Some(rigid) = &self.car.axles[axle].left.mechanism.rigid_axle
                     && let [left, right] = &mut wheels[2 * axle..2 * axle + 2]
@@ -190,14 +181,13 @@ impl<'a> CarSolver<'a> {
                 let both = left.iter().zip(right);
                 both.map(|(left, right)| *left + *right).collect()
             });
-            CarGradient {
-                value: value.value(),
+            gradients.push(CarGradient {
+                value: values[number].value(),
                 hardpoints,
                 wheels,
                 parameters,
-            }
-        };
-        let mut gradients: Vec<CarGradient> = quantities.iter().map(gradient).collect();
+            });
+        });
         self.add_rest(case, quantities, &mut gradients)?;
         Ok(gradients)
     }

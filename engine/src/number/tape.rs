@@ -5,26 +5,86 @@
 //! A. Walther, *Evaluating Derivatives*, 2nd ed., SIAM 2008, chapter 3). [`super::Dual`] is the better
 //! choice for a handful of inputs.
 
-use super::{Real, Scalar};
+use super::{Real, Scalar, array_of};
 use std::cell::RefCell;
 use std::ops::{Add, Div, Mul, Neg, Sub};
+
+/// Results whose derivatives one pass backwards finds.
+const AT_ONCE: usize = 8;
 
 /// The notes of one computation.
 #[derive(Clone, Debug, Default)]
 pub struct Tape {
     /// For each number, the indices of up to two operands and the derivatives by them.
     nodes: RefCell<Vec<[(usize, f64); 2]>>,
+    adjoints: RefCell<Adjoints>,
+}
+
+/// Derivatives of some results by each number. All are zero between two passes.
+#[derive(Clone, Debug, Default)]
+struct Adjoints {
+    of: Vec<[f64; AT_ONCE]>,
+    /// A bit for each number: set if a derivative by it was noted, so that a pass meets no others. Most numbers of a long tape
+    /// have no part in a result.
+    noted: Vec<u64>,
+}
+
+impl Adjoints {
+    /// Room for so many numbers.
+    fn fit(&mut self, numbers: usize) {
+        let length = self.of.len().max(numbers);
+        self.of.resize(length, [0.0; AT_ONCE]);
+        self.noted.resize(length.div_ceil(64), 0);
+    }
+
+    #[inline(always)]
+    fn note(&mut self, number: usize) -> &mut [f64; AT_ONCE] {
+        self.noted[number / 64] |= 1 << (number % 64);
+        &mut self.of[number]
+    }
+
+    /// Passes the derivatives by a number on to its operands. A derivative of zero passes nothing on, even if a slope is
+    /// unknown.
+    #[inline(always)]
+    fn pass_on(&mut self, number: usize, node: &[(usize, f64); 2]) {
+        let weights = self.of[number];
+        for (operand, slope) in *node {
+            if slope == 0.0 {
+                continue;
+            }
+            let sums = self.note(operand);
+            *sums = match slope.is_finite() {
+                true => array_of(|k| sums[k] + weights[k] * slope),
+                false => array_of(|k| match weights[k] {
+                    0.0 => sums[k],
+                    weight => sums[k] + weight * slope,
+                }),
+            };
+        }
+    }
+
+    /// Passes everything on that was noted by numbers below `end`, the last one first. Leaves the derivatives by the first
+    /// `inputs` numbers.
+    fn pass_back(&mut self, end: usize, inputs: usize, nodes: &[[(usize, f64); 2]]) {
+        for word in (0..end.div_ceil(64)).rev() {
+            // Operands stand before their results, often in the same word.
+            while self.noted[word] != 0 {
+                let bit = 63 - self.noted[word].leading_zeros() as usize;
+                self.noted[word] &= !(1 << bit);
+                let number = 64 * word + bit;
+                self.pass_on(number, &nodes[number]);
+                if number >= inputs {
+                    self.of[number] = [0.0; AT_ONCE];
+                }
+            }
+        }
+    }
 }
 
 impl Tape {
     /// Forgets everything, and keeps its memory.
     pub fn clear(&mut self) {
         self.nodes.get_mut().clear();
-    }
-
-    /// Forgets all numbers but the first `length`. Numbers made after these must not be used any more.
-    pub fn rewind(&self, length: usize) {
-        self.nodes.borrow_mut().truncate(length);
     }
 
     /// An input; inputs are numbered from 0 in the order they are made, if all are made first.
@@ -51,23 +111,37 @@ impl Tape {
         }
     }
 
-    /// The derivatives of a number by every input and every number between, by index.
-    pub fn gradient(&self, of: Tracked<'_>, gradient: &mut Vec<f64>) {
+    /// The derivatives of results by the first `inputs` numbers of the tape. `receive` gets the number of each result and
+    /// its derivatives. Several results share a pass backwards; each has the same bits as it would have alone.
+    ///
+    /// # Panics
+    /// If the tape has fewer numbers than `inputs`.
+    pub fn gradients(
+        &self,
+        of: &[Tracked<'_>],
+        inputs: usize,
+        mut receive: impl FnMut(usize, &[f64]),
+    ) {
         let nodes = self.nodes.borrow();
-        gradient.clear();
-        gradient.resize(nodes.len(), 0.0);
-        let Some((_, last)) = of.origin else { return };
-        gradient[last] = 1.0;
-        for index in (0..=last).rev() {
-            let weight = gradient[index];
-            // A weight of zero passes nothing on, even if a slope is unknown.
-            if weight == 0.0 {
-                continue;
-            }
-            for (operand, slope) in nodes[index] {
-                if slope != 0.0 {
-                    gradient[operand] += weight * slope;
+        let mut adjoints = self.adjoints.borrow_mut();
+        adjoints.fit(nodes.len());
+        let (mut found, mut gradient) = (vec![[0.0; AT_ONCE]; inputs], vec![0.0; inputs]);
+        for (group, results) in of.chunks(AT_ONCE).enumerate() {
+            let mut end = 0;
+            for (lane, result) in results.iter().enumerate() {
+                if let Some((_, last)) = result.origin {
+                    adjoints.note(last)[lane] = 1.0;
+                    end = end.max(last + 1);
                 }
+            }
+            adjoints.pass_back(end, inputs, &nodes);
+            found.copy_from_slice(&adjoints.of[..inputs]);
+            adjoints.of[..inputs].fill([0.0; AT_ONCE]);
+            for lane in 0..results.len() {
+                for (by, found) in gradient.iter_mut().zip(&found) {
+                    *by = found[lane];
+                }
+                receive(group * AT_ONCE + lane, &gradient);
             }
         }
     }
@@ -205,21 +279,53 @@ mod tests {
     /// Backwards and forwards agree, also in the slope of a series.
     #[test]
     fn agrees_with_dual_numbers() {
-        let mut tape = Tape::default();
-        let mut gradient = Vec::new();
-        tape.clear();
+        let tape = Tape::default();
         let (x, y) = (tape.input(0.6), tape.input(-0.4));
-        tape.gradient(formula(x, y), &mut gradient);
         let (p, q) = (Dual::<f64, 2>::input(0.6, 0), Dual::input(-0.4, 1));
-        let expected = formula(p, q).partials;
-        for (found, expected) in gradient.iter().zip(expected) {
-            assert!((found - expected).abs() < 1e-15, "{found} {expected}");
-        }
-        let (x, y) = (Jet([x, x.one()]), Jet::constant(y));
-        tape.gradient(formula(x, y)[1], &mut gradient);
-        let along = formula(Jet::<_, 2>::variable(p), Jet::constant(q))[1].partials;
-        for (found, expected) in gradient.iter().zip(along) {
-            assert!((found - expected).abs() < 1e-14, "{found} {expected}");
-        }
+        let series = (Jet([x, x.one()]), Jet::constant(y));
+        let results = [formula(x, y), formula(series.0, series.1)[1]];
+        let along = formula(Jet::<_, 2>::variable(p), Jet::constant(q))[1];
+        let expected = [formula(p, q).partials, along.partials];
+        tape.gradients(&results, 2, |number, gradient| {
+            for (found, expected) in gradient.iter().zip(expected[number]) {
+                assert!((found - expected).abs() < 1e-14, "{found} {expected}");
+            }
+        });
+    }
+
+    /// Results that share a pass have the bits that each has alone, beside constants, inputs and slopes without a value.
+    #[test]
+    fn results_do_not_touch_each_other() {
+        let tape = Tape::default();
+        let inputs: Vec<_> = (0..5)
+            .map(|k| tape.input(0.3 + 0.1 * f64::from(k)))
+            .collect();
+        let mut results: Vec<_> = (0..30)
+            .map(|k| formula(inputs[k % 5], inputs[(k * 3 + 1) % 5].scaled(-1.0)))
+            .collect();
+        results[4] = Tracked::constant(2.0);
+        results[9] = inputs[3];
+        results[17] = (inputs[0] - inputs[0]).sqrt();
+        let gradients = |of: &[Tracked<'_>]| {
+            let mut all = Vec::new();
+            tape.gradients(of, inputs.len(), |_, gradient| {
+                all.push(gradient.iter().map(|g| g.to_bits()).collect::<Vec<_>>());
+            });
+            all
+        };
+        let together = gradients(&results);
+        let alone: Vec<_> = results
+            .iter()
+            .flat_map(|result| gradients(&[*result]))
+            .collect();
+        assert_eq!(together, alone);
+        assert_eq!(together[4], [0; 5]);
+        assert!(f64::from_bits(together[17][0]).is_nan());
+        let finite = together.iter().enumerate().filter(|(k, _)| *k != 17);
+        assert!(
+            finite
+                .flat_map(|(_, g)| g)
+                .all(|bits| f64::from_bits(*bits).is_finite())
+        );
     }
 }

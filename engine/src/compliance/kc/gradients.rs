@@ -197,19 +197,15 @@ impl KcRun<'_> {
         let values = station.values(wanted, |test| {
             self.secant_on_tape(&at, &here, &varied, test)
         });
-        let mut gradient = Vec::new();
-        for (number, found) in values.into_iter().enumerate() {
-            gradient.clear();
-            if let Some(value) = found {
-                tape.gradient(value, &mut gradient);
-            }
-            gradient.resize(gradient.len().max(parameters.len()), 0.0);
-            receive(KcGradient {
-                number,
-                value: found.map(Tracked::plain),
-                by: &gradient[..parameters.len()],
-            });
-        }
+        let missing = Tracked::constant(f64::NAN);
+        let results: Vec<_> = values
+            .iter()
+            .map(|value| value.unwrap_or(missing))
+            .collect();
+        tape.gradients(&results, parameters.len(), |number, by| {
+            let value = values[number].map(Tracked::plain);
+            receive(KcGradient { number, value, by });
+        });
         Ok(())
     }
 

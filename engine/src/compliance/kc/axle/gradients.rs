@@ -1,7 +1,7 @@
 //! Derivatives of the figures of an axle by its design.
 
 use super::super::{KcTest, end_loads, quotient};
-use super::{AxleFigure, AxleKcRun, Here};
+use super::{AxleKcRun, Here};
 use crate::compliance::{AxleEquilibrium, AxleOnTape, Parameter, WheelFigures};
 use crate::model::Side;
 use crate::number::{Tape, Tracked};
@@ -39,15 +39,20 @@ impl AxleKcRun<'_> {
             tangents: [None, None],
         };
         let figures = self.figures(&mut here, test, secants);
-        let of = |value: Option<Tracked<'_>>| {
-            let mut gradient = Vec::new();
-            tape.gradient(value?, &mut gradient);
-            gradient.resize(gradient.len().max(parameters.len()), 0.0);
-            gradient.truncate(parameters.len());
-            Some(gradient)
-        };
-        let both = |figure: AxleFigure<Tracked<'_>>| [of(figure.value), of(figure.secant)];
-        Some(figures.into_iter().map(both).collect())
+        let values = figures
+            .iter()
+            .flat_map(|figure| [figure.value, figure.secant]);
+        let values: Vec<_> = values.collect();
+        let missing = Tracked::constant(f64::NAN);
+        let results: Vec<_> = values
+            .iter()
+            .map(|value| value.unwrap_or(missing))
+            .collect();
+        let mut gradients = vec![[None, None]; figures.len()];
+        tape.gradients(&results, parameters.len(), |number, by| {
+            gradients[number / 2][number % 2] = values[number].map(|_| by.to_vec());
+        });
+        Some(gradients)
     }
 
     /// Secants over the window of a test, with the derivatives of its ends.

@@ -173,7 +173,7 @@ fn derivatives_are_those_of_the_reference() {
                     *missing.entry(output.clone()).or_insert(0) += 1;
                     continue;
                 };
-                tape.gradient(*value, &mut gradient);
+                tape.gradients(&[*value], inputs.len(), |_, by| gradient = by.to_vec());
                 let largest_of = |of: &dyn Fn(&str) -> bool| {
                     let own = inputs.iter().filter(|(input, _)| of(input));
                     own.fold(0.0_f64, |m, (_, v)| m.max(number(&v[column]).abs()))

@@ -391,7 +391,7 @@ fn derivatives_by_the_design_agree_with_differences() {
             .collect();
         let mut gradient = Vec::new();
         for (k, value) in [toe, by[0].toe, load].into_iter().enumerate() {
-            tape.gradient(value, &mut gradient);
+            tape.gradients(&[value], parameters.len(), |_, by| gradient = by.to_vec());
             let scaled = parameters.iter().zip(&gradient);
             let scaled = scaled.map(|(parameter, by)| by * rate_of(&case, *parameter));
             let found: Vec<f64> = scaled.collect();

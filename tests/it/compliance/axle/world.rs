@@ -297,7 +297,7 @@ impl World {
             sum = sum + *miss * Tracked::constant(*multiplier);
         }
         let mut gradient = Vec::new();
-        tape.gradient(sum, &mut gradient);
+        tape.gradients(&[sum], tape.len(), |_, by| gradient = by.to_vec());
         let mut residual = vec![0.0; count];
         for (first, moved) in first.iter().zip(&all) {
             for (k, index) in moved.inputs.iter().enumerate() {

@@ -189,6 +189,8 @@ pub(crate) fn sweep_into(
     let out = directory.to_string_lossy().into_owned();
     let mut arguments = vec![
         "sweep".to_owned(),
+        // A function prints nothing.
+        "--quiet".to_owned(),
         study.file_name(),
         format!("--out={out}"),
     ];

@@ -8,7 +8,9 @@
 //! ```
 //!
 //! N_s comes from the state's exact derivatives by ax and ay. A bracket of a state with all wheels down and one beyond keeps
-//! the iteration safe. The end of equilibrium has no equation of its own; bisection finds it.
+//! the iteration safe. The end of equilibrium has no equation of its own; bisection finds it. Within a bracket every state is
+//! sought beside the last one, which is as near as the bracket is narrow. The whole search, which takes far longer
+//! where no equilibrium exists, confirms the end alone.
 
 use super::catalogue::{CarQuantity, WheelPlace, WheelResult};
 use super::parameters::{BodyParameter, Parameter};
@@ -159,12 +161,12 @@ impl CarSolver<'_> {
             match next {
                 Ok(found) => at = At { g, found },
                 Err(why) => {
-                    let (end, why) = self.end(&ray, at, g, why);
-                    return Some(RayLimits {
-                        lift,
-                        end,
-                        why: Some(why),
-                    });
+                    let (last, why) = self.end(&ray, at, g, why);
+                    if why.is_some() {
+                        let end = last.g;
+                        return Some(RayLimits { lift, end, why });
+                    }
+                    at = last;
                 }
             }
         }
@@ -185,14 +187,14 @@ impl CarSolver<'_> {
             let middle = 0.5 * (low.g + high);
             let newton = self.next(ray, &low).filter(|g| *g > low.g && *g < high);
             let g = newton.unwrap_or(middle);
-            match self.solve_from(&ray.at(g), &low.found) {
-                Ok(found) if found.lifted == [false; 4] => low = At { g, found },
+            match self.solve_beside(&ray.at(g), &low.found) {
+                Some(found) if found.lifted == [false; 4] => low = At { g, found },
                 _ => {
                     high = g;
                     // Newton's method came from above: half the bracket as well.
                     let g = 0.5 * (low.g + high);
-                    match self.solve_from(&ray.at(g), &low.found) {
-                        Ok(found) if found.lifted == [false; 4] => low = At { g, found },
+                    match self.solve_beside(&ray.at(g), &low.found) {
+                        Some(found) if found.lifted == [false; 4] => low = At { g, found },
                         _ => high = g,
                     }
                 }
@@ -233,25 +235,43 @@ impl CarSolver<'_> {
         })
     }
 
-    /// The largest acceleration with an equilibrium, and the reason beyond it.
+    /// The last state between a state and an acceleration that seems to have none, and the reason for its being the last;
+    /// no reason if the search beside that state finds one there after all.
     fn end(
         &mut self,
         ray: &Ray<'_>,
         from: At,
         beyond: f64,
         why: NoEquilibrium,
-    ) -> (f64, NoEquilibrium) {
+    ) -> (At, Option<NoEquilibrium>) {
         let (mut low, mut high, mut why) = (from, beyond, why);
         for _ in 0..MOST_STATES {
-            if high - low.g <= 1e3 * SAME {
-                break;
+            let is_last = high - low.g <= 1e3 * SAME;
+            let g = if is_last { high } else { 0.5 * (low.g + high) };
+            let mut found = self.solve_beside(&ray.at(g), &low.found);
+            if found.is_none() && is_last {
+                // Is there more beyond a gap that Newton's method does not cross?
+                match self.solve(&ray.at(g)) {
+                    Ok(state) => found = Some(state),
+                    Err(reason) => {
+                        why = reason;
+                        break;
+                    }
+                }
             }
-            let g = 0.5 * (low.g + high);
-            match self.solve_from(&ray.at(g), &low.found) {
-                Ok(found) => low = At { g, found },
-                Err(reason) => (high, why) = (g, reason),
+            match found {
+                Some(found) => {
+                    low = At { g, found };
+                    if g == beyond {
+                        return (low, None);
+                    }
+                    if is_last {
+                        high = beyond;
+                    }
+                }
+                None => high = g,
             }
         }
-        (low.g, why)
+        (low, Some(why))
     }
 }

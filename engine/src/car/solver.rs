@@ -337,10 +337,17 @@ impl<'a> CarSolver<'a> {
         case: &Case,
         from: &Equilibrium,
     ) -> Result<Equilibrium, NoEquilibrium> {
-        match self.with_contact(case, Start::beside(from)) {
-            Ok(found) if found.is_stiff() || found.follows(from, self.car) => Ok(found),
-            _ => self.solve(case),
+        match self.solve_beside(case, from) {
+            Some(found) => Ok(found),
+            None => self.solve(case),
         }
+    }
+
+    /// The state of a case that follows a neighbouring state without a turning point; `None` if Newton's method does not lead
+    /// from one to the other.
+    pub(super) fn solve_beside(&mut self, case: &Case, from: &Equilibrium) -> Option<Equilibrium> {
+        let found = self.with_contact(case, Start::beside(from)).ok()?;
+        (found.is_stiff() || found.follows(from, self.car)).then_some(found)
     }
 
     /// Finds the state of a case from given attitude and travels: roll, pitch, height of the ground, travels.

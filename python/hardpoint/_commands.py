@@ -15,7 +15,7 @@ from ._car import Car
 from ._frame import Frame
 from ._hardpoint import HardpointError, StudyError
 from ._runs import Results, Run, write_pictures
-from ._study import Study, is_car, loads, study_of
+from ._study import Overrides, Study, is_car, loads, study_of, written
 
 Place = str | os.PathLike[str]
 Source = Study | Run | str | os.PathLike[str]
@@ -54,15 +54,18 @@ def _options(**values: Any) -> list[str]:
     return [f"--{name}={value}" for name, value in given.items()]
 
 
-def kc(study: Study | Place, *, names: str | None = None) -> Results:
-    """Tests of a kinematics and compliance rig on one wheel, with the elastic parts of [compliance] or without any.
+def kc(study: Study | Place, values: Overrides | None = None, /, *, names: str | None = None) -> Results:
+    """Tests of a kinematics and compliance rig, with the elastic parts of [compliance] or without any. An axle with elastic
+    parts is given by the path of its file, since no other function takes it; `values` replace fields of the study.
 
     Tables: "kc" has a row for each station, test and figure, with its value, secant and unit; "levels" the equilibria under
     each level of a load, with the forces of bushings and links; "compliance_matrix" displacement and rotation of the wheel
     centre by forces and moments there; "sensitivities" exact derivatives of the figures, if [outputs] asks for them.
     `names` ("adams", "altair") adds names and values by the definitions of these programs. `summary["design_load_N"]` is the
     wheel load of the design position; `summary["without_equilibrium"]` lists loads that the wheel does not hold."""
-    study = study_of(study)
+    if isinstance(study, (str, os.PathLike)):
+        return Results(_hardpoint.kc_of_file(study, written(values), names))
+    study = study_of(study).replace(values)
     return Results(_hardpoint.kc(study._study, names), study)
 
 

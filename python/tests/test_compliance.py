@@ -32,6 +32,27 @@ def test_tests_of_a_rig_are_frames():
     np.testing.assert_allclose(matrix, matrix.T, rtol=1e-9, atol=1e-15)
 
 
+def test_an_elastic_axle_is_tested_by_the_path_of_its_file(tmp_path):
+    path = STUDIES / "subframe_axle_compliance.toml"
+    found = hp.kc(path)
+    kc = found["kc"]
+    rows = (kc["quantity"] == "toe_by_lateral_force") & (kc["mode"] == "opposed")
+    left, right = (kc["value"][rows & (kc["wheel"] == side)] for side in ("left", "right"))
+    np.testing.assert_allclose(left, right, rtol=1e-9)
+    # With a subframe mount ten times as soft the wheels steer more, and alike.
+    soft = hp.kc(path, {"bushings.subframe_rear.stiffness": [300.0, 400.0, 250.0, 2e4, 3e4, 2e4]})["kc"]["value"]
+    softer = [soft[rows & (kc["wheel"] == side)] for side in ("left", "right")]
+    np.testing.assert_allclose(*softer, rtol=1e-9)
+    assert (np.abs(softer[0] - left) > 1e-3 * np.abs(left)).all()
+    saved = found.save(tmp_path / "kc")
+    assert (saved / "study.toml").read_text() == path.read_text()
+    assert found.report(tmp_path / "page.html").stat().st_size > 10_000
+    # No other function takes it, and the message names the one that does.
+    with pytest.raises(hp.StudyError, match="elastic parts of an axle") as refused:
+        hp.load(path)
+    assert "kc" in refused.value.help
+
+
 def test_names_of_other_programs_stand_beside_ours():
     table = hp.kc(STUDY, names="altair")["kc"]
     rows = table["other_name"] == "Aligning Torque Steer"

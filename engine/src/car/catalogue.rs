@@ -5,7 +5,7 @@ use super::formulas::{axle, car, wheel};
 use super::rates::Solved;
 use super::{Car, Case, Longitudinal};
 use crate::ask::Unit;
-use crate::axle::{Axle, BumpStop, SpringLaw};
+use crate::axle::{Axle, AxleKind, BumpStop, SpringLaw};
 use crate::model::LengthUnit;
 use crate::number::Scalar;
 
@@ -68,6 +68,8 @@ pub enum CarNeed {
     PitchInertia,
     /// An anti-roll bar with a rate at this axle.
     Bar,
+    /// A twist beam with a torsional rate at this axle.
+    Beam,
     /// `[spring]` at this axle.
     Spring,
     /// `[bump_stop]` at this axle.
@@ -97,7 +99,8 @@ impl CarNeed {
             CarNeed::RideHeight | CarNeed::RideHeights | CarNeed::Air | CarNeed::PitchInertia => {
                 true
             }
-            CarNeed::Bar => setup.bar_rate.is_some(),
+            CarNeed::Bar => setup.bar_rate.is_some() && axle.kind() != AxleKind::TwistBeam,
+            CarNeed::Beam => setup.bar_rate.is_some() && axle.kind() == AxleKind::TwistBeam,
             CarNeed::Spring => setup.springs.is_some(),
             CarNeed::BumpStop => has_stop(|law| &law.bump_stop),
             CarNeed::ReboundStop => has_stop(|law| &law.rebound_stop),
@@ -117,6 +120,7 @@ impl CarNeed {
             CarNeed::Air => "[car.aero]",
             CarNeed::PitchInertia => "pitch_inertia in [car]",
             CarNeed::Bar => "an anti-roll bar with a rate",
+            CarNeed::Beam => "a twist beam with torsional_rate in [twist_beam]",
             CarNeed::Spring => "[spring]",
             CarNeed::BumpStop => "[bump_stop]",
             CarNeed::ReboundStop => "[rebound_stop]",
@@ -240,6 +244,7 @@ catalogue! {
         ForceRollCentre, "force_roll_centre_height_{}", Length, "above the ground", "track (j_l + j_r)/4", [], state, axle::force_roll_centre_height;
         RollAxisHeight, "roll_axis_height_{}", Length, "above the ground", "track (f_l J_l + f_r J_r)/2", [], state, axle::roll_axis_height;
         BarTorque, "anti_roll_bar_torque_{}", Torque, "the left lever is pushed further", "k_b (b_l - b_r)", [Bar], state, axle::bar_torque;
+        BeamTorque, "beam_torque_{}", Torque, "twisted by a positive roll angle", "torsional_rate times the twist of the twist beam", [Beam], state, axle::beam_torque;
         HeaveSpringForce, "heave_spring_force_{}", Force, "compressed", "force + rate (l0 - l)", [HeaveSpring], state, axle::heave_spring_force;
         HeaveSpringLength, "heave_spring_length_{}", Length, "always", "distance of the points heave_spring of both rockers", [HeaveSpring], state, axle::heave_spring_length;
         HeaveSpringTravel, "heave_spring_travel_{}", Length, "compressed", "length in the design position less the present one", [HeaveSpring], state, axle::heave_spring_travel;

@@ -329,6 +329,11 @@ pub(super) mod axle {
         state.bars[axle]
     }
 
+    /// Torque of a twist beam, which to the equations is a bar with a quarter of its rate and twice its angle.
+    pub(in super::super) fn beam_torque<T: Scalar>(state: &Balance<T>, axle: usize) -> T {
+        -state.bars[axle].scaled(2.0)
+    }
+
     pub(in super::super) fn heave_spring_force<T: Scalar>(state: &Balance<T>, axle: usize) -> T {
         state.rockers[axle].heave_spring
     }

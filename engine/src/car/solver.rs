@@ -221,6 +221,7 @@ fn read_of(car: &Car, axle: usize) -> Vec<Quantity> {
     }
     let own = [
         AxleQuantity::BarTorque,
+        AxleQuantity::BeamTorque,
         AxleQuantity::HeaveSpringForce,
         AxleQuantity::TBarTorque,
         AxleQuantity::HeaveBarTorque,

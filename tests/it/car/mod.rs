@@ -14,6 +14,7 @@ mod stability;
 mod sweep;
 mod textbook;
 mod tolerance;
+mod twist_beam;
 
 use hardpoint::axle::{Axle, BumpStop, ForceCurve, Law, Setup, SpringLaw};
 use hardpoint::car::{

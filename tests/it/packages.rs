@@ -44,10 +44,10 @@ fn sample_studies_are_the_templates() {
 #[test]
 fn packages_carry_the_licences() {
     let licences = ["LICENSE-APACHE", "LICENSE-MIT", "LICENSE-DEJAVU"];
-    for folder in CRATES.into_iter().chain(["python"]).skip(1) {
+    for folder in CRATES.into_iter().chain(["python/licences"]).skip(1) {
         for name in licences {
             let copy = root().join(folder).join(name);
-            if name == "LICENSE-DEJAVU" && folder != "python" {
+            if name == "LICENSE-DEJAVU" && folder != "python/licences" {
                 assert!(!copy.exists());
                 continue;
             }

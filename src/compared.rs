@@ -51,6 +51,10 @@ impl FirstMotion {
                     return Err(why.to_owned());
                 }
                 both.plan.course = motion.for_axle(axle, &both.axle)?;
+                if both.axle.elastic.is_some() && !both.plan.course.is_on_level_pads() {
+                    let why = "axles with [compliance] stand on level pads: the first study needs heave, or travel_left and travel_right, in [motion]";
+                    return Err(why.to_owned());
+                }
             }
             (FirstMotion::Wheel { motion, unit }, Vehicle::Wheel(own))
                 if is_over_travel(&own.motion) =>

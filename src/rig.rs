@@ -64,8 +64,8 @@ impl<'s> RigTests<'s> {
         axle: &'s AxleStudy,
         other: Option<OtherProgram>,
     ) -> Result<Self, String> {
-        let elastic = match &axle.compliance {
-            Some(elastic) => Cow::Borrowed(elastic),
+        let elastic = match &axle.axle.elastic {
+            Some(elastic) => Cow::Borrowed(&**elastic),
             None => Cow::Owned(rigid_axle(axle)?),
         };
         if other.is_some() {
@@ -140,16 +140,10 @@ impl<'s> RigTests<'s> {
 
 /// Travels of both wheels and rack at each station of an axle's motion.
 fn stations(course: &AxleMotion) -> Vec<([f64; 2], f64)> {
-    let of = |placement: Placement| match placement {
-        Placement::Travels {
-            travels,
-            rack,
-            on_plane: false,
-        } => Some((travels, rack)),
-        // A reader of elastic axles refuses roll on a plane.
-        _ => None,
-    };
-    course.placements().into_iter().filter_map(of).collect()
+    let placements = course.placements();
+    // A reader of elastic axles refuses roll on a plane.
+    let on_pads = placements.iter().filter_map(Placement::on_level_pads);
+    on_pads.collect()
 }
 
 /// Refuses rigid mechanisms that the tests do not know.
@@ -193,6 +187,7 @@ fn rigid_axle(study: &AxleStudy) -> Result<AxleComplianceStudy, String> {
             bar_rate: None,
         },
         link_names: Vec::new(),
+        figures: Vec::new(),
         tests: KcTest::defaults_of_axle(
             true,
             false,

@@ -73,7 +73,7 @@ impl DesignFunction {
         names: Vec<DesignVariable>,
     ) -> Result<Self, FunctionError> {
         let (request, motion) = match &study.vehicle {
-            Vehicle::Axle(both) => of_axle(both),
+            Vehicle::Axle(both) => of_axle(both)?,
             Vehicle::Wheel(own) => of_corner(own)?,
         };
         let variables: Vec<Variable> = names.iter().map(|v| v.moved.clone()).collect();
@@ -203,7 +203,12 @@ fn of_corner(own: &WheelStudy) -> Result<(Request<'static>, Vec<[f64; 2]>), Func
 
 /// The request of an axle's quantities over its motion, and for each station the value of the first number that moves and
 /// the rack displacement, as results print them.
-fn of_axle(AxleStudy { axle, plan, .. }: &AxleStudy) -> (Request<'static>, Vec<[f64; 2]>) {
+fn of_axle(
+    AxleStudy { axle, plan, .. }: &AxleStudy,
+) -> Result<(Request<'static>, Vec<[f64; 2]>), FunctionError> {
+    if axle.elastic.is_some() {
+        return Err(FunctionError::Elastic);
+    }
     let plan = plan.quantities_alone();
     let over = plan.course.moving()[0];
     let sign = axle.left.frame.sign(Axis::Y);
@@ -212,7 +217,7 @@ fn of_axle(AxleStudy { axle, plan, .. }: &AxleStudy) -> (Request<'static>, Vec<[
     let motion = at.collect();
     let axle: Cow<'static, Axle> = Cow::Owned(axle.clone());
     let stations = AxleStations::of(axle, &plan, []);
-    (Request::of_axle(stations), motion)
+    Ok((Request::of_axle(stations), motion))
 }
 
 /// A workspace of a [`DesignFunction`]. It computes on the calling thread. If the engine is compiled without

@@ -55,16 +55,14 @@ def _options(**values: Any) -> list[str]:
 
 
 def kc(study: Study | Place, values: Overrides | None = None, /, *, names: str | None = None) -> Results:
-    """Tests of a kinematics and compliance rig, with the elastic parts of [compliance] or without any. An axle with elastic
-    parts is given by the path of its file, since no other function takes it; `values` replace fields of the study.
+    """Tests of a kinematics and compliance rig, of a wheel or an axle, with the elastic parts of [compliance] or without
+    any. `values` replace fields of the study.
 
     Tables: "kc" has a row for each station, test and figure, with its value, secant and unit; "levels" the equilibria under
     each level of a load, with the forces of bushings and links; "compliance_matrix" displacement and rotation of the wheel
     centre by forces and moments there; "sensitivities" exact derivatives of the figures, if [outputs] asks for them.
     `names` ("adams", "altair") adds names and values by the definitions of these programs. `summary["design_load_N"]` is the
     wheel load of the design position; `summary["without_equilibrium"]` lists loads that the wheel does not hold."""
-    if isinstance(study, (str, os.PathLike)):
-        return Results(_hardpoint.kc_of_file(study, written(values), names))
     study = study_of(study).replace(values)
     return Results(_hardpoint.kc(study._study, names), study)
 

@@ -1,7 +1,7 @@
 //! Results of commands in memory: the files that the command writes, by name, and its summary.
 
 use crate::curves::in_motion;
-use crate::errors::{failure, study_error};
+use crate::errors::failure;
 use crate::study::Study;
 use crate::threads::{interruptible, on_threads};
 use hardpoint::assembled;
@@ -116,9 +116,9 @@ fn by_name<'py>(py: Python<'py>, pictures: &[Picture]) -> PyResult<Bound<'py, Py
 
 /// Refuses a study with elastic parts where they would be left out.
 pub(crate) fn rigid<'s>(own: &'s hardpoint::Study, what: &str) -> PyResult<&'s hardpoint::Study> {
-    match own.compliance() {
-        None => Ok(own),
-        Some(_) => Err(failure(format!(
+    match own.is_elastic() {
+        false => Ok(own),
+        true => Err(failure(format!(
             "{what} is of the rigid mechanism, and the study has [compliance]: its elastic parts would be left out"
         ))),
     }
@@ -132,30 +132,7 @@ pub(crate) fn kc<'py>(
     study: &Study,
     names: Option<&str>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    rig_tests(py, study.whole(), names, Vec::new())
-}
-
-/// The same of a study file, which may have an axle with elastic parts. Its text is among the files.
-#[pyfunction]
-#[pyo3(signature = (path, overrides=Vec::new(), names=None))]
-pub(crate) fn kc_of_file<'py>(
-    py: Python<'py>,
-    path: PathBuf,
-    overrides: Vec<String>,
-    names: Option<&str>,
-) -> PyResult<Bound<'py, PyDict>> {
-    let read = py.detach(|| hardpoint::Study::read_elastic_axle(&path, &overrides));
-    let own = read.map_err(|errors| study_error(&errors))?;
-    let text = own.text.clone().into_bytes();
-    rig_tests(py, &own, names, vec![("study.toml", text)])
-}
-
-fn rig_tests<'py>(
-    py: Python<'py>,
-    own: &hardpoint::Study,
-    names: Option<&str>,
-    mut files: Vec<(&'static str, Vec<u8>)>,
-) -> PyResult<Bound<'py, PyDict>> {
+    let own = study.whole();
     let other = match names {
         None => None,
         Some("adams") => Some(OtherProgram::Adams),
@@ -168,7 +145,7 @@ fn rig_tests<'py>(
     };
     let answer = on_threads(py, Some(1), |_| -> Result<Answer, String> {
         let tests = RigTests::of(own, other)?;
-        files.extend(tests.tables());
+        let mut files = tests.tables();
         let page = kc_page(&own.name, &tests.results);
         files.push(("report.html", page.into_bytes()));
         Ok(Answer::of(files, &tests.summary()))

@@ -71,7 +71,6 @@ fn _hardpoint(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(tuning::optimise, module)?)?;
     module.add_function(wrap_pyfunction!(sweep::sweep, module)?)?;
     module.add_function(wrap_pyfunction!(answers::kc, module)?)?;
-    module.add_function(wrap_pyfunction!(answers::kc_of_file, module)?)?;
     module.add_function(wrap_pyfunction!(answers::setup, module)?)?;
     module.add_function(wrap_pyfunction!(answers::tolerance, module)?)?;
     module.add_function(wrap_pyfunction!(answers::build, module)?)?;

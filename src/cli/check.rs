@@ -26,12 +26,12 @@ pub(super) fn run(arguments: &StudyArguments) -> Result<Exit, Stop> {
     if CarStudy::is_at(path) {
         return super::car::check(arguments);
     }
-    let study = Study::read_elastic_axle(path, &arguments.set)?;
+    let study = Study::read_elastic(path, &arguments.set)?;
     if let Some(elastic) = study.compliance() {
         return super::elastic::check(arguments, &study, elastic);
     }
     if let Some(axle) = study.axle()
-        && let Some(elastic) = &axle.compliance
+        && let Some(elastic) = &axle.axle.elastic
     {
         return super::elastic::check_axle(arguments, &study, axle, elastic);
     }

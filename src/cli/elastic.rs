@@ -12,6 +12,10 @@ use crate::study::{AxleComplianceStudy, AxleStudy, ComplianceStudy, Study};
 /// A rate above this is doubtful where lengths are in millimetres, N/mm: N/m may be meant.
 const DOUBTFUL_RATE: f64 = 1e6;
 
+/// The commands that take elastic parts.
+const COMMANDS: &str = "`hardpoint kc` runs the tests; `solve`, `sweep`, `optimise`, `tolerance` and `compare` have the \
+                        elastic parts, too.";
+
 /// Prints the elastic parts, and the wheel in the design position.
 pub(super) fn check(
     arguments: &StudyArguments,
@@ -22,10 +26,9 @@ pub(super) fn check(
     let relaxed = relaxed_in_words(elastic.parts.relaxed);
     out.say(&format!("Elastic parts, {relaxed}:\n\n"))?;
     out.table("elastic_parts", elastic_parts(study))?;
-    out.say(
-        "\nEverything else is rigid. Links and arms do not bend, and parts have no weight. \
-         `hardpoint kc` runs the tests, `hardpoint optimise` tunes; other commands refuse this study.\n",
-    )?;
+    out.say(&format!(
+        "\nEverything else is rigid. Links and arms do not bend, and parts have no weight. {COMMANDS}\n"
+    ))?;
     let complete = say_design(&mut out, study, elastic)?;
     out.finish()?;
     Ok(Exit::of(complete))
@@ -49,7 +52,7 @@ pub(super) fn check_axle(
         let names: Vec<&str> = names.map(|id| study.wheel().mechanism.name(*id)).collect();
         out.say(&format!("\nThe subframe holds {}.\n", names.join(", ")))?;
     }
-    out.say("\nEverything else is rigid. `hardpoint kc` runs the tests; other commands refuse this study.\n")?;
+    out.say(&format!("\nEverything else is rigid. {COMMANDS}\n"))?;
     let complete = say_axle_design(&mut out, axle, elastic)?;
     out.finish()?;
     Ok(Exit::of(complete))

@@ -95,7 +95,7 @@ impl Source {
             return Err(Stop::in_file(path, message));
         }
         let keeps_parts = [Target::Csv, Target::Bus].contains(&arguments.to);
-        if study.compliance().is_some() && !keeps_parts {
+        if study.is_elastic() && !keeps_parts {
             note(
                 "Elastic parts are not exported: the file has the hardpoints of the relaxed position.\n",
             );

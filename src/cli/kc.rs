@@ -22,7 +22,7 @@ pub(super) fn run(arguments: &KcArguments) -> Result<Exit, Stop> {
     };
     let arguments = &arguments.run;
     let path = &arguments.study.study;
-    let study = Study::read_elastic_axle(path, &arguments.study.set)?;
+    let study = Study::read_elastic(path, &arguments.study.set)?;
     if arguments.plots.is_some() {
         return Err(Stop::wrong_input(
             "`hardpoint kc` writes no pictures of its own: --report makes a page with charts, `hardpoint solve --plots` \

@@ -727,12 +727,13 @@ mod tests {
                 &[Part::Bushings, Part::Axle],
                 &[Part::Bushings, Part::Axle, Part::AntiRollBar],
                 &[Part::Bushings, Part::Optimise],
+                &[Part::Bushings, Part::Axle, Part::Optimise],
             ];
             for parts in parts {
                 let Ok(text) = study(topology, parts) else {
                     continue;
                 };
-                let study = Study::elastic_axle_from_text("new.toml", &text, Path::new(""));
+                let study = Study::elastic_from_text("new.toml", &text, Path::new(""));
                 let study = study.unwrap_or_else(|e| panic!("{} {parts:?}: {e}", topology.name));
                 let tests = crate::rig::RigTests::of(&study, None).unwrap();
                 assert_eq!(tests.results.failures(), Vec::<String>::new(), "{parts:?}");

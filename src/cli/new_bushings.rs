@@ -9,6 +9,9 @@ use std::path::Path;
 /// Characteristics that an equilibrium of any topology has.
 const OUTPUTS: &str = "[\"camber\", \"toe\", \"camber_gain\", \"bump_steer\", \"half_track_change\", \"wheelbase_change\"]";
 
+/// Quantities of an axle in equilibrium, and figures of its tests.
+const OUTPUTS_OF_AXLE: &str = "[\"camber\", \"toe\", \"mean_steer\", \"track\", \"wheel_load\", \"toe_by_lateral_force\", \"recession_by_braking\"]";
+
 /// Bushing at a pivot of an arm: x along the arm's axis.
 const OF_ARM: &str = "[900.0, 6000.0, 6000.0, 6.0e4, 2.0e5, 2.0e5]";
 /// Bushing at an end of a link: x along the link.
@@ -34,13 +37,19 @@ pub(super) fn with_bushings(
     }
     let mut written = String::new();
     for line in text.lines() {
-        if line.starts_with("characteristics = [") && !is_axle {
-            let _ = writeln!(written, "characteristics = {OUTPUTS}");
+        if line.starts_with("characteristics = [") {
+            let outputs = if is_axle { OUTPUTS_OF_AXLE } else { OUTPUTS };
+            let _ = writeln!(written, "characteristics = {outputs}");
         } else if !(is_axle && line.starts_with("roll = ")) {
             written = written + line + "\n";
         }
     }
     if is_axle {
+        // Roll steer of the rig in place of that of the rigid mechanism.
+        written = written.replace(
+            "{ characteristic = \"roll_steer\", over = \"roll\",",
+            "{ figure = \"steer_by_roll\",",
+        );
         let plane =
             "[motion]                         # every combination is solved, on a plane ground";
         written = written.replace(

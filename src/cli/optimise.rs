@@ -276,8 +276,10 @@ impl Finished<'_> {
 
 /// `kc.csv` of a tuned design with elastic parts; `None` for a rigid one.
 fn figures_of(tuned: &Study) -> Result<Option<Vec<u8>>, String> {
-    let has_parts = tuned.compliance().is_some();
-    let tests = has_parts.then(|| RigTests::of(tuned, None)).transpose()?;
+    let tests = tuned
+        .is_elastic()
+        .then(|| RigTests::of(tuned, None))
+        .transpose()?;
     Ok(tests.map(|tests| tests.results.kc_csv()))
 }
 

@@ -181,6 +181,22 @@ pub struct OwnRight {
     pub wheel: Option<Spanned<OwnAngles>>,
     /// The spring.
     pub spring: Option<Spanned<Spring>>,
+    /// Rates of bushings that differ from the left wheel's.
+    #[serde(default)]
+    pub bushings: BTreeMap<Text, Spanned<OwnBushing>>,
+    /// Stiffness of links that differs from the left wheel's.
+    #[serde(default)]
+    pub links: BTreeMap<Text, Spanned<LinkStiffness>>,
+}
+
+/// `[axle.right.bushings.NAME]`
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct OwnBushing {
+    /// Stiffness along and about its axes, six numbers if they are right.
+    pub stiffness: Option<Spanned<Vec<Number>>>,
+    /// Factors of the laws, six numbers if they are right.
+    pub scale: Option<Spanned<Vec<Number>>>,
 }
 
 /// `[axle.right.wheel]`
@@ -313,7 +329,7 @@ pub struct ComplianceTest {
 pub type BushingCurve = Option<Spanned<Vec<Spanned<Vec<Number>>>>>;
 
 /// `[bushings.NAME]`
-#[derive(Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Bushing {
     /// Stiffness along and about its axes, six numbers if they are right.

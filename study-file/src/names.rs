@@ -46,8 +46,9 @@ fn nearest_of<'a>(name: &str, candidates: &[&'a str]) -> Option<&'a str> {
     if let Some(meant) = meant {
         return Some(meant);
     }
-    let candidates = candidates.iter().copied();
-    candidates
+    let all = candidates.iter().copied();
+    let near = all
+        .clone()
         .filter_map(|candidate| {
             let target = plain(candidate);
             let distance = strsim::damerau_levenshtein(&name, &target);
@@ -56,8 +57,21 @@ fn nearest_of<'a>(name: &str, candidates: &[&'a str]) -> Option<&'a str> {
             let part = length >= 3 && target.contains(&name);
             (close || part).then_some((!close, distance, candidate))
         })
-        .min_by_key(|(far, distance, _)| (*far, *distance))
-        .map(|(_, _, candidate)| candidate)
+        .min_by_key(|(far, distance, _)| (*far, *distance));
+    if let Some((.., candidate)) = near {
+        return Some(candidate);
+    }
+    // The same words in another order, or most of them.
+    let words: Vec<&str> = name.split('_').collect();
+    let shared = |candidate: &str| {
+        let own: Vec<&str> = candidate.split('_').collect();
+        words.iter().filter(|word| own.contains(word)).count()
+    };
+    let counted = all.map(|candidate| (shared(candidate), candidate));
+    let alike = counted.filter(|(count, _)| *count >= 2 && 2 * count >= words.len());
+    alike
+        .min_by_key(|(count, candidate)| (words.len() - count, candidate.len()))
+        .map(|(_, candidate)| candidate)
 }
 
 /// "a", "a or b", "a, b or c", each in quotes.
@@ -128,8 +142,16 @@ mod tests {
             "camber_gain",
             "kingpin_inclination",
             "wheel_centre",
+            "toe_by_lateral_force_trail_30",
+            "toe_by_lateral_force_trail_30_opposed",
         ];
         for (written, meant) in [
+            // The same words, and one of another program.
+            (
+                "lateral_toe_compliance_trail_30",
+                Some("toe_by_lateral_force_trail_30"),
+            ),
+            ("lateral_compliance", None),
             ("chamber", Some("camber")),
             ("Camber", Some("camber")),
             ("camber-gain", Some("camber_gain")),

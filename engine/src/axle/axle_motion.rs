@@ -56,6 +56,12 @@ pub enum WheelMotion {
 }
 
 impl AxleMotion {
+    /// Returns true if both wheels stand on level pads at given heights, in no order of time.
+    pub fn is_on_level_pads(&self) -> bool {
+        let placements = self.placements();
+        self.time.is_none() && placements.iter().all(|p| p.on_level_pads().is_some())
+    }
+
     /// Returns true if results have a column for the roll angle.
     pub fn shows_roll(&self) -> bool {
         !matches!(

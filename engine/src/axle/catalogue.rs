@@ -4,6 +4,7 @@
 //! for the corner's `roll_centre_height`, which gives way to the axle's.
 
 use super::AxleKind;
+use super::elastic::TestFigure;
 use super::formulas::{loads, rigid, roll, steering};
 use super::reading::WheelParts;
 use super::state::AxleState;
@@ -195,7 +196,7 @@ catalogue! {
 }
 
 /// A quantity that has a value in a state of an axle.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Quantity {
     /// A wheel characteristic of one wheel.
     Corner(Side, Characteristic),
@@ -203,6 +204,8 @@ pub enum Quantity {
     Wheel(Side, WheelQuantity),
     /// A quantity of the axle.
     Axle(AxleQuantity),
+    /// A figure of a test on elastic parts.
+    Figure(TestFigure),
 }
 
 impl Quantity {
@@ -266,6 +269,7 @@ impl Quantity {
                 | A::DriveLoadTransfer,
             ) => rigid,
             Quantity::Axle(_) => true,
+            Quantity::Figure(_) => !rigid,
         }
     }
 
@@ -287,15 +291,26 @@ impl Quantity {
             Quantity::Corner(side, c) => of_side(side, c.info().name),
             Quantity::Wheel(side, q) => of_side(side, q.info().name),
             Quantity::Axle(q) => q.info().name.to_owned(),
+            Quantity::Figure(figure) => figure.name(),
+        }
+    }
+
+    /// The wheel, if it is of one.
+    pub fn side(self) -> Option<Side> {
+        match self {
+            Quantity::Corner(side, _) | Quantity::Wheel(side, _) => Some(side),
+            Quantity::Axle(_) => None,
+            Quantity::Figure(figure) => figure.side(),
         }
     }
 
     /// Catalogue entry.
-    pub fn info(self) -> &'static Info {
+    pub fn info(self) -> Info {
         match self {
-            Quantity::Corner(_, c) => c.info(),
-            Quantity::Wheel(_, q) => q.info(),
-            Quantity::Axle(q) => q.info(),
+            Quantity::Corner(_, c) => *c.info(),
+            Quantity::Wheel(_, q) => *q.info(),
+            Quantity::Axle(q) => *q.info(),
+            Quantity::Figure(figure) => figure.info(),
         }
     }
 
@@ -313,15 +328,14 @@ impl Quantity {
             }
             Quantity::Wheel(side, q) => q.evaluate(state, side),
             Quantity::Axle(q) => q.evaluate(state),
+            // A rigid mechanism has no tests.
+            Quantity::Figure(_) => state.like().lit(f64::NAN),
         }
     }
 
     /// Returns true if the quantity moves with a rocker of a side.
     pub fn moves_with_rocker(self, side: Side) -> bool {
-        let of_side = match self {
-            Quantity::Corner(own, _) | Quantity::Wheel(own, _) => own == side,
-            Quantity::Axle(_) => true,
-        };
+        let of_side = self.side().is_none_or(|own| own == side);
         of_side && self.info().reads.iter().any(|slot| slot.may_turn())
     }
 
@@ -353,7 +367,7 @@ impl Quantity {
         let void = match self {
             Quantity::Corner(_, c) => return c.undefined_where(),
             Quantity::Axle(q) => q.possible_void(),
-            Quantity::Wheel(..) => None,
+            Quantity::Wheel(..) | Quantity::Figure(_) => None,
         };
         let plane = self.is_of_the_plane().then_some(NoValue::NoPlane);
         void.or(plane).unwrap_or(NoValue::NotFinite).reason()

@@ -324,7 +324,11 @@ impl AxlePlan {
             let unit = quantity.info().unit;
             let (suffix, factor) = (unit.suffix(length), unit.printed_factor(length));
             let value = value(Of::Quantity(*quantity), suffix, factor);
-            let derivatives = derivatives(&value);
+            // A figure of a test is a derivative already.
+            let derivatives = match quantity {
+                Quantity::Figure(_) => Vec::new(),
+                _ => derivatives(&value),
+            };
             columns.push(value);
             columns.extend(derivatives);
         }

@@ -93,7 +93,7 @@ impl Axle {
 pub struct AxleCurves {
     /// The curves.
     pub curves: Curves,
-    /// For each station the position of both wheels, or the reason for its absence.
+    /// For each station the position of both wheels, or the reason for its absence; empty with elastic parts.
     pub placed: Vec<Result<Placed, NoPose>>,
 }
 
@@ -119,6 +119,9 @@ impl AxlePlan {
 
 /// Computes the curves of an axle under a plan. Errors if the design position of a wheel cannot be solved.
 pub fn axle_curves(axle: &Axle, plan: &AxlePlan) -> Result<AxleCurves, (Side, DesignFault)> {
+    if let Some(elastic) = &axle.elastic {
+        return super::elastic::curves(axle, elastic, plan);
+    }
     match plan.certify {
         true => on_large_stacks(1, || curves_here(axle, plan)),
         false => curves_here(axle, plan),

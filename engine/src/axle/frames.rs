@@ -20,7 +20,8 @@ pub fn axle_frames(
     placements: &[Placement],
 ) -> Result<Vec<Result<Drawn, NoPose>>, (Side, DesignFault)> {
     let mut quantities = Vec::new();
-    if axle.setup.wheel_radius.is_some() {
+    // Roll centres are of the rigid mechanism.
+    if axle.setup.wheel_radius.is_some() && axle.elastic.is_none() {
         quantities.push(Quantity::Axle(AxleQuantity::RollCentreHeight));
         quantities.push(Quantity::Axle(AxleQuantity::RollCentreLateral));
     }

@@ -113,6 +113,7 @@ impl Quantity {
             Quantity::Corner(..) => true,
             Quantity::Wheel(_, q) => q.is_for_lanes(),
             Quantity::Axle(q) => q.is_for_lanes(),
+            Quantity::Figure(_) => false,
         }
     }
 
@@ -122,6 +123,7 @@ impl Quantity {
             Quantity::Corner(own, _) if own != side => Slots::default(),
             Quantity::Corner(_, c) => Slots::default().with(c.info().reads),
             Quantity::Wheel(..) | Quantity::Axle(_) => Slots::default().with(ALWAYS),
+            Quantity::Figure(_) => Slots::default(),
         }
     }
 
@@ -156,8 +158,8 @@ impl<B: SimdReal> Outlined for OfAxle<'_, '_, B> {
         let OfAxle { quantity, state } = self;
         let unknown = state.like().lit(f64::NAN);
         let value = match quantity {
-            // Characteristics of a wheel are read of that wheel alone.
-            Quantity::Corner(..) => unknown,
+            // Characteristics of a wheel are read of that wheel alone; a rigid mechanism has no figures of tests.
+            Quantity::Corner(..) | Quantity::Figure(_) => unknown,
             Quantity::Wheel(side, q) => q.evaluate_in_lanes(state, side),
             Quantity::Axle(q) => q.evaluate_in_lanes(state),
         };

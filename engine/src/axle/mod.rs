@@ -13,6 +13,7 @@ mod certificate;
 mod column;
 mod coordinate;
 mod curves;
+mod elastic;
 mod force_ends;
 mod formulas;
 mod frames;
@@ -35,6 +36,8 @@ pub use certificate::{AxleCertifier, AxleProof};
 pub use column::{AxleColumn, Of};
 pub use coordinate::Coordinate;
 pub use curves::{AxleCurves, AxlePlan, axle_curves};
+pub(crate) use elastic::{AxleRead, Equilibria};
+pub use elastic::{TestFigure, not_in_equilibrium};
 pub use force_ends::{BeyondCurve, ForcePart};
 pub use frames::axle_frames;
 pub use lanes::LaneWheel;
@@ -53,6 +56,7 @@ use crate::characteristics::Slot;
 use crate::mechanism::DesignFault;
 use crate::model::{Frame, RockerId, Side, Suspension};
 use crate::number::Vector3;
+use crate::study::AxleComplianceStudy;
 
 /// An axle.
 #[derive(Clone, Debug, PartialEq)]
@@ -64,6 +68,8 @@ pub struct Axle {
     pub right: Option<Suspension>,
     /// Figures of the study.
     pub setup: Setup,
+    /// The elastic parts and their tests, if there are any.
+    pub elastic: Option<Box<AxleComplianceStudy>>,
 }
 
 /// Kinds of axles, which have different quantities.
@@ -102,8 +108,12 @@ impl Axle {
 
     /// Why the design of a wheel cannot be solved, in words with the names of its points.
     pub fn describe_fault(&self, (side, fault): (Side, DesignFault)) -> String {
-        let mechanism = &self.suspension(side).mechanism;
-        side.about(&fault.describe(mechanism))
+        let words = fault.describe(&self.suspension(side).mechanism);
+        match fault {
+            // It names the wheel, if one is the reason.
+            DesignFault::Elastic(_) => words,
+            _ => side.about(&words),
+        }
     }
 
     /// The study's axes in the kernel's frame of a side.
@@ -163,6 +173,7 @@ impl Axle {
             left,
             right,
             setup: self.setup.clone(),
+            elastic: self.elastic.clone(),
         };
         if let Some(laws) = &self.setup.springs {
             let law = |side: Side| {
@@ -223,12 +234,22 @@ impl Axle {
     pub fn quantities(&self, name: &str) -> Vec<Quantity> {
         let mut found = Quantity::named(name);
         found.retain(|quantity| quantity.is_of(self.kind()));
+        let figures = self.figures().iter().filter(|own| own.stem() == name);
+        found.extend(figures.map(|figure| Quantity::Figure(*figure)));
         found
+    }
+
+    /// The figures of the tests on its elastic parts.
+    pub fn figures(&self) -> &[TestFigure] {
+        self.elastic.as_ref().map_or(&[], |own| &own.figures)
     }
 
     /// Returns true if the study gives everything that a quantity requires.
     pub fn has(&self, quantity: Quantity) -> bool {
-        quantity.is_of(self.kind()) && quantity.info().needs.iter().all(|need| self.meets(*need))
+        let in_equilibrium =
+            self.elastic.is_none() || not_in_equilibrium(quantity, false).is_none();
+        let needs = quantity.info().needs;
+        in_equilibrium && quantity.is_of(self.kind()) && needs.iter().all(|need| self.meets(*need))
     }
 
     /// The rockers that quantities move with, on one side.

@@ -57,6 +57,18 @@ pub enum Placement {
 }
 
 impl Placement {
+    /// Travels and rack, if both wheels stand on level pads at given heights; `None` for another placement.
+    pub fn on_level_pads(&self) -> Option<([f64; 2], f64)> {
+        match *self {
+            Placement::Travels {
+                travels,
+                rack,
+                on_plane: false,
+            } => Some((travels, rack)),
+            _ => None,
+        }
+    }
+
     /// Displacement of the rack.
     pub fn rack(&self) -> f64 {
         match *self {

@@ -6,7 +6,7 @@ use super::law::Shape;
 use super::system::Hold;
 use super::wheel::{ElasticWheel, Equilibrium, HeldQuantity};
 use crate::axle::Law;
-use crate::model::{Axis, PointId, Suspension};
+use crate::model::{Axis, PointId, Side, Suspension};
 use crate::number::{Tape, Tracked, Vector3};
 
 /// An input by which equilibria and figures have derivatives, in the kernel's frame of a left wheel.
@@ -46,6 +46,37 @@ pub enum Parameter {
     Centre(Axis),
     /// A component of the moment.
     Moment(Axis),
+}
+
+/// Input of an axle: of both wheels, which change as mirror images, or of one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AxleParameter {
+    /// The input of a wheel, or of a part that both share.
+    pub parameter: Parameter,
+    /// The wheel; `None` for both.
+    pub side: Option<Side>,
+}
+
+impl From<Parameter> for AxleParameter {
+    fn from(parameter: Parameter) -> Self {
+        AxleParameter {
+            parameter,
+            side: None,
+        }
+    }
+}
+
+impl AxleParameter {
+    /// The parts of the wheels that change.
+    pub(super) fn of_sides<'w, W>(
+        &self,
+        wheels: &'w mut [W; 2],
+    ) -> impl Iterator<Item = &'w mut W> + use<'w, W> {
+        let side = self.side;
+        let wheels = Side::ALL.into_iter().zip(wheels);
+        let own = wheels.filter(move |(own, _)| side.is_none_or(|side| side == *own));
+        own.map(|(_, wheel)| wheel)
+    }
 }
 
 impl Compliance {

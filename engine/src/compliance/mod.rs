@@ -44,7 +44,8 @@ pub use definition::{
 };
 pub use derivatives::Tangent;
 pub use fault::{AxleFault, ElasticFault, Motion, NoEquilibrium};
-pub use inputs::{OnTape, Parameter};
+pub use inputs::{AxleParameter, OnTape, Parameter};
+pub(crate) use kc::{AxleFigure, Conditions, Here};
 pub use kc::{
     AxleKcRun, AxleVehicle, FigureGradients, KcAxleState, KcFigure, KcGradient, KcLevel, KcOutcome,
     KcRun, KcState, KcStation, KcSubject, KcTest, KcValue, KcWheelState, TestLoad, TestMode,

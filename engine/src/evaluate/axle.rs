@@ -3,6 +3,7 @@
 //! A variable moves the same point of both wheels as mirror images, even if the right wheel has hardpoints of its own.
 
 use super::axle_lanes::AxleLanes;
+use super::elastic_axle::ElasticAxleParts;
 use super::evaluator::{Evaluator, FindsSlopes, Pairs, SolvesOneByOne};
 use super::stations::place_of;
 use super::{Block, Stations};
@@ -25,7 +26,9 @@ pub(crate) struct AxleStations<'s> {
     /// Positions of the motion, then the design position and positions of targets that the motion does not contain.
     pub placements: Vec<Placement>,
     of_motion: usize,
-    design: usize,
+    pub(super) design: usize,
+    /// What an axle with elastic parts needs beside them; `None` for the usual ones.
+    pub elastic: Option<ElasticAxleParts>,
     /// For each position, the printed value of the first number that moves.
     values: Vec<f64>,
 }
@@ -66,6 +69,7 @@ impl<'s> AxleStations<'s> {
             placements,
             of_motion,
             design,
+            elastic: None,
         }
     }
 
@@ -95,6 +99,9 @@ impl<'s> AxleStations<'s> {
     /// An evaluator of designs in lanes of this width, or one by one without one. Errors if the axle's own design
     /// cannot be solved.
     pub(crate) fn evaluator(&self, width: Option<Width>) -> Result<Evaluator<'_>, DesignFault> {
+        if let Some(elastic) = &self.axle.elastic {
+            return self.elastic_evaluator(elastic);
+        }
         let orders = self.quantities.iter().map(|q| q.rate_order());
         let one_by_one: Box<dyn SolvesOneByOne> = match orders.max() {
             None | Some(0) => OneByOne::<1>::new(self, false)?,

@@ -1,7 +1,7 @@
 //! Wheels with elastic parts, one design at a time: values of equilibria and figures of tests.
 
 use super::evaluator::{Evaluator, Pairs, SolvesOneByOne};
-use super::{Block, Stations};
+use super::{Block, NotInLanes, Stations};
 use crate::compliance::{ElasticWheel, KcRun, KcValue, Parameter};
 use crate::mechanism::DesignFault;
 use crate::model::{Axis, Suspension};
@@ -78,7 +78,9 @@ impl ElasticQuantities {
             rates: Vec::new(),
             wanted: Vec::new(),
         };
-        Ok(Evaluator::of(suspension.design.len(), Box::new(one_by_one)))
+        let mut evaluator = Evaluator::of(suspension.design.len(), Box::new(one_by_one));
+        evaluator.lanes = Err(NotInLanes::Elastic);
+        Ok(evaluator)
     }
 }
 

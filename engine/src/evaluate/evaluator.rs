@@ -44,6 +44,8 @@ pub(super) trait SolvesOneByOne: Send {
 pub(super) trait FindsSlopes: Send {
     /// Adds these slopes to a block with evaluated values. A slope that is not found stays NaN.
     fn evaluate(&mut self, designs: Pairs<'_>, block: &mut Block);
+    /// Takes the varied rates of all designs of the next block, design after design.
+    fn take_rates(&mut self, _rates: &[f64]) {}
 }
 
 /// Evaluator of blocks of designs, of a wheel or of an axle. Each thread has its own.
@@ -159,6 +161,9 @@ impl<'a> Evaluator<'a> {
     /// Sets the varied rates of elastic parts for the next designs, design after design.
     pub(crate) fn set_rates(&mut self, rates: &[f64]) {
         self.one_by_one.take_rates(rates);
+        if let Some(slopes) = &mut self.slopes {
+            slopes.take_rates(rates);
+        }
     }
 
     /// Evaluates designs given as the points of left and of right wheels, each in the frame of its side; without right

@@ -23,6 +23,8 @@ pub enum NotInLanes {
     Reading,
     /// The wheels of an axle are moved by travels of their own, or their mean travel follows from a load.
     Travels,
+    /// Equilibria of elastic parts are found one by one.
+    Elastic,
 }
 
 impl NotInLanes {
@@ -34,6 +36,7 @@ impl NotInLanes {
                 "the tracker does not support this drive or this design (a linkage driven by its arm's angle, a design \
                  close to a singularity or far from the origin)"
             }
+            NotInLanes::Elastic => "equilibria of elastic parts are found one by one",
             NotInLanes::Stations => "two stations coincide, or one is far out of reach",
             NotInLanes::Reading => "lanes do not support a requested output",
             NotInLanes::Travels => {

@@ -4,6 +4,7 @@
 //! sum of both wheels' gradients along the variable's rates. Where the right wheel has hardpoints of its own they are
 //! moved as the mirror images of the left ones are.
 
+use super::elastic_axle::elastic_axle_rows;
 use super::layout::TargetSample;
 use super::moves::{PointRate, moved_design, point_rates};
 use super::{Infeasible, Linearisation};
@@ -25,8 +26,8 @@ pub(super) struct AxleStation {
 /// The targets of an axle, laid out.
 #[derive(Clone, Debug)]
 pub(super) struct AxleLayout {
-    axle: Axle,
-    quantities: Vec<Quantity>,
+    pub axle: Axle,
+    pub quantities: Vec<Quantity>,
     pub stations: Vec<AxleStation>,
 }
 
@@ -115,6 +116,7 @@ pub(super) trait RowsBeside: Send {
 /// The rows of a layout.
 pub(super) fn axle_rows<'a>(
     layout: &'a AxleLayout,
+    variables: &[Variable],
 ) -> Result<Box<dyn RowsBeside + 'a>, DesignFault> {
     fn rows<'a, const N: usize>(
         layout: &'a AxleLayout,
@@ -127,6 +129,9 @@ pub(super) fn axle_rows<'a>(
             right_rates: Vec::new(),
             wanted: Vec::new(),
         }))
+    }
+    if let Some(elastic) = &layout.axle.elastic {
+        return Ok(elastic_axle_rows(layout, elastic, variables));
     }
     match layout.degree() {
         0 => rows::<1>(layout),

@@ -5,6 +5,7 @@
 
 use super::axle::{Moved, RowsBeside};
 use super::layout::{Check, TargetSample};
+use super::moves::PointRate;
 use super::{Infeasible, Linearisation};
 use crate::compliance::{Compliance, KcRun, KcValue, Parameter};
 use crate::evaluate::place_of;
@@ -231,7 +232,13 @@ fn along_variables(
         place.map_or(0.0, |place| gradient[place])
     };
     slopes.fill(0.0);
-    for rate in moved.point_rates {
+    add_points(moved.point_rates, by, slopes);
+    add_rates(moved, by, slopes);
+}
+
+/// Adds the slopes of a value along the variables that come from points, from its derivatives by their coordinates.
+pub(super) fn add_points(ways: &[PointRate], by: impl Fn(Parameter) -> f64, slopes: &mut [f64]) {
+    for rate in ways {
         for (axis, by_axis) in Axis::ALL.into_iter().zip(rate.by.to_array()) {
             if by_axis != 0.0 {
                 let slope = by(Parameter::Point(PointId(rate.point), axis));
@@ -239,6 +246,10 @@ fn along_variables(
             }
         }
     }
+}
+
+/// Adds the slopes of a value along the variables that come from rates, from its derivatives by the rates.
+pub(super) fn add_rates(moved: &Moved<'_>, by: impl Fn(Parameter) -> f64, slopes: &mut [f64]) {
     let variables = moved.variables.iter().zip(moved.x.iter());
     for (slope, (variable, x)) in slopes.iter_mut().zip(variables) {
         if let Some(rate) = &variable.rate {

@@ -21,6 +21,7 @@ mod choices;
 mod constrained;
 mod covariance;
 mod elastic;
+mod elastic_axle;
 mod extremes;
 mod fit;
 mod fit_record;

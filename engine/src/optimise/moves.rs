@@ -109,14 +109,11 @@ impl Study {
             moved_design(&design, frame, &optimise.variables, &x, &mut wheel.design);
         };
         by_variables(moved.wheel_mut());
-        let elastic = moved
-            .one_wheel_mut()
-            .and_then(|own| own.compliance.as_mut());
-        if let Some(elastic) = elastic {
-            for (variable, offset) in optimise.variables.iter().zip(offsets) {
-                if let Some(rate) = &variable.rate {
-                    elastic.parts.set_rate(rate.parameter, rate.at(*offset)[0]);
-                }
+        for (variable, offset) in optimise.variables.iter().zip(offsets) {
+            if let Some(rate) = &variable.rate {
+                moved
+                    .vehicle
+                    .set_rate(rate.parameter.into(), rate.at(*offset)[0]);
             }
         }
         if let Some(both) = moved.axle_mut() {

@@ -105,7 +105,7 @@ impl<'a> Objective<'a> {
             sloped: has_extremes.then(|| Reader::new(suspension, layout, &points, variables.len())),
             moving: AlongVariables::new(suspension, variables.len(), all()),
             beside: match &layout.beside {
-                Some(Beside::Axle(axle)) => Some(axle_rows(axle)?),
+                Some(Beside::Axle(axle)) => Some(axle_rows(axle, variables)?),
                 Some(Beside::Elastic(elastic)) => Some(elastic_rows(elastic, variables)),
                 None => None,
             },

@@ -137,16 +137,17 @@ fn series_of(column: &AxleColumn, stations: &[Station], study: &Study) -> Option
     Some(match &column.of {
         Of::Quantity(quantity) => {
             let info = quantity.info();
-            let wheel = match quantity {
-                Quantity::Corner(side, _) | Quantity::Wheel(side, _) => Some(*side),
-                Quantity::Axle(_) => None,
-            };
+            let wheel = quantity.side();
             let is_axle_name = AxleQuantity::ALL.iter().any(|q| q.info().name == info.name);
-            let series = new(info.name, info.unit);
+            let name = match quantity {
+                Quantity::Figure(figure) => figure.stem(),
+                _ => info.name.to_owned(),
+            };
+            let series = new(&name, info.unit);
             Series {
                 output: match wheel {
-                    Some(_) if is_axle_name => format!("wheel_{}", info.name),
-                    _ => info.name.to_owned(),
+                    Some(_) if is_axle_name => format!("wheel_{name}"),
+                    _ => name,
                 },
                 wheel,
                 // In roll the lines of both wheels become parallel, and the kinematic roll centre moves without bounds.

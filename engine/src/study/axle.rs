@@ -1,24 +1,28 @@
 //! `[axle]` and the sections that belong to it: both wheels, steering, springs, the motions of an axle.
 
+use super::compliance::axle_compliance;
+use super::elastic_targets::refuse_in_outputs;
 use super::error::Problems;
 use super::file::{self, File};
 use super::loads::loads_of_axle;
 use super::motion::{time_law, values};
 use super::names::{choose, choose_or};
 use super::outputs::{self, distinct};
+use super::resolve::Parts;
 use super::right_wheel::{self, right_wheel};
 use super::rocker_springs;
 use super::solid_axle;
 use super::suspension::{above_zero, kilograms, positive};
 use super::twist_beam;
 use super::value::{Number, Text, Values};
-use super::{AxleComplianceStudy, MOST_STATIONS, TimeLaw};
+use super::{MOST_STATIONS, TimeLaw};
 use crate::axle::{
     Axle, AxleKind, AxleMotion, AxlePlan, AxleTime, BumpStop, Coordinate, ForceCurve, Law, Motion,
-    Quantity, Setup, SpringLaw, WheelMotion,
+    Quantity, Setup, SpringLaw, WheelMotion, not_in_equilibrium,
 };
 use crate::characteristics::Constants;
 use crate::model::{Axis, Side, Suspension};
+use std::path::Path;
 use toml::Spanned;
 
 /// Study of an axle.
@@ -30,8 +34,6 @@ pub struct AxleStudy {
     pub plan: AxlePlan,
     /// Further motions of the axle by name, in the order of the names.
     pub motions: Vec<(String, AxleMotion)>,
-    /// The elastic parts and their tests, if there are any.
-    pub compliance: Option<AxleComplianceStudy>,
 }
 
 impl AxleStudy {
@@ -41,7 +43,6 @@ impl AxleStudy {
             axle,
             plan,
             motions: Vec::new(),
-            compliance: None,
         }
     }
 }
@@ -119,6 +120,7 @@ pub(super) fn refuse_without_axle(file: &File, problems: &mut Problems) {
 pub(super) fn axle(
     file: &File,
     suspension: &Suspension,
+    (parts, directory): (Parts, &Path),
     problems: &mut Problems,
 ) -> Option<AxleStudy> {
     let place = (file.axle.as_ref()).map_or(file.suspension.topology.span(), Spanned::span);
@@ -149,10 +151,16 @@ pub(super) fn axle(
     };
     let setup = setup(file, suspension, problems);
     let ((left, right), setup) = (wheels?, setup?);
-    let axle = Axle { left, right, setup };
+    let mut axle = Axle {
+        left,
+        right,
+        setup,
+        elastic: None,
+    };
     track_agrees(file, &axle, problems)?;
     let course = course(file, &file.motion, &axle, problems);
     let mut motions = Vec::new();
+    let mut places = Vec::new();
     for (name, section) in &file.motions {
         if moves_axle(section.get_ref()) {
             sound &= refuse_wheel_keys(section.get_ref(), problems);
@@ -162,10 +170,19 @@ pub(super) fn axle(
                 continue;
             }
             match self::course(file, section, &axle, problems) {
-                Some(motion) => motions.push((name.get_ref().clone(), motion)),
+                Some(motion) => {
+                    places.push(section.span());
+                    motions.push((name.get_ref().clone(), motion));
+                }
                 None => sound = false,
             }
         }
+    }
+    if let Some(own) = &course {
+        let named = motions.iter().map(|(_, motion)| motion);
+        let all = std::iter::once((file.motion.span(), own)).chain(places.into_iter().zip(named));
+        let elastic = axle_compliance(file, &axle, all, parts, directory, problems);
+        axle.elastic = elastic?.map(Box::new);
     }
     let plan = plan(file, &axle, course, problems)?;
     check_needs(file, &axle, &plan, problems)?;
@@ -173,7 +190,6 @@ pub(super) fn axle(
         axle,
         plan,
         motions,
-        compliance: None,
     })
 }
 
@@ -620,6 +636,9 @@ fn plan(
         let quantities = default.iter().flat_map(|name| axle.quantities(name));
         return Some(AxlePlan::of(course?, quantities.collect()));
     };
+    if axle.elastic.is_some() {
+        refuse_in_outputs(section, problems)?;
+    }
     let listed = distinct(&section.characteristics, problems, |text, problems| {
         quantities(text, axle, problems)
     });
@@ -647,8 +666,15 @@ pub(super) fn quantities(
     axle: &Axle,
     problems: &mut Problems,
 ) -> Option<Vec<Quantity>> {
-    let names = Quantity::names().into_iter().map(|name| (name, name));
-    let names: Vec<_> = names.collect();
+    let names = Quantity::names().into_iter().map(str::to_owned);
+    let mut names: Vec<String> = names.collect();
+    for figure in axle.figures() {
+        let stem = figure.stem();
+        if !names.contains(&stem) {
+            names.push(stem);
+        }
+    }
+    let names: Vec<_> = names.iter().map(|name| (&**name, &**name)).collect();
     let name = choose(text, "quantity of an axle", &names, problems)?;
     let found = axle.quantities(name);
     if found.is_empty() {
@@ -677,6 +703,13 @@ pub(super) fn lacks_nothing(
     axle: &Axle,
     problems: &mut Problems,
 ) -> bool {
+    if let (true, Some([reason, instead])) =
+        (axle.elastic.is_some(), not_in_equilibrium(quantity, false))
+    {
+        let message = format!("{} {reason}", text.get_ref());
+        problems.add(text.span(), message).help(instead);
+        return false;
+    }
     if let Quantity::Corner(..) = quantity {
         return super::outputs::characteristic(text, &axle.left, problems).is_some();
     }
@@ -701,6 +734,19 @@ fn check_needs(file: &File, axle: &Axle, plan: &AxlePlan, problems: &mut Problem
     for text in texts {
         for quantity in axle.quantities(text.get_ref()).into_iter().take(1) {
             sound &= lacks_nothing(text, quantity, axle, problems);
+        }
+    }
+    for text in file.outputs.iter().flat_map(|o| &o.characteristics) {
+        let quantity = axle.quantities(text.get_ref()).first().copied();
+        let quantity = quantity.filter(|q| !matches!(q, Quantity::Figure(_)));
+        let is_asked = axle.elastic.is_some() && plan.derivatives > 0;
+        let lacks = quantity
+            .filter(|q| is_asked && not_in_equilibrium(*q, false).is_none())
+            .and_then(|q| not_in_equilibrium(q, true));
+        if let Some([reason, instead]) = lacks {
+            let message = format!("{} {reason}", text.get_ref());
+            problems.add(text.span(), message).help(instead);
+            sound = false;
         }
     }
     let takes_ground = plan.course.shows_roll() || plan.derivatives > 0;

@@ -62,6 +62,8 @@ pub(super) struct Where<'w> {
     side: &'w Option<Text>,
     /// The rest, in the order of [`Coordinate::ALL`].
     held: [&'w Option<Spanned<Numbers>>; 6],
+    /// True for a figure of a test without a place: it is of the design position.
+    is_of_design: bool,
 }
 
 impl<'w> From<&'w file::Target> for Where<'w> {
@@ -70,6 +72,7 @@ impl<'w> From<&'w file::Target> for Where<'w> {
             over: &target.over,
             side: &target.side,
             held: coordinates!(target),
+            is_of_design: false,
         }
     }
 }
@@ -80,6 +83,7 @@ impl<'w> From<&'w file::Band> for Where<'w> {
             over: &band.over,
             side: &band.side,
             held: coordinates!(band),
+            is_of_design: false,
         }
     }
 }
@@ -173,18 +177,29 @@ pub(super) fn target(
             "targets of an axle cannot name a motion; expected over",
         );
     }
-    let Some(name) = &written.characteristic else {
-        let message = "expected characteristic";
-        return problems.refuse(spanned.span(), message);
+    let name = match (&written.characteristic, &written.figure) {
+        (Some(name), None) => name,
+        (None, Some(name)) if study.axle.elastic.is_some() => name,
+        (None, Some(name)) => {
+            let message = "a figure of a test needs [compliance] with elastic parts";
+            return problems.refuse(name.span(), message);
+        }
+        (Some(_), Some(name)) => {
+            let message = "expected one of figure and characteristic, found both";
+            return problems.refuse(name.span(), message);
+        }
+        (None, None) => return problems.refuse(spanned.span(), "expected characteristic"),
     };
     let of = subject(name, &written.side, study, problems);
-    let site = site(
-        &Where::from(written),
-        spanned.span(),
-        study,
-        context,
-        problems,
-    );
+    let is_figure = of.as_ref().is_some_and(Subject::is_figure);
+    let along = [
+        written.at.is_some(),
+        written.points.is_some(),
+        written.file.is_some(),
+    ];
+    let mut wanted = Where::from(written);
+    wanted.is_of_design = is_figure && !along.contains(&true);
+    let site = site(&wanted, spanned.span(), study, context, problems);
     let (of, site) = (of?, site?);
     let motion = Motion {
         values: site.values.clone(),
@@ -204,10 +219,7 @@ fn subject(
     problems: &mut Problems,
 ) -> Option<Subject> {
     let all = quantities(name, &study.axle, problems)?;
-    let side_of = |quantity: &Quantity| match quantity {
-        Quantity::Corner(side, _) | Quantity::Wheel(side, _) => Some(*side),
-        Quantity::Axle(_) => None,
-    };
+    let side_of = |quantity: &Quantity| quantity.side();
     let quantities: Vec<Quantity> = match side {
         Some(text) => {
             let sides = Side::ALL.map(|side| (side.name(), side));
@@ -276,6 +288,7 @@ fn site(
         }
         (None, [one]) => *one,
         (None, []) => available[0],
+        (None, [first, ..]) if written.is_of_design => *first,
         (None, several) => {
             let message = format!(
                 "several coordinates of the motion move; expected over = one of {}",

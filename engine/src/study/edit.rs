@@ -3,9 +3,9 @@
 use super::compliance::BushingText;
 use super::sheet_file::SheetTarget;
 use super::targets::FromFile;
-use super::{AxleStudy, ComplianceStudy, Designs, Study};
+use super::{AxleComplianceStudy, AxleStudy, Designs, Study};
 use crate::compliance::{AxialStiffness, Shape};
-use crate::model::{Axis, Frame, Suspension};
+use crate::model::{Axis, Frame, Mechanism, Suspension};
 use crate::number::Vector3;
 use std::path::{Component, Path};
 use toml_edit::{Array, DocumentMut, InlineTable, Item, Table, TableLike, Value};
@@ -101,7 +101,8 @@ impl Study {
 
     /// The text with the rates of elastic parts of another study, where they differ.
     pub fn with_rates_of(&self, text: String, moved: &Study) -> String {
-        let (Some(elastic), Some(new)) = (self.compliance(), moved.compliance()) else {
+        let pairs = rated_parts(self).zip(rated_parts(moved));
+        let Some(((bushings, links), (new_bushings, new_links))) = pairs else {
             return text;
         };
         let Ok(mut document) = text.parse::<DocumentMut>() else {
@@ -109,33 +110,29 @@ impl Study {
         };
         let root = document.as_table_mut();
         let mechanism = &self.wheel().mechanism;
-        for (old, new) in elastic.parts.bushings.iter().zip(&new.parts.bushings) {
-            if let Some(bushing) = table(root, &["bushings", mechanism.name(old.point)]) {
-                rewrite_rates(bushing, &old.shapes, &new.shapes);
+        for ((name, old), (_, new)) in bushings.into_iter().zip(new_bushings) {
+            if let Some(bushing) = table(root, &["bushings", name]) {
+                rewrite_rates(bushing, old, new);
             }
         }
-        let links = elastic.parts.links.iter().zip(&new.parts.links);
-        for (name, (old, new)) in link_names(elastic).zip(links) {
-            let (key, value) = match (old.stiffness, new.stiffness) {
-                (AxialStiffness::Rate(old), AxialStiffness::Rate(new)) if old != new => {
-                    ("axial_stiffness", new)
-                }
-                (AxialStiffness::PerStrain(old), AxialStiffness::PerStrain(new)) if old != new => {
-                    ("modulus", new)
-                }
-                _ => continue,
-            };
-            let Some(link) = table(root, &["links", name]) else {
-                continue;
-            };
-            // A modulus goes with an area.
-            let area = link
-                .get("area")
-                .and_then(number)
-                .filter(|_| key == "modulus");
-            link.insert(key, Item::Value((value / area.unwrap_or(1.0)).into()));
+        for ((name, old), (_, new)) in links.into_iter().zip(new_links) {
+            if let Some(link) = table(root, &["links", name]) {
+                rewrite_stiffness(link, old, new);
+            }
         }
-        document.to_string()
+        let of_axle = moved.axle().and_then(|both| both.axle.elastic.as_ref());
+        let differ = of_axle.is_some_and(|elastic| write_right_rates(root, elastic, mechanism));
+        let left_out = match differ {
+            true => leave_out_rates(root),
+            false => Vec::new(),
+        };
+        match left_out.is_empty() {
+            true => document.to_string(),
+            false => format!(
+                "# Without {}: rates there are of both wheels, which have rates of their own here.\n{document}",
+                left_out.join(", ")
+            ),
+        }
     }
 
     fn rewritten(
@@ -215,9 +212,29 @@ fn rewrite(
     }
 }
 
-/// Names of the links.
-fn link_names(elastic: &ComplianceStudy) -> impl Iterator<Item = &str> {
-    elastic.link_names.iter().map(String::as_str)
+/// Laws of the bushings and stiffness of the links, by name.
+type RatedParts<'s> = (
+    Vec<(&'s str, &'s [Shape; 6])>,
+    Vec<(&'s str, AxialStiffness)>,
+);
+
+/// The elastic parts of a study that have rates: those of the left wheel, and the mounts of a subframe.
+fn rated_parts(study: &Study) -> Option<RatedParts<'_>> {
+    let of_axle = study.axle().and_then(|both| both.axle.elastic.as_ref());
+    let (wheel, names) = match (study.compliance(), of_axle) {
+        (Some(own), _) => (&own.parts, &own.link_names),
+        (None, Some(own)) => (&own.parts.wheels[0], &own.link_names),
+        (None, None) => return None,
+    };
+    let mechanism = &study.wheel().mechanism;
+    let bushings = wheel.bushings.iter();
+    let bushings = bushings.map(|part| (mechanism.name(part.point), &part.shapes));
+    let mounts = of_axle.and_then(|own| own.parts.subframe.as_ref());
+    let mounts = mounts.into_iter().flat_map(|own| &own.mounts);
+    let mounts = mounts.map(|mount| (mount.name.as_str(), &mount.shapes));
+    let links = names.iter().zip(&wheel.links);
+    let links = links.map(|(name, link)| (name.as_str(), link.stiffness));
+    Some((bushings.chain(mounts).collect(), links.collect()))
 }
 
 /// A number, with or without a decimal point.
@@ -251,6 +268,103 @@ fn rewrite_rates(bushing: &mut dyn TableLike, old: &[Shape; 6], new: &[Shape; 6]
             replace(place, value);
         }
     }
+}
+
+/// Writes the stiffness of a link, if it differs.
+fn rewrite_stiffness(link: &mut dyn TableLike, old: AxialStiffness, new: AxialStiffness) {
+    let (key, value) = match (old, new) {
+        (AxialStiffness::Rate(old), AxialStiffness::Rate(new)) if old != new => {
+            ("axial_stiffness", new)
+        }
+        (AxialStiffness::PerStrain(old), AxialStiffness::PerStrain(new)) if old != new => {
+            ("modulus", new)
+        }
+        _ => return,
+    };
+    // A modulus goes with an area.
+    let area = link
+        .get("area")
+        .and_then(number)
+        .filter(|_| key == "modulus");
+    link.insert(key, Item::Value((value / area.unwrap_or(1.0)).into()));
+}
+
+/// Takes out the sections in which rates move. Returns their names.
+fn leave_out_rates(root: &mut Table) -> Vec<String> {
+    let moves_rates = |section: &Item| {
+        let entries = ["variables", "scatter"].into_iter();
+        let lists = entries.filter_map(|key| section.get(key)?.as_array());
+        let is_rate = |entry: &Value| {
+            let entry = entry.as_inline_table();
+            entry.is_some_and(|own| own.contains_key("bushing") || own.contains_key("link"))
+        };
+        lists.flatten().any(is_rate)
+    };
+    let sections = ["sweep", "optimise", "tolerance"].into_iter();
+    let found = sections.filter(|name| root.get(name).is_some_and(moves_rates));
+    let found: Vec<&str> = found.collect();
+    let names = found.into_iter().filter(|name| root.remove(name).is_some());
+    names.map(|name| format!("[{name}]")).collect()
+}
+
+/// Writes the rates of the right wheel that differ from the left one's into `[axle.right]`. Returns true if there are any.
+fn write_right_rates(
+    root: &mut dyn TableLike,
+    elastic: &AxleComplianceStudy,
+    mechanism: &Mechanism,
+) -> bool {
+    let [left, right] = &elastic.parts.wheels;
+    let mut differ = false;
+    let bushings = left.bushings.iter().zip(&right.bushings);
+    for (left, right) in bushings.filter(|(left, right)| left.shapes != right.shapes) {
+        let name = mechanism.name(left.point);
+        let written = table(root, &["bushings", name]);
+        let mut lists = written.map_or_else(Table::new, |own| {
+            let given = ["stiffness", "scale"].into_iter();
+            let given = given.filter_map(|key| Some((key, own.get(key)?.clone())));
+            Table::from_iter(given)
+        });
+        rewrite_rates(&mut lists, &left.shapes, &right.shapes);
+        own_table(root, "bushings").insert(name, Item::Table(lists));
+        differ = true;
+    }
+    let links = elastic
+        .link_names
+        .iter()
+        .zip(left.links.iter().zip(&right.links));
+    for (name, (left, right)) in
+        links.filter(|(_, (left, right))| left.stiffness != right.stiffness)
+    {
+        let Some(written) = table(root, &["links", name]) else {
+            continue;
+        };
+        let keys = written
+            .iter()
+            .map(|(key, value)| (key.to_owned(), value.clone()));
+        let mut link = Table::from_iter(keys);
+        rewrite_stiffness(&mut link, left.stiffness, right.stiffness);
+        own_table(root, "links").insert(name, Item::Table(link));
+        differ = true;
+    }
+    differ
+}
+
+/// The table of this name in `[axle.right]`.
+fn own_table<'a>(root: &'a mut dyn TableLike, name: &str) -> &'a mut Table {
+    let axle = root.entry("axle").or_insert(Item::None);
+    let right = &mut of_tables(axle)["right"];
+    of_tables(&mut of_tables(right)[name])
+}
+
+/// The item as a table with sections of its own: an inline table becomes one, anything else an empty one.
+fn of_tables(item: &mut Item) -> &mut Table {
+    if !item.is_table() {
+        let inline = std::mem::take(item).into_table();
+        let mut own = inline.unwrap_or_default();
+        own.set_implicit(own.is_empty());
+        *item = Item::Table(own);
+    }
+    item.as_table_mut().expect("it is a table now")
 }
 
 /// The array with a point's coordinates at the right wheel, where the study gives it.

@@ -287,7 +287,7 @@ impl RateKeys<'_> {
         context: &Context,
         problems: &mut Problems,
     ) -> Option<(String, Rate)> {
-        let Some(elastic) = context.elastic else {
+        let Some(parts) = RatedParts::of(context) else {
             // What is wrong with the elastic parts is said already.
             if context.file.compliance.is_some() {
                 return None;
@@ -302,14 +302,21 @@ impl RateKeys<'_> {
         let (name, parameter, design) = match (self.bushing, self.link) {
             (Some(name), None) => {
                 let axis = self.stiffness.as_ref();
-                bushing_rate(name, axis, is_relative, elastic, context, problems)?
+                bushing_rate(name, axis, is_relative, &parts, problems)?
             }
-            (None, Some(name)) => link_rate(name, elastic, problems)?,
+            (None, Some(name)) => link_rate(name, &parts, problems)?,
             _ => {
                 let message = "expected one of bushing and link";
                 return problems.refuse(self.place.clone(), message);
             }
         };
+        let of_axle = context.elastic_axle();
+        if of_axle.is_some_and(|own| own.parts.differs(parameter)) {
+            let message = format!(
+                "{name} has another rate on the right wheel: expected one rate of both to move"
+            );
+            return problems.refuse(self.place.clone(), &message);
+        }
         let rate = Rate {
             parameter,
             design,
@@ -366,18 +373,48 @@ pub(super) fn rate(
 
 type Found = (String, Parameter, f64);
 
+/// The elastic parts of a study that have rates: bushings with their laws by axis, mounts of a subframe after them, and
+/// links. Both wheels of an axle have the same ones.
+struct RatedParts<'a> {
+    bushings: Vec<(String, &'a [Shape])>,
+    links: Vec<(&'a str, AxialStiffness)>,
+}
+
+impl<'a> RatedParts<'a> {
+    fn of(context: &Context<'a>) -> Option<Self> {
+        let mechanism = &context.suspension.mechanism;
+        let of_axle = context.axle.and_then(|both| both.axle.elastic.as_deref());
+        let (parts, names) = match (context.elastic, of_axle) {
+            (Some(own), _) => (&own.parts, &own.link_names),
+            (None, Some(own)) => (&own.parts.wheels[0], &own.link_names),
+            (None, None) => return None,
+        };
+        let mounts = of_axle.into_iter().flat_map(|own| &own.parts.subframe);
+        let mounts = mounts.flat_map(|subframe| &subframe.mounts);
+        let bushings = parts.bushings.iter();
+        let bushings = bushings.map(|own| (mechanism.name(own.point).to_owned(), &own.shapes[..]));
+        let links = names.iter().zip(&parts.links);
+        Some(RatedParts {
+            bushings: bushings
+                .chain(mounts.map(|mount| (mount.name.clone(), &mount.shapes[..])))
+                .collect(),
+            links: links
+                .map(|(name, link)| (name.as_str(), link.stiffness))
+                .collect(),
+        })
+    }
+}
+
 fn bushing_rate(
     name: &Text,
     axis: Option<&Text>,
     is_relative: bool,
-    elastic: &ComplianceStudy,
-    context: &Context,
+    parts: &RatedParts<'_>,
     problems: &mut Problems,
 ) -> Option<Found> {
-    let mechanism = &context.suspension.mechanism;
-    let parts = elastic.parts.bushings.iter().enumerate();
-    let options: Vec<_> = parts
-        .map(|(number, part)| (mechanism.name(part.point), number))
+    let bushings = parts.bushings.iter().enumerate();
+    let options: Vec<_> = bushings
+        .map(|(number, (name, _))| (name.as_str(), number))
         .collect();
     let number = choose(name, "bushing", &options, problems)?;
     let Some(axis) = axis else {
@@ -390,7 +427,7 @@ fn bushing_rate(
         .map(|(k, a)| (a, k))
         .collect();
     let k = choose(axis, "axis of a bushing", &axes, problems)?;
-    let design = match &elastic.parts.bushings[number].shapes[k] {
+    let design = match &parts.bushings[number].1[k] {
         Shape::Cubic { rate, .. } => *rate,
         Shape::Curve { .. } if !is_relative => {
             let message = "a curve is scaled: expected relative = true";
@@ -409,11 +446,11 @@ fn bushing_rate(
     ))
 }
 
-fn link_rate(name: &Text, elastic: &ComplianceStudy, problems: &mut Problems) -> Option<Found> {
-    let names = elastic.link_names.iter().enumerate();
-    let options: Vec<_> = names.map(|(k, name)| (name.as_str(), k)).collect();
+fn link_rate(name: &Text, parts: &RatedParts<'_>, problems: &mut Problems) -> Option<Found> {
+    let links = parts.links.iter().enumerate();
+    let options: Vec<_> = links.map(|(k, (name, _))| (*name, k)).collect();
     let number = choose(name, "link", &options, problems)?;
-    let design = match elastic.parts.links[number].stiffness {
+    let design = match parts.links[number].1 {
         AxialStiffness::Rate(rate) => rate,
         AxialStiffness::PerStrain(force) => force,
     };

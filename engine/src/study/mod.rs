@@ -643,6 +643,18 @@ impl Subject {
         }
     }
 
+    /// Returns true if it is a figure of a test on elastic parts, of a wheel or an axle.
+    pub fn is_figure(&self) -> bool {
+        match &self.about {
+            About::Elastic(KcValue::Figure { .. }) => true,
+            About::Axle(quantities) => {
+                use crate::axle::Quantity as OfAxle;
+                quantities.iter().all(|q| matches!(q, OfAxle::Figure(_)))
+            }
+            About::Wheel(_) | About::Elastic(_) => false,
+        }
+    }
+
     /// The figure of a test on elastic parts, if it is one.
     pub fn as_figure(&self) -> Option<ElasticFigure> {
         let About::Elastic(value @ KcValue::Figure { .. }) = self.about else {

@@ -40,7 +40,7 @@ pub(super) fn optimise(
         i64::from(MAX_ITERATIONS),
         1..=i64::MAX,
     );
-    if context.elastic.is_some() {
+    if context.is_elastic() {
         elastic_targets::refuse_in_optimise(section, problems)?;
     }
     let variables = variables(section, context, problems);

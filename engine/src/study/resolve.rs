@@ -4,9 +4,10 @@ use super::compliance::BushingText;
 use super::error::{Problems, Source, StudyError, StudyErrors};
 use super::targets::FromFile;
 use super::{
-    AxleStudy, ComplianceStudy, Drive, Formulation, Load, Motion, Optimise, Outputs, Setup, Study,
-    Sweep, Tolerance, Vehicle, WheelStudy, axle, compliance, edit, file, motion, optimise, outputs,
-    overrides, parse, setup, solver, source, suspension, sweep, tolerance,
+    AxleComplianceStudy, AxleStudy, ComplianceStudy, Drive, Formulation, Load, Motion, Optimise,
+    Outputs, Setup, Study, Sweep, Tolerance, Vehicle, WheelStudy, axle, compliance, edit, file,
+    motion, optimise, outputs, overrides, parse, setup, solver, source, suspension, sweep,
+    tolerance,
 };
 use crate::model::{Suspension, Topology};
 use std::path::Path;
@@ -31,6 +32,18 @@ pub(super) struct Context<'a> {
     pub file: &'a super::file::File,
     /// Directory of the study file.
     pub directory: &'a Path,
+}
+
+impl Context<'_> {
+    /// The elastic parts of the axle, if the study is of one and has them.
+    pub(super) fn elastic_axle(&self) -> Option<&AxleComplianceStudy> {
+        self.axle?.axle.elastic.as_deref()
+    }
+
+    /// Returns true if the study has elastic parts.
+    pub(super) fn is_elastic(&self) -> bool {
+        self.elastic.is_some() || self.elastic_axle().is_some()
+    }
 }
 
 /// Reads each entry. All of them are read even if one is wrong, so that every problem is reported.
@@ -62,16 +75,10 @@ impl Study {
         Study::read_parts(path, overrides, Parts::Rigid)
     }
 
-    /// The same as [`Study::read`], for callers that support elastic parts: [`WheelStudy::compliance`] may be
-    /// present.
+    /// The same as [`Study::read`], for callers that support elastic parts: [`WheelStudy::compliance`] or
+    /// [`crate::axle::Axle::elastic`] may be present.
     pub fn read_elastic(path: &Path, overrides: &[String]) -> Result<Study, StudyErrors> {
         Study::read_parts(path, overrides, Parts::Elastic)
-    }
-
-    /// The same as [`Study::read_elastic`], for callers that support elastic axles, too: [`AxleStudy::compliance`] may be
-    /// present.
-    pub fn read_elastic_axle(path: &Path, overrides: &[String]) -> Result<Study, StudyErrors> {
-        Study::read_parts(path, overrides, Parts::ElasticAxles)
     }
 
     fn read_parts(path: &Path, overrides: &[String], parts: Parts) -> Result<Study, StudyErrors> {
@@ -95,11 +102,9 @@ impl Study {
     /// The study with edits `path=value`, as `--set` makes them; `name` is the file name it goes by.
     pub fn with_overrides(&self, name: &str, overrides: &[String]) -> Result<Study, StudyErrors> {
         let text = overrides::apply(name, &self.text, overrides)?;
-        let of_axle = self.axle().and_then(|axle| axle.compliance.as_ref());
-        let parts = match (self.compliance(), of_axle) {
-            (_, Some(_)) => Parts::ElasticAxles,
-            (Some(_), None) => Parts::Elastic,
-            (None, None) => Parts::Rigid,
+        let parts = match self.is_elastic() {
+            true => Parts::Elastic,
+            false => Parts::Rigid,
         };
         resolve(Path::new(name), name.to_owned(), text, Path::new(""), parts)
     }
@@ -119,17 +124,6 @@ impl Study {
     ) -> Result<Study, StudyErrors> {
         let (path, shown) = (Path::new(name), name.to_owned());
         resolve(path, shown, text.to_owned(), directory, Parts::Elastic)
-    }
-
-    /// The same as [`Study::elastic_from_text`], for callers that support elastic axles, too.
-    pub fn elastic_axle_from_text(
-        name: &str,
-        text: &str,
-        directory: &Path,
-    ) -> Result<Study, StudyErrors> {
-        let (path, shown) = (Path::new(name), name.to_owned());
-        let parts = Parts::ElasticAxles;
-        resolve(path, shown, text.to_owned(), directory, parts)
     }
 }
 
@@ -162,10 +156,8 @@ fn check_sensitivities(
 pub(super) enum Parts {
     /// Rigid ones: elastic parts are refused, so that no result leaves them out.
     Rigid,
-    /// Elastic ones of one wheel, too.
+    /// Elastic ones, too.
     Elastic,
-    /// Those of an axle, too.
-    ElasticAxles,
 }
 
 /// `shown` is the name of the file in messages.
@@ -195,30 +187,17 @@ fn resolve(
     let Some(suspension) = suspension else {
         return problems.finish(None);
     };
-    let mut axle = match of_axle {
-        true => axle::axle(&file, &suspension, &mut problems).map(Some),
+    let axle = match of_axle {
+        true => axle::axle(&file, &suspension, (parts, directory), &mut problems).map(Some),
         false => {
             axle::refuse_without_axle(&file, &mut problems);
             Some(None)
         }
     };
-    let elastic = match &mut axle {
+    let elastic = match &axle {
         Some(None) => compliance::compliance(&file, &suspension, parts, directory, &mut problems),
-        Some(Some(both)) => {
-            let course = &both.plan.course;
-            let found = compliance::axle_compliance(
-                &file,
-                &both.axle,
-                course,
-                parts,
-                directory,
-                &mut problems,
-            );
-            both.compliance = found.flatten();
-            // The elastic parts of an axle are in its study.
-            Some(None)
-        }
-        None => Some(None),
+        // The elastic parts of an axle are in its study.
+        Some(Some(_)) | None => Some(None),
     };
     if let Some(motion) = &motion {
         motion::check_drive(&file.motion, motion, &suspension, &mut problems);
@@ -266,7 +245,7 @@ fn resolve(
     // Sections of an axle that could not be read would only repeat its faults.
     let is_known = !of_axle || axle.is_some();
     let tasks = Tasks::read(&context, is_known, formulation, &mut problems);
-    let bushings = bushings_of_files(&file, &suspension, elastic.as_ref());
+    let bushings = bushings_of_files(&file, &suspension, context.elastic, context.elastic_axle());
     let study = || {
         let tasks = tasks?;
         let text = edit::with_curves_inside(&source.text, &tasks.curves);
@@ -433,20 +412,25 @@ impl Tasks {
 fn bushings_of_files(
     file: &file::File,
     suspension: &Suspension,
-    elastic: Option<&Option<ComplianceStudy>>,
+    elastic: Option<&ComplianceStudy>,
+    of_axle: Option<&AxleComplianceStudy>,
 ) -> Vec<BushingText> {
-    let parts = elastic
-        .into_iter()
-        .flatten()
-        .flat_map(|own| &own.parts.bushings);
-    let text = |part: &crate::compliance::BushingPart| {
+    let of_wheel = elastic.map(|own| &own.parts);
+    let parts = of_wheel.or(of_axle.map(|own| &own.parts.wheels[0]));
+    let bushings = parts.into_iter().flat_map(|own| &own.bushings);
+    let bushings = bushings.map(|part| {
         let name = suspension.mechanism.name(part.point);
+        BushingText::of(name, &part.shapes)
+    });
+    let mounts = of_axle.and_then(|own| own.parts.subframe.as_ref());
+    let mounts = mounts.into_iter().flat_map(|own| &own.mounts);
+    let mounts = mounts.map(|mount| BushingText::of(&mount.name, &mount.shapes));
+    let is_of_file = |text: &BushingText| {
         let mut written = file.bushings.iter();
-        let (_, own) = written.find(|(known, _)| known.get_ref() == name)?;
-        own.get_ref().file.as_ref()?;
-        Some(BushingText::of(name, part))
+        let own = written.find(|(known, _)| *known.get_ref() == text.name);
+        own.is_some_and(|(_, own)| own.get_ref().file.is_some())
     };
-    parts.filter_map(text).collect()
+    bushings.chain(mounts).filter(is_of_file).collect()
 }
 
 /// The files a study names.

@@ -11,8 +11,7 @@ use super::sheet_file::{self, SheetTarget};
 use super::subject::{site, subject};
 use super::suspension::above_zero;
 use super::value::{LimitText, Number, Text};
-use super::{About, Interpolation, Limit, Motion, Site, Subject, Target, Wanted};
-use crate::compliance::KcValue;
+use super::{Interpolation, Limit, Motion, Site, Subject, Target, Wanted};
 use std::ops::Range as Span;
 use toml::Spanned;
 
@@ -175,9 +174,7 @@ fn target(
             problems.refuse(at.span.clone(), "at needs value: the target value there")
         }
         // A figure is of the design height, if no travel is given.
-        (None, None, None, Some(value), false)
-            if matches!(of.about, About::Elastic(KcValue::Figure { .. })) =>
-        {
+        (None, None, None, Some(value), false) if of.is_figure() => {
             let value = of.from_printed(value.value);
             Some(Wanted::At { drive: 0.0, value })
         }
@@ -428,7 +425,14 @@ impl TargetContext<'_> {
             true => [upper, lower],
             false => [lower, upper],
         };
+        let limits = [&lower, &upper].into_iter().flatten();
+        let is_level = limits
+            .into_iter()
+            .all(|limit| matches!(limit, Limit::Value(_)));
+        let is_placed = written.motion.is_some() || written.over.is_some();
         let at = match at {
+            // A figure is of the design height, if no travel is given.
+            None if self.of.is_figure() && is_level && !is_placed => Some(0.0),
             None => None,
             Some(at) => Some(self.single(at, problems)?),
         };

@@ -39,8 +39,15 @@ pub(super) fn tolerance(
         let message = "aligned = true needs [setup] with adjust, to set toe and camber";
         problems.add(written.span(), message);
     }
-    if let (true, Some(elastic), Some(written)) = (aligned, context.elastic, &section.aligned)
-        && !elastic.parts.rests_in_design()
+    let of_axle = context.elastic_axle().map(|own| &own.parts.wheels[..]);
+    let mut wheels = context
+        .elastic
+        .map(|own| std::slice::from_ref(&own.parts))
+        .or(of_axle)
+        .unwrap_or_default()
+        .iter();
+    if let (true, Some(written)) = (aligned, &section.aligned)
+        && wheels.any(|parts| !parts.rests_in_design())
     {
         let message = "aligned = true sets toe and camber in the design position, where these elastic parts are not in \
                        balance: expected relaxed = \"at_design_load\" and no preload, or aligned = false";
@@ -113,6 +120,12 @@ pub(super) fn contributors_of_axle(
             Some(side)
         }
     };
+    let elastic = study.axle.elastic.as_ref();
+    let is_shared = |source: &Source| {
+        let (rate, elastic) = (source.rate.as_ref(), elastic);
+        rate.zip(elastic)
+            .is_some_and(|(rate, own)| own.parts.is_shared(rate.parameter))
+    };
     let mut found: Vec<Contributor> = Vec::new();
     for side in Side::ALL {
         if only.is_some_and(|only| only != side) {
@@ -124,6 +137,14 @@ pub(super) fn contributors_of_axle(
             ..study.axle.suspension(side).clone()
         };
         let mut own = contributors(written, &of_side, context, problems)?;
+        // A part that both wheels share scatters once.
+        if own.iter().flat_map(|one| &one.sources).any(is_shared) {
+            if let Some(text) = &written.get_ref().side {
+                let message = "both wheels share this part: expected no side";
+                return problems.refuse(text.span(), message);
+            }
+            return Some(own);
+        }
         for contributor in &mut own {
             for source in &mut contributor.sources {
                 source.name = format!("{} {}", side.name(), source.name);

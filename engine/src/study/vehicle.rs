@@ -1,6 +1,7 @@
 //! The vehicle of a study: one wheel or an axle, each with its motion and outputs.
 
 use super::{AxleStudy, ComplianceStudy, Formulation, Motion, Outputs, Study};
+use crate::compliance::AxleParameter;
 use crate::model::Suspension;
 use std::sync::LazyLock;
 
@@ -67,6 +68,22 @@ impl Vehicle {
         match self {
             Vehicle::Wheel(own) => &own.motion,
             Vehicle::Axle(_) => &STILL,
+        }
+    }
+
+    /// Sets the rate of an elastic part, if the vehicle has it.
+    pub fn set_rate(&mut self, of: AxleParameter, value: f64) {
+        match self {
+            Vehicle::Wheel(own) => {
+                if let Some(elastic) = &mut own.compliance {
+                    elastic.parts.set_rate(of.parameter, value);
+                }
+            }
+            Vehicle::Axle(both) => {
+                if let Some(elastic) = &mut both.axle.elastic {
+                    elastic.parts.set_rate(of, value);
+                }
+            }
         }
     }
 
@@ -152,9 +169,15 @@ impl Study {
         self.vehicle.motion()
     }
 
-    /// The elastic parts and their tests, if the study has them.
+    /// The elastic parts of one wheel and their tests, if the study has them.
     pub fn compliance(&self) -> Option<&ComplianceStudy> {
         self.one_wheel()?.compliance.as_ref()
+    }
+
+    /// Returns true if the study has elastic parts, of a wheel or of an axle.
+    pub fn is_elastic(&self) -> bool {
+        let of_axle = self.axle().is_some_and(|both| both.axle.elastic.is_some());
+        of_axle || self.compliance().is_some()
     }
 
     /// The axle, if the study is of one.

@@ -6,10 +6,11 @@ use super::{BLOCKS_OF_PART, FORM, Samples, SweepRecord, Swept};
 use crate::ask::with_unit;
 use crate::axle::AxlePlan;
 use crate::characteristics::Quantity;
-use crate::compliance::{KcValue, Parameter};
+use crate::compliance::{AxleParameter, KcValue, Parameter};
 use crate::curves::Column;
 use crate::evaluate::{
-    AxleStations, Block, ElasticQuantities, ElasticRead, Evaluator, NotInLanes, Request, Stations,
+    AxleStations, Block, ElasticAxleParts, ElasticQuantities, ElasticRead, Evaluator, NotInLanes,
+    Request, Stations,
 };
 use crate::mechanism::DesignFault;
 use crate::model::Suspension;
@@ -104,8 +105,9 @@ impl<'s> SweepPlan<'s> {
         let further: Vec<f64> = wanted.iter().flatten().map(|s| s.drive).collect();
         let (request, gains, wishes) = match &study.vehicle {
             Vehicle::Axle(both) => {
-                let samples: Vec<_> = swept.iter().map(|t| t.axle_samples(&both.axle)).collect();
-                of_axle(both, &both.plan_with(swept), &samples)
+                let targets: Vec<_> = swept.iter().map(|t| t.axle_samples(&both.axle)).collect();
+                let rates = samples.rates().map(|rate| rate.parameter.into()).collect();
+                of_axle(both, both.plan_with(swept), &targets, rates)
             }
             Vehicle::Wheel(own) => {
                 let stations = Stations::of(&own.motion, &suspension.frame, &further);
@@ -132,7 +134,10 @@ impl<'s> SweepPlan<'s> {
             Vehicle::Wheel(own) => Plan::with_targets(own, study.optimise.as_ref())
                 .figures
                 .len(),
-            Vehicle::Axle(_) => 0,
+            Vehicle::Axle(_) => {
+                let quantities = request.axle().map_or(&[][..], |axle| &axle.quantities);
+                quantities.iter().filter(|q| is_figure(q)).count()
+            }
         };
         let mut plan = SweepPlan {
             over_motion: request.columns().len() - figures,
@@ -221,11 +226,8 @@ impl<'s> SweepPlan<'s> {
         self.samples.values(number, &mut values);
         let mut rates = Vec::new();
         self.samples.append_rates(&values, &mut rates);
-        let own = moved.vehicle.one_wheel_mut();
-        if let Some(elastic) = own.and_then(|own| own.compliance.as_mut()) {
-            for (rate, value) in self.samples.rates().zip(rates) {
-                elastic.parts.set_rate(rate.parameter, value);
-            }
+        for (rate, value) in self.samples.rates().zip(rates) {
+            moved.vehicle.set_rate(rate.parameter.into(), value);
         }
         moved
     }
@@ -564,10 +566,22 @@ fn of_elastic<'s>(
     )
 }
 
+/// Returns true if a quantity of an axle is a figure of a test.
+fn is_figure(quantity: &crate::axle::Quantity) -> bool {
+    matches!(quantity, crate::axle::Quantity::Figure(_))
+}
+
 /// Plans the sweep of an axle with the targets' wanted values.
-fn of_axle<'s>(both: &'s AxleStudy, plan: &AxlePlan, samples: &[Vec<AxleSample>]) -> Planned<'s> {
+fn of_axle<'s>(
+    both: &'s AxleStudy,
+    mut plan: AxlePlan,
+    samples: &[Vec<AxleSample>],
+    rates: Vec<AxleParameter>,
+) -> Planned<'s> {
+    // Figures of tests follow, since they are of the design position alone.
+    plan.quantities.sort_by_key(is_figure);
     let further = samples.iter().flatten().map(|sample| sample.placement);
-    let stations = AxleStations::of(Cow::Borrowed(&both.axle), plan, further);
+    let mut stations = AxleStations::of(Cow::Borrowed(&both.axle), &plan, further);
     let mut gains = vec![Vec::new(); stations.quantities.len()];
     for (slope, gain) in stations.gains.iter().enumerate() {
         let same = |q: &crate::axle::Quantity| Some(*q) == gain.quantity();
@@ -588,7 +602,12 @@ fn of_axle<'s>(both: &'s AxleStudy, plan: &AxlePlan, samples: &[Vec<AxleSample>]
         }
     };
     let wishes = samples.iter().map(|own| own.iter().map(wish).collect());
-    let wishes = wishes.collect();
+    let wishes: Vec<Vec<SweptWish>> = wishes.collect();
+    if both.axle.elastic.is_some() {
+        let wanted = wishes.iter().flatten();
+        let further = wanted.map(|w| [w.quantity, w.station]).collect();
+        stations.elastic = Some(ElasticAxleParts { rates, further });
+    }
     (Request::of_axle(stations), gains, wishes)
 }
 

@@ -45,15 +45,12 @@ impl Problem<'_> {
             built => self.study.with_built(&built[0]),
         };
         let mut moved = self.study.clone();
-        let own = moved.vehicle.one_wheel_mut();
-        if let Some(elastic) = own.and_then(|own| own.compliance.as_mut()) {
-            let mut draws = vec![0.0; self.tolerance.sources()];
-            self.tolerance.draw(number, &mut draws);
-            let mut rates = Vec::new();
-            elastic::append_rates(self.tolerance, &draws, &mut rates);
-            for (rate, value) in elastic::rates(self.tolerance).zip(rates) {
-                elastic.parts.set_rate(rate.parameter, value);
-            }
+        let mut draws = vec![0.0; self.tolerance.sources()];
+        self.tolerance.draw(number, &mut draws);
+        let mut rates = Vec::new();
+        elastic::append_rates(self.tolerance, &draws, &mut rates);
+        for ((parameter, _), value) in elastic::rates(self.tolerance).zip(rates) {
+            moved.vehicle.set_rate(parameter, value);
         }
         Ok(self.study.with_rates_of(text, &moved))
     }

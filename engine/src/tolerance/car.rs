@@ -125,6 +125,7 @@ impl<'a> CarProblem<'a> {
                     left,
                     right: wheels.next(),
                     setup: car.axles[axle].setup.clone(),
+                    elastic: car.axles[axle].elastic.clone(),
                 };
             }
         }
@@ -153,6 +154,7 @@ impl<'a> CarProblem<'a> {
                     left,
                     right: next(),
                     setup: car.axles[axle].setup.clone(),
+                    elastic: car.axles[axle].elastic.clone(),
                 };
             }
         }

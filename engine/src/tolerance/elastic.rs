@@ -12,7 +12,7 @@
 use super::workshop::Workshop;
 use super::{Banded, Problem};
 use crate::assembly::{NoSetUp, Rest};
-use crate::compliance::{KcRun, KcValue, Parameter};
+use crate::compliance::{AxleParameter, KcRun, KcValue, Parameter};
 use crate::curves::Column;
 use crate::evaluate::{ElasticQuantities, ElasticRead, Request, Stations};
 use crate::model::{Axis, PointId, Suspension};
@@ -20,11 +20,13 @@ use crate::number::{Tape, Vector3};
 use crate::study::{About, Band, ComplianceStudy, Rate, Source, Study, Tolerance, WheelStudy};
 use crate::threads::Interrupt;
 
-/// The rates that scatter, in the order of their sources.
-pub(super) fn rates(tolerance: &Tolerance) -> impl Iterator<Item = &Rate> {
-    tolerance
-        .each_source()
-        .filter_map(|source| source.rate.as_ref())
+/// The rates that scatter, each with the wheel of its part, in the order of their sources.
+pub(super) fn rates(tolerance: &Tolerance) -> impl Iterator<Item = (AxleParameter, &Rate)> {
+    tolerance.each_source().filter_map(|source| {
+        let rate = source.rate.as_ref()?;
+        let (parameter, side) = (rate.parameter, source.side);
+        Some((AxleParameter { parameter, side }, rate))
+    })
 }
 
 /// Appends the rates of a build, from the numbers drawn for it.
@@ -104,7 +106,7 @@ pub(super) fn problem<'a>(
             })
             .collect(),
         &further,
-        rates(tolerance).map(|rate| rate.parameter).collect(),
+        rates(tolerance).map(|(_, rate)| rate.parameter).collect(),
     );
     Ok(Problem {
         study,
@@ -141,7 +143,7 @@ pub(super) fn gradients(problem: &Problem, sources: &[&Source]) -> Result<Vec<f6
         .flat_map(|point| Axis::ALL.map(|axis| Parameter::Point(point, axis)))
         .collect();
     let of_points = parameters.len();
-    parameters.extend(rates(problem.tolerance).map(|rate| rate.parameter));
+    parameters.extend(rates(problem.tolerance).map(|(_, rate)| rate.parameter));
     let stations = problem.stations();
     let mut gradient = vec![f64::NAN; problem.cells() * sources.len()];
     let mut tape = Tape::default();

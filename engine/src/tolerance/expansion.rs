@@ -5,7 +5,7 @@
 //! coefficient is (H_jj + 2 H_jk + H_kk)/2. Quantities made of velocities (gains, roll centres, anti-features, swing
 //! arms, motion ratios) have no second-order part here: their series would have to be in travel as well.
 
-use super::{Problem, Spread, axle_expansion, axle_second, elastic};
+use super::{Problem, Spread, axle_expansion, axle_second, elastic, elastic_axle};
 use crate::assembly::{BuildParameter, NoSetUp, Rest, built_curves};
 use crate::characteristics::{Constants, Slots, WheelReading};
 use crate::derive::MotionPoint;
@@ -51,10 +51,16 @@ impl Expansion {
                 (gradient, vec![[f64::NAN; 2]; cells])
             }
             None => of_wheel(problem, &sources)?,
-            Some(stations) => {
-                let gradient = axle_expansion::gradients(problem, &sources)?;
-                (gradient, axle_second::second(problem, stations)?)
-            }
+            Some(stations) => match &stations.axle.elastic {
+                Some(elastic) => {
+                    let gradient = elastic_axle::gradients(problem, stations, elastic, &sources)?;
+                    (gradient, vec![[f64::NAN; 2]; cells])
+                }
+                None => {
+                    let gradient = axle_expansion::gradients(problem, &sources)?;
+                    (gradient, axle_second::second(problem, stations)?)
+                }
+            },
         };
         let sum = |cell: usize, of: &dyn Fn(f64, &crate::study::Law) -> f64| -> f64 {
             let row = &gradient[cell * count..(cell + 1) * count];

@@ -20,6 +20,7 @@ mod builds;
 mod car;
 mod draw;
 mod elastic;
+mod elastic_axle;
 mod expansion;
 mod lanes;
 mod monte_carlo;
@@ -38,7 +39,7 @@ use crate::axle::{Axle, Placement};
 use crate::characteristics::{Characteristic, Quantity};
 use crate::compliance::KcValue;
 use crate::curves::Column;
-use crate::evaluate::{AxleStations, Request, Stations};
+use crate::evaluate::{AxleStations, ElasticAxleParts, Request, Stations};
 use crate::model::Side;
 use crate::study::{About, AxleStudy, Band, Study, Tolerance, Vehicle, WheelStudy};
 use crate::threads::Interrupt;
@@ -154,9 +155,11 @@ impl<'a> Problem<'a> {
             left: drawn(Side::Left),
             right: Some(drawn(Side::Right)),
             setup: both.axle.setup.clone(),
+            elastic: both.axle.elastic.clone(),
         };
         let mut plan = both.plan.quantities_alone();
         let of_motion = plan.course.placements();
+        let at_design = plan.course.at_design().placements();
         let mut wanted = Vec::new();
         for band in &tolerance.bands {
             let (About::Axle(quantities), between) = (&band.of.about, band.between) else {
@@ -168,6 +171,8 @@ impl<'a> Problem<'a> {
                 }
             }
             let placements = match &band.site {
+                // Figures of tests are of the design position.
+                None if band.of.is_figure() => at_design.clone(),
                 None => of_motion.clone(),
                 Some(site) => {
                     let values = band
@@ -181,7 +186,7 @@ impl<'a> Problem<'a> {
             wanted.push((quantities, placements, between));
         }
         let further = wanted.iter().flat_map(|(_, placements, _)| placements);
-        let stations = AxleStations::of(Cow::Owned(axle), &plan, further.copied());
+        let mut stations = AxleStations::of(Cow::Owned(axle), &plan, further.copied());
         let banded = |(quantities, placements, between): &(&Vec<_>, Vec<_>, [f64; 2])| {
             let places = placements.iter().flat_map(|placement| {
                 let own = quantities.iter();
@@ -189,10 +194,18 @@ impl<'a> Problem<'a> {
             });
             (places.collect(), *between)
         };
+        let bands: Vec<Banded> = wanted.iter().map(banded).collect();
+        if both.axle.elastic.is_some() {
+            let cells = bands.iter().flat_map(|(cells, _)| cells);
+            stations.elastic = Some(ElasticAxleParts {
+                rates: elastic::rates(tolerance).map(|(of, _)| of).collect(),
+                further: cells.copied().collect(),
+            });
+        }
         Ok(Problem {
             study,
             tolerance,
-            bands: wanted.iter().map(banded).collect(),
+            bands,
             request: Request::of_axle(stations),
             workshops,
             elastic: Vec::new(),

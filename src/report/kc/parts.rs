@@ -4,7 +4,8 @@ use super::super::table::{Cell, Table};
 use crate::compliance::{AxialStiffness, LinkPart, Shape};
 use crate::study::Study;
 
-/// Returns the elastic parts of a study, one in a row; of an axle those of the left side, and the rack.
+/// Returns the elastic parts of a study, one in a row; of an axle those of the left side, those
+/// that differ on the right, and the rack.
 pub fn elastic_parts(study: &Study) -> Table {
     let mut table = Table::new(["part", "elastic", "rates", "torsional rates", "unit"]);
     let u = study.wheel().length_unit.symbol();
@@ -15,9 +16,9 @@ pub fn elastic_parts(study: &Study) -> Table {
         }
         push_links(&mut table, &elastic.link_names, &elastic.parts.links, u);
     }
-    let of_axle = study.axle().and_then(|axle| axle.compliance.as_ref());
+    let of_axle = study.axle().and_then(|both| both.axle.elastic.as_ref());
     if let Some(elastic) = of_axle {
-        let [left, _] = &elastic.parts.wheels;
+        let [left, right] = &elastic.parts.wheels;
         for part in &left.bushings {
             push_bushing(&mut table, mechanism.name(part.point), &part.shapes, u);
         }
@@ -25,6 +26,16 @@ pub fn elastic_parts(study: &Study) -> Table {
             push_bushing(&mut table, &mount.name, &mount.shapes, u);
         }
         push_links(&mut table, &elastic.link_names, &left.links, u);
+        let own = left.bushings.iter().zip(&right.bushings);
+        for (_, part) in own.filter(|(left, right)| left.shapes != right.shapes) {
+            let name = format!("right {}", mechanism.name(part.point));
+            push_bushing(&mut table, &name, &part.shapes, u);
+        }
+        let own = left.links.iter().zip(&right.links);
+        for ((_, part), name) in own.zip(&elastic.link_names).filter(|((l, r), _)| l != r) {
+            let names = [format!("right {name}")];
+            push_links(&mut table, &names, std::slice::from_ref(part), u);
+        }
         if let Some(rate) = elastic.parts.rack_rate {
             push_axial(&mut table, "rack", rate, format!("N/{u}"));
         }

@@ -1,7 +1,7 @@
 //! The elastic parts of both wheels of an axle.
 
 use crate::compliance::definition::{Compliance, Relaxed, Subframe};
-use crate::compliance::inputs::Parameter;
+use crate::compliance::inputs::{AxleParameter, Parameter};
 use crate::compliance::law::Shape;
 
 /// The elastic parts of an axle.
@@ -32,6 +32,38 @@ impl AxleCompliance {
     pub fn is_rigid(&self) -> bool {
         let is_rigid = self.wheels.iter().all(Compliance::is_rigid);
         is_rigid && self.subframe.is_none() && self.rack_rate.is_none()
+    }
+
+    /// Sets the rate of a bushing, link, rack or anti-roll bar; of a curve, the factor of its forces.
+    pub fn set_rate(&mut self, of: AxleParameter, value: f64) {
+        match self.shared_number(of.parameter) {
+            Some(number) => *number = value,
+            None => of
+                .of_sides(&mut self.wheels)
+                .for_each(|wheel| wheel.set_rate(of.parameter, value)),
+        }
+    }
+
+    /// Returns true if both wheels share the part of a parameter.
+    pub fn is_shared(&self, parameter: Parameter) -> bool {
+        self.map(|value| value).shared_number(parameter).is_some()
+    }
+
+    /// Returns true if the parameter's part has another law at the right wheel than at the left one.
+    pub fn differs(&self, parameter: Parameter) -> bool {
+        let [left, right] = &self.wheels;
+        match parameter {
+            Parameter::Stiffness(number, axis) => {
+                let law =
+                    |wheel: &Compliance| Some(wheel.bushings.get(number)?.shapes[axis].clone());
+                law(left) != law(right)
+            }
+            Parameter::Link(number) => {
+                let stiffness = |wheel: &Compliance| Some(wheel.links.get(number)?.stiffness);
+                stiffness(left) != stiffness(right)
+            }
+            _ => false,
+        }
     }
 
     /// Position in which elastic parts are relaxed.

@@ -2,6 +2,7 @@
 
 use super::equations::{AxleEquations, AxleState, AxleStep, AxleTask};
 use super::{AxleEquilibrium, ElasticAxle};
+use crate::characteristics::Inputs;
 use crate::compliance::ground::{RACK, SHARED};
 use crate::compliance::loads::WheelLoads;
 use crate::compliance::reading::WheelFigures;
@@ -119,6 +120,22 @@ impl<T: Scalar> ElasticAxle<T> {
             let moving = wheel.moving(&tangent.state.wheels[side], &rate.wheels[side]);
             let geometry = wheel.geometry.map(Jet::constant);
             geometry.figures(&moving, wheel.constants).map(|c| c[1])
+        })
+    }
+
+    /// Inputs of the catalogue's formulas at both wheels along a change of an input: values and first derivatives. The
+    /// spring's length is unknown.
+    pub(crate) fn inputs_along(
+        &self,
+        tangent: &AxleTangent<T>,
+        change: &AxleChange<T>,
+    ) -> [Inputs<Jet<T, 2>>; 2] {
+        let rate = self.rate(tangent, change);
+        [0, 1].map(|side: usize| {
+            let wheel = &self.wheels[side];
+            let moving = wheel.moving(&tangent.state.wheels[side], &rate.wheels[side]);
+            let geometry = wheel.geometry.map(Jet::constant);
+            geometry.inputs(&moving, wheel.constants)
         })
     }
 

@@ -20,6 +20,7 @@ use super::system::{Hold, Singular, State};
 use super::wheel::{
     BushingReading, CARRIER, ElasticWheel, HeldQuantity, SpringReading, level_task, preload_fault,
 };
+use crate::characteristics::Inputs;
 use crate::model::{Axis, Side, Suspension};
 use crate::number::{Scalar, Vector3};
 use equations::{AxleEquations, AxleSingular, AxleState, AxleTask, Purpose, SharedParts};
@@ -186,6 +187,15 @@ impl<T: Scalar> ElasticAxle<T> {
         }
     }
 
+    /// The design position before its equilibrium is sought.
+    pub(super) fn unsolved(&self) -> AxleEquilibrium<T> {
+        AxleEquilibrium {
+            state: self.start(),
+            task: self.level([0.0; 2], 0.0),
+            steps: 0,
+        }
+    }
+
     fn level(&self, travels: [f64; 2], rack: f64) -> AxleTask<T> {
         let like = self.like();
         let task = |travel: f64| level_task(like.lit(travel), like.zero());
@@ -206,6 +216,17 @@ impl<T: Scalar> ElasticAxle<T> {
         let wheel = &self.wheels[side as usize];
         let state = &at.state.wheels[side as usize];
         wheel.geometry.figures(state, wheel.constants)
+    }
+
+    /// Inputs of the catalogue's formulas at a wheel, in the kernel's frame of its side. Rates, rocker and bar are unknown.
+    pub(crate) fn inputs(&self, at: &AxleEquilibrium<T>, side: Side) -> Inputs<T> {
+        let wheel = &self.wheels[side as usize];
+        let state = &at.state.wheels[side as usize];
+        let mut inputs = wheel.geometry.inputs(state, wheel.constants);
+        if let Some(spring) = self.spring(at, side) {
+            inputs.now.spring_length = spring.length;
+        }
+        inputs
     }
 
     /// Height of a wheel centre above its design position.

@@ -1,10 +1,10 @@
 //! An elastic axle over numbers on a tape that has some of its inputs.
 
-use super::equations::AxleState;
+use super::equations::AxleTask;
 use super::{AxleCompliance, AxleEquilibrium, ElasticAxle};
 use crate::compliance::HeldQuantity;
 use crate::compliance::fault::AxleFault;
-use crate::compliance::inputs::{Parameter, law_of};
+use crate::compliance::inputs::{AxleParameter, Parameter, law_of};
 use crate::compliance::system::Hold;
 use crate::model::Suspension;
 use crate::number::{Scalar, Tape, Tracked, Vector3};
@@ -17,13 +17,13 @@ pub struct AxleOnTape<'t> {
 }
 
 impl<'t> AxleOnTape<'t> {
-    /// The axle with these inputs, which get the first numbers of the tape in their order. Hardpoints and parts of both
-    /// wheels change together, as mirror images. An input that the axle does not have changes nothing.
+    /// The axle with these inputs, which get the first numbers of the tape in their order. An input that the axle does not
+    /// have changes nothing.
     pub fn new(
         suspensions: [&Suspension; 2],
         designs: [&[Vector3<f64>]; 2],
         parts: &AxleCompliance,
-        parameters: &[Parameter],
+        parameters: &[AxleParameter],
         tape: &'t Tape,
     ) -> Result<Self, AxleFault> {
         let constant = |point: &Vector3<f64>| point.map(Tracked::constant);
@@ -31,9 +31,10 @@ impl<'t> AxleOnTape<'t> {
         let mut parts = parts.map(Tracked::constant);
         // Inputs come first on the tape, so that they are numbered from 0.
         let changes: Vec<Tracked<'t>> = parameters.iter().map(|_| tape.input(0.0)).collect();
-        for (parameter, change) in parameters.iter().zip(changes) {
+        for (of, change) in parameters.iter().zip(changes) {
+            let parameter = &of.parameter;
             if let Parameter::Point(point, axis) = *parameter {
-                for design in &mut tracked {
+                for design in of.of_sides(&mut tracked) {
                     let coordinate = &mut design[point.0][axis];
                     *coordinate = *coordinate + change;
                 }
@@ -52,7 +53,7 @@ impl<'t> AxleOnTape<'t> {
                 | Parameter::AxisZ(number, _) => has_bushing(number),
                 _ => true,
             };
-            for wheel in parts.wheels.iter_mut().filter(|_| is_known) {
+            for wheel in of.of_sides(&mut parts.wheels).filter(|_| is_known) {
                 if let Some(number) = law_of(wheel, *parameter) {
                     *number = *number + change;
                 }
@@ -66,34 +67,32 @@ impl<'t> AxleOnTape<'t> {
 
     /// An equilibrium of the axle in plain numbers, with the derivatives by the inputs. What is held there stays.
     pub fn carried(&self, at: &AxleEquilibrium) -> Option<AxleEquilibrium<Tracked<'t>>> {
-        let task = super::equations::AxleTask {
-            rack: Tracked::constant(at.task.rack),
-            wheels: at
-                .task
-                .wheels
-                .each_ref()
-                .map(|task| task.map(Tracked::constant)),
-        };
-        let state: &AxleState<f64> = &at.state;
-        self.axle.carried(state, &task)
+        self.axle.carried(&at.state, &on_tape(at, at.task.rack))
     }
+}
 
+/// The task of an equilibrium, with the rack at a place.
+fn on_tape<'t>(at: &AxleEquilibrium, rack: f64) -> AxleTask<Tracked<'t>> {
+    let wheels = at.task.wheels.each_ref();
+    AxleTask {
+        rack: Tracked::constant(rack),
+        wheels: wheels.map(|task| task.map(Tracked::constant)),
+    }
+}
+
+impl<'t> ElasticAxle<Tracked<'t>> {
     /// An equilibrium under loads beside those of a station, with the derivatives by the inputs. What is held is the
     /// station's, whose heights or wheel loads may change with the inputs.
-    pub fn carried_about(
+    pub(in crate::compliance) fn carried_about(
         &self,
         station: &AxleEquilibrium<Tracked<'t>>,
         at: &AxleEquilibrium,
         held: HeldQuantity,
     ) -> Option<AxleEquilibrium<Tracked<'t>>> {
-        let (_, base) = self.axle.held_as(station, held);
-        let mut task = super::equations::AxleTask {
+        let (_, base) = self.held_as(station, held);
+        let mut task = AxleTask {
             rack: base.rack,
-            wheels: at
-                .task
-                .wheels
-                .each_ref()
-                .map(|task| task.map(Tracked::constant)),
+            ..on_tape(at, at.task.rack)
         };
         for (task, base) in task.wheels.iter_mut().zip(&base.wheels) {
             if let Hold::Load = base.hold {
@@ -102,6 +101,6 @@ impl<'t> AxleOnTape<'t> {
             }
             task.hold = base.hold;
         }
-        self.axle.carried(&at.state, &task)
+        self.carried(&at.state, &task)
     }
 }

@@ -21,7 +21,7 @@ use super::figures::{Read, Sheet};
 use super::test::{KcTest, TestLoad, TestMode};
 use super::{
     KcAxleState, KcFigure, KcLevel, KcOutcome, KcState, KcStation, KcSubject, KcWheelState,
-    at_stations, end_loads, levels, secant, twist_signs, unit_at_centre,
+    at_stations, end_loads, levels, quotient, secant, twist_signs, unit_at_centre,
 };
 use crate::ask::Unit;
 use crate::compliance::{
@@ -44,32 +44,41 @@ pub struct AxleVehicle<'a> {
 #[derive(Clone, Debug)]
 pub struct AxleKcRun<'a> {
     vehicle: AxleVehicle<'a>,
+    designs: [Vec<Vector3<f64>>; 2],
     parts: AxleCompliance,
     axle: ElasticAxle,
 }
 
 /// Conditions under which a station is solved: bar connected, rack locked.
-type Variant = (bool, bool);
+pub(crate) type Conditions = (bool, bool);
 
 /// A station under some conditions.
-struct Here<T = f64> {
-    axle: ElasticAxle<T>,
-    at: AxleEquilibrium<T>,
+pub(crate) struct Here<T = f64> {
+    pub(crate) axle: ElasticAxle<T>,
+    pub(crate) at: AxleEquilibrium<T>,
     tangents: [Option<Option<AxleTangent<T>>>; 2],
 }
 
 /// A figure of a test, in numbers that may carry derivatives.
 #[derive(Clone, Copy)]
-struct AxleFigure<T> {
-    quantity: &'static str,
-    unit: Unit,
-    value: Option<T>,
-    secant: Option<T>,
-    of: KcSubject,
+pub(crate) struct AxleFigure<T> {
+    pub(crate) quantity: &'static str,
+    pub(crate) unit: Unit,
+    pub(crate) value: Option<T>,
+    pub(crate) secant: Option<T>,
+    pub(crate) of: KcSubject,
 }
 
 impl<T: Scalar> Here<T> {
-    fn tangent(&mut self, held: HeldQuantity) -> Option<&AxleTangent<T>> {
+    fn of(axle: ElasticAxle<T>, at: AxleEquilibrium<T>) -> Self {
+        Here {
+            axle,
+            at,
+            tangents: [None, None],
+        }
+    }
+
+    pub(crate) fn tangent(&mut self, held: HeldQuantity) -> Option<&AxleTangent<T>> {
         let (axle, at) = (&self.axle, &self.at);
         let known = &mut self.tangents[usize::from(held == HeldQuantity::WheelLoad)];
         known.get_or_insert_with(|| axle.tangent(at, held)).as_ref()
@@ -93,11 +102,27 @@ impl<T: Scalar> Here<T> {
 impl<'a> AxleKcRun<'a> {
     /// Prepares the tests of an axle.
     pub fn new(vehicle: AxleVehicle<'a>, parts: &AxleCompliance) -> Result<Self, AxleFault> {
+        let designs = vehicle.suspensions.map(|wheel| &wheel.design[..]);
+        AxleKcRun::of(vehicle, designs, parts)
+    }
+
+    /// The same with the hardpoints of left and right wheel at `designs`.
+    pub fn of(
+        vehicle: AxleVehicle<'a>,
+        designs: [&[Vector3<f64>]; 2],
+        parts: &AxleCompliance,
+    ) -> Result<Self, AxleFault> {
         Ok(AxleKcRun {
             vehicle,
-            axle: axle_of(&vehicle, parts)?,
+            axle: ElasticAxle::of(vehicle.suspensions, designs, parts)?,
+            designs: designs.map(<[Vector3<f64>]>::to_vec),
             parts: parts.clone(),
         })
+    }
+
+    /// Hardpoints of left and right wheel.
+    fn designs(&self) -> [&[Vector3<f64>]; 2] {
+        [&self.designs[0], &self.designs[1]]
     }
 
     /// The vertical forces at the contact points in the design position, if that is an equilibrium.
@@ -112,7 +137,7 @@ impl<'a> AxleKcRun<'a> {
     }
 
     /// The parts under other conditions.
-    fn parts_of(&self, (has_bar, locks_rack): Variant) -> AxleCompliance {
+    fn parts_of(&self, (has_bar, locks_rack): Conditions) -> AxleCompliance {
         let mut parts = self.parts.clone();
         if !has_bar {
             parts.bar_rate = None;
@@ -124,11 +149,11 @@ impl<'a> AxleKcRun<'a> {
     }
 
     /// The axle under other conditions.
-    fn variant(&self, variant: Variant) -> Result<ElasticAxle, AxleFault> {
-        let parts = self.parts_of(variant);
+    fn variant(&self, conditions: Conditions) -> Result<ElasticAxle, AxleFault> {
+        let parts = self.parts_of(conditions);
         match parts == self.parts {
             true => Ok(self.axle.clone()),
-            false => axle_of(&self.vehicle, &parts),
+            false => ElasticAxle::of(self.vehicle.suspensions, self.designs(), &parts),
         }
     }
 
@@ -144,30 +169,33 @@ impl<'a> AxleKcRun<'a> {
         found
     }
 
-    fn here(&self, variant: Variant, travels: [f64; 2], rack: f64) -> Result<Here, NoEquilibrium> {
+    /// The station of these travels and a rack along the study's +y.
+    pub(crate) fn here(
+        &self,
+        conditions: Conditions,
+        travels: [f64; 2],
+        rack: f64,
+    ) -> Result<Here, NoEquilibrium> {
         let along = self.vehicle.suspensions[0].frame.sign(Axis::Y);
-        let axle = self.variant(variant).map_err(|_| NoEquilibrium {
+        let axle = self.variant(conditions).map_err(|_| NoEquilibrium {
             share: 0.0,
             is_unstable: true,
             softest: None,
         })?;
-        Ok(Here {
-            at: axle.at(travels, along * rack)?,
-            axle,
-            tangents: [None, None],
-        })
+        let at = axle.at(travels, along * rack)?;
+        Ok(Here::of(axle, at))
     }
 
     fn station(&self, travels: [f64; 2], rack: f64, tests: &[KcTest]) -> KcStation {
-        let mut known: Vec<(Variant, Result<Here, NoEquilibrium>)> = Vec::new();
+        let mut known: Vec<(Conditions, Result<Here, NoEquilibrium>)> = Vec::new();
         let mut outcomes = Ok(Vec::new());
         let mut matrix = None;
         for test in tests {
-            let variant = (test.has_bar, test.locks_rack);
-            if !known.iter().any(|(of, _)| *of == variant) {
-                known.push((variant, self.here(variant, travels, rack)));
+            let conditions = test.conditions();
+            if !known.iter().any(|(of, _)| *of == conditions) {
+                known.push((conditions, self.here(conditions, travels, rack)));
             }
-            let Some((_, here)) = known.iter_mut().find(|(of, _)| *of == variant) else {
+            let Some((_, here)) = known.iter_mut().find(|(of, _)| *of == conditions) else {
                 continue;
             };
             match (here, &mut outcomes) {
@@ -248,8 +276,37 @@ impl<'a> AxleKcRun<'a> {
         }
     }
 
+    /// The figures of a test with their units, first those of the wheels.
+    pub fn quantities(&self, test: &KcTest) -> Vec<(&'static str, Unit, KcSubject)> {
+        let mut here = Here::of(self.axle.clone(), self.axle.unsolved());
+        let figures = self.figures(&mut here, test, None).into_iter();
+        figures.map(|f| (f.quantity, f.unit, f.of)).collect()
+    }
+
+    /// Quotients of differences over the window of a test; `None` if an end has no equilibrium.
+    pub(crate) fn window_secants(&self, here: &Here, test: &KcTest) -> Option<[WheelFigures; 2]> {
+        let (low, high) = (self.end(here, test, -1.0)?, self.end(here, test, 1.0)?);
+        let axle = &here.axle;
+        let figures = |at: &AxleEquilibrium, side| WheelFigures {
+            vertical: axle.wheel_load(at, side),
+            ..axle.figures(at, side)
+        };
+        let inverse = 1.0 / (2.0 * test.window);
+        Some(Side::ALL.map(|side| quotient(&figures(&low, side), &figures(&high, side), inverse)))
+    }
+
+    /// The equilibrium at an end of the window of a test: at its negative or positive load.
+    fn end(&self, here: &Here, test: &KcTest, sign: f64) -> Option<AxleEquilibrium> {
+        let (load, _) = test.unit_load(&self.vehicle.suspensions[0].vehicle);
+        let force = sign * test.window;
+        let factors = test.factors();
+        let loads = factors.map(|factor| end_loads(&load, force * factor));
+        let (axle, at) = (&here.axle, &here.at);
+        axle.loaded_about(at, at, &loads, test.held).ok()
+    }
+
     /// The figures of a test, first those of the wheels.
-    fn figures<T: Scalar>(
+    pub(crate) fn figures<T: Scalar>(
         &self,
         here: &mut Here<T>,
         test: &KcTest,
@@ -481,9 +538,4 @@ impl<'a> AxleKcRun<'a> {
         }
         Some(matrix)
     }
-}
-
-fn axle_of(vehicle: &AxleVehicle<'_>, parts: &AxleCompliance) -> Result<ElasticAxle, AxleFault> {
-    let designs = vehicle.suspensions.map(|wheel| &wheel.design[..]);
-    ElasticAxle::of(vehicle.suspensions, designs, parts)
 }

@@ -9,6 +9,7 @@ mod figures;
 mod gradients;
 mod test;
 
+pub(crate) use axle::{AxleFigure, Conditions, Here};
 pub use axle::{AxleKcRun, AxleVehicle, FigureGradients};
 pub use gradients::{KcGradient, KcValue};
 pub use test::{KcTest, TestLoad, TestMode, TestPlace};

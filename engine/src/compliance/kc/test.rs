@@ -187,6 +187,11 @@ impl KcTest {
         tests
     }
 
+    /// Conditions of an axle: bar connected, rack locked.
+    pub(crate) fn conditions(&self) -> (bool, bool) {
+        (self.has_bar, self.locks_rack)
+    }
+
     /// Multiples of the unit load on left and right wheel, each in the frame of its side.
     pub(super) fn factors(&self) -> [f64; 2] {
         let is_lateral = matches!(self.load, TestLoad::Lateral | TestLoad::Aligning);

@@ -1,16 +1,21 @@
 //! The elastic parts of an axle and their tests.
 
 use super::super::error::Problems;
+use super::super::file;
 use super::super::file::File;
 use super::super::resolve::Parts;
+use super::super::right_wheel;
 use super::super::suspension::above_zero;
+use super::super::value::Text;
 use super::{
-    check_design_load, check_spring, link, section, subframe, tests, tyre_rate, wheel_parts,
+    WheelParts, bushing, check_design_load, check_spring, link, section, subframe, tests,
+    tyre_rate, wheel_parts,
 };
-use crate::axle::{Axle, AxleMotion, WheelMotion};
+use crate::axle::{Axle, AxleMotion, TestFigure, WheelMotion};
 use crate::compliance::{AxleCompliance, AxleKcRun, AxleVehicle, KcTest};
 use crate::model::{Side, Suspension};
 use std::f64::consts::TAU;
+use std::ops::Range as Span;
 use std::path::Path;
 use toml::Spanned;
 
@@ -23,6 +28,8 @@ pub struct AxleComplianceStudy {
     pub link_names: Vec<String>,
     /// The tests.
     pub tests: Vec<KcTest>,
+    /// The figures of the tests.
+    pub figures: Vec<TestFigure>,
     /// Rate of the tyre, force per length.
     pub tyre_rate: Option<f64>,
 }
@@ -39,11 +46,12 @@ impl AxleComplianceStudy {
     }
 }
 
-/// The elastic parts of an axle, if they have no error; the inner `None` without elastic parts.
-pub(in super::super) fn axle_compliance(
+/// The elastic parts of an axle, if they have no error; the inner `None` without elastic parts. `motions` are those of the
+/// study, each with its place in the file.
+pub(in super::super) fn axle_compliance<'m>(
     file: &File,
     axle: &Axle,
-    motion: &AxleMotion,
+    motions: impl IntoIterator<Item = (Span<usize>, &'m AxleMotion)>,
     parts: Parts,
     directory: &Path,
     problems: &mut Problems,
@@ -53,13 +61,9 @@ pub(in super::super) fn axle_compliance(
         refuse_stiffness(file, problems)?;
         return Some(None);
     };
-    if parts != Parts::ElasticAxles {
-        let message = "this command does not take elastic parts of an axle";
-        let error = problems.add(section.span(), message);
-        error.help("kc and check take them; without [axle] the study is of the left wheel alone, for every command");
-        return None;
+    for (place, motion) in motions {
+        refuse_motion(place, motion, problems)?;
     }
-    refuse_motion(file, motion, problems)?;
     let setup = &axle.setup;
     let between = [
         (
@@ -88,13 +92,14 @@ pub(in super::super) fn axle_compliance(
     let rates = (rack_rate(file, axle, problems), tyre_rate(file, problems));
     let (own, found, rack_rate, tyre_rate) = (own?, found?, rates.0?, rates.1?);
     let link_names = found.link_names();
+    let right = right_parts(file, &found, suspension, directory, problems)?;
     let springs = setup.springs.clone();
     let wheel = found.with(springs.as_ref().map(|[left, _]| left.clone()));
+    let right = right.with(springs.map(|[_, right]| right));
     check_design_load(section, wheel.relaxed, wheel.spring.is_some(), problems)?;
-    for side in Side::ALL {
+    for (side, wheel) in Side::ALL.into_iter().zip([&wheel, &right]) {
         check_spring(axle.suspension(side), section, problems)?;
         let has_bar = setup.bar_rate.is_some();
-        let wheel = &wheel;
         subframe::check_reach(
             section,
             own.as_ref(),
@@ -108,8 +113,6 @@ pub(in super::super) fn axle_compliance(
     let steers = suspension.mechanism.has_rack();
     let has_spring = wheel.spring.is_some();
     let tests = tests::tests_of_axle(section, suspension, has_spring, steers, problems)?;
-    let mut right = wheel.clone();
-    right.spring = springs.map(|[_, right]| right);
     let parts = AxleCompliance {
         wheels: [wheel, right],
         subframe: own,
@@ -121,7 +124,8 @@ pub(in super::super) fn axle_compliance(
         tyre_rate,
     };
     match AxleKcRun::new(vehicle, &parts) {
-        Ok(_) => Some(Some(AxleComplianceStudy {
+        Ok(run) => Some(Some(AxleComplianceStudy {
+            figures: figures(&run, &tests),
             parts,
             link_names,
             tests,
@@ -132,6 +136,95 @@ pub(in super::super) fn axle_compliance(
             problems.refuse(section.span(), &message)
         }
     }
+}
+
+/// The parts of the right wheel: those of the left one, but for rates of its own.
+fn right_parts(
+    file: &File,
+    left: &WheelParts,
+    suspension: &Suspension,
+    directory: &Path,
+    problems: &mut Problems,
+) -> Option<WheelParts> {
+    let mut right = left.clone();
+    let Some(own) = right_wheel::own(file) else {
+        return Some(right);
+    };
+    let unknown = |name: &Text, section: &str, problems: &mut Problems| {
+        let name = (name.get_ref(), name.span());
+        let message = format!(
+            "[axle.right.{section}] has rates that differ from [{section}.NAME], which has no {:?} of a wheel",
+            name.0
+        );
+        problems.add(name.1, message);
+    };
+    let mut sound = true;
+    for (name, rates) in &own.bushings {
+        let mut written = file.bushings.iter();
+        let written = written.find(|(known, _)| known.get_ref() == name.get_ref());
+        let id = suspension.mechanism.point(name.get_ref());
+        let part = right
+            .bushings
+            .iter_mut()
+            .find(|part| Some(part.point) == id);
+        let (Some((_, written)), Some(part)) = (written, part) else {
+            unknown(name, "bushings", problems);
+            sound = false;
+            continue;
+        };
+        let given = rates.get_ref();
+        let merged = file::Bushing {
+            stiffness: given
+                .stiffness
+                .clone()
+                .or(written.get_ref().stiffness.clone()),
+            scale: given.scale.clone().or(written.get_ref().scale.clone()),
+            ..written.get_ref().clone()
+        };
+        let merged = Spanned::new(rates.span(), merged);
+        match bushing::bushing(name, &merged, suspension, directory, problems) {
+            Some(found) => *part = found,
+            None => sound = false,
+        }
+    }
+    for (name, written) in &own.links {
+        let part = right
+            .links
+            .iter_mut()
+            .find(|(known, _)| known == name.get_ref());
+        let Some(part) = part else {
+            unknown(name, "links", problems);
+            sound = false;
+            continue;
+        };
+        match link::link(name, written, suspension, problems) {
+            Some(found) => *part = found,
+            None => sound = false,
+        }
+    }
+    sound.then_some(right)
+}
+
+/// The figures of tests. A motion has no window, and so no secants.
+fn figures(run: &AxleKcRun<'_>, tests: &[KcTest]) -> Vec<TestFigure> {
+    let of_test = |test: &KcTest| {
+        let kinds = match test.load.is_motion() {
+            true => &[false][..],
+            false => &[false, true],
+        };
+        let quantities = run.quantities(test).into_iter();
+        let figure = |(quantity, unit, of)| {
+            kinds.iter().map(move |is_secant| TestFigure {
+                test: *test,
+                quantity,
+                unit,
+                of,
+                is_secant: *is_secant,
+            })
+        };
+        quantities.flat_map(figure).collect::<Vec<_>>()
+    };
+    tests.iter().flat_map(of_test).collect()
 }
 
 /// Refuses the stiffness of rack and column in a rigid study.
@@ -169,7 +262,7 @@ fn rack_rate(file: &File, axle: &Axle, problems: &mut Problems) -> Option<Option
 }
 
 /// Elastic axles are driven by travels on level pads and the rack.
-fn refuse_motion(file: &File, motion: &AxleMotion, problems: &mut Problems) -> Option<()> {
+fn refuse_motion(place: Span<usize>, motion: &AxleMotion, problems: &mut Problems) -> Option<()> {
     let on_plane = matches!(motion.wheels, WheelMotion::Travels { on_plane: true, .. });
     let message = if motion.time.is_some() {
         "time is of rigid axles; with [compliance] expected heave, travel_left and travel_right, and rack"
@@ -180,5 +273,5 @@ fn refuse_motion(file: &File, motion: &AxleMotion, problems: &mut Problems) -> O
     } else {
         return Some(());
     };
-    problems.refuse(file.motion.span(), message)
+    problems.refuse(place, message)
 }

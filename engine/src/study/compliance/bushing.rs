@@ -381,8 +381,8 @@ pub(in super::super) struct BushingText {
 
 impl BushingText {
     /// The laws of a bushing that a file gave.
-    pub(in super::super) fn of(name: &str, part: &BushingPart) -> Self {
-        let curves = CURVES.into_iter().zip(&part.shapes);
+    pub(in super::super) fn of(name: &str, shapes: &[Shape; 6]) -> Self {
+        let curves = CURVES.into_iter().zip(shapes);
         let given = curves.filter_map(|(key, shape)| match shape {
             Shape::Curve { curve, .. } => Some((key, curve.points().to_vec())),
             Shape::Cubic { .. } => None,

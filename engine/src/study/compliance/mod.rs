@@ -97,6 +97,7 @@ fn section<'f>(
 }
 
 /// Parts of one wheel as they are read.
+#[derive(Clone)]
 struct WheelParts {
     bushings: Vec<BushingPart>,
     links: Vec<(String, LinkPart)>,

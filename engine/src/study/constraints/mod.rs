@@ -116,9 +116,17 @@ impl Reader<'_> {
             let is_still = is_design && !matches!(part.of, Measure::Carried(_));
             !is_still && !part.of.is_fixed(mechanism) && !matches!(part.of, Measure::Elastic(_))
         };
-        if self.context.elastic.is_some() && parts.iter().any(is_of_pose) {
-            let message = "with [compliance] this constraint is of the rigid mechanism: expected at = \"design\", or a \
-                           characteristic or figure";
+        if self.context.is_elastic() && parts.iter().any(is_of_pose) {
+            let message = match self.context.axle {
+                None => {
+                    "with [compliance] this constraint is of the rigid mechanism: expected at = \"design\", or a \
+                     characteristic or figure"
+                }
+                Some(_) => {
+                    "with [compliance] this constraint is of the rigid mechanism: expected at = \"design\"; a target with \
+                     between, at_least or at_most limits quantities of an elastic axle"
+                }
+            };
             return problems.refuse(self.place.clone(), message);
         }
         let moves = || parts.iter().any(|part| !part.of.is_fixed(mechanism));

@@ -1,8 +1,8 @@
 //! Derivatives of the figures of an axle by its design.
 
-use super::super::{KcTest, end_loads, quotient};
-use super::{AxleKcRun, Here};
-use crate::compliance::{AxleEquilibrium, AxleOnTape, Parameter, WheelFigures};
+use super::super::{KcTest, quotient};
+use super::{AxleKcRun, Conditions, Here};
+use crate::compliance::{AxleOnTape, AxleParameter, Parameter, WheelFigures};
 use crate::model::Side;
 use crate::number::{Tape, Tracked};
 
@@ -22,23 +22,14 @@ impl AxleKcRun<'_> {
     ) -> Option<Vec<FigureGradients>> {
         tape.clear();
         let tape = &*tape;
-        let variant = (test.has_bar, test.locks_rack);
-        let plain = self.here(variant, travels, rack).ok()?;
-        let suspensions = self.vehicle.suspensions;
-        let designs = suspensions.map(|wheel| &wheel.design[..]);
-        let parts = self.parts_of(variant);
-        let varied = AxleOnTape::new(suspensions, designs, &parts, parameters, tape).ok()?;
-        let at = varied.carried(&plain.at)?;
+        let plain = self.here(test.conditions(), travels, rack).ok()?;
+        let inputs: Vec<AxleParameter> = parameters.iter().map(|p| (*p).into()).collect();
+        let mut station = self.on_tape(test.conditions(), &plain, &inputs, tape)?;
         let secants = match test.load.is_motion() || test.levels == 0 {
             true => None,
-            false => self.secants_on_tape(&plain, &varied, &at, test),
+            false => self.secants_on_tape(&plain, &station, test),
         };
-        let mut here = Here {
-            axle: varied.axle,
-            at,
-            tangents: [None, None],
-        };
-        let figures = self.figures(&mut here, test, secants);
+        let figures = self.figures(&mut station, test, secants);
         let values = figures
             .iter()
             .flat_map(|figure| [figure.value, figure.secant]);
@@ -55,28 +46,35 @@ impl AxleKcRun<'_> {
         Some(gradients)
     }
 
+    /// A station over numbers on a tape. The inputs have the first numbers of the tape.
+    pub(crate) fn on_tape<'t>(
+        &self,
+        conditions: Conditions,
+        plain: &Here,
+        parameters: &[AxleParameter],
+        tape: &'t Tape,
+    ) -> Option<Here<Tracked<'t>>> {
+        let parts = self.parts_of(conditions);
+        let suspensions = self.vehicle.suspensions;
+        let varied = AxleOnTape::new(suspensions, self.designs(), &parts, parameters, tape).ok()?;
+        let at = varied.carried(&plain.at)?;
+        Some(Here::of(varied.axle, at))
+    }
+
     /// Secants over the window of a test, with the derivatives of its ends.
-    fn secants_on_tape<'t>(
+    pub(crate) fn secants_on_tape<'t>(
         &self,
         plain: &Here,
-        varied: &AxleOnTape<'t>,
-        at: &AxleEquilibrium<Tracked<'t>>,
+        station: &Here<Tracked<'t>>,
         test: &KcTest,
     ) -> Option<[WheelFigures<Tracked<'t>>; 2]> {
-        let (load, _) = test.unit_load(&self.vehicle.suspensions[0].vehicle);
+        let axle = &station.axle;
         let end = |sign: f64| {
-            let force = sign * test.window;
-            let loads = test
-                .factors()
-                .map(|factor| end_loads(&load, force * factor));
-            let axle = &plain.axle;
-            let end = axle
-                .loaded_about(&plain.at, &plain.at, &loads, test.held)
-                .ok()?;
-            let end = varied.carried_about(at, &end, test.held)?;
+            let end = self.end(plain, test, sign)?;
+            let end = axle.carried_about(&station.at, &end, test.held)?;
             Some(Side::ALL.map(|side| WheelFigures {
-                vertical: varied.axle.wheel_load(&end, side),
-                ..varied.axle.figures(&end, side)
+                vertical: axle.wheel_load(&end, side),
+                ..axle.figures(&end, side)
             }))
         };
         let (low, high) = (end(-1.0)?, end(1.0)?);

@@ -1,0 +1,152 @@
+//! Curves of an axle with elastic parts: its equilibria over the motion.
+
+use super::super::places::{motion, place};
+use super::super::{Axle, AxleColumn, AxleCurves, AxlePlan};
+use super::{AxleRead, Equilibria};
+use crate::ask::NoValue;
+use crate::compliance::{AxleParameter, NoEquilibrium, Parameter};
+use crate::curves::{Column, Curves, Sensitivity, Station, Status};
+use crate::mechanism::{DesignFault, NoPose};
+use crate::model::{Axis, Side};
+use crate::number::Tape;
+use crate::study::AxleComplianceStudy;
+
+/// Curves of an axle under a plan. Errors if the axle has no elastic model.
+pub(in crate::axle) fn curves(
+    axle: &Axle,
+    elastic: &AxleComplianceStudy,
+    plan: &AxlePlan,
+) -> Result<AxleCurves, (Side, DesignFault)> {
+    let designs = Side::ALL.map(|side| &axle.suspension(side).design[..]);
+    let equilibria = axle.equilibria(designs, &elastic.parts)?;
+    let columns = plan.columns(axle);
+    let reads = columns.iter().filter_map(|column| {
+        let (quantity, by) = (column.quantity()?, column.by);
+        Some(AxleRead { quantity, by })
+    });
+    let reads: Vec<AxleRead> = reads.collect();
+    let mut found = Curves {
+        motion: motion(&plan.course, axle),
+        columns: columns.iter().map(Column::from).collect(),
+        ..Curves::default()
+    };
+    let mut reader = StationReader {
+        axle,
+        plan,
+        equilibria,
+        reads,
+        columns,
+        tape: Tape::default(),
+    };
+    for (number, placement) in plan.course.placements().iter().enumerate() {
+        let at = place(&plan.course, axle, (number, placement), None);
+        let read = match placement.on_level_pads() {
+            Some(place) => reader.read(number, place).map_err(NoPose::from),
+            None => Err(NoPose::NoGround),
+        };
+        let (status, values) = match read {
+            Ok((values, sensitivities)) => {
+                found.sensitivities.extend(sensitivities);
+                (Status::Ok, values)
+            }
+            Err(why) => {
+                let none = vec![Err(NoValue::NoPose); reader.columns.len()];
+                (Status::Failed(why), none)
+            }
+        };
+        found.stations.push(Station {
+            at,
+            status,
+            values,
+            condition: None,
+            proof: None,
+        });
+    }
+    Ok(AxleCurves {
+        curves: found,
+        placed: Vec::new(),
+    })
+}
+
+/// Printed values of a station, and their derivatives by hardpoints.
+type Found = (Vec<Result<f64, NoValue>>, Vec<Sensitivity>);
+
+struct StationReader<'a> {
+    axle: &'a Axle,
+    plan: &'a AxlePlan,
+    equilibria: Equilibria<'a>,
+    reads: Vec<AxleRead>,
+    columns: Vec<AxleColumn>,
+    tape: Tape,
+}
+
+impl StationReader<'_> {
+    fn read(&mut self, station: usize, at: ([f64; 2], f64)) -> Result<Found, NoEquilibrium> {
+        let found = self.equilibria.values(at, &self.reads)?;
+        let printed = found.iter().zip(&self.columns).map(|(value, column)| {
+            let value = value.map(|value| value * column.factor);
+            value.ok_or_else(|| self.undefined(column))
+        });
+        let values: Vec<_> = printed.collect();
+        Ok((values, self.sensitivities(station, at)?))
+    }
+
+    /// The reason why a column has no value in an equilibrium.
+    fn undefined(&self, column: &AxleColumn) -> NoValue {
+        match column.quantity() {
+            Some(super::super::Quantity::Corner(_, of)) => NoValue::Undefined(of.undefined_where()),
+            _ => NoValue::NotFinite,
+        }
+    }
+
+    fn sensitivities(
+        &mut self,
+        station: usize,
+        at: ([f64; 2], f64),
+    ) -> Result<Vec<Sensitivity>, NoEquilibrium> {
+        // The wheels move as mirror images, or each by itself.
+        let sides = match self.axle.right {
+            None => &[None][..],
+            Some(_) => &[Some(Side::Left), Some(Side::Right)],
+        };
+        let mut parameters: Vec<AxleParameter> = Vec::new();
+        for point in &self.plan.sensitivities {
+            for axis in Axis::ALL {
+                let parameter = Parameter::Point(*point, axis);
+                let of_side = |side: &Option<Side>| AxleParameter {
+                    parameter,
+                    side: *side,
+                };
+                parameters.extend(sides.iter().map(of_side));
+            }
+        }
+        let mut found = Vec::new();
+        if parameters.is_empty() {
+            return Ok(found);
+        }
+        let values: Vec<usize> = (0..self.reads.len())
+            .filter(|k| self.reads[*k].by.is_none())
+            .collect();
+        let reads: Vec<AxleRead> = values.iter().map(|k| self.reads[*k]).collect();
+        let (columns, axle) = (&self.columns, self.axle);
+        self.equilibria
+            .gradients(at, &reads, &parameters, &mut self.tape, &mut |k, _, by| {
+                let column = values[k];
+                let factor = columns[column].factor;
+                for (of, by) in parameters.iter().zip(by) {
+                    if let Parameter::Point(point, axis) = of.parameter {
+                        let frame = axle.suspension(of.side.unwrap_or(Side::Left)).frame;
+                        found.push(Sensitivity {
+                            station,
+                            column,
+                            side: of.side,
+                            point,
+                            axis,
+                            value: by * factor * frame.sign(axis),
+                        });
+                    }
+                }
+            })?;
+        Ok(found)
+    }
+}

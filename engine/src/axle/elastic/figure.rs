@@ -1,0 +1,86 @@
+//! Figures of tests as quantities of an axle.
+
+use crate::ask::{Info, Unit};
+use crate::compliance::{HeldQuantity, KcSubject, KcTest, TestLoad, TestMode};
+use crate::model::Side;
+
+/// A figure of a test on both wheels: a derivative at a station, or a secant over the window of the test.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TestFigure {
+    /// The test.
+    pub test: KcTest,
+    /// Name in the tables of the rig.
+    pub quantity: &'static str,
+    /// Kind of number.
+    pub unit: Unit,
+    /// The axle, or one of its wheels.
+    pub of: KcSubject,
+    /// True for the secant over the window of the test.
+    pub is_secant: bool,
+}
+
+impl TestFigure {
+    /// Name without the side. It tells what differs from a test with the load on both wheels in one direction, without
+    /// trail, bar connected, steering wheel held.
+    pub fn stem(&self) -> String {
+        let test = &self.test;
+        let mut name = self.quantity.to_owned();
+        if test.trail != 0.0 {
+            name += &format!("_trail_{}", test.trail);
+        }
+        let usual = match test.load {
+            TestLoad::Vertical => HeldQuantity::WheelLoad,
+            _ => HeldQuantity::WheelHeight,
+        };
+        if test.held != usual {
+            name += match test.held {
+                HeldQuantity::WheelHeight => "_wheel_height",
+                HeldQuantity::WheelLoad => "_wheel_load",
+            };
+        }
+        name += match test.mode {
+            TestMode::OneWheel | TestMode::Parallel => "",
+            TestMode::Opposed => "_opposed",
+            TestMode::Single(Side::Left) => "_left_loaded",
+            TestMode::Single(Side::Right) => "_right_loaded",
+        };
+        if !test.has_bar {
+            name += "_without_bar";
+        }
+        if test.locks_rack {
+            name += "_locked_rack";
+        }
+        if self.is_secant {
+            name += "_secant";
+        }
+        name
+    }
+
+    /// The wheel, if it is of one.
+    pub fn side(&self) -> Option<Side> {
+        match self.of {
+            KcSubject::Wheel(side) => Some(side),
+            KcSubject::Axle | KcSubject::OneWheel => None,
+        }
+    }
+
+    /// Name in columns, without the unit.
+    pub fn name(&self) -> String {
+        match self.side() {
+            Some(side) => format!("{}_{}", side.name(), self.stem()),
+            None => self.stem(),
+        }
+    }
+
+    /// The entry of a catalogue.
+    pub(in crate::axle) fn info(&self) -> Info {
+        Info {
+            name: self.quantity,
+            unit: self.unit,
+            positive: "as docs/compliance.md says",
+            formula: "derivative of an equilibrium by the load or motion of a test",
+            source: "a rig test of kinematics and compliance",
+            ..Info::EMPTY
+        }
+    }
+}

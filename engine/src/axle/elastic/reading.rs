@@ -1,0 +1,340 @@
+//! Quantities of an axle in an equilibrium, and their derivatives along its motions and by its design.
+//!
+//! With toe t, camber, contact points C and vertical forces F at the wheels, each in the frame of its side,
+//!
+//! ```text
+//! steer_l = -t_l,   steer_r = t_r,   mean_steer = (t_r - t_l)/2                                    (1)
+//! track = C_l.y + C_r.y                                                                           (2)
+//! ```
+//!
+//! A characteristic that is made of velocities is read along heave: both wheels rise together.
+
+use super::super::{Axle, AxleQuantity, Motion, Quantity, WheelQuantity};
+use super::TestFigure;
+use crate::characteristics::{Characteristic, Inputs};
+use crate::compliance::{
+    AxleChange, AxleCompliance, AxleFigure, AxleKcRun, AxleParameter, AxleVehicle, Conditions,
+    HeldQuantity, Here, KcTest, NoEquilibrium, WheelFigures, not_of_equilibrium,
+};
+use crate::mechanism::DesignFault;
+use crate::model::{Axis, Side};
+use crate::number::{Jet, Real, Scalar, Tape, Tracked, Vector3};
+
+/// The reason why an equilibrium does not have a quantity, and the alternatives; `None` if it has it. `is_derivative` asks
+/// for derivatives along a motion.
+pub fn not_in_equilibrium(quantity: Quantity, is_derivative: bool) -> Option<[&'static str; 2]> {
+    use AxleQuantity as A;
+    use WheelQuantity as W;
+    const REMOVE: &str =
+        "with [compliance] ask a figure of a test; without [compliance] the mechanism is rigid";
+    let rigid = Some(["is of the rigid mechanism", REMOVE]);
+    let once = match is_derivative {
+        true => Some([
+            "has no derivative along a motion with [compliance]",
+            "expected order = \"position\"",
+        ]),
+        false => None,
+    };
+    match quantity {
+        Quantity::Corner(_, Characteristic::MotionRatio) => rigid,
+        Quantity::Corner(_, of) if not_of_equilibrium(of).is_some() => rigid,
+        Quantity::Corner(_, of) if of.info().reads_rates() => once,
+        Quantity::Corner(_, Characteristic::SpringLength) => once,
+        Quantity::Corner(..) => None,
+        Quantity::Wheel(_, W::Steer | W::WheelLoad) => None,
+        Quantity::Wheel(_, W::SpringForce) => once,
+        Quantity::Wheel(..) => rigid,
+        Quantity::Axle(A::MeanSteer | A::Track | A::TrackChange) => None,
+        Quantity::Axle(A::BarTorque) => once,
+        Quantity::Axle(_) => rigid,
+        Quantity::Figure(_) => once,
+    }
+}
+
+/// A value that is read in an equilibrium: a quantity, or its derivative along a motion.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct AxleRead {
+    pub quantity: Quantity,
+    pub by: Option<Motion>,
+}
+
+impl From<Quantity> for AxleRead {
+    fn from(quantity: Quantity) -> Self {
+        AxleRead { quantity, by: None }
+    }
+}
+
+/// Bar connected, steering wheel held: where quantities that are no figures are read.
+const USUAL: Conditions = (true, false);
+
+impl AxleRead {
+    fn conditions(&self) -> Conditions {
+        match self.quantity {
+            Quantity::Figure(figure) => figure.test.conditions(),
+            _ => USUAL,
+        }
+    }
+}
+
+/// Both wheels along a motion.
+struct Moving<T> {
+    inputs: [Inputs<Jet<T, 2>>; 2],
+    figures: [WheelFigures<T>; 2],
+}
+
+/// Reads quantities at one station, under the conditions of one kind of test.
+struct Reader<'h, T> {
+    here: &'h mut Here<T>,
+    known: Vec<(Motion, Option<Moving<T>>)>,
+}
+
+impl<T: Scalar> Reader<'_, T> {
+    /// Both wheels along a motion; `None` if they do not move along it.
+    fn moving(&mut self, by: Motion) -> Option<&Moving<T>> {
+        if !self.known.iter().any(|(known, _)| *known == by) {
+            let found = self.along(by);
+            self.known.push((by, found));
+        }
+        let found = self.known.iter().find(|(known, _)| *known == by);
+        found?.1.as_ref()
+    }
+
+    fn along(&mut self, by: Motion) -> Option<Moving<T>> {
+        let zero = self.here.axle.travel(&self.here.at, Side::Left).zero();
+        let one = zero.one();
+        let change = match by {
+            Motion::Heave => AxleChange::Travels([one, one]),
+            Motion::TravelLeft => AxleChange::Travels([one, zero]),
+            Motion::TravelRight => AxleChange::Travels([zero, one]),
+            Motion::OpposedTravels => AxleChange::Travels([-one, one]),
+            Motion::Rack | Motion::Steering => AxleChange::Rack,
+            Motion::Roll => return None,
+        };
+        self.here.tangent(HeldQuantity::WheelHeight)?;
+        let axle = self.here.axle.clone();
+        let tangent = self.here.tangent(HeldQuantity::WheelHeight)?;
+        Some(Moving {
+            inputs: axle.inputs_along(tangent, &change),
+            figures: axle.figures_along(tangent, &change),
+        })
+    }
+
+    /// A number of both wheels with its derivative along a motion, if one is given.
+    fn pair(
+        &mut self,
+        by: Option<Motion>,
+        of: fn(&WheelFigures<T>) -> T,
+    ) -> Option<[Jet<T, 2>; 2]> {
+        let here = &self.here;
+        let now = Side::ALL.map(|side| of(&here.axle.figures(&here.at, side)));
+        let by = match by {
+            None => now.map(|value| value.zero()),
+            Some(by) => self.moving(by)?.figures.each_ref().map(of),
+        };
+        Some([Jet([now[0], by[0]]), Jet([now[1], by[1]])])
+    }
+
+    fn characteristic(&mut self, side: Side, of: Characteristic, by: Option<Motion>) -> Option<T> {
+        if of.info().reads_rates() {
+            let inputs = &self.moving(Motion::Heave)?.inputs[side as usize];
+            return Some(of.evaluate(&Inputs {
+                now: inputs.now.map(|c| c[0]),
+                rate: inputs.now.map(|c| c[1]),
+                turn: inputs.turn.map(|c| c[0]),
+                design: inputs.design.map(|c| c[0]),
+                constants: inputs.constants,
+            }));
+        }
+        match by {
+            None => Some(of.evaluate(&self.here.axle.inputs(&self.here.at, side))),
+            Some(by) => Some(of.evaluate(&self.moving(by)?.inputs[side as usize])[1]),
+        }
+    }
+
+    /// A quantity that is no figure of a test.
+    fn quantity(&mut self, read: &AxleRead) -> Option<T> {
+        let AxleRead { quantity, by } = *read;
+        let order = usize::from(by.is_some());
+        let here = &self.here;
+        match quantity {
+            Quantity::Corner(side, of) => self.characteristic(side, of, by),
+            Quantity::Wheel(side, WheelQuantity::Steer) => {
+                let [left, right] = self.pair(by, |wheel| wheel.toe)?;
+                Some(if side == Side::Left { -left } else { right }[order])
+            }
+            Quantity::Wheel(side, WheelQuantity::WheelLoad) => match by {
+                None => Some(here.axle.wheel_load(&here.at, side)),
+                Some(by) => Some(self.moving(by)?.figures[side as usize].vertical),
+            },
+            Quantity::Wheel(side, WheelQuantity::SpringForce) => {
+                Some(here.axle.spring(&here.at, side)?.force)
+            }
+            Quantity::Axle(AxleQuantity::MeanSteer) => {
+                let [left, right] = self.pair(by, |wheel| wheel.toe)?;
+                Some((right - left).scaled(0.5)[order])
+            }
+            Quantity::Axle(AxleQuantity::Track) => {
+                let [left, right] = self.pair(by, |wheel| wheel.contact.y)?;
+                Some((left + right)[order])
+            }
+            Quantity::Axle(AxleQuantity::TrackChange) => {
+                let half = |reader: &mut Self, side| {
+                    reader.characteristic(side, Characteristic::HalfTrackChange, by)
+                };
+                Some(half(self, Side::Left)? + half(self, Side::Right)?)
+            }
+            Quantity::Axle(AxleQuantity::BarTorque) => here.axle.bar_torque(&here.at),
+            _ => None,
+        }
+    }
+}
+
+/// Values of a station under one kind of conditions; `None` for those that it does not have. `secants` gives the
+/// differences over the window of a test.
+fn read<T: Scalar>(
+    run: &AxleKcRun<'_>,
+    here: &mut Here<T>,
+    wanted: &[AxleRead],
+    mut secants: impl FnMut(&Here<T>, &KcTest) -> Option<[WheelFigures<T>; 2]>,
+) -> Vec<Option<T>> {
+    let mut known: Vec<(KcTest, bool, Vec<AxleFigure<T>>)> = Vec::new();
+    let mut found = Vec::with_capacity(wanted.len());
+    let mut reader = Reader {
+        here,
+        known: Vec::new(),
+    };
+    for read in wanted {
+        let value = match read.quantity {
+            Quantity::Figure(figure) => {
+                let same =
+                    |k: &(KcTest, bool, Vec<_>)| k.0 == figure.test && (k.1 || !figure.is_secant);
+                if !known.iter().any(same) {
+                    let over = match figure.is_secant {
+                        true => secants(reader.here, &figure.test),
+                        false => None,
+                    };
+                    let all = run.figures(reader.here, &figure.test, over);
+                    known.push((figure.test, figure.is_secant, all));
+                }
+                let all = known.iter().find(|k| same(k));
+                all.and_then(|(.., all)| of(&figure, all))
+            }
+            _ => reader.quantity(read),
+        };
+        found.push(value.filter(|value| value.value().is_finite()));
+    }
+    found
+}
+
+fn of<T: Copy>(figure: &TestFigure, all: &[AxleFigure<T>]) -> Option<T> {
+    let same = |own: &&AxleFigure<T>| own.quantity == figure.quantity && own.of == figure.of;
+    let own = all.iter().find(same)?;
+    match figure.is_secant {
+        true => own.secant,
+        false => own.value,
+    }
+}
+
+/// The numbers of the values under each kind of conditions. Usual ones come first, as they decide whether the station has an
+/// equilibrium.
+fn by_conditions(wanted: &[AxleRead]) -> Vec<(Conditions, Vec<usize>)> {
+    let mut groups = vec![(USUAL, Vec::new())];
+    for (number, read) in wanted.iter().enumerate() {
+        let conditions = read.conditions();
+        match groups.iter_mut().find(|(of, _)| *of == conditions) {
+            Some((_, numbers)) => numbers.push(number),
+            None => groups.push((conditions, vec![number])),
+        }
+    }
+    groups
+}
+
+/// An axle with elastic parts, ready to be read at stations.
+pub(crate) struct Equilibria<'a> {
+    run: AxleKcRun<'a>,
+    /// Sign of the study's rack axis in the kernel's frame.
+    along: f64,
+}
+
+impl Axle {
+    /// The axle's equilibria with its hardpoints at `designs` and these parts. Errors if it has no elastic model.
+    pub(crate) fn equilibria(
+        &self,
+        designs: [&[Vector3<f64>]; 2],
+        parts: &AxleCompliance,
+    ) -> Result<Equilibria<'_>, (Side, DesignFault)> {
+        let vehicle = AxleVehicle {
+            suspensions: Side::ALL.map(|side| self.suspension(side)),
+            tyre_rate: self.elastic.as_ref().and_then(|own| own.tyre_rate),
+        };
+        let run = AxleKcRun::of(vehicle, designs, parts).map_err(|fault| {
+            let words = fault.describe(&parts.wheels, &self.left);
+            let side = fault.side.unwrap_or(Side::Left);
+            (side, DesignFault::Elastic(words))
+        })?;
+        Ok(Equilibria {
+            run,
+            along: self.left.frame.sign(Axis::Y),
+        })
+    }
+}
+
+impl Equilibria<'_> {
+    /// Values at travels and a rack towards the kernel's +y; `None` for those that the station does not have.
+    pub(crate) fn values(
+        &self,
+        (travels, rack): ([f64; 2], f64),
+        wanted: &[AxleRead],
+    ) -> Result<Vec<Option<f64>>, NoEquilibrium> {
+        let mut found = vec![None; wanted.len()];
+        for (conditions, numbers) in by_conditions(wanted) {
+            let mut here = self.run.here(conditions, travels, self.along * rack)?;
+            let own: Vec<AxleRead> = numbers.iter().map(|k| wanted[*k]).collect();
+            let values = read(&self.run, &mut here, &own, |here, test| {
+                self.run.window_secants(here, test)
+            });
+            for (number, value) in numbers.into_iter().zip(values) {
+                found[number] = value;
+            }
+        }
+        Ok(found)
+    }
+
+    /// Values at travels and a rack towards the kernel's +y, with their derivatives by inputs. `receive` gets the number of each value that there is, the value and its derivatives.
+    pub(crate) fn gradients(
+        &self,
+        (travels, rack): ([f64; 2], f64),
+        wanted: &[AxleRead],
+        parameters: &[AxleParameter],
+        tape: &mut Tape,
+        receive: &mut dyn FnMut(usize, f64, &[f64]),
+    ) -> Result<(), NoEquilibrium> {
+        let lost = || NoEquilibrium {
+            share: 1.0,
+            is_unstable: true,
+            softest: None,
+        };
+        for (conditions, numbers) in by_conditions(wanted) {
+            let plain = self.run.here(conditions, travels, self.along * rack)?;
+            if numbers.is_empty() {
+                continue;
+            }
+            tape.clear();
+            let tape = &*tape;
+            let station = self.run.on_tape(conditions, &plain, parameters, tape);
+            let mut station = station.ok_or_else(lost)?;
+            let own: Vec<AxleRead> = numbers.iter().map(|k| wanted[*k]).collect();
+            let values = read(&self.run, &mut station, &own, |station, test| {
+                self.run.secants_on_tape(&plain, station, test)
+            });
+            let missing = Tracked::constant(f64::NAN);
+            let results: Vec<_> = values.iter().map(|v| v.unwrap_or(missing)).collect();
+            tape.gradients(&results, parameters.len(), |k, by| {
+                if let Some(value) = values[k] {
+                    receive(numbers[k], value.plain(), by);
+                }
+            });
+        }
+        Ok(())
+    }
+}

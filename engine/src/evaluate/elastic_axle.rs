@@ -1,0 +1,156 @@
+//! Axles with elastic parts, one design at a time: quantities in equilibrium, figures of tests in the design position.
+
+use super::evaluator::{Evaluator, FindsSlopes, Pairs, SolvesOneByOne};
+use super::{AxleStations, Block, NotInLanes};
+use crate::axle::{AxleRead, Equilibria, Quantity};
+use crate::compliance::{AxleCompliance, AxleParameter};
+use crate::mechanism::{DesignFault, NoPose};
+use crate::study::AxleComplianceStudy;
+
+/// The elastic parts of an axle whose designs are evaluated.
+#[derive(Clone, Debug)]
+pub(crate) struct ElasticAxleParts {
+    /// The rates that differ between designs.
+    pub rates: Vec<AxleParameter>,
+    /// Figures that are read beside the design position, as pairs of quantity and station.
+    pub further: Vec<[usize; 2]>,
+}
+
+impl AxleStations<'_> {
+    /// The quantities that are read at a station: figures of tests where they are wanted, all others everywhere.
+    pub(crate) fn quantities_at(&self, station: usize) -> Vec<usize> {
+        let further = self.elastic.as_ref().map_or(&[][..], |own| &own.further);
+        let is_read = |k: &usize| {
+            let is_figure = matches!(self.quantities[*k], Quantity::Figure(_));
+            !is_figure || station == self.design || further.contains(&[*k, station])
+        };
+        (0..self.quantities.len()).filter(is_read).collect()
+    }
+
+    /// An evaluator of designs with elastic parts. Errors if the axle's own design has no elastic model.
+    pub(super) fn elastic_evaluator<'s>(
+        &'s self,
+        elastic: &'s AxleComplianceStudy,
+    ) -> Result<Evaluator<'s>, DesignFault> {
+        let own = self.axle.left.design.as_slice();
+        let right = self.axle.right.as_ref().map_or(own, |right| &right.design);
+        let known = self.axle.equilibria([own, right], &elastic.parts);
+        known.map_err(|(_, fault)| fault)?;
+        let reader = || OneByOne {
+            stations: self,
+            parts: elastic.parts.clone(),
+            rates: Vec::new(),
+        };
+        let mut evaluator = Evaluator::of(own.len(), Box::new(reader()));
+        evaluator.axle = Some(&self.axle);
+        evaluator.lanes = Err(NotInLanes::Elastic);
+        if !self.gains.is_empty() {
+            evaluator.slopes = Some(Box::new(reader()));
+        }
+        Ok(evaluator)
+    }
+}
+
+/// Evaluates one design at a time.
+struct OneByOne<'a> {
+    stations: &'a AxleStations<'a>,
+    parts: AxleCompliance,
+    /// Rates of the block's designs; empty if none is varied.
+    rates: Vec<f64>,
+}
+
+impl<'a> OneByOne<'a> {
+    /// The axle of the design of this number.
+    fn equilibria(
+        &mut self,
+        [left, right]: Pairs<'_>,
+        number: usize,
+    ) -> Result<Equilibria<'a>, DesignFault> {
+        let parameters = self.stations.elastic.as_ref();
+        let parameters = parameters.map_or(&[][..], |own| &own.rates);
+        let width = parameters.len();
+        let own = &self.rates[(number * width).min(self.rates.len())..];
+        for (parameter, value) in parameters.iter().zip(own) {
+            if *value <= 0.0 {
+                let reason = "the rate of an elastic part is not above 0".to_owned();
+                return Err(DesignFault::Elastic(reason));
+            }
+            self.parts.set_rate(*parameter, *value);
+        }
+        let points = self.stations.axle.left.design.len();
+        let right = if right.is_empty() { left } else { right };
+        let designs = [left, right].map(|all| &all[number * points..(number + 1) * points]);
+        let found = self.stations.axle.equilibria(designs, &self.parts);
+        found.map_err(|(_, fault)| fault)
+    }
+}
+
+impl SolvesOneByOne for OneByOne<'_> {
+    fn evaluate(&mut self, designs: Pairs<'_>, numbers: &[usize], block: &mut Block) {
+        for &number in numbers {
+            block.forget(number);
+            let equilibria = match self.equilibria(designs, number) {
+                Ok(found) => found,
+                Err(fault) => {
+                    block.faults.push((number, fault));
+                    continue;
+                }
+            };
+            for (station, placement) in self.stations.placements.iter().enumerate() {
+                let quantities = self.stations.quantities_at(station);
+                let reads = quantities.iter().map(|k| self.stations.quantities[*k]);
+                let reads: Vec<AxleRead> = reads.map(AxleRead::from).collect();
+                let found = match placement.on_level_pads() {
+                    Some(at) => equilibria.values(at, &reads).map_err(NoPose::from),
+                    None => Err(NoPose::NoGround),
+                };
+                match found {
+                    Err(why) => block.fail(number, station, why),
+                    Ok(values) => {
+                        for (k, value) in quantities.into_iter().zip(values) {
+                            if let Some(value) = value {
+                                block.put(number, k, station, value);
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    fn take_rates(&mut self, rates: &[f64]) {
+        self.rates.clear();
+        self.rates.extend_from_slice(rates);
+    }
+}
+
+/// The derivatives in the design position by each number that moves.
+impl FindsSlopes for OneByOne<'_> {
+    fn evaluate(&mut self, designs: Pairs<'_>, block: &mut Block) {
+        let gains = self.stations.gains.iter();
+        let reads: Vec<AxleRead> = gains
+            .filter_map(|gain| {
+                Some(AxleRead {
+                    quantity: gain.quantity()?,
+                    by: gain.by,
+                })
+            })
+            .collect();
+        let design = self.stations.placements[self.stations.design];
+        for number in 0..designs[0].len() / self.stations.axle.left.design.len() {
+            let found = self.equilibria(designs, number).ok();
+            let at = design.on_level_pads();
+            let found = found
+                .zip(at)
+                .and_then(|(axle, at)| axle.values(at, &reads).ok());
+            for k in 0..reads.len() {
+                let slope = found.as_ref().and_then(|values| values[k]);
+                block.put_slope(number, k, slope.unwrap_or(f64::NAN));
+            }
+        }
+    }
+
+    fn take_rates(&mut self, rates: &[f64]) {
+        SolvesOneByOne::take_rates(self, rates);
+    }
+}

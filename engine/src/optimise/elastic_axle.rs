@@ -1,0 +1,149 @@
+//! Targets of an axle with elastic parts: rows of the least-squares problem from its equilibria and figures of tests.
+//!
+//! A variable moves the points of both wheels, and rates of parts of both wheels or of a part that they share. Where both
+//! wheels are mirror images, one derivative serves both of them; otherwise each wheel has its own.
+
+use super::axle::{AxleLayout, AxleStation, Moved, RowsBeside};
+use super::elastic::{add_points, add_rates};
+use super::layout::TargetSample;
+use super::moves::{moved_design, point_rates};
+use super::{Infeasible, Linearisation};
+use crate::axle::AxleRead;
+use crate::compliance::{AxleCompliance, AxleParameter, Parameter};
+use crate::evaluate::place_of;
+use crate::mechanism::NoPose;
+use crate::model::{Axis, PointId, Side};
+use crate::number::Tape;
+use crate::study::{AxleComplianceStudy, Variable};
+
+/// The rows of a layout of an axle with these elastic parts.
+pub(super) fn elastic_axle_rows<'a>(
+    layout: &'a AxleLayout,
+    elastic: &AxleComplianceStudy,
+    variables: &[Variable],
+) -> Box<dyn RowsBeside + 'a> {
+    let sides = match layout.axle.right {
+        None => vec![None],
+        Some(_) => vec![Some(Side::Left), Some(Side::Right)],
+    };
+    let mut points: Vec<PointId> = variables.iter().flat_map(Variable::points).collect();
+    points.sort();
+    points.dedup();
+    let mut parameters = Vec::new();
+    for side in &sides {
+        for point in &points {
+            parameters.extend(Axis::ALL.map(|axis| AxleParameter {
+                parameter: Parameter::Point(*point, axis),
+                side: *side,
+            }));
+        }
+    }
+    for rate in variables.iter().filter_map(|v| v.rate.as_ref()) {
+        place_of(&mut parameters, rate.parameter.into());
+    }
+    Box::new(Rows {
+        layout,
+        sides,
+        parameters,
+        parts: elastic.parts.clone(),
+        tape: Tape::default(),
+        slopes: vec![0.0; variables.len()],
+    })
+}
+
+struct Rows<'a> {
+    layout: &'a AxleLayout,
+    /// The wheels whose points move: both as mirror images, or each by itself.
+    sides: Vec<Option<Side>>,
+    /// Everything that moves.
+    parameters: Vec<AxleParameter>,
+    parts: AxleCompliance,
+    tape: Tape,
+    slopes: Vec<f64>,
+}
+
+impl RowsBeside for Rows<'_> {
+    fn evaluate(
+        &mut self,
+        moved: &Moved<'_>,
+        into: &mut Linearisation,
+        _rows: Option<&mut Linearisation>,
+    ) -> Result<(), Infeasible> {
+        let Rows {
+            layout,
+            sides,
+            parameters,
+            parts,
+            tape,
+            slopes,
+        } = self;
+        let axle = &layout.axle;
+        let mut ways = vec![moved.point_rates.to_vec()];
+        let right = axle.right.as_ref().map(|own| {
+            let (frame, mut design) = (&axle.left.frame, own.design.clone());
+            moved_design(&own.design, frame, moved.variables, moved.x, &mut design);
+            let mut of_right = Vec::new();
+            point_rates(&own.design, frame, moved.variables, moved.x, &mut of_right);
+            ways.push(of_right);
+            design
+        });
+        for (variable, x) in moved.variables.iter().zip(moved.x.iter()) {
+            if let Some(rate) = &variable.rate {
+                parts.set_rate(rate.parameter.into(), rate.at(*x)[0]);
+            }
+        }
+        let designs = [moved.design, right.as_deref().unwrap_or(moved.design)];
+        let equilibria = axle.equilibria(designs, parts);
+        let equilibria = equilibria
+            .map_err(|(side, fault)| Infeasible::Refused(axle.describe_fault((side, fault))))?;
+        for AxleStation { placement, samples } in &layout.stations {
+            let at = placement
+                .on_level_pads()
+                .ok_or_else(|| Infeasible::Refused(format!("{placement} is of rigid axles")))?;
+            let reads: Vec<AxleRead> = layout.quantities.iter().map(|q| (*q).into()).collect();
+            let used: Vec<usize> = (0..reads.len())
+                .filter(|k| samples.iter().any(|own| own.of == *k))
+                .collect();
+            let reads: Vec<AxleRead> = used.iter().map(|k| reads[*k]).collect();
+            let mut is_found = vec![false; used.len()];
+            let found =
+                equilibria.gradients(at, &reads, parameters, tape, &mut |number, value, by| {
+                    is_found[number] = true;
+                    let slope = |parameter: AxleParameter| {
+                        let place = parameters.iter().position(|p| *p == parameter);
+                        place.map_or(0.0, |place| by[place])
+                    };
+                    slopes.fill(0.0);
+                    for (side, ways) in sides.iter().zip(&ways) {
+                        let of_side = |parameter| {
+                            slope(AxleParameter {
+                                parameter,
+                                side: *side,
+                            })
+                        };
+                        add_points(ways, of_side, slopes);
+                    }
+                    add_rates(moved, |parameter| slope(parameter.into()), slopes);
+                    let own = |sample: &&TargetSample| sample.of == used[number];
+                    for sample in samples.iter().filter(own) {
+                        if sample.write_residual(sample.row, value, into) {
+                            into.write_slopes(sample.row, slopes, sample.scale);
+                        }
+                    }
+                });
+            if let Err(why) = found {
+                let message = format!(
+                    "the axle has no equilibrium at {placement}: {}",
+                    NoPose::from(why)
+                );
+                return Err(Infeasible::Refused(message));
+            }
+            if let Some(missing) = is_found.iter().position(|found| !found) {
+                let name = reads[missing].quantity.name();
+                let message = format!("{name} has no value at {placement}");
+                return Err(Infeasible::Refused(message));
+            }
+        }
+        Ok(())
+    }
+}

@@ -26,6 +26,11 @@ const TABLES: &[(&str, &str, &str)] = &[
     ),
     ("axle.right", "\"mirrored\"", "{ bogus = 1 }"),
     (
+        "axle.right.bushings.NAME",
+        "\"mirrored\"",
+        "{ bushings = { rear = { bogus = 1 } } }",
+    ),
+    (
         "axle.right.wheel",
         "\"mirrored\"",
         "{ wheel = { bogus = 1 } }",

@@ -44,6 +44,7 @@ fn mirrored(axle: &Axle) -> Axle {
         left: axle.right.clone().unwrap(),
         right: Some(axle.left.clone()),
         setup,
+        elastic: None,
     }
 }
 
@@ -74,7 +75,7 @@ fn mirrored_placement(placement: &Placement) -> Placement {
 /// True if the quantity changes its sign in a mirror.
 fn is_odd(quantity: Quantity) -> bool {
     match quantity {
-        Quantity::Corner(..) => false,
+        Quantity::Corner(..) | Quantity::Figure(_) => false,
         Quantity::Wheel(_, q) => matches!(q, W::Steer | W::RollCamber | W::RollCamberToRoad),
         Quantity::Axle(q) => matches!(
             q,

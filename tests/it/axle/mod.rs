@@ -75,5 +75,6 @@ fn axle(case: &Value) -> Axle {
         left,
         right: None,
         setup,
+        elastic: None,
     }
 }

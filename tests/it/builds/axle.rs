@@ -192,6 +192,7 @@ impl<'s> Moved<'s> {
                 left: assemblers[0].suspension().clone(),
                 right: Some(assemblers[1].suspension().clone()),
                 setup: both.axle.setup.clone(),
+                elastic: None,
             },
             assemblers,
             quantities: both.plan.quantities.clone(),

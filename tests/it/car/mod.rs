@@ -110,6 +110,7 @@ fn axle(value: &Value) -> Axle {
         left,
         right: None,
         setup,
+        elastic: None,
     }
 }
 

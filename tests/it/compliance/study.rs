@@ -156,18 +156,6 @@ fn mistakes_are_named_by_line() {
 }
 
 #[test]
-fn readers_of_one_elastic_wheel_refuse_an_elastic_axle() {
-    let text = text(STUDIES[0]).replace("[tyre]", "[axle]\nright = \"mirrored\"\n[tyre]");
-    let text = text.replace("travel = {", "heave = {");
-    let errors = Study::elastic_from_text("study.toml", &text, Path::new(".")).unwrap_err();
-    let rendered = errors.render(false);
-    assert!(
-        rendered.contains("this command does not take elastic parts of an axle"),
-        "{rendered}"
-    );
-}
-
-#[test]
 fn readers_of_rigid_parts_refuse_elastic_ones() {
     let refused = Study::from_text("study.toml", &text(STUDIES[0]), Path::new(".")).unwrap_err();
     let rendered = refused.render(false);
@@ -255,7 +243,7 @@ fn mistakes_of_elastic_axles_are_named() {
     ] {
         let wrong = text.replacen(from, to, 1);
         assert_ne!(wrong, text, "{from}");
-        let read = Study::elastic_axle_from_text("study.toml", &wrong, Path::new("."));
+        let read = Study::elastic_from_text("study.toml", &wrong, Path::new("."));
         let rendered = read.map(|_| ()).unwrap_err().render(false);
         assert!(rendered.contains(phrase), "{from}: {rendered}");
     }

@@ -4,8 +4,8 @@ use super::{Case, HELD, LINKS, LOWER, WISHBONES, random_loads, sample};
 use crate::support::random::Random;
 use hardpoint::axle::Law;
 use hardpoint::compliance::{
-    AxleChange, AxleOnTape, ElasticAxle, ElasticWheel, HeldQuantity, Parameter, Relaxed, Shape,
-    WheelFigures, WheelLoads,
+    AxleChange, AxleOnTape, AxleParameter, ElasticAxle, ElasticWheel, HeldQuantity, Parameter,
+    Relaxed, Shape, WheelFigures, WheelLoads,
 };
 use hardpoint::model::{Axis, Side};
 use hardpoint::number::{Real, Tape};
@@ -361,7 +361,12 @@ fn derivatives_by_the_design_agree_with_differences() {
         let tape = Tape::default();
         let designs = [&case.suspension.design[..]; 2];
         let wheels = [&case.suspension; 2];
-        let on_tape = AxleOnTape::new(wheels, designs, &case.parts, &parameters, &tape).unwrap();
+        let by: Vec<AxleParameter> = parameters
+            .iter()
+            .copied()
+            .map(AxleParameter::from)
+            .collect();
+        let on_tape = AxleOnTape::new(wheels, designs, &case.parts, &by, &tape).unwrap();
         let here = on_tape.carried(&at).unwrap();
         let tangent = on_tape.axle.tangent(&here, HELD).unwrap();
         let load = on_tape.axle.wheel_load(&here, Side::Right);

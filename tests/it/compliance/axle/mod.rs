@@ -2,6 +2,7 @@
 
 mod command;
 mod mechanics;
+mod studies;
 mod world;
 
 use super::support::elastic_axle;

@@ -1,0 +1,601 @@
+//! Studies of axles with elastic parts: curves, sweeps, tunings and builds.
+
+use super::super::support::{elastic, with};
+use hardpoint::axle::{AxleCurves, axle_curves};
+use hardpoint::curves::Curves;
+use hardpoint::model::Side;
+use hardpoint::optimise::{Control, TargetLayout, assessed_at, tune};
+use hardpoint::study::{Study, Wanted};
+use hardpoint::sweep::SweepPlan;
+use hardpoint::tolerance::{Expansion, Problem, monte_carlo};
+use std::ops::ControlFlow;
+
+const SUBFRAME: &str = "subframe_axle_compliance.toml";
+
+/// The study of the subframe with another motion and other hardpoints and rates of the right wheel.
+fn asymmetric(motion: &str, more: &str) -> String {
+    let text = with(SUBFRAME, more);
+    let own = "[axle.right.hardpoints]\ntie_rod_outer = [-143.0, -683.0, 231.0]\nlower_arm_rear = [-196.0, -372.0, 201.0]\n\
+               [axle.right.bushings.lower_arm_rear]\nstiffness = [900.0, 2100.0, 1700.0, 8.0e4, 2.5e5, 2.5e5]\n\
+               [axle.right.bushings.upper_arm_rear]\nscale = [1.2, 1.1, 1.0, 1.0, 1.0, 1.0]\n";
+    replaced(
+        &replaced(
+            &text,
+            "heave = { from = -30.0, to = 30.0, steps = 3 }",
+            motion,
+        ),
+        "[axle]\nright = \"mirrored\"\n",
+        &format!("[axle]\n{own}"),
+    )
+}
+
+fn replaced(text: &str, old: &str, new: &str) -> String {
+    assert!(text.contains(old), "{old}");
+    text.replacen(old, new, 1)
+}
+
+fn curves(study: &Study) -> Curves {
+    let both = study.axle().unwrap();
+    let AxleCurves { curves, .. } = axle_curves(&both.axle, &both.plan).unwrap();
+    assert!(curves.are_complete());
+    curves
+}
+
+/// Printed values of a station by column name.
+fn values(text: &str, station: usize) -> Vec<(String, f64)> {
+    let curves = curves(&elastic(text));
+    let columns = curves.columns.iter().enumerate();
+    let value = |k: usize| curves.stations[station].value(k).unwrap();
+    columns
+        .map(|(k, column)| (column.name.clone(), value(k)))
+        .collect()
+}
+
+fn value_of(values: &[(String, f64)], name: &str) -> f64 {
+    let found = values.iter().find(|(known, _)| known == name);
+    found.unwrap_or_else(|| panic!("{name} in {values:?}")).1
+}
+
+/// A derivative by differences of fourth order.
+fn difference(step: f64, at: impl Fn(f64) -> f64) -> f64 {
+    (8.0 * (at(step) - at(-step)) - (at(2.0 * step) - at(-2.0 * step))) / (12.0 * step)
+}
+
+const OUTPUTS: &str = r#"
+[outputs]
+characteristics = [
+  "camber", "toe", "caster", "kingpin_offset", "steer", "mean_steer", "track", "track_change", "wheel_load",
+]
+order = "velocity"
+"#;
+
+/// Derivatives along both travels and the rack, of wheels that differ, agree with differences.
+#[test]
+fn derivatives_along_motions_agree_with_differences() {
+    let here = [-10.0, 5.0, 3.0];
+    let at = |[left, right, rack]: [f64; 3]| {
+        let motion =
+            format!("travel_left = [{left:?}]\ntravel_right = [{right:?}]\nrack = [{rack:?}]");
+        values(&asymmetric(&motion, OUTPUTS), 0)
+    };
+    let found = at(here);
+    let mut checked = 0;
+    for (number, along) in ["travel_left", "travel_right", "rack"].iter().enumerate() {
+        let moved: Vec<_> = [-0.2, -0.1, 0.1, 0.2]
+            .iter()
+            .map(|by| {
+                let mut place = here;
+                place[number] += by;
+                at(place)
+            })
+            .collect();
+        for (k, (name, _)) in found.iter().enumerate() {
+            let marks = ["travel_left", "travel_right", "rack"];
+            if marks
+                .iter()
+                .any(|mark| name.contains(&format!("_by_{mark}_")))
+            {
+                continue;
+            }
+            let mark = format!("_by_{along}_");
+            let derivative = found[k + 1..]
+                .iter()
+                .find(|(other, _)| other.contains(&mark))
+                .unwrap_or_else(|| panic!("{name} {mark}"));
+            let expected =
+                (8.0 * (moved[2][k].1 - moved[1][k].1) - (moved[3][k].1 - moved[0][k].1)) / 1.2;
+            assert!(
+                (derivative.1 - expected).abs() < 1e-8 * expected.abs().max(1.0),
+                "{}: {} {expected}",
+                derivative.0,
+                derivative.1
+            );
+            checked += 1;
+        }
+    }
+    assert_eq!(checked, 3 * 15);
+}
+
+/// Sensitivities by the hardpoints of either wheel agree with differences.
+#[test]
+fn sensitivities_by_both_wheels_agree_with_differences() {
+    let outputs = r#"
+[outputs]
+characteristics = ["camber", "mean_steer", "wheel_load", "toe_by_lateral_force_trail_30", "camber_by_roll_without_bar"]
+sensitivities = ["lower_arm_rear"]
+"#;
+    let motion = "travel_left = [-10.0]\ntravel_right = [5.0]\nrack = [3.0]";
+    let study = elastic(&asymmetric(motion, outputs));
+    let curves = curves(&study);
+    let values_at = |side: Side, axis: usize, by: f64| {
+        let mut text = asymmetric(motion, outputs);
+        let (old, mut place) = match side {
+            Side::Left => (
+                "lower_arm_rear      = [-200.0, 375.0, 198.0]",
+                [-200.0, 375.0, 198.0],
+            ),
+            Side::Right => (
+                "lower_arm_rear = [-196.0, -372.0, 201.0]",
+                [-196.0, -372.0, 201.0],
+            ),
+        };
+        place[axis] += by;
+        text = replaced(&text, old, &format!("lower_arm_rear = {place:?}"));
+        values(&text, 0)
+    };
+    let mut checked = 0;
+    for side in Side::ALL {
+        for axis in 0..3 {
+            let moved: Vec<_> = [-0.2, -0.1, 0.1, 0.2]
+                .map(|by| values_at(side, axis, by))
+                .into();
+            for (k, column) in curves.columns.iter().enumerate() {
+                let own = curves
+                    .sensitivities
+                    .iter()
+                    .find(|s| s.column == k && s.side == Some(side) && s.axis as usize == axis);
+                let own = own
+                    .unwrap_or_else(|| panic!("{} {side:?}", column.name))
+                    .value;
+                let expected =
+                    (8.0 * (moved[2][k].1 - moved[1][k].1) - (moved[3][k].1 - moved[0][k].1)) / 1.2;
+                let scale = curves.stations[0].value(k).unwrap().abs().max(1.0);
+                assert!(
+                    (own - expected).abs() < 1e-9 * scale,
+                    "{} {side:?} {axis}: {own} {expected}",
+                    column.name
+                );
+                checked += 1;
+            }
+        }
+    }
+    assert_eq!(checked, 6 * 9);
+}
+
+/// Without a subframe, an elastic rack and a bar the wheels of a symmetric axle are two wheels by themselves: heave is the travel
+/// of one, and a parallel load that of one.
+#[test]
+fn a_symmetric_axle_in_heave_is_one_wheel() {
+    let tests = "relaxed = \"at_design_load\"\ntests = [{ load = \"lateral\", trail = 30.0 }, { load = \"braking\" }]\n";
+    let outputs = r#"
+[outputs]
+characteristics = ["toe", "camber", "caster", "half_track_change", "toe_by_lateral_force_trail_30", "recession_by_braking_secant"]
+sensitivities = ["tie_rod_inner", "lower_arm_rear"]
+"#;
+    let wheel = with("double_wishbone_compliance.toml", outputs);
+    let wheel = replaced(&wheel, "relaxed = \"at_design_load\"", tests);
+    let axle = replaced(&wheel, "travel = {", "heave = {") + "\n[axle]\nright = \"mirrored\"\n";
+    let one = elastic(&wheel).curves().unwrap();
+    let both = curves(&elastic(&axle));
+    let mut checked = 0;
+    for (k, column) in both.columns.iter().enumerate() {
+        let name = column.name.split_once('_').unwrap().1;
+        let own = one.columns.iter().position(|c| c.name == name);
+        let own = own.unwrap_or_else(|| panic!("{name} in {:?}", one.columns));
+        for (station, (both_at, one_at)) in both.stations.iter().zip(&one.stations).enumerate() {
+            let (found, expected) = (both_at.value(k).unwrap(), one_at.value(own).unwrap());
+            assert!(
+                (found - expected).abs() < 1e-9 * expected.abs().max(1e-3),
+                "{name} {station}: {found} {expected}"
+            );
+            for s in both
+                .sensitivities
+                .iter()
+                .filter(|s| s.column == k && s.station == station)
+            {
+                let same = one.sensitivities.iter().find(|o| {
+                    (o.station, o.column, o.point, o.axis) == (station, own, s.point, s.axis)
+                });
+                let expected = same.unwrap().value;
+                assert!(
+                    (s.value - expected).abs() < 1e-8 * expected.abs().max(1e-3),
+                    "{name} {station} {:?}: {} {expected}",
+                    s.axis,
+                    s.value
+                );
+                checked += 1;
+            }
+        }
+    }
+    // Six outputs of two wheels, five stations, two points.
+    assert_eq!(checked, 2 * 6 * 5 * 6);
+}
+
+/// The motion of the tunings.
+const MOTION: &str = "heave = [-30.0, 0.0, 30.0]\nrack = [0.0, 3.0]";
+
+const TUNED: &str = r#"
+[optimise]
+good_enough = 0.0
+variables = [
+  { hardpoint = "tie_rod_inner", axis = "z", range = [-15.0, 15.0] },
+  { hardpoint = "tie_rod_outer", axis = "x", range = [-15.0, 15.0] },
+  { hardpoint = "lower_ball_joint", axis = "x", range = [-15.0, 15.0] },
+  { bushing = "upper_arm_front", stiffness = "y", range = [0.3, 3.0], relative = true },
+  { bushing = "lower_arm_front", stiffness = "y", range = [3000.0, 20000.0] },
+  { bushing = "subframe_rear", stiffness = "y", range = [0.3, 3.0], relative = true },
+]
+targets = [
+  { characteristic = "toe", over = "heave", at = 30.0, value = 0.1, tolerance = 0.02, side = "left" },
+  { characteristic = "camber", over = "heave", at = -30.0, value = 0.1, tolerance = 0.02, side = "right" },
+  { characteristic = "mean_steer", over = "rack", at = 3.0, value = -1.2, tolerance = 0.02 },
+  { figure = "toe_by_lateral_force_trail_30", side = "left", value = 0.0, tolerance = 0.005 },
+  { figure = "camber_by_lateral_force_trail_30_opposed", side = "right", value = 0.0, tolerance = 0.01 },
+  { figure = "steer_by_roll", side = "left", value = 0.0, tolerance = 0.01 },
+  { figure = "toe_by_aligning_moment_secant", side = "left", value = 0.0, tolerance = 0.005 },
+]
+"#;
+
+/// Rows of targets have the slopes of differences along hardpoints and rates, of wheels that are alike and that differ.
+#[test]
+fn slopes_along_variables_are_those_of_differences() {
+    let alike = replaced(
+        &with(SUBFRAME, TUNED),
+        "heave = { from = -30.0, to = 30.0, steps = 3 }",
+        MOTION,
+    );
+    for text in [alike, asymmetric(MOTION, TUNED)] {
+        let study = elastic(&text);
+        let optimise = study.optimise.as_ref().unwrap();
+        let layout = TargetLayout::of(optimise, &study.vehicle);
+        let x = [1.5, -2.0, 1.0, 0.1, 400.0, -0.15];
+        let at = |x: &[f64]| {
+            let found = assessed_at(study.wheel(), &optimise.variables, &layout, x);
+            found.unwrap().unwrap().goal
+        };
+        let found = at(&x);
+        assert_eq!(found.residuals.len(), 7);
+        for (k, step) in [0.1, 0.1, 0.1, 0.01, 20.0, 0.01].into_iter().enumerate() {
+            let moved = [-2.0, -1.0, 1.0, 2.0].map(|steps| {
+                let mut x = x;
+                x[k] += steps * step;
+                at(&x).residuals
+            });
+            let slopes = (8.0 * (&moved[2] - &moved[1]) - (&moved[3] - &moved[0])) / (12.0 * step);
+            for row in 0..found.residuals.len() {
+                let (own, expected) = (found.jacobian[(row, k)], slopes[row]);
+                assert!(
+                    (own - expected).abs() < 2e-7 * expected.abs().max(1e-2),
+                    "{row} {k}: {own} {expected}"
+                );
+            }
+        }
+    }
+}
+
+/// Values at a known design are reached from the study's own, as targets of hardpoints and rates of both wheels.
+#[test]
+fn planted_targets_come_back() {
+    let text = replaced(
+        &with(SUBFRAME, TUNED),
+        "heave = { from = -30.0, to = 30.0, steps = 3 }",
+        MOTION,
+    );
+    let mut study = elastic(&text);
+    for (seed, known) in [
+        [1.5, -2.0, 1.0, 0.1, 400.0, -0.15],
+        [-3.0, 4.0, -2.5, -0.18, -1500.0, 0.12],
+        [4.0, 1.0, 4.5, 0.15, 1700.0, 0.18],
+    ]
+    .iter()
+    .enumerate()
+    {
+        let optimise = study.optimise.as_ref().unwrap();
+        let layout = TargetLayout::of(optimise, &study.vehicle);
+        let found = assessed_at(study.wheel(), &optimise.variables, &layout, known);
+        let residuals = found.unwrap().unwrap().goal.residuals;
+        let of_rows = layout.targets_of_rows();
+        let read: Vec<f64> = optimise
+            .targets
+            .iter()
+            .enumerate()
+            .map(|(target, own)| {
+                let row = of_rows.iter().position(|of| *of == target).unwrap();
+                let Wanted::At { value, .. } = own.wanted else {
+                    panic!("single values")
+                };
+                value + residuals[row] / layout.share(target) * own.tolerance
+            })
+            .collect();
+        for (target, read) in study
+            .optimise
+            .as_mut()
+            .unwrap()
+            .targets
+            .iter_mut()
+            .zip(read)
+        {
+            let Wanted::At { value, .. } = &mut target.wanted else {
+                panic!("single values")
+            };
+            *value = read;
+        }
+        let tuning = tune(
+            &study.vehicle,
+            study.optimise.as_ref().unwrap(),
+            Control::default(),
+        )
+        .unwrap();
+        assert!(tuning.before.as_ref().unwrap().misfit > 0.1);
+        let best = tuning.best.as_ref().unwrap();
+        assert!(best.after.misfit < 1e-6, "{seed}: {}", best.after.misfit);
+    }
+}
+
+const SCATTERED: &str = r#"
+[outputs]
+characteristics = ["toe", "toe_by_lateral_force_trail_30"]
+
+[tolerance]
+builds = 400
+seed = 3
+scatter = [
+  { hardpoint = "lower_arm_rear", sigma = 0.3 },
+  { bushing = "lower_arm_rear", stiffness = "y", sigma = 0.05, relative = true },
+  { bushing = "subframe_rear", stiffness = "y", sigma = 0.05, relative = true },
+]
+bands = [
+  { characteristic = "toe", over = "heave", between = [-0.4, 0.6] },
+  { characteristic = "toe_by_lateral_force_trail_30", between = [-0.008, 0.003] },
+]
+"#;
+
+/// The parts of each wheel scatter by themselves, those of the subframe once. First order has the spread of builds, and a build
+/// that is printed as a study has the values of its builds.
+#[test]
+fn builds_scatter_by_sides_and_shared_parts_once() {
+    let text = with(SUBFRAME, SCATTERED);
+    let study = elastic(&text);
+    let tolerance = study.tolerance.as_ref().unwrap();
+    let names: Vec<&str> = tolerance
+        .scatter
+        .iter()
+        .flat_map(|c| &c.sources)
+        .map(|s| s.name.as_str())
+        .collect();
+    let expected = [
+        "left lower_arm_rear x",
+        "left lower_arm_rear y",
+        "left lower_arm_rear z",
+        "right lower_arm_rear x",
+        "right lower_arm_rear y",
+        "right lower_arm_rear z",
+        "left lower_arm_rear stiffness y",
+        "right lower_arm_rear stiffness y",
+        "subframe_rear stiffness y",
+    ];
+    assert_eq!(names, expected);
+    let problem = Problem::of(&study, tolerance).unwrap();
+    let expansion = Expansion::of(&problem).unwrap();
+    let drawn = problem.drawn().unwrap();
+    let builds = monte_carlo(&problem, &drawn, |_| ControlFlow::Continue(())).unwrap();
+    assert_eq!((builds.rejected(), builds.incomplete), (0, 0));
+    let design = problem.stations().design();
+    let mut checked = 0;
+    for (output, column) in problem.outputs().iter().enumerate() {
+        for station in 0..problem.stations().count() {
+            let cell = problem.cell(output, station);
+            let (spread, sigma) = (&builds.spreads[cell], expansion.variance[cell].sqrt());
+            if column.name.contains("_by_") && station != design {
+                assert!(spread.count == 0 && sigma.is_nan());
+                continue;
+            }
+            let error = spread.sigma_error.max(1e-12);
+            assert!(
+                (spread.sigma - sigma).abs() < 4.5 * error,
+                "{} {station}: {} {sigma}",
+                column.name,
+                spread.sigma
+            );
+            checked += 1;
+        }
+    }
+    assert_eq!(checked, 2 * 3 + 2);
+    let text = problem.built_text(5).unwrap();
+    assert!(text.starts_with("# Without [tolerance]"), "{text}");
+    let built = curves(&elastic(&text));
+    // Lower arms are assembled at rest: toe of the left wheel differs from that of the drawing.
+    let toe = |curves: &Curves, side: &str| {
+        let name = format!("{side}_toe_deg");
+        let column = curves.columns.iter().position(|c| c.name == name).unwrap();
+        curves.stations[1].value(column).unwrap()
+    };
+    let own = curves(&study);
+    assert!((toe(&built, "left") - toe(&own, "left")).abs() > 1e-3);
+    assert!((toe(&built, "left") - toe(&built, "right")).abs() > 1e-3);
+}
+
+/// Derivatives by the sources of scatter agree with differences of studies with the changed number.
+#[test]
+fn sensitivities_of_builds_agree_with_differences() {
+    let text = with(SUBFRAME, SCATTERED);
+    let study = elastic(&text);
+    let problem = Problem::of(&study, study.tolerance.as_ref().unwrap()).unwrap();
+    let expansion = Expansion::of(&problem).unwrap();
+    let design = problem.stations().design();
+    let own = |side: &str, factor: f64| {
+        let rates = format!("[700.0, {}, 1800.0, 8.0e4, 2.5e5, 2.5e5]", 2500.0 * factor);
+        match side {
+            "left" => {
+                let both = replaced(
+                    &text,
+                    "[700.0, 2500.0, 1800.0, 8.0e4, 2.5e5, 2.5e5]",
+                    &rates,
+                );
+                let right = "[axle.right.bushings.lower_arm_rear]\nstiffness = [700.0, 2500.0, 1800.0, 8.0e4, 2.5e5, 2.5e5]\n";
+                replaced(&both, "right = \"mirrored\"\n", right)
+            }
+            "right" => {
+                let right = format!("[axle.right.bushings.lower_arm_rear]\nstiffness = {rates}\n");
+                replaced(&text, "right = \"mirrored\"\n", &right)
+            }
+            _ => {
+                let mount = format!("[3000.0, {}, 2500.0, 2.0e5, 3.0e5, 2.0e5]", 4000.0 * factor);
+                replaced(
+                    &text,
+                    "[3000.0, 4000.0, 2500.0, 2.0e5, 3.0e5, 2.0e5]",
+                    &mount,
+                )
+            }
+        }
+    };
+    let mut checked = 0;
+    for (source, side) in [(6, "left"), (7, "right"), (8, "subframe")] {
+        for (output, column) in problem.outputs().iter().enumerate() {
+            let cell = problem.cell(output, design);
+            let found = expansion.gradient(cell)[source] * column.factor();
+            let at = |by: f64| {
+                let text = own(side, 1.0 + by);
+                let alone = text.split("[tolerance]").next().unwrap().to_owned();
+                value_of(&values(&alone, 1), &column.name)
+            };
+            let expected = difference(0.01, at);
+            let scale = expected.abs().max(1e-3);
+            assert!(
+                (found - expected).abs() < 1e-6 * scale,
+                "{} {side}: {found} {expected}",
+                column.name
+            );
+            checked += 1;
+        }
+    }
+    assert_eq!(checked, 3 * 4);
+}
+
+const SWEPT: &str = r#"
+[outputs]
+characteristics = ["toe", "camber", "wheel_load", "toe_by_lateral_force_trail_30"]
+order = "velocity"
+
+[sweep]
+method = "sobol"
+samples = 7
+variables = [
+  { hardpoint = "tie_rod_inner", axis = "z", range = [-3.0, 3.0] },
+  { bushing = "lower_arm_front", stiffness = "y", range = [0.5, 2.0], relative = true },
+  { bushing = "subframe_rear", stiffness = "tz", range = [1.0e5, 4.0e5] },
+]
+"#;
+
+/// Rows of a sweep equal the results of each design alone: least and largest value, value and slope in the design position,
+/// figures there.
+#[test]
+fn rows_of_a_sweep_are_those_of_single_designs() {
+    let motion = "heave = [-20.0, 0.0, 15.0]";
+    let study = elastic(&asymmetric(motion, SWEPT));
+    let plan = SweepPlan::of(&study, study.sweep.as_ref().unwrap()).unwrap();
+    let columns: Vec<String> = plan
+        .record
+        .outputs
+        .iter()
+        .map(|o| o.column.clone())
+        .collect();
+    let mut worker = plan.worker().unwrap();
+    let rows = worker.rows(0).clone();
+    assert!(rows.failing.iter().all(Option::is_none));
+    let mut checked = 0;
+    for design in 0..7 {
+        let moved = plan.moved(design as u64);
+        let alone = curves(&moved);
+        for (k, name) in columns.iter().enumerate() {
+            let found = rows.outputs[design * columns.len() + k];
+            let of = |station: usize, name: &str| {
+                let column = alone.columns.iter().position(|c| c.name == name);
+                let column = column.unwrap_or_else(|| panic!("{name} in {columns:?}"));
+                alone.stations[station].value(column).unwrap()
+            };
+            let stripped = |mark: &str| {
+                let (name, unit) = name.split_once(mark)?;
+                Some(format!("{name}{unit}"))
+            };
+            let expected = if let Some(name) = stripped("_design") {
+                of(1, &name)
+            } else if let Some(name) = stripped("_min") {
+                (0..3).map(|s| of(s, &name)).fold(f64::INFINITY, f64::min)
+            } else if let Some(name) = stripped("_max") {
+                (0..3)
+                    .map(|s| of(s, &name))
+                    .fold(f64::NEG_INFINITY, f64::max)
+            } else {
+                // Slopes are those of the design position.
+                of(1, name)
+            };
+            assert!(
+                (found - expected).abs() < 1e-9 * expected.abs().max(1.0),
+                "{name} {design}: {found} {expected}"
+            );
+            checked += 1;
+        }
+    }
+    assert_eq!(checked, 7 * columns.len());
+    assert!(
+        columns.iter().any(|c| c.contains("toe_by_heave")),
+        "{columns:?}"
+    );
+}
+
+/// What a study asks of the rigid mechanism is refused, and a name that is not known has the nearest one.
+#[test]
+fn what_an_elastic_axle_does_not_have_is_refused() {
+    let refused = |text: &str| {
+        let read = Study::elastic_from_text("case.toml", text, std::path::Path::new(""));
+        match read {
+            Ok(_) => panic!("{text}"),
+            Err(errors) => errors.to_string(),
+        }
+    };
+    let output = |name: &str| {
+        with(
+            SUBFRAME,
+            &format!("\n[outputs]\ncharacteristics = [{name:?}]\n"),
+        )
+    };
+    for (text, why) in [
+        (output("roll_centre_lateral"), "is of the rigid mechanism"),
+        (output("toe_by_lateral_force_trail"), "did you mean \"toe_by_lateral_force_trail_30\"?"),
+        (
+            replaced(&output("toe_by_lateral_force_trail_30"), "[outputs]\n", "[outputs]\npoints = [\"wheel_centre\"]\n"),
+            "points",
+        ),
+        (
+            with(SUBFRAME, "\n[axle.right.bushings.subframe_rear]\nstiffness = [1.0, 1.0, 1.0, 1.0, 1.0, 1.0]\n")
+                .replacen("right = \"mirrored\"\n", "", 1),
+            "which has no \"subframe_rear\" of a wheel",
+        ),
+        (
+            asymmetric("heave = [0.0]", TUNED).replace("upper_arm_front\", stiffness", "lower_arm_rear\", stiffness"),
+            "has another rate on the right wheel",
+        ),
+        (
+            with(SUBFRAME, &SCATTERED.replace("stiffness = \"y\", sigma = 0.05, relative = true },\n]", "stiffness = \"y\", sigma = 0.05, relative = true, side = \"left\" },\n]")),
+            "both wheels share this part",
+        ),
+        (
+            with(SUBFRAME, "\n[motions.corner]\nroll = [0.0, 1.0]\n"),
+            "roll",
+        ),
+    ] {
+        let said = refused(&text);
+        assert!(said.contains(why), "{why}: {said}");
+    }
+}

@@ -17,11 +17,13 @@ pub struct TestFigure {
     pub of: KcSubject,
     /// True for the secant over the window of the test.
     pub is_secant: bool,
+    /// True if its name ends with the load, since tests of another load have the quantity, too.
+    pub names_load: bool,
 }
 
 impl TestFigure {
     /// Name without the side. It tells what differs from a test with the load on both wheels in one direction, without
-    /// trail, bar connected, steering wheel held.
+    /// trail, bar connected, steering wheel held; and the load, where others have the quantity, too.
     pub fn stem(&self) -> String {
         let test = &self.test;
         let mut name = self.quantity.to_owned();
@@ -52,6 +54,9 @@ impl TestFigure {
         }
         if self.is_secant {
             name += "_secant";
+        }
+        if self.names_load {
+            name += &format!("_{}", test.load.name());
         }
         name
     }

@@ -12,7 +12,7 @@ use super::{
     tyre_rate, wheel_parts,
 };
 use crate::axle::{Axle, AxleMotion, TestFigure, WheelMotion};
-use crate::compliance::{AxleCompliance, AxleKcRun, AxleVehicle, KcTest};
+use crate::compliance::{AxleCompliance, AxleKcRun, AxleVehicle, KcTest, TestLoad};
 use crate::model::{Side, Suspension};
 use std::f64::consts::TAU;
 use std::ops::Range as Span;
@@ -220,11 +220,28 @@ fn figures(run: &AxleKcRun<'_>, tests: &[KcTest]) -> Vec<TestFigure> {
                 unit,
                 of,
                 is_secant: *is_secant,
+                names_load: false,
             })
         };
         quantities.flat_map(figure).collect::<Vec<_>>()
     };
-    tests.iter().flat_map(of_test).collect()
+    let found: Vec<TestFigure> = tests.iter().flat_map(of_test).collect();
+    let names: Vec<(String, TestLoad)> = found.iter().map(|f| (f.name(), f.test.load)).collect();
+    let named = found.iter().zip(&names).map(|(figure, (name, load))| {
+        let is_other = |(other, by): &(String, TestLoad)| other == name && by != load;
+        TestFigure {
+            names_load: names.iter().any(is_other),
+            ..*figure
+        }
+    });
+    let mut figures: Vec<TestFigure> = Vec::new();
+    for figure in named {
+        // Of tests that differ in their window alone the first has the name.
+        if !figures.iter().any(|known| known.name() == figure.name()) {
+            figures.push(figure);
+        }
+    }
+    figures
 }
 
 /// Refuses the stiffness of rack and column in a rigid study.

@@ -1,7 +1,8 @@
 //! Studies of axles with elastic parts: curves, sweeps, tunings and builds.
 
 use super::super::support::{elastic, with};
-use hardpoint::axle::{AxleCurves, axle_curves};
+use hardpoint::axle::{AxleCurves, TestFigure, axle_curves};
+use hardpoint::compliance::TestMode;
 use hardpoint::curves::Curves;
 use hardpoint::model::Side;
 use hardpoint::optimise::{Control, TargetLayout, assessed_at, tune};
@@ -598,4 +599,84 @@ fn what_an_elastic_axle_does_not_have_is_refused() {
         let said = refused(&text);
         assert!(said.contains(why), "{why}: {said}");
     }
+}
+
+/// Every figure has a name of its own, and the number of `hardpoint kc` under this name.
+#[test]
+fn figures_have_names_of_their_own() {
+    let study = elastic(&with(SUBFRAME, ""));
+    let axle = &study.axle().unwrap().axle;
+    let figures = &axle.elastic.as_ref().unwrap().figures;
+    let names: Vec<String> = figures.iter().map(TestFigure::name).collect();
+    for (k, name) in names.iter().enumerate() {
+        assert!(!names[..k].contains(name), "{name}");
+    }
+    for name in [
+        "left_compliant_ride_rate_heave",
+        "left_compliant_ride_rate_vertical",
+        "understeer_by_aligning_moment",
+    ] {
+        assert!(names.contains(&name.to_owned()), "{name} in {names:?}");
+    }
+    let stems: Vec<String> = figures.iter().map(TestFigure::stem).collect();
+    let mut asked: Vec<&str> = stems.iter().map(String::as_str).collect();
+    asked.sort_unstable();
+    asked.dedup();
+    let more = format!("\n[outputs]\ncharacteristics = {asked:?}\n");
+    let text = with(SUBFRAME, &more);
+    let found = values(&text, 1);
+    let read = elastic(&text);
+    let tests = hardpoint::rig::RigTests::of(&read, None).unwrap();
+    let rows = crate::support::rows_by_column(&tests.results.kc_csv());
+    let mut checked = 0;
+    for figure in figures {
+        let wheel = figure.side().map_or("axle", Side::name);
+        let mode = match figure.test.mode {
+            TestMode::Single(_) => "single",
+            TestMode::Opposed => "opposed",
+            TestMode::Parallel | TestMode::OneWheel => "parallel",
+        };
+        let bar = if figure.test.has_bar {
+            "connected"
+        } else {
+            "disconnected"
+        };
+        let key = if figure.is_secant { "secant" } else { "value" };
+        let trail = |row: &str| row.parse::<f64>().unwrap_or(0.0) == figure.test.trail;
+        let row = rows.iter().find(|row| {
+            row["load"] == figure.test.load.name()
+                && row["quantity"] == figure.quantity
+                && row["wheel"] == wheel
+                && (row["mode"].is_empty() || row["mode"] == mode)
+                && row["anti_roll_bar"] == bar
+                && trail(&row["trail_mm"])
+                && (row["travel_left_mm"].parse() == Ok(0.0)
+                    && row["travel_right_mm"].parse() == Ok(0.0))
+        });
+        // A single load on the other wheel has no figure of this one in the table.
+        let row = row.unwrap_or_else(|| panic!("{}", figure.name()));
+        let expected: f64 = row[key].parse().unwrap();
+        let name = figure.name();
+        let own = found.iter().find(|(column, _)| {
+            column
+                .strip_prefix(&name)
+                .is_some_and(|unit| (unit.is_empty() || unit.starts_with('_')) && is_unit(unit))
+        });
+        let own = own.unwrap_or_else(|| panic!("{name} in {found:?}")).1;
+        assert!(
+            (own - expected).abs() < 1e-9 * expected.abs().max(1e-9),
+            "{name}: {own} {expected}"
+        );
+        checked += 1;
+    }
+    assert_eq!(checked, figures.len());
+}
+
+/// Returns true for the end of a column that is a unit alone.
+fn is_unit(end: &str) -> bool {
+    let words = [
+        "trail", "secant", "opposed", "left", "right", "without", "locked", "heave", "vertical",
+        "lateral",
+    ];
+    !end.split('_').any(|word| words.contains(&word))
 }

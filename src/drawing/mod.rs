@@ -39,8 +39,8 @@ impl Record {
     }
 }
 
-/// Takes instantaneous centres out of drawings: they are of the rigid mechanism.
-fn leave_out_centres(frames: &mut [Frame]) {
+/// Takes instantaneous centres out of drawings of elastic wheels: they are of the rigid mechanism.
+pub(crate) fn leave_out_centres(frames: &mut [Frame]) {
     for placed in frames
         .iter_mut()
         .filter_map(|frame| frame.pose.as_mut().ok())

@@ -5,7 +5,9 @@ use super::message::{ColumnValues, Designed, SolveRequest, SolvedAnswer};
 use super::misfit;
 use super::study_file::Opened;
 use crate::characteristics::Characteristic;
-use crate::curves::{Curves, Frame, curves, frames};
+use crate::compliance::not_of_equilibrium;
+use crate::curves::{Curves, Frame, frames, wheel_curves};
+use crate::drawing::leave_out_centres;
 use crate::model::Suspension;
 use crate::plan::Plan;
 use crate::report::{FailureRange, OutputRecord, plausibility, remarks};
@@ -19,11 +21,18 @@ pub(super) fn asking_for(own: &WheelStudy, names: &[String]) -> Result<WheelStud
     let mut asked = own.clone();
     asked.outputs.certify = false;
     asked.outputs.characteristics.clear();
+    asked.outputs.figures.clear();
+    let figures = own.figures();
     for name in names {
+        if let Some(figure) = figures.iter().find(|figure| figure.name == *name) {
+            asked.outputs.figures.push(figure.clone());
+            continue;
+        }
         let characteristic = Characteristic::named(name)
             .filter(|c| {
                 let needs = c.info().needs;
-                needs.iter().all(|need| need.met_by(&own.suspension))
+                let is_there = own.compliance.is_none() || not_of_equilibrium(*c).is_none();
+                is_there && needs.iter().all(|need| need.met_by(&own.suspension))
             })
             .ok_or_else(|| format!("this study has no {name}"))?;
         if !asked.outputs.characteristics.contains(&characteristic) {
@@ -70,7 +79,7 @@ fn solved_wheel(
         plan = plan.thinned(MOST_STATIONS, 9);
     }
     let fault = |fault: crate::mechanism::DesignFault| fault.describe(mechanism);
-    let found = curves(suspension, &plan).map_err(fault)?;
+    let found = wheel_curves(own, &plan).map_err(fault)?;
     let misfit = misfit::misfit(opened, study).map_err(fault)?;
     let place = Plan {
         station_order: StationOrder::through(&[in_kernel(plan.drive, drive)]),
@@ -82,6 +91,9 @@ fn solved_wheel(
     };
     let frame = |suspension: &Suspension| -> Option<Frame> {
         let mut frames = frames(suspension, &place).ok()?;
+        if own.compliance.is_some() {
+            leave_out_centres(&mut frames);
+        }
         frames.pop()
     };
     let mut said = plausibility(suspension).map_err(fault)?;

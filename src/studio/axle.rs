@@ -13,8 +13,10 @@ use super::study_file::Opened;
 use crate::ask::with_unit;
 use crate::axle::{
     Axle, AxleMotion, AxlePlan, Coordinate, Placement, Quantity, WheelMotion, axle_curves,
+    not_in_equilibrium,
 };
 use crate::curves::{Frame, frames};
+use crate::drawing::leave_out_centres;
 use crate::mechanism::DesignFault;
 use crate::model::{Axis, LengthUnit, PointId, Side, Suspension};
 use crate::plan::Plan;
@@ -102,8 +104,8 @@ pub(super) fn catalogue(study: &Study, both: &AxleStudy) -> Vec<CharacteristicOv
     let axle = &both.axle;
     let targets = study.optimise.as_ref().map_or(&[][..], |o| &o.targets);
     let asked = both.plan_with(targets).quantities;
-    let overview = |name: &'static str| {
-        let quantities = axle.quantities(name);
+    let overview = |name: String| {
+        let quantities = axle.quantities(&name);
         let first = *quantities.first()?;
         Some(CharacteristicOverview {
             name,
@@ -113,7 +115,14 @@ pub(super) fn catalogue(study: &Study, both: &AxleStudy) -> Vec<CharacteristicOv
             available: axle.has(first),
         })
     };
-    Quantity::names().into_iter().filter_map(overview).collect()
+    let mut names: Vec<String> = Quantity::names().into_iter().map(str::to_owned).collect();
+    for figure in axle.figures() {
+        let stem = figure.stem();
+        if !names.contains(&stem) {
+            names.push(stem);
+        }
+    }
+    names.into_iter().filter_map(overview).collect()
 }
 
 /// The plan with these quantities.
@@ -127,10 +136,16 @@ fn asking_for(plan: &AxlePlan, axle: &Axle, names: &[String]) -> Result<AxlePlan
         let new = named.into_iter().filter(|q| !quantities.contains(q));
         quantities.extend(new.collect::<Vec<_>>());
     }
+    let has_derivative =
+        |q: &Quantity| axle.elastic.is_none() || not_in_equilibrium(*q, true).is_none();
+    // Any quantity may be looked at, and not of all are second derivatives known.
+    let derivatives = match quantities.iter().all(has_derivative) {
+        true => plan.derivatives.min(1),
+        false => 0,
+    };
     Ok(AxlePlan {
         quantities,
-        // Any quantity may be looked at, and not of all are second derivatives known.
-        derivatives: plan.derivatives.min(1),
+        derivatives,
         ..plan.quantities_alone()
     })
 }
@@ -212,6 +227,12 @@ fn frame(axle: &Axle, plan: &AxlePlan, at: &[f64], side: Side) -> Option<Frame> 
         quantities: Vec::new(),
         ..plan.quantities_alone()
     };
+    // The mechanism is drawn as a rigid one.
+    let rigid = Axle {
+        elastic: None,
+        ..axle.clone()
+    };
+    let (axle, is_elastic) = (&rigid, axle.elastic.is_some());
     let found = axle_curves(axle, &here).ok()?;
     let placed = match found.placed.first()? {
         Ok(placed) => placed,
@@ -240,7 +261,11 @@ fn frame(axle: &Axle, plan: &AxlePlan, at: &[f64], side: Side) -> Option<Frame> 
         rack_sign: wheel.frame.sign(Axis::Y),
         ..Plan::of(&WheelStudy::of(wheel.clone()))
     };
-    let mut frame = frames(&wheel, &corner).ok()?.pop()?;
+    let mut frames = frames(&wheel, &corner).ok()?;
+    if is_elastic {
+        leave_out_centres(&mut frames);
+    }
+    let mut frame = frames.pop()?;
     if let Ok(placement) = &mut frame.pose {
         // That of one wheel is not the axle's.
         placement.roll_centre = None;

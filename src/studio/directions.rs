@@ -6,6 +6,7 @@ use crate::analyse::{Range, RangeEnd};
 use crate::model::Axis;
 use crate::optimise::{Bounds, Identifiability, assessed};
 use crate::solve::Solver;
+use crate::study::Variable;
 
 /// A move across the whole range that changes the misfit by less than this (in tolerances) is not seen.
 const UNSEEN: f64 = 0.01;
@@ -21,8 +22,9 @@ pub(super) fn directions(opened: &Opened, of: &Designed) -> Result<DirectionsAns
     };
     let moved = opened.moved(&of.design)?;
     let suspension = moved.wheel();
-    // Directions of turns are no straight lines.
-    let straight = optimise.variables.iter().filter(|v| v.turn.is_none());
+    // Directions of turns are no straight lines, and rates move no point.
+    let is_straight = |v: &&Variable| v.turn.is_none() && v.rate.is_none();
+    let straight = optimise.variables.iter().filter(is_straight);
     let variables: Vec<_> = straight.cloned().collect();
     let ranges: Vec<[f64; 2]> = variables.iter().map(|v| v.range).collect();
     let none = || DirectionsAnswer {
@@ -61,6 +63,9 @@ pub(super) fn directions(opened: &Opened, of: &Designed) -> Result<DirectionsAns
 /// Limits of wheel and rack from the design position, with their causes.
 pub(super) fn limits(opened: &Opened, of: &Designed) -> Result<LimitsAnswer, String> {
     let moved = opened.moved(&of.design)?;
+    if moved.is_elastic() {
+        return Err("limits are of the rigid mechanism: the study has [compliance]".to_owned());
+    }
     let suspension = moved.wheel();
     let mechanism = &suspension.mechanism;
     let fault = |fault: crate::mechanism::DesignFault| fault.describe(mechanism);

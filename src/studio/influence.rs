@@ -3,7 +3,7 @@
 use super::answer::asking_for;
 use super::message::{InfluenceAnswer, InfluenceColumn, InfluenceRequest};
 use super::study_file::Opened;
-use crate::curves::curves;
+use crate::curves::wheel_curves;
 use crate::model::{Axis, PointId};
 use crate::plan::Plan;
 use crate::study::Vehicle;
@@ -32,7 +32,7 @@ pub(super) fn influence(
         ..Plan::of(&asking_for(own, names)?)
     };
     let suspension = &own.suspension;
-    let found = curves(suspension, &plan).map_err(|f| f.describe(&suspension.mechanism))?;
+    let found = wheel_curves(own, &plan).map_err(|f| f.describe(&suspension.mechanism))?;
     let stations = found.stations.len();
     let mut columns: Vec<InfluenceColumn> = found
         .columns

@@ -2,6 +2,7 @@
 
 use super::message::{JobState, Proposal, SideEffectRows, TuneRequest};
 use super::overview::coordinates;
+use super::rates::rate_edits;
 use super::study_file::Opened;
 use crate::optimise::{Control, Iteration, tune};
 use crate::report::TuningSummary;
@@ -68,7 +69,7 @@ impl Job {
         let own = job.clone();
         let run = move || {
             // A panic ends this job alone: the page is told, and the next tuning can begin.
-            let ended = catch_unwind(AssertUnwindSafe(|| own.run(&study)));
+            let ended = catch_unwind(AssertUnwindSafe(|| own.run(&study, &opened.text)));
             let ended = ended.unwrap_or_else(|panic| Err(panicked(&*panic)));
             *own.ended.lock().unwrap_or_else(PoisonError::into_inner) = Some(ended);
         };
@@ -77,7 +78,7 @@ impl Job {
         Ok(job)
     }
 
-    fn run(&self, study: &Study) -> Result<Proposal, String> {
+    fn run(&self, study: &Study, text: &str) -> Result<Proposal, String> {
         let suspension = study.wheel();
         let optimise = study.optimise.as_ref().expect("it was asked for");
         let watch = |_: usize, iteration: &Iteration| {
@@ -102,7 +103,10 @@ impl Job {
         let mut summary = TuningSummary::of(study, optimise, &tuning, None);
         let tuned = study.moved(&best.offsets);
         summary.side_effects = side_effects(study, &tuned).map_err(fault)?;
+        let (edits, rates) = rate_edits(study, text, &tuned);
         Ok(Proposal {
+            edits,
+            rates,
             design: coordinates(suspension, &best.design),
             headline: summary.headline(),
             side_effects: SideEffectRows::of(&summary.side_effects),

@@ -146,7 +146,7 @@ pub(super) struct PointOverview {
 
 #[derive(Serialize)]
 pub(super) struct CharacteristicOverview {
-    pub name: &'static str,
+    pub name: String,
     pub unit: String,
     pub positive: &'static str,
     /// True if the study asks for it, by itself or through a target.
@@ -176,6 +176,7 @@ pub(super) struct VariableOverview {
     pub name: String,
     /// Point, axis, and displacement per unit.
     pub moves: Vec<(usize, usize, f64)>,
+    /// True if it turns points about an axis, so that its moves are no straight lines.
     pub is_turn: bool,
     pub range: [f64; 2],
 }
@@ -313,6 +314,10 @@ pub(super) struct JobState {
 #[derive(Clone, Serialize)]
 pub(super) struct Proposal {
     pub design: Coordinates,
+    /// Changes of the rates of elastic parts.
+    pub edits: Vec<ValueEdit>,
+    /// The same in words: part, rate now, tuned rate.
+    pub rates: Vec<[String; 3]>,
     pub headline: String,
     pub side_effects: SideEffectRows,
     pub remarks: Vec<String>,

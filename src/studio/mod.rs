@@ -25,6 +25,7 @@ mod message;
 mod misfit;
 mod overview;
 mod page;
+mod rates;
 mod routes;
 mod server;
 mod start;

@@ -7,6 +7,7 @@ use super::message::{
 use super::study_file::{Opened, StudyFile};
 use crate::attia::PaperTheta;
 use crate::characteristics::Characteristic;
+use crate::compliance::not_of_equilibrium;
 use crate::model::Suspension;
 use crate::number::Vector3;
 use crate::plan::Plan;
@@ -79,7 +80,16 @@ pub(super) fn overview(file: &StudyFile, opened: &Opened) -> Overview {
 /// Sections of a study as they are written, for forms.
 fn written(text: &str) -> serde_json::Value {
     let document: toml::Table = text.parse().unwrap_or_default();
-    let shown = ["motion", "motions", "outputs", "optimise"];
+    let shown = [
+        "motion",
+        "motions",
+        "outputs",
+        "optimise",
+        "bushings",
+        "links",
+        "spring",
+        "anti_roll_bar",
+    ];
     let sections = document.into_iter();
     let sections = sections.filter(|(name, _)| shown.contains(&name.as_str()));
     serde_json::to_value(toml::Table::from_iter(sections)).unwrap_or_default()
@@ -103,22 +113,33 @@ fn home(study: &Study) -> f64 {
     }
 }
 
-/// Sliders of one wheel, and the number of the main one.
 /// The characteristics of a wheel, and which of them outputs and targets ask for.
 fn catalogue(own: &WheelStudy, optimise: Option<&Optimise>) -> Vec<CharacteristicOverview> {
     let suspension = &own.suspension;
     let wanted = Plan::with_targets(own, optimise);
     let asked = |name: &str| wanted.outputs.iter().any(|output| output.name == name);
+    let is_rigid = own.compliance.is_none();
     let characteristic = |c: &Characteristic| CharacteristicOverview {
-        name: c.info().name,
+        name: c.info().name.to_owned(),
         unit: c.info().unit.suffix(suspension.length_unit),
         positive: c.info().positive,
         asked: asked(c.info().name),
-        available: c.info().needs.iter().all(|need| need.met_by(suspension)),
+        available: c.info().needs.iter().all(|need| need.met_by(suspension))
+            && (is_rigid || not_of_equilibrium(*c).is_none()),
     };
-    Characteristic::ALL.iter().map(characteristic).collect()
+    let figures = own.figures();
+    let figures = figures.iter().map(|figure| CharacteristicOverview {
+        name: figure.name.clone(),
+        unit: figure.unit.suffix(suspension.length_unit),
+        positive: "as docs/compliance.md says",
+        asked: wanted.figures.iter().any(|own| own.value == figure.value),
+        available: true,
+    });
+    let all = Characteristic::ALL.iter().map(characteristic);
+    all.chain(figures).collect()
 }
 
+/// Sliders of one wheel, and the number of the main one.
 fn of_corner(study: &Study) -> (Vec<Slider>, usize) {
     let Suspension {
         mechanism,

@@ -63,7 +63,8 @@ pub(super) fn start(directory: &Path, request: &StartRequest) -> Result<PathBuf,
             .map_err(|why| format!("the points do not form a valid suspension\n{why}"))?,
     };
     // No file is written that no command would read.
-    Study::from_text(&request.name, &text, directory).map_err(|errors| errors.render(false))?;
+    Study::elastic_from_text(&request.name, &text, directory)
+        .map_err(|errors| errors.render(false))?;
     let path = directory.join(&request.name);
     let failed = |e: std::io::Error| format!("{}: {e}", path.display());
     let mut file = temporary_of(directory, "studio").map_err(failed)?;

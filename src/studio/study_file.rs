@@ -43,7 +43,7 @@ pub(super) enum NotSaved {
 impl Opened {
     fn of(path: &Path, text: String) -> Result<Self, StudyErrors> {
         let directory = path.parent().unwrap_or(Path::new(""));
-        let study = Study::from_text(&path.display().to_string(), &text, directory)?;
+        let study = Study::elastic_from_text(&path.display().to_string(), &text, directory)?;
         let layout = study.optimise.as_ref();
         let layout = layout.map(|o| TargetLayout::of(o, &study.vehicle));
         let digest = digest(&text);

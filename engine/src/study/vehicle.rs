@@ -1,6 +1,8 @@
 //! The vehicle of a study: one wheel or an axle, each with its motion and outputs.
 
-use super::{AxleStudy, ComplianceStudy, Formulation, Motion, Outputs, Study};
+use super::{
+    AxleStudy, ComplianceStudy, ElasticFigure, Formulation, Motion, Outputs, Study, elastic_targets,
+};
 use crate::compliance::AxleParameter;
 use crate::model::Suspension;
 use std::sync::LazyLock;
@@ -30,6 +32,14 @@ pub struct WheelStudy {
 }
 
 impl WheelStudy {
+    /// The figures of the tests on its elastic parts; none without such parts.
+    pub fn figures(&self) -> Vec<ElasticFigure> {
+        let elastic = self.compliance.iter();
+        elastic
+            .flat_map(|own| elastic_targets::figures(own, &self.suspension))
+            .collect()
+    }
+
     /// The design position of a suspension, without outputs.
     pub fn of(suspension: Suspension) -> Self {
         WheelStudy {

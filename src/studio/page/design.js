@@ -165,9 +165,9 @@ export const setCoordinate = (point, axis, value) => {
 // The place on the number that curves are drawn over.
 export const here = () => state.at[state.over];
 
-export const of = (design = state.design) => ({ digest: state.overview.digest, design });
-const request = (design) => ({
-  of: of(design),
+export const of = (design = state.design, digest = state.overview.digest) => ({ digest, design });
+const request = (design, digest) => ({
+  of: of(design, digest),
   characteristics: state.chosen,
   at: state.at,
   curves_rack: state.curvesAtRack ? state.at.at(-1) : null,
@@ -229,17 +229,17 @@ export const askPins = async () => {
   emit('pins');
 };
 let proposals = 0;
-export const askProposal = async (design) => {
+export const askProposal = async (design, digest) => {
   const number = ++proposals;
-  const answer = design ? await post('solve', request(design)).catch(() => null) : null;
+  const answer = design ? await post('solve', request(design, digest)).catch(() => null) : null;
   if (number !== proposals) return;
   state.proposed = answer;
   emit('proposed');
 };
 
 // The misfit of a design; null where it has none.
-export const askMisfit = async (design) => {
-  const answer = await post('solve', request(design)).catch(() => null);
+export const askMisfit = async (design, digest) => {
+  const answer = await post('solve', request(design, digest)).catch(() => null);
   return answer?.misfit?.value ?? null;
 };
 

@@ -79,7 +79,7 @@ const fold = () => {
 };
 
 export const startLayout = () => {
-  const names = { points: 'Points', targets: 'Targets', constraints: 'Constraints', proposal: 'Proposal', history: 'History', warnings: 'Warnings' };
+  const names = { points: 'Points', targets: 'Targets', constraints: 'Constraints', parts: 'Elastic parts', proposal: 'Proposal', history: 'History', warnings: 'Warnings' };
   byId('tabs').replaceChildren(...Object.entries(names).map(([name, text]) => html('button', {
     role: 'tab', id: `tab-${name}`, 'data-tab': name, 'aria-controls': `pane-${name}`, on: { click: () => openTab(name) },
   }, text, html('small'))));
@@ -87,7 +87,7 @@ export const startLayout = () => {
     const by = { ArrowLeft: -1, ArrowRight: 1 }[event.key];
     if (!by) return;
     event.preventDefault();
-    const all = tabs();
+    const all = tabs().filter((tab) => !tab.hidden);
     const now = all.findIndex((tab) => tab.getAttribute('aria-selected') === 'true');
     openTab(all[(now + by + all.length) % all.length].dataset.tab, true);
   });

@@ -3,7 +3,7 @@ import { brief, byId, html } from './draw.js';
 import { of, begin, copy, emit, finish, isInGesture, on, snapped, state } from './design.js';
 import { openTab, tellTab } from './layout.js';
 import { post } from './server.js';
-import { constraintForms, targetForms } from './targets.js';
+import { constraintForms, hasParts, partForms, targetForms } from './targets.js';
 import { select } from './views.js';
 
 let limits = null;
@@ -151,6 +151,8 @@ const draw = () => {
   if (isInGesture()) return;
   fill('targets', ...targets(), ...targetForms(), ...freeDirections());
   fill('constraints', ...constraints(), ...constraintForms(), ...limitsPanel());
+  byId('tab-parts').hidden = !hasParts();
+  fill('parts', ...partForms());
   fill('warnings', ...warnings());
 };
 

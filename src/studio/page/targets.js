@@ -68,6 +68,8 @@ const targetRow = (target, k) => {
 
 // Where a variable moves a point in a study's words.
 const variableName = (variable) => {
+  const part = variable.bushing ?? variable.link;
+  if (part !== undefined) return words([part, 'stiffness', variable.stiffness, variable.relative ? '(factor)' : ''].filter(Boolean).join(' '));
   const own = variable.hardpoint ?? variable.name ?? (variable.hardpoints ?? []).join(', ');
   return words([own, variable.axis].filter(Boolean).join(' ')) || 'variable';
 };
@@ -101,6 +103,20 @@ export const targetForms = () => {
   const { targets = [], variables = [] } = optimise();
   return [headed('Change targets', ['target', 'wanted', 'tolerance', 'weight', ''], targets.map(targetRow)),
     headed('Variables', ['variable', 'lowest', 'highest', ''], variables.map(variableRow), variableAdder())];
+};
+// Forms of the Elastic parts tab: rates of bushings, links, springs and the anti-roll bar.
+const RATE_AXES = ['x', 'y', 'z', 'about x', 'about y', 'about z'];
+const rateField = (name, path, value) => (Number.isFinite(value) ? field(name, value, (to) => edit([{ path, value: to }], `${name} ${brief(to)}`)) : '');
+export const hasParts = () => Boolean(state.overview.written.bushings || state.overview.written.links);
+export const partForms = () => {
+  const { bushings = {}, links = {}, spring = {}, anti_roll_bar: bar = {} } = state.overview.written;
+  const rows = Object.entries(bushings).flatMap(([name, own]) => ['stiffness', 'scale'].filter((key) => Array.isArray(own[key])).map((key) => html('tr', { 'data-bushing': name },
+    html('th', { scope: 'row', text: words(`${name} ${key}`) }), ...own[key].map((value, k) => html('td', {}, rateField(`${words(name)}: ${key} ${RATE_AXES[k]}`, ['bushings', name, key, k], value))))));
+  const single = [...Object.entries(links).flatMap(([name, own]) => Object.entries(own).map(([key, value]) => [`${name} ${key}`, ['links', name, key], value])),
+    ['spring rate', ['spring', 'rate'], spring.rate], ['anti-roll bar rate', ['anti_roll_bar', 'rate'], bar.rate]].filter(([, , value]) => Number.isFinite(value));
+  const { unit } = state.overview;
+  return [...(rows.length ? [headed(`Bushings, N/${unit} and N ${unit}/rad`, ['bushing', ...RATE_AXES], rows)] : []),
+    ...(single.length ? [headed('Links and springs', ['part', 'rate'], single.map(([name, path, value]) => html('tr', {}, html('th', { scope: 'row', text: words(name) }), html('td', {}, rateField(words(name), path, value)))))] : [])];
 };
 // Keys that say of which part a constraint is.
 const SUBJECTS = ['length', 'members', 'articulation', 'point', 'characteristic', 'plunge', 'angle', 'load'];

@@ -1,6 +1,6 @@
 // Tune: progress, cancel, and the result as a proposal beside the present state.
 import { AXES, brief, byId, html, signed } from './draw.js';
-import { askMisfit, askProposal, copy, of, on, put, snapped, state } from './design.js';
+import { askMisfit, askProposal, copy, of, on, put, snapped, state, takeOverview } from './design.js';
 import { openTab, tellTab } from './layout.js';
 import { post } from './server.js';
 
@@ -30,9 +30,14 @@ export const hasProposal = () => proposal !== null;
 export const isTuning = () => job !== null;
 export const acceptProposal = () => {
   const design = taken();
+  const tuned = ratesTaken();
   close();
+  if (tuned) takeOverview(tuned, 'Tuned rates');
   put(design, 'tune');
 };
+// The study with the tuned rates of elastic parts, if there are any and they are taken.
+const ratesTaken = () => (proposal.tuned && proposal.rates.checked ? proposal.tuned : null);
+const digestTaken = () => ratesTaken()?.digest;
 const wait = (milliseconds) => new Promise((done) => { setTimeout(done, milliseconds); });
 
 const tune = async () => {
@@ -58,7 +63,10 @@ const tune = async () => {
     }
     if (now.error) throw new Error(now.error);
     if (digest !== state.overview.digest) throw new Error('the study was read anew meanwhile');
-    propose(base, now.proposal);
+    const { edits } = now.proposal;
+    const tuned = edits.length ? await post('edit', { digest, edits }) : null;
+    if (digest !== state.overview.digest) throw new Error('the study was read anew meanwhile');
+    propose(base, now.proposal, tuned);
   } catch (refused) {
     show(html('div', { class: 'heading' }, html('h2', { text: 'Tune' }), html('button', { text: 'Close', on: { click: close } })), html('p', { class: 'bad', text: refused.message }));
   } finally {
@@ -85,7 +93,7 @@ const preview = () => {
     to.textContent = brief(value, 8);
     by.textContent = signed(value - proposal.base[p][axis]);
   }
-  askProposal(design);
+  askProposal(design, digestTaken());
   askExact();
 };
 
@@ -95,7 +103,7 @@ const askExact = async () => {
   const number = asked += 1;
   exact = null;
   if (!proposal?.step) return;
-  const found = await askMisfit(taken(0));
+  const found = await askMisfit(taken(0), digestTaken());
   if (number !== asked || !proposal) return;
   exact = found;
   tellMisfit();
@@ -120,12 +128,14 @@ const effectsTable = ({ header, rows, rest }) => [
   ...rest.map((text) => html('p', { class: 'hint', text })),
 ];
 
-const propose = (base, { design, headline, side_effects: effects, remarks, interrupted }) => {
+const propose = (base, { design, rates: changed, headline, side_effects: effects, remarks, interrupted }, tuned) => {
   const changes = [];
   design.forEach((point, p) => point.forEach((c, axis) => { if (c !== base[p][axis]) changes.push({ p, axis }); }));
   const { points, unit } = state.overview;
   const [usual] = ROUNDINGS[unit];
-  proposal = { base, found: design, changes, share: 1, step: usual };
+  const rates = html('input', { type: 'checkbox', id: 'take-rates', 'aria-label': 'take the tuned rates', on: { change: preview } });
+  rates.checked = true;
+  proposal = { base, found: design, changes, share: 1, step: usual, tuned, rates };
   const rows = changes.map((change) => {
     const { p, axis } = change;
     const label = `${points[p].name} ${AXES[axis]}`;
@@ -151,6 +161,9 @@ const propose = (base, { design, headline, side_effects: effects, remarks, inter
     changes.length
       ? html('div', { class: 'scroll' }, html('table', {}, html('thead', {}, html('tr', {}, ...['', 'coordinate', `now [${unit}]`, 'tuned', 'by'].map((text, k) => html('th', { text, class: k > 1 ? 'number' : null })))), html('tbody', {}, ...rows)))
       : html('p', { text: 'Nothing moves.' }),
+    ...(tuned ? [html('div', { class: 'scroll' }, html('table', { id: 'rates' },
+      html('thead', {}, html('tr', {}, html('th', {}, rates), ...['elastic part', 'now', 'tuned'].map((text, k) => html('th', { text, class: k ? 'number' : null })))),
+      html('tbody', {}, ...changed.map(([name, now, then]) => html('tr', {}, html('td'), html('th', { scope: 'row', text: name.replaceAll('_', ' ') }), html('td', { class: 'number', text: now }), html('td', { class: 'number', text: then }))))))] : []),
     ...effectsTable(effects),
     ...remarks.map((text) => html('p', { class: 'hint', text })),
   );

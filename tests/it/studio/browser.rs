@@ -234,3 +234,104 @@ fn hostile_names_are_shown_as_text() {
     assert_eq!(shown, name);
     assert_eq!(browser.console(), Vec::<String>::new());
 }
+
+const TUNED_RATES: &str = r#"
+[outputs]
+characteristics = ["toe", "toe_by_lateral_force_trail_30"]
+
+[optimise]
+variables = [
+  { hardpoint = "tie_rod_inner", axis = "z", range = [-10.0, 10.0] },
+  { bushing = "lower_arm_rear", stiffness = "y", range = [0.5, 2.0], relative = true },
+  { bushing = "subframe_rear", stiffness = "y", range = [2000.0, 8000.0] },
+]
+targets = [
+  { characteristic = "toe", over = "heave", at = 30.0, value = 0.15, tolerance = 0.01 },
+  { figure = "toe_by_lateral_force_trail_30", value = -0.01, tolerance = 0.001 },
+]
+"#;
+
+/// An axle with elastic parts: its figures are drawn, rates are typed, tuned, accepted, undone and saved.
+#[test]
+fn rates_of_an_elastic_axle_are_typed_tuned_and_saved() {
+    let Some(browser) = Browser::start() else {
+        return;
+    };
+    let text = sample("subframe_axle_compliance.toml") + TUNED_RATES;
+    let served = Served::of(&text);
+    browser.open(&served.address);
+    browser.wait(READY);
+    assert_eq!(assert_drawn_as_solved(&browser, &served.study), 4);
+    browser.drag(&handle("front", "tie_rod_inner"), [0, -6], 5);
+    browser.wait(SETTLED);
+    browser.click("#undo");
+    browser.wait(SETTLED);
+
+    // A typed rate changes the curves, and is a deed that can be undone.
+    browser.click("#tab-parts");
+    let figure = "return studio.drawnValues()['left_toe_by_lateral_force_trail_30_deg_per_kN'][1]";
+    let before = browser.run(figure).as_f64().unwrap();
+    browser.run(
+        "const field = document.querySelector('[data-bushing=lower_arm_rear] td:nth-child(3) input'); \
+         field.value = '5000'; field.dispatchEvent(new Event('change'))",
+    );
+    browser.wait("studio.state.overview.written.bushings.lower_arm_rear.stiffness[1] === 5000");
+    browser.wait(SETTLED);
+    let typed = browser.run(figure).as_f64().unwrap();
+    assert!((typed - before).abs() > 1e-3, "{before} {typed}");
+    browser.click("#undo");
+    browser.wait(SETTLED);
+    assert_eq!(browser.run(figure).as_f64().unwrap(), before);
+
+    browser.click("#tune");
+    browser.wait("document.getElementById('accept')");
+    browser.wait("studio.state.proposed");
+    let rows = browser.run("return document.querySelectorAll('#rates tbody tr').length");
+    assert_eq!(rows, 2);
+    let proposed = browser.run("return studio.state.proposed.misfit.value");
+    assert!(proposed.as_f64().unwrap() < 1.0, "{proposed}");
+    browser.click("#accept");
+    browser.wait(SETTLED);
+    browser.click("#save");
+    // Changed values are shown before they are written.
+    browser.wait("document.getElementById('dialog').open");
+    let shown = browser.run("return document.getElementById('dialog').textContent");
+    assert!(shown.as_str().unwrap().contains("stiffness"), "{shown}");
+    browser.click("#dialog button[value=yes]");
+    browser.wait("document.getElementById('banner').textContent.includes('saved')");
+    let saved = served.text();
+    assert!(!saved.contains("[700.0, 2500.0, 1800.0"), "{saved}");
+    assert!(!saved.contains("[3000.0, 4000.0, 2500.0"), "{saved}");
+    assert_eq!(assert_drawn_as_solved(&browser, &served.study), 4);
+    let after = browser.run(figure).as_f64().unwrap();
+    // Accepted coordinates are rounded to 0.01 mm: half a tolerance.
+    assert!((after + 0.01).abs() < 5e-4, "{after}");
+    assert_eq!(browser.console(), Vec::<String>::new());
+}
+
+/// One wheel with elastic parts: characteristics in equilibrium and figures are drawn as `hardpoint solve` prints them.
+#[test]
+fn one_elastic_wheel_is_drawn_as_solved() {
+    let Some(browser) = Browser::start() else {
+        return;
+    };
+    let asked = "\n[outputs]\ncharacteristics = [\"toe\", \"camber\", \"bump_steer\", \"toe_by_lateral_force\"]\n";
+    let served = Served::of(&(sample("double_wishbone_compliance.toml") + asked));
+    browser.open(&served.address);
+    browser.wait(READY);
+    assert_eq!(assert_drawn_as_solved(&browser, &served.study), 4);
+    let offered = "return studio.state.overview.characteristics.filter((c) => c.available).map((c) => c.name)";
+    let offered = browser.run(offered);
+    let offered: Vec<&str> = offered
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|n| n.as_str().unwrap())
+        .collect();
+    assert!(
+        offered.contains(&"recession_by_braking_secant"),
+        "{offered:?}"
+    );
+    assert!(!offered.contains(&"roll_centre_height"), "{offered:?}");
+    assert_eq!(browser.console(), Vec::<String>::new());
+}

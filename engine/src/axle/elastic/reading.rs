@@ -154,6 +154,9 @@ impl<T: Scalar> Reader<'_, T> {
     /// A quantity that is no figure of a test.
     fn quantity(&mut self, read: &AxleRead) -> Option<T> {
         let AxleRead { quantity, by } = *read;
+        if by.is_some() && not_in_equilibrium(quantity, true).is_some() {
+            return None;
+        }
         let order = usize::from(by.is_some());
         let here = &self.here;
         match quantity {

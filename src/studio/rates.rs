@@ -1,0 +1,56 @@
+//! Tuned rates of elastic parts, as changes of the study's text.
+
+use crate::report::brief;
+use crate::study::{PathStep, Study, ValueEdit};
+use serde_json::Value;
+
+/// Words for the axes of a bushing.
+const AXES: [&str; 6] = ["x", "y", "z", "about x", "about y", "about z"];
+
+/// The changes that give a text of a study the rates of the tuned one, and the same in words: part, rate now, tuned rate.
+pub(super) fn rate_edits(
+    study: &Study,
+    text: &str,
+    tuned: &Study,
+) -> (Vec<ValueEdit>, Vec<[String; 3]>) {
+    let parsed = |text: &str| {
+        let document: toml::Table = text.parse().unwrap_or_default();
+        serde_json::to_value(document).unwrap_or_default()
+    };
+    let [now, then] = [text.to_owned(), study.with_rates_of(text.to_owned(), tuned)];
+    let [now, then] = [parsed(&now), parsed(&then)];
+    let (mut edits, mut words) = (Vec::new(), Vec::new());
+    for section in ["bushings", "links"] {
+        let parts = then[section].as_object().into_iter().flatten();
+        for (name, part) in parts {
+            for (key, value) in part.as_object().into_iter().flatten() {
+                let old = &now[section][name][key];
+                if old == value {
+                    continue;
+                }
+                let path = [section, name, key].map(|step| PathStep::Key(step.to_owned()));
+                edits.push(ValueEdit {
+                    path: path.into(),
+                    value: Some(value.clone()),
+                });
+                words.extend(differences(&format!("{name} {key}"), old, value));
+            }
+        }
+    }
+    (edits, words)
+}
+
+/// The numbers of a key that differ, each with its name.
+fn differences(name: &str, old: &Value, new: &Value) -> Vec<[String; 3]> {
+    let shown = |value: &Value| value.as_f64().map_or_else(String::new, brief);
+    let Some(list) = new.as_array() else {
+        return vec![[name.to_owned(), shown(old), shown(new)]];
+    };
+    let pairs = list.iter().enumerate().filter(|(k, new)| old[*k] != **new);
+    pairs
+        .map(|(k, new)| {
+            let axis = AXES.get(k).copied().unwrap_or_default();
+            [format!("{name} {axis}"), shown(&old[k]), shown(new)]
+        })
+        .collect()
+}

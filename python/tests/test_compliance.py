@@ -54,6 +54,7 @@ AXLE = """
 characteristics = ["toe", "toe_by_lateral_force_trail_30"]
 
 [sweep]
+method = "sobol"
 samples = 5
 variables = [
   { hardpoint = "tie_rod_inner", axis = "z", range = [-3.0, 3.0] },

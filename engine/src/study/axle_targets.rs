@@ -242,19 +242,24 @@ fn subject(
     if !lacks_nothing(name, quantities[0], &study.axle, problems) {
         return None;
     }
-    let length = study.axle.left.length_unit;
+    Some(subject_of(quantities, name.get_ref(), &study.axle))
+}
+
+/// The subject of a target about quantities of this name: one, or the same of both wheels.
+pub(super) fn subject_of(quantities: Vec<Quantity>, name: &str, axle: &Axle) -> Subject {
+    let length = axle.left.length_unit;
     let unit = quantities[0].info().unit;
     let stem = match quantities.as_slice() {
         [one] => one.name(),
-        _ => name.get_ref().clone(),
+        _ => name.to_owned(),
     };
-    Some(Subject {
+    Subject {
         about: About::Axle(quantities),
         column: with_unit(stem, &unit.suffix(length)),
         unit,
         length,
         sign: 1.0,
-    })
+    }
 }
 
 fn site(

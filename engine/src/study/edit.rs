@@ -439,14 +439,15 @@ fn put_sheet_inside(root: &mut dyn TableLike, place: usize, targets: &[SheetTarg
         return;
     };
     let pairs = |target: &SheetTarget| -> Vec<(&'static str, Value)> {
-        vec![
-            ("figure", target.figure.as_str().into()),
-            ("at", target.travel.into()),
-            ("rack", target.rack.into()),
-            ("value", target.value.into()),
-            ("tolerance", target.tolerance.into()),
-            ("weight", target.weight.into()),
-        ]
+        let words = target
+            .words
+            .iter()
+            .map(|(key, word)| (*key, word.as_str().into()));
+        let numbers = target
+            .numbers
+            .iter()
+            .map(|(key, number)| (*key, (*number).into()));
+        words.chain(numbers).collect()
     };
     match list {
         Item::Value(Value::Array(array)) => {

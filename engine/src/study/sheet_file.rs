@@ -1,35 +1,31 @@
 //! Measured K&C sheets in the layout of `kc.csv` as targets: a target for each figure, station by station.
 
+use super::axle_targets::{self, AxleSite};
 use super::curve_file::{at_record, delimiter};
 use super::elastic_targets;
+use super::elastic_targets::ElasticQuantity;
 use super::error::{Problems, Source, StudyErrors};
 use super::file::Target as Written;
 use super::resolve::Context;
 use super::source::{LONGEST_TEXT, read_text};
 use super::value::{Number, Text};
-use super::{ComplianceStudy, ElasticFigure, Site, Target, Wanted};
-use crate::compliance::{HeldQuantity, KcValue, TestLoad};
+use super::{AxleStudy, ComplianceStudy, ElasticFigure, Site, Subject, Target, Wanted};
+use crate::axle::{Coordinate, Quantity, TestFigure, WheelMotion};
+use crate::compliance::{HeldQuantity, KcTest, KcValue, TestLoad};
+use crate::model::Side;
 use std::sync::Arc;
 use toml::Spanned;
 
 /// Columns that a sheet needs.
 const NEEDED: [&str; 3] = ["load", "quantity", "value"];
 
-/// A target as it is written out in a study: figure, travel, rack, value and tolerance, in printed units.
+/// A target as it is written out in a study, by its keys: figure, place, value and tolerance, in printed units.
 #[derive(Clone, Debug)]
 pub(super) struct SheetTarget {
-    /// Name of the figure.
-    pub figure: String,
-    /// Wheel travel.
-    pub travel: f64,
-    /// Rack displacement.
-    pub rack: f64,
-    /// The measured value.
-    pub value: f64,
-    /// Its tolerance.
-    pub tolerance: f64,
-    /// Weight of each.
-    pub weight: f64,
+    /// Keys with words.
+    pub words: Vec<(&'static str, String)>,
+    /// Keys with numbers.
+    pub numbers: Vec<(&'static str, f64)>,
 }
 
 /// Reads the file of a target if it is a sheet; otherwise `None`.
@@ -59,16 +55,26 @@ pub(super) fn targets(
     problems: &mut Problems,
 ) -> Option<Option<Vec<(Target, SheetTarget)>>> {
     let written = spanned.get_ref();
-    let (Some(path), Some(elastic)) = (&written.file, context.elastic) else {
-        return None;
+    let path = written.file.as_ref()?;
+    let of = match (context.elastic, context.axle) {
+        (Some(elastic), _) => SheetOf::Wheel(elastic),
+        (None, Some(both)) if both.axle.elastic.is_some() => SheetOf::Axle(both),
+        _ => return None,
     };
     let source = sheet(path, context)?;
-    Some(of_sheet(spanned, elastic, &source, context, problems))
+    Some(of_sheet(spanned, of, &source, context, problems))
+}
+
+/// The elastic parts that a sheet is of.
+#[derive(Clone, Copy)]
+enum SheetOf<'a> {
+    Wheel(&'a ComplianceStudy),
+    Axle(&'a AxleStudy),
 }
 
 fn of_sheet(
     spanned: &Spanned<Written>,
-    elastic: &ComplianceStudy,
+    of: SheetOf<'_>,
     source: &Arc<Source>,
     context: &Context,
     problems: &mut Problems,
@@ -84,6 +90,17 @@ fn of_sheet(
         ("point", written.point.as_ref().map(Spanned::span)),
         ("length", written.length.as_ref().map(Spanned::span)),
         ("load", written.load.as_ref().map(Spanned::span)),
+        ("over", written.over.as_ref().map(Text::span)),
+        ("heave", written.heave.as_ref().map(Spanned::span)),
+        (
+            "travel_left",
+            written.travel_left.as_ref().map(Spanned::span),
+        ),
+        (
+            "travel_right",
+            written.travel_right.as_ref().map(Spanned::span),
+        ),
+        ("side", written.side.as_ref().map(Text::span)),
     ];
     for (key, span) in others {
         if let Some(span) = span {
@@ -91,13 +108,16 @@ fn of_sheet(
             return problems.refuse(span, &message);
         }
     }
-    let only = match written.figure.as_ref().or(written.characteristic.as_ref()) {
-        None => None,
-        Some(name) => {
-            let found = elastic_targets::quantity(name, elastic, context.suspension, problems)?;
-            Some(found.value())
+    let named = written.figure.as_ref().or(written.characteristic.as_ref());
+    if let Some(name) = named {
+        match of {
+            SheetOf::Wheel(elastic) => {
+                elastic_targets::quantity(name, elastic, context.suspension, problems).map(drop)?;
+            }
+            SheetOf::Axle(both) => super::axle::quantities(name, &both.axle, problems).map(drop)?,
         }
-    };
+    }
+    let only = named.map(|name| name.get_ref().as_str());
     let factor = super::suspension::above_zero(&written.tolerance, problems)?;
     let weight = match &written.weight {
         None => 1.0,
@@ -105,7 +125,7 @@ fn of_sheet(
     };
     let read = Reader {
         source,
-        elastic,
+        of,
         context,
         only,
         tolerance: factor,
@@ -126,10 +146,10 @@ fn of_sheet(
 
 struct Reader<'a> {
     source: &'a Arc<Source>,
-    elastic: &'a ComplianceStudy,
+    of: SheetOf<'a>,
     context: &'a Context<'a>,
-    /// The only value that counts.
-    only: Option<KcValue>,
+    /// The name of the only figure that counts.
+    only: Option<&'a str>,
     /// Tolerance of the target: of each value, or a factor of the column `tolerance`.
     tolerance: f64,
     weight: f64,
@@ -198,91 +218,236 @@ impl Reader<'_> {
 
     /// Adds the targets of a row: its value, and its secant.
     fn row(&self, row: &Row<'_>, into: &mut Vec<(Target, SheetTarget)>) -> Result<(), StudyErrors> {
-        for name in ["mode", "wheel", "anti_roll_bar"] {
-            if !row.cell(name).is_empty() {
-                return row.wrong(format!("{name} is of an axle; expected an empty cell"));
-            }
-        }
         for (column, is_secant) in [("value", false), ("secant", true)] {
             let Some(value) = row.number(column)? else {
                 continue;
             };
-            let Some(figure) = self.figure(row, is_secant)? else {
+            let load = row.cell("load");
+            if !TestLoad::ALL.iter().any(|(_, of)| of.name() == load) {
+                return row.wrong(format!("{load:?} is no load of a test"));
+            }
+            let figure = match self.of {
+                SheetOf::Wheel(elastic) => self.figure_of_wheel(elastic, row, is_secant)?,
+                SheetOf::Axle(both) => self.figure_of_axle(both, row, is_secant)?,
+            };
+            let Some(figure) = figure else {
                 continue;
             };
-            if self.only.is_some_and(|only| only != figure.value) {
-                continue;
+            let expected = figure.of.unit.suffix(self.context.suspension.length_unit);
+            let unit = row.cell("unit");
+            if unit != expected && row.header.iter().any(|column| column == "unit") {
+                let quantity = row.cell("quantity");
+                return row.wrong(format!(
+                    "expected {expected:?} as the unit of {quantity}, found {unit:?}"
+                ));
             }
-            into.push(self.target(row, figure, value)?);
+            if self.only.is_none_or(|only| only == figure.name) {
+                into.push(self.target(row, figure, value)?);
+            }
         }
         Ok(())
     }
 
-    /// The figure of a row. `None` for the secant of a motion, which has none.
-    fn figure(&self, row: &Row<'_>, is_secant: bool) -> Result<Option<ElasticFigure>, StudyErrors> {
-        let (load, quantity, hold) = (row.cell("load"), row.cell("quantity"), row.cell("hold"));
+    /// Returns true if a row is of a test, as far as it says.
+    fn is_of(&self, row: &Row<'_>, test: &KcTest) -> Result<bool, StudyErrors> {
         let u = self.context.suspension.length_unit.symbol();
         let trail = row.number(&format!("trail_{u}"))?;
-        let all = elastic_targets::figures(self.elastic, self.context.suspension);
-        let is_load = |of: TestLoad| of.name() == load;
-        if !TestLoad::ALL.iter().any(|(_, of)| is_load(*of)) {
-            return row.wrong(format!("{load:?} is no load of a test"));
+        let held = match test.held {
+            HeldQuantity::WheelHeight => "wheel_height",
+            HeldQuantity::WheelLoad => "wheel_load",
+        };
+        let bar = if test.has_bar {
+            "connected"
+        } else {
+            "disconnected"
+        };
+        let steering = if test.locks_rack {
+            "locked_rack"
+        } else {
+            "locked_wheel"
+        };
+        let same = |column: &str, own: &str| ["", own].contains(&row.cell(column));
+        Ok(row.cell("load") == test.load.name()
+            && trail.is_none_or(|trail| trail == test.trail)
+            && same("hold", held)
+            && same("mode", test.mode.name())
+            && same("anti_roll_bar", bar)
+            && same("steering", steering))
+    }
+
+    /// The only figure among those that a row may be of. `None` for a secant that is not there.
+    fn only_one<F>(
+        row: &Row<'_>,
+        is_secant: bool,
+        found: Vec<F>,
+        columns: &str,
+    ) -> Result<Option<F>, StudyErrors> {
+        let (load, quantity) = (row.cell("load"), row.cell("quantity"));
+        match found.len() {
+            1 => Ok(found.into_iter().next()),
+            0 if is_secant => Ok(None),
+            0 => row.wrong(format!(
+                "no test of the study has {quantity} by {load} with these {columns}: add it to tests in [compliance]"
+            )),
+            _ => row.wrong(format!(
+                "several tests of the study have {quantity} by {load}: expected {columns}"
+            )),
         }
-        let is_named = |figure: &&ElasticFigure| match figure.value {
-            KcValue::Figure {
+    }
+
+    /// The figure of a row. `None` for the secant of a motion, which has none.
+    fn figure_of_wheel(
+        &self,
+        elastic: &ComplianceStudy,
+        row: &Row<'_>,
+        is_secant: bool,
+    ) -> Result<Option<SheetFigure>, StudyErrors> {
+        for name in ["mode", "wheel", "anti_roll_bar", "steering"] {
+            if !row.cell(name).is_empty() {
+                return row.wrong(format!("{name} is of an axle; expected an empty cell"));
+            }
+        }
+        let suspension = self.context.suspension;
+        let mut found: Vec<ElasticFigure> = Vec::new();
+        for figure in elastic_targets::figures(elastic, suspension) {
+            if let KcValue::Figure {
                 test,
-                quantity: name,
+                quantity,
                 is_secant: secant,
-            } => {
-                let held = match test.held {
-                    HeldQuantity::WheelHeight => "wheel_height",
-                    HeldQuantity::WheelLoad => "wheel_load",
-                };
-                let same_trail = trail.is_none_or(|trail| trail == test.trail);
-                let same_hold = hold.is_empty() || hold == held;
-                is_load(test.load)
-                    && name == quantity
-                    && secant == is_secant
-                    && same_trail
-                    && same_hold
+            } = figure.value
+                && secant == is_secant
+                && quantity == row.cell("quantity")
+                && self.is_of(row, &test)?
+            {
+                found.push(figure);
             }
-            _ => false,
-        };
-        let mut found = all.iter().filter(is_named);
-        let figure = match (found.next(), found.next()) {
-            (Some(figure), None) => figure.clone(),
-            (Some(_), Some(_)) => {
-                return row.wrong(format!(
-                    "several tests of the study have {quantity} by {load}: expected trail_{u} and hold"
-                ));
-            }
-            (None, _) if is_secant => return Ok(None),
-            (None, _) => {
-                return row.wrong(format!(
-                    "no test of the study has {quantity} by {load} with this trail and hold: add it to tests in [compliance]"
-                ));
-            }
-        };
-        let expected = figure.unit.suffix(self.context.suspension.length_unit);
-        let unit = row.cell("unit");
-        if unit != expected && row.header.iter().any(|column| column == "unit") {
-            return row.wrong(format!(
-                "expected {expected:?} as the unit of {quantity}, found {unit:?}"
-            ));
         }
-        Ok(Some(figure))
+        let u = suspension.length_unit.symbol();
+        let figure = Self::only_one(row, is_secant, found, &format!("trail_{u} and hold"))?;
+        Ok(figure.map(|figure| SheetFigure {
+            name: figure.name.clone(),
+            of: ElasticQuantity::Figure(figure).subject(suspension.length_unit),
+            side: None,
+        }))
+    }
+
+    /// The figure of a row of one wheel, of the axle, or of both wheels if the row names none.
+    fn figure_of_axle(
+        &self,
+        both: &AxleStudy,
+        row: &Row<'_>,
+        is_secant: bool,
+    ) -> Result<Option<SheetFigure>, StudyErrors> {
+        let wheel = row.cell("wheel");
+        let side = match wheel {
+            "" | "axle" => None,
+            name => match Side::ALL.into_iter().find(|side| side.name() == name) {
+                Some(side) => Some(side),
+                None => {
+                    return row.wrong(format!(
+                        "expected left, right or axle as wheel, found {name:?}"
+                    ));
+                }
+            },
+        };
+        let mut found: Vec<TestFigure> = Vec::new();
+        for figure in both.axle.figures() {
+            let same_wheel = wheel.is_empty() || figure.side() == side;
+            if figure.is_secant == is_secant
+                && figure.quantity == row.cell("quantity")
+                && same_wheel
+                && self.is_of(row, &figure.test)?
+            {
+                found.push(*figure);
+            }
+        }
+        // What the axle has itself is meant before what each wheel has.
+        if let Some(own) = found.iter().find(|figure| figure.side().is_none()).copied()
+            && wheel.is_empty()
+        {
+            found.retain(|figure| figure.side().is_none() || figure.stem() != own.stem());
+        }
+        let mut stems: Vec<String> = found.iter().map(TestFigure::stem).collect();
+        stems.dedup();
+        let u = self.context.suspension.length_unit.symbol();
+        let columns = format!("mode, trail_{u}, hold, anti_roll_bar, steering and wheel");
+        let stem = Self::only_one(row, is_secant, stems, &columns)?;
+        Ok(stem.map(|name| SheetFigure {
+            of: axle_targets::subject_of(
+                found.iter().map(|f| Quantity::Figure(*f)).collect(),
+                &name,
+                &both.axle,
+            ),
+            name,
+            side,
+        }))
+    }
+
+    /// The place of a row in the motion of an axle: the site, the value of the number that varies, and the keys of a target.
+    fn place_of_axle(&self, both: &AxleStudy, row: &Row<'_>) -> Result<AxlePlace, StudyErrors> {
+        let axle = &both.axle;
+        let u = axle.left.length_unit.symbol();
+        let travel = |side: &str| -> Result<f64, StudyErrors> {
+            let own = row.number(&format!("travel_{side}_{u}"))?;
+            Ok(own.or(row.number(&format!("travel_{u}"))?).unwrap_or(0.0))
+        };
+        let [left, right] = [travel("left")?, travel("right")?];
+        let rack = row.number(&format!("rack_{u}"))?.unwrap_or(0.0);
+        let mut held = both.plan.course.clone();
+        let by_wheel = held.steering_wheel.take().is_some();
+        if by_wheel && rack != 0.0 {
+            return row.wrong(
+                "the motion of this study has steering_wheel_angle: expected rack in [motion]"
+                    .to_owned(),
+            );
+        }
+        let mut put = |coordinate: Coordinate, value: f64| {
+            if let Some(along) = held.along(coordinate) {
+                *along = vec![coordinate.in_course(value, axle)];
+            }
+        };
+        put(Coordinate::Rack, rack);
+        let is_heave = matches!(both.plan.course.wheels, WheelMotion::Heave(_));
+        let over = if is_heave {
+            Coordinate::Heave
+        } else {
+            Coordinate::TravelLeft
+        };
+        if is_heave && left != right {
+            return row.wrong("the motion of this study is heave: expected equal travels, or travel_left and travel_right in [motion]".to_owned());
+        }
+        put(over, left);
+        let mut numbers = vec![("at", left)];
+        if !is_heave {
+            put(Coordinate::TravelRight, right);
+            numbers.push(("travel_right", right));
+        }
+        if !by_wheel {
+            numbers.push(("rack", rack));
+        }
+        let words = match rack {
+            0.0 => String::new(),
+            rack => format!(", rack {rack}"),
+        };
+        let values = vec![left];
+        Ok(AxlePlace {
+            site: AxleSite {
+                over,
+                values,
+                held,
+                words,
+            },
+            numbers,
+        })
     }
 
     fn target(
         &self,
         row: &Row<'_>,
-        figure: ElasticFigure,
+        figure: SheetFigure,
         value: f64,
     ) -> Result<(Target, SheetTarget), StudyErrors> {
-        let length = self.context.suspension.length_unit;
-        let u = length.symbol();
-        let travel = row.number(&format!("travel_{u}"))?.unwrap_or(0.0);
-        let rack = row.number(&format!("rack_{u}"))?.unwrap_or(0.0);
+        let u = self.context.suspension.length_unit.symbol();
         let own = row.number("tolerance")?;
         let tolerance = match (own, self.only) {
             (Some(own), _) if own > 0.0 => own * self.tolerance,
@@ -297,29 +462,62 @@ impl Reader<'_> {
                 );
             }
         };
-        let of = elastic_targets::ElasticQuantity::Figure(figure.clone()).subject(length);
+        let mut words = vec![("figure", figure.name)];
+        let (site, drive, mut numbers) = match self.of {
+            SheetOf::Wheel(_) => {
+                let travel = row.number(&format!("travel_{u}"))?.unwrap_or(0.0);
+                let rack = row.number(&format!("rack_{u}"))?.unwrap_or(0.0);
+                let site = Site {
+                    racks: vec![rack],
+                    ..Site::default()
+                };
+                (site, travel, vec![("at", travel), ("rack", rack)])
+            }
+            SheetOf::Axle(both) => {
+                let AxlePlace { site, numbers } = self.place_of_axle(both, row)?;
+                words.push(("over", site.over.key().to_owned()));
+                words.extend(figure.side.map(|side| ("side", side.name().to_owned())));
+                let drive = site.values[0];
+                let site = Site {
+                    axle: Some(site),
+                    ..Site::default()
+                };
+                (site, drive, numbers)
+            }
+        };
+        numbers.extend([
+            ("value", value),
+            ("tolerance", tolerance),
+            ("weight", self.weight),
+        ]);
+        let of = figure.of;
         let target = Target {
             wanted: Wanted::At {
-                drive: travel,
+                drive,
                 value: of.from_printed(value),
             },
             tolerance: of.from_printed(tolerance).abs(),
             weight: self.weight,
-            site: Site {
-                racks: vec![rack],
-                ..Site::default()
-            },
+            site,
             stations: Vec::new(),
             of,
         };
-        let text = SheetTarget {
-            figure: figure.name,
-            travel,
-            rack,
-            value,
-            tolerance,
-            weight: self.weight,
-        };
-        Ok((target, text))
+        Ok((target, SheetTarget { words, numbers }))
     }
+}
+
+/// The figure that a row is about.
+struct SheetFigure {
+    /// Its name in a study.
+    name: String,
+    of: Subject,
+    /// The wheel that a row of an axle names.
+    side: Option<Side>,
+}
+
+/// The place of a row in the motion of an axle.
+struct AxlePlace {
+    site: AxleSite,
+    /// The numbers of a target that say the place.
+    numbers: Vec<(&'static str, f64)>,
 }

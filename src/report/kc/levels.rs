@@ -1,7 +1,7 @@
 //! `levels.csv`: equilibria under the levels of test loads.
 
 use super::super::shortest;
-use super::{KcResults, bar, csv, held, mode, no_equilibrium, optional, status};
+use super::{KcResults, bar, csv, held, mode, no_equilibrium, optional, status, steering};
 use crate::compliance::{
     BushingReading, KcLevel, KcState, KcStation, KcTest, KcWheelState, TestLoad, TestMode,
 };
@@ -12,17 +12,9 @@ impl KcResults<'_> {
     /// `levels.csv`: a row for each level; `None` if no test has levels.
     pub fn levels_csv(&self) -> Option<Vec<u8>> {
         let mut header = self.station_columns();
-        header.extend(self.columns(&[
-            "load",
-            "trail_U",
-            "mode",
-            "hold",
-            "anti_roll_bar",
-            "side",
-            "level",
-            "force_N",
-            "moment_N_m",
-        ]));
+        header.extend(self.columns(&["load", "trail_U", "mode", "hold", "anti_roll_bar"]));
+        header.extend(self.is_axle.then(|| "steering".to_owned()));
+        header.extend(self.columns(&["side", "level", "force_N", "moment_N_m"]));
         let sides: &[&str] = if self.is_axle {
             &["left_", "right_"]
         } else {
@@ -95,7 +87,9 @@ impl KcResults<'_> {
             TestMode::Single(side) => side.name(),
             _ => "",
         };
-        row.extend([mode(test), held(test), bar(test), side].map(str::to_owned));
+        row.extend([mode(test), held(test), bar(test)].map(str::to_owned));
+        row.extend(self.is_axle.then(|| steering(test).to_owned()));
+        row.push(side.to_owned());
         row.extend([
             level.level.to_string(),
             optional((!is_moment).then_some(level.load)),

@@ -77,6 +77,14 @@ fn bar(test: &KcTest) -> &'static str {
     }
 }
 
+/// The part of the steering that a test of an axle holds.
+fn steering(test: &KcTest) -> &'static str {
+    match test.locks_rack {
+        true => "locked_rack",
+        false => "locked_wheel",
+    }
+}
+
 /// The mode of a test of loads.
 fn mode(test: &KcTest) -> &'static str {
     match test.load.is_motion() {
@@ -160,20 +168,9 @@ impl KcResults<'_> {
     /// `kc.csv`: a row for each station, test and quantity.
     pub fn kc_csv(&self) -> Vec<u8> {
         let mut header = self.station_columns();
-        header.extend(self.columns(&[
-            "load",
-            "at",
-            "trail_U",
-            "mode",
-            "hold",
-            "anti_roll_bar",
-            "wheel",
-            "quantity",
-            "value",
-            "secant",
-            "window",
-            "unit",
-        ]));
+        header.extend(self.columns(&["load", "at", "trail_U", "mode", "hold", "anti_roll_bar"]));
+        header.extend(self.is_axle.then(|| "steering".to_owned()));
+        header.extend(self.columns(&["wheel", "quantity", "value", "secant", "window", "unit"]));
         if self.other.is_some() {
             header.extend(["other_name", "other_value", "other_unit"].map(str::to_owned));
         }
@@ -214,8 +211,9 @@ impl KcResults<'_> {
             place(at).to_owned(),
             optional(trail),
         ]);
-        let words = [mode(test), held(test), bar(test), subject(of)];
-        cells.extend(words.map(str::to_owned));
+        cells.extend([mode(test), held(test), bar(test)].map(str::to_owned));
+        cells.extend(self.is_axle.then(|| steering(test).to_owned()));
+        cells.push(subject(of).to_owned());
         cells
     }
 

@@ -1,7 +1,7 @@
 //! `sensitivities.csv` of rig tests: derivatives of every figure by hardpoints, rates, preloads and the spring.
 
 use super::super::shortest;
-use super::{KcResults, bar, csv, held, mode, subject};
+use super::{KcResults, bar, csv, held, mode, steering, subject};
 use crate::axle::Law;
 use crate::compliance::{
     AxialStiffness, AxleCompliance, AxleKcRun, Compliance, FigureGradients, KcOutcome, KcRun,
@@ -207,7 +207,7 @@ impl KcResults<'_> {
         header.extend(self.is_axle.then(|| "mode".to_owned()));
         header.push("hold".to_owned());
         if self.is_axle {
-            header.extend(["anti_roll_bar", "wheel"].map(str::to_owned));
+            header.extend(["anti_roll_bar", "steering", "wheel"].map(str::to_owned));
         }
         let last = ["quantity", "parameter", "axis", "value", "secant", "unit"];
         header.extend(last.map(str::to_owned));
@@ -239,7 +239,8 @@ impl KcResults<'_> {
                         row.extend(self.is_axle.then(|| mode(&test).to_owned()));
                         row.push(held(&test).to_owned());
                         if self.is_axle {
-                            row.extend([bar(&test), subject(figure.of)].map(str::to_owned));
+                            let words = [bar(&test), steering(&test), subject(figure.of)];
+                            row.extend(words.map(str::to_owned));
                         }
                         row.extend([
                             figure.quantity.to_owned(),

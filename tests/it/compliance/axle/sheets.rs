@@ -1,0 +1,167 @@
+//! Measured sheets of both wheels as targets of an axle.
+
+use super::super::support::{elastic, with};
+use crate::support::random::Random;
+use hardpoint::optimise::{Control, tune};
+use hardpoint::rig::RigTests;
+use hardpoint::study::Study;
+
+const NAME: &str = "subframe_axle_compliance.toml";
+/// Rates that are fitted.
+const RATES: [(&str, &str); 5] = [
+    ("lower_arm_front", "y"),
+    ("lower_arm_rear", "y"),
+    ("upper_arm_front", "y"),
+    ("subframe_front", "y"),
+    ("subframe_rear", "y"),
+];
+/// Factors of the rates by which a sheet is made.
+const FACTORS: [f64; 5] = [0.8, 1.3, 1.2, 0.75, 1.15];
+
+fn asked(targets: &str) -> String {
+    let variables = RATES.map(|(bushing, axis)| {
+        format!("{{ bushing = \"{bushing}\", stiffness = \"{axis}\", range = [0.3, 3.0], relative = true }}")
+    });
+    let variables = variables.join(",\n");
+    with(
+        NAME,
+        &format!("\n[optimise]\nfit = true\nvariables = [{variables}]\ntargets = [{targets}]\n"),
+    )
+}
+
+/// `kc.csv` of the axle with other rates, with a relative noise and a column of tolerances.
+fn sheet(noise: f64, seed: u64) -> String {
+    let study = elastic(&asked(
+        "{ figure = \"steer_by_roll\", value = 0.0, tolerance = 1.0 }",
+    ));
+    let offsets = FACTORS.map(f64::ln);
+    let planted = study.moved(&offsets);
+    let csv = RigTests::of(&planted, None).unwrap().results.kc_csv();
+    let mut reader = csv::Reader::from_reader(&csv[..]);
+    let header = reader.headers().unwrap().clone();
+    let place = |name: &str| header.iter().position(|column| column == name).unwrap();
+    let mut random = Random(seed);
+    let mut text = header.iter().collect::<Vec<_>>().join(",") + ",tolerance\n";
+    for record in reader.records() {
+        let record = record.unwrap();
+        let mut cells: Vec<String> = record.iter().map(str::to_owned).collect();
+        let value: f64 = cells[place("value")].parse().unwrap();
+        cells[place("secant")].clear();
+        // A sum of twelve uniform numbers has the variance of the normal law.
+        let normal: f64 = (0..12).map(|_| 0.5 * random.signed()).sum();
+        let sigma = 0.01 * value.abs().max(1e-3);
+        cells[place("value")] = format!("{:?}", value + noise * value.abs().max(1e-3) * normal);
+        text += &format!("{},{sigma:?}\n", cells.join(","));
+    }
+    text
+}
+
+fn study_of(sheet: &str, targets: &str) -> Result<Study, String> {
+    let directory = tempfile::tempdir().unwrap();
+    std::fs::write(directory.path().join("sheet.csv"), sheet).unwrap();
+    let read = Study::elastic_from_text("case.toml", &asked(targets), directory.path());
+    read.map_err(|errors| errors.to_string())
+}
+
+const WHOLE: &str = "{ file = \"sheet.csv\", tolerance = 1.0 }";
+
+/// Rates that were planted come back from an exact sheet, and within their standard errors from one with noise.
+#[test]
+fn rates_of_an_axle_are_identified_from_a_sheet() {
+    for (noise, seed) in [(0.0, 1), (0.01, 2), (0.01, 3)] {
+        let sheet = sheet(noise, seed);
+        let rows = sheet.lines().count() - 1;
+        let study = study_of(&sheet, WHOLE).unwrap();
+        let optimise = study.optimise.as_ref().unwrap();
+        assert_eq!(optimise.targets.len(), rows, "a target for each value");
+        let tuning = tune(&study.vehicle, optimise, Control::default()).unwrap();
+        let best = tuning.best.unwrap();
+        for (k, factor) in FACTORS.iter().enumerate() {
+            let off = best.offsets[k] - factor.ln();
+            if noise == 0.0 {
+                assert!(off.abs() < 1e-5, "{:?}: {off}", RATES[k]);
+                continue;
+            }
+            let errors = best.errors.as_ref().unwrap();
+            assert!((0.7..1.4).contains(&errors.scatter), "{}", errors.scatter);
+            let sigma = errors.sigmas[k].unwrap();
+            assert!(
+                off.abs() < 4.5 * sigma && sigma < 0.3,
+                "{seed} {:?}: {off} {sigma}",
+                RATES[k]
+            );
+        }
+    }
+}
+
+/// The study stands without its sheet: the targets are written out, and mean the same.
+#[test]
+fn targets_of_a_sheet_are_written_out() {
+    let study = study_of(&sheet(0.0, 1), WHOLE).unwrap();
+    let alone = elastic(&study.text);
+    let [own, written] = [&study, &alone].map(|study| &study.optimise.as_ref().unwrap().targets);
+    assert_eq!(own.len(), written.len());
+    let places = |study: &Study, k: usize| {
+        let axle = &study.axle().unwrap().axle;
+        study.optimise.as_ref().unwrap().targets[k].axle_samples(axle)
+    };
+    for k in 0..own.len() {
+        assert_eq!(own[k].of, written[k].of, "{k}");
+        assert_eq!(
+            (own[k].tolerance, own[k].weight),
+            (written[k].tolerance, written[k].weight)
+        );
+        let [a, b] = [places(&study, k), places(&alone, k)];
+        assert_eq!(a.len(), b.len());
+        for (a, b) in a.iter().zip(&b) {
+            assert_eq!((a.quantity, a.placement), (b.quantity, b.placement), "{k}");
+            assert_eq!(a.wanted, b.wanted, "{k}");
+        }
+    }
+}
+
+/// A row of a figure alone, of both wheels, and rows that are refused.
+#[test]
+fn rows_say_which_wheel_and_test_they_are_of() {
+    let target =
+        "{ file = \"sheet.csv\", figure = \"toe_by_lateral_force_trail_30\", tolerance = 0.001 }";
+    let both = "load,mode,quantity,value\nlateral,parallel,toe_by_lateral_force,-0.01\n";
+    let study = study_of(both, target).unwrap();
+    let [only] = &study.optimise.as_ref().unwrap().targets[..] else {
+        panic!("one target")
+    };
+    assert_eq!(only.of.column, "toe_by_lateral_force_trail_30_deg_per_kN");
+    assert_eq!(only.axle_samples(&study.axle().unwrap().axle).len(), 2);
+    for (text, why) in [
+        (
+            "load,quantity,value\nlateral,toe_by_lateral_force,-0.01\n",
+            "several tests",
+        ),
+        (
+            "load,mode,wheel,quantity,value\nlateral,parallel,middle,toe_by_lateral_force,-0.01\n",
+            "left, right or axle",
+        ),
+        (
+            "load,mode,trail_mm,quantity,value\nlateral,parallel,10.0,toe_by_lateral_force,-0.01\n",
+            "no test of the study",
+        ),
+        (
+            "load,mode,quantity,value,travel_left_mm,travel_right_mm\nlateral,parallel,toe_by_lateral_force,-0.01,5.0,0.0\n",
+            "expected equal travels",
+        ),
+        (
+            "load,mode,quantity,value,unit\nlateral,parallel,toe_by_lateral_force,-0.01,rad\n",
+            "as the unit",
+        ),
+        (
+            "load,quantity,value\nsideways,toe_by_lateral_force,-0.01\n",
+            "no load of a test",
+        ),
+    ] {
+        let said = study_of(text, target).unwrap_err();
+        assert!(
+            said.contains(why) && said.contains("sheet.csv"),
+            "{why}: {said}"
+        );
+    }
+}

@@ -59,15 +59,13 @@ pub(crate) fn limits_of_builds<'py>(
     let done = AtomicU64::new(0);
     let work = |flag: &AtomicBool| -> Result<Nearest, String> {
         let problem = Problem::of(own, tolerance).map_err(|why| scatter::refusal(own, why))?;
-        let one = |number| match flag.load(Ordering::Relaxed) {
-            true => Nearest::default(),
-            false => {
-                done.fetch_add(1, Ordering::Relaxed);
-                Nearest::of(number, of_build(own, &problem, number))
-            }
+        let one = |number| {
+            done.fetch_add(1, Ordering::Relaxed);
+            Nearest::of(number, of_build(own, &problem, number))
         };
-        let all = (0..builds).into_par_iter().map(one);
-        Ok(all.reduce(Nearest::default, Nearest::and))
+        let all = (0..builds).into_par_iter();
+        let heard = all.take_any_while(|_| !flag.load(Ordering::Relaxed));
+        Ok(heard.map(one).reduce(Nearest::default, Nearest::and))
     };
     let listen = |_: Python<'_>, _: &AtomicBool| match &progress {
         None => Ok(()),

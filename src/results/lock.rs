@@ -5,6 +5,8 @@ use super::Owner;
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{self, Read, Seek, Write};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 /// Time that a run waits for another one that may be about to end.
@@ -13,9 +15,35 @@ const ALONE: Duration = Duration::from_millis(300);
 /// Time that a shard waits while another one prepares the directory.
 const TOGETHER: Duration = Duration::from_secs(10);
 
+/// The locks of this process by their numbers, so that a signal that ends it leaves no file behind.
+static HELD: Mutex<Vec<(u64, PathBuf, File)>> = Mutex::new(Vec::new());
+
+/// Number of the next lock.
+static NEXT: AtomicU64 = AtomicU64::new(0);
+
+fn held() -> MutexGuard<'static, Vec<(u64, PathBuf, File)>> {
+    // A thread that panicked has left a list that is whole.
+    HELD.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Lets go of every lock of this process, which is about to end.
+pub(super) fn release_all() {
+    for (_, path, file) in held().drain(..) {
+        release(&path, &file);
+    }
+}
+
+/// Lets go of a lock. Of those who share it the last one removes the file: it alone gets it for itself.
+fn release(path: &Path, file: &File) {
+    if file.unlock().is_ok() && file.try_lock().is_ok() && is_at(file, path) {
+        let _ = std::fs::remove_file(path);
+    }
+}
+
 /// A lock that is held until it is dropped. Its file goes with it.
 #[derive(Debug)]
 pub struct Lock {
+    number: u64,
     path: PathBuf,
     file: File,
 }
@@ -82,6 +110,8 @@ impl Lock {
                     "it is a symbolic link that no run created: remove it",
                 )));
             }
+            // A signal that ends the process waits until the lock is on the list.
+            let mut held = held();
             let file = OpenOptions::new()
                 .read(true)
                 .write(true)
@@ -102,7 +132,12 @@ impl Lock {
             }
             // Whoever held it before may have removed the file between the two steps.
             if is_at(&file, path) {
+                let same = file.try_clone().map_err(NotLocked::Failed)?;
+                let number = NEXT.fetch_add(1, Ordering::Relaxed);
+                held.push((number, path.to_owned(), same));
+                drop(held);
                 let mut lock = Lock {
+                    number,
                     path: path.to_owned(),
                     file,
                 };
@@ -129,10 +164,8 @@ impl Lock {
 
 impl Drop for Lock {
     fn drop(&mut self) {
-        // Of those who share it the last one clears up: it alone gets it for itself.
-        if self.file.unlock().is_ok() && self.file.try_lock().is_ok() {
-            self.remove_file();
-        }
+        release(&self.path, &self.file);
+        held().retain(|(number, ..)| *number != self.number);
     }
 }
 

@@ -61,6 +61,7 @@ pub fn exit_interrupted(code: i32) -> ! {
             clear(&run.path);
         }
     }
+    super::lock::release_all();
     std::process::exit(code)
 }
 

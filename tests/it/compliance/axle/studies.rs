@@ -1,6 +1,8 @@
 //! Studies of axles with elastic parts: curves, sweeps, tunings and builds.
 
 use super::super::support::{elastic, with};
+use crate::support::mutants::mutilated;
+use crate::support::random::Random;
 use hardpoint::axle::{AxleCurves, TestFigure, axle_curves};
 use hardpoint::compliance::TestMode;
 use hardpoint::curves::Curves;
@@ -679,4 +681,123 @@ fn is_unit(end: &str) -> bool {
         "lateral",
     ];
     !end.split('_').any(|word| words.contains(&word))
+}
+
+const EVERYTHING: &str = r#"
+[outputs]
+characteristics = ["toe", "bump_steer", "wheel_load", "toe_by_lateral_force_trail_30", "steer_by_roll"]
+sensitivities = ["lower_arm_rear"]
+
+[sweep]
+method = "sobol"
+samples = 3
+variables = [
+  { hardpoint = "tie_rod_inner", axis = "z", range = [-3.0, 3.0] },
+  { bushing = "subframe_rear", stiffness = "tz", range = [1.0e5, 4.0e5] },
+]
+
+[optimise]
+max_iterations = 2
+variables = [
+  { hardpoint = "lower_arm_front", axis = "z", range = [-15.0, 15.0] },
+  { bushing = "lower_arm_front", stiffness = "y", range = [0.3, 3.0], relative = true },
+]
+targets = [
+  { characteristic = "toe", over = "heave", points = [[-30.0, 0.1], [30.0, 0.1]], tolerance = 0.02 },
+  { figure = "understeer_by_aligning_moment", at_most = 0.02, tolerance = 0.005 },
+]
+
+[tolerance]
+builds = 3
+seed = 3
+scatter = [
+  { hardpoint = "lower_arm_rear", sigma = 0.3 },
+  { bushing = "upper_arm_rear", stiffness = "y", sigma = 0.05, relative = true, side = "right" },
+]
+bands = [{ characteristic = "steer_by_roll", between = [-0.1, 0.1] }]
+"#;
+
+/// Solves, sweeps, tunes and builds a study. A value that is there is a number.
+fn use_all_of(study: &Study) {
+    let Some(both) = study.axle() else { return };
+    if let Ok(found) = axle_curves(&both.axle, &both.plan) {
+        for station in &found.curves.stations {
+            assert!(
+                station
+                    .values
+                    .iter()
+                    .flatten()
+                    .all(|value| value.is_finite())
+            );
+        }
+        assert!(
+            found
+                .curves
+                .sensitivities
+                .iter()
+                .all(|s| s.value.is_finite())
+        );
+    }
+    if let Some(sweep) = &study.sweep
+        && let Ok(plan) = SweepPlan::of(study, sweep)
+        && let Ok(mut worker) = plan.worker()
+    {
+        let rows = worker.rows(0);
+        assert!(rows.outputs.iter().all(|value| !value.is_infinite()));
+    }
+    if let Some(optimise) = &study.optimise
+        && let Ok(tuning) = tune(&study.vehicle, optimise, Control::default())
+    {
+        let best = tuning.best.iter();
+        let mut offsets = best.flat_map(|best| &best.offsets);
+        assert!(offsets.all(|offset| offset.is_finite()));
+    }
+    // Without its number of builds a study has thousands.
+    let few = study.tolerance.as_ref().filter(|own| own.builds < 100);
+    if let Some(tolerance) = few
+        && let Ok(problem) = Problem::of(study, tolerance)
+        && let (Ok(drawn), Ok(_)) = (problem.drawn(), Expansion::of(&problem))
+    {
+        let builds = monte_carlo(&problem, &drawn, |_| ControlFlow::Continue(()));
+        assert!(builds.is_ok());
+        if let Ok(text) = problem.built_text(1) {
+            elastic(&text);
+        }
+    }
+}
+
+fn mutilated_studies(cases: u64) -> [usize; 2] {
+    let text = with(SUBFRAME, EVERYTHING);
+    let (mut used, mut refused) = (0, 0);
+    for case in 0..cases {
+        let mut random = Random(case + 990_000_000);
+        let text = mutilated(&text, &mut random);
+        match Study::elastic_from_text("study.toml", &text, std::path::Path::new(".")) {
+            Err(errors) => {
+                refused += 1;
+                assert!(!errors.all().is_empty());
+            }
+            Ok(study) => {
+                used += 1;
+                use_all_of(&study);
+            }
+        }
+    }
+    [used, refused]
+}
+
+/// Mutilated studies are computed or refused with a reason: no command ends in a panic or an endless loop.
+#[test]
+fn mutilated_studies_are_computed_or_refused() {
+    use_all_of(&elastic(&with(SUBFRAME, EVERYTHING)));
+    let [used, refused] = mutilated_studies(60);
+    assert!(used > 5 && refused > 30, "{used} {refused}");
+}
+
+#[test]
+#[ignore = "2000 studies: minutes"]
+fn two_thousand_mutilated_studies_are_computed_or_refused() {
+    let [used, refused] = mutilated_studies(2000);
+    println!("{used} computed, {refused} refused");
+    assert!(used > 200 && refused > 1000, "{used} {refused}");
 }

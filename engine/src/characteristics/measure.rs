@@ -29,6 +29,8 @@ pub enum Measure {
     Carried(CarriedForce),
     /// A value of a wheel with elastic parts. It comes from equilibria, so a single pose does not have it.
     Elastic(KcValue),
+    /// A quantity of an axle with elastic parts, likewise.
+    OfAxle(crate::axle::Quantity),
     /// The distance of two points.
     Length([PointId; 2]),
     /// The signed distance of a point from a plane, positive on the side its unit normal points to.
@@ -210,7 +212,10 @@ impl Measure {
         };
         use Input::{Designed, Now, StudDesigned, StudNow};
         match *self {
-            Measure::Quantity(_) | Measure::Carried(_) | Measure::Elastic(_) => list(&[]),
+            Measure::Quantity(_)
+            | Measure::Carried(_)
+            | Measure::Elastic(_)
+            | Measure::OfAxle(_) => list(&[]),
             Measure::Length([a, b]) => list(&[Now(a), Now(b)]),
             Measure::Height { point, .. }
             | Measure::DistanceFrom(point, _)
@@ -297,9 +302,10 @@ impl Measure {
     /// Evaluates the formula on the vectors that `inputs` names.
     pub(crate) fn formula<T: Scalar>(&self, v: &Vectors<T>) -> T {
         match self {
-            Measure::Quantity(_) | Measure::Carried(_) | Measure::Elastic(_) => {
-                v[0].x.lit(f64::NAN)
-            }
+            Measure::Quantity(_)
+            | Measure::Carried(_)
+            | Measure::Elastic(_)
+            | Measure::OfAxle(_) => v[0].x.lit(f64::NAN),
             Measure::Length(_) => (v[0] - v[1]).norm(),
             Measure::Height { over, normal, .. } => {
                 let p = v[0];

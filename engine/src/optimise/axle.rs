@@ -5,7 +5,7 @@
 //! moved as the mirror images of the left ones are.
 
 use super::elastic_axle::elastic_axle_rows;
-use super::layout::TargetSample;
+use super::layout::{Check, LimitedValue, TargetSample};
 use super::moves::{PointRate, moved_design, point_rates};
 use super::{Infeasible, Linearisation};
 use crate::ask::NoValue;
@@ -13,7 +13,7 @@ use crate::axle::{Axle, AxleSolver, Hold, Placement, Quantity};
 use crate::evaluate::place_of;
 use crate::mechanism::DesignFault;
 use crate::number::{Each, Vector3};
-use crate::study::{Optimise, Variable};
+use crate::study::{Limited, Optimise, Variable};
 use nalgebra::DVector;
 
 /// A position, and the wanted value there.
@@ -21,6 +21,7 @@ use nalgebra::DVector;
 pub(super) struct AxleStation {
     pub placement: Placement,
     pub samples: Vec<TargetSample>,
+    pub limits: Vec<LimitedValue>,
 }
 
 /// The targets of an axle, laid out.
@@ -67,10 +68,39 @@ impl AxleLayout {
             self.stations.push(AxleStation {
                 placement,
                 samples: Vec::new(),
+                limits: Vec::new(),
             });
             self.stations.len() - 1
         });
         &mut self.stations[place]
+    }
+
+    /// Limits a quantity in a position.
+    pub(super) fn limit(
+        &mut self,
+        part: usize,
+        quantity: Quantity,
+        limited: &Limited,
+        placement: Placement,
+    ) {
+        let of = place_of(&mut self.quantities, quantity);
+        let limited = LimitedValue::new(part, of, limited);
+        self.station(placement).limits.push(limited);
+    }
+
+    /// Station and part of each limited quantity.
+    pub(super) fn limited(&self) -> impl Iterator<Item = (usize, usize)> {
+        let stations = self.stations.iter().enumerate();
+        stations.flat_map(|(k, station)| station.limits.iter().map(move |own| (k, own.part)))
+    }
+
+    /// Gives limited quantities their rows, from part and station.
+    pub(super) fn number_rows(&mut self, mut rows: impl FnMut(usize, usize) -> Check) {
+        for (k, station) in self.stations.iter_mut().enumerate() {
+            for own in &mut station.limits {
+                own.check = rows(own.part, k);
+            }
+        }
     }
 
     /// Weighs the rows: the residual of each target per deviation in tolerances.
@@ -181,7 +211,10 @@ impl<const N: usize> RowsBeside for Rows<'_, N> {
         let placements: Vec<Placement> = layout.stations.iter().map(|s| s.placement).collect();
         let placed = solver.place_all(&placements);
         let mut pulling: Vec<&TargetSample> = Vec::new();
-        for (AxleStation { placement, samples }, placed) in layout.stations.iter().zip(placed) {
+        for (station, placed) in layout.stations.iter().zip(placed) {
+            let AxleStation {
+                placement, samples, ..
+            } = station;
             let unreached = |failure| {
                 Infeasible::Refused(format!("the axle does not reach {placement}: {failure}"))
             };

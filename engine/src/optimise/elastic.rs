@@ -4,7 +4,7 @@
 //! and rates. Its slope along a variable is the sum over the coordinates and rates that the variable moves.
 
 use super::axle::{Moved, RowsBeside};
-use super::layout::{Check, TargetSample};
+use super::layout::{Check, LimitedValue, TargetSample};
 use super::moves::PointRate;
 use super::{Infeasible, Linearisation};
 use crate::compliance::{Compliance, KcRun, KcValue, Parameter};
@@ -12,18 +12,6 @@ use crate::evaluate::place_of;
 use crate::model::{Axis, PointId, Suspension};
 use crate::number::Tape;
 use crate::study::{About, ComplianceStudy, Limited, Motion, Optimise, Site, Variable, WheelStudy};
-
-/// A limit on a value at a station.
-#[derive(Clone, Debug)]
-struct LimitedValue {
-    /// The part of a constraint.
-    part: usize,
-    /// Number among the station's values.
-    of: usize,
-    limited: Limited,
-    /// Its rows.
-    check: Check,
-}
 
 /// A station, and the wanted value there.
 #[derive(Clone, Debug)]
@@ -121,17 +109,7 @@ impl ElasticLayout {
         for [travel, rack] in at {
             let station = self.station(travel, rack);
             let of = place_of(&mut station.values, value);
-            station.limits.push(LimitedValue {
-                part,
-                of,
-                limited: limited.clone(),
-                check: Check {
-                    part,
-                    lower: None,
-                    upper: None,
-                    equal: None,
-                },
-            });
+            station.limits.push(LimitedValue::new(part, of, limited));
         }
     }
 

@@ -67,7 +67,7 @@ impl RowsBeside for Rows<'_> {
         &mut self,
         moved: &Moved<'_>,
         into: &mut Linearisation,
-        _rows: Option<&mut Linearisation>,
+        mut rows: Option<&mut Linearisation>,
     ) -> Result<(), Infeasible> {
         let Rows {
             layout,
@@ -96,13 +96,21 @@ impl RowsBeside for Rows<'_> {
         let equilibria = axle.equilibria(designs, parts);
         let equilibria = equilibria
             .map_err(|(side, fault)| Infeasible::Refused(axle.describe_fault((side, fault))))?;
-        for AxleStation { placement, samples } in &layout.stations {
+        for station in &layout.stations {
+            let AxleStation {
+                placement,
+                samples,
+                limits,
+            } = station;
             let at = placement
                 .on_level_pads()
                 .ok_or_else(|| Infeasible::Refused(format!("{placement} is of rigid axles")))?;
             let reads: Vec<AxleRead> = layout.quantities.iter().map(|q| (*q).into()).collect();
             let used: Vec<usize> = (0..reads.len())
-                .filter(|k| samples.iter().any(|own| own.of == *k))
+                .filter(|k| {
+                    let is_wanted = samples.iter().any(|own| own.of == *k);
+                    is_wanted || limits.iter().any(|own| own.of == *k)
+                })
                 .collect();
             let reads: Vec<AxleRead> = used.iter().map(|k| reads[*k]).collect();
             let mut is_found = vec![false; used.len()];
@@ -129,6 +137,12 @@ impl RowsBeside for Rows<'_> {
                         if sample.write_residual(sample.row, value, into) {
                             into.write_slopes(sample.row, slopes, sample.scale);
                         }
+                    }
+                    let Some(rows) = &mut rows else {
+                        return;
+                    };
+                    for own in limits.iter().filter(|own| own.of == used[number]) {
+                        own.check.write(&own.limited, value, slopes, rows);
                     }
                 });
             if let Err(why) = found {

@@ -48,7 +48,7 @@ impl LanePart {
             Measure::Quantity(quantity) => {
                 return Some(LanePart::Quantity(place_of(quantities, *quantity)));
             }
-            Measure::Carried(_) | Measure::Elastic(_) => return None,
+            Measure::Carried(_) | Measure::Elastic(_) | Measure::OfAxle(_) => return None,
             _ => {}
         }
         let (inputs, count) = measure.inputs(&suspension.mechanism);

@@ -67,6 +67,36 @@ impl Check {
     }
 }
 
+/// A limit on a value of elastic parts at a station.
+#[derive(Clone, Debug)]
+pub(super) struct LimitedValue {
+    /// The part of a constraint.
+    pub part: usize,
+    /// Number among the values.
+    pub of: usize,
+    /// The limits.
+    pub limited: Limited,
+    /// Its rows.
+    pub check: Check,
+}
+
+impl LimitedValue {
+    /// A limit without rows yet.
+    pub(super) fn new(part: usize, of: usize, limited: &Limited) -> Self {
+        LimitedValue {
+            part,
+            of,
+            limited: limited.clone(),
+            check: Check {
+                part,
+                lower: None,
+                upper: None,
+                equal: None,
+            },
+        }
+    }
+}
+
 /// A part with a limit along a motion, whose extremes are sought between the stations.
 #[derive(Clone, Debug)]
 pub(super) struct Extremes {
@@ -124,6 +154,22 @@ pub(super) enum Beside {
 }
 
 impl Beside {
+    /// Station and part of each limited value.
+    fn limited(&self) -> Vec<(usize, usize)> {
+        match self {
+            Beside::Axle(axle) => axle.limited().collect(),
+            Beside::Elastic(elastic) => elastic.limited().collect(),
+        }
+    }
+
+    /// Gives limited values their rows, from part and station.
+    fn number_rows(&mut self, rows: impl FnMut(usize, usize) -> Check) {
+        match self {
+            Beside::Axle(axle) => axle.number_rows(rows),
+            Beside::Elastic(elastic) => elastic.number_rows(rows),
+        }
+    }
+
     /// Weights the rows: the residual of each target per deviation in tolerances.
     fn weigh(&mut self, shares: &[f64]) {
         match self {
@@ -271,6 +317,13 @@ impl TargetLayout {
                 elastic.limit(place, *value, &part.limited, site, own_motion);
                 continue;
             }
+            if let (Some(Beside::Axle(axle)), Measure::OfAxle(quantity), Vehicle::Axle(both)) =
+                (&mut beside, &part.limited.of, vehicle)
+            {
+                let at_design = both.plan.course.at_design().placements()[0];
+                axle.limit(place, *quantity, &part.limited, at_design);
+                continue;
+            }
             let (motion, legs) = legs_of(site.unwrap_or(&default), own_motion, frame, &mut drafts);
             if part.is_at_design {
                 // The design position has the rack straight ahead.
@@ -344,8 +397,8 @@ impl TargetLayout {
             }
         }
         let of_elastic = drafts.len();
-        if let Some(Beside::Elastic(elastic)) = &beside {
-            for (station, part) in elastic.limited() {
+        if let Some(beside) = &beside {
+            for (station, part) in beside.limited() {
                 if is_equality(&parts[part]) {
                     labels.push(label(part, true, of_elastic, station));
                 }
@@ -405,8 +458,8 @@ impl TargetLayout {
                 extremes,
             });
         }
-        if let Some(Beside::Elastic(elastic)) = &mut beside {
-            elastic.number_rows(|part, station| {
+        if let Some(beside) = &mut beside {
+            beside.number_rows(|part, station| {
                 let equal = label(part, true, of_elastic, station);
                 let equal = labels[..equalities].iter().position(|l| *l == equal);
                 let mut row = |limit: Option<f64>, is_upper: bool| {

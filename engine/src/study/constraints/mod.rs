@@ -3,6 +3,7 @@
 mod joints;
 mod regions;
 
+use super::axle::{lacks_nothing, quantities};
 use super::elastic_targets;
 use super::error::Problems;
 use super::file::{self, Constraint as Written, Coordinates};
@@ -13,7 +14,7 @@ use super::subject::{force, length, member, point, site};
 use super::suspension::three;
 use super::targets::refuse_keys_of_cars;
 use super::value::{Number, Text};
-use super::{Constraint, Limited, Motion, Site};
+use super::{AxleStudy, Constraint, Limited, Motion, Site};
 use crate::ask::Unit;
 use crate::characteristics::{Measure, Quantity};
 use crate::compliance::KcValue;
@@ -69,6 +70,11 @@ impl Reader<'_> {
     /// The constraint; through a motion of an axle one for each wheel.
     fn constraint(&self, problems: &mut Problems) -> Option<Vec<Constraint>> {
         let written = self.written;
+        if let (Some(both), Some(name)) = (self.context.axle, &written.characteristic)
+            && both.axle.elastic.is_some()
+        {
+            return self.of_elastic_axle(both, name, problems);
+        }
         let sites = self.sites(problems)?;
         let is_design = match &written.at {
             None => false,
@@ -151,6 +157,78 @@ impl Reader<'_> {
             site: (!is_design).then_some(site),
         };
         Some(sites.into_iter().map(of_wheel).collect())
+    }
+
+    /// Limits of a quantity of an axle with elastic parts in the design position, one for each wheel that has it.
+    fn of_elastic_axle(
+        &self,
+        both: &AxleStudy,
+        name: &Text,
+        problems: &mut Problems,
+    ) -> Option<Vec<Constraint>> {
+        self.takes(&LIMITS, problems);
+        let written = self.written;
+        let places = [
+            written.motion.as_ref().map(Text::span),
+            written.rack.as_ref().map(Spanned::span),
+            written
+                .at
+                .as_ref()
+                .filter(|at| at.get_ref() != "design")
+                .map(Text::span),
+        ];
+        if let Some(place) = places.into_iter().flatten().next() {
+            let message = "limits of an elastic axle hold in the design position; a target with between, at_least or at_most \
+                           holds over a motion";
+            return problems.refuse(place, message);
+        }
+        let mut all = quantities(name, &both.axle, problems)?;
+        if !lacks_nothing(name, all[0], &both.axle, problems) {
+            return None;
+        }
+        let side = match &written.side {
+            None => None,
+            Some(text) => {
+                let sides = Side::ALL.map(|side| (side.name(), side));
+                Some(choose(text, "side", &sides, problems)?)
+            }
+        };
+        match (side, all.iter().find(|q| q.side().is_none()).copied()) {
+            (Some(side), _) => all.retain(|q| q.side() == Some(side)),
+            // What the axle has itself is meant before what each wheel has.
+            (None, Some(own)) => all = vec![own],
+            (None, None) => {}
+        }
+        if let (true, Some(text)) = (all.is_empty(), &written.side) {
+            let message = format!("{} belongs to the axle, so it has no side", name.get_ref());
+            return problems.refuse(text.span(), message);
+        }
+        let limits = self.needed_limits(problems)?;
+        let length = self.suspension().length_unit;
+        let constraint = |quantity: &crate::axle::Quantity| {
+            let unit = quantity.info().unit;
+            let (visible, symbol) = visible_change(unit, length);
+            let inside = |printed: f64| unit.from_printed(printed, length);
+            let [lower, upper] = limits.map(|limit| limit.map(inside));
+            let called = written.name.as_ref().map(|name| name.get_ref().clone());
+            let called = called.unwrap_or_else(|| format!("{} {}", name.get_ref(), words(limits)));
+            Constraint {
+                name: match quantity.side() {
+                    Some(side) => format!("{called}, {} wheel", side.name()),
+                    None => called,
+                },
+                parts: vec![Limited {
+                    of: Measure::OfAxle(*quantity),
+                    lower,
+                    upper,
+                    scale: inside(visible),
+                    visible,
+                    unit: symbol,
+                }],
+                site: None,
+            }
+        };
+        Some(all.iter().map(constraint).collect())
     }
 
     /// The motion and the rack displacements at which the constraint holds. A motion of an axle is a motion of each wheel,

@@ -801,3 +801,86 @@ fn two_thousand_mutilated_studies_are_computed_or_refused() {
     println!("{used} computed, {refused} refused");
     assert!(used > 200 && refused > 1000, "{used} {refused}");
 }
+
+const LIMITED: &str = r#"
+[optimise]
+good_enough = 0.0
+variables = [
+  { hardpoint = "tie_rod_inner", axis = "z", range = [-10.0, 10.0] },
+  { bushing = "lower_arm_rear", stiffness = "y", range = [0.2, 5.0], relative = true },
+  { bushing = "subframe_rear", stiffness = "y", range = [0.3, 3.0], relative = true },
+]
+targets = [
+  { characteristic = "toe", over = "heave", at = 20.0, value = 0.05, tolerance = 0.02 },
+  { figure = "toe_by_lateral_force_trail_30", value = -0.03, tolerance = 0.005 },
+]
+constraints = [
+  { characteristic = "understeer_by_lateral_force_trail_30", at_most = 0.015 },
+  { characteristic = "camber_by_braking", between = [-0.05, 0.03], side = "right" },
+  { characteristic = "wheel_load", at_most = 6000.0 },
+  { length = "tie_rod", between = [290.0, 320.0], at = "design" },
+]
+"#;
+
+/// Limits of an axle's figures have rows with exact slopes, and bind where a target wants more.
+#[test]
+fn figures_of_an_axle_keep_their_limits() {
+    let study = elastic(&with(SUBFRAME, LIMITED));
+    let optimise = study.optimise.as_ref().unwrap();
+    let names: Vec<&str> = optimise
+        .constraints
+        .iter()
+        .map(|c| c.name.as_str())
+        .collect();
+    // The axle's figure has one limit, the wheel load one for each wheel.
+    assert_eq!(names.len(), 5, "{names:?}");
+    assert!(
+        names.contains(&"wheel_load at most 6000, left wheel"),
+        "{names:?}"
+    );
+    let layout = TargetLayout::of(optimise, &study.vehicle);
+    let at = |x: &[f64]| {
+        let found = assessed_at(study.wheel(), &optimise.variables, &layout, x);
+        found.unwrap().unwrap().rows
+    };
+    let x = [1.3, 0.2, -0.1];
+    let found = at(&x);
+    // Five limits of quantities and figures, two of a length.
+    assert_eq!(found.residuals.len(), 7);
+    for (k, step) in [0.05, 0.005, 0.005].into_iter().enumerate() {
+        let moved = [-2.0, -1.0, 1.0, 2.0].map(|steps| {
+            let mut x = x;
+            x[k] += steps * step;
+            at(&x).residuals
+        });
+        let slopes = (8.0 * (&moved[2] - &moved[1]) - (&moved[3] - &moved[0])) / (12.0 * step);
+        for row in 0..7 {
+            let (own, expected) = (found.jacobian[(row, k)], slopes[row]);
+            assert!(
+                (own - expected).abs() < 2e-7 * expected.abs().max(1e-2),
+                "{row} {k}: {own} {expected}"
+            );
+        }
+    }
+    let tuning = tune(&study.vehicle, optimise, Control::default()).unwrap();
+    let best = tuning.best.unwrap();
+    let tuned = study.moved(&best.offsets);
+    let more = "\n[outputs]\ncharacteristics = [\"understeer_by_lateral_force_trail_30\", \"toe_by_lateral_force_trail_30\"]\n";
+    let text = study
+        .with_points_of(&tuned)
+        .split("[optimise]")
+        .next()
+        .unwrap()
+        .to_owned()
+        + more;
+    let found = values(&text, 1);
+    let understeer = value_of(&found, "understeer_by_lateral_force_trail_30_deg_per_kN");
+    assert!((understeer - 0.015).abs() < 1e-6, "{understeer}");
+    let refused = with(
+        SUBFRAME,
+        &LIMITED.replace("at_most = 0.015 }", "at_most = 0.015, motion = \"x\" }"),
+    );
+    let read = Study::elastic_from_text("case.toml", &refused, std::path::Path::new("."));
+    let said = read.map(drop).unwrap_err().to_string();
+    assert!(said.contains("holds over a motion"), "{said}");
+}

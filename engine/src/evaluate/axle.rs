@@ -27,7 +27,7 @@ pub(crate) struct AxleStations<'s> {
     pub placements: Vec<Placement>,
     of_motion: usize,
     pub(super) design: usize,
-    /// What an axle with elastic parts needs beside them; `None` for the usual ones.
+    /// Needs of an axle with elastic parts beside them; `None` for the usual ones.
     pub elastic: Option<ElasticAxleParts>,
     /// For each position, the printed value of the first number that moves.
     values: Vec<f64>,

@@ -557,7 +557,7 @@ fn rows_of_a_sweep_are_those_of_single_designs() {
     );
 }
 
-/// What a study asks of the rigid mechanism is refused, and a name that is not known has the nearest one.
+/// Quantities of the rigid mechanism are refused, and a name that is not known has the nearest one.
 #[test]
 fn what_an_elastic_axle_does_not_have_is_refused() {
     let refused = |text: &str| {

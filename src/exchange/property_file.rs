@@ -13,7 +13,7 @@ use super::subsystem::Written;
 use crate::compliance::{Relaxed, Shape};
 use crate::model::LengthUnit;
 use crate::report::shortest;
-use crate::study::Study;
+use crate::study::NamedBushing;
 use std::fmt::Write;
 
 /// Ends of the range of a law without points: in millimetres, and in radians.
@@ -30,16 +30,14 @@ const AXES: [&str; 6] = ["FX", "FY", "FZ", "TX", "TY", "TZ"];
 /// The study has no such bushing, or several and no name.
 pub fn property_file(outgoing: &Outgoing<'_>, hardpoint: Option<&str>) -> Result<Written, String> {
     let study = outgoing.study;
-    let parts = bushings_of(study);
+    let none = || "it has no section [bushings.NAME]".to_owned();
+    let parts = study.elastic_parts().ok_or_else(none)?;
     let names = || {
-        parts
-            .iter()
-            .map(|part| part.name)
-            .collect::<Vec<_>>()
-            .join(", ")
+        let names = parts.bushings.iter().map(|part| part.name);
+        names.collect::<Vec<_>>().join(", ")
     };
-    let part = match (hardpoint, &parts[..]) {
-        (_, []) => return Err("it has no section [bushings.NAME]".to_owned()),
+    let part = match (hardpoint, &parts.bushings[..]) {
+        (_, []) => return Err(none()),
         (None, [part]) => part,
         (None, _) => {
             return Err(format!(
@@ -48,7 +46,7 @@ pub fn property_file(outgoing: &Outgoing<'_>, hardpoint: Option<&str>) -> Result
             ));
         }
         (Some(name), _) => {
-            let found = parts.iter().find(|part| part.name == name);
+            let found = parts.bushings.iter().find(|part| part.name == name);
             found.ok_or_else(|| format!("no bushing {name:?}; it has {}", names()))?
         }
     };
@@ -61,7 +59,7 @@ pub fn property_file(outgoing: &Outgoing<'_>, hardpoint: Option<&str>) -> Result
         file.curve(axis, shape);
     }
     let mut notes = file.notes;
-    notes.extend(remarks(part));
+    notes.extend(remarks(part, parts.relaxed));
     Ok(Written {
         bytes: file.text.replace('\n', "\r\n").into_bytes(),
         notes,
@@ -92,40 +90,8 @@ fn rule(name: &str) -> String {
     format!("${name:->79}\n")
 }
 
-/// A bushing or a mount of a subframe.
-struct Rubber<'s> {
-    name: &'s str,
-    shapes: &'s [Shape; 6],
-    preload: [f64; 6],
-    relaxed: Relaxed,
-}
-
-/// The bushings of a wheel, of an axle those of the left one and the mounts of its subframe.
-fn bushings_of(study: &Study) -> Vec<Rubber<'_>> {
-    let of_axle = study.axle().and_then(|both| both.axle.elastic.as_ref());
-    let of_wheel = study.compliance().map(|elastic| &elastic.parts);
-    let Some(parts) = of_wheel.or(of_axle.map(|elastic| &elastic.parts.wheels[0])) else {
-        return Vec::new();
-    };
-    let bushings = parts.bushings.iter().map(|part| Rubber {
-        name: study.wheel().mechanism.name(part.point),
-        shapes: &part.shapes,
-        preload: part.preload,
-        relaxed: parts.relaxed,
-    });
-    let subframe = of_axle.and_then(|elastic| elastic.parts.subframe.as_ref());
-    let mounts = subframe.into_iter().flat_map(|own| &own.mounts);
-    let mounts = mounts.map(|mount| Rubber {
-        name: &mount.name,
-        shapes: &mount.shapes,
-        preload: mount.preload,
-        relaxed: parts.relaxed,
-    });
-    bushings.chain(mounts).collect()
-}
-
 /// Properties of a bushing that the file does not hold.
-fn remarks(part: &Rubber<'_>) -> Vec<String> {
+fn remarks(part: &NamedBushing<'_>, relaxed: Relaxed) -> Vec<String> {
     let name = part.name;
     let mut remarks = vec![
         format!(
@@ -140,7 +106,7 @@ fn remarks(part: &Rubber<'_>) -> Vec<String> {
             part.preload.map(shortest).join(", ")
         ));
     }
-    if part.relaxed == Relaxed::AtDesignLoad {
+    if relaxed == Relaxed::AtDesignLoad {
         remarks.push(
             "relaxed = \"at_design_load\": the curves begin at the relaxed bushing; the forces at the design load are \
              preloads in the subsystem, from `hardpoint kc`"

@@ -101,8 +101,7 @@ impl Study {
 
     /// The text with the rates of elastic parts of another study, where they differ.
     pub fn with_rates_of(&self, text: String, moved: &Study) -> String {
-        let pairs = rated_parts(self).zip(rated_parts(moved));
-        let Some(((bushings, links), (new_bushings, new_links))) = pairs else {
+        let Some((old, new)) = self.elastic_parts().zip(moved.elastic_parts()) else {
             return text;
         };
         let Ok(mut document) = text.parse::<DocumentMut>() else {
@@ -110,12 +109,12 @@ impl Study {
         };
         let root = document.as_table_mut();
         let mechanism = &self.wheel().mechanism;
-        for ((name, old), (_, new)) in bushings.into_iter().zip(new_bushings) {
-            if let Some(bushing) = table(root, &["bushings", name]) {
-                rewrite_rates(bushing, old, new);
+        for (old, new) in old.bushings.iter().zip(&new.bushings) {
+            if let Some(bushing) = table(root, &["bushings", old.name]) {
+                rewrite_rates(bushing, old.shapes, new.shapes);
             }
         }
-        for ((name, old), (_, new)) in links.into_iter().zip(new_links) {
+        for ((name, old), (_, new)) in old.links.into_iter().zip(new.links) {
             if let Some(link) = table(root, &["links", name]) {
                 rewrite_stiffness(link, old, new);
             }
@@ -210,31 +209,6 @@ fn rewrite(
             }
         }
     }
-}
-
-/// Laws of the bushings and stiffness of the links, by name.
-type RatedParts<'s> = (
-    Vec<(&'s str, &'s [Shape; 6])>,
-    Vec<(&'s str, AxialStiffness)>,
-);
-
-/// The elastic parts of a study that have rates: those of the left wheel, and the mounts of a subframe.
-fn rated_parts(study: &Study) -> Option<RatedParts<'_>> {
-    let of_axle = study.axle().and_then(|both| both.axle.elastic.as_ref());
-    let (wheel, names) = match (study.compliance(), of_axle) {
-        (Some(own), _) => (&own.parts, &own.link_names),
-        (None, Some(own)) => (&own.parts.wheels[0], &own.link_names),
-        (None, None) => return None,
-    };
-    let mechanism = &study.wheel().mechanism;
-    let bushings = wheel.bushings.iter();
-    let bushings = bushings.map(|part| (mechanism.name(part.point), &part.shapes));
-    let mounts = of_axle.and_then(|own| own.parts.subframe.as_ref());
-    let mounts = mounts.into_iter().flat_map(|own| &own.mounts);
-    let mounts = mounts.map(|mount| (mount.name.as_str(), &mount.shapes));
-    let links = names.iter().zip(&wheel.links);
-    let links = links.map(|(name, link)| (name.as_str(), link.stiffness));
-    Some((bushings.chain(mounts).collect(), links.collect()))
 }
 
 /// A number, with or without a decimal point.

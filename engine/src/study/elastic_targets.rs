@@ -5,7 +5,7 @@ use super::error::Problems;
 use super::names::choose;
 use super::resolve::Context;
 use super::value::Text;
-use super::{About, ElasticFigure, RATE_AXES, Rate, Subject, Variable, file, moves};
+use super::{About, ElasticFigure, NamedParts, RATE_AXES, Rate, Subject, Variable, file, moves};
 use crate::characteristics::Characteristic;
 use crate::compliance::{
     AxialStiffness, HeldQuantity, KcTest, KcValue, Parameter, Shape, not_of_equilibrium, quantities,
@@ -287,7 +287,9 @@ impl RateKeys<'_> {
         context: &Context,
         problems: &mut Problems,
     ) -> Option<(String, Rate)> {
-        let Some(parts) = RatedParts::of(context) else {
+        let of_axle = context.elastic_axle();
+        let parts = NamedParts::of(context.suspension, context.elastic, of_axle);
+        let Some(parts) = parts else {
             // What is wrong with the elastic parts is said already.
             if context.file.compliance.is_some() {
                 return None;
@@ -310,7 +312,6 @@ impl RateKeys<'_> {
                 return problems.refuse(self.place.clone(), message);
             }
         };
-        let of_axle = context.elastic_axle();
         if of_axle.is_some_and(|own| own.parts.differs(parameter)) {
             let message = format!(
                 "{name} has another rate on the right wheel: expected one rate of both to move"
@@ -373,49 +374,15 @@ pub(super) fn rate(
 
 type Found = (String, Parameter, f64);
 
-/// The elastic parts of a study that have rates: bushings with their laws by axis, mounts of a subframe after them, and
-/// links. Both wheels of an axle have the same ones.
-struct RatedParts<'a> {
-    bushings: Vec<(String, &'a [Shape])>,
-    links: Vec<(&'a str, AxialStiffness)>,
-}
-
-impl<'a> RatedParts<'a> {
-    fn of(context: &Context<'a>) -> Option<Self> {
-        let mechanism = &context.suspension.mechanism;
-        let of_axle = context.axle.and_then(|both| both.axle.elastic.as_deref());
-        let (parts, names) = match (context.elastic, of_axle) {
-            (Some(own), _) => (&own.parts, &own.link_names),
-            (None, Some(own)) => (&own.parts.wheels[0], &own.link_names),
-            (None, None) => return None,
-        };
-        let mounts = of_axle.into_iter().flat_map(|own| &own.parts.subframe);
-        let mounts = mounts.flat_map(|subframe| &subframe.mounts);
-        let bushings = parts.bushings.iter();
-        let bushings = bushings.map(|own| (mechanism.name(own.point).to_owned(), &own.shapes[..]));
-        let links = names.iter().zip(&parts.links);
-        Some(RatedParts {
-            bushings: bushings
-                .chain(mounts.map(|mount| (mount.name.clone(), &mount.shapes[..])))
-                .collect(),
-            links: links
-                .map(|(name, link)| (name.as_str(), link.stiffness))
-                .collect(),
-        })
-    }
-}
-
 fn bushing_rate(
     name: &Text,
     axis: Option<&Text>,
     is_relative: bool,
-    parts: &RatedParts<'_>,
+    parts: &NamedParts<'_>,
     problems: &mut Problems,
 ) -> Option<Found> {
     let bushings = parts.bushings.iter().enumerate();
-    let options: Vec<_> = bushings
-        .map(|(number, (name, _))| (name.as_str(), number))
-        .collect();
+    let options: Vec<_> = bushings.map(|(number, own)| (own.name, number)).collect();
     let number = choose(name, "bushing", &options, problems)?;
     let Some(axis) = axis else {
         let message = "expected stiffness: \"x\", \"y\", \"z\", \"tx\", \"ty\" or \"tz\"";
@@ -427,7 +394,7 @@ fn bushing_rate(
         .map(|(k, a)| (a, k))
         .collect();
     let k = choose(axis, "axis of a bushing", &axes, problems)?;
-    let design = match &parts.bushings[number].1[k] {
+    let design = match &parts.bushings[number].shapes[k] {
         Shape::Cubic { rate, .. } => *rate,
         Shape::Curve { .. } if !is_relative => {
             let message = "a curve is scaled: expected relative = true";
@@ -446,7 +413,7 @@ fn bushing_rate(
     ))
 }
 
-fn link_rate(name: &Text, parts: &RatedParts<'_>, problems: &mut Problems) -> Option<Found> {
+fn link_rate(name: &Text, parts: &NamedParts<'_>, problems: &mut Problems) -> Option<Found> {
     let links = parts.links.iter().enumerate();
     let options: Vec<_> = links.map(|(k, (name, _))| (*name, k)).collect();
     let number = choose(name, "link", &options, problems)?;

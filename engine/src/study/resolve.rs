@@ -1,6 +1,6 @@
 //! Resolves the file as written to a study.
 
-use super::compliance::BushingText;
+use super::compliance::{BushingText, NamedBushing, NamedParts};
 use super::error::{Problems, Source, StudyError, StudyErrors};
 use super::targets::FromFile;
 use super::{
@@ -245,7 +245,10 @@ fn resolve(
     // Sections of an axle that could not be read would only repeat its faults.
     let is_known = !of_axle || axle.is_some();
     let tasks = Tasks::read(&context, is_known, formulation, &mut problems);
-    let bushings = bushings_of_files(&file, &suspension, context.elastic, context.elastic_axle());
+    let bushings = bushings_of_files(
+        &file,
+        NamedParts::of(&suspension, context.elastic, context.elastic_axle()),
+    );
     let study = || {
         let tasks = tasks?;
         let text = edit::with_curves_inside(&source.text, &tasks.curves);
@@ -409,28 +412,17 @@ impl Tasks {
 }
 
 /// Texts of the bushings that come from files of their own, which become part of the study's text.
-fn bushings_of_files(
-    file: &file::File,
-    suspension: &Suspension,
-    elastic: Option<&ComplianceStudy>,
-    of_axle: Option<&AxleComplianceStudy>,
-) -> Vec<BushingText> {
-    let of_wheel = elastic.map(|own| &own.parts);
-    let parts = of_wheel.or(of_axle.map(|own| &own.parts.wheels[0]));
-    let bushings = parts.into_iter().flat_map(|own| &own.bushings);
-    let bushings = bushings.map(|part| {
-        let name = suspension.mechanism.name(part.point);
-        BushingText::of(name, &part.shapes)
-    });
-    let mounts = of_axle.and_then(|own| own.parts.subframe.as_ref());
-    let mounts = mounts.into_iter().flat_map(|own| &own.mounts);
-    let mounts = mounts.map(|mount| BushingText::of(&mount.name, &mount.shapes));
-    let is_of_file = |text: &BushingText| {
+fn bushings_of_files(file: &file::File, parts: Option<NamedParts<'_>>) -> Vec<BushingText> {
+    let bushings = parts.into_iter().flat_map(|own| own.bushings);
+    let is_of_file = |part: &NamedBushing<'_>| {
         let mut written = file.bushings.iter();
-        let own = written.find(|(known, _)| *known.get_ref() == text.name);
+        let own = written.find(|(known, _)| known.get_ref() == part.name);
         own.is_some_and(|(_, own)| own.get_ref().file.is_some())
     };
-    bushings.chain(mounts).filter(is_of_file).collect()
+    let bushings = bushings.filter(is_of_file);
+    bushings
+        .map(|part| BushingText::of(part.name, part.shapes))
+        .collect()
 }
 
 /// The files a study names.

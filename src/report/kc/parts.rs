@@ -1,40 +1,41 @@
 //! The elastic parts of a study, as a table.
 
 use super::super::table::{Cell, Table};
-use crate::compliance::{AxialStiffness, LinkPart, Shape};
+use crate::compliance::{AxialStiffness, Shape};
 use crate::study::Study;
 
-/// Returns the elastic parts of a study, one in a row; of an axle those of the left side, those
-/// that differ on the right, and the rack.
+/// Returns the elastic parts of a study, one in a row. An axle has the parts of the left wheel, the mounts of the subframe,
+/// the parts of the right wheel that differ, and the rack.
 pub fn elastic_parts(study: &Study) -> Table {
     let mut table = Table::new(["part", "elastic", "rates", "torsional rates", "unit"]);
     let u = study.wheel().length_unit.symbol();
-    let mechanism = &study.wheel().mechanism;
-    if let Some(elastic) = study.compliance() {
-        for part in &elastic.parts.bushings {
-            push_bushing(&mut table, mechanism.name(part.point), &part.shapes, u);
-        }
-        push_links(&mut table, &elastic.link_names, &elastic.parts.links, u);
+    let Some(parts) = study.elastic_parts() else {
+        return table;
+    };
+    for part in &parts.bushings {
+        push_bushing(&mut table, part.name, part.shapes, u);
+    }
+    for (name, stiffness) in &parts.links {
+        push_link(&mut table, name, *stiffness, u);
     }
     let of_axle = study.axle().and_then(|both| both.axle.elastic.as_ref());
     if let Some(elastic) = of_axle {
         let [left, right] = &elastic.parts.wheels;
-        for part in &left.bushings {
-            push_bushing(&mut table, mechanism.name(part.point), &part.shapes, u);
+        let both = left.bushings.iter().zip(&right.bushings);
+        for ((left, right), part) in both.zip(&parts.bushings) {
+            if left.shapes != right.shapes {
+                push_bushing(
+                    &mut table,
+                    &format!("right {}", part.name),
+                    &right.shapes,
+                    u,
+                );
+            }
         }
-        for mount in elastic.parts.subframe.iter().flat_map(|own| &own.mounts) {
-            push_bushing(&mut table, &mount.name, &mount.shapes, u);
-        }
-        push_links(&mut table, &elastic.link_names, &left.links, u);
-        let own = left.bushings.iter().zip(&right.bushings);
-        for (_, part) in own.filter(|(left, right)| left.shapes != right.shapes) {
-            let name = format!("right {}", mechanism.name(part.point));
-            push_bushing(&mut table, &name, &part.shapes, u);
-        }
-        let own = left.links.iter().zip(&right.links);
-        for ((_, part), name) in own.zip(&elastic.link_names).filter(|((l, r), _)| l != r) {
-            let names = [format!("right {name}")];
-            push_links(&mut table, &names, std::slice::from_ref(part), u);
+        for (right, (name, stiffness)) in right.links.iter().zip(&parts.links) {
+            if right.stiffness != *stiffness {
+                push_link(&mut table, &format!("right {name}"), right.stiffness, u);
+            }
         }
         if let Some(rate) = elastic.parts.rack_rate {
             push_axial(&mut table, "rack", rate, format!("N/{u}"));
@@ -55,14 +56,12 @@ fn push_bushing(table: &mut Table, name: &str, shapes: &[Shape; 6], u: &str) {
     ]);
 }
 
-fn push_links(table: &mut Table, names: &[String], links: &[LinkPart], u: &str) {
-    for (name, part) in names.iter().zip(links) {
-        let (rate, unit) = match part.stiffness {
-            AxialStiffness::Rate(rate) => (rate, format!("N/{u}")),
-            AxialStiffness::PerStrain(force) => (force, "N per strain".to_owned()),
-        };
-        push_axial(table, name, rate, unit);
-    }
+fn push_link(table: &mut Table, name: &str, stiffness: AxialStiffness, u: &str) {
+    let (rate, unit) = match stiffness {
+        AxialStiffness::Rate(rate) => (rate, format!("N/{u}")),
+        AxialStiffness::PerStrain(force) => (force, "N per strain".to_owned()),
+    };
+    push_axial(table, name, rate, unit);
 }
 
 fn push_axial(table: &mut Table, name: &str, rate: f64, unit: String) {

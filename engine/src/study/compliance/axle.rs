@@ -8,8 +8,8 @@ use super::super::right_wheel;
 use super::super::suspension::above_zero;
 use super::super::value::Text;
 use super::{
-    WheelParts, bushing, check_design_load, check_spring, link, section, subframe, tests,
-    tyre_rate, wheel_parts,
+    NamedParts, WheelParts, bushing, check_design_load, check_spring, link, section, subframe,
+    tests, tyre_rate, wheel_parts,
 };
 use crate::axle::{Axle, AxleMotion, TestFigure, WheelMotion};
 use crate::compliance::{AxleCompliance, AxleKcRun, AxleVehicle, KcTest, TestLoad};
@@ -37,12 +37,9 @@ pub struct AxleComplianceStudy {
 impl AxleComplianceStudy {
     /// Names of the bushings of a wheel, then of the mounts of the subframe.
     pub fn bushing_names(&self, suspension: &Suspension) -> Vec<String> {
-        let bushings = self.parts.wheels[0].bushings.iter();
-        let names = bushings.map(|part| suspension.mechanism.name(part.point).to_owned());
-        let mounts = self.parts.subframe.iter().flat_map(|own| &own.mounts);
-        names
-            .chain(mounts.map(|mount| mount.name.clone()))
-            .collect()
+        let parts = NamedParts::of(suspension, None, Some(self));
+        let bushings = parts.into_iter().flat_map(|own| own.bushings);
+        bushings.map(|own| own.name.to_owned()).collect()
     }
 }
 

@@ -4,12 +4,14 @@
 mod axle;
 mod bushing;
 mod link;
+mod named_parts;
 mod subframe;
 mod tests;
 
 pub use axle::AxleComplianceStudy;
 pub(super) use axle::axle_compliance;
 pub(super) use bushing::BushingText;
+pub use named_parts::{NamedBushing, NamedParts};
 
 use super::axle as of_axle;
 use super::error::Problems;

@@ -1,0 +1,69 @@
+//! The elastic parts of a study by their names.
+
+use super::{AxleComplianceStudy, ComplianceStudy};
+use crate::compliance::{AxialStiffness, Relaxed, Shape};
+use crate::model::Suspension;
+use crate::study::Study;
+
+/// A bushing of a wheel, or a mount of a subframe.
+#[derive(Clone, Copy, Debug)]
+pub struct NamedBushing<'s> {
+    /// Its name.
+    pub name: &'s str,
+    /// Laws along and about its axes.
+    pub shapes: &'s [Shape; 6],
+    /// Constant forces and torques.
+    pub preload: [f64; 6],
+}
+
+/// The elastic parts of a wheel; of an axle those of the left wheel and the mounts of the subframe.
+#[derive(Clone, Debug)]
+pub struct NamedParts<'s> {
+    /// The bushings, then the mounts: in the order in which [`crate::compliance::Parameter`] counts them.
+    pub bushings: Vec<NamedBushing<'s>>,
+    /// The links.
+    pub links: Vec<(&'s str, AxialStiffness)>,
+    /// Position in which the parts are relaxed.
+    pub relaxed: Relaxed,
+}
+
+impl<'s> NamedParts<'s> {
+    /// The parts of a wheel, or else of an axle; `None` without either.
+    pub(in super::super) fn of(
+        suspension: &'s Suspension,
+        of_wheel: Option<&'s ComplianceStudy>,
+        of_axle: Option<&'s AxleComplianceStudy>,
+    ) -> Option<Self> {
+        let wheel = of_wheel.map(|own| (&own.parts, &own.link_names));
+        let axle = of_axle.map(|own| (&own.parts.wheels[0], &own.link_names));
+        let (parts, link_names) = wheel.or(axle)?;
+        let bushings = parts.bushings.iter().map(|part| NamedBushing {
+            name: suspension.mechanism.name(part.point),
+            shapes: &part.shapes,
+            preload: part.preload,
+        });
+        let subframe = of_axle.and_then(|own| own.parts.subframe.as_ref());
+        let mounts = subframe.into_iter().flat_map(|own| &own.mounts);
+        let mounts = mounts.map(|mount| NamedBushing {
+            name: &mount.name,
+            shapes: &mount.shapes,
+            preload: mount.preload,
+        });
+        let links = link_names.iter().zip(&parts.links);
+        Some(NamedParts {
+            bushings: bushings.chain(mounts).collect(),
+            links: links
+                .map(|(name, link)| (name.as_str(), link.stiffness))
+                .collect(),
+            relaxed: parts.relaxed,
+        })
+    }
+}
+
+impl Study {
+    /// The elastic parts by their names; `None` without any.
+    pub fn elastic_parts(&self) -> Option<NamedParts<'_>> {
+        let of_axle = self.axle().and_then(|both| both.axle.elastic.as_deref());
+        NamedParts::of(self.wheel(), self.compliance(), of_axle)
+    }
+}

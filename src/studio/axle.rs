@@ -23,6 +23,7 @@ use crate::plan::Plan;
 use crate::report::{FailureRange, axle_plausibility, plausibility};
 use crate::solve::StationOrder;
 use crate::study::{AxleStudy, Study, WheelStudy};
+use std::borrow::Cow;
 use std::time::Instant;
 
 /// The numbers a course has, each with a value where it is held at nothing.
@@ -115,14 +116,10 @@ pub(super) fn catalogue(study: &Study, both: &AxleStudy) -> Vec<CharacteristicOv
             available: axle.has(first),
         })
     };
-    let mut names: Vec<String> = Quantity::names().into_iter().map(str::to_owned).collect();
-    for figure in axle.figures() {
-        let stem = figure.stem();
-        if !names.contains(&stem) {
-            names.push(stem);
-        }
-    }
-    names.into_iter().filter_map(overview).collect()
+    axle.quantity_names()
+        .into_iter()
+        .filter_map(overview)
+        .collect()
 }
 
 /// The plan with these quantities.
@@ -227,13 +224,13 @@ fn frame(axle: &Axle, plan: &AxlePlan, at: &[f64], side: Side) -> Option<Frame> 
         quantities: Vec::new(),
         ..plan.quantities_alone()
     };
+    let is_elastic = axle.elastic.is_some();
     // The mechanism is drawn as a rigid one.
-    let rigid = Axle {
-        elastic: None,
-        ..axle.clone()
-    };
-    let (axle, is_elastic) = (&rigid, axle.elastic.is_some());
-    let found = axle_curves(axle, &here).ok()?;
+    let mut axle = Cow::Borrowed(axle);
+    if is_elastic {
+        axle.to_mut().elastic = None;
+    }
+    let found = axle_curves(&axle, &here).ok()?;
     let placed = match found.placed.first()? {
         Ok(placed) => placed,
         Err(failure) => {

@@ -239,6 +239,18 @@ impl Axle {
         found
     }
 
+    /// Names of all quantities, without sides: those of the catalogue, then the figures of its tests.
+    pub fn quantity_names(&self) -> Vec<String> {
+        let mut names: Vec<String> = Quantity::names().into_iter().map(str::to_owned).collect();
+        for figure in self.figures() {
+            let stem = figure.stem();
+            if !names.contains(&stem) {
+                names.push(stem);
+            }
+        }
+        names
+    }
+
     /// The figures of the tests on its elastic parts.
     pub fn figures(&self) -> &[TestFigure] {
         self.elastic.as_ref().map_or(&[], |own| &own.figures)

@@ -666,14 +666,7 @@ pub(super) fn quantities(
     axle: &Axle,
     problems: &mut Problems,
 ) -> Option<Vec<Quantity>> {
-    let names = Quantity::names().into_iter().map(str::to_owned);
-    let mut names: Vec<String> = names.collect();
-    for figure in axle.figures() {
-        let stem = figure.stem();
-        if !names.contains(&stem) {
-            names.push(stem);
-        }
-    }
+    let names = axle.quantity_names();
     let names: Vec<_> = names.iter().map(|name| (&**name, &**name)).collect();
     let name = choose(text, "quantity of an axle", &names, problems)?;
     let found = axle.quantities(name);
@@ -703,11 +696,9 @@ pub(super) fn lacks_nothing(
     axle: &Axle,
     problems: &mut Problems,
 ) -> bool {
-    if let (true, Some([reason, instead])) =
-        (axle.elastic.is_some(), not_in_equilibrium(quantity, false))
-    {
-        let message = format!("{} {reason}", text.get_ref());
-        problems.add(text.span(), message).help(instead);
+    let reason = not_in_equilibrium(quantity, false).filter(|_| axle.elastic.is_some());
+    if let Some(reason) = reason {
+        refuse_in_equilibrium(text, reason, problems);
         return false;
     }
     if let Quantity::Corner(..) = quantity {
@@ -727,27 +718,28 @@ pub(super) fn lacks_nothing(
     false
 }
 
+/// Refuses a quantity for a reason of [`not_in_equilibrium`].
+fn refuse_in_equilibrium(text: &Text, [reason, instead]: [&str; 2], problems: &mut Problems) {
+    let message = format!("{} {reason}", text.get_ref());
+    problems.add(text.span(), message).help(instead);
+}
+
 /// Checks that the study gives all inputs that each quantity and the motion need.
 fn check_needs(file: &File, axle: &Axle, plan: &AxlePlan, problems: &mut Problems) -> Option<()> {
     let mut sound = true;
-    let texts = file.outputs.iter().flat_map(|o| &o.characteristics);
-    for text in texts {
-        for quantity in axle.quantities(text.get_ref()).into_iter().take(1) {
-            sound &= lacks_nothing(text, quantity, axle, problems);
-        }
-    }
+    let has_elastic_derivatives = axle.elastic.is_some() && plan.derivatives > 0;
     for text in file.outputs.iter().flat_map(|o| &o.characteristics) {
-        let quantity = axle.quantities(text.get_ref()).first().copied();
-        let quantity = quantity.filter(|q| !matches!(q, Quantity::Figure(_)));
-        let is_asked = axle.elastic.is_some() && plan.derivatives > 0;
-        let lacks = quantity
-            .filter(|q| is_asked && not_in_equilibrium(*q, false).is_none())
-            .and_then(|q| not_in_equilibrium(q, true));
-        if let Some([reason, instead]) = lacks {
-            let message = format!("{} {reason}", text.get_ref());
-            problems.add(text.span(), message).help(instead);
-            sound = false;
+        let Some(quantity) = axle.quantities(text.get_ref()).first().copied() else {
+            continue;
+        };
+        let has_value = lacks_nothing(text, quantity, axle, problems);
+        // Columns of figures have no derivatives.
+        let is_derived = has_elastic_derivatives && !matches!(quantity, Quantity::Figure(_));
+        let reason = not_in_equilibrium(quantity, true).filter(|_| has_value && is_derived);
+        if let Some(reason) = reason {
+            refuse_in_equilibrium(text, reason, problems);
         }
+        sound &= has_value && reason.is_none();
     }
     let takes_ground = plan.course.shows_roll() || plan.derivatives > 0;
     if takes_ground && axle.setup.wheel_radius.is_none() {

@@ -218,13 +218,23 @@ fn subject(
     study: &AxleStudy,
     problems: &mut Problems,
 ) -> Option<Subject> {
-    let all = quantities(name, &study.axle, problems)?;
-    let side_of = |quantity: &Quantity| quantity.side();
+    let quantities = quantities_of_side(name, side, &study.axle, problems)?;
+    Some(subject_of(quantities, name.get_ref(), &study.axle))
+}
+
+/// The quantities of a name and a side: one, or the same of both wheels if the side is missing.
+pub(super) fn quantities_of_side(
+    name: &Text,
+    side: &Option<Text>,
+    axle: &Axle,
+    problems: &mut Problems,
+) -> Option<Vec<Quantity>> {
+    let all = quantities(name, axle, problems)?;
     let quantities: Vec<Quantity> = match side {
         Some(text) => {
             let sides = Side::ALL.map(|side| (side.name(), side));
             let side = choose(text, "side", &sides, problems)?;
-            let of_side = |quantity: &Quantity| side_of(quantity) == Some(side);
+            let of_side = |quantity: &Quantity| quantity.side() == Some(side);
             let own: Vec<_> = all.into_iter().filter(of_side).collect();
             if own.is_empty() {
                 let name = name.get_ref();
@@ -233,16 +243,13 @@ fn subject(
             }
             own
         }
-        // What the axle has itself is meant before what each wheel has.
-        None => match all.iter().find(|q| side_of(q).is_none()) {
+        // A name of both means the axle's own quantity.
+        None => match all.iter().find(|q| q.side().is_none()) {
             Some(own) => vec![*own],
             None => all,
         },
     };
-    if !lacks_nothing(name, quantities[0], &study.axle, problems) {
-        return None;
-    }
-    Some(subject_of(quantities, name.get_ref(), &study.axle))
+    lacks_nothing(name, quantities[0], axle, problems).then_some(quantities)
 }
 
 /// The subject of a target about quantities of this name: one, or the same of both wheels.

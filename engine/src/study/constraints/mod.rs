@@ -3,7 +3,7 @@
 mod joints;
 mod regions;
 
-use super::axle::{lacks_nothing, quantities};
+use super::axle_targets::quantities_of_side;
 use super::elastic_targets;
 use super::error::Problems;
 use super::file::{self, Constraint as Written, Coordinates};
@@ -182,53 +182,23 @@ impl Reader<'_> {
                            holds over a motion";
             return problems.refuse(place, message);
         }
-        let mut all = quantities(name, &both.axle, problems)?;
-        if !lacks_nothing(name, all[0], &both.axle, problems) {
-            return None;
-        }
-        let side = match &written.side {
-            None => None,
-            Some(text) => {
-                let sides = Side::ALL.map(|side| (side.name(), side));
-                Some(choose(text, "side", &sides, problems)?)
-            }
-        };
-        match (side, all.iter().find(|q| q.side().is_none()).copied()) {
-            (Some(side), _) => all.retain(|q| q.side() == Some(side)),
-            // What the axle has itself is meant before what each wheel has.
-            (None, Some(own)) => all = vec![own],
-            (None, None) => {}
-        }
-        if let (true, Some(text)) = (all.is_empty(), &written.side) {
-            let message = format!("{} belongs to the axle, so it has no side", name.get_ref());
-            return problems.refuse(text.span(), message);
-        }
+        let quantities = quantities_of_side(name, &written.side, &both.axle, problems)?;
         let limits = self.needed_limits(problems)?;
-        let length = self.suspension().length_unit;
-        let constraint = |quantity: &crate::axle::Quantity| {
-            let unit = quantity.info().unit;
-            let (visible, symbol) = visible_change(unit, length);
-            let inside = |printed: f64| unit.from_printed(printed, length);
-            let [lower, upper] = limits.map(|limit| limit.map(inside));
-            let called = written.name.as_ref().map(|name| name.get_ref().clone());
-            let called = called.unwrap_or_else(|| format!("{} {}", name.get_ref(), words(limits)));
-            Constraint {
-                name: match quantity.side() {
-                    Some(side) => format!("{called}, {} wheel", side.name()),
-                    None => called,
-                },
-                parts: vec![Limited {
-                    of: Measure::OfAxle(*quantity),
-                    lower,
-                    upper,
-                    scale: inside(visible),
-                    visible,
-                    unit: symbol,
-                }],
-                site: None,
-            }
+        let called = written.name.as_ref().map(|name| name.get_ref().clone());
+        let called = called.unwrap_or_else(|| format!("{} {}", name.get_ref(), words(limits)));
+        let constraint = |quantity: &crate::axle::Quantity| Constraint {
+            name: match quantity.side() {
+                Some(side) => format!("{called}, {} wheel", side.name()),
+                None => called.clone(),
+            },
+            parts: vec![self.limited_as_printed(
+                Measure::OfAxle(*quantity),
+                quantity.info().unit,
+                limits,
+            )],
+            site: None,
         };
-        Some(all.iter().map(constraint).collect())
+        Some(quantities.iter().map(constraint).collect())
     }
 
     /// The motion and the rack displacements at which the constraint holds. A motion of an axle is a motion of each wheel,
@@ -418,20 +388,24 @@ impl Reader<'_> {
             }
         };
         let limits = self.needed_limits(problems)?;
+        let name = format!("{} {}", name.get_ref(), words(limits));
+        Some((name, vec![self.limited_as_printed(of, unit, limits)]))
+    }
+
+    /// A measure with limits in its printed unit.
+    fn limited_as_printed(&self, of: Measure, unit: Unit, limits: Limits) -> Limited {
         let length = self.suspension().length_unit;
         let (visible, symbol) = visible_change(unit, length);
         let inside = |printed: f64| unit.from_printed(printed, length);
         let [lower, upper] = limits.map(|limit| limit.map(inside));
-        let limited = Limited {
+        Limited {
             of,
             lower,
             upper,
             scale: inside(visible),
             visible,
             unit: symbol,
-        };
-        let name = format!("{} {}", name.get_ref(), words(limits));
-        Some((name, vec![limited]))
+        }
     }
 
     fn load(&self, name: &Text, problems: &mut Problems) -> Option<(String, Vec<Limited>)> {

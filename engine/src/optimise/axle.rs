@@ -5,13 +5,15 @@
 //! moved as the mirror images of the left ones are.
 
 use super::elastic_axle::elastic_axle_rows;
-use super::layout::{Check, LimitedValue, TargetSample};
+use super::layout::{LimitedValue, TargetSample};
 use super::moves::{PointRate, moved_design, point_rates};
 use super::{Infeasible, Linearisation};
 use crate::ask::NoValue;
 use crate::axle::{Axle, AxleSolver, Hold, Placement, Quantity};
+use crate::compliance::Parameter;
 use crate::evaluate::place_of;
 use crate::mechanism::DesignFault;
+use crate::model::PointId;
 use crate::number::{Each, Vector3};
 use crate::study::{Limited, Optimise, Variable};
 use nalgebra::DVector;
@@ -88,19 +90,16 @@ impl AxleLayout {
         self.station(placement).limits.push(limited);
     }
 
-    /// Station and part of each limited quantity.
-    pub(super) fn limited(&self) -> impl Iterator<Item = (usize, usize)> {
-        let stations = self.stations.iter().enumerate();
-        stations.flat_map(|(k, station)| station.limits.iter().map(move |own| (k, own.part)))
+    /// The limited values of each station.
+    pub(super) fn limits(&self) -> impl Iterator<Item = &[LimitedValue]> {
+        self.stations.iter().map(|station| &station.limits[..])
     }
 
-    /// Gives limited quantities their rows, from part and station.
-    pub(super) fn number_rows(&mut self, mut rows: impl FnMut(usize, usize) -> Check) {
-        for (k, station) in self.stations.iter_mut().enumerate() {
-            for own in &mut station.limits {
-                own.check = rows(own.part, k);
-            }
-        }
+    /// The same, to be given their rows.
+    pub(super) fn limits_mut(&mut self) -> impl Iterator<Item = &mut [LimitedValue]> {
+        self.stations
+            .iter_mut()
+            .map(|station| &mut station.limits[..])
     }
 
     /// Weighs the rows: the residual of each target per deviation in tolerances.
@@ -132,6 +131,58 @@ pub(super) struct Moved<'m> {
     pub point_rates: &'m [PointRate],
 }
 
+impl Moved<'_> {
+    /// The rates of elastic parts that are varied, with their derivatives, by number of the variable.
+    pub(super) fn rates(&self) -> impl Iterator<Item = (usize, Parameter, [f64; 2])> {
+        let variables = self.variables.iter().zip(self.x.iter()).enumerate();
+        variables.filter_map(|(column, (variable, x))| {
+            let rate = variable.rate.as_ref()?;
+            Some((column, rate.parameter, rate.at(*x)))
+        })
+    }
+}
+
+/// The points that variables move, each once.
+pub(super) fn moved_points(variables: &[Variable]) -> Vec<PointId> {
+    let mut points: Vec<PointId> = variables.iter().flat_map(Variable::points).collect();
+    points.sort();
+    points.dedup();
+    points
+}
+
+/// Room for a right wheel that has hardpoints of its own.
+#[derive(Default)]
+pub(super) struct RightWheel {
+    design: Vec<Vector3<f64>>,
+    point_rates: Vec<PointRate>,
+}
+
+/// Design of a wheel, and the ways in which the variables move its points.
+pub(super) type WheelMoved<'m> = (&'m [Vector3<f64>], &'m [PointRate]);
+
+impl RightWheel {
+    /// Left and right wheel of an axle whose left design has moved.
+    pub(super) fn with_left<'m>(
+        &'m mut self,
+        axle: &Axle,
+        moved: &'m Moved<'_>,
+    ) -> [WheelMoved<'m>; 2] {
+        let left = (moved.design, moved.point_rates);
+        let Some(own) = &axle.right else {
+            return [left; 2];
+        };
+        let frame = &axle.left.frame;
+        let RightWheel {
+            design,
+            point_rates: ways,
+        } = self;
+        design.clone_from(&own.design);
+        moved_design(&own.design, frame, moved.variables, moved.x, design);
+        point_rates(&own.design, frame, moved.variables, moved.x, ways);
+        [left, (design, ways)]
+    }
+}
+
 /// Residuals and their derivatives.
 pub(super) trait RowsBeside: Send {
     /// Writes the rows of all its targets, and those of its constraints into `rows`, if given.
@@ -155,8 +206,7 @@ pub(super) fn axle_rows<'a>(
         Ok(Box::new(Rows {
             layout,
             solver: solver.map_err(|(_, fault)| fault)?,
-            right: Vec::new(),
-            right_rates: Vec::new(),
+            right: RightWheel::default(),
             wanted: Vec::new(),
         }))
     }
@@ -174,9 +224,7 @@ pub(super) fn axle_rows<'a>(
 struct Rows<'a, const N: usize> {
     layout: &'a AxleLayout,
     solver: AxleSolver<'a, N>,
-    /// Design and ways of the right wheel, if it has hardpoints of its own.
-    right: Vec<Vector3<f64>>,
-    right_rates: Vec<PointRate>,
+    right: RightWheel,
     wanted: Vec<Quantity>,
 }
 
@@ -191,20 +239,12 @@ impl<const N: usize> RowsBeside for Rows<'_, N> {
             layout,
             solver,
             right,
-            right_rates,
             wanted,
         } = self;
         let AxleLayout {
             axle, quantities, ..
         } = *layout;
-        let frame = &axle.left.frame;
-        let mut sides = [(moved.design, moved.point_rates); 2];
-        if let Some(own) = &axle.right {
-            right.clone_from(&own.design);
-            moved_design(&own.design, frame, moved.variables, moved.x, right);
-            point_rates(&own.design, frame, moved.variables, moved.x, right_rates);
-            sides[1] = (right, right_rates);
-        }
+        let sides = right.with_left(axle, moved);
         solver
             .prepare(sides.each(|(design, _)| design))
             .map_err(|fault| Infeasible::Refused(axle.describe_fault(fault)))?;

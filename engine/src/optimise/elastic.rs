@@ -3,8 +3,8 @@
 //! Hardpoints and rates move together. The tape of a station gives the gradient of a value by the moving coordinates
 //! and rates. Its slope along a variable is the sum over the coordinates and rates that the variable moves.
 
-use super::axle::{Moved, RowsBeside};
-use super::layout::{Check, LimitedValue, TargetSample};
+use super::axle::{Moved, RowsBeside, moved_points};
+use super::layout::{LimitedValue, TargetSample};
 use super::moves::PointRate;
 use super::{Infeasible, Linearisation};
 use crate::compliance::{Compliance, KcRun, KcValue, Parameter};
@@ -113,25 +113,22 @@ impl ElasticLayout {
         }
     }
 
-    /// Station and part of each limited value.
-    pub(super) fn limited(&self) -> impl Iterator<Item = (usize, usize)> {
-        let stations = self.stations.iter().enumerate();
-        stations.flat_map(|(k, station)| station.limits.iter().map(move |own| (k, own.part)))
+    /// The limited values of each station.
+    pub(super) fn limits(&self) -> impl Iterator<Item = &[LimitedValue]> {
+        self.stations.iter().map(|station| &station.limits[..])
     }
 
-    /// Gives limited values their rows, from part and station.
-    pub(super) fn number_rows(&mut self, mut rows: impl FnMut(usize, usize) -> Check) {
-        for (k, station) in self.stations.iter_mut().enumerate() {
-            for own in &mut station.limits {
-                own.check = rows(own.part, k);
-            }
-        }
+    /// The same, to be given their rows.
+    pub(super) fn limits_mut(&mut self) -> impl Iterator<Item = &mut [LimitedValue]> {
+        self.stations
+            .iter_mut()
+            .map(|station| &mut station.limits[..])
     }
 
     /// The travel of a station, if the part is limited at several stations.
     pub(super) fn place_of(&self, part: usize, station: usize) -> Option<f64> {
-        let count = self.limited().filter(|(_, own)| *own == part).count();
-        (count > 1).then(|| self.stations[station].travel)
+        let own = self.limits().flatten().filter(|own| own.part == part);
+        (own.count() > 1).then(|| self.stations[station].travel)
     }
 
     /// Weighs the rows: the residual of each target per deviation in tolerances.
@@ -170,10 +167,7 @@ pub(super) fn elastic_rows<'a>(
     variables: &[Variable],
 ) -> Box<dyn RowsBeside + 'a> {
     let mut parameters = Vec::new();
-    let mut points: Vec<PointId> = variables.iter().flat_map(Variable::points).collect();
-    points.sort();
-    points.dedup();
-    for point in points {
+    for point in moved_points(variables) {
         parameters.extend(Axis::ALL.map(|axis| Parameter::Point(point, axis)));
     }
     let rates = variables.iter().filter_map(|v| v.rate.as_ref());
@@ -228,11 +222,8 @@ pub(super) fn add_points(ways: &[PointRate], by: impl Fn(Parameter) -> f64, slop
 
 /// Adds the slopes of a value along the variables that come from rates, from its derivatives by the rates.
 pub(super) fn add_rates(moved: &Moved<'_>, by: impl Fn(Parameter) -> f64, slopes: &mut [f64]) {
-    let variables = moved.variables.iter().zip(moved.x.iter());
-    for (slope, (variable, x)) in slopes.iter_mut().zip(variables) {
-        if let Some(rate) = &variable.rate {
-            *slope += by(rate.parameter) * rate.at(*x)[1];
-        }
+    for (column, parameter, [_, slope]) in moved.rates() {
+        slopes[column] += by(parameter) * slope;
     }
 }
 
@@ -250,10 +241,8 @@ impl RowsBeside for Rows<'_> {
             tape,
             slopes,
         } = self;
-        for (variable, x) in moved.variables.iter().zip(moved.x.iter()) {
-            if let Some(rate) = &variable.rate {
-                parts.set_rate(rate.parameter, rate.at(*x)[0]);
-            }
+        for (_, parameter, [rate, _]) in moved.rates() {
+            parts.set_rate(parameter, rate);
         }
         let tyre_rate = layout.elastic.tyre_rate;
         let run = KcRun::of(&layout.suspension, moved.design, parts, tyre_rate);

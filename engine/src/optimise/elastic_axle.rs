@@ -3,16 +3,15 @@
 //! A variable moves the points of both wheels, and rates of parts of both wheels or of a part that they share. Where both
 //! wheels are mirror images, one derivative serves both of them; otherwise each wheel has its own.
 
-use super::axle::{AxleLayout, AxleStation, Moved, RowsBeside};
+use super::axle::{AxleLayout, AxleStation, Moved, RightWheel, RowsBeside, moved_points};
 use super::elastic::{add_points, add_rates};
 use super::layout::TargetSample;
-use super::moves::{moved_design, point_rates};
 use super::{Infeasible, Linearisation};
 use crate::axle::AxleRead;
 use crate::compliance::{AxleCompliance, AxleParameter, Parameter};
 use crate::evaluate::place_of;
 use crate::mechanism::NoPose;
-use crate::model::{Axis, PointId, Side};
+use crate::model::{Axis, Side};
 use crate::number::Tape;
 use crate::study::{AxleComplianceStudy, Variable};
 
@@ -26,9 +25,7 @@ pub(super) fn elastic_axle_rows<'a>(
         None => vec![None],
         Some(_) => vec![Some(Side::Left), Some(Side::Right)],
     };
-    let mut points: Vec<PointId> = variables.iter().flat_map(Variable::points).collect();
-    points.sort();
-    points.dedup();
+    let points = moved_points(variables);
     let mut parameters = Vec::new();
     for side in &sides {
         for point in &points {
@@ -44,6 +41,7 @@ pub(super) fn elastic_axle_rows<'a>(
     Box::new(Rows {
         layout,
         sides,
+        right: RightWheel::default(),
         parameters,
         parts: elastic.parts.clone(),
         tape: Tape::default(),
@@ -55,6 +53,7 @@ struct Rows<'a> {
     layout: &'a AxleLayout,
     /// The wheels whose points move: both as mirror images, or each by itself.
     sides: Vec<Option<Side>>,
+    right: RightWheel,
     /// Everything that moves.
     parameters: Vec<AxleParameter>,
     parts: AxleCompliance,
@@ -72,28 +71,18 @@ impl RowsBeside for Rows<'_> {
         let Rows {
             layout,
             sides,
+            right,
             parameters,
             parts,
             tape,
             slopes,
         } = self;
         let axle = &layout.axle;
-        let mut ways = vec![moved.point_rates.to_vec()];
-        let right = axle.right.as_ref().map(|own| {
-            let (frame, mut design) = (&axle.left.frame, own.design.clone());
-            moved_design(&own.design, frame, moved.variables, moved.x, &mut design);
-            let mut of_right = Vec::new();
-            point_rates(&own.design, frame, moved.variables, moved.x, &mut of_right);
-            ways.push(of_right);
-            design
-        });
-        for (variable, x) in moved.variables.iter().zip(moved.x.iter()) {
-            if let Some(rate) = &variable.rate {
-                parts.set_rate(rate.parameter.into(), rate.at(*x)[0]);
-            }
+        let wheels = right.with_left(axle, moved);
+        for (_, parameter, [rate, _]) in moved.rates() {
+            parts.set_rate(parameter.into(), rate);
         }
-        let designs = [moved.design, right.as_deref().unwrap_or(moved.design)];
-        let equilibria = axle.equilibria(designs, parts);
+        let equilibria = axle.equilibria(wheels.map(|(design, _)| design), parts);
         let equilibria = equilibria
             .map_err(|(side, fault)| Infeasible::Refused(axle.describe_fault((side, fault))))?;
         for station in &layout.stations {
@@ -105,14 +94,14 @@ impl RowsBeside for Rows<'_> {
             let at = placement
                 .on_level_pads()
                 .ok_or_else(|| Infeasible::Refused(format!("{placement} is of rigid axles")))?;
-            let reads: Vec<AxleRead> = layout.quantities.iter().map(|q| (*q).into()).collect();
-            let used: Vec<usize> = (0..reads.len())
+            let used: Vec<usize> = (0..layout.quantities.len())
                 .filter(|k| {
                     let is_wanted = samples.iter().any(|own| own.of == *k);
                     is_wanted || limits.iter().any(|own| own.of == *k)
                 })
                 .collect();
-            let reads: Vec<AxleRead> = used.iter().map(|k| reads[*k]).collect();
+            let reads = used.iter().map(|k| layout.quantities[*k].into());
+            let reads: Vec<AxleRead> = reads.collect();
             let mut is_found = vec![false; used.len()];
             let found =
                 equilibria.gradients(at, &reads, parameters, tape, &mut |number, value, by| {
@@ -122,7 +111,7 @@ impl RowsBeside for Rows<'_> {
                         place.map_or(0.0, |place| by[place])
                     };
                     slopes.fill(0.0);
-                    for (side, ways) in sides.iter().zip(&ways) {
+                    for (side, (_, ways)) in sides.iter().zip(&wheels) {
                         let of_side = |parameter| {
                             slope(AxleParameter {
                                 parameter,

@@ -154,19 +154,19 @@ pub(super) enum Beside {
 }
 
 impl Beside {
-    /// Station and part of each limited value.
-    fn limited(&self) -> Vec<(usize, usize)> {
+    /// The limited values of each station.
+    fn limits(&self) -> Vec<&[LimitedValue]> {
         match self {
-            Beside::Axle(axle) => axle.limited().collect(),
-            Beside::Elastic(elastic) => elastic.limited().collect(),
+            Beside::Axle(axle) => axle.limits().collect(),
+            Beside::Elastic(elastic) => elastic.limits().collect(),
         }
     }
 
-    /// Gives limited values their rows, from part and station.
-    fn number_rows(&mut self, rows: impl FnMut(usize, usize) -> Check) {
+    /// The same, to be given their rows.
+    fn limits_mut(&mut self) -> Vec<&mut [LimitedValue]> {
         match self {
-            Beside::Axle(axle) => axle.number_rows(rows),
-            Beside::Elastic(elastic) => elastic.number_rows(rows),
+            Beside::Axle(axle) => axle.limits_mut().collect(),
+            Beside::Elastic(elastic) => elastic.limits_mut().collect(),
         }
     }
 
@@ -398,9 +398,9 @@ impl TargetLayout {
         }
         let of_elastic = drafts.len();
         if let Some(beside) = &beside {
-            for (station, part) in beside.limited() {
-                if is_equality(&parts[part]) {
-                    labels.push(label(part, true, of_elastic, station));
+            for (station, limits) in beside.limits().into_iter().enumerate() {
+                for own in limits.iter().filter(|own| is_equality(&parts[own.part])) {
+                    labels.push(label(own.part, true, of_elastic, station));
                 }
             }
         }
@@ -459,7 +459,7 @@ impl TargetLayout {
             });
         }
         if let Some(beside) = &mut beside {
-            beside.number_rows(|part, station| {
+            let mut check = |part: usize, station: usize| {
                 let equal = label(part, true, of_elastic, station);
                 let equal = labels[..equalities].iter().position(|l| *l == equal);
                 let mut row = |limit: Option<f64>, is_upper: bool| {
@@ -474,7 +474,12 @@ impl TargetLayout {
                     upper: row(limited.upper, true),
                     equal,
                 }
-            });
+            };
+            for (station, limits) in beside.limits_mut().into_iter().enumerate() {
+                for own in limits {
+                    own.check = check(own.part, station);
+                }
+            }
         }
         let all = || measures.iter().chain(parts.iter().map(|p| &p.limited.of));
         TargetLayout {

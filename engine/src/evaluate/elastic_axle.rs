@@ -2,7 +2,7 @@
 
 use super::evaluator::{Evaluator, FindsSlopes, Pairs, SolvesOneByOne};
 use super::{AxleStations, Block, NotInLanes};
-use crate::axle::{AxleRead, Equilibria, Quantity};
+use crate::axle::{AxleColumn, AxleRead, Equilibria, Quantity};
 use crate::compliance::{AxleCompliance, AxleParameter};
 use crate::mechanism::{DesignFault, NoPose};
 use crate::study::AxleComplianceStudy;
@@ -32,16 +32,14 @@ impl AxleStations<'_> {
         &'s self,
         elastic: &'s AxleComplianceStudy,
     ) -> Result<Evaluator<'s>, DesignFault> {
-        let own = self.axle.left.design.as_slice();
-        let right = self.axle.right.as_ref().map_or(own, |right| &right.design);
-        let known = self.axle.equilibria([own, right], &elastic.parts);
-        known.map_err(|(_, fault)| fault)?;
+        let own = self.axle.own_equilibria(elastic);
+        own.map_err(|(_, fault)| fault)?;
         let reader = || OneByOne {
             stations: self,
             parts: elastic.parts.clone(),
             rates: Vec::new(),
         };
-        let mut evaluator = Evaluator::of(own.len(), Box::new(reader()));
+        let mut evaluator = Evaluator::of(self.axle.left.design.len(), Box::new(reader()));
         evaluator.axle = Some(&self.axle);
         evaluator.lanes = Err(NotInLanes::Elastic);
         if !self.gains.is_empty() {
@@ -128,14 +126,7 @@ impl SolvesOneByOne for OneByOne<'_> {
 impl FindsSlopes for OneByOne<'_> {
     fn evaluate(&mut self, designs: Pairs<'_>, block: &mut Block) {
         let gains = self.stations.gains.iter();
-        let reads: Vec<AxleRead> = gains
-            .filter_map(|gain| {
-                Some(AxleRead {
-                    quantity: gain.quantity()?,
-                    by: gain.by,
-                })
-            })
-            .collect();
+        let reads: Vec<AxleRead> = gains.filter_map(AxleColumn::read).collect();
         let design = self.stations.placements[self.stations.design];
         for number in 0..designs[0].len() / self.stations.axle.left.design.len() {
             let found = self.equilibria(designs, number).ok();

@@ -11,7 +11,8 @@
 //! The second order is in module `axle_second`.
 
 use super::Problem;
-use crate::assembly::{NoSetUp, Rest};
+use super::workshop::Workshop;
+use crate::assembly::{Built, NoSetUp, Rest};
 use crate::evaluate::Evaluated;
 use crate::model::Side;
 use crate::number::Vector3;
@@ -62,12 +63,25 @@ pub(super) fn moves(problem: &Problem, sources: &[&Source]) -> Result<Vec<[Moves
     for (side, workshop) in problem.workshops.iter().enumerate() {
         let assembler = &workshop.assembler;
         let built = assembler.build(assembler.drawn(), Rest::Height(0.0))?;
-        for (moves, source) in all.iter_mut().zip(sources) {
-            let direction = workshop.direction(&built, source);
-            if !direction.is_empty() {
-                moves[side] = assembler.design_by(&built, &direction).0;
-            }
+        for (moves, own) in all
+            .iter_mut()
+            .zip(moves_of_wheel(workshop, &built, sources))
+        {
+            moves[side] = own;
         }
     }
     Ok(all)
+}
+
+/// Rates at which each source moves the built design of a wheel; empty for a source that does not move it.
+pub(super) fn moves_of_wheel(
+    workshop: &Workshop,
+    built: &Built,
+    sources: &[&Source],
+) -> impl Iterator<Item = Moves> {
+    let own = move |source: &&Source| match workshop.direction(built, source) {
+        direction if direction.is_empty() => Vec::new(),
+        direction => workshop.assembler.design_by(built, &direction).0,
+    };
+    sources.iter().map(own)
 }

@@ -9,6 +9,7 @@
 //!
 //! dy/dp and dy/dk come from one tape for each station. Second derivatives are not formed.
 
+use super::axle_expansion::{Moves, moves_of_wheel};
 use super::workshop::Workshop;
 use super::{Banded, Problem};
 use crate::assembly::{NoSetUp, Rest};
@@ -125,13 +126,7 @@ pub(super) fn gradients(problem: &Problem, sources: &[&Source]) -> Result<Vec<f6
     let assembler = &workshop.assembler;
     let built = assembler.build(assembler.drawn(), Rest::Height(0.0))?;
     let suspension: &Suspension = &built.suspension;
-    let moves: Vec<Vec<Vector3<f64>>> = sources
-        .iter()
-        .map(|source| match workshop.direction(&built, source) {
-            direction if direction.is_empty() => Vec::new(),
-            direction => assembler.design_by(&built, &direction).0,
-        })
-        .collect();
+    let moves: Vec<Moves> = moves_of_wheel(workshop, &built, sources).collect();
     let Some(elastic) = problem.study.compliance() else {
         return Ok(Vec::new());
     };
@@ -142,7 +137,6 @@ pub(super) fn gradients(problem: &Problem, sources: &[&Source]) -> Result<Vec<f6
     let mut parameters: Vec<Parameter> = points
         .flat_map(|point| Axis::ALL.map(|axis| Parameter::Point(point, axis)))
         .collect();
-    let of_points = parameters.len();
     parameters.extend(rates(problem.tolerance).map(|(_, rate)| rate.parameter));
     let stations = problem.stations();
     let mut gradient = vec![f64::NAN; problem.cells() * sources.len()];
@@ -163,23 +157,40 @@ pub(super) fn gradients(problem: &Problem, sources: &[&Source]) -> Result<Vec<f6
                     return;
                 }
                 let cell = problem.cell(numbers[found.number], station);
-                let (by_points, by_rates) = found.by.split_at(of_points);
-                let mut by_rates = by_rates.iter();
-                for (k, (source, moves)) in sources.iter().zip(&moves).enumerate() {
-                    let along = |(way, by): (&Vector3<f64>, &[f64])| {
-                        way.x * by[0] + way.y * by[1] + way.z * by[2]
-                    };
-                    let mut slope: f64 =
-                        moves.iter().zip(by_points.chunks_exact(3)).map(along).sum();
-                    if let Some(rate) = &source.rate {
-                        slope += by_rates
-                            .next()
-                            .map_or(0.0, |by| by * rate.scattered(0.0)[1]);
-                    }
-                    gradient[cell * sources.len() + k] = slope;
-                }
+                let into = &mut gradient[cell * sources.len()..][..sources.len()];
+                let moves = |k: usize| std::slice::from_ref(&moves[k]);
+                write_slopes(sources, moves, found.by, into);
             },
         );
     }
     Ok(gradient)
+}
+
+/// Writes the derivatives of a value by each source. `by` has its derivatives by the coordinates of all points, wheel after
+/// wheel, then by the rates that scatter. `moves` gives the rates at which a source moves the points of each wheel.
+pub(super) fn write_slopes<'m>(
+    sources: &[&Source],
+    moves: impl Fn(usize) -> &'m [Moves],
+    by: &[f64],
+    into: &mut [f64],
+) {
+    let rates = sources
+        .iter()
+        .filter(|source| source.rate.is_some())
+        .count();
+    let (by_points, by_rates) = by.split_at(by.len() - rates);
+    let mut by_rates = by_rates.iter();
+    for (k, (source, slope)) in sources.iter().zip(into).enumerate() {
+        let wheels = moves(k);
+        let by_wheels = by_points.chunks_exact(by_points.len() / wheels.len());
+        let coordinates = wheels.iter().zip(by_wheels);
+        let coordinates = coordinates.flat_map(|(own, by)| own.iter().zip(by.chunks_exact(3)));
+        let along =
+            |(way, by): (&Vector3<f64>, &[f64])| way.x * by[0] + way.y * by[1] + way.z * by[2];
+        *slope = coordinates.map(along).sum();
+        if let Some(rate) = &source.rate {
+            let by = by_rates.next();
+            *slope += by.map_or(0.0, |by| by * rate.scattered(0.0)[1]);
+        }
+    }
 }

@@ -17,14 +17,9 @@ pub(in crate::axle) fn curves(
     elastic: &AxleComplianceStudy,
     plan: &AxlePlan,
 ) -> Result<AxleCurves, (Side, DesignFault)> {
-    let designs = Side::ALL.map(|side| &axle.suspension(side).design[..]);
-    let equilibria = axle.equilibria(designs, &elastic.parts)?;
+    let equilibria = axle.own_equilibria(elastic)?;
     let columns = plan.columns(axle);
-    let reads = columns.iter().filter_map(|column| {
-        let (quantity, by) = (column.quantity()?, column.by);
-        Some(AxleRead { quantity, by })
-    });
-    let reads: Vec<AxleRead> = reads.collect();
+    let reads: Vec<AxleRead> = columns.iter().filter_map(AxleColumn::read).collect();
     let mut found = Curves {
         motion: motion(&plan.course, axle),
         columns: columns.iter().map(Column::from).collect(),

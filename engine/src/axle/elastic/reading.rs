@@ -9,7 +9,7 @@
 //!
 //! A characteristic that is made of velocities is read along heave: both wheels rise together.
 
-use super::super::{Axle, AxleQuantity, Motion, Quantity, WheelQuantity};
+use super::super::{Axle, AxleColumn, AxleQuantity, Motion, Quantity, WheelQuantity};
 use super::TestFigure;
 use crate::characteristics::{Characteristic, Inputs};
 use crate::compliance::{
@@ -19,6 +19,7 @@ use crate::compliance::{
 use crate::mechanism::DesignFault;
 use crate::model::{Axis, Side};
 use crate::number::{Jet, Real, Scalar, Tape, Tracked, Vector3};
+use crate::study::AxleComplianceStudy;
 
 /// The reason why an equilibrium does not have a quantity, and the alternatives; `None` if it has it. `is_derivative` asks
 /// for derivatives along a motion.
@@ -61,6 +62,14 @@ pub(crate) struct AxleRead {
 impl From<Quantity> for AxleRead {
     fn from(quantity: Quantity) -> Self {
         AxleRead { quantity, by: None }
+    }
+}
+
+impl AxleColumn {
+    /// The value of the column, if equilibria may have it.
+    pub(crate) fn read(&self) -> Option<AxleRead> {
+        let (quantity, by) = (self.quantity()?, self.by);
+        Some(AxleRead { quantity, by })
     }
 }
 
@@ -110,9 +119,7 @@ impl<T: Scalar> Reader<'_, T> {
             Motion::Rack | Motion::Steering => AxleChange::Rack,
             Motion::Roll => return None,
         };
-        self.here.tangent(HeldQuantity::WheelHeight)?;
-        let axle = self.here.axle.clone();
-        let tangent = self.here.tangent(HeldQuantity::WheelHeight)?;
+        let (axle, tangent) = self.here.moving(HeldQuantity::WheelHeight)?;
         Some(Moving {
             inputs: axle.inputs_along(tangent, &change),
             figures: axle.figures_along(tangent, &change),
@@ -260,6 +267,15 @@ pub(crate) struct Equilibria<'a> {
 }
 
 impl Axle {
+    /// The equilibria of the axle as it is, with its elastic parts. Errors if it has no elastic model.
+    pub(crate) fn own_equilibria(
+        &self,
+        elastic: &AxleComplianceStudy,
+    ) -> Result<Equilibria<'_>, (Side, DesignFault)> {
+        let designs = Side::ALL.map(|side| &self.suspension(side).design[..]);
+        self.equilibria(designs, &elastic.parts)
+    }
+
     /// The axle's equilibria with its hardpoints at `designs` and these parts. Errors if it has no elastic model.
     pub(crate) fn equilibria(
         &self,
@@ -303,7 +319,8 @@ impl Equilibria<'_> {
         Ok(found)
     }
 
-    /// Values at travels and a rack towards the kernel's +y, with their derivatives by inputs. `receive` gets the number of each value that there is, the value and its derivatives.
+    /// Values at travels and a rack towards the kernel's +y, with their derivatives by inputs. `receive` gets the number of
+    /// each value that there is, the value and its derivatives.
     pub(crate) fn gradients(
         &self,
         (travels, rack): ([f64; 2], f64),

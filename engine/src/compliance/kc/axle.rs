@@ -78,18 +78,23 @@ impl<T: Scalar> Here<T> {
         }
     }
 
-    pub(crate) fn tangent(&mut self, held: HeldQuantity) -> Option<&AxleTangent<T>> {
+    /// The axle and its tangent with this quantity held; `None` without a tangent.
+    pub(crate) fn moving(
+        &mut self,
+        held: HeldQuantity,
+    ) -> Option<(&ElasticAxle<T>, &AxleTangent<T>)> {
         let (axle, at) = (&self.axle, &self.at);
         let known = &mut self.tangents[usize::from(held == HeldQuantity::WheelLoad)];
-        known.get_or_insert_with(|| axle.tangent(at, held)).as_ref()
+        let tangent = known
+            .get_or_insert_with(|| axle.tangent(at, held))
+            .as_ref()?;
+        Some((axle, tangent))
     }
 
     /// Derivatives of both wheels along a change.
     fn by(&mut self, held: HeldQuantity, change: &AxleChange<T>) -> Option<[WheelFigures<T>; 2]> {
-        self.tangent(held)?;
-        let known = &self.tangents[usize::from(held == HeldQuantity::WheelLoad)];
-        let tangent = known.as_ref()?.as_ref()?;
-        Some(self.axle.figures_along(tangent, change))
+        let (axle, tangent) = self.moving(held)?;
+        Some(axle.figures_along(tangent, change))
     }
 
     /// Loads in the numbers of the station.
@@ -150,10 +155,15 @@ impl<'a> AxleKcRun<'a> {
 
     /// The axle under other conditions.
     fn variant(&self, conditions: Conditions) -> Result<ElasticAxle, AxleFault> {
-        let parts = self.parts_of(conditions);
-        match parts == self.parts {
+        let (has_bar, locks_rack) = conditions;
+        let keeps_bar = has_bar || self.parts.bar_rate.is_none();
+        let keeps_rack = !locks_rack || self.parts.rack_rate.is_none();
+        match keeps_bar && keeps_rack {
             true => Ok(self.axle.clone()),
-            false => ElasticAxle::of(self.vehicle.suspensions, self.designs(), &parts),
+            false => {
+                let parts = self.parts_of(conditions);
+                ElasticAxle::of(self.vehicle.suspensions, self.designs(), &parts)
+            }
         }
     }
 
@@ -519,8 +529,7 @@ impl<'a> AxleKcRun<'a> {
     fn matrix(&self, here: &mut Here) -> Option<Vec<Vec<f64>>> {
         let frame = self.vehicle.suspensions[0].frame;
         let signs = [twist_signs(frame), twist_signs(frame.of_other_side())];
-        let axle = here.axle.clone();
-        let tangent = here.tangent(HeldQuantity::WheelLoad)?;
+        let (axle, tangent) = here.moving(HeldQuantity::WheelLoad)?;
         let mut matrix = vec![vec![0.0; 12]; 12];
         for column in 0..12 {
             let (side, component) = (column / 6, column % 6);

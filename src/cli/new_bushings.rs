@@ -45,7 +45,7 @@ pub(super) fn with_bushings(
         }
     }
     if is_axle {
-        // Roll steer of the rig in place of that of the rigid mechanism.
+        // An equilibrium has the rig's steer by roll in place of roll steer.
         written = written.replace(
             "{ characteristic = \"roll_steer\", over = \"roll\",",
             "{ figure = \"steer_by_roll\",",

@@ -35,7 +35,14 @@ pub(super) fn release_all() {
 
 /// Lets go of a lock. Of those who share it the last one removes the file: it alone gets it for itself.
 fn release(path: &Path, file: &File) {
-    if file.unlock().is_ok() && file.try_lock().is_ok() && is_at(file, path) {
+    if file.unlock().is_ok() && file.try_lock().is_ok() {
+        remove(path, file);
+    }
+}
+
+/// Removes the file of a lock, if it is still at its place.
+fn remove(path: &Path, file: &File) {
+    if is_at(file, path) {
         let _ = std::fs::remove_file(path);
     }
 }
@@ -156,9 +163,7 @@ impl Lock {
 
     /// Removes the file before the lock is let go, for a directory that is to be moved.
     pub fn remove_file(&self) {
-        if is_at(&self.file, &self.path) {
-            let _ = std::fs::remove_file(&self.path);
-        }
+        remove(&self.path, &self.file);
     }
 }
 

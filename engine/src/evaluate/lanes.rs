@@ -23,7 +23,7 @@ pub enum NotInLanes {
     Reading,
     /// The wheels of an axle are moved by travels of their own, or their mean travel follows from a load.
     Travels,
-    /// Equilibria of elastic parts are found one by one.
+    /// The solver of equilibria of elastic parts takes one design after the other.
     Elastic,
 }
 

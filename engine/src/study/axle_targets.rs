@@ -243,7 +243,7 @@ pub(super) fn quantities_of_side(
             }
             own
         }
-        // A name of both means the axle's own quantity.
+        // If the axle itself has a quantity of this name, the name means that one.
         None => match all.iter().find(|q| q.side().is_none()) {
             Some(own) => vec![*own],
             None => all,

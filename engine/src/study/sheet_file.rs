@@ -361,7 +361,7 @@ impl Reader<'_> {
                 found.push(*figure);
             }
         }
-        // What the axle has itself is meant before what each wheel has.
+        // A row without a wheel means the axle's own figure, if there is one.
         if let Some(own) = found.iter().find(|figure| figure.side().is_none()).copied()
             && wheel.is_empty()
         {

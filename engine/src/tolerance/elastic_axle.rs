@@ -1,7 +1,7 @@
 //! The first-order answer of an axle with elastic parts.
 //!
-//! Each side's parts move its built design alone; rates scatter beside them, those of each wheel by themselves and those of
-//! shared parts once. With p the built designs and k the rates,
+//! The parts of a wheel move the built design of that wheel alone. Rates scatter beside them: those of each wheel by
+//! themselves, those of shared parts once. With p the built designs and k the rates,
 //!
 //! ```text
 //! dy/dx = (dy/dp_left) (dp_left/dx) + (dy/dp_right) (dp_right/dx) + (dy/dk) (dk/dx)

@@ -1,6 +1,6 @@
 //! Curves of equilibria over travel: the outputs of `solve` for a wheel with elastic parts.
 
-use super::support::{elastic, with};
+use super::support::{elastic, fourth_order, with};
 use hardpoint::compliance::ElasticWheel;
 use hardpoint::curves::{Curves, Status};
 use hardpoint::study::Study;
@@ -38,7 +38,7 @@ fn near(study: &Study, travel: f64, step: f64) -> Curves {
 
 /// Derivative of fourth order from five values.
 fn slope(values: &[f64], step: f64) -> f64 {
-    (8.0 * (values[3] - values[1]) - (values[4] - values[0])) / (12.0 * step)
+    fourth_order([values[0], values[1], values[3], values[4]], step)
 }
 
 /// Curves equal the readings of the equilibria, in printed units.

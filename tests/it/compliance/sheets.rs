@@ -1,7 +1,6 @@
 //! Measured sheets, property files of bushings, names of other programs.
 
-use super::support::{elastic, with};
-use crate::support::random::Random;
+use super::support::{elastic, sheet as noisy, with};
 use hardpoint::compliance::{ElasticWheel, HeldQuantity, Shape, WheelLoads};
 use hardpoint::number::Vector3;
 use hardpoint::optimise::{Control, Tuning, tune};
@@ -10,8 +9,6 @@ use hardpoint::rig::RigTests;
 use hardpoint::study::Study;
 
 const NAME: &str = "double_wishbone_compliance.toml";
-/// Standard deviation of a measurement in parts of the value.
-const NOISE: f64 = 0.01;
 
 fn variables(names: &[(&str, &str)]) -> String {
     let list = names.iter().map(|(bushing, axis)| {
@@ -31,26 +28,7 @@ fn sheet(study: &Study, factors: &[f64], seed: u64) -> String {
         parts.set_rate(rate.parameter, rate.design * factor);
     }
     let csv = RigTests::of(&planted, None).unwrap().results.kc_csv();
-    let mut reader = csv::Reader::from_reader(&csv[..]);
-    let header = reader.headers().unwrap().clone();
-    let place = |name: &str| header.iter().position(|column| column == name).unwrap();
-    let mut random = Random(seed);
-    let mut text = header.iter().collect::<Vec<_>>().join(",") + ",tolerance\n";
-    for record in reader.records() {
-        let record = record.unwrap();
-        let mut cells: Vec<String> = record.iter().map(str::to_owned).collect();
-        let Ok(value) = cells[place("value")].parse::<f64>() else {
-            continue;
-        };
-        // Measurements have no secants beside them.
-        cells[place("secant")].clear();
-        // A sum of twelve uniform numbers has the variance of the normal law.
-        let normal: f64 = (0..12).map(|_| 0.5 * random.signed()).sum();
-        let sigma = NOISE * value.abs().max(1e-3);
-        cells[place("value")] = format!("{:?}", value + sigma * normal);
-        text += &format!("{},{sigma:?}\n", cells.join(","));
-    }
-    text
+    noisy(&csv, 1.0, seed)
 }
 
 fn fitted(names: &[(&str, &str)], factors: &[f64], seed: u64) -> (Study, Tuning) {

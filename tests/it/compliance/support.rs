@@ -1,5 +1,6 @@
 //! Studies of the repository with elastic parts, with text at their end.
 
+use crate::support::random::Random;
 use hardpoint::compliance::Compliance;
 use hardpoint::model::Suspension;
 use hardpoint::study::Study;
@@ -37,4 +38,36 @@ pub fn elastic_axle(topology: &str) -> (Suspension, Compliance) {
     let study = elastic(&text);
     let parts = study.compliance().unwrap().parts.clone();
     (study.into_wheel(), parts)
+}
+
+/// Derivative of fourth order from the values two steps and one step below, and one step and two steps above.
+pub fn fourth_order([a, b, c, d]: [f64; 4], step: f64) -> f64 {
+    (8.0 * (c - b) - (d - a)) / (12.0 * step)
+}
+
+/// Standard deviation of a measurement in parts of the value.
+const NOISE: f64 = 0.01;
+
+/// A measured sheet: `kc.csv` without secants, with a column of tolerances, and with the noise of a seed times `share`.
+pub fn sheet(csv: &[u8], share: f64, seed: u64) -> String {
+    let mut reader = csv::Reader::from_reader(csv);
+    let header = reader.headers().unwrap().clone();
+    let place = |name: &str| header.iter().position(|column| column == name).unwrap();
+    let mut random = Random(seed);
+    let mut text = header.iter().collect::<Vec<_>>().join(",") + ",tolerance\n";
+    for record in reader.records() {
+        let record = record.unwrap();
+        let mut cells: Vec<String> = record.iter().map(str::to_owned).collect();
+        let Ok(value) = cells[place("value")].parse::<f64>() else {
+            continue;
+        };
+        // Measurements have no secants beside them.
+        cells[place("secant")].clear();
+        // A sum of twelve uniform numbers has the variance of the normal law.
+        let normal: f64 = (0..12).map(|_| 0.5 * random.signed()).sum();
+        let sigma = NOISE * value.abs().max(1e-3);
+        cells[place("value")] = format!("{:?}", value + share * sigma * normal);
+        text += &format!("{},{sigma:?}\n", cells.join(","));
+    }
+    text
 }

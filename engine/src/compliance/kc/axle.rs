@@ -286,7 +286,7 @@ impl<'a> AxleKcRun<'a> {
         }
     }
 
-    /// The figures of a test with their units, first those of the wheels.
+    /// Figures of a test with their units. Those of the wheels come first.
     pub fn quantities(&self, test: &KcTest) -> Vec<(&'static str, Unit, KcSubject)> {
         let mut here = Here::of(self.axle.clone(), self.axle.unsolved());
         let figures = self.figures(&mut here, test, None).into_iter();

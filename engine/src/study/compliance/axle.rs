@@ -135,7 +135,7 @@ pub(in super::super) fn axle_compliance<'m>(
     }
 }
 
-/// The parts of the right wheel: those of the left one, but for rates of its own.
+/// Parts of the right wheel. They equal those of the left wheel, except where the study gives other rates.
 fn right_parts(
     file: &File,
     left: &WheelParts,
@@ -233,7 +233,7 @@ fn figures(run: &AxleKcRun<'_>, tests: &[KcTest]) -> Vec<TestFigure> {
     });
     let mut figures: Vec<TestFigure> = Vec::new();
     for figure in named {
-        // Of tests that differ in their window alone the first has the name.
+        // If tests differ in their window alone, the first one keeps the name.
         if !figures.iter().any(|known| known.name() == figure.name()) {
             figures.push(figure);
         }

@@ -1,13 +1,13 @@
 //! Studies of axles with elastic parts: curves, sweeps, tunings and builds.
 
-use super::super::support::{elastic, with};
+use super::super::support::{elastic, fourth_order, with};
 use crate::support::mutants::mutilated;
 use crate::support::random::Random;
 use hardpoint::axle::{AxleCurves, TestFigure, axle_curves};
 use hardpoint::compliance::TestMode;
 use hardpoint::curves::Curves;
 use hardpoint::model::Side;
-use hardpoint::optimise::{Control, TargetLayout, assessed_at, tune};
+use hardpoint::optimise::{Control, Linearisation, TargetLayout, assessed_at, tune};
 use hardpoint::study::{Study, Wanted};
 use hardpoint::sweep::SweepPlan;
 use hardpoint::tolerance::{Expansion, Problem, monte_carlo};
@@ -61,7 +61,7 @@ fn value_of(values: &[(String, f64)], name: &str) -> f64 {
 
 /// A derivative by differences of fourth order.
 fn difference(step: f64, at: impl Fn(f64) -> f64) -> f64 {
-    (8.0 * (at(step) - at(-step)) - (at(2.0 * step) - at(-2.0 * step))) / (12.0 * step)
+    fourth_order([-2.0, -1.0, 1.0, 2.0].map(|steps| at(steps * step)), step)
 }
 
 const OUTPUTS: &str = r#"
@@ -105,8 +105,7 @@ fn derivatives_along_motions_agree_with_differences() {
                 .iter()
                 .find(|(other, _)| other.contains(&mark))
                 .unwrap_or_else(|| panic!("{name} {mark}"));
-            let expected =
-                (8.0 * (moved[2][k].1 - moved[1][k].1) - (moved[3][k].1 - moved[0][k].1)) / 1.2;
+            let expected = fourth_order(std::array::from_fn(|at| moved[at][k].1), 0.1);
             assert!(
                 (derivative.1 - expected).abs() < 1e-8 * expected.abs().max(1.0),
                 "{}: {} {expected}",
@@ -160,8 +159,7 @@ sensitivities = ["lower_arm_rear"]
                 let own = own
                     .unwrap_or_else(|| panic!("{} {side:?}", column.name))
                     .value;
-                let expected =
-                    (8.0 * (moved[2][k].1 - moved[1][k].1) - (moved[3][k].1 - moved[0][k].1)) / 1.2;
+                let expected = fourth_order(std::array::from_fn(|at| moved[at][k].1), 0.1);
                 let scale = curves.stations[0].value(k).unwrap().abs().max(1.0);
                 assert!(
                     (own - expected).abs() < 1e-9 * scale,
@@ -266,22 +264,27 @@ fn slopes_along_variables_are_those_of_differences() {
             let found = assessed_at(study.wheel(), &optimise.variables, &layout, x);
             found.unwrap().unwrap().goal
         };
-        let found = at(&x);
-        assert_eq!(found.residuals.len(), 7);
-        for (k, step) in [0.1, 0.1, 0.1, 0.01, 20.0, 0.01].into_iter().enumerate() {
-            let moved = [-2.0, -1.0, 1.0, 2.0].map(|steps| {
-                let mut x = x;
-                x[k] += steps * step;
-                at(&x).residuals
-            });
-            let slopes = (8.0 * (&moved[2] - &moved[1]) - (&moved[3] - &moved[0])) / (12.0 * step);
-            for row in 0..found.residuals.len() {
-                let (own, expected) = (found.jacobian[(row, k)], slopes[row]);
-                assert!(
-                    (own - expected).abs() < 2e-7 * expected.abs().max(1e-2),
-                    "{row} {k}: {own} {expected}"
-                );
-            }
+        assert_slopes(at, &x, &[0.1, 0.1, 0.1, 0.01, 20.0, 0.01], 7);
+    }
+}
+
+/// This number of rows has the slopes of differences along every variable.
+fn assert_slopes(at: impl Fn(&[f64]) -> Linearisation, x: &[f64], steps: &[f64], rows: usize) {
+    let found = at(x);
+    assert_eq!(found.residuals.len(), rows);
+    for (k, step) in steps.iter().enumerate() {
+        let moved = [-2.0, -1.0, 1.0, 2.0].map(|steps| {
+            let mut x = x.to_vec();
+            x[k] += steps * step;
+            at(&x).residuals
+        });
+        for row in 0..rows {
+            let own = found.jacobian[(row, k)];
+            let expected = fourth_order(moved.each_ref().map(|at| at[row]), *step);
+            assert!(
+                (own - expected).abs() < 2e-7 * expected.abs().max(1e-2),
+                "{row} {k}: {own} {expected}"
+            );
         }
     }
 }
@@ -363,7 +366,7 @@ bands = [
 ]
 "#;
 
-/// The parts of each wheel scatter by themselves, those of the subframe once. First order has the spread of builds, and a build
+/// The parts of each wheel scatter by themselves, those of the subframe once. The linear answer has the spread of the builds, and a build
 /// that is printed as a study has the values of its builds.
 #[test]
 fn builds_scatter_by_sides_and_shared_parts_once() {
@@ -417,7 +420,7 @@ fn builds_scatter_by_sides_and_shared_parts_once() {
     let text = problem.built_text(5).unwrap();
     assert!(text.starts_with("# Without [tolerance]"), "{text}");
     let built = curves(&elastic(&text));
-    // Lower arms are assembled at rest: toe of the left wheel differs from that of the drawing.
+    // The parts of the left wheel differ from the drawing, and so does its toe.
     let toe = |curves: &Curves, side: &str| {
         let name = format!("{side}_toe_deg");
         let column = curves.columns.iter().position(|c| c.name == name).unwrap();
@@ -540,7 +543,7 @@ fn rows_of_a_sweep_are_those_of_single_designs() {
                     .map(|s| of(s, &name))
                     .fold(f64::NEG_INFINITY, f64::max)
             } else {
-                // Slopes are those of the design position.
+                // A slope is read in the design position.
                 of(1, name)
             };
             assert!(
@@ -844,24 +847,8 @@ fn figures_of_an_axle_keep_their_limits() {
         found.unwrap().unwrap().rows
     };
     let x = [1.3, 0.2, -0.1];
-    let found = at(&x);
     // Five limits of quantities and figures, two of a length.
-    assert_eq!(found.residuals.len(), 7);
-    for (k, step) in [0.05, 0.005, 0.005].into_iter().enumerate() {
-        let moved = [-2.0, -1.0, 1.0, 2.0].map(|steps| {
-            let mut x = x;
-            x[k] += steps * step;
-            at(&x).residuals
-        });
-        let slopes = (8.0 * (&moved[2] - &moved[1]) - (&moved[3] - &moved[0])) / (12.0 * step);
-        for row in 0..7 {
-            let (own, expected) = (found.jacobian[(row, k)], slopes[row]);
-            assert!(
-                (own - expected).abs() < 2e-7 * expected.abs().max(1e-2),
-                "{row} {k}: {own} {expected}"
-            );
-        }
-    }
+    assert_slopes(at, &x, &[0.05, 0.005, 0.005], 7);
     let tuning = tune(&study.vehicle, optimise, Control::default()).unwrap();
     let best = tuning.best.unwrap();
     let tuned = study.moved(&best.offsets);
